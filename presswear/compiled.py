@@ -1,0 +1,54 @@
+"""Just-in-time compilation with a cache that is never half stale.
+
+Numba keys a cached function by its own source file only: a kernel edited in
+``laws.py`` would leave the compiled callers in ``clearance.py`` untouched.  All
+compiled code of this package therefore lives in a cache folder named after a
+digest of every source file that holds kernels; any edit starts a new folder.
+"""
+
+import hashlib
+import os
+import tempfile
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numba
+from numba import config
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+_PACKAGE = Path(__file__).parent
+
+
+def _source_digest() -> str:
+    """Digest of every module of the package that compiles something."""
+    digest = hashlib.sha256(numba.__version__.encode())
+    for path in sorted(_PACKAGE.rglob("*.py")):
+        source = path.read_bytes()
+        if b"compiled import" in source or path.name == "compiled.py":
+            digest.update(path.relative_to(_PACKAGE).as_posix().encode())
+            digest.update(source)
+    return digest.hexdigest()[:16]
+
+
+@cache
+def _cache_is_usable() -> bool:
+    """Point numba at the folder of this source; False where none can be written."""
+    base = os.environ.get("XDG_CACHE_HOME") or os.path.join(Path.home(), ".cache")
+    folder = Path(base) / "presswear" / _source_digest()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError:
+        return False
+    config.CACHE_DIR = str(folder)
+    return True
+
+
+def compiled(function: F) -> F:
+    """Compile a kernel (numba, nopython); the compiled code outlives the process."""
+    kernel: F = numba.njit(cache=_cache_is_usable(), error_model="numpy")(function)
+    return kernel

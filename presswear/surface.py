@@ -1,0 +1,112 @@
+"""Worn surfaces: wear depth as a smooth periodic function of angle.
+
+A map holds the mean depth of ``m`` equal angular bins, bin ``k`` covering
+``[k, k + 1) 2 pi / m``; between the bin centres the depth is the monotone
+piecewise cubic of Fritsch and Carlson (SIAM J. Numer. Anal. 17, 1980): value
+and slope are continuous, seam included, and it never leaves the range of its
+neighbours, so that a worn surface cannot rise above the new one.
+"""
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.compiled import compiled
+
+Array = NDArray[np.float64]
+
+
+@compiled
+def profile(depth: Array, slope: Array, angle: float) -> tuple[float, float]:
+    """Depth h, m, and dh/dangle, m/rad, of a map at any angle, rad.
+
+    Parameters
+    ----------
+    depth, slope : ndarray, shape (m,)
+        Values and derivatives at the bin centres; empty for an unworn surface.
+    """
+    count = depth.shape[0]
+    if count == 0:
+        return 0.0, 0.0
+    width = 2.0 * math.pi / count
+    position = angle / width - 0.5
+    left = math.floor(position)
+    s = position - left
+    k = int(left) % count
+    j = k + 1 if k + 1 < count else 0
+    rise = depth[j] - depth[k]
+    a = slope[k] * width
+    b = slope[j] * width
+    # Cubic Hermite on the unit interval, written as left value plus corrections.
+    curve = 3.0 * rise - 2.0 * a - b
+    twist = a + b - 2.0 * rise
+    value = depth[k] + s * (a + s * (curve + s * twist))
+    return value, (a + s * (2.0 * curve + s * 3.0 * twist)) / width
+
+
+@compiled
+def bin_of(angle: float, count: int) -> int:
+    """Index of the bin that holds an angle, rad."""
+    return int(math.floor(angle * count / (2.0 * math.pi))) % count
+
+
+def monotone_slopes(depth: Array) -> Array:
+    """Slopes at the bin centres, m/rad, that keep the interpolant monotone.
+
+    Harmonic mean of the two neighbouring secants, zero at an extremum (Fritsch
+    and Butland's form for equal spacing).
+    """
+    width = 2.0 * math.pi / depth.size
+    ahead = (np.roll(depth, -1) - depth) / width
+    behind = np.roll(ahead, 1)
+    same_sign = ahead * behind > 0.0
+    total = np.where(same_sign, ahead + behind, 1.0)
+    # The quotient first: the product of two tiny secants would underflow.
+    return np.where(same_sign, 2.0 * ahead * (behind / total), 0.0)
+
+
+def bin_centres(count: int) -> Array:
+    """Angles of the bin centres, rad, shape (count,)."""
+    return (np.arange(count) + 0.5) * (2.0 * math.pi / count)
+
+
+@dataclass(frozen=True)
+class Surface:
+    """One worn surface, bearing or pin.
+
+    Attributes
+    ----------
+    depth : ndarray, shape (m,)
+        Wear depth at the bin centres, m; empty for an unworn surface.
+    slope : ndarray, shape (m,)
+        Its derivative, m/rad, derived from the depth.
+    """
+
+    depth: Array = field(default_factory=lambda: np.zeros(0))
+    slope: Array = field(init=False)
+
+    def __post_init__(self) -> None:
+        depth = np.array(self.depth, dtype=float)
+        if depth.ndim != 1 or not np.all(np.isfinite(depth)):
+            raise ValueError("a wear depth is a one-dimensional array of finite numbers, m")
+        slope = monotone_slopes(depth) if depth.size else np.zeros(0)
+        depth.flags.writeable = slope.flags.writeable = False
+        object.__setattr__(self, "depth", depth)
+        object.__setattr__(self, "slope", slope)
+
+    @property
+    def is_worn(self) -> bool:
+        """Whether any part of the surface has lost material."""
+        return bool(np.any(self.depth != 0.0))
+
+    def __call__(self, angle: Array) -> Array:
+        """Depth, m, at any angles, rad (same shape)."""
+        angles = np.asarray(angle, dtype=float)
+        values = [profile(self.depth, self.slope, float(a))[0] for a in angles.ravel()]
+        return np.reshape(values, angles.shape)
+
+    def worn_by(self, added: Array) -> "Surface":
+        """The surface after a further loss of depth, m, shape (m,)."""
+        return Surface(self.depth + added if self.depth.size else np.array(added))
