@@ -19,7 +19,7 @@ from numba import config
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-_PACKAGE = Path(__file__).parent
+_PACKAGE = Path(__file__).resolve().parent
 
 
 def _source_digest() -> str:
@@ -49,6 +49,11 @@ def _cache_is_usable() -> bool:
 
 
 def compiled(function: F) -> F:
-    """Compile a kernel (numba, nopython); the compiled code outlives the process."""
-    kernel: F = numba.njit(cache=_cache_is_usable(), error_model="numpy")(function)
+    """Compile a kernel (numba, nopython).
+
+    Kernels of this package keep their compiled code between processes; a kernel
+    defined elsewhere is outside the digest and is compiled anew each time.
+    """
+    of_package = _PACKAGE in Path(function.__code__.co_filename).resolve().parents
+    kernel: F = numba.njit(cache=of_package and _cache_is_usable(), error_model="numpy")(function)
     return kernel

@@ -188,9 +188,11 @@ class Linkage:
                 return position
         raise KeyError(f"no body {body!r} in linkage {self.name!r}")
 
-    def with_clearances(self, clearances: tuple[ClearanceJoint, ...]) -> "Linkage":
-        """The same linkage with other clearance joints of the same names."""
-        return replace(self, clearances=clearances)
+    def opened(self, joints: tuple[ClearanceJoint, ...]) -> "Linkage":
+        """The same linkage with clearance joints in place of revolutes of the same name."""
+        names = {joint.name for joint in joints}
+        kept = tuple(joint for joint in self.revolutes if joint.name not in names)
+        return replace(self, revolutes=kept, clearances=self.clearances + joints)
 
     def ideal(self) -> "Linkage":
         """The same linkage with every clearance joint closed."""

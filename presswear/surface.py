@@ -34,7 +34,7 @@ def profile(depth: Array, slope: Array, angle: float) -> tuple[float, float]:
     position = angle / width - 0.5
     left = math.floor(position)
     s = position - left
-    k = int(left) % count
+    k = left % count
     j = k + 1 if k + 1 < count else 0
     rise = depth[j] - depth[k]
     a = slope[k] * width
@@ -49,7 +49,7 @@ def profile(depth: Array, slope: Array, angle: float) -> tuple[float, float]:
 @compiled
 def bin_of(angle: float, count: int) -> int:
     """Index of the bin that holds an angle, rad."""
-    return int(math.floor(angle * count / (2.0 * math.pi))) % count
+    return math.floor(angle * count / (2.0 * math.pi)) % count
 
 
 def monotone_slopes(depth: Array) -> Array:

@@ -1,0 +1,1 @@
+"""Dynamics and wear of press linkages with clearance in their joints, in Exudyn."""

@@ -1,0 +1,295 @@
+"""What is kept of a run, step by step: series, episodes, peaks and wear.
+
+Memory does not grow with the number of cycles: series and episodes are kept for
+the first cycles only; everything else is one row a cycle or a running sum.
+"""
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.clearance import contact_of, load_of, pack_joints, pack_surfaces
+from presswear.compiled import compiled
+from presswear.linkage import Linkage
+from presswear.touch import TALLY, TOUCH
+from presswear.wear import deposit_in_bin, deposit_over_arc, pack_wear, slip_speed
+
+Array = NDArray[np.float64]
+
+SERIES_FIXED = 4
+"""Columns of a series row before the joints: time, displacement, velocity, acceleration."""
+SERIES_JOINT = 6
+"""Columns per joint: e_x, e_y, penetration, normal and tangential force, sliding speed."""
+EPISODE_COLUMNS = ("onset", "end", "closing_speed", "release_speed", "peak_force", "steps")
+CYCLE_FIXED = ("displacement_max", "velocity_min", "velocity_max", "acceleration_max", "steps")
+CYCLE_JOINT = ("force_max", "dose", "contacts")
+CYCLE_FIXED_COUNT = len(CYCLE_FIXED)
+CYCLE_JOINT_COUNT = len(CYCLE_JOINT)
+
+ROWS_AT_LEAST = 2000
+"""Series rows in one cycle without contact."""
+ROWS_AT_MOST = 40_000
+"""Room for series rows, per recorded cycle."""
+EPISODES_AT_MOST = 5000
+"""Room for episodes, per joint and recorded cycle."""
+FORCE_STEP = 0.02
+"""A row is written when a force has changed by this part of its peak so far."""
+PRESSURE_POINTS = 8192
+"""Room for the pressure distribution over one contact arc."""
+
+RECORD = np.dtype(
+    [
+        ("rows", np.int64),  # series rows written
+        ("last_time", np.float64),  # of the last row, s
+        ("now", np.float64),  # of the last accepted state, s
+        ("interval", np.float64),  # longest time between two rows, s
+        ("force_step", np.float64),  # change of a force, part of its peak, that makes a row
+        ("probe", np.int64),  # index of the watched body's x in q
+        ("probe_cos", np.float64),
+        ("probe_sin", np.float64),
+        ("start", np.float64),  # watched coordinate at the start, m
+        ("steps", np.int64),
+        ("room", np.int64),  # rows and episodes that may be written
+    ]
+)
+"""Where the recording stands."""
+
+
+@compiled
+def observe(
+    joints: NDArray[np.void],
+    wear: NDArray[np.void],
+    onset: Array,
+    touch: NDArray[np.void],
+    tally: NDArray[np.void],
+    record: NDArray[np.void],
+    series: Array,
+    cycle: Array,
+    depth: Array,
+    pressure: Array,
+    surfaces: Array,
+    t: float,
+    h: float,
+    q: Array,
+    v: Array,
+    a: Array,
+) -> None:
+    """Account for one accepted step that ended in the given state.
+
+    Parameters
+    ----------
+    onset : ndarray, shape (joints,)
+        Latched closing speeds, 0 where open.
+    series : ndarray, shape (rows, SERIES_FIXED + SERIES_JOINT joints)
+    cycle : ndarray, shape (CYCLE_FIXED + CYCLE_JOINT joints,)
+        Row of the present cycle.
+    depth : ndarray, shape (joints, 2, m)
+        Depth that the present cycle added to bearing and pin, m.
+    h : float
+        Length of the step, s.
+    """
+    count = joints.shape[0]
+    state = record[0]
+    i = state.probe
+    displacement = state.probe_cos * q[i] + state.probe_sin * q[i + 1] - state.start
+    velocity = state.probe_cos * v[i] + state.probe_sin * v[i + 1]
+    acceleration = state.probe_cos * a[i] + state.probe_sin * a[i + 1]
+    cycle[0] = max(cycle[0], displacement)
+    cycle[1] = min(cycle[1], velocity)
+    cycle[2] = max(cycle[2], velocity)
+    cycle[3] = max(cycle[3], abs(acceleration))
+    cycle[4] += 1
+    state.steps += 1
+    state.now = t
+    row = state.rows
+    has_room = row < min(state.room, series.shape[0])
+    is_due = row == 0 or t - state.last_time >= state.interval
+    for k in range(count):
+        contact, bearing, pin = contact_of(joints, k, surfaces, q, v)
+        load = load_of(joints[k], onset[k], contact, bearing, pin)
+        counts = tally[k]
+        base = CYCLE_FIXED_COUNT + CYCLE_JOINT_COUNT * k
+        if load.normal > 0.0:
+            # A step that began open carries force only since the touch.
+            duration = min(h, t - touch[k].onset_time)
+            dose = (
+                load.normal
+                * slip_speed(wear[k].slip_by_angle, joints[k].pin_radius, contact)
+                * duration
+            )
+            counts.closed_time += duration
+            counts.peak_force = max(counts.peak_force, load.normal)
+            touch[k].peak_force = max(touch[k].peak_force, load.normal)
+            cycle[base] = max(cycle[base], load.normal)
+            cycle[base + 1] += dose
+            if wear[k].coefficient > 0.0 and dose > 0.0:
+                if wear[k].over_arc:
+                    deposit_over_arc(
+                        depth[k],
+                        wear[k],
+                        joints[k],
+                        surfaces[k],
+                        contact,
+                        bearing.angle,
+                        pin.angle,
+                        dose,
+                        pressure,
+                    )
+                else:
+                    deposit_in_bin(
+                        depth[k], wear[k], joints[k], contact, bearing.angle, pin.angle, dose
+                    )
+        cycle[base + 2] = counts.contacts
+        if has_room:
+            column = SERIES_FIXED + SERIES_JOINT * k
+            series[row, column] = contact.eccentricity * contact.normal_x
+            series[row, column + 1] = contact.eccentricity * contact.normal_y
+            series[row, column + 2] = contact.penetration
+            series[row, column + 3] = load.normal
+            series[row, column + 4] = load.tangential
+            series[row, column + 5] = contact.sliding
+            if row > 0:
+                change = abs(load.normal - series[row - 1, column + 3])
+                is_due = is_due or change > state.force_step * counts.peak_force
+    if has_room and is_due:
+        series[row, 0] = t
+        series[row, 1] = displacement
+        series[row, 2] = velocity
+        series[row, 3] = acceleration
+        state.rows += 1
+        state.last_time = t
+
+
+@dataclass
+class Account:
+    """The arrays that the kernels fill during one run; made anew for every run.
+
+    Shapes: ``series`` (rows, 4 + 6 joints), ``episodes`` (joints, rows, 6), ``cycle``
+    (5 + 3 joints,), ``depth`` (joints, 2, m).
+    """
+
+    joints: NDArray[np.void]
+    wear: NDArray[np.void]
+    surfaces: Array
+    onset: Array
+    touch: NDArray[np.void]
+    tally: NDArray[np.void]
+    record: NDArray[np.void]
+    series: Array
+    episodes: Array
+    cycle: Array
+    depth: Array
+    pressure: Array
+    cycles: list[Array] = field(default_factory=list)
+    depth_sum: Array = field(default_factory=lambda: np.zeros(0))
+    depth_square_sum: Array = field(default_factory=lambda: np.zeros(0))
+
+    @staticmethod
+    def of(linkage: Linkage, position: Array, recorded_cycles: int, cycle: float) -> "Account":
+        """An empty account for a linkage that starts in a position.
+
+        Parameters
+        ----------
+        position : ndarray, shape (3 bodies,)
+        recorded_cycles : int
+            Cycles whose series and episodes are kept.
+        cycle : float
+            Duration of one cycle, s.
+        """
+        joints = pack_joints(linkage)
+        count = joints.size
+        angles = max((j.wear.angles for j in linkage.clearances if j.wear), default=1)
+        touch = np.zeros(count, TOUCH)
+        touch["effective_mass"] = [effective_mass(linkage, k) for k in range(count)]
+        tally = np.zeros(count, TALLY)
+        tally["fewest_steps"] = np.iinfo(np.int64).max
+        record = np.zeros(1, RECORD)
+        record["room"] = np.iinfo(np.int64).max
+        record["interval"] = cycle / ROWS_AT_LEAST
+        record["force_step"] = FORCE_STEP
+        record["probe"] = 3 * linkage.index(linkage.probe.body)
+        record["probe_cos"] = math.cos(linkage.probe.direction)
+        record["probe_sin"] = math.sin(linkage.probe.direction)
+        record["start"] = (
+            record["probe_cos"] * position[record["probe"]]
+            + record["probe_sin"] * position[record["probe"] + 1]
+        )
+        rows = recorded_cycles * (ROWS_AT_MOST if count else 2 * ROWS_AT_LEAST)
+        shape = (count, 2, angles)
+        account = Account(
+            joints=joints,
+            wear=pack_wear(linkage),
+            surfaces=pack_surfaces(linkage),
+            onset=np.zeros(count),
+            touch=touch,
+            tally=tally,
+            record=record,
+            series=np.zeros((rows, SERIES_FIXED + SERIES_JOINT * count)),
+            episodes=np.zeros((count, recorded_cycles * EPISODES_AT_MOST, len(EPISODE_COLUMNS))),
+            cycle=np.zeros(len(CYCLE_FIXED) + len(CYCLE_JOINT) * count),
+            depth=np.zeros(shape),
+            pressure=np.zeros(PRESSURE_POINTS),
+            depth_sum=np.zeros(shape),
+            depth_square_sum=np.zeros(shape),
+        )
+        account.start_cycle()
+        return account
+
+    def kernel_arguments(self, steps: NDArray[np.void]) -> tuple[Array | NDArray[np.void], ...]:
+        """The leading arguments of ``accept_step``."""
+        return (
+            self.joints,
+            self.wear,
+            self.onset,
+            self.touch,
+            self.tally,
+            self.record,
+            steps,
+            self.series,
+            self.episodes,
+            self.cycle,
+            self.depth,
+            self.pressure,
+            self.surfaces,
+        )
+
+    def stop_recording(self) -> None:
+        """Keep no further series rows and episodes."""
+        self.record["room"] = 0
+
+    def start_cycle(self) -> None:
+        """Clear the row and the maps of the present cycle."""
+        self.cycle[:] = 0.0
+        self.cycle[0] = self.cycle[2] = -math.inf
+        self.cycle[1] = math.inf
+        self.depth[:] = 0.0
+
+    @property
+    def last_time(self) -> float:
+        """Time of the last accepted state, s."""
+        return float(self.record["now"][0])
+
+    def end_cycle(self) -> None:
+        """File the present cycle and start the next."""
+        self.cycles.append(self.cycle.copy())
+        self.depth_sum += self.depth
+        self.depth_square_sum += self.depth**2
+        self.start_cycle()
+
+
+def effective_mass(linkage: Linkage, k: int) -> float:
+    """Lower bound of the mass that meets in clearance joint ``k``, kg.
+
+    Both bodies taken as free: 1/m = sum of 1/m + r^2/I.  Constraints only add mass.
+    A driven body and the frame do not give way.
+    """
+    joint = linkage.clearances[k]
+    driven = {drive.body for drive in linkage.drives}
+    mobility = 0.0
+    for end in (joint.bearing, joint.pin):
+        for body in linkage.bodies:
+            if body.name == end.body and body.name not in driven:
+                mobility += 1.0 / body.mass + (end.x**2 + end.y**2) / body.inertia
+    return 1.0 / mobility if mobility > 0.0 else math.inf

@@ -1,0 +1,381 @@
+"""The hybrid-driven seven-bar press of the paper: parameters, linkage, ideal motion.
+
+Bodies are numbered as in the paper: frame 1, crank 2, rod 3, triangular plate 4,
+rod 5, slider 6, crank 7.  The paper does not print enough to fix the mechanism;
+each value says whether it is the paper's, chosen or assumed.
+"""
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.errors import AssemblyError, InputError
+from presswear.linkage import (
+    GROUND,
+    Attachment,
+    Body,
+    Drive,
+    Guide,
+    Linkage,
+    Probe,
+    Revolute,
+)
+from presswear.quantities import check_fields, quantity
+
+Array = NDArray[np.float64]
+
+CRANK_2_START = math.radians(-119.27)
+CRANK_7_START = math.radians(-51.18)
+RIGHT, LEFT = -1.0, 1.0
+BELOW, ABOVE = -1.0, 1.0
+
+_LONG = 10.0
+"""Longest link or offset that is still a press, m."""
+
+
+@dataclass(frozen=True)
+class Geometry:
+    """Where the frame joint O2 is, the plate's sides, and how the linkage is assembled.
+
+    The paper prints none of these unambiguously.  ``side_b`` is the side of the
+    line from D to A on which B lies, ``side_c`` that of the line from D to B on
+    which C lies (RIGHT or LEFT); ``slider_side`` is BELOW or ABOVE C.
+    """
+
+    name: str = "standard"
+    hx: float = quantity(0.240, "m", -_LONG, _LONG, "chosen", "O2 to the right of O7")
+    hy: float = quantity(0.1345, "m", -_LONG, _LONG, "chosen", "O2 above O7")
+    side_bd: float = quantity(
+        0.39, "m", 0.0, _LONG, "paper, reading chosen", "plate side B to D", open_low=True
+    )
+    side_bc: float = quantity(
+        0.21, "m", 0.0, _LONG, "paper, reading chosen", "plate side B to C", open_low=True
+    )
+    side_cd: float = quantity(
+        0.233, "m", 0.0, _LONG, "paper, reading chosen", "plate side C to D", open_low=True
+    )
+    side_b: float = RIGHT
+    side_c: float = RIGHT
+    slider_side: float = BELOW
+
+
+GEOMETRIES: dict[str, Geometry] = {
+    geometry.name: geometry
+    for geometry in (
+        Geometry(),
+        Geometry(name="swapped", hx=0.210, side_bc=0.233, side_cd=0.21),
+        Geometry(
+            name="lifted",
+            hx=-0.208,
+            hy=-0.195,
+            side_bd=0.233,
+            side_bc=0.39,
+            side_cd=0.21,
+            side_c=LEFT,
+            slider_side=ABOVE,
+        ),
+    )
+}
+"""Three choices that meet the two printed peaks about equally well."""
+
+
+def _mass(default: float, text: str) -> float:
+    value: float = quantity(default, "kg", 0.0, 1e4, "paper", text, open_low=True)
+    return value
+
+
+def _inertia(default: float, text: str) -> float:
+    value: float = quantity(default, "kg m^2", 0.0, 1e4, "paper", text, open_low=True)
+    return value
+
+
+def _length(default: float, text: str) -> float:
+    value: float = quantity(default, "m", 0.0, _LONG, "paper", text, open_low=True)
+    return value
+
+
+@dataclass(frozen=True)
+class Press:
+    """The seven-bar press: everything but its clearance joints."""
+
+    geometry: Geometry = field(default_factory=Geometry)
+    length_2: float = _length(0.07, "crank 2, O2 to A")
+    length_3: float = _length(0.34, "rod 3, A to B")
+    length_5: float = _length(0.40, "rod 5, C to E")
+    length_7: float = _length(0.07, "crank 7, O7 to D")
+    mass_2: float = _mass(0.0243, "mass of crank 2")
+    mass_3: float = _mass(0.1085, "mass of rod 3")
+    mass_4: float = _mass(0.4503, "mass of plate 4")
+    mass_5: float = _mass(0.1272, "mass of rod 5")
+    mass_6: float = _mass(0.0288, "mass of slider 6")
+    mass_7: float = _mass(0.0243, "mass of crank 7")
+    inertia_2: float = _inertia(5.396e-4, "inertia of crank 2 (too large for it; torque only)")
+    inertia_3: float = _inertia(1.1e-3, "inertia of rod 3")
+    inertia_4: float = _inertia(3.779e-3, "inertia of plate 4")
+    inertia_5: float = _inertia(1.771e-3, "inertia of rod 5")
+    inertia_7: float = _inertia(5.396e-4, "inertia of crank 7 (too large for it; torque only)")
+    gravity: float = quantity(9.81, "m/s^2", -100.0, 100.0, "assumed", "gravity along -y")
+    speed: float = quantity(
+        3.5 * math.pi,
+        "rad/s",
+        0.1 * math.pi,
+        40.0 * math.pi,
+        "paper, per study",
+        "crank speed w: crank 7 turns at +w, crank 2 at -w",
+    )
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        check_fields(self.geometry)
+        plate = sorted((self.geometry.side_bd, self.geometry.side_bc, self.geometry.side_cd))
+        if plate[2] >= plate[0] + plate[1]:
+            raise InputError(
+                f"plate 4 is no triangle: its longest side {plate[2]:g} m must be below the sum "
+                f"of the others, {plate[0] + plate[1]:g} m"
+            )
+
+    @property
+    def period(self) -> float:
+        """Time of one cycle, s."""
+        return 2.0 * math.pi / self.speed
+
+    def plate_corners(self) -> dict[str, tuple[float, float]]:
+        """B, C, D in the plate's frame: origin at the centroid, x axis along D to B, m."""
+        bd, bc, cd = self.geometry.side_bd, self.geometry.side_bc, self.geometry.side_cd
+        along = (bd**2 + cd**2 - bc**2) / (2.0 * bd)
+        across = self.geometry.side_c * math.sqrt(cd**2 - along**2)
+        centre = ((bd + along) / 3.0, across / 3.0)
+        corners = {"D": (0.0, 0.0), "B": (bd, 0.0), "C": (along, across)}
+        return {name: (x - centre[0], y - centre[1]) for name, (x, y) in corners.items()}
+
+    def linkage(self) -> Linkage:
+        """The ideal linkage, every joint closed.
+
+        Rod 3 points from B to A, rod 5 from E to C and the cranks as in equation
+        14; the slider's angle of 90 degrees there is its guide's direction.
+        """
+        geometry = self.geometry
+        corner = {n: Attachment("plate 4", x, y) for n, (x, y) in self.plate_corners().items()}
+        half_2, half_3 = 0.5 * self.length_2, 0.5 * self.length_3
+        half_5, half_7 = 0.5 * self.length_5, 0.5 * self.length_7
+        return Linkage(
+            name=f"seven-bar press, {geometry.name} geometry",
+            bodies=(
+                Body("crank 2", self.mass_2, self.inertia_2),
+                Body("rod 3", self.mass_3, self.inertia_3),
+                Body("plate 4", self.mass_4, self.inertia_4),
+                Body("rod 5", self.mass_5, self.inertia_5),
+                # The slider does not turn: its inertia never enters.
+                Body("slider 6", self.mass_6, 1.0),
+                Body("crank 7", self.mass_7, self.inertia_7),
+            ),
+            revolutes=(
+                Revolute(
+                    "O2",
+                    Attachment(GROUND, geometry.hx, geometry.hy),
+                    Attachment("crank 2", half_2, 0.0),
+                ),
+                Revolute("O7", Attachment(GROUND, 0.0, 0.0), Attachment("crank 7", -half_7, 0.0)),
+                Revolute("A", Attachment("rod 3", half_3, 0.0), Attachment("crank 2", -half_2, 0)),
+                Revolute("B", Attachment("rod 3", -half_3, 0.0), corner["B"]),
+                Revolute("C", Attachment("rod 5", half_5, 0.0), corner["C"]),
+                Revolute("D", Attachment("crank 7", half_7, 0.0), corner["D"]),
+                Revolute("E", Attachment("rod 5", -half_5, 0.0), Attachment("slider 6", 0, 0)),
+            ),
+            guides=(
+                Guide("guide", "slider 6", geometry.hx, 0.0, 0.5 * math.pi, angle=0.5 * math.pi),
+            ),
+            drives=(
+                Drive("drive 2", "crank 2", CRANK_2_START, -self.speed),
+                Drive("drive 7", "crank 7", CRANK_7_START, self.speed),
+            ),
+            clearances=(),
+            probe=Probe("slider 6", 0.5 * math.pi),
+            gravity=self.gravity,
+        )
+
+    def ideal_motion(self, time: Array) -> "Motion":
+        """Motion of every body with all joints closed, in closed form.
+
+        Parameters
+        ----------
+        time : ndarray, shape (n,)
+            s.
+
+        Raises
+        ------
+        AssemblyError
+            Where two links cannot meet; says which, and at what crank angle.
+        """
+        geometry = self.geometry
+        time = np.atleast_1d(np.asarray(time, dtype=float))
+        theta_2, theta_7 = CRANK_2_START - self.speed * time, CRANK_7_START + self.speed * time
+        o2 = _Point.fixed(geometry.hx, geometry.hy, time.size)
+        o7 = _Point.fixed(0.0, 0.0, time.size)
+        a = _crank(o2, -self.length_2, theta_2, -self.speed)
+        d = _crank(o7, self.length_7, theta_7, self.speed)
+        angle = np.degrees(self.speed * time)
+        b = _dyad(d, a, geometry.side_bd, self.length_3, geometry.side_b, "B", angle)
+        c = _dyad(d, b, geometry.side_cd, geometry.side_bc, geometry.side_c, "C", angle)
+        e = _slide(c, self.length_5, geometry.hx, geometry.slider_side, angle)
+        plate = self.plate_corners()
+        ends = {
+            "crank 2": (a, o2, (-0.5 * self.length_2, 0.0), 0.0),
+            "rod 3": (b, a, (-0.5 * self.length_3, 0.0), 0.0),
+            "plate 4": (d, b, plate["D"], 0.0),
+            "rod 5": (e, c, (-0.5 * self.length_5, 0.0), 0.0),
+            "crank 7": (o7, d, (-0.5 * self.length_7, 0.0), 0.0),
+        }
+        states = {name: _body_state(*given[:3]) for name, given in ends.items()}
+        upright = np.full((time.size, 1), 0.5 * math.pi)
+        still = np.zeros((time.size, 1))
+        states["slider 6"] = (
+            np.hstack([e.position, upright]),
+            np.hstack([e.velocity, still]),
+            np.hstack([e.acceleration, still]),
+        )
+        order = [body.name for body in self.linkage().bodies]
+        position, velocity, acceleration = (
+            np.hstack([states[name][level] for name in order]) for level in range(3)
+        )
+        # Angles are continuous in time and agree with the drives at the cranks.
+        position[:, 2::3] = np.unwrap(position[:, 2::3], axis=0)
+        for body, exact in (("crank 2", theta_2), ("crank 7", theta_7)):
+            position[:, 3 * order.index(body) + 2] = exact
+        return Motion(time, position, velocity, acceleration)
+
+    def check_assembly(self) -> None:
+        """Raise AssemblyError unless the linkage closes over the whole cycle."""
+        self.ideal_motion(np.linspace(0.0, self.period, 721))
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Coordinates of all bodies over time, shapes (n,) and (n, 3 bodies), SI and rad."""
+
+    time: Array
+    position: Array
+    velocity: Array
+    acceleration: Array
+
+
+@dataclass(frozen=True)
+class _Point:
+    """A moving point: position, velocity, acceleration, each (n, 2)."""
+
+    position: Array
+    velocity: Array
+    acceleration: Array
+
+    @staticmethod
+    def fixed(x: float, y: float, count: int) -> "_Point":
+        still = np.zeros((count, 2))
+        return _Point(still + (x, y), still, still)
+
+
+def _direction(angle: Array) -> Array:
+    return np.column_stack([np.cos(angle), np.sin(angle)])
+
+
+def _left(vector: Array) -> Array:
+    """The vector turned by +90 degrees."""
+    return np.column_stack([-vector[:, 1], vector[:, 0]])
+
+
+def _dot(a: Array, b: Array) -> Array:
+    return np.asarray(np.sum(a * b, axis=1))
+
+
+def _crank(centre: _Point, length: float, angle: Array, speed: float) -> _Point:
+    """Tip of a crank turning at constant speed about a fixed point."""
+    arm = length * _direction(angle)
+    return _Point(centre.position + arm, speed * _left(arm), -(speed**2) * arm)
+
+
+def _refuse(joint: str, gap: Array, needed: str, angle: Array) -> None:
+    """Raise AssemblyError where the margin is not positive."""
+    if np.all(gap > 0.0):
+        return
+    worst = int(np.argmin(gap))
+    raise AssemblyError(
+        f"the linkage cannot be assembled over the cycle: at crank angle {angle[worst]:.1f} deg "
+        f"joint {joint} does not close; {needed}"
+    )
+
+
+def _dyad(
+    p: _Point, q: _Point, from_p: float, from_q: float, side: float, joint: str, angle: Array
+) -> _Point:
+    """The point at given distances from two moving points, on a given side of p to q."""
+    base = q.position - p.position
+    length = np.sqrt(_dot(base, base))
+    along = (length**2 + from_p**2 - from_q**2) / (2.0 * length)
+    square = from_p**2 - along**2
+    reach = f"the distance {length[int(np.argmin(square))]:.4g} m between its links' other ends"
+    allowed = f"must stay between {abs(from_p - from_q):.4g} and {from_p + from_q:.4g} m"
+    _refuse(joint, square, f"{reach} {allowed}", angle)
+    unit = base / length[:, None]
+    height = side * np.sqrt(square)
+    position = p.position + along[:, None] * unit + height[:, None] * _left(unit)
+    arm_p, arm_q = position - p.position, position - q.position
+    velocity = _solve_two(arm_p, arm_q, _dot(arm_p, p.velocity), _dot(arm_q, q.velocity))
+    spin_p, spin_q = velocity - p.velocity, velocity - q.velocity
+    acceleration = _solve_two(
+        arm_p,
+        arm_q,
+        _dot(arm_p, p.acceleration) - _dot(spin_p, spin_p),
+        _dot(arm_q, q.acceleration) - _dot(spin_q, spin_q),
+    )
+    return _Point(position, velocity, acceleration)
+
+
+def _solve_two(row_1: Array, row_2: Array, right_1: Array, right_2: Array) -> Array:
+    """Vectors x with row_1 . x = right_1 and row_2 . x = right_2, row by row."""
+    determinant = row_1[:, 0] * row_2[:, 1] - row_1[:, 1] * row_2[:, 0]
+    x = (right_1 * row_2[:, 1] - row_1[:, 1] * right_2) / determinant
+    y = (row_1[:, 0] * right_2 - right_1 * row_2[:, 0]) / determinant
+    return np.column_stack([x, y])
+
+
+def _slide(c: _Point, length: float, line_x: float, side: float, angle: Array) -> _Point:
+    """End of a rod from c on the vertical line x = line_x, above or below c."""
+    offset = c.position[:, 0] - line_x
+    square = length**2 - offset**2
+    far = abs(offset[int(np.argmin(square))])
+    _refuse("E", square, f"C is {far:.4g} m from the guide, rod 5 is {length:.4g} m long", angle)
+    drop = side * np.sqrt(square)
+    zero = np.zeros_like(offset)
+    drop_t = -offset * c.velocity[:, 0] / drop
+    drop_tt = -(c.velocity[:, 0] ** 2 + offset * c.acceleration[:, 0] + drop_t**2) / drop
+    return _Point(
+        np.column_stack([zero + line_x, c.position[:, 1] + drop]),
+        np.column_stack([zero, c.velocity[:, 1] + drop_t]),
+        np.column_stack([zero, c.acceleration[:, 1] + drop_tt]),
+    )
+
+
+def _body_state(
+    tail: _Point, head: _Point, tail_local: tuple[float, float]
+) -> tuple[Array, Array, Array]:
+    """Coordinates of a body whose x axis points from one of its points to another.
+
+    Returns position, velocity and acceleration (n, 3) of the mass centre and angle.
+    """
+    arm = head.position - tail.position
+    square = _dot(arm, arm)
+    theta = np.arctan2(arm[:, 1], arm[:, 0])
+    omega = _dot(_left(arm), head.velocity - tail.velocity) / square
+    alpha = _dot(_left(arm), head.acceleration - tail.acceleration) / square
+    axis = _direction(theta)
+    # From the tail to the mass centre, in global directions.
+    lever = -(tail_local[0] * axis + tail_local[1] * _left(axis))
+    position = tail.position + lever
+    velocity = tail.velocity + omega[:, None] * _left(lever)
+    acceleration = tail.acceleration + alpha[:, None] * _left(lever) - (omega**2)[:, None] * lever
+    return (
+        np.column_stack([position, theta]),
+        np.column_stack([velocity, omega]),
+        np.column_stack([acceleration, alpha]),
+    )

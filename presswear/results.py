@@ -1,0 +1,222 @@
+"""The result folder: what is kept, in which files.
+
+``result.json`` holds the scene, where the numbers come from and the statistics;
+``stage-K.npz`` the arrays of stage K.  Files appear whole or not at all.
+"""
+
+import json
+import math
+import os
+import platform
+import subprocess
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.campaign import Stage
+from presswear.errors import InputError
+from presswear.observe import EPISODE_COLUMNS, SERIES_FIXED, SERIES_JOINT
+from presswear.scene import Scene
+from presswear.surface import bin_centres
+
+Array = NDArray[np.float64]
+
+SCHEMA = 1
+PACKAGES = ("presswear", "exudyn", "numpy", "scipy", "numba", "matplotlib")
+
+
+def write_whole(path: Path, write: Callable[[BinaryIO], None]) -> None:
+    """Write a file so that it is there whole or not at all."""
+    part = path.with_name(path.name + ".part")
+    try:
+        with part.open("wb") as file:
+            write(file)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(part, path)
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def stage_arrays(stage: Stage) -> dict[str, Array]:
+    """The arrays of one stage under their contracted names; SI units."""
+    account = stage.run.account
+    series = account.series[: int(account.record["rows"][0])]
+    arrays: dict[str, Array] = {"time": series[:, 0], "slider": series[:, 1:SERIES_FIXED]}
+    for k, joint in enumerate(stage.linkage.clearances):
+        own = series[:, SERIES_FIXED + SERIES_JOINT * k :][:, :SERIES_JOINT]
+        name = joint.name
+        arrays[f"{name}_eccentricity"] = own[:, 0:2]
+        arrays[f"{name}_penetration"] = own[:, 2]
+        arrays[f"{name}_force"] = own[:, 3:5]
+        arrays[f"{name}_sliding"] = own[:, 5]
+        arrays[f"{name}_contacts"] = account.episodes[k, : int(account.tally[k]["episodes"])]
+        bins = stage.added.shape[2]
+        arrays["angle"] = bin_centres(bins)
+        for side, surface, added in (
+            ("bearing", joint.bearing_surface, stage.added[k, 0]),
+            ("pin", joint.pin_surface, stage.added[k, 1]),
+        ):
+            arrays[f"{name}_depth_{side}"] = surface.depth if surface.is_worn else np.zeros(bins)
+            arrays[f"{name}_wear_{side}"] = added
+    arrays["cycles"] = np.array(account.cycles)
+    return arrays
+
+
+def plain(value: Any) -> Any:
+    """Data that JSON can hold: a number that is not finite becomes null."""
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    if isinstance(value, np.integer):
+        return int(value)
+    if isinstance(value, float | np.floating):
+        return float(value) if math.isfinite(value) else None
+    return value
+
+
+def source_revision() -> str:
+    """Revision of the source when it runs from a checkout, else ``unknown``."""
+    folder = Path(__file__).resolve().parent
+    try:
+        found = subprocess.run(
+            ["git", "-C", str(folder), "describe", "--always", "--dirty", "--abbrev=12"],
+            capture_output=True,
+            text=True,
+            timeout=5,
+            check=True,
+        )
+    except (OSError, subprocess.SubprocessError):
+        return "unknown"
+    return found.stdout.strip()
+
+
+def provenance() -> dict[str, Any]:
+    """Versions, revision and machine."""
+    return {
+        "python": platform.python_version(),
+        "packages": {name: version(name) for name in PACKAGES},
+        "revision": source_revision(),
+        "machine": f"{platform.system()} {platform.machine()}, {os.cpu_count()} cores",
+        "started": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
+    }
+
+
+class ResultFolder:
+    """A result folder being written.
+
+    Nothing is created before the first stage is finished, and the folder must not
+    hold anybody's files.
+    """
+
+    def __init__(self, path: Path, scene: Scene) -> None:
+        if path.exists() and (not path.is_dir() or any(path.iterdir())):
+            raise InputError(f"--out {path}: it exists and is not empty; name a new folder")
+        self.path = path
+        self._began = time.perf_counter()
+        self._document: dict[str, Any] = {
+            "schema": SCHEMA,
+            "scene": scene.as_dict(),
+            "conventions": scene.as_dict()["conventions"],
+            "engine": scene.engine,
+            "provenance": provenance(),
+            "status": "running",
+            "message": "",
+            "wall_s": 0.0,
+            "stages": [],
+        }
+
+    def add(self, stage: Stage) -> None:
+        """Store a finished stage."""
+        self.path.mkdir(parents=True, exist_ok=True)
+        arrays = stage_arrays(stage)
+        write_whole(
+            self.path / f"stage-{stage.index}.npz",
+            lambda file: np.savez_compressed(file, allow_pickle=False, **arrays),
+        )
+        self._document["stages"].append(
+            {
+                "index": stage.index,
+                "status": stage.run.status,
+                "message": stage.run.message,
+                "amplification": stage.amplification,
+                "simulated_s": stage.run.time,
+                "wall_s": stage.wall,
+                "diagnostics": stage.run.diagnostics,
+                "statistics": stage.statistics,
+            }
+        )
+        self._write()
+
+    def close(self, status: str, message: str) -> None:
+        """State how the campaign ended."""
+        self._document["status"], self._document["message"] = status, message
+        if self._document["stages"]:
+            self._write()
+
+    def _write(self) -> None:
+        self._document["wall_s"] = time.perf_counter() - self._began
+        text = json.dumps(plain(self._document), indent=1, allow_nan=False)
+        write_whole(self.path / "result.json", lambda file: _put(file, text))
+
+
+def _put(file: BinaryIO, text: str) -> None:
+    file.write(text.encode())
+
+
+@dataclass(frozen=True)
+class StoredResult:
+    """A result folder read back.
+
+    Attributes
+    ----------
+    document : dict
+        ``result.json``.
+    scene : Scene
+    stages : list of dict
+        Arrays of each stage by name.
+    """
+
+    path: Path
+    document: dict[str, Any]
+    scene: Scene
+    stages: list[dict[str, Array]]
+
+    def statistics(self, stage: int) -> dict[str, Any]:
+        """Statistics of a stage."""
+        found: dict[str, Any] = self.document["stages"][stage]["statistics"]
+        return found
+
+
+def load(path: Path) -> StoredResult:
+    """Read a result folder; InputError says what is missing or of another schema."""
+    file = path / "result.json"
+    try:
+        document = json.loads(file.read_text())
+    except FileNotFoundError:
+        raise InputError(f"{path} is no result folder: it has no result.json") from None
+    except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
+        raise InputError(f"{file} cannot be read: {error}") from None
+    schema = document.get("schema") if isinstance(document, dict) else None
+    if schema != SCHEMA:
+        raise InputError(f"{file} has schema {schema!r}; this version reads {SCHEMA}")
+    stages = []
+    for entry in document["stages"]:
+        name = path / f"stage-{entry['index']}.npz"
+        try:
+            with np.load(name, allow_pickle=False) as stored:
+                stages.append(dict(stored))
+        except (OSError, ValueError, KeyError) as error:
+            raise InputError(f"{name} cannot be read: {error}") from None
+    return StoredResult(path, document, Scene.from_dict(document["scene"]), stages)
+
+
+EPISODE_NAMES = EPISODE_COLUMNS
+"""Columns of ``J_contacts``, SI units."""
