@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.engines import Start, engine_named
-from presswear.engines.base import Plan, Run
+from presswear.engines import engine_named
+from presswear.engines.base import Plan, Run, Start
 from presswear.linkage import Linkage
 from presswear.observe import Account
 from presswear.scene import Scene

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.compiled import compiled
+from presswear.compiled import Records, compiled
 from presswear.laws import ONSET_SPEED_FLOOR, friction_force, normal_force
 from presswear.linkage import GROUND, ClearanceJoint, Linkage
 from presswear.surface import Surface, profile
@@ -114,7 +114,7 @@ def joint_end(body: int, local_x: float, local_y: float, q: Array, v: Array) -> 
 
 @compiled
 def contact_between(
-    joint: NDArray[np.void],
+    joint: Records,
     bearing: Pose,
     pin: Pose,
     bearing_depth: Array,
@@ -174,9 +174,7 @@ def contact_between(
 
 
 @compiled
-def load_of(
-    joint: NDArray[np.void], onset_speed: float, contact: Contact, bearing: Pose, pin: Pose
-) -> Load:
+def load_of(joint: Records, onset_speed: float, contact: Contact, bearing: Pose, pin: Pose) -> Load:
     """Forces of the contact; zero when open.
 
     ``onset_speed`` is the latched closing speed of the touch, or 0 while the joint
@@ -207,7 +205,7 @@ def load_of(
 
 @compiled
 def contact_of(
-    joints: NDArray[np.void], k: int, surfaces: Array, q: Array, v: Array
+    joints: Records, k: int, surfaces: Array, q: Array, v: Array
 ) -> tuple[Contact, Pose, Pose]:
     """Contact of joint ``k`` in a state of the whole linkage, with both joint ends.
 
@@ -234,16 +232,14 @@ def contact_of(
 
 
 @compiled
-def joint_load(
-    joints: NDArray[np.void], k: int, onset: Array, surfaces: Array, q: Array, v: Array
-) -> Load:
+def joint_load(joints: Records, k: int, onset: Array, surfaces: Array, q: Array, v: Array) -> Load:
     """Forces of joint ``k`` in a state of the whole linkage; ``onset`` as in ``load_of``."""
     contact, bearing, pin = contact_of(joints, k, surfaces, q, v)
     return load_of(joints[k], onset[k], contact, bearing, pin)
 
 
 @compiled
-def relative_acceleration(joints: NDArray[np.void], k: int, q: Array, v: Array, a: Array) -> float:
+def relative_acceleration(joints: Records, k: int, q: Array, v: Array, a: Array) -> float:
     """Second derivative of |e|, m/s^2, of joint ``k`` (the worn profile's curvature aside)."""
     joint = joints[k]
     bearing = joint_end(joint.bearing_body, joint.bearing_x, joint.bearing_y, q, v)
@@ -268,7 +264,7 @@ def relative_acceleration(joints: NDArray[np.void], k: int, q: Array, v: Array, 
     return (ax * ex + ay * ey + across * across) / eccentricity
 
 
-def pack_joints(linkage: Linkage) -> NDArray[np.void]:
+def pack_joints(linkage: Linkage) -> Records:
     """The clearance joints of a linkage as records for the kernels, shape (joints,)."""
     joints = np.zeros(len(linkage.clearances), JOINT)
 

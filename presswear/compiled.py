@@ -12,12 +12,18 @@ import tempfile
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import numba
 from numba import config
 
 F = TypeVar("F", bound=Callable[..., Any])
+
+Records = Any
+"""A structured numpy array whose elements the kernels read as ``records[k].name``.
+
+Numba knows their fields, a type checker does not.
+"""
 
 _PACKAGE = Path(__file__).resolve().parent
 
@@ -44,7 +50,7 @@ def _cache_is_usable() -> bool:
             pass
     except OSError:
         return False
-    config.CACHE_DIR = str(folder)
+    vars(config)["CACHE_DIR"] = str(folder)
     return True
 
 
@@ -55,5 +61,5 @@ def compiled(function: F) -> F:
     defined elsewhere is outside the digest and is compiled anew each time.
     """
     of_package = _PACKAGE in Path(function.__code__.co_filename).resolve().parents
-    kernel: F = numba.njit(cache=of_package and _cache_is_usable(), error_model="numpy")(function)
-    return kernel
+    kernel = numba.njit(cache=of_package and _cache_is_usable(), error_model="numpy")(function)
+    return cast(F, kernel)

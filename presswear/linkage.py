@@ -134,7 +134,7 @@ class ClearanceJoint:
     clearance: float
     width: float
     normal: NormalLaw
-    friction: FrictionLaw = FrictionLaw()
+    friction: FrictionLaw = field(default_factory=FrictionLaw)
     wear: WearLaw | None = None
     map_frame: MapFrame = "body"
     bearing_surface: Surface = field(default_factory=Surface)

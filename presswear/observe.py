@@ -6,12 +6,13 @@ the first cycles only; everything else is one row a cycle or a running sum.
 
 import math
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from presswear.clearance import contact_of, load_of, pack_joints, pack_surfaces
-from presswear.compiled import compiled
+from presswear.compiled import Records, compiled
 from presswear.linkage import Linkage
 from presswear.touch import TALLY, TOUCH
 from presswear.wear import deposit_in_bin, deposit_over_arc, pack_wear, slip_speed
@@ -59,12 +60,12 @@ RECORD = np.dtype(
 
 @compiled
 def observe(
-    joints: NDArray[np.void],
-    wear: NDArray[np.void],
+    joints: Records,
+    wear: Records,
     onset: Array,
-    touch: NDArray[np.void],
-    tally: NDArray[np.void],
-    record: NDArray[np.void],
+    touch: Records,
+    tally: Records,
+    record: Records,
     series: Array,
     cycle: Array,
     depth: Array,
@@ -170,13 +171,13 @@ class Account:
     (5 + 3 joints,), ``depth`` (joints, 2, m).
     """
 
-    joints: NDArray[np.void]
-    wear: NDArray[np.void]
+    joints: Records
+    wear: Records
     surfaces: Array
     onset: Array
-    touch: NDArray[np.void]
-    tally: NDArray[np.void]
-    record: NDArray[np.void]
+    touch: Records
+    tally: Records
+    record: Records
     series: Array
     episodes: Array
     cycle: Array
@@ -237,8 +238,8 @@ class Account:
         account.start_cycle()
         return account
 
-    def kernel_arguments(self, steps: NDArray[np.void]) -> tuple[Array | NDArray[np.void], ...]:
-        """The leading arguments of ``accept_step``."""
+    def kernel_arguments(self, steps: Records) -> tuple[Any, ...]:
+        """The trailing arguments of ``accept_step``."""
         return (
             self.joints,
             self.wear,

@@ -272,7 +272,7 @@ class _Point:
     @staticmethod
     def fixed(x: float, y: float, count: int) -> "_Point":
         still = np.zeros((count, 2))
-        return _Point(still + (x, y), still, still)
+        return _Point(still + np.array([x, y]), still, still)
 
 
 def _direction(angle: Array) -> Array:

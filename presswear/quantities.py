@@ -74,7 +74,7 @@ class Meaning:
 
 
 def quantity(
-    default: float | int,
+    default: float | int | None,
     unit: str,
     low: float,
     high: float,

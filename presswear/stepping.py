@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.compiled import compiled
+from presswear.compiled import Records, compiled
 from presswear.observe import observe
 from presswear.touch import next_step, settle
 
@@ -23,24 +23,24 @@ def all_finite(q: Array, v: Array) -> bool:
 
 @compiled
 def accept_step(
-    joints: NDArray[np.void],
-    wear: NDArray[np.void],
+    t: float,
+    h: float,
+    q: Array,
+    v: Array,
+    a: Array,
+    joints: Records,
+    wear: Records,
     onset: Array,
-    touch: NDArray[np.void],
-    tally: NDArray[np.void],
-    record: NDArray[np.void],
-    steps: NDArray[np.void],
+    touch: Records,
+    tally: Records,
+    record: Records,
+    steps: Records,
     series: Array,
     episodes: Array,
     cycle: Array,
     depth: Array,
     pressure: Array,
     surfaces: Array,
-    t: float,
-    h: float,
-    q: Array,
-    v: Array,
-    a: Array,
 ) -> float:
     """Settle contact, account for the step and choose the next; NaN for a broken state.
 

@@ -64,7 +64,9 @@ def monotone_slopes(depth: Array) -> Array:
     same_sign = ahead * behind > 0.0
     total = np.where(same_sign, ahead + behind, 1.0)
     # The quotient first: the product of two tiny secants would underflow.
-    return np.where(same_sign, 2.0 * ahead * (behind / total), 0.0)
+    slopes: Array = np.zeros(depth.size)
+    slopes[same_sign] = (2.0 * ahead * (behind / total))[same_sign]
+    return slopes
 
 
 def bin_centres(count: int) -> Array:

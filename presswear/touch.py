@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.clearance import contact_of, relative_acceleration
-from presswear.compiled import compiled
+from presswear.compiled import Records, compiled
 
 Array = NDArray[np.float64]
 
@@ -131,9 +131,7 @@ def contact_step(
 
 
 @compiled
-def step_in_contact(
-    last: NDArray[np.void], steps: NDArray[np.void], part: float, acceleration: float
-) -> float:
+def step_in_contact(last: Records, steps: Records, part: float, acceleration: float) -> float:
     """Next step, s, while a joint is closed.
 
     An impact is divided into equal parts.  A pin that has come to rest on its
@@ -161,10 +159,10 @@ def step_in_contact(
 
 @compiled
 def late_touch(
-    joints: NDArray[np.void],
+    joints: Records,
     onset: Array,
-    touch: NDArray[np.void],
-    steps: NDArray[np.void],
+    touch: Records,
+    steps: Records,
     surfaces: Array,
     t: float,
     q: Array,
@@ -201,10 +199,10 @@ def late_touch(
 
 @compiled
 def settle(
-    joints: NDArray[np.void],
+    joints: Records,
     onset: Array,
-    touch: NDArray[np.void],
-    tally: NDArray[np.void],
+    touch: Records,
+    tally: Records,
     episodes: Array,
     surfaces: Array,
     t: float,
@@ -257,10 +255,10 @@ def settle(
 
 @compiled
 def next_step(
-    joints: NDArray[np.void],
+    joints: Records,
     onset: Array,
-    touch: NDArray[np.void],
-    steps: NDArray[np.void],
+    touch: Records,
+    steps: Records,
     q: Array,
     v: Array,
     a: Array,

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.clearance import Contact
-from presswear.compiled import compiled
+from presswear.compiled import Records, compiled
 from presswear.linkage import ClearanceJoint, Linkage
 from presswear.surface import bin_of, profile
 
@@ -60,15 +60,15 @@ def contact_area(
         / (2.0 * eccentricity * pin_radius)
     )
     # A pin worn to less than half the bearing would meet it over more than a half turn.
-    sine = 1.0 if above >= 1.0 else math.sqrt(above * (2.0 - above))
+    sine: float = 1.0 if above >= 1.0 else math.sqrt(above * (2.0 - above))
     return 2.0 * width * bearing_radius * sine
 
 
 @compiled
 def deposit_in_bin(
     depth: Array,
-    law: NDArray[np.void],
-    joint: NDArray[np.void],
+    law: Records,
+    joint: Records,
     contact: Contact,
     bearing_angle: float,
     pin_angle: float,
@@ -95,8 +95,8 @@ def deposit_in_bin(
 @compiled
 def deposit_over_arc(
     depth: Array,
-    law: NDArray[np.void],
-    joint: NDArray[np.void],
+    law: Records,
+    joint: Records,
     surfaces: Array,
     contact: Contact,
     bearing_angle: float,
@@ -162,7 +162,7 @@ def worn_volume(joint: ClearanceJoint, depth: Array) -> float:
     return float(depth.sum()) * bin_area
 
 
-def pack_wear(linkage: Linkage) -> NDArray[np.void]:
+def pack_wear(linkage: Linkage) -> Records:
     """The wear laws of a linkage as records for the kernels, shape (joints,)."""
     laws = np.zeros(len(linkage.clearances), WEAR)
     for record, joint in zip(laws, linkage.clearances, strict=True):

@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.compiled import Records
 from presswear.observe import Account
 from presswear.touch import STEPS
 
@@ -48,7 +49,7 @@ class Accuracy:
     newton: float = 1e-6
     least_step: float = 1e-9
 
-    def packed(self) -> NDArray[np.void]:
+    def packed(self) -> Records:
         """As the kernels see it: one record of STEPS."""
         steps = np.zeros(1, STEPS)
         steps["free"] = self.free_step

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.clearance import joint_load
-from presswear.compiled import compiled
+from presswear.compiled import Records, compiled
 from presswear.engines.base import Accuracy, Plan, Run, Start, Status
 from presswear.linkage import GROUND, Attachment, Linkage
 from presswear.observe import Account
@@ -40,7 +40,7 @@ _PROGRESS_STEPS = 512
 
 @compiled
 def connector_force(
-    joints: NDArray[np.void], k: int, onset: Array, surfaces: Array, q: Array, v: Array, out: Array
+    joints: Records, k: int, onset: Array, surfaces: Array, q: Array, v: Array, out: Array
 ) -> None:
     """Generalized forces of clearance joint ``k`` on bearing body, then pin body; (6,)."""
     load = joint_load(joints, k, onset, surfaces, q, v)
@@ -58,9 +58,9 @@ class _Model:
 
     container: Any
     system: Any
-    q: Array
-    v: Array
-    a: Array
+    q: Any
+    v: Any
+    a: Any
 
 
 def _assemble(linkage: Linkage, start: Start, account: Account) -> _Model:
@@ -153,7 +153,7 @@ def _assemble(linkage: Linkage, start: Start, account: Account) -> _Model:
                 "offset": drive.speed,
             }
         )
-    model = _Model(container, system, np.zeros(0), np.zeros(0), np.zeros(0))
+    model = _Model(container, system, None, None, None)
     for k, clearance in enumerate(linkage.clearances):
         ends = [clearance.bearing.body, clearance.pin.body]
         if GROUND in ends:
@@ -215,7 +215,7 @@ class _Progress:
 
 
 def _watch(
-    model: _Model, account: Account, steps: Array, plan: Plan
+    model: _Model, account: Account, steps: Records, plan: Plan
 ) -> tuple[_Progress, Callable[..., bool], Callable[..., list[float]]]:
     """The functions for PostStep (accept, account, choose) and PostNewton (send back)."""
     duration = plan.cycle * plan.cycles
@@ -237,7 +237,7 @@ def _watch(
 
     def post_step(system: Any, t: float) -> bool:
         try:
-            following = accept_step(*kept, t, t - at.last_time, q, v, a)
+            following = accept_step(t, t - at.last_time, q, v, a, *kept)
             at.last_time = t
             at.steps += 1
             if following != following:
