@@ -64,14 +64,14 @@ def monotone_slopes(depth: Array) -> Array:
     same_sign = ahead * behind > 0.0
     total = np.where(same_sign, ahead + behind, 1.0)
     # The quotient first: the product of two tiny secants would underflow.
-    slopes: Array = np.zeros(depth.size)
+    slopes = np.zeros(depth.size)
     slopes[same_sign] = (2.0 * ahead * (behind / total))[same_sign]
     return slopes
 
 
 def bin_centres(count: int) -> Array:
     """Angles of the bin centres, rad, shape (count,)."""
-    return (np.arange(count) + 0.5) * (2.0 * math.pi / count)
+    return (np.arange(count, dtype=np.float64) + 0.5) * (2.0 * math.pi / count)
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,257 @@
+"""Exudyn with bodies and joints against closed forms and conservation laws."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from presswear.campaign import start_of
+from presswear.catalog import ideal, wear_times
+from presswear.engines.base import Accuracy, Plan, Run, Start
+from presswear.engines.exudyn_joints import simulate
+from presswear.laws import (
+    FrictionLaw,
+    NormalLaw,
+    delivered_restitution,
+    greatest_penetration,
+    lankarani_nikravesh_damping,
+)
+from presswear.linkage import (
+    Attachment,
+    Body,
+    ClearanceJoint,
+    Linkage,
+    Probe,
+    WearLaw,
+)
+from presswear.observe import Account
+from presswear.press import GEOMETRIES, Press
+from presswear.scene import CONVENTIONS
+
+CLEARANCE = 0.8e-3
+STIFFNESS = 1.25e10
+
+
+def free_pair(
+    restitution: float = 0.9,
+    friction: float = 0.0,
+    bearing: tuple[float, float] = (0.0, 0.0),
+    pin: tuple[float, float] = (0.0, 0.0),
+    exponent: float = 1.5,
+    wear: WearLaw | None = None,
+) -> Linkage:
+    """Two free bodies, one with a bearing, the other with a pin in it."""
+    joint = ClearanceJoint(
+        "J",
+        Attachment("ring", *bearing),
+        Attachment("shaft", *pin),
+        bearing_radius=0.015,
+        clearance=CLEARANCE,
+        width=0.02,
+        normal=NormalLaw(STIFFNESS, exponent, lankarani_nikravesh_damping(restitution)),
+        friction=FrictionLaw(friction),
+        wear=wear,
+    )
+    return Linkage(
+        "two free bodies",
+        (Body("ring", 0.3, 4e-4), Body("shaft", 0.1, 1e-4)),
+        (),
+        (),
+        (),
+        (joint,),
+        Probe("shaft", 0.0),
+        gravity=0.0,
+    )
+
+
+def at(ring: tuple[float, ...], shaft: tuple[float, ...]) -> Start:
+    """Start with both bodies' x, y, theta, then their rates, six numbers each."""
+    state = np.array([ring, shaft])
+    return Start(state[:, :3].ravel(), state[:, 3:].ravel())
+
+
+def run_pair(linkage: Linkage, start: Start, duration: float, steps: int = 50) -> Run:
+    accuracy = Accuracy(steps, 10, free_step=2e-5, newton=1e-10)
+    return simulate(linkage, start, accuracy, Plan(duration, 1))
+
+
+def momenta(linkage: Linkage, state: Start) -> NDArray[np.float64]:
+    """Linear momentum (2) and angular momentum about the origin."""
+    total = np.zeros(3)
+    for i, body in enumerate(linkage.bodies):
+        x, y, _ = state.position[3 * i : 3 * i + 3]
+        vx, vy, spin = state.velocity[3 * i : 3 * i + 3]
+        angular = body.mass * (x * vy - y * vx) + body.inertia * spin
+        total += body.mass * vx, body.mass * vy, angular
+    return total
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+def test_free_impact_conserves_momentum(friction: float) -> None:
+    """One eccentric impact of two spinning free bodies.
+
+    Linear momentum holds to round-off.  Angular momentum does as far as the forces
+    are concerned; the trapezoidal rule adds an error of second order in the step.
+    """
+    linkage = free_pair(friction=friction, bearing=(0.1, 0.02), pin=(-0.05, 0.03))
+    start = at((0.0, 0.0, 0.0, 0.0, 0.0, 2.0), (0.15, -0.01, 0.0, 0.3, 0.4, -30.0))
+    before = momenta(linkage, start)
+    errors = {}
+    for steps in (50, 100, 400):
+        run = run_pair(linkage, start, 0.001, steps)
+        assert run.account.tally["contacts"][0] == 1
+        change = np.abs(momenta(linkage, run.end) - before)
+        assert change[:2].max() < 1e-14 * np.abs(before[:2]).max()
+        errors[steps] = change[2]
+    assert errors[50] < 1e-10
+    assert errors[400] < 1e-10 * abs(before[2])
+    assert errors[50] / errors[100] > 3.0
+
+
+@pytest.mark.parametrize("restitution", [0.5, 0.8, 0.9, 1.0])
+def test_central_impact_gives_back_the_closed_form(restitution: float) -> None:
+    linkage = free_pair(restitution)
+    speed = 0.25
+    run = run_pair(linkage, at((0.0,) * 6, (0.0, 0.0, 0.0, speed, 0.0, 0.0)), 0.005)
+    onset, _, closing, release = run.account.episodes[0, 0, :4]
+    assert onset == pytest.approx(CLEARANCE / speed, rel=1e-9)
+    assert closing == pytest.approx(speed, rel=1e-9)
+    delivered = delivered_restitution(lankarani_nikravesh_damping(restitution))
+    final = run.end.velocity[3] - run.end.velocity[0]
+    assert -final / speed == pytest.approx(delivered, abs=3e-4)
+    assert release == pytest.approx(final, rel=1e-3)
+
+
+@pytest.mark.parametrize("exponent", [1.2, 1.5, 2.0])
+def test_penetration_and_order_of_one_impact(exponent: float) -> None:
+    """Deepest penetration to the closed form, second order in the steps per contact."""
+    linkage = free_pair(exponent=exponent)
+    start = at((0.0,) * 6, (0.0, 0.0, 0.0, 0.25, 0.0, 0.0))
+    damping = lankarani_nikravesh_damping(0.9)
+    mass = 0.3 * 0.1 / 0.4
+    deepest = greatest_penetration(mass, 0.25, STIFFNESS, exponent, damping)
+    restitution = delivered_restitution(damping)
+    errors = []
+    for steps in (50, 200):
+        run = run_pair(linkage, start, 0.005, steps)
+        rows = run.account.series[: run.account.record["rows"][0]]
+        assert rows[:, 6].max() == pytest.approx(deepest, rel=0.01)
+        final = run.end.velocity[3] - run.end.velocity[0]
+        errors.append(abs(-final / 0.25 - restitution))
+    assert errors[0] < 1e-3
+    assert 1.5 < math.log(errors[0] / errors[1], 4.0) < 2.6
+
+
+def test_onset_speed_at_the_working_step_under_acceleration() -> None:
+    """A pin on a spinning arm meets its bearing on an arc: speed and time to 1e-6."""
+    arm, spin = 0.05, 40.0
+    linkage = free_pair(pin=(arm, 0.0))
+    start = at((arm, 0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0, spin))
+    run = simulate(linkage, start, Accuracy(50, 10, free_step=5e-5), Plan(0.001, 1))
+    # |e| is the chord 2 arm sin(spin t / 2).
+    half = math.asin(CLEARANCE / (2.0 * arm))
+    onset, _, closing = run.account.episodes[0, 0, :3]
+    assert run.account.tally["contacts"][0] >= 1
+    assert onset == pytest.approx(2.0 * half / spin, rel=1e-6)
+    assert closing == pytest.approx(arm * spin * math.cos(half), rel=1e-6)
+
+
+@pytest.mark.parametrize("geometry", list(GEOMETRIES))
+def test_ideal_press_follows_the_closed_form(geometry: str) -> None:
+    scene = replace(ideal(), press=Press(geometry=GEOMETRIES[geometry]))
+    run = simulate(
+        scene.linkage(), start_of(scene), scene.accuracy(), Plan(scene.press.period, 1)
+    )
+    rows = run.account.series[: run.account.record["rows"][0]]
+    motion = scene.press.ideal_motion(rows[:, 0])
+    column = 3 * scene.linkage().index("slider 6") + 1
+    assert rows.shape[0] > 1000
+    exact = motion.position[:, column] - motion.position[0, column]
+    assert np.abs(rows[:, 1] - exact).max() < 1e-6
+    assert np.abs(rows[:, 2] - motion.velocity[:, column]).max() < 1e-5
+    assert np.abs(rows[:, 3] - motion.acceleration[:, column]).max() < 1e-2
+    closing = scene.press.ideal_motion(np.array([scene.press.period]))
+    assert np.abs(run.end.position - closing.position[0]).max() < 1e-6
+
+
+@pytest.fixture(scope="module")
+def press_runs() -> dict[str, Run]:
+    """A third of a cycle of the two-clearance press under both sets of conventions."""
+    runs = {}
+    for name, conventions in CONVENTIONS.items():
+        scene = replace(wear_times(), conventions=conventions)
+        runs[name] = simulate(
+            scene.linkage(), start_of(scene), scene.accuracy(), Plan(scene.press.period / 3.0, 1)
+        )
+    return runs
+
+
+def test_every_contact_of_the_press_is_resolved(press_runs: dict[str, Run]) -> None:
+    for run in press_runs.values():
+        assert run.status == "completed"
+        assert np.all(run.account.tally["contacts"] > 5)
+        assert np.all(run.account.tally["unresolved"] == 0)
+        assert np.all(run.account.tally["fewest_steps"] >= 20)
+
+
+def test_worn_volume_is_the_dose(press_runs: dict[str, Run]) -> None:
+    """Sum of depth x b R x bin angle = K_d x integral of F_n ds under ``refined``."""
+    account = press_runs["refined"].account
+    joint = wear_times().linkage().clearances[0]
+    assert joint.wear is not None
+    bins = account.depth_sum.shape[2]
+    area = joint.width * joint.bearing_radius * 2.0 * math.pi / bins
+    for k in range(2):
+        dose = account.cycles[0][5 + 3 * k + 1]
+        assert dose > 0.0
+        volume = account.depth_sum[k].sum() * area
+        assert volume == pytest.approx(joint.wear.coefficient * dose, rel=1e-12)
+
+
+def test_the_drives_turn_exactly(press_runs: dict[str, Run]) -> None:
+    scene = wear_times()
+    for run in press_runs.values():
+        exact = scene.press.ideal_motion(np.array([run.time])).position[0]
+        for crank in ("crank 2", "crank 7"):
+            i = 3 * scene.linkage().index(crank) + 2
+            assert run.end.position[i] == pytest.approx(exact[i], abs=1e-9)
+
+
+def test_cycles_end_on_time_and_enough_stops() -> None:
+    scene = ideal()
+    asked: list[int] = []
+
+    def enough(account: Account) -> bool:
+        asked.append(len(account.cycles))
+        return len(account.cycles) == 2
+
+    period = scene.press.period
+    coarse = replace(scene.accuracy(), free_step=period / 300.0)
+    run = simulate(scene.linkage(), start_of(scene), coarse, Plan(period, 5, enough=enough))
+    assert run.status == "enough"
+    assert asked == [1, 2]
+    assert run.time == pytest.approx(2.0 * period, abs=1e-9)
+
+
+def test_a_state_that_is_not_finite_ends_the_run_as_failed() -> None:
+    start = at((0.0,) * 6, (0.0, 0.0, 0.0, 1e200, 0.0, 0.0))
+    run = run_pair(free_pair(), start, 0.001)
+    assert run.status == "failed"
+    assert "t = " in run.message
+
+
+def test_errors_and_interrupts_in_callbacks_arrive_as_they_are() -> None:
+    scene = ideal()
+
+    def interrupt(part: float) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        simulate(
+            scene.linkage(),
+            start_of(scene),
+            scene.accuracy(),
+            Plan(scene.press.period, 1, progress=interrupt),
+        )
