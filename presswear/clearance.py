@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from presswear.compiled import Records, compiled
 from presswear.laws import ONSET_SPEED_FLOOR, friction_force, normal_force
 from presswear.linkage import GROUND, ClearanceJoint, Linkage
-from presswear.surface import Surface, profile
+from presswear.surface import Surface, curvature, profile
 
 Array = NDArray[np.float64]
 
@@ -239,29 +239,55 @@ def joint_load(joints: Records, k: int, onset: Array, surfaces: Array, q: Array,
 
 
 @compiled
-def relative_acceleration(joints: Records, k: int, q: Array, v: Array, a: Array) -> float:
-    """Second derivative of |e|, m/s^2, of joint ``k`` (the worn profile's curvature aside)."""
+def end_acceleration(body: int, end: Pose, a: Array) -> tuple[float, float, float]:
+    """Acceleration of a joint end, m/s^2, and angular acceleration of its body, rad/s^2."""
+    if body < 0:
+        return 0.0, 0.0, 0.0
+    spin_t = a[body + 2]
+    square = end.spin * end.spin
+    return (
+        a[body] - spin_t * end.lever_y - square * end.lever_x,
+        a[body + 1] + spin_t * end.lever_x - square * end.lever_y,
+        spin_t,
+    )
+
+
+@compiled
+def penetration_acceleration(
+    joints: Records, k: int, surfaces: Array, q: Array, v: Array, a: Array
+) -> float:
+    """Second time derivative of the penetration of joint ``k``, m/s^2.
+
+    Follows the worn profile: a pin that runs over a bump is thrown off by the
+    profile's curvature times the square of the turning.
+    """
     joint = joints[k]
-    bearing = joint_end(joint.bearing_body, joint.bearing_x, joint.bearing_y, q, v)
-    pin = joint_end(joint.pin_body, joint.pin_x, joint.pin_y, q, v)
-    ax, ay = 0.0, 0.0
-    if joint.pin_body >= 0:
-        spin_t = a[joint.pin_body + 2]
-        ax += a[joint.pin_body] - spin_t * pin.lever_y - pin.spin**2 * pin.lever_x
-        ay += a[joint.pin_body + 1] + spin_t * pin.lever_x - pin.spin**2 * pin.lever_y
-    if joint.bearing_body >= 0:
-        spin_t = a[joint.bearing_body + 2]
-        ax -= a[joint.bearing_body] - spin_t * bearing.lever_y - bearing.spin**2 * bearing.lever_x
-        ay -= (
-            a[joint.bearing_body + 1] + spin_t * bearing.lever_x - bearing.spin**2 * bearing.lever_y
-        )
-    ex, ey = pin.x - bearing.x, pin.y - bearing.y
-    vx, vy = pin.vx - bearing.vx, pin.vy - bearing.vy
-    eccentricity = math.sqrt(ex * ex + ey * ey)
-    if eccentricity == 0.0:
+    contact, bearing, pin = contact_of(joints, k, surfaces, q, v)
+    if contact.eccentricity == 0.0:
         return 0.0
-    across = (ex * vy - ey * vx) / eccentricity
-    return (ax * ex + ay * ey + across * across) / eccentricity
+    pin_x, pin_y, pin_spin_t = end_acceleration(joint.pin_body, pin, a)
+    bearing_x, bearing_y, bearing_spin_t = end_acceleration(joint.bearing_body, bearing, a)
+    ax = pin_x - bearing_x
+    ay = pin_y - bearing_y
+    nx = contact.normal_x
+    ny = contact.normal_y
+    turning = contact.turning
+    result = ax * nx + ay * ny + turning * turning * contact.eccentricity
+    if surfaces.shape[2] > 0:
+        radial = (pin.vx - bearing.vx) * nx + (pin.vy - bearing.vy) * ny
+        turning_t = (ay * nx - ax * ny - 2.0 * radial * turning) / contact.eccentricity
+        turns = joint.map_turns
+        for row, angle, spin, spin_t in (
+            (0, bearing.angle, bearing.spin, bearing_spin_t),
+            (2, pin.angle, pin.spin, pin_spin_t),
+        ):
+            depth = surfaces[k, row]
+            slope = surfaces[k, row + 1]
+            where = contact.direction - turns * angle
+            sweep = turning - turns * spin
+            result -= curvature(depth, slope, where) * sweep * sweep
+            result -= profile(depth, slope, where)[1] * (turning_t - turns * spin_t)
+    return result
 
 
 def pack_joints(linkage: Linkage) -> Records:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from presswear.clearance import contact_of, load_of, pack_joints, pack_surfaces
 from presswear.compiled import Records, compiled
-from presswear.linkage import Linkage
+from presswear.linkage import ClearanceJoint, Linkage
 from presswear.touch import TALLY, TOUCH
 from presswear.wear import deposit_in_bin, deposit_over_arc, pack_wear, slip_speed
 
@@ -204,6 +204,7 @@ class Account:
         angles = max((j.wear.angles for j in linkage.clearances if j.wear), default=1)
         touch = np.zeros(count, TOUCH)
         touch["effective_mass"] = [effective_mass(linkage, k) for k in range(count)]
+        touch["relief"] = [relief(joint) for joint in linkage.clearances]
         tally = np.zeros(count, TALLY)
         tally["fewest_steps"] = np.iinfo(np.int64).max
         record = np.zeros(1, RECORD)
@@ -278,6 +279,14 @@ class Account:
         self.depth_sum += self.depth
         self.depth_square_sum += self.depth**2
         self.start_cycle()
+
+
+def relief(joint: ClearanceJoint) -> float:
+    """Greatest difference of depth that a pin can meet on the worn surfaces, m."""
+    return sum(
+        float(np.ptp(surface.depth)) if surface.is_worn else 0.0
+        for surface in (joint.bearing_surface, joint.pin_surface)
+    )
 
 
 def effective_mass(linkage: Linkage, k: int) -> float:

@@ -67,4 +67,4 @@ def accept_step(
         v,
         a,
     )
-    return next_step(joints, onset, touch, steps, q, v, a)
+    return next_step(joints, onset, touch, steps, surfaces, q, v, a)

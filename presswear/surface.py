@@ -47,6 +47,24 @@ def profile(depth: Array, slope: Array, angle: float) -> tuple[float, float]:
 
 
 @compiled
+def curvature(depth: Array, slope: Array, angle: float) -> float:
+    """Second derivative of a map's depth, m/rad^2; it jumps at the bin centres."""
+    count = depth.shape[0]
+    if count == 0:
+        return 0.0
+    width = 2.0 * math.pi / count
+    position = angle / width - 0.5
+    left = math.floor(position)
+    s = position - left
+    k = left % count
+    j = k + 1 if k + 1 < count else 0
+    rise = depth[j] - depth[k]
+    a = slope[k] * width
+    b = slope[j] * width
+    return (2.0 * (3.0 * rise - 2.0 * a - b) + 6.0 * s * (a + b - 2.0 * rise)) / (width * width)
+
+
+@compiled
 def bin_of(angle: float, count: int) -> int:
     """Index of the bin that holds an angle, rad."""
     return math.floor(angle * count / (2.0 * math.pi)) % count

@@ -15,7 +15,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.clearance import contact_of, relative_acceleration
+from presswear.clearance import contact_of, penetration_acceleration
 from presswear.compiled import Records, compiled
 
 Array = NDArray[np.float64]
@@ -32,7 +32,9 @@ TOUCH = np.dtype(
         ("longest_step", np.float64),  # allowed by the expected duration of the touch
         ("acceleration", np.float64),  # of the penetration at the last accepted state, m/s^2
         ("step", np.float64),  # that led to it, s
+        ("sweep", np.float64),  # speed at which the contact runs over the wear maps, rad/s
         ("effective_mass", np.float64),  # lower bound, kg
+        ("relief", np.float64),  # greatest difference of depth on the worn surfaces, m
     ]
 )
 """What is remembered of each joint between accepted steps."""
@@ -64,6 +66,9 @@ COARSE = 5.0
 
 LANDING = 0.02
 """A step towards a touch ends this part of a contact step behind it."""
+
+FLIGHT_STEPS_PER_BIN = 4.0
+"""Steps in which a pin that skims a worn surface crosses one bin of its map."""
 
 OVERSHOOT = 0.2
 """A step that ends more than this part of a contact step behind a touch is redone."""
@@ -212,7 +217,7 @@ def settle(
     """Bring the contact state up to an accepted state: latch touches, close episodes."""
     for k in range(joints.shape[0]):
         last = touch[k]
-        contact = contact_of(joints, k, surfaces, q, v)[0]
+        contact, bearing, pin = contact_of(joints, k, surfaces, q, v)
         if onset[k] == 0.0 and contact.penetration > 0.0:
             h = t - last.time
             last.onset_time = t
@@ -251,6 +256,10 @@ def settle(
         last.time = t
         last.penetration = contact.penetration
         last.rate = contact.rate
+        turns = joints[k].map_turns
+        last.sweep = max(
+            abs(contact.turning - turns * bearing.spin), abs(contact.turning - turns * pin.spin)
+        )
 
 
 @compiled
@@ -259,6 +268,7 @@ def next_step(
     onset: Array,
     touch: Records,
     steps: Records,
+    surfaces: Array,
     q: Array,
     v: Array,
     a: Array,
@@ -273,19 +283,24 @@ def next_step(
         part = contact_step(
             joint.stiffness, joint.exponent, last.effective_mass, depth, rate, steps[0].per_contact
         )
+        acceleration = penetration_acceleration(joints, k, surfaces, q, v, a)
+        if surfaces.shape[2] > 0 and last.sweep > 0.0 and depth > -last.relief:
+            # A bump of the profile is a contact of its own and gets as many steps.
+            bins = 2.0 * math.pi / surfaces.shape[2] / last.sweep
+            share = 0.5 * steps[0].per_contact if onset[k] > 0.0 else FLIGHT_STEPS_PER_BIN
+            chosen = min(chosen, max(bins / share, steps[0].least))
         if onset[k] > 0.0:
-            pull = relative_acceleration(joints, k, q, v, a)
-            chosen = min(chosen, max(step_in_contact(last, steps[0], part, pull), steps[0].least))
-            last.acceleration = pull
+            wanted = step_in_contact(last, steps[0], part, acceleration)
+            chosen = min(chosen, max(wanted, steps[0].least))
+            last.acceleration = acceleration
             continue
         # Free flight: the time at which the present motion closes the gap.
-        approach = relative_acceleration(joints, k, q, v, a)
-        root = rate * rate - 2.0 * approach * depth
+        root = rate * rate - 2.0 * acceleration * depth
         if root >= 0.0:
             denominator = rate + math.sqrt(root)
             arrival = -2.0 * depth / denominator if denominator > 0.0 else -1.0
             if 0.0 <= arrival < chosen:
-                closing = rate + approach * arrival
+                closing = rate + acceleration * arrival
                 part = contact_step(
                     joint.stiffness,
                     joint.exponent,

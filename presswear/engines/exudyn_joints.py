@@ -189,6 +189,7 @@ def _settings(accuracy: Accuracy, duration: float) -> Any:
     settings = exu.SimulationSettings()
     settings.solution.file.write = False
     settings.linearSolver.solverType = exu.LinearSolverType.EXUdense
+    settings.show.computationTime = True  # fills the timers; the console is off
     integration = settings.timeIntegration
     integration.verboseMode = 0
     integration.endTime = duration
@@ -263,12 +264,25 @@ def _watch(
     return at, post_step, post_newton
 
 
+def _warm_up(linkage: Linkage, start: Start, steps: Records) -> None:
+    """Compile every kernel, or load it from the cache, on a state thrown away."""
+    account = Account.of(linkage, start.position, 1, 1.0)
+    q, v = np.array(start.position), np.array(start.velocity)
+    accept_step(0.0, 0.0, q, v, np.zeros_like(q), *account.kernel_arguments(steps))
+    if linkage.clearances:
+        joints, onset, surfaces = account.joints, account.onset, account.surfaces
+        connector_force(joints, 0, onset, surfaces, q, v, np.zeros(6))
+        late_touch(joints, onset, account.touch, steps, surfaces, 0.0, q, v)
+
+
 def simulate(linkage: Linkage, start: Start, accuracy: Accuracy, plan: Plan) -> Run:
     """Run a linkage from a start; see ``Plan`` and ``Run``."""
+    steps = accuracy.packed()
     began = clock.perf_counter()
+    _warm_up(linkage, start, steps)
+    compiled_at = clock.perf_counter()
     account = Account.of(linkage, start.position, plan.recorded_cycles, plan.cycle)
     model = _assemble(linkage, start, account)
-    steps = accuracy.packed()
     at, post_step, post_newton = _watch(model, account, steps, plan)
     model.system.SetPostStepUserFunction(post_step)
     if linkage.clearances:
@@ -309,12 +323,31 @@ def simulate(linkage: Linkage, start: Start, accuracy: Accuracy, plan: Plan) -> 
             "steps_sent_back": at.sent_back,
             "newton_iterations": int(solver.it.newtonStepsCount),
             "jacobians": int(solver.it.newtonJacobiCount),
-            "wall_build_s": built - began,
+            "wall_compile_s": compiled_at - began,
+            "wall_build_s": built - compiled_at,
             "wall_solve_s": solved - built,
+            **_wall_shares(solver.timer),
         },
     )
     model.container.Reset()
     return result
+
+
+def _wall_shares(timer: Any) -> dict[str, float]:
+    """Where the solve's time went, as parts of its wall time.
+
+    Forces include the Python connectors; the step's end is contact state, wear,
+    recording and the choice of the next step.
+    """
+    spent = {
+        "forces_and_connectors": timer.ODE2RHS,
+        "constraints": timer.AERHS + timer.reactionForces,
+        "jacobians": timer.totalJacobian + timer.factorization,
+        "linear_solves": timer.newtonIncrement,
+        "end_of_step": timer.python,
+    }
+    shares = {f"share_{name}": seconds / timer.total for name, seconds in spent.items()}
+    return {**shares, "share_other": 1.0 - sum(shares.values())}
 
 
 def _described(linkage: Linkage) -> str:

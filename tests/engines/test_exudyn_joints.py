@@ -161,9 +161,7 @@ def test_onset_speed_at_the_working_step_under_acceleration() -> None:
 @pytest.mark.parametrize("geometry", list(GEOMETRIES))
 def test_ideal_press_follows_the_closed_form(geometry: str) -> None:
     scene = replace(ideal(), press=Press(geometry=GEOMETRIES[geometry]))
-    run = simulate(
-        scene.linkage(), start_of(scene), scene.accuracy(), Plan(scene.press.period, 1)
-    )
+    run = simulate(scene.linkage(), start_of(scene), scene.accuracy(), Plan(scene.press.period, 1))
     rows = run.account.series[: run.account.record["rows"][0]]
     motion = scene.press.ideal_motion(rows[:, 0])
     column = 3 * scene.linkage().index("slider 6") + 1

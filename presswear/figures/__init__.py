@@ -1,0 +1,55 @@
+"""The figures of a result, as PNG files."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import BinaryIO
+
+import matplotlib
+
+from presswear.figures.motion import centre_trajectory, contact_force, response
+from presswear.figures.style import DOTS_PER_INCH, SETTINGS, Drawing, Sheet
+from presswear.figures.surfaces import worn_surfaces
+from presswear.figures.wear import wear_depth
+from presswear.results import StoredResult, write_whole
+
+__all__ = ["Drawing", "Figure", "draw_all", "drawings"]
+
+_DRAWERS: tuple[Callable[[StoredResult], list[Drawing]], ...] = (
+    wear_depth,
+    worn_surfaces,
+    response,
+    contact_force,
+    centre_trajectory,
+)
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A figure that was written: file name inside its folder, title and caption."""
+
+    file: str
+    title: str
+    caption: str
+
+
+def drawings(result: StoredResult) -> Iterator[Drawing]:
+    """Draw what makes sense for a result, in the order of the report."""
+    for draw in _DRAWERS:
+        with matplotlib.rc_context(SETTINGS):
+            found = draw(result)
+        yield from found
+
+
+def _png(sheet: Sheet) -> Callable[[BinaryIO], None]:
+    return lambda file: sheet.savefig(file, format="png", dpi=DOTS_PER_INCH)
+
+
+def draw_all(result: StoredResult, folder: Path) -> list[Figure]:
+    """Write the figures of a result into a folder, which is made where needed."""
+    folder.mkdir(parents=True, exist_ok=True)
+    written = []
+    for drawing in drawings(result):
+        write_whole(folder / drawing.file, _png(drawing.sheet))
+        written.append(Figure(drawing.file, drawing.title, drawing.caption))
+    return written

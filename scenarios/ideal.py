@@ -1,0 +1,24 @@
+"""The press without clearance in Exudyn, against its closed form.
+
+Run:  python scenarios/ideal.py
+"""
+
+import numpy as np
+
+from presswear.campaign import Watcher, run_stage
+from presswear.catalog import ideal
+
+
+def main() -> None:
+    scene = ideal()
+    stage = run_stage(scene, 0, {}, Watcher())
+    account = stage.run.account
+    time, displacement = account.series[: int(account.record["rows"][0]), :2].T
+    column = 3 * stage.linkage.index("slider 6") + 1
+    exact = scene.press.ideal_motion(time).position[:, column]
+    print(f"stroke {np.ptp(exact):.4f} m")
+    print(f"Exudyn against the closed form {np.abs(displacement - exact + exact[0]).max():.1e} m")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,9 @@
+"""Settings shared by all tests."""
+
+from hypothesis import settings
+
+# The first call of a kernel compiles it, which no deadline allows for.  Examples are
+# the same in every run; `--hypothesis-profile=explore` looks further.
+settings.register_profile("repeatable", deadline=None, derandomize=True, max_examples=60)
+settings.register_profile("explore", deadline=None, max_examples=3000)
+settings.load_profile("repeatable")

@@ -1,0 +1,141 @@
+"""Free impacts through the compiled force against what the laws are known to give back."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+
+from presswear.laws import (
+    delivered_restitution,
+    greatest_penetration,
+    lankarani_nikravesh_damping,
+    normal_force,
+)
+
+# Law, nominal restitution, damping factor chi, restitution delivered.
+DELIVERED = [
+    ("lankarani-nikravesh", 0.9, 0.75 * (1.0 - 0.9**2), 0.9131766778),
+    ("lankarani-nikravesh", 0.8, 0.75 * (1.0 - 0.8**2), 0.8471022798),
+    ("lankarani-nikravesh", 0.5, 0.75 * (1.0 - 0.5**2), 0.7252411140),
+    ("hunt-crossley", 0.9, 1.5 * (1.0 - 0.9), 0.9090157413),
+    ("hunt-crossley", 0.8, 1.5 * (1.0 - 0.8), 0.8328697923),
+    ("hunt-crossley", 0.5, 1.5 * (1.0 - 0.5), 0.6629622000),
+    ("flores", 0.9, 8.0 * (1.0 - 0.9) / (5.0 * 0.9), 0.8939206927),
+    ("flores", 0.8, 8.0 * (1.0 - 0.8) / (5.0 * 0.8), 0.78853913),
+    ("flores", 0.5, 8.0 * (1.0 - 0.5) / (5.0 * 0.5), 0.47044478),
+    ("gonthier", 0.9, (1.0 - 0.9**2) / 0.9, 0.8764354239),
+    ("gonthier", 0.8, (1.0 - 0.8**2) / 0.8, 0.7679997891),
+    ("gonthier", 0.5, (1.0 - 0.5**2) / 0.5, 0.48774126),
+]
+# Half a unit of the last printed digit; some values are printed to eight digits.
+PRINTED = 6e-9
+EXPONENTS = [1.0, 1.5, 2.0, 2.2]
+MASS, SPEED, STIFFNESS = 0.1, 0.3, 1.25e10
+
+
+@dataclass(frozen=True)
+class _Impact:
+    restitution: float
+    penetration: float
+    duration: float
+
+
+def _impact(exponent: float, damping: float) -> _Impact:
+    """Integrate m x'' = -F through one free impact.
+
+    Depth and time are scaled by the elastic impact's, so that the tolerances are
+    relative to numbers of order one.
+    """
+    depth = ((exponent + 1.0) * MASS * SPEED**2 / (2.0 * STIFFNESS)) ** (1.0 / (exponent + 1.0))
+    unit = depth / SPEED
+
+    def rate(_: float, state: NDArray[np.float64]) -> list[float]:
+        force = normal_force(
+            depth * float(state[0]),
+            SPEED * float(state[1]),
+            SPEED,
+            STIFFNESS,
+            exponent,
+            damping,
+        )
+        return [float(state[1]), -force * unit / (MASS * SPEED)]
+
+    def parts(_: float, state: NDArray[np.float64]) -> float:
+        return float(state[0])
+
+    def deepest(_: float, state: NDArray[np.float64]) -> float:
+        return float(state[1])
+
+    vars(parts).update(terminal=True, direction=-1.0)
+    motion = solve_ivp(
+        rate,
+        (0.0, 100.0),
+        [0.0, 1.0],
+        method="DOP853",
+        rtol=1e-12,
+        atol=1e-14,
+        max_step=0.1,
+        events=(parts, deepest),
+    )
+    assert motion.status == 1
+    return _Impact(
+        restitution=-float(motion.y_events[0][0, 1]),
+        penetration=depth * float(motion.y_events[1][0, 0]),
+        duration=unit * float(motion.t_events[0][0]),
+    )
+
+
+@pytest.mark.parametrize(("law", "nominal", "damping", "delivered"), DELIVERED)
+def test_table_of_delivered_restitution(
+    law: str, nominal: float, damping: float, delivered: float
+) -> None:
+    assert delivered_restitution(damping) == pytest.approx(delivered, abs=PRINTED)
+    if law == "lankarani-nikravesh":
+        assert lankarani_nikravesh_damping(nominal) == pytest.approx(damping, rel=1e-14)
+
+
+@pytest.mark.parametrize("exponent", EXPONENTS)
+@pytest.mark.parametrize(("law", "nominal", "damping", "delivered"), DELIVERED)
+def test_impact_gives_back_what_the_table_says(
+    law: str, nominal: float, damping: float, delivered: float, exponent: float
+) -> None:
+    impact = _impact(exponent, damping)
+    assert impact.restitution == pytest.approx(delivered, abs=1e-8), (law, nominal)
+    assert impact.restitution == pytest.approx(delivered_restitution(damping), abs=1e-8)
+    closed = greatest_penetration(MASS, SPEED, STIFFNESS, exponent, damping)
+    assert impact.penetration == pytest.approx(closed, rel=1e-8)
+
+
+@pytest.mark.parametrize("exponent", EXPONENTS)
+def test_elastic_impact_gives_everything_back(exponent: float) -> None:
+    impact = _impact(exponent, 0.0)
+    assert impact.restitution == pytest.approx(1.0, abs=1e-9)
+    assert delivered_restitution(0.0) == 1.0
+    energy = 0.5 * MASS * SPEED**2
+    stored = STIFFNESS * impact.penetration ** (exponent + 1.0) / (exponent + 1.0)
+    assert stored == pytest.approx(energy, rel=1e-9)
+
+
+def test_duration_of_an_elastic_hertz_impact() -> None:
+    impact = _impact(1.5, 0.0)
+    deepest = (5.0 * MASS * SPEED**2 / (4.0 * STIFFNESS)) ** 0.4
+    assert greatest_penetration(MASS, SPEED, STIFFNESS, 1.5, 0.0) == pytest.approx(
+        deepest, rel=1e-14
+    )
+    assert impact.duration == pytest.approx(2.9432751843 * deepest / SPEED, rel=1e-8)
+
+
+def test_linear_spring_is_half_a_sine() -> None:
+    impact = _impact(1.0, 0.0)
+    assert impact.duration == pytest.approx(math.pi * math.sqrt(MASS / STIFFNESS), rel=1e-9)
+    assert impact.penetration == pytest.approx(SPEED * math.sqrt(MASS / STIFFNESS), rel=1e-9)
+
+
+def test_restitution_depends_on_neither_stiffness_nor_speed() -> None:
+    """Bouncing through many impacts loses the same part each time."""
+    first = _impact(1.5, 0.1425).restitution
+    soft = delivered_restitution(0.1425)
+    assert first == pytest.approx(soft, abs=1e-8)

@@ -1,0 +1,87 @@
+"""The commands as a person types them."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from presswear.__main__ import main
+
+
+@pytest.mark.parametrize(
+    ("arguments", "names"),
+    [
+        (["run", "nonsense"], ("nonsense", "wear-times")),
+        (["run", "wear-times", "--set", "colour=red"], ("colour", "clearance")),
+        (["run", "wear-times", "--set", "clearance=0.8"], ("clearance", "unit", "0.8mm")),
+        (["run", "wear-times", "--set", "clearance=thick"], ("clearance", "thick")),
+        (["run", "wear-times", "--set", "clearance=15mm"], ("clearance", "0.015 m")),
+        (["run", "wear-times", "--set", "length_3=0.1m"], ("assembled", "joint B")),
+        (["run", "wear-times", "--set", "length_5=0.05m"], ("assembled", "joint E")),
+        (["run", "wear-times", "--set", "friction=inf"], ("friction",)),
+        (["run", "wear-times", "--cycles", "0"], ("cycles", "1 to")),
+        (["run", "wear-times", "--cycles", "many"], ("cycles", "many")),
+        (["run", "wear-times", "--conventions", "mine"], ("mine", "refined")),
+        (["run", "wear-times", "--engine", "steam"], ("steam", "exudyn")),
+        (["run"], ("scene",)),
+        (["dance"], ("dance", "run")),
+        (["report", "nowhere"], ("nowhere", "result.json")),
+        (["list", "nonsense"], ("nonsense", "ideal")),
+    ],
+)
+def test_bad_input_is_one_line_and_exit_code_2(
+    arguments: list[str],
+    names: tuple[str, ...],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(arguments) == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err.count("\n") == 1
+    for name in names:
+        assert name in captured.err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_list_names_the_scenes(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["list"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in lines] == ["ideal", "wear-times"]
+
+
+def test_list_shows_what_can_be_set(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["list", "wear-times"]) == 0
+    assert "clearance            0.0008 m" in capsys.readouterr().out
+
+
+def test_run_ideal_and_report(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = tmp_path / "ideal"
+    assert main(["run", "ideal", "--cycles", "1", "--out", str(folder)]) == 0
+    assert json.loads((folder / "result.json").read_text())["status"] == "completed"
+    report = folder / "report.html"
+    assert report.stat().st_size > 10_000
+    report.unlink()
+    assert main(["report", str(folder)]) == 0
+    assert report.exists()
+    assert main(["run", "ideal", "--out", str(folder)]) == 2
+    assert "not empty" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", [[], ["run"], ["list"], ["report"]])
+def test_every_help_has_an_example(command: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as ended:
+        main([*command, "--help"])
+    assert ended.value.code == 0
+    assert "example: presswear" in capsys.readouterr().out
+
+
+def test_the_module_runs_as_a_command() -> None:
+    found = subprocess.run(
+        [sys.executable, "-m", "presswear", "list"], capture_output=True, text=True, check=True
+    )
+    assert "wear-times" in found.stdout
