@@ -59,8 +59,9 @@ class Pose(NamedTuple):
 class Contact(NamedTuple):
     """Geometry of the pin in its bearing at one instant; SI units.
 
-    ``pin_arm`` and ``bearing_arm`` are the distances of the contact point from the
-    two centres, along n.  ``direction`` is phi.
+    ``rate`` is that of the penetration, ``approach`` that of |e|; they differ where a
+    worn profile slopes.  ``pin_arm`` and ``bearing_arm`` are the distances of the
+    contact point from the two centres, along n.  ``direction`` is phi.
     """
 
     penetration: float
@@ -73,6 +74,7 @@ class Contact(NamedTuple):
     eccentricity: float
     pin_arm: float
     bearing_arm: float
+    approach: float
 
 
 class Load(NamedTuple):
@@ -141,7 +143,8 @@ def contact_between(
         # A pin exactly in the centre touches nothing: any direction serves.
         nx, ny, turning, direction = 1.0, 0.0, 0.0, 0.0
     penetration = eccentricity - joint.clearance
-    rate = vx * nx + vy * ny
+    approach = vx * nx + vy * ny
+    rate = approach
     pin_radius = joint.pin_radius
     bearing_radius = joint.bearing_radius
     if bearing_depth.shape[0] > 0:
@@ -170,6 +173,7 @@ def contact_between(
         eccentricity,
         pin_arm,
         bearing_arm,
+        approach,
     )
 
 
@@ -274,8 +278,7 @@ def penetration_acceleration(
     turning = contact.turning
     result = ax * nx + ay * ny + turning * turning * contact.eccentricity
     if surfaces.shape[2] > 0:
-        radial = (pin.vx - bearing.vx) * nx + (pin.vy - bearing.vy) * ny
-        turning_t = (ay * nx - ax * ny - 2.0 * radial * turning) / contact.eccentricity
+        turning_t = (ay * nx - ax * ny - 2.0 * contact.approach * turning) / contact.eccentricity
         turns = joint.map_turns
         for row, angle, spin, spin_t in (
             (0, bearing.angle, bearing.spin, bearing_spin_t),

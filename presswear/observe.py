@@ -6,16 +6,16 @@ the first cycles only; everything else is one row a cycle or a running sum.
 
 import math
 from dataclasses import dataclass, field
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.clearance import contact_of, load_of, pack_joints, pack_surfaces
+from presswear.clearance import Contact, contact_of, load_of, pack_joints, pack_surfaces
 from presswear.compiled import Records, compiled
 from presswear.linkage import ClearanceJoint, Linkage
 from presswear.touch import TALLY, TOUCH
-from presswear.wear import deposit_in_bin, deposit_over_arc, pack_wear, slip_speed
+from presswear.wear import deposit_in_bin, deposit_over_arc, pack_wear
 
 Array = NDArray[np.float64]
 
@@ -58,41 +58,74 @@ RECORD = np.dtype(
 """Where the recording stands."""
 
 
-@compiled
-def observe(
-    joints: Records,
-    wear: Records,
-    onset: Array,
-    touch: Records,
-    tally: Records,
-    record: Records,
-    series: Array,
-    cycle: Array,
-    depth: Array,
-    pressure: Array,
-    surfaces: Array,
-    t: float,
-    h: float,
-    q: Array,
-    v: Array,
-    a: Array,
-) -> None:
-    """Account for one accepted step that ended in the given state.
+class Book(NamedTuple):
+    """The arrays that the kernels fill during one run.
 
-    Parameters
+    Attributes
     ----------
+    joints, wear : records of JOINT and WEAR
+    surfaces : ndarray, shape (joints, 4, m)
     onset : ndarray, shape (joints,)
-        Latched closing speeds, 0 where open.
+        Latched closing speeds, 0 where open, m/s.
+    touch, tally : records of TOUCH and TALLY
+    record : one record of RECORD
     series : ndarray, shape (rows, SERIES_FIXED + SERIES_JOINT joints)
+    episodes : ndarray, shape (joints, rows, 6)
     cycle : ndarray, shape (CYCLE_FIXED + CYCLE_JOINT joints,)
         Row of the present cycle.
     depth : ndarray, shape (joints, 2, m)
         Depth that the present cycle added to bearing and pin, m.
-    h : float
-        Length of the step, s.
+    doses : ndarray, shape (joints, 2)
+        F_n ds, N m, and p ds, N/m, of the last step.
+    pressure : ndarray
+        Working space of one contact arc.
     """
+
+    joints: Records
+    wear: Records
+    surfaces: Array
+    onset: Array
+    touch: Records
+    tally: Records
+    record: Records
+    series: Array
+    episodes: Array
+    cycle: Array
+    depth: Array
+    doses: Array
+    pressure: Array
+
+
+@compiled
+def deposit(book: Book, k: int, contact: Contact, bearing_angle: float, pin_angle: float) -> None:
+    """Add the wear of the last step's doses to the maps of joint ``k``."""
+    law = book.wear[k]
+    joint = book.joints[k]
+    if law.over_arc:
+        deposit_over_arc(
+            book.depth[k],
+            law,
+            joint,
+            book.surfaces[k],
+            contact,
+            bearing_angle,
+            pin_angle,
+            book.doses[k, 0],
+            book.pressure,
+        )
+    else:
+        deposit_in_bin(
+            book.depth[k], law, joint, contact, bearing_angle, pin_angle, book.doses[k, 1]
+        )
+
+
+@compiled
+def observe(book: Book, t: float, h: float, q: Array, v: Array, a: Array) -> None:
+    """Account for one accepted step of length ``h``, s, that ended in the given state."""
+    joints, touch, tally, series = book.joints, book.touch, book.tally, book.series
+    cycle = book.cycle
+    state = book.record[0]
     count = joints.shape[0]
-    state = record[0]
     i = state.probe
     displacement = state.probe_cos * q[i] + state.probe_sin * q[i + 1] - state.start
     velocity = state.probe_cos * v[i] + state.probe_sin * v[i + 1]
@@ -108,40 +141,19 @@ def observe(
     has_room = row < min(state.room, series.shape[0])
     is_due = row == 0 or t - state.last_time >= state.interval
     for k in range(count):
-        contact, bearing, pin = contact_of(joints, k, surfaces, q, v)
-        load = load_of(joints[k], onset[k], contact, bearing, pin)
+        contact, bearing, pin = contact_of(joints, k, book.surfaces, q, v)
+        load = load_of(joints[k], book.onset[k], contact, bearing, pin)
         counts = tally[k]
         base = CYCLE_FIXED_COUNT + CYCLE_JOINT_COUNT * k
         if load.normal > 0.0:
-            # A step that began open carries force only since the touch.
             duration = min(h, t - touch[k].onset_time)
-            dose = (
-                load.normal
-                * slip_speed(wear[k].slip_by_angle, joints[k].pin_radius, contact)
-                * duration
-            )
             counts.closed_time += duration
             counts.peak_force = max(counts.peak_force, load.normal)
             touch[k].peak_force = max(touch[k].peak_force, load.normal)
             cycle[base] = max(cycle[base], load.normal)
-            cycle[base + 1] += dose
-            if wear[k].coefficient > 0.0 and dose > 0.0:
-                if wear[k].over_arc:
-                    deposit_over_arc(
-                        depth[k],
-                        wear[k],
-                        joints[k],
-                        surfaces[k],
-                        contact,
-                        bearing.angle,
-                        pin.angle,
-                        dose,
-                        pressure,
-                    )
-                else:
-                    deposit_in_bin(
-                        depth[k], wear[k], joints[k], contact, bearing.angle, pin.angle, dose
-                    )
+        cycle[base + 1] += book.doses[k, 0]
+        if book.doses[k, 0] > 0.0 and book.wear[k].coefficient > 0.0:
+            deposit(book, k, contact, bearing.angle, pin.angle)
         cycle[base + 2] = counts.contacts
         if has_room:
             column = SERIES_FIXED + SERIES_JOINT * k
@@ -165,24 +177,19 @@ def observe(
 
 @dataclass
 class Account:
-    """The arrays that the kernels fill during one run; made anew for every run.
+    """What one run has observed so far; made anew for every run.
 
-    Shapes: ``series`` (rows, 4 + 6 joints), ``episodes`` (joints, rows, 6), ``cycle``
-    (5 + 3 joints,), ``depth`` (joints, 2, m).
+    Attributes
+    ----------
+    book : Book
+        What the kernels fill.
+    cycles : list of ndarray
+        One row per finished cycle, columns CYCLE_FIXED and CYCLE_JOINT.
+    depth_sum, depth_square_sum : ndarray, shape (joints, 2, m)
+        Sums over finished cycles of the depth added and of its square.
     """
 
-    joints: Records
-    wear: Records
-    surfaces: Array
-    onset: Array
-    touch: Records
-    tally: Records
-    record: Records
-    series: Array
-    episodes: Array
-    cycle: Array
-    depth: Array
-    pressure: Array
+    book: Book
     cycles: list[Array] = field(default_factory=list)
     depth_sum: Array = field(default_factory=lambda: np.zeros(0))
     depth_square_sum: Array = field(default_factory=lambda: np.zeros(0))
@@ -220,7 +227,7 @@ class Account:
         )
         rows = recorded_cycles * (ROWS_AT_MOST if count else 2 * ROWS_AT_LEAST)
         shape = (count, 2, angles)
-        account = Account(
+        book = Book(
             joints=joints,
             wear=pack_wear(linkage),
             surfaces=pack_surfaces(linkage),
@@ -232,52 +239,43 @@ class Account:
             episodes=np.zeros((count, recorded_cycles * EPISODES_AT_MOST, len(EPISODE_COLUMNS))),
             cycle=np.zeros(len(CYCLE_FIXED) + len(CYCLE_JOINT) * count),
             depth=np.zeros(shape),
+            doses=np.zeros((count, 2)),
             pressure=np.zeros(PRESSURE_POINTS),
-            depth_sum=np.zeros(shape),
-            depth_square_sum=np.zeros(shape),
         )
+        account = Account(book, depth_sum=np.zeros(shape), depth_square_sum=np.zeros(shape))
         account.start_cycle()
         return account
 
-    def kernel_arguments(self, steps: Records) -> tuple[Any, ...]:
-        """The trailing arguments of ``accept_step``."""
-        return (
-            self.joints,
-            self.wear,
-            self.onset,
-            self.touch,
-            self.tally,
-            self.record,
-            steps,
-            self.series,
-            self.episodes,
-            self.cycle,
-            self.depth,
-            self.pressure,
-            self.surfaces,
-        )
+    @property
+    def rows(self) -> Array:
+        """Series rows written so far, shape (n, SERIES_FIXED + SERIES_JOINT joints)."""
+        return self.book.series[: int(self.book.record["rows"][0])]
+
+    def episodes(self, k: int) -> Array:
+        """Recorded contacts of joint ``k``, shape (n, 6), columns EPISODE_COLUMNS."""
+        return self.book.episodes[k, : int(self.book.tally["episodes"][k])]
 
     def stop_recording(self) -> None:
         """Keep no further series rows and episodes."""
-        self.record["room"] = 0
+        self.book.record["room"] = 0
 
     def start_cycle(self) -> None:
         """Clear the row and the maps of the present cycle."""
-        self.cycle[:] = 0.0
-        self.cycle[0] = self.cycle[2] = -math.inf
-        self.cycle[1] = math.inf
-        self.depth[:] = 0.0
+        self.book.cycle[:] = 0.0
+        self.book.cycle[0] = self.book.cycle[2] = -math.inf
+        self.book.cycle[1] = math.inf
+        self.book.depth[:] = 0.0
 
     @property
     def last_time(self) -> float:
         """Time of the last accepted state, s."""
-        return float(self.record["now"][0])
+        return float(self.book.record["now"][0])
 
     def end_cycle(self) -> None:
         """File the present cycle and start the next."""
-        self.cycles.append(self.cycle.copy())
-        self.depth_sum += self.depth
-        self.depth_square_sum += self.depth**2
+        self.cycles.append(self.book.cycle.copy())
+        self.depth_sum += self.book.depth
+        self.depth_square_sum += self.book.depth**2
         self.start_cycle()
 
 

@@ -47,7 +47,7 @@ def write_whole(path: Path, write: Callable[[BinaryIO], None]) -> None:
 def stage_arrays(stage: Stage) -> dict[str, Array]:
     """The arrays of one stage under their contracted names; SI units."""
     account = stage.run.account
-    series = account.series[: int(account.record["rows"][0])]
+    series = account.rows
     arrays: dict[str, Array] = {"time": series[:, 0], "slider": series[:, 1:SERIES_FIXED]}
     for k, joint in enumerate(stage.linkage.clearances):
         own = series[:, SERIES_FIXED + SERIES_JOINT * k :][:, :SERIES_JOINT]
@@ -56,7 +56,7 @@ def stage_arrays(stage: Stage) -> dict[str, Array]:
         arrays[f"{name}_penetration"] = own[:, 2]
         arrays[f"{name}_force"] = own[:, 3:5]
         arrays[f"{name}_sliding"] = own[:, 5]
-        arrays[f"{name}_contacts"] = account.episodes[k, : int(account.tally[k]["episodes"])]
+        arrays[f"{name}_contacts"] = account.episodes(k)
         bins = stage.added.shape[2]
         arrays["angle"] = bin_centres(bins)
         for side, surface, added in (

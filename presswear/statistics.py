@@ -75,7 +75,7 @@ def joint_statistics(
     rows = np.array(account.cycles)
     first = len(CYCLE_FIXED) + len(CYCLE_JOINT) * k
     force, dose = rows[:, first], rows[:, first + 1]
-    tally = account.tally[k]
+    tally = account.book.tally[k]
     contacts = int(tally["contacts"])
     both = added.sum(axis=0) if joint.map_frame == "fixed" else None
     degrees = np.degrees(bin_centres(added.shape[1]))

@@ -5,9 +5,11 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.clearance import contact_of, load_of
 from presswear.compiled import Records, compiled
-from presswear.observe import observe
+from presswear.observe import Book, observe
 from presswear.touch import next_step, settle
+from presswear.wear import dose_rates
 
 Array = NDArray[np.float64]
 
@@ -22,49 +24,29 @@ def all_finite(q: Array, v: Array) -> bool:
 
 
 @compiled
-def accept_step(
-    t: float,
-    h: float,
-    q: Array,
-    v: Array,
-    a: Array,
-    joints: Records,
-    wear: Records,
-    onset: Array,
-    touch: Records,
-    tally: Records,
-    record: Records,
-    steps: Records,
-    series: Array,
-    episodes: Array,
-    cycle: Array,
-    depth: Array,
-    pressure: Array,
-    surfaces: Array,
-) -> float:
-    """Settle contact, account for the step and choose the next; NaN for a broken state.
+def rectangle_doses(book: Book, t: float, h: float, q: Array, v: Array) -> None:
+    """Doses of wear of a step from the state at its end.
 
-    Arguments as in ``settle``, ``observe`` and ``next_step``.
+    Over a whole contact this is the trapezoidal rule, since the force is zero at
+    both ends.  A step that began open carries force only since the touch.
     """
+    for k in range(book.joints.shape[0]):
+        contact, bearing, pin = contact_of(book.joints, k, book.surfaces, q, v)
+        load = load_of(book.joints[k], book.onset[k], contact, bearing, pin)
+        work, pressure = dose_rates(book.wear[k], book.joints[k], contact, load.normal)
+        duration = min(h, t - book.touch[k].onset_time)
+        book.doses[k, 0] = work * duration
+        book.doses[k, 1] = pressure * duration
+
+
+@compiled
+def accept_step(
+    book: Book, steps: Records, t: float, h: float, q: Array, v: Array, a: Array
+) -> float:
+    """Settle contact, account for the step and choose the next; NaN for a broken state."""
     if not all_finite(q, v):
         return math.nan
-    settle(joints, onset, touch, tally, episodes, surfaces, t, q, v)
-    observe(
-        joints,
-        wear,
-        onset,
-        touch,
-        tally,
-        record,
-        series,
-        cycle,
-        depth,
-        pressure,
-        surfaces,
-        t,
-        h,
-        q,
-        v,
-        a,
-    )
-    return next_step(joints, onset, touch, steps, surfaces, q, v, a)
+    settle(book.joints, book.onset, book.touch, book.tally, book.episodes, book.surfaces, t, q, v)
+    rectangle_doses(book, t, h, q, v)
+    observe(book, t, h, q, v, a)
+    return next_step(book.joints, book.onset, book.touch, steps, book.surfaces, q, v, a)

@@ -15,7 +15,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.clearance import contact_of, penetration_acceleration
+from presswear.clearance import Contact, contact_of, penetration_acceleration
 from presswear.compiled import Records, compiled
 
 Array = NDArray[np.float64]
@@ -43,7 +43,7 @@ TALLY = np.dtype(
     [
         ("contacts", np.int64),  # completed
         ("episodes", np.int64),  # of them kept as rows
-        ("unresolved", np.int64),  # of fewer than 20 steps
+        ("unresolved", np.int64),  # of fewer than LEAST_STEPS
         ("fewest_steps", np.int64),
         ("peak_force", np.float64),  # of the run so far, N
         ("closed_time", np.float64),  # s
@@ -63,6 +63,9 @@ STEPS = np.dtype(
 
 SETTLED = 2e-5
 COARSE = 5.0
+
+LEAST_STEPS = 20
+"""Steps that every contact gets, unless it is shorter than so many shortest steps."""
 
 LANDING = 0.02
 """A step towards a touch ends this part of a contact step behind it."""
@@ -149,9 +152,8 @@ def step_in_contact(last: Records, steps: Records, part: float, acceleration: fl
     if last.steps <= 1:
         # A touch that the surrounding motion pulls open again may be far shorter
         # than an impact.
-        last.longest_step = math.inf
         if last.rate > 0.0 and acceleration < 0.0:
-            last.longest_step = 2.0 * last.rate / -acceleration / parts
+            last.longest_step = min(last.longest_step, 2.0 * last.rate / -acceleration / parts)
     elif last.steps > parts:
         last.longest_step *= 1.2
         error = last.step * last.step / 12.0 * abs(acceleration - last.acceleration)
@@ -163,7 +165,40 @@ def step_in_contact(last: Records, steps: Records, part: float, acceleration: fl
 
 
 @compiled
-def late_touch(
+def late_touch(joint: Records, last: Records, steps: Records, contact: Contact, h: float) -> float:
+    """Step, s, that ends just behind a touch which the trial state is too far past; else -1."""
+    s = crossing(last.penetration, last.rate, contact.penetration, contact.rate, h)
+    if s > 1.0:
+        return -1.0
+    closing = hermite(last.penetration, last.rate, contact.penetration, contact.rate, h, s)[1]
+    part = contact_step(
+        joint.stiffness, joint.exponent, last.effective_mass, 0.0, closing, steps.per_contact
+    )
+    if contact.penetration > 0.0 and (1.0 - s) * h <= OVERSHOOT * part:
+        return -1.0
+    return max(s * h + min(LANDING * part, 0.1 * h), steps.least)
+
+
+@compiled
+def early_separation(last: Records, steps: Records, contact: Contact, h: float) -> float:
+    """Step, s, that still divides a touch finely which the trial state has ended; else -1.
+
+    A pin that skims a bump can leave sooner than the state at its touch let expect.
+    The shorter step holds for the rest of the touch.
+    """
+    missing = LEAST_STEPS - last.steps
+    if contact.penetration > 0.0 or missing <= 0 or last.started_closed:
+        return -1.0
+    s = crossing(-last.penetration, -last.rate, -contact.penetration, -contact.rate, h)
+    wanted = max(min(s, 1.0) * h / (missing + 1), steps.least)
+    if wanted > 0.7 * h:
+        return -1.0
+    last.longest_step = wanted
+    return wanted
+
+
+@compiled
+def shorter_step(
     joints: Records,
     onset: Array,
     touch: Records,
@@ -173,31 +208,19 @@ def late_touch(
     q: Array,
     v: Array,
 ) -> float:
-    """Step, s, that would have ended at a touch which the trial state is too far behind.
-
-    Returns -1 when the trial state is acceptable.
-    """
+    """Step, s, with which a trial step has to be repeated; -1 if it is acceptable."""
     shortest = -1.0
     for k in range(joints.shape[0]):
-        if onset[k] > 0.0:
-            continue
-        joint = joints[k]
         last = touch[k]
         h = t - last.time
         if h <= steps[0].least:
             continue
         contact = contact_of(joints, k, surfaces, q, v)[0]
-        s = crossing(last.penetration, last.rate, contact.penetration, contact.rate, h)
-        if s > 1.0:
-            continue
-        closing = hermite(last.penetration, last.rate, contact.penetration, contact.rate, h, s)[1]
-        part = contact_step(
-            joint.stiffness, joint.exponent, last.effective_mass, 0.0, closing, steps[0].per_contact
-        )
-        if contact.penetration > 0.0 and (1.0 - s) * h <= OVERSHOOT * part:
-            continue
-        wanted = max(s * h + min(LANDING * part, 0.1 * h), steps[0].least)
-        if shortest < 0.0 or wanted < shortest:
+        if onset[k] > 0.0:
+            wanted = early_separation(last, steps[0], contact, h)
+        else:
+            wanted = late_touch(joints[k], last, steps[0], contact, h)
+        if wanted > 0.0 and (shortest < 0.0 or wanted < shortest):
             shortest = wanted
     return shortest
 
@@ -233,12 +256,13 @@ def settle(
             onset[k] = max(closing, 1e-300)
             last.steps = 0
             last.peak_force = 0.0
+            last.longest_step = math.inf
         elif onset[k] > 0.0 and contact.penetration <= 0.0:
             count = tally[k]
             if not last.started_closed:
                 count.contacts += 1
                 count.fewest_steps = min(count.fewest_steps, last.steps)
-                if last.steps < 20:
+                if last.steps < LEAST_STEPS:
                     count.unresolved += 1
                 row = count.episodes
                 if row < episodes.shape[1]:

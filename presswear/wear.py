@@ -29,6 +29,9 @@ WEAR = np.dtype(
 )
 """A wear law as the kernels see it."""
 
+SLIGHTEST_PENETRATION = 1e-15
+"""Penetration below which a contact arc is a point, m."""
+
 ARC_SAMPLES = 16
 """Points of the pressure distribution on each half of a round joint's contact arc."""
 
@@ -65,16 +68,13 @@ def contact_area(
 
 
 @compiled
-def deposit_in_bin(
-    depth: Array,
-    law: Records,
-    joint: Records,
-    contact: Contact,
-    bearing_angle: float,
-    pin_angle: float,
-    dose: float,
-) -> None:
-    """Add the wear of a dose F_n ds, N m, to the bins of the contact."""
+def dose_rates(
+    law: Records, joint: Records, contact: Contact, normal: float
+) -> tuple[float, float]:
+    """Rates of the two doses of wear: F_n ds/dt, W, and p ds/dt, W/m^2, with p = F_n / A."""
+    if normal <= 0.0:
+        return 0.0, 0.0
+    work = normal * slip_speed(law.slip_by_angle, joint.pin_radius, contact)
     indentation = 0.5 * contact.penetration
     area = contact_area(
         contact.penetration,
@@ -83,7 +83,27 @@ def deposit_in_bin(
         contact.pin_arm + indentation,
         joint.width,
     )
-    added = law.coefficient * dose / area
+    return work, work / area
+
+
+@compiled
+def deposit_in_bin(
+    depth: Array,
+    law: Records,
+    joint: Records,
+    contact: Contact,
+    bearing_angle: float,
+    pin_angle: float,
+    pressure_dose: float,
+) -> None:
+    """Add the wear of a dose p ds, N/m, to the bins of the contact.
+
+    Parameters
+    ----------
+    depth : ndarray, shape (2, m)
+        Depth of bearing and pin, m.
+    """
+    added = law.coefficient * pressure_dose
     count = depth.shape[1]
     turns = joint.map_turns
     bearing_bin = bin_of(contact.direction - turns * bearing_angle, count)
@@ -114,7 +134,9 @@ def deposit_over_arc(
     turns = joint.map_turns
     bearing_zero = turns * bearing_angle
     pin_zero = turns * pin_angle
-    half_arc = math.sqrt(2.0 * contact.penetration / contact.eccentricity)
+    # A step that ends with the separation leaves its wear where the pin last was.
+    penetration = max(contact.penetration, SLIGHTEST_PENETRATION)
+    half_arc = math.sqrt(2.0 * penetration / contact.eccentricity)
     step = half_arc / ARC_SAMPLES
     # A groove that fits the pin may hold it over much more than the round arc.
     most = min(int(math.pi / step), pressure.shape[0] // 2 - 1)

@@ -13,7 +13,7 @@ def main() -> None:
     scene = ideal()
     stage = run_stage(scene, 0, {}, Watcher())
     account = stage.run.account
-    time, displacement = account.series[: int(account.record["rows"][0]), :2].T
+    time, displacement = account.rows[:, :2].T
     column = 3 * stage.linkage.index("slider 6") + 1
     exact = scene.press.ideal_motion(time).position[:, column]
     print(f"stroke {np.ptp(exact):.4f} m")

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.typing import NDArray
 
-from presswear.surface import Surface, bin_centres, bin_of, monotone_slopes, profile
+from presswear.surface import Surface, bin_centres, bin_of, curvature, monotone_slopes, profile
 
 Array = NDArray[np.float64]
 
@@ -108,6 +108,19 @@ def test_slope_is_the_derivative_inside_an_interval_to_second_order() -> None:
         assert slope == pytest.approx((ahead - behind) / (2.0 * step), abs=1e-12)
 
 
+def test_curvature_is_the_derivative_of_the_slope_inside_an_interval() -> None:
+    surface = Surface(np.array([0.0, 1e-6, 3e-6, 2e-6, 2e-6, 5e-6, 1e-6, 0.5e-6]))
+    step = 1e-3
+    for angle in np.concatenate([bin_centres(8) + 0.3, bin_centres(8) - 0.1]):
+        ahead, behind = (
+            profile(surface.depth, surface.slope, float(angle) + d)[1] for d in (step, -step)
+        )
+        # The slope is a parabola there: a central difference has no truncation error.
+        curved = curvature(surface.depth, surface.slope, float(angle))
+        assert curved == pytest.approx((ahead - behind) / (2.0 * step), abs=1e-17 / step)
+    assert curvature(np.zeros(0), np.zeros(0), 1.0) == 0.0
+
+
 def test_slope_is_zero_at_an_extremum_and_harmonic_on_a_rise() -> None:
     depth = np.array([0.0, 1.0, 3.0, 3.0, 0.0, 0.0])
     width = TURN / 6.0
@@ -116,10 +129,10 @@ def test_slope_is_zero_at_an_extremum_and_harmonic_on_a_rise() -> None:
     np.testing.assert_allclose(monotone_slopes(depth), expected, rtol=1e-14)
 
 
-def test_a_parabola_between_three_bins_by_hand() -> None:
+def test_halfway_up_a_step_by_hand() -> None:
     # Halfway up a symmetric step between flats: half the height, slope 3/2 per bin.
     surface = Surface(np.array([0.0, 0.0, 2.0, 2.0]))
-    value, slope = profile(surface.depth, surface.slope, 0.5 * math.pi * 2.0)
+    value, slope = profile(surface.depth, surface.slope, math.pi)
     assert value == pytest.approx(1.0, rel=1e-14)
     assert slope == pytest.approx(1.5 * 2.0 / (0.5 * math.pi), rel=1e-14)
 

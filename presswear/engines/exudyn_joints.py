@@ -28,7 +28,7 @@ from presswear.engines.base import Accuracy, Plan, Run, Start, Status
 from presswear.linkage import GROUND, Attachment, Linkage
 from presswear.observe import Account
 from presswear.stepping import accept_step
-from presswear.touch import late_touch
+from presswear.touch import shorter_step
 
 Array = NDArray[np.float64]
 
@@ -175,7 +175,7 @@ def _assemble(linkage: Linkage, start: Start, account: Account) -> _Model:
 
 def _connector(account: Account, k: int, model: _Model) -> Callable[..., Array]:
     """User function of clearance joint ``k``: reads the live state, not its arguments."""
-    joints, onset, surfaces = account.joints, account.onset, account.surfaces
+    joints, onset, surfaces = account.book.joints, account.book.onset, account.book.surfaces
     out = np.zeros(6)
 
     def force(system: Any, t: float, item: int, q: Any, v: Any) -> Array:
@@ -221,8 +221,8 @@ def _watch(
     """The functions for PostStep (accept, account, choose) and PostNewton (send back)."""
     duration = plan.cycle * plan.cycles
     at = _Progress(cycle_end=plan.cycle)
-    joints, onset, touch, surfaces = account.joints, account.onset, account.touch, account.surfaces
-    kept = account.kernel_arguments(steps)
+    book = account.book
+    joints, onset, touch, surfaces = book.joints, book.onset, book.touch, book.surfaces
     q, v, a = model.q, model.v, model.a
 
     def close_cycle() -> bool:
@@ -238,7 +238,7 @@ def _watch(
 
     def post_step(system: Any, t: float) -> bool:
         try:
-            following = accept_step(t, t - at.last_time, q, v, a, *kept)
+            following = accept_step(book, steps, t, t - at.last_time, q, v, a)
             at.last_time = t
             at.steps += 1
             if following != following:
@@ -255,7 +255,7 @@ def _watch(
         return True
 
     def post_newton(system: Any, t: float) -> list[float]:
-        shorter = late_touch(joints, onset, touch, steps, surfaces, t, q, v)
+        shorter = shorter_step(joints, onset, touch, steps, surfaces, t, q, v)
         if shorter < 0.0:
             return [0.0, -1.0]
         at.sent_back += 1
@@ -268,11 +268,11 @@ def _warm_up(linkage: Linkage, start: Start, steps: Records) -> None:
     """Compile every kernel, or load it from the cache, on a state thrown away."""
     account = Account.of(linkage, start.position, 1, 1.0)
     q, v = np.array(start.position), np.array(start.velocity)
-    accept_step(0.0, 0.0, q, v, np.zeros_like(q), *account.kernel_arguments(steps))
+    accept_step(account.book, steps, 0.0, 0.0, q, v, np.zeros_like(q))
     if linkage.clearances:
-        joints, onset, surfaces = account.joints, account.onset, account.surfaces
+        joints, onset, surfaces = account.book.joints, account.book.onset, account.book.surfaces
         connector_force(joints, 0, onset, surfaces, q, v, np.zeros(6))
-        late_touch(joints, onset, account.touch, steps, surfaces, 0.0, q, v)
+        shorter_step(joints, onset, account.book.touch, steps, surfaces, 0.0, q, v)
 
 
 def simulate(linkage: Linkage, start: Start, accuracy: Accuracy, plan: Plan) -> Run:

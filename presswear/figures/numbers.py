@@ -2,10 +2,24 @@
 
 import math
 
+_SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+_MOST_DECIMALS = 6
+"""Decimals beyond which a mean is no longer written out to the digits of its interval."""
+
 
 def _decimals(value: float, digits: int) -> int:
     """Decimals that leave a number its significant digits; negative left of the point."""
     return digits - 1 - math.floor(math.log10(abs(value)))
+
+
+def _written(number: str, power: int = 0) -> str:
+    """A number's text with narrow spaces, a real minus sign and a power of ten."""
+    text = number.replace(",", "\u202f").replace("-", "−")
+    if power == 0:
+        return text
+    return f"{text}·10{str(power).translate(_SUPERSCRIPT)}"
 
 
 def readable(value: float | None, digits: int = 3) -> str:
@@ -15,16 +29,22 @@ def readable(value: float | None, digits: int = 3) -> str:
     if value == 0.0:
         return "0"
     rounded = round(value, _decimals(value, digits))
-    if 1e-2 <= abs(rounded) < 1e6:
-        return f"{rounded:,.{max(_decimals(rounded, digits), 0)}f}".replace(",", "\u202f")
-    power = 3 * math.floor(math.log10(abs(rounded)) / 3.0)
-    superscript = str(power).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
-    return f"{readable(rounded / 10.0**power, digits)}·10{superscript}"
+    power = 0
+    if not 1e-2 <= abs(rounded) < 1e6:
+        power = 3 * math.floor(math.log10(abs(rounded)) / 3.0)
+        rounded /= 10.0**power
+    return _written(f"{rounded:,.{max(_decimals(rounded, digits), 0)}f}", power)
+
+
+def given(value: float) -> str:
+    """A number that a person chose, as short as it was chosen."""
+    mantissa, _, power = f"{value:.6g}".partition("e")
+    return _written(mantissa, int(power or 0))
 
 
 def whole(value: float | None) -> str:
     """A count, its thousands set apart."""
-    return "–" if value is None else f"{round(value):,}".replace(",", "\u202f")
+    return "–" if value is None else _written(f"{round(value):,}")
 
 
 def with_interval(mean: float | None, half_width: float | None) -> str:
@@ -33,11 +53,9 @@ def with_interval(mean: float | None, half_width: float | None) -> str:
         return "–"
     if half_width is None or not math.isfinite(half_width):
         return f"{readable(mean)} (too few cycles)"
-    if half_width == 0.0 or abs(half_width) < 1e-9 * abs(mean):
-        return f"{readable(mean, 4)} ± {readable(half_width, 2)}"
-    decimals = _decimals(half_width, 2)
-    if decimals > 6:
-        return f"{readable(mean)} ± {readable(half_width, 2)}"
+    decimals = _decimals(half_width, 2) if half_width > 0.0 else _MOST_DECIMALS + 1
+    if decimals > _MOST_DECIMALS:
+        return f"{readable(mean, 4)}\u00a0± {readable(half_width, 2)}"
     places = max(decimals, 0)
-    pair = f"{round(mean, decimals):,.{places}f} ± {round(half_width, decimals):,.{places}f}"
-    return pair.replace(",", "\u202f")
+    pair = (f"{round(number, decimals):,.{places}f}" for number in (mean, half_width))
+    return "\u00a0± ".join(map(_written, pair))

@@ -103,7 +103,7 @@ def _worn_surface(result: StoredResult, joint: str, stages: list[ShownStage]) ->
         axes.set_xlabel(f"{where} (degrees)")
     _write(sheet, 0.12, _HEIGHT - 0.2, f"joint {joint}", ha="left", fontweight="bold")
     middle = _OUTLINE[0] + 0.5 * _OUTLINE[2]
-    _write(sheet, middle, 0.15, f"wear enlarged {readable(enlarged, 1)} times, clearance to scale")
+    _write(sheet, middle, 0.15, f"wear {_times(enlarged)}, clearance to scale")
     handles = [Line2D([], [], label="no wear", **_NEW)]
     handles += [
         Line2D([], [], color=stage.colour, linestyle=stage.dashes, label=stage.label)
@@ -118,8 +118,8 @@ def _worn_surface(result: StoredResult, joint: str, stages: list[ShownStage]) ->
     )
     factor, unit = length_scale(deepest)
     caption = (
-        f"Pin and bearing of joint {joint}. Left: outlines with the wear depth enlarged "
-        f"{readable(enlarged, 1)} times; the thick line marks the part shown on the right. Right: "
+        f"Pin and bearing of joint {joint}. Left: outlines with the wear depth "
+        f"{_times(enlarged)}; the thick line marks the part shown on the right. Right: "
         "the true surfaces around the deepest wear, bearing above and pin below, the "
         f"{1e3 * bearings.clearance:g} mm of clearance between them left out. Deepest wear of "
         f"one surface: {readable(deepest * factor)} {unit}."
@@ -127,6 +127,10 @@ def _worn_surface(result: StoredResult, joint: str, stages: list[ShownStage]) ->
     if maps_turn(result):
         caption += " Angles are on each body; the two parts shown need not face each other."
     return Drawing(f"worn-surface-{joint}.png", f"Worn surfaces at {joint}", caption, sheet)
+
+
+def _times(factor: float) -> str:
+    return "to scale" if factor == 1.0 else f"enlarged {readable(factor, 1)} times"
 
 
 def _place(inches: tuple[float, float, float, float]) -> tuple[float, float, float, float]:
@@ -157,9 +161,9 @@ def _views(result: StoredResult, joint: str, stages: list[ShownStage]) -> dict[s
         shown = [depth[side]] if maps_turn(result) else list(depth.values())
         deepest = max(float(one.max()) for one in shown)
         half = _half_width(angle, looked_at[side])
-        steeper = 1.0
-        if deepest > 0.0:
-            steeper = max(1.0, round_down(_radial_range(side, half, radius) / (1.12 * deepest)))
+        # The smaller surface sets the scale, or rounding could part two equal views.
+        most = _radial_range(side, half, bearings.bearing_radius - bearings.clearance)
+        steeper = max(1.0, round_down(most / (1.12 * deepest))) if deepest > 0.0 else 1.0
         centre = float(angle[int(looked_at[side].argmax())])
         views[side] = _View(side, centre, half, radius, steeper)
     return views
@@ -223,6 +227,5 @@ def _draw_profile(axes: Axes, joint: str, stages: list[ShownStage], view: _View)
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value % 360.0:g}"))
     symbol = "R_i" if view.side == "bearing" else "R_j"
     axes.set_ylabel(f"{view.side}, $r - {symbol}$ (µm)")
-    axes.set_title(
-        f"radial scale {readable(view.steeper, 1)} times that along the surface", fontsize=8.0
-    )
+    steeper = "the same as" if view.steeper == 1.0 else f"{readable(view.steeper, 1)} times"
+    axes.set_title(f"radial scale {steeper} that along the surface", fontsize=8.0)

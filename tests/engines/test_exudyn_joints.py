@@ -101,7 +101,7 @@ def test_free_impact_conserves_momentum(friction: float) -> None:
     errors = {}
     for steps in (50, 100, 400):
         run = run_pair(linkage, start, 0.001, steps)
-        assert run.account.tally["contacts"][0] == 1
+        assert run.account.book.tally["contacts"][0] == 1
         change = np.abs(momenta(linkage, run.end) - before)
         assert change[:2].max() < 1e-14 * np.abs(before[:2]).max()
         errors[steps] = change[2]
@@ -115,7 +115,7 @@ def test_central_impact_gives_back_the_closed_form(restitution: float) -> None:
     linkage = free_pair(restitution)
     speed = 0.25
     run = run_pair(linkage, at((0.0,) * 6, (0.0, 0.0, 0.0, speed, 0.0, 0.0)), 0.005)
-    onset, _, closing, release = run.account.episodes[0, 0, :4]
+    onset, _, closing, release = run.account.episodes(0)[0, :4]
     assert onset == pytest.approx(CLEARANCE / speed, rel=1e-9)
     assert closing == pytest.approx(speed, rel=1e-9)
     delivered = delivered_restitution(lankarani_nikravesh_damping(restitution))
@@ -136,7 +136,7 @@ def test_penetration_and_order_of_one_impact(exponent: float) -> None:
     errors = []
     for steps in (50, 200):
         run = run_pair(linkage, start, 0.005, steps)
-        rows = run.account.series[: run.account.record["rows"][0]]
+        rows = run.account.rows
         assert rows[:, 6].max() == pytest.approx(deepest, rel=0.01)
         final = run.end.velocity[3] - run.end.velocity[0]
         errors.append(abs(-final / 0.25 - restitution))
@@ -152,8 +152,8 @@ def test_onset_speed_at_the_working_step_under_acceleration() -> None:
     run = simulate(linkage, start, Accuracy(50, 10, free_step=5e-5), Plan(0.001, 1))
     # |e| is the chord 2 arm sin(spin t / 2).
     half = math.asin(CLEARANCE / (2.0 * arm))
-    onset, _, closing = run.account.episodes[0, 0, :3]
-    assert run.account.tally["contacts"][0] >= 1
+    onset, _, closing = run.account.episodes(0)[0, :3]
+    assert run.account.book.tally["contacts"][0] >= 1
     assert onset == pytest.approx(2.0 * half / spin, rel=1e-6)
     assert closing == pytest.approx(arm * spin * math.cos(half), rel=1e-6)
 
@@ -162,7 +162,7 @@ def test_onset_speed_at_the_working_step_under_acceleration() -> None:
 def test_ideal_press_follows_the_closed_form(geometry: str) -> None:
     scene = replace(ideal(), press=Press(geometry=GEOMETRIES[geometry]))
     run = simulate(scene.linkage(), start_of(scene), scene.accuracy(), Plan(scene.press.period, 1))
-    rows = run.account.series[: run.account.record["rows"][0]]
+    rows = run.account.rows
     motion = scene.press.ideal_motion(rows[:, 0])
     column = 3 * scene.linkage().index("slider 6") + 1
     assert rows.shape[0] > 1000
@@ -189,9 +189,9 @@ def press_runs() -> dict[str, Run]:
 def test_every_contact_of_the_press_is_resolved(press_runs: dict[str, Run]) -> None:
     for run in press_runs.values():
         assert run.status == "completed"
-        assert np.all(run.account.tally["contacts"] > 5)
-        assert np.all(run.account.tally["unresolved"] == 0)
-        assert np.all(run.account.tally["fewest_steps"] >= 20)
+        assert np.all(run.account.book.tally["contacts"] > 5)
+        assert np.all(run.account.book.tally["unresolved"] == 0)
+        assert np.all(run.account.book.tally["fewest_steps"] >= 20)
 
 
 def test_worn_volume_is_the_dose(press_runs: dict[str, Run]) -> None:

@@ -1,0 +1,292 @@
+"""Scenes: settings as text, storage, and what does not fit together."""
+
+import json
+import math
+from dataclasses import fields, replace
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from presswear.catalog import SCENES, scene_named
+from presswear.errors import AssemblyError, InputError
+from presswear.laws import hertz_stiffness
+from presswear.press import GEOMETRIES, Press
+from presswear.quantities import Choice
+from presswear.scene import (
+    CONVENTIONS,
+    Amplification,
+    Bearings,
+    Conventions,
+    Scene,
+    changed,
+    settings_of,
+)
+
+BASE = Scene("base", "a scene")
+SETTINGS = {setting.key: setting for setting in settings_of(BASE)}
+scenes = pytest.mark.parametrize("name", list(SCENES))
+
+
+def test_keys_are_unique() -> None:
+    keys = [setting.key for setting in settings_of(BASE)]
+    assert len(keys) == len(set(keys))
+
+
+def test_settings_describe_themselves_in_one_line() -> None:
+    for setting in SETTINGS.values():
+        assert len(setting.described().splitlines()) == 1
+    assert "0.0008 m" in SETTINGS["clearance"].described()
+    assert "(A | C | AC | none)" in SETTINGS["joints"].described()
+
+
+def test_changed_sets_every_part() -> None:
+    scene = changed(
+        BASE,
+        {
+            "speed": "4pi rad/s",
+            "hx": "241mm",
+            "clearance": "0.6mm",
+            "footprint": "arc",
+            "joints": "C",
+            "wears": "3",
+            "cycles": "7",
+        },
+    )
+    assert scene.press.speed == 4.0 * math.pi
+    assert scene.press.geometry.hx == 0.241
+    assert scene.press.geometry.name == "standard, changed"
+    assert scene.bearings.clearance == 0.6e-3
+    assert scene.conventions == replace(Conventions(), footprint="arc")
+    assert scene.clearance_joints == ("C",)
+    assert (scene.wears, scene.cycles) == (3, 7)
+    # Nothing else.
+    assert replace(scene.bearings, clearance=0.8e-3) == BASE.bearings
+    assert BASE == Scene("base", "a scene")
+
+
+def test_changed_without_settings_changes_nothing() -> None:
+    assert changed(BASE, {}) == BASE
+
+
+@pytest.mark.parametrize("name", list(GEOMETRIES))
+def test_every_geometry_can_be_named(name: str) -> None:
+    assert changed(BASE, {"geometry": name}).press.geometry == GEOMETRIES[name]
+    moved = changed(BASE, {"hy": f"{GEOMETRIES[name].hy + 1e-4} m", "geometry": name})
+    assert moved.press.geometry.side_bd == GEOMETRIES[name].side_bd
+    assert moved.press.geometry.hy == GEOMETRIES[name].hy + 1e-4
+
+
+def test_unknown_names_are_refused_with_what_is_known() -> None:
+    with pytest.raises(InputError, match=r"unknown key 'clearence'; known are .*clearance"):
+        changed(BASE, {"clearence": "1mm"})
+    with pytest.raises(InputError, match="geometry = 'round': allowed is one of standard"):
+        changed(BASE, {"geometry": "round"})
+    with pytest.raises(InputError, match="unknown scene 'nothing'; known are ideal"):
+        scene_named("nothing")
+
+
+def test_clearance_stays_below_the_bearing_radius() -> None:
+    with pytest.raises(InputError, match="clearance = 0.015 m: .* below the bearing radius"):
+        changed(BASE, {"clearance": "15mm"})
+    with pytest.raises(InputError, match="clearance = 0.0008 m"):
+        changed(BASE, {"bearing_radius": "0.5mm"})
+    both = changed(BASE, {"clearance": "15mm", "bearing_radius": "16mm"})
+    assert both.bearings.bearing_radius - both.bearings.clearance == pytest.approx(1e-3)
+
+
+def test_friction_speeds_stay_in_order() -> None:
+    with pytest.raises(InputError, match="lower_speed = 0.001 m/s"):
+        changed(BASE, {"lower_speed": "1mm/s"})
+
+
+def test_a_press_that_does_not_assemble_is_no_scene() -> None:
+    with pytest.raises(AssemblyError, match="joint B does not close"):
+        changed(BASE, {"length_3": "0.1m"})
+
+
+FACTORS = ["", "mm", "m", "pi rad/s", "GPa", "/Pa", "kg", "m/s", "m/s^2", "kg m^2"]
+values = st.text(max_size=20) | st.builds(
+    lambda number, factor: f"{number}{factor}",
+    st.integers(-10, 10**7) | st.floats() | st.floats(0.0, 2.0),
+    st.sampled_from(FACTORS),
+)
+
+
+@given(st.sampled_from(sorted(SETTINGS)), values)
+@example("clearance", "1e-20m")
+@example("clearance", "1e-300m")
+@example("width", "1e-320m")
+@example("length_7", "1e-200m")
+@example("length_2", "1e-300m")
+@example("bearing_radius", "1m")
+@example("poisson_ratio", "0.5")
+@example("restitution", "1")
+@example("upper_speed", "1e-4m/s")
+@example("side_bd", "0.023m")
+@example("angles", "16")
+@example("cycles", "none")
+@pytest.mark.filterwarnings("error")
+def test_any_text_makes_a_usable_scene_or_one_line_of_refusal(key: str, text: str) -> None:
+    for conventions in CONVENTIONS.values():
+        base = replace(BASE, conventions=conventions)
+        try:
+            scene = changed(base, {key: text})
+        except InputError as refusal:
+            assert len(str(refusal).splitlines()) == 1
+            assert _names(key, refusal), refusal
+        else:
+            _use(scene)
+
+
+def _names(key: str, refusal: InputError) -> bool:
+    """Whether a refusal says what is wrong: the key, or the joint or plate it breaks."""
+    if isinstance(refusal, AssemblyError):
+        return "joint" in str(refusal)
+    other = {"bearing_radius": "bearing radius", "side_bd": "plate 4", "side_bc": "plate 4"}
+    other["side_cd"] = "plate 4"
+    return key in str(refusal) or other.get(key, key) in str(refusal)
+
+
+def _use(scene: Scene) -> None:
+    """Everything that is made of a scene before it runs is finite."""
+    for joint in scene.linkage().clearances:
+        for value in (joint.normal.stiffness, joint.pin_radius, joint.width):
+            assert math.isfinite(value)
+            assert value > 0.0
+    assert scene.accuracy().free_step > 0.0
+    start = scene.press.ideal_motion(np.zeros(1))
+    for level in (start.position, start.velocity, start.acceleration):
+        assert all(math.isfinite(value) for value in level[0])
+    assert Scene.from_dict(json.loads(json.dumps(scene.as_dict()))) == scene
+
+
+@scenes
+def test_named_scenes_survive_storage(name: str) -> None:
+    scene = scene_named(name)
+    assert Scene.from_dict(scene.as_dict()) == scene
+    stored = json.dumps(scene.as_dict(), allow_nan=False)
+    assert Scene.from_dict(json.loads(stored)) == scene
+
+
+@pytest.mark.parametrize("geometry", list(GEOMETRIES))
+@pytest.mark.parametrize("conventions", list(CONVENTIONS))
+def test_changed_scenes_survive_storage(geometry: str, conventions: str) -> None:
+    scene = changed(
+        replace(BASE, conventions=CONVENTIONS[conventions]),
+        {"geometry": geometry, "clearance": "0.1234567890123456789mm", "cycles": "11"},
+    )
+    assert Scene.from_dict(json.loads(json.dumps(scene.as_dict()))) == scene
+
+
+def test_storage_is_not_changed_by_reading() -> None:
+    data = BASE.as_dict()
+    Scene.from_dict(data)
+    assert data == BASE.as_dict()
+
+
+def _stored(**other: Any) -> dict[str, Any]:
+    return {**BASE.as_dict(), **other}
+
+
+def _stored_part(part: str, **other: Any) -> dict[str, Any]:
+    return _stored(**{part: {**BASE.as_dict()[part], **other}})
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        pytest.param({}, id="empty"),
+        pytest.param([1, 2], id="a list"),
+        pytest.param("scene", id="a word"),
+        pytest.param(_stored(press="abc"), id="press a word"),
+        pytest.param(_stored(press=[1]), id="press a list"),
+        pytest.param(_stored(bearings=None), id="no bearings"),
+        pytest.param(_stored(unknown=1), id="unknown field"),
+        pytest.param(_stored_part("bearings", colour=1), id="unknown bearing field"),
+        pytest.param(_stored_part("bearings", clearance="0.8mm"), id="a length as text"),
+        pytest.param(_stored_part("bearings", clearance=None), id="no clearance"),
+        pytest.param(_stored_part("bearings", width=None), id="no width"),
+        pytest.param(_stored_part("bearings", friction=math.nan), id="friction nan"),
+        pytest.param(_stored_part("bearings", angles=360.5), id="part of a bin"),
+        pytest.param(_stored_part("press", geometry="standard"), id="geometry a word"),
+        pytest.param(_stored_part("press", speed=None), id="no speed"),
+        pytest.param(_stored(wears=None), id="no wears"),
+        pytest.param(_stored(wears=1.5), id="one and a half wears"),
+        pytest.param(_stored(cycles="many"), id="cycles a word"),
+        pytest.param(_stored(joints=["A"]), id="joints a list"),
+        pytest.param(_stored(engine="none"), id="unknown engine"),
+        pytest.param(_stored_part("conventions", slip="none"), id="unknown slip"),
+    ],
+)
+def test_what_is_no_stored_scene_is_refused_in_one_line(data: Any) -> None:
+    with pytest.raises(InputError) as refusal:
+        Scene.from_dict(data)
+    assert len(str(refusal.value).splitlines()) == 1
+
+
+def test_scene_makes_the_linkage_it_describes() -> None:
+    scene = changed(BASE, {"joints": "A", "friction": "0.05", "restitution": "0.8"})
+    linkage = scene.linkage()
+    assert [joint.name for joint in linkage.clearances] == ["A"]
+    assert "A" not in [joint.name for joint in linkage.revolutes]
+    assert "C" in [joint.name for joint in linkage.revolutes]
+    joint = linkage.clearances[0]
+    assert (joint.bearing.body, joint.pin.body) == ("rod 3", "crank 2")
+    assert joint.pin_radius == 0.015 - 0.8e-3
+    assert joint.normal.damping == pytest.approx(0.75 * 0.36, rel=1e-14)
+    assert joint.friction.coefficient == 0.05
+    assert joint.map_frame == "fixed"
+    assert joint.wear is not None
+    assert (joint.wear.slip, joint.wear.footprint) == ("angle", "bin")
+    closed = {r.name: r for r in linkage.ideal().revolutes}
+    assert closed == {r.name: r for r in scene.press.linkage().revolutes}
+
+
+def test_conventions_reach_the_joint() -> None:
+    scene = replace(BASE, conventions=CONVENTIONS["refined"])
+    joint = scene.linkage().clearances[0]
+    assert joint.map_frame == "body"
+    assert joint.wear is not None
+    assert (joint.wear.slip, joint.wear.footprint) == ("sliding", "arc")
+    refined = hertz_stiffness(0.015, 0.0142, 200e9, 0.3, "refined")
+    assert joint.normal.stiffness == pytest.approx(refined, rel=1e-14)
+
+
+def test_no_wear_coefficient_keeps_no_account() -> None:
+    joint = changed(BASE, {"wear_coefficient": "0/Pa"}).linkage().clearances[0]
+    assert joint.wear is None
+
+
+def test_every_convention_is_a_choice_of_its_own() -> None:
+    for item in fields(Conventions):
+        words = SETTINGS[item.name].meaning
+        assert isinstance(words, Choice)
+        for word in words.words:
+            scene = changed(BASE, {item.name: word})
+            assert getattr(scene.conventions, item.name) == word
+
+
+def test_conventions_are_named_as_described() -> None:
+    assert CONVENTIONS["paper"] == Conventions("paper", "angle", "fixed", "bin")
+    assert CONVENTIONS["refined"] == Conventions("refined", "sliding", "body", "arc")
+
+
+def test_amplification_is_of_the_cycles_run() -> None:
+    assert Amplification(4e6).factor(200) == 20_000.0
+    assert BASE.amplification.factor(200) == 20_000.0
+
+
+def test_steps_follow_the_speed() -> None:
+    scene = Scene("fast", "", press=Press(speed=8.0 * math.pi), free_steps=5000)
+    assert scene.accuracy().free_step == pytest.approx(0.25 / 5000, rel=1e-14)
+
+
+def test_defaults_are_the_papers() -> None:
+    bearings = Bearings()
+    assert (bearings.youngs_modulus, bearings.poisson_ratio) == (200e9, 0.3)
+    assert (bearings.restitution, bearings.exponent) == (0.9, 1.5)
+    assert (bearings.lower_speed, bearings.upper_speed) == (1e-4, 1e-3)
+    assert BASE.press.speed == 3.5 * math.pi

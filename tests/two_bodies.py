@@ -1,0 +1,130 @@
+"""Two free bodies that meet in one clearance joint, placed at will."""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.clearance import (
+    Contact,
+    Load,
+    Pose,
+    contact_of,
+    joint_load,
+    pack_joints,
+    pack_surfaces,
+)
+from presswear.compiled import Records
+from presswear.laws import FrictionLaw, NormalLaw
+from presswear.linkage import (
+    GROUND,
+    Attachment,
+    Body,
+    ClearanceJoint,
+    Linkage,
+    MapFrame,
+    Probe,
+)
+from presswear.surface import Surface
+
+Array = NDArray[np.float64]
+
+JOINT = ClearanceJoint(
+    "J",
+    bearing=Attachment("bearing", 0.17, -0.03),
+    pin=Attachment("pin", -0.11, 0.05),
+    bearing_radius=0.015,
+    clearance=0.8e-3,
+    width=0.02,
+    normal=NormalLaw(1.25e10, 1.5, 0.1425),
+    friction=FrictionLaw(0.1, 1e-4, 1e-3),
+)
+
+
+def waves(count: int, deepest: float, seed: int) -> Surface:
+    """A surface of random depths from zero up."""
+    return Surface(np.random.default_rng(seed).uniform(0.0, deepest, count))
+
+
+def worn_joint(frame: MapFrame, count: int = 24, deepest: float = 1e-4) -> ClearanceJoint:
+    """The joint with different wear on bearing and pin."""
+    return replace(
+        JOINT,
+        map_frame=frame,
+        bearing_surface=waves(count, deepest, 1),
+        pin_surface=waves(count, deepest, 2),
+    )
+
+
+@dataclass(frozen=True)
+class Pair:
+    """A state of the two bodies: coordinates and rates, each (6,), bearing body first."""
+
+    joint: ClearanceJoint
+    q: Array
+    v: Array
+
+    @property
+    def linkage(self) -> Linkage:
+        """The two bodies, or the pin's alone when the frame holds the bearing."""
+        names = ("pin",) if self.joint.bearing.body == GROUND else ("bearing", "pin")
+        bodies = tuple(Body(name, 0.1, 1e-3) for name in names)
+        return Linkage("pair", bodies, (), (), (), (self.joint,), Probe("pin", 0.0), 0.0)
+
+    @property
+    def joints(self) -> Records:
+        """The joint as the kernels see it."""
+        return pack_joints(self.linkage)
+
+    @property
+    def surfaces(self) -> Array:
+        """Its surfaces as the kernels see them."""
+        return pack_surfaces(self.linkage)
+
+    def contact(self) -> tuple[Contact, Pose, Pose]:
+        """Contact, bearing end and pin end."""
+        return contact_of(self.joints, 0, self.surfaces, self.q, self.v)
+
+    def load(self, onset: float) -> Load:
+        """Forces, for a closing speed at first touch."""
+        return joint_load(self.joints, 0, np.array([onset]), self.surfaces, self.q, self.v)
+
+    def after(self, time: float, acceleration: Array | None = None) -> "Pair":
+        """The state a time later at constant acceleration."""
+        a = np.zeros(6) if acceleration is None else acceleration
+        return replace(
+            self, q=self.q + time * self.v + 0.5 * time**2 * a, v=self.v + time * np.asarray(a)
+        )
+
+
+def turned(angle: float, x: float, y: float) -> Array:
+    """A vector turned by an angle."""
+    c, s = math.cos(angle), math.sin(angle)
+    return np.array([c * x - s * y, s * x + c * y])
+
+
+def gap_of(joint: ClearanceJoint, direction: float, bearing_angle: float, pin_angle: float) -> float:
+    """Clearance plus both depths in a direction, m."""
+    turns = float(joint.map_frame == "body")
+    own = np.array([direction - turns * bearing_angle])
+    other = np.array([direction - turns * pin_angle])
+    return float(joint.clearance + joint.bearing_surface(own)[0] + joint.pin_surface(other)[0])
+
+
+def placed(
+    joint: ClearanceJoint,
+    penetration: float,
+    direction: float,
+    *,
+    angles: tuple[float, float] = (0.4, -2.1),
+    place: tuple[float, float] = (0.3, -0.2),
+    rates: Array | None = None,
+) -> Pair:
+    """Bodies at given angles with the pin at a given penetration in a given direction."""
+    reach = gap_of(joint, direction, *angles) + penetration
+    centre = np.array(place) + turned(angles[0], joint.bearing.x, joint.bearing.y)
+    centre = centre + reach * np.array([math.cos(direction), math.sin(direction)])
+    pin = centre - turned(angles[1], joint.pin.x, joint.pin.y)
+    q = np.array([*place, angles[0], *pin, angles[1]])
+    return Pair(joint, q, np.zeros(6) if rates is None else rates)
