@@ -111,12 +111,21 @@ def delivered_restitution(damping: float) -> float:
         return 1.0
 
     def excess(restitution: float) -> float:
+        if damping < 0.1:
+            # The logarithm cancels against its argument: its series over chi^2.
+            return sum(
+                damping ** (k - 2) / k * ((-1.0) ** k - restitution**k) for k in range(2, 22)
+            )
         return (1.0 + restitution) * damping - math.log(
             (1.0 + damping) / (1.0 - damping * restitution)
         )
 
-    # excess(0) > 0; the only other root lies below both 1 and the pole at 1 / chi.
-    return float(brentq(excess, 0.0, min(1.0, (1.0 - 1e-15) / damping), xtol=1e-15, rtol=1e-14))
+    # excess(0) > 0; the only other root lies below both 1 and the pole at 1 / chi,
+    # and for a large chi closer to the pole than numbers can tell.
+    highest = min(1.0, (1.0 - 1e-15) / damping)
+    if excess(highest) > 0.0:
+        return highest
+    return float(brentq(excess, 0.0, highest, xtol=1e-15, rtol=1e-14))
 
 
 def greatest_penetration(

@@ -31,8 +31,11 @@ CRANK_7_START = math.radians(-51.18)
 RIGHT, LEFT = -1.0, 1.0
 BELOW, ABOVE = -1.0, 1.0
 
-_LONG = 10.0
-"""Longest link or offset that is still a press, m."""
+_SHORT, _LONG = 1e-3, 10.0
+"""Shortest and longest link that is still a press, m."""
+
+_DEAD_POINT = 1e-4
+"""Square of the sine at which a pair of links counts as stretched: 0.6 degrees."""
 
 
 @dataclass(frozen=True)
@@ -48,13 +51,13 @@ class Geometry:
     hx: float = quantity(0.240, "m", -_LONG, _LONG, "chosen", "O2 to the right of O7")
     hy: float = quantity(0.1345, "m", -_LONG, _LONG, "chosen", "O2 above O7")
     side_bd: float = quantity(
-        0.39, "m", 0.0, _LONG, "paper, reading chosen", "plate side B to D", open_low=True
+        0.39, "m", _SHORT, _LONG, "paper, reading chosen", "plate side B to D"
     )
     side_bc: float = quantity(
-        0.21, "m", 0.0, _LONG, "paper, reading chosen", "plate side B to C", open_low=True
+        0.21, "m", _SHORT, _LONG, "paper, reading chosen", "plate side B to C"
     )
     side_cd: float = quantity(
-        0.233, "m", 0.0, _LONG, "paper, reading chosen", "plate side C to D", open_low=True
+        0.233, "m", _SHORT, _LONG, "paper, reading chosen", "plate side C to D"
     )
     side_b: float = RIGHT
     side_c: float = RIGHT
@@ -82,17 +85,17 @@ GEOMETRIES: dict[str, Geometry] = {
 
 
 def _mass(default: float, text: str) -> float:
-    value: float = quantity(default, "kg", 0.0, 1e4, "paper", text, open_low=True)
+    value: float = quantity(default, "kg", 1e-6, 1e4, "paper", text)
     return value
 
 
 def _inertia(default: float, text: str) -> float:
-    value: float = quantity(default, "kg m^2", 0.0, 1e4, "paper", text, open_low=True)
+    value: float = quantity(default, "kg m^2", 1e-9, 1e4, "paper", text)
     return value
 
 
 def _length(default: float, text: str) -> float:
-    value: float = quantity(default, "m", 0.0, _LONG, "paper", text, open_low=True)
+    value: float = quantity(default, "m", _SHORT, _LONG, "paper", text)
     return value
 
 
@@ -129,6 +132,12 @@ class Press:
     def __post_init__(self) -> None:
         check_fields(self)
         check_fields(self.geometry)
+        for side in ("side_b", "side_c", "slider_side"):
+            if getattr(self.geometry, side) not in (-1.0, 1.0):
+                raise InputError(
+                    f"{side} = {getattr(self.geometry, side)!r}: allowed is -1 (right, below) "
+                    "or 1 (left, above)"
+                )
         plate = sorted((self.geometry.side_bd, self.geometry.side_bc, self.geometry.side_cd))
         if plate[2] >= plate[0] + plate[1]:
             raise InputError(
@@ -209,6 +218,13 @@ class Press:
         AssemblyError
             Where two links cannot meet; says which, and at what crank angle.
         """
+        return self._motion(time, 0.0)
+
+    def _motion(self, time: Array, least: float) -> "Motion":
+        """``ideal_motion``, refused unless each pair of links is bent by ``least``.
+
+        That is the square of the sine of the angle by which it is short of stretched.
+        """
         geometry = self.geometry
         time = np.atleast_1d(np.asarray(time, dtype=float))
         theta_2, theta_7 = CRANK_2_START - self.speed * time, CRANK_7_START + self.speed * time
@@ -217,9 +233,9 @@ class Press:
         a = _crank(o2, -self.length_2, theta_2, -self.speed)
         d = _crank(o7, self.length_7, theta_7, self.speed)
         angle = np.degrees(self.speed * time)
-        b = _dyad(d, a, geometry.side_bd, self.length_3, geometry.side_b, "B", angle)
-        c = _dyad(d, b, geometry.side_cd, geometry.side_bc, geometry.side_c, "C", angle)
-        e = _slide(c, self.length_5, geometry.hx, geometry.slider_side, angle)
+        b = _dyad(d, a, geometry.side_bd, self.length_3, geometry.side_b, "B", angle, least)
+        c = _dyad(d, b, geometry.side_cd, geometry.side_bc, geometry.side_c, "C", angle, least)
+        e = _slide(c, self.length_5, geometry.hx, geometry.slider_side, angle, least)
         plate = self.plate_corners()
         ends = {
             "crank 2": (a, o2, (-0.5 * self.length_2, 0.0), 0.0),
@@ -248,7 +264,7 @@ class Press:
 
     def check_assembly(self) -> None:
         """Raise AssemblyError unless the linkage closes over the whole cycle."""
-        self.ideal_motion(np.linspace(0.0, self.period, 721))
+        self._motion(np.linspace(0.0, self.period, 1441), _DEAD_POINT)
 
 
 @dataclass(frozen=True)
@@ -294,28 +310,36 @@ def _crank(centre: _Point, length: float, angle: Array, speed: float) -> _Point:
     return _Point(centre.position + arm, speed * _left(arm), -(speed**2) * arm)
 
 
-def _refuse(joint: str, gap: Array, needed: str, angle: Array) -> None:
-    """Raise AssemblyError where the margin is not positive."""
-    if np.all(gap > 0.0):
+def _refuse(joint: str, gap: Array, needed: str, angle: Array, least: float) -> None:
+    """Raise AssemblyError where the margin is not above the least one."""
+    if np.all(gap > least):
         return
     worst = int(np.argmin(gap))
     raise AssemblyError(
         f"the linkage cannot be assembled over the cycle: at crank angle {angle[worst]:.1f} deg "
-        f"joint {joint} does not close; {needed}"
+        f"joint {joint} does not close or is at a dead point; {needed}"
     )
 
 
 def _dyad(
-    p: _Point, q: _Point, from_p: float, from_q: float, side: float, joint: str, angle: Array
+    p: _Point,
+    q: _Point,
+    from_p: float,
+    from_q: float,
+    side: float,
+    joint: str,
+    angle: Array,
+    least: float,
 ) -> _Point:
     """The point at given distances from two moving points, on a given side of p to q."""
     base = q.position - p.position
     length = np.sqrt(_dot(base, base))
-    along = (length**2 + from_p**2 - from_q**2) / (2.0 * length)
+    # Ends that coincide leave the direction open: a zero length is refused below.
+    along = (length**2 + from_p**2 - from_q**2) / (2.0 * np.maximum(length, 1e-12))
     square = from_p**2 - along**2
     reach = f"the distance {length[int(np.argmin(square))]:.4g} m between its links' other ends"
     allowed = f"must stay between {abs(from_p - from_q):.4g} and {from_p + from_q:.4g} m"
-    _refuse(joint, square, f"{reach} {allowed}", angle)
+    _refuse(joint, square / from_p**2, f"{reach} {allowed}", angle, least)
     unit = base / length[:, None]
     height = side * np.sqrt(square)
     position = p.position + along[:, None] * unit + height[:, None] * _left(unit)
@@ -339,12 +363,19 @@ def _solve_two(row_1: Array, row_2: Array, right_1: Array, right_2: Array) -> Ar
     return np.column_stack([x, y])
 
 
-def _slide(c: _Point, length: float, line_x: float, side: float, angle: Array) -> _Point:
+def _slide(
+    c: _Point, length: float, line_x: float, side: float, angle: Array, least: float
+) -> _Point:
     """End of a rod from c on the vertical line x = line_x, above or below c."""
     offset = c.position[:, 0] - line_x
     square = length**2 - offset**2
     far = abs(offset[int(np.argmin(square))])
-    _refuse("E", square, f"C is {far:.4g} m from the guide, rod 5 is {length:.4g} m long", angle)
+    _refuse(
+        "E",
+        square / length**2,
+        f"C is {far:.4g} m from the guide, rod 5 is {length:.4g} m long",
+        angle,
+    )
     drop = side * np.sqrt(square)
     zero = np.zeros_like(offset)
     drop_t = -offset * c.velocity[:, 0] / drop

@@ -17,7 +17,7 @@ _UNITS: dict[str, dict[str, float]] = {
     "rad/s": {"rad/s": 1.0, "deg/s": math.pi / 180.0, "rpm": math.pi / 30.0},
     "rad": {"rad": 1.0, "deg": math.pi / 180.0},
     "kg": {"kg": 1.0, "g": 1e-3},
-    "kg m^2": {"kgm^2": 1.0, "kgm2": 1.0},
+    "kg m^2": {"kg m^2": 1.0, "kg m2": 1.0, "kgm^2": 1.0, "kgm2": 1.0},
     "Pa": {"Pa": 1.0, "MPa": 1e6, "GPa": 1e9},
     "1/Pa": {"1/Pa": 1.0, "/Pa": 1.0},
     "m/s": {"m/s": 1.0, "mm/s": 1e-3},
@@ -54,6 +54,7 @@ class Meaning:
     status: str
     text: str
     open_low: bool = False
+    whole: bool = False
 
     def range_text(self) -> str:
         """The allowed range as a person reads it, with the unit."""
@@ -65,8 +66,14 @@ class Meaning:
         first = f"above {self.low:g} up to" if self.open_low else f"{self.low:g} to"
         return f"{first} {self.high:g}{unit}"
 
-    def check(self, name: str, value: float) -> None:
-        """Raise InputError unless the value is finite and in range."""
+    def check(self, name: str, value: Any) -> None:
+        """Raise InputError unless the value is a finite number in range."""
+        kind = int if self.whole else (int, float)
+        if not isinstance(value, kind) or isinstance(value, bool):
+            raise InputError(
+                f"{name} = {value!r}: a {'whole ' if self.whole else ''}number is expected; "
+                f"allowed is {self.range_text()}"
+            )
         fits = self.low < value <= self.high if self.open_low else self.low <= value <= self.high
         if not (math.isfinite(value) and fits):
             unit = f" {self.unit}" if self.unit else ""
@@ -82,9 +89,10 @@ def quantity(
     text: str,
     *,
     open_low: bool = False,
+    whole: bool = False,
 ) -> Any:
-    """A dataclass field that carries its meaning."""
-    meaning = Meaning(unit, low, high, status, text, open_low)
+    """A dataclass field that carries its meaning; a default of None may stay None."""
+    meaning = Meaning(unit, low, high, status, text, open_low, whole)
     return field(default=default, metadata={"meaning": meaning})
 
 
@@ -117,7 +125,7 @@ def check_fields(owner: Any) -> None:
     for item in fields(owner):
         value = getattr(owner, item.name)
         meaning, words = meaning_of(item), choice_of(item)
-        if meaning is not None and value is not None:
+        if meaning is not None and not (value is None and item.default is None):
             meaning.check(item.name, value)
         if words is not None:
             words.check(item.name, value)
@@ -129,7 +137,7 @@ def meaning_of(item: Field[Any]) -> Meaning | None:
     return found if isinstance(found, Meaning) else None
 
 
-def parse_quantity(name: str, text: str, meaning: Meaning, *, whole: bool) -> float | int:
+def parse_quantity(name: str, text: str, meaning: Meaning) -> float | int:
     """Read a value with its unit and check its range.
 
     A quantity with a dimension needs its unit: 0.8 could be metres or millimetres,
@@ -144,9 +152,9 @@ def parse_quantity(name: str, text: str, meaning: Meaning, *, whole: bool) -> fl
             f"allowed is {meaning.range_text()}"
         )
     value = float(match[1])
-    rest = re.sub(r"[\s*_]", "", match[2])
+    rest = re.sub(r"[\s*_]+", " ", match[2]).strip()
     if rest.startswith("pi") and unit in ("rad", "rad/s"):
-        value, rest = value * math.pi, rest[2:]
+        value, rest = value * math.pi, rest[2:].strip()
     if not unit:
         if rest:
             raise InputError(f"{name} = {text!r}: a pure number, without unit, is expected")
@@ -159,9 +167,6 @@ def parse_quantity(name: str, text: str, meaning: Meaning, *, whole: bool) -> fl
         raise InputError(f"{name} = {text!r}: unknown unit {rest!r}; known are {known}")
     else:
         value *= _UNITS[unit][rest]
-    if whole:
-        if value != int(value) if math.isfinite(value) else True:
-            raise InputError(f"{name} = {text!r}: a whole number is expected")
-        value = int(value)
-    meaning.check(name, value)
-    return value
+    number: float | int = int(value) if meaning.whole and value.is_integer() else value
+    meaning.check(name, number)
+    return number

@@ -65,9 +65,7 @@ CONVENTIONS: dict[str, Conventions] = {
 class Bearings:
     """The clearance joints of a scene: both alike."""
 
-    clearance: float = quantity(
-        0.8e-3, "m", 0.0, 1.0, "paper, per study", "c = R_i - R_j", open_low=True
-    )
+    clearance: float = quantity(0.8e-3, "m", 1e-9, 1.0, "paper, per study", "c = R_i - R_j")
     bearing_radius: float = quantity(0.015, "m", 1e-4, 1.0, "paper", "R_i")
     width: float = quantity(
         0.02, "m", 0.0, 1.0, "assumed", "axial width b; only K_d / b matters", open_low=True
@@ -87,13 +85,13 @@ class Bearings:
     bearing_share: float = quantity(
         0.5, "", 0.0, 1.0, "paper", "part of the wear depth that the bearing loses"
     )
-    angles: int = quantity(360, "", 16, 100_000, "assumed", "bins of a wear map")
+    angles: int = quantity(360, "", 16, 100_000, "assumed", "bins of a wear map", whole=True)
 
     def __post_init__(self) -> None:
         check_fields(self)
         if self.clearance >= self.bearing_radius:
             raise InputError(
-                f"clearance = {self.clearance:g} m: allowed is above 0 and below the bearing "
+                f"clearance = {self.clearance:g} m: allowed is 1e-9 m up to below the bearing "
                 f"radius, {self.bearing_radius:g} m"
             )
         if self.lower_speed >= self.upper_speed:
@@ -153,14 +151,24 @@ class Scene:
     conventions: Conventions = field(default_factory=Conventions)
     joints: str = choice("AC", tuple(JOINTS), "which joints have clearance")
     engine: str = choice("exudyn", ("exudyn", "exudyn-joints"), "what solves the motion")
-    wears: int = quantity(2, "", 0, 20, "paper, per study", "how often the joints are worn")
+    wears: int = quantity(
+        2, "", 0, 20, "paper, per study", "how often the joints are worn", whole=True
+    )
     cycles: int | None = quantity(
-        None, "", 1, 100_000, "chosen", "cycles of each stage; none given: until the maps are known"
+        None,
+        "",
+        1,
+        100_000,
+        "chosen",
+        "cycles of each stage; none given: until the maps are known",
+        whole=True,
     )
     tolerance: float = quantity(
         0.1, "", 1e-3, 1.0, "chosen", "how well the wear maps must be known, part of their rms"
     )
-    most_cycles: int = quantity(200, "", 1, 100_000, "paper", "cycles at most without --cycles")
+    most_cycles: int = quantity(
+        200, "", 1, 100_000, "paper", "cycles at most without --cycles", whole=True
+    )
     represented_cycles: float = quantity(
         4e6,
         "",
@@ -169,12 +177,20 @@ class Scene:
         "paper",
         "cycles that one wear stands for: 200 x 20,000, which the paper calls 2 million",
     )
-    steps_per_contact: int = quantity(50, "", 20, 10_000, "chosen", "solver steps in one impact")
+    steps_per_contact: int = quantity(
+        50, "", 20, 10_000, "chosen", "solver steps in one impact", whole=True
+    )
     steps_sustained: int = quantity(
-        10, "", 5, 10_000, "chosen", "least steps in half a period of a pin at rest on its bearing"
+        10,
+        "",
+        5,
+        10_000,
+        "chosen",
+        "least steps in half a period of a pin at rest on its bearing",
+        whole=True,
     )
     free_steps: int = quantity(
-        10_000, "", 1000, 10_000_000, "chosen", "least solver steps in a cycle"
+        10_000, "", 1000, 10_000_000, "chosen", "least solver steps in a cycle", whole=True
     )
 
     def __post_init__(self) -> None:
@@ -223,8 +239,8 @@ class Scene:
     @staticmethod
     def from_dict(data: Mapping[str, Any]) -> "Scene":
         """A scene from ``as_dict``; InputError names what does not fit."""
-        plain = dict(data)
         try:
+            plain = dict(data)
             press = dict(plain.pop("press"))
             return Scene(
                 press=Press(geometry=Geometry(**press.pop("geometry")), **press),
@@ -232,7 +248,9 @@ class Scene:
                 conventions=Conventions(**plain.pop("conventions")),
                 **plain,
             )
-        except (KeyError, TypeError) as error:
+        except InputError:
+            raise
+        except (KeyError, TypeError, ValueError) as error:
             raise InputError(f"this is not a stored scene: {error}") from None
 
 
@@ -311,8 +329,7 @@ def changed(scene: Scene, settings: Mapping[str, str]) -> Scene:
                 words.check(item.name, text)
                 updates[path][item.name] = text
             elif meaning is not None:
-                whole = item.type in (int, int | None, "int", "int | None")
-                updates[path][item.name] = parse_quantity(item.name, text, meaning, whole=whole)
+                updates[path][item.name] = parse_quantity(item.name, text, meaning)
     if updates["press.geometry"]:
         geometry = replace(geometry, name=f"{geometry.name}, changed", **updates["press.geometry"])
     return replace(

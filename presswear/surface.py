@@ -92,7 +92,7 @@ def bin_centres(count: int) -> Array:
     return (np.arange(count, dtype=np.float64) + 0.5) * (2.0 * math.pi / count)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Surface:
     """One worn surface, bearing or pin.
 
@@ -115,6 +115,12 @@ class Surface:
         depth.flags.writeable = slope.flags.writeable = False
         object.__setattr__(self, "depth", depth)
         object.__setattr__(self, "slope", slope)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Surface) and np.array_equal(self.depth, other.depth)
+
+    def __hash__(self) -> int:
+        return hash(self.depth.tobytes())
 
     @property
     def is_worn(self) -> bool:

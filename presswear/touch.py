@@ -95,21 +95,29 @@ def crossing(p0: float, r0: float, p1: float, r1: float, h: float) -> float:
 
     A touch that has ended again within the step is found where the cubic shows it.
     """
-    high = 1.0
-    if p1 <= 0.0:
-        if r0 <= 0.0 or r1 >= 0.0:
-            return 2.0
-        low, high = 0.0, 1.0
-        for _ in range(50):
-            middle = 0.5 * (low + high)
-            if hermite(p0, r0, p1, r1, h, middle)[1] > 0.0:
-                low = middle
-            else:
-                high = middle
-        if hermite(p0, r0, p1, r1, h, low)[0] <= 0.0:
-            return 2.0
-        high = low
+    a = r0 * h
+    b = r1 * h
+    rise = p1 - p0
+    quadratic = 3.0 * (a + b - 2.0 * rise)
+    linear = 2.0 * (3.0 * rise - 2.0 * a - b)
+    # Between its turning points (roots of quadratic s^2 + linear s + a) the cubic is
+    # monotone: the first piece that rises from open to closed holds the touch.
+    first = second = 1.0
+    discriminant = linear * linear - 4.0 * quadratic * a
+    if discriminant >= 0.0:
+        half = -0.5 * (linear + math.copysign(math.sqrt(discriminant), linear))
+        one = half / quadratic if quadratic != 0.0 else 1.0
+        other = a / half if half != 0.0 else 1.0
+        first = min(max(min(one, other), 0.0), 1.0)
+        second = min(max(max(one, other), 0.0), 1.0)
     low = 0.0
+    for high in (first, second, 1.0):
+        value = p1 if high == 1.0 else hermite(p0, r0, p1, r1, h, high)[0]
+        if value > 0.0:
+            break
+        low = high
+    else:
+        return 2.0
     for _ in range(55):
         middle = 0.5 * (low + high)
         if hermite(p0, r0, p1, r1, h, middle)[0] > 0.0:
@@ -129,6 +137,8 @@ def contact_step(
     that the present energy allows; at touch this is within 7 % of Hertz's
     2.94 delta_max / v.
     """
+    if math.isinf(mass):
+        return math.inf
     depth = max(penetration, 0.0)
     energy = 0.5 * mass * rate * rate + stiffness * depth ** (exponent + 1.0) / (exponent + 1.0)
     reach = ((exponent + 1.0) * energy / stiffness) ** (1.0 / (exponent + 1.0))
@@ -174,9 +184,14 @@ def late_touch(joint: Records, last: Records, steps: Records, contact: Contact, 
     part = contact_step(
         joint.stiffness, joint.exponent, last.effective_mass, 0.0, closing, steps.per_contact
     )
-    if contact.penetration > 0.0 and (1.0 - s) * h <= OVERSHOOT * part:
-        return -1.0
-    return max(s * h + min(LANDING * part, 0.1 * h), steps.least)
+    behind = min(LANDING * part, 0.1 * h)
+    if contact.penetration > 0.0:
+        if (1.0 - s) * h <= OVERSHOOT * part:
+            return -1.0
+    else:
+        # Touched and gone: land while the pin is still in, well before its deepest point.
+        behind = min(behind, 0.1 * (1.0 - s) * h * closing / (closing - contact.rate))
+    return max(s * h + behind, steps.least)
 
 
 @compiled

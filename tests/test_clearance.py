@@ -302,9 +302,7 @@ def test_a_bearing_on_the_frame_is_a_bearing_on_a_body_at_rest(
     acceleration = np.concatenate([np.zeros(3), rates[:3] * 100.0])
     assert penetration_acceleration(
         alone.joints, 0, alone.surfaces, alone.q, alone.v, acceleration[3:]
-    ) == penetration_acceleration(
-        free.joints, 0, free.surfaces, free.q, free.v, acceleration
-    )
+    ) == penetration_acceleration(free.joints, 0, free.surfaces, free.q, free.v, acceleration)
 
 
 def test_packed_joint_holds_every_value() -> None:

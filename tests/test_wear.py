@@ -19,6 +19,7 @@ from presswear.wear import (
     contact_area,
     deposit_in_bin,
     deposit_over_arc,
+    dose_rates,
     pack_wear,
     slip_speed,
     worn_volume,
@@ -29,6 +30,7 @@ Footprint = Literal["bin", "arc"]
 
 COEFFICIENT = 1.2e-15
 TURN = 2.0 * math.pi
+SLIDING = np.array([0.1, -0.2, 3.0, 0.2, 0.1, -7.0])
 WORKSPACE = 8192
 
 
@@ -37,7 +39,7 @@ def _law(footprint: Footprint, share: float = 0.5) -> WearLaw:
 
 
 def _deposited(pair: Pair, count: int, dose: float) -> Array:
-    """Depths that a dose adds to empty maps of bearing and pin, shape (2, count)."""
+    """Depths that a dose F_n ds adds to empty maps of bearing and pin, shape (2, count)."""
     contact, bearing, pin = pair.contact()
     law = pack_wear(pair.linkage)[0]
     depth = np.zeros((2, count))
@@ -54,7 +56,11 @@ def _deposited(pair: Pair, count: int, dose: float) -> Array:
             np.zeros(WORKSPACE),
         )
     else:
-        deposit_in_bin(depth, law, pair.joints[0], contact, bearing.angle, pin.angle, dose)
+        # The force that makes the dose at the contact's own slip.
+        slip = slip_speed(bool(law["slip_by_angle"]), JOINT.pin_radius, contact)
+        work, pressure = dose_rates(law, pair.joints[0], contact, dose / slip)
+        assert work == pytest.approx(dose, rel=1e-14)
+        deposit_in_bin(depth, law, pair.joints[0], contact, bearing.angle, pin.angle, pressure)
     return depth
 
 
@@ -93,8 +99,7 @@ def test_area_by_hand() -> None:
 
 
 def test_slip_by_angle_and_by_sliding() -> None:
-    rates = np.array([0.1, -0.2, 3.0, 0.2, 0.1, -7.0])
-    contact = placed(JOINT, 1e-5, 0.8, rates=rates).contact()[0]
+    contact = placed(JOINT, 1e-5, 0.8, rates=SLIDING).contact()[0]
     by_angle = (JOINT.pin_radius + 1e-5) * abs(contact.turning)
     assert slip_speed(True, JOINT.pin_radius, contact) == pytest.approx(by_angle, rel=1e-9)
     assert slip_speed(False, JOINT.pin_radius, contact) == abs(contact.sliding)
@@ -111,7 +116,7 @@ def test_one_bin_gets_all_of_equation_29(frame: str, worn: bool, count: int) -> 
         joint = replace(joint, bearing_surface=Surface(), pin_surface=Surface())
     joint = replace(joint, wear=_law("bin", 0.3))
     direction, angles, dose = 2.5, (0.4, -2.1), 7.0
-    pair = placed(joint, 2e-6, direction, angles=angles)
+    pair = placed(joint, 2e-6, direction, angles=angles, rates=SLIDING)
     contact = pair.contact()[0]
     places = [np.array([direction - turning * angle]) for angle in angles]
     bearing = Decimal(joint.bearing_radius) + Decimal(float(joint.bearing_surface(places[0])[0]))
@@ -133,9 +138,27 @@ def test_bins_accumulate() -> None:
     law = pack_wear(pair.linkage)[0]
     depth = np.zeros((2, 16))
     for _ in range(3):
-        deposit_in_bin(depth, law, pair.joints[0], contact, bearing.angle, pin.angle, 2.0)
-    once = _deposited(pair, 16, 6.0)
-    np.testing.assert_allclose(depth, once, rtol=1e-14)
+        deposit_in_bin(depth, law, pair.joints[0], contact, bearing.angle, pin.angle, 2e9)
+    # K_d times 6e9 N/m is 7.2e-6 m, half of it on each surface.
+    np.testing.assert_allclose(depth.max(axis=1), [3.6e-6, 3.6e-6], rtol=1e-14)
+    assert np.count_nonzero(depth) == 2
+
+
+def test_dose_rates_follow_the_law_of_slip() -> None:
+    pair = placed(replace(JOINT, wear=WearLaw(1e-15, "angle", "bin")), 1e-5, 0.8, rates=SLIDING)
+    contact = pair.contact()[0]
+    law = pack_wear(pair.linkage)[0]
+    work, pressure = dose_rates(law, pair.joints[0], contact, 50.0)
+    by_angle = (JOINT.pin_radius + contact.penetration) * abs(contact.turning)
+    assert work == pytest.approx(50.0 * by_angle, rel=1e-14)
+    area = contact_area(1e-5, JOINT.clearance + 1e-5, 0.015, JOINT.pin_radius, 0.02)
+    assert pressure == pytest.approx(work / area, rel=1e-9)
+    assert dose_rates(law, pair.joints[0], contact, 0.0) == (0.0, 0.0)
+    law["slip_by_angle"] = False
+    work, _ = dose_rates(law, pair.joints[0], contact, 50.0)
+    assert work == pytest.approx(50.0 * abs(contact.sliding), rel=1e-14)
+    open_one = placed(pair.joint, -1e-6, 0.8, rates=SLIDING)
+    assert dose_rates(law, open_one.joints[0], open_one.contact()[0], 0.0) == (0.0, 0.0)
 
 
 wearing_joints = st.sampled_from(
@@ -216,9 +239,7 @@ def test_arc_is_the_parabola_of_a_round_joint(count: int, penetration: float) ->
     def held(angle: Array) -> Array:
         """Integral of the overlap e cos x - c from -reach."""
         x = np.clip(angle, -reach, reach)
-        return np.asarray(
-            e * (np.sin(x) + math.sin(reach)) - joint.clearance * (x + reach)
-        )
+        return np.asarray(e * (np.sin(x) + math.sin(reach)) - joint.clearance * (x + reach))
 
     edges = np.arange(count + 1) * TURN / count - direction
     # Bins wrap: this contact is far from the seam on either side.
@@ -245,6 +266,14 @@ def test_arc_bridges_a_groove_deeper_than_itself() -> None:
     depth = _deposited(pair, bins, 1.0)[0]
     assert depth[96] > 0.0
     assert depth[100:103].max() == 0.0
+
+
+@given(st.floats(-1e-6, 0.0), st.integers(16, 5000))
+def test_wear_of_a_step_that_ends_open_is_not_lost(gap: float, count: int) -> None:
+    pair = placed(replace(JOINT, map_frame="fixed", wear=_law("arc")), gap, 1.0)
+    depth = _deposited(pair, count, 2.0)
+    assert worn_volume(JOINT, depth) == pytest.approx(COEFFICIENT * 2.0, rel=1e-12)
+    assert depth[0, bin_of(1.0, count)] + depth[0, bin_of(1.0 + 1e-6, count)] > 0.0
 
 
 def test_uniform_wear_has_the_volume_of_a_sleeve() -> None:

@@ -104,7 +104,9 @@ def turned(angle: float, x: float, y: float) -> Array:
     return np.array([c * x - s * y, s * x + c * y])
 
 
-def gap_of(joint: ClearanceJoint, direction: float, bearing_angle: float, pin_angle: float) -> float:
+def gap_of(
+    joint: ClearanceJoint, direction: float, bearing_angle: float, pin_angle: float
+) -> float:
     """Clearance plus both depths in a direction, m."""
     turns = float(joint.map_frame == "body")
     own = np.array([direction - turns * bearing_angle])
