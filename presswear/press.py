@@ -370,12 +370,8 @@ def _slide(
     offset = c.position[:, 0] - line_x
     square = length**2 - offset**2
     far = abs(offset[int(np.argmin(square))])
-    _refuse(
-        "E",
-        square / length**2,
-        f"C is {far:.4g} m from the guide, rod 5 is {length:.4g} m long",
-        angle,
-    )
+    needed = f"C is {far:.4g} m from the guide, rod 5 is {length:.4g} m long"
+    _refuse("E", square / length**2, needed, angle, least)
     drop = side * np.sqrt(square)
     zero = np.zeros_like(offset)
     drop_t = -offset * c.velocity[:, 0] / drop
