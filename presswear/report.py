@@ -302,6 +302,13 @@ def notes(result: StoredResult) -> list[str]:
         "Beyond about twenty impacts the motion is chaotic; a peak is one draw. The means over "
         "cycles are given below with 95 % intervals.",
     )
+    if len(result.stages) > 1:
+        found.append(
+            "A worn surface is met radially: the force points along the line of centres even "
+            "where the profile slopes, which feeds energy into the joint or takes it out, and a "
+            "pin can enter a groove narrower than itself. Forces and wear after a wear are less "
+            "certain than those before it."
+        )
     if scene.bearings.wear_coefficient > 0.0:
         found.append(
             "The wear that the last stage would cause is given, but no stage ran on it. One wear "
