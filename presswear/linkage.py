@@ -84,6 +84,36 @@ class Drive:
 
 
 @dataclass(frozen=True)
+class Spring:
+    """A linear spring and damper between two points.
+
+    Attributes
+    ----------
+    stiffness, damping : float
+        N/m, N s/m.
+    length : float
+        Length without force, m.
+    """
+
+    name: str
+    first: Attachment
+    second: Attachment
+    stiffness: float
+    length: float
+    damping: float = 0.0
+
+
+@dataclass(frozen=True)
+class Load:
+    """A constant force, N, at the mass centre of a body and moment, N m, on it."""
+
+    body: str
+    x: float = 0.0
+    y: float = 0.0
+    moment: float = 0.0
+
+
+@dataclass(frozen=True)
 class WearLaw:
     """Archard wear dh = K_d p ds of a clearance joint.
 
@@ -145,10 +175,6 @@ class ClearanceJoint:
         """R_j = R_i - c, m."""
         return self.bearing_radius - self.clearance
 
-    def as_revolute(self) -> Revolute:
-        """The same joint without clearance."""
-        return Revolute(self.name, self.bearing, self.pin)
-
 
 @dataclass(frozen=True)
 class Probe:
@@ -170,6 +196,7 @@ class Linkage:
         What is recorded as ``slider``.
     gravity : float
         Acceleration along -y, m/s^2.
+    springs, loads : tuple
     """
 
     name: str
@@ -180,6 +207,8 @@ class Linkage:
     clearances: tuple[ClearanceJoint, ...]
     probe: Probe
     gravity: float = 9.81
+    springs: tuple[Spring, ...] = ()
+    loads: tuple[Load, ...] = ()
 
     def index(self, body: str) -> int:
         """Position of a body in ``bodies``."""
@@ -193,8 +222,3 @@ class Linkage:
         names = {joint.name for joint in joints}
         kept = tuple(joint for joint in self.revolutes if joint.name not in names)
         return replace(self, revolutes=kept, clearances=self.clearances + joints)
-
-    def ideal(self) -> "Linkage":
-        """The same linkage with every clearance joint closed."""
-        closed = tuple(joint.as_revolute() for joint in self.clearances)
-        return replace(self, revolutes=self.revolutes + closed, clearances=())

@@ -12,6 +12,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from presswear.figures import Figure, draw_all
 from presswear.figures.numbers import given, readable, whole, with_interval
 from presswear.figures.style import SIDES, maps_turn, stage_name
+from presswear.laws import delivered_restitution, lankarani_nikravesh_damping
 from presswear.quantities import Choice
 from presswear.results import StoredResult, write_whole
 from presswear.scene import CONVENTIONS, Conventions, Setting, settings_of
@@ -301,6 +302,12 @@ def notes(result: StoredResult) -> list[str]:
         0,
         "Beyond about twenty impacts the motion is chaotic; a peak is one draw. The means over "
         "cycles are given below with 95 % intervals.",
+    )
+    nominal = scene.bearings.restitution
+    delivered = delivered_restitution(lankarani_nikravesh_damping(nominal))
+    found.append(
+        f"The normal force is set to a restitution of {nominal:g}; the law of Lankarani and "
+        f"Nikravesh gives back {delivered:.3f}."
     )
     if len(result.stages) > 1:
         found.append(

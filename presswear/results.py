@@ -15,13 +15,14 @@ from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, BinaryIO
+from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
 
 from presswear.campaign import Stage
 from presswear.errors import InputError
-from presswear.observe import EPISODE_COLUMNS, SERIES_FIXED, SERIES_JOINT
+from presswear.observe import SERIES_FIXED, SERIES_JOINT
 from presswear.scene import Scene
 from presswear.surface import bin_centres
 
@@ -207,16 +208,18 @@ def load(path: Path) -> StoredResult:
     schema = document.get("schema") if isinstance(document, dict) else None
     if schema != SCHEMA:
         raise InputError(f"{file} has schema {schema!r}; this version reads {SCHEMA}")
-    stages = []
-    for entry in document["stages"]:
-        name = path / f"stage-{entry['index']}.npz"
-        try:
-            with np.load(name, allow_pickle=False) as stored:
-                stages.append(dict(stored))
-        except (OSError, ValueError, KeyError) as error:
-            raise InputError(f"{name} cannot be read: {error}") from None
-    return StoredResult(path, document, Scene.from_dict(document["scene"]), stages)
+    try:
+        names = [path / f"stage-{int(entry['index'])}.npz" for entry in document["stages"]]
+        scene = document["scene"]
+    except (KeyError, TypeError, ValueError) as error:
+        raise InputError(f"{file} is not whole: {error!r}") from None
+    return StoredResult(path, document, Scene.from_dict(scene), [_arrays(name) for name in names])
 
 
-EPISODE_NAMES = EPISODE_COLUMNS
-"""Columns of ``J_contacts``, SI units."""
+def _arrays(file: Path) -> dict[str, Array]:
+    """Arrays of one stage; InputError when the file is missing or damaged."""
+    try:
+        with np.load(file, allow_pickle=False) as stored:
+            return dict(stored)
+    except (OSError, ValueError, KeyError, EOFError, BadZipFile) as error:
+        raise InputError(f"{file} cannot be read: {error}") from None

@@ -194,6 +194,9 @@ class Scene:
     )
 
     def __post_init__(self) -> None:
+        for name in ("name", "title"):
+            if not isinstance(getattr(self, name), str):
+                raise InputError(f"{name} = {getattr(self, name)!r}: a text is expected")
         check_fields(self)
         check_fields(self.conventions)
         self.press.check_assembly()
@@ -250,7 +253,7 @@ class Scene:
             )
         except InputError:
             raise
-        except (KeyError, TypeError, ValueError) as error:
+        except (KeyError, TypeError, ValueError, OverflowError) as error:
             raise InputError(f"this is not a stored scene: {error}") from None
 
 

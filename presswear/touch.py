@@ -15,7 +15,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.clearance import Contact, contact_of, penetration_acceleration
+from presswear.clearance import Contact, Pose, contact_of, penetration_acceleration
 from presswear.compiled import Records, compiled
 
 Array = NDArray[np.float64]
@@ -60,9 +60,6 @@ STEPS = np.dtype(
     ]
 )
 """Step lengths of a fixed-order integrator."""
-
-SETTLED = 2e-5
-COARSE = 5.0
 
 LEAST_STEPS = 20
 """Steps that every contact gets, unless it is shorter than so many shortest steps."""
@@ -134,8 +131,8 @@ def contact_step(
     """Step, s, that divides a contact into equal parts.
 
     The duration is half a period of the oscillation at the deepest penetration
-    that the present energy allows; at touch this is within 7 % of Hertz's
-    2.94 delta_max / v.
+    that the present energy allows: pi sqrt(8/15) = 2.29 delta_max / v at the touch
+    of an elastic Hertz impact, which lasts 2.94 delta_max / v.
     """
     if math.isinf(mass):
         return math.inf
@@ -170,7 +167,7 @@ def step_in_contact(last: Records, steps: Records, part: float, acceleration: fl
         allowed = last.penetration * (math.pi / parts) ** 3 / 12.0
         growth = 0.9 * (allowed / error) ** (1.0 / 3.0) if error > 0.0 else 1.3
         calm = last.step * min(max(growth, 0.5), 1.3)
-        part = min(max(calm, part), part * parts / steps.sustained)
+        part = min(max(calm, part), part * max(parts / steps.sustained, 1.0))
     return min(part, last.longest_step)
 
 
@@ -188,7 +185,7 @@ def late_touch(joint: Records, last: Records, steps: Records, contact: Contact, 
     if contact.penetration > 0.0:
         if (1.0 - s) * h <= OVERSHOOT * part:
             return -1.0
-    else:
+    elif contact.rate < 0.0:
         # Touched and gone: land while the pin is still in, well before its deepest point.
         behind = min(behind, 0.1 * (1.0 - s) * h * closing / (closing - contact.rate))
     return max(s * h + behind, steps.least)
@@ -241,6 +238,62 @@ def shorter_step(
 
 
 @compiled
+def open_episode(last: Records, onset_time: float, started_closed: bool) -> None:
+    """Begin the record of a touch."""
+    last.onset_time = onset_time
+    last.started_closed = started_closed
+    last.steps = 0
+    last.peak_force = 0.0
+    last.longest_step = math.inf
+
+
+@compiled
+def close_episode(
+    last: Records,
+    count: Records,
+    episodes: Array,
+    onset_speed: float,
+    t: float,
+    rate: float,
+    needed: int,
+) -> None:
+    """End the record of a touch; one of fewer than ``needed`` steps counts as unresolved.
+
+    A touch in which the run began is no whole contact and is not counted.
+    """
+    if last.started_closed:
+        return
+    count.contacts += 1
+    count.fewest_steps = min(count.fewest_steps, last.steps)
+    if last.steps < needed:
+        count.unresolved += 1
+    row = count.episodes
+    if row < episodes.shape[0]:
+        episodes[row, 0] = last.onset_time
+        episodes[row, 1] = t
+        episodes[row, 2] = onset_speed
+        episodes[row, 3] = rate
+        episodes[row, 4] = last.peak_force
+        episodes[row, 5] = last.steps
+        count.episodes += 1
+
+
+@compiled
+def remember(
+    last: Records, joint: Records, contact: Contact, bearing: Pose, pin: Pose, t: float
+) -> None:
+    """Keep what the next step needs of an accepted state."""
+    turns = joint.map_turns
+    last.step = t - last.time
+    last.time = t
+    last.penetration = contact.penetration
+    last.rate = contact.rate
+    last.sweep = max(
+        abs(contact.turning - turns * bearing.spin), abs(contact.turning - turns * pin.spin)
+    )
+
+
+@compiled
 def settle(
     joints: Records,
     onset: Array,
@@ -258,47 +311,23 @@ def settle(
         contact, bearing, pin = contact_of(joints, k, surfaces, q, v)
         if onset[k] == 0.0 and contact.penetration > 0.0:
             h = t - last.time
-            last.onset_time = t
-            closing = contact.rate
-            last.started_closed = last.penetration > 0.0 or h <= 0.0
-            if not last.started_closed:
+            started_closed = last.penetration > 0.0 or h <= 0.0
+            touched, closing = t, contact.rate
+            if not started_closed:
                 s = crossing(last.penetration, last.rate, contact.penetration, contact.rate, h)
+                touched = last.time + s * h
                 closing = hermite(
                     last.penetration, last.rate, contact.penetration, contact.rate, h, s
                 )[1]
-                last.onset_time = last.time + s * h
             # A joint counts as closed while its onset speed is not zero.
             onset[k] = max(closing, 1e-300)
-            last.steps = 0
-            last.peak_force = 0.0
-            last.longest_step = math.inf
+            open_episode(last, touched, started_closed)
         elif onset[k] > 0.0 and contact.penetration <= 0.0:
-            count = tally[k]
-            if not last.started_closed:
-                count.contacts += 1
-                count.fewest_steps = min(count.fewest_steps, last.steps)
-                if last.steps < LEAST_STEPS:
-                    count.unresolved += 1
-                row = count.episodes
-                if row < episodes.shape[1]:
-                    episodes[k, row, 0] = last.onset_time
-                    episodes[k, row, 1] = t
-                    episodes[k, row, 2] = onset[k]
-                    episodes[k, row, 3] = contact.rate
-                    episodes[k, row, 4] = last.peak_force
-                    episodes[k, row, 5] = last.steps
-                    count.episodes += 1
+            close_episode(last, tally[k], episodes[k], onset[k], t, contact.rate, LEAST_STEPS)
             onset[k] = 0.0
         if onset[k] > 0.0:
             last.steps += 1
-        last.step = t - last.time
-        last.time = t
-        last.penetration = contact.penetration
-        last.rate = contact.rate
-        turns = joints[k].map_turns
-        last.sweep = max(
-            abs(contact.turning - turns * bearing.spin), abs(contact.turning - turns * pin.spin)
-        )
+        remember(last, joints[k], contact, bearing, pin, t)
 
 
 @compiled

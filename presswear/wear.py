@@ -33,7 +33,10 @@ SLIGHTEST_PENETRATION = 1e-15
 """Penetration below which a contact arc is a point, m."""
 
 ARC_SAMPLES = 16
-"""Points of the pressure distribution on each half of a round joint's contact arc."""
+"""Points of the pressure distribution on each half of a round joint's contact arc, at least."""
+
+BIN_SAMPLES = 4
+"""Points of the pressure distribution in one bin of the map, at least."""
 
 
 @compiled
@@ -137,7 +140,7 @@ def deposit_over_arc(
     # A step that ends with the separation leaves its wear where the pin last was.
     penetration = max(contact.penetration, SLIGHTEST_PENETRATION)
     half_arc = math.sqrt(2.0 * penetration / contact.eccentricity)
-    step = half_arc / ARC_SAMPLES
+    step = min(half_arc / ARC_SAMPLES, 2.0 * math.pi / count / BIN_SAMPLES)
     # A groove that fits the pin may hold it over much more than the round arc.
     most = min(int(math.pi / step), pressure.shape[0] // 2 - 1)
     used = 0

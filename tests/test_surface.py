@@ -224,7 +224,7 @@ def test_refuses_what_is_no_profile(bad: Array) -> None:
 
 
 def test_refuses_wear_on_another_grid() -> None:
-    with pytest.raises(ValueError, match="broadcast"):
+    with pytest.raises(ValueError, match="cannot be added"):
         Surface(np.zeros(5)).worn_by(np.ones(4))
 
 

@@ -1,0 +1,1 @@
+"""The in-house solver: Lagrange multipliers, compiled."""

@@ -1,0 +1,257 @@
+"""Equations of motion in index-1 form (equations 14 to 20 of the paper).
+
+M q'' + Phi_q^T lambda = g with Phi_q q'' = gamma - 2 alpha Phi' - beta^2 Phi.  The
+state is y = (q, q', integrals): positions, velocities, and as quadratures the drive
+work, its absolute value, and per clearance joint contact loss, friction loss and
+the two doses of wear.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.clearance import contact_of, load_of, pack_joints, pack_surfaces
+from presswear.compiled import Records, compiled
+from presswear.constraints import DRIVE, Constraints, constraint_rows, constraints_of, lever
+from presswear.energy import loss_powers
+from presswear.linkage import GROUND, Linkage
+from presswear.multipliers import Elimination, solve_multipliers, work_out
+from presswear.wear import dose_rates, pack_wear
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+SPRING = np.dtype(
+    [
+        ("first", np.int64),
+        ("second", np.int64),
+        ("x1", np.float64),
+        ("y1", np.float64),
+        ("x2", np.float64),
+        ("y2", np.float64),
+        ("stiffness", np.float64),
+        ("damping", np.float64),
+        ("length", np.float64),
+    ]
+)
+
+DRIVE_INTEGRALS = 2
+"""Integrals before those of the joints: drive work and its absolute value, J."""
+JOINT_INTEGRALS = 4
+"""Integrals per joint: contact loss and friction loss, J; F_n ds, N m; p ds, N/m."""
+
+
+class System(NamedTuple):
+    """A linkage as the kernels see it, with working space.
+
+    ``inverse_mass`` and ``weight`` are (3 bodies,); ``phi``, ``phi_t``, ``gamma``,
+    ``right`` and ``multipliers`` are (rows,).
+    """
+
+    constraints: Records
+    row_start: Indices
+    column: Indices
+    elimination: Elimination
+    mass: Array
+    inverse_mass: Array
+    weight: Array
+    springs: Records
+    joints: Records
+    wear: Records
+    surfaces: Array
+    alpha: float
+    beta: float
+    phi: Array
+    phi_t: Array
+    gamma: Array
+    jacobian: Array
+    right: Array
+    work: Array
+    multipliers: Array
+
+
+@compiled
+def spring_forces(springs: Records, q: Array, v: Array, force: Array) -> None:
+    """Add the forces of the springs to the generalized forces."""
+    for i in range(springs.shape[0]):
+        spring = springs[i]
+        x1, y1 = lever(spring.first, spring.x1, spring.y1, q)
+        x2, y2 = lever(spring.second, spring.x2, spring.y2, q)
+        dx, dy, dvx, dvy = x2 - x1, y2 - y1, 0.0, 0.0
+        if spring.first >= 0:
+            dx -= q[spring.first]
+            dy -= q[spring.first + 1]
+            dvx -= v[spring.first] - v[spring.first + 2] * y1
+            dvy -= v[spring.first + 1] + v[spring.first + 2] * x1
+        if spring.second >= 0:
+            dx += q[spring.second]
+            dy += q[spring.second + 1]
+            dvx += v[spring.second] - v[spring.second + 2] * y2
+            dvy += v[spring.second + 1] + v[spring.second + 2] * x2
+        length = math.sqrt(dx * dx + dy * dy)
+        rate = (dx * dvx + dy * dvy) / length
+        pull = spring.stiffness * (length - spring.length) + spring.damping * rate
+        fx = pull * dx / length
+        fy = pull * dy / length
+        if spring.first >= 0:
+            force[spring.first] += fx
+            force[spring.first + 1] += fy
+            force[spring.first + 2] += x1 * fy - y1 * fx
+        if spring.second >= 0:
+            force[spring.second] -= fx
+            force[spring.second + 1] -= fy
+            force[spring.second + 2] -= x2 * fy - y2 * fx
+
+
+@compiled
+def rates(system: System, onset: Array, t: float, y: Array, out: Array) -> None:
+    """dy/dt; leaves the multipliers in ``system``."""
+    n = system.mass.shape[0]
+    q = y[:n]
+    v = y[n : 2 * n]
+    force = out[n : 2 * n]
+    force[:] = system.weight
+    spring_forces(system.springs, q, v, force)
+    for k in range(system.joints.shape[0]):
+        joint = system.joints[k]
+        contact, bearing, pin = contact_of(system.joints, k, system.surfaces, q, v)
+        load = load_of(joint, onset[k], contact, bearing, pin)
+        base = 2 * n + DRIVE_INTEGRALS + JOINT_INTEGRALS * k
+        out[base], out[base + 1] = loss_powers(joint, contact, load)
+        out[base + 2], out[base + 3] = dose_rates(system.wear[k], joint, contact, load.normal)
+        if load.normal > 0.0:
+            if joint.pin_body >= 0:
+                force[joint.pin_body] += load.x
+                force[joint.pin_body + 1] += load.y
+                force[joint.pin_body + 2] += load.pin_moment
+            if joint.bearing_body >= 0:
+                force[joint.bearing_body] -= load.x
+                force[joint.bearing_body + 1] -= load.y
+                force[joint.bearing_body + 2] += load.bearing_moment
+    constraint_rows(
+        system.constraints,
+        system.row_start,
+        t,
+        q,
+        v,
+        system.phi,
+        system.phi_t,
+        system.gamma,
+        system.jacobian,
+    )
+    damping = 2.0 * system.alpha
+    stiffness = system.beta * system.beta
+    for row in range(system.phi.shape[0]):
+        right = damping * system.phi_t[row] + stiffness * system.phi[row] - system.gamma[row]
+        for e in range(system.row_start[row], system.row_start[row + 1]):
+            c = system.column[e]
+            right += system.jacobian[e] * system.inverse_mass[c] * force[c]
+        system.right[row] = right
+    solve_multipliers(
+        system.elimination,
+        system.jacobian,
+        system.inverse_mass,
+        system.right,
+        system.work,
+        system.multipliers,
+    )
+    for row in range(system.phi.shape[0]):
+        multiplier = system.multipliers[row]
+        for e in range(system.row_start[row], system.row_start[row + 1]):
+            force[system.column[e]] -= system.jacobian[e] * multiplier
+    power = 0.0
+    for i in range(system.constraints.shape[0]):
+        c = system.constraints[i]
+        if c.kind == DRIVE:
+            power -= system.multipliers[c.row] * c.speed
+    out[2 * n] = power
+    out[2 * n + 1] = abs(power)
+    for i in range(n):
+        out[i] = v[i]
+        force[i] *= system.inverse_mass[i]
+
+
+@compiled
+def project(system: System, t: float, y: Array) -> None:
+    """Move a state onto the constraints: one Newton step for q, an exact one for v.
+
+    Both in the metric of the mass matrix, so that the change of kinetic energy is
+    of second order in the violation.
+    """
+    n = system.mass.shape[0]
+    for level in range(2):
+        constraint_rows(
+            system.constraints,
+            system.row_start,
+            t,
+            y[:n],
+            y[n : 2 * n],
+            system.phi,
+            system.phi_t,
+            system.gamma,
+            system.jacobian,
+        )
+        system.right[:] = system.phi if level == 0 else system.phi_t
+        solve_multipliers(
+            system.elimination,
+            system.jacobian,
+            system.inverse_mass,
+            system.right,
+            system.work,
+            system.multipliers,
+        )
+        for row in range(system.phi.shape[0]):
+            for e in range(system.row_start[row], system.row_start[row + 1]):
+                c = system.column[e]
+                y[level * n + c] -= (
+                    system.inverse_mass[c] * system.jacobian[e] * system.multipliers[row]
+                )
+
+
+def system_of(linkage: Linkage, alpha: float, beta: float) -> tuple[System, Constraints]:
+    """Pack a linkage; ``alpha`` and ``beta`` are Baumgarte's coefficients, 1/s."""
+    constraints = constraints_of(linkage)
+    elimination = work_out(constraints)
+    mass = np.array(
+        [value for body in linkage.bodies for value in (body.mass,) * 2 + (body.inertia,)]
+    )
+    weight = np.zeros(mass.size)
+    weight[1::3] = -linkage.gravity * mass[1::3]
+    for load in linkage.loads:
+        i = 3 * linkage.index(load.body)
+        weight[i : i + 3] += load.x, load.y, load.moment
+    springs = np.zeros(len(linkage.springs), SPRING)
+    for record, spring in zip(springs, linkage.springs, strict=True):
+        for end, point in (("1", spring.first), ("2", spring.second)):
+            record["first" if end == "1" else "second"] = (
+                -1 if point.body == GROUND else 3 * linkage.index(point.body)
+            )
+            record["x" + end], record["y" + end] = point.x, point.y
+        record["stiffness"], record["damping"] = spring.stiffness, spring.damping
+        record["length"] = spring.length
+    rows = np.zeros((5, constraints.rows))
+    system = System(
+        constraints=constraints.records,
+        row_start=constraints.row_start,
+        column=constraints.column,
+        elimination=elimination,
+        mass=mass,
+        inverse_mass=1.0 / mass,
+        weight=weight,
+        springs=springs,
+        joints=pack_joints(linkage),
+        wear=pack_wear(linkage),
+        surfaces=pack_surfaces(linkage),
+        alpha=alpha,
+        beta=beta,
+        phi=rows[0],
+        phi_t=rows[1],
+        gamma=rows[2],
+        jacobian=constraints.constant.copy(),
+        right=rows[3],
+        work=np.zeros(elimination.slots),
+        multipliers=rows[4],
+    )
+    return system, constraints

@@ -1,0 +1,281 @@
+"""The run loops: error-controlled with located touches, and fixed-step.
+
+Error-controlled: a touch or separation inside an accepted step is located by
+repeating the step until it ends there, and the integration starts anew from it, so
+that no step ever crosses a change of law.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.clearance import contact_of
+from presswear.compiled import Records, compiled
+from presswear.engines.dae.dynamics import (
+    DRIVE_INTEGRALS,
+    JOINT_INTEGRALS,
+    System,
+    project,
+    rates,
+)
+from presswear.engines.dae.runge_kutta import (
+    STAGES,
+    Tableau,
+    classical_step,
+    dormand_prince_step,
+)
+from presswear.observe import Book, observe
+from presswear.touch import (
+    close_episode,
+    contact_step,
+    crossing,
+    open_episode,
+    remember,
+    settle,
+)
+
+Array = NDArray[np.float64]
+
+RUNNING, DONE, BROKEN, STUCK = 0, 1, 2, 3
+
+CONTROL = np.dtype(
+    [
+        ("time", np.float64),
+        ("step", np.float64),  # next, s
+        ("longest", np.float64),  # s
+        ("shortest", np.float64),  # s
+        ("tolerance", np.float64),
+        ("projected", np.bool_),
+        ("steps", np.int64),
+        ("rejected", np.int64),
+        ("events", np.int64),
+        ("position_error", np.float64),  # greatest |Phi|
+        ("velocity_error", np.float64),  # greatest |dPhi/dt|
+    ]
+)
+"""Where an integration stands."""
+
+POSITION_SCALE = 1e-3
+"""The tolerance times this is the error allowed in a position, m or rad, per step."""
+FIRST_PARTS = 40.0
+"""First step behind a touch, as a part of the expected contact."""
+SAFETY, LEAST_FACTOR, GREATEST_FACTOR = 0.9, 0.2, 5.0
+NEWTON_STEPS = 12
+"""Repetitions that locate an event; it converges quadratically."""
+SKIM_STEPS = 2.0
+"""Steps in which a pin crosses one bin of a worn map, at least."""
+
+
+class Motion(NamedTuple):
+    """The state y, its trial successor, stage slopes and error scale."""
+
+    y: Array
+    trial: Array
+    slopes: Array
+    scale: Array
+
+
+@compiled
+def penetration_of(system: System, k: int, y: Array) -> tuple[float, float]:
+    """Penetration and its rate of joint ``k`` in a state."""
+    n = system.mass.shape[0]
+    contact = contact_of(system.joints, k, system.surfaces, y[:n], y[n : 2 * n])[0]
+    return contact.penetration, contact.rate
+
+
+@compiled
+def first_event(system: System, book: Book, trial: Array, h: float) -> tuple[int, float]:
+    """Joint that touches or separates first in a trial step, and at which part; or -1."""
+    found = -1
+    part = 2.0
+    for k in range(system.joints.shape[0]):
+        last = book.touch[k]
+        depth, rate = penetration_of(system, k, trial)
+        sign = -1.0 if book.onset[k] > 0.0 else 1.0
+        start = min(sign * last.penetration, 0.0)
+        s = crossing(start, sign * last.rate, sign * depth, sign * rate, h)
+        # A state that was just placed on an event does not repeat it.
+        if s < part and s * h > 1e-14:
+            found, part = k, s
+    return found, part
+
+
+@compiled
+def locate(
+    system: System, tableau: Tableau, book: Book, motion: Motion, t: float, k: int, h: float
+) -> float:
+    """Length of the step that ends where joint ``k`` has zero penetration."""
+    for _ in range(NEWTON_STEPS):
+        dormand_prince_step(
+            system, tableau, book.onset, t, h, motion.y, motion.slopes, motion.trial, motion.scale
+        )
+        depth, rate = penetration_of(system, k, motion.trial)
+        if abs(depth) <= 1e-17 or rate == 0.0:
+            break
+        change = -depth / rate
+        if abs(change) > 0.5 * h:
+            change = math.copysign(0.5 * h, change)
+        h += change
+        if abs(change) <= 1e-15:
+            break
+    dormand_prince_step(
+        system, tableau, book.onset, t, h, motion.y, motion.slopes, motion.trial, motion.scale
+    )
+    return h
+
+
+@compiled
+def switch(system: System, book: Book, k: int, t: float, y: Array) -> None:
+    """Open or close joint ``k`` in a state placed on the event."""
+    rate = penetration_of(system, k, y)[1]
+    if book.onset[k] > 0.0:
+        close_episode(book.touch[k], book.tally[k], book.episodes[k], book.onset[k], t, rate, 0)
+        book.onset[k] = 0.0
+    else:
+        book.onset[k] = max(rate, 1e-300)
+        open_episode(book.touch[k], t, False)
+
+
+@compiled
+def finish_step(
+    system: System, book: Book, control: Records, motion: Motion, t: float, h: float
+) -> None:
+    """Account for an accepted state in ``motion.y``, whose slopes are in ``slopes[0]``."""
+    n = system.mass.shape[0]
+    y = motion.y
+    for k in range(system.joints.shape[0]):
+        base = 2 * n + DRIVE_INTEGRALS + JOINT_INTEGRALS * k + 2
+        # Integrals are emptied into the account, so that they never lose digits.
+        book.doses[k, 0] = y[base]
+        book.doses[k, 1] = y[base + 1]
+        y[base] = y[base + 1] = 0.0
+        contact, bearing, pin = contact_of(system.joints, k, system.surfaces, y[:n], y[n : 2 * n])
+        last = book.touch[k]
+        remember(last, book.joints[k], contact, bearing, pin, t)
+        if book.onset[k] > 0.0:
+            last.steps += 1
+    observe(book, t, h, y[:n], y[n : 2 * n], motion.slopes[0, n : 2 * n])
+    state = control[0]
+    state.time = t
+    state.steps += 1
+    for row in range(system.phi.shape[0]):
+        state.position_error = max(state.position_error, abs(system.phi[row]))
+        state.velocity_error = max(state.velocity_error, abs(system.phi_t[row]))
+
+
+@compiled
+def longest_step(system: System, book: Book, longest: float) -> float:
+    """Step limit from the bumps of worn surfaces that a pin runs over."""
+    if system.surfaces.shape[2] == 0:
+        return longest
+    for k in range(system.joints.shape[0]):
+        last = book.touch[k]
+        if last.sweep > 0.0 and last.penetration > -last.relief:
+            longest = min(
+                longest, 2.0 * math.pi / system.surfaces.shape[2] / last.sweep / SKIM_STEPS
+            )
+    return longest
+
+
+@compiled
+def march_controlled(
+    system: System,
+    tableau: Tableau,
+    book: Book,
+    control: Records,
+    motion: Motion,
+    end: float,
+    most: int,
+) -> int:
+    """Integrate towards ``end`` for at most so many steps; returns where it stands."""
+    n = system.mass.shape[0]
+    state = control[0]
+    for _ in range(most):
+        t = state.time
+        left = end - t
+        if left <= 0.0:
+            return DONE
+        h = min(state.step, longest_step(system, book, state.longest), left)
+        last_step = h >= left
+        for i in range(n):
+            motion.scale[i] = state.tolerance * POSITION_SCALE
+            motion.scale[n + i] = state.tolerance * (1.0 + abs(motion.y[n + i]))
+        error = dormand_prince_step(
+            system, tableau, book.onset, t, h, motion.y, motion.slopes, motion.trial, motion.scale
+        )
+        if not error <= 1.0:
+            state.rejected += 1
+            state.step = h * (
+                max(LEAST_FACTOR, SAFETY * error ** (-0.125)) if error < 1e30 else LEAST_FACTOR
+            )
+            if not state.step > state.shortest:
+                return BROKEN if not error < 1e30 else STUCK
+            continue
+        k, part = first_event(system, book, motion.trial, h)
+        factor = GREATEST_FACTOR if error == 0.0 else SAFETY * error ** (-0.125)
+        state.step = h * min(max(factor, LEAST_FACTOR), GREATEST_FACTOR)
+        if k >= 0:
+            h = locate(system, tableau, book, motion, t, k, part * h)
+            last_step = False
+            state.events += 1
+        t = end if last_step else t + h
+        motion.y[:] = motion.trial
+        if k >= 0:
+            switch(system, book, k, t, motion.y)
+            joint = system.joints[k]
+            last = book.touch[k]
+            rate = penetration_of(system, k, motion.y)[1]
+            state.step = min(
+                state.step,
+                contact_step(
+                    joint.stiffness, joint.exponent, last.effective_mass, 0.0, rate, FIRST_PARTS
+                ),
+            )
+        if state.projected:
+            project(system, t, motion.y)
+        if state.projected or k >= 0:
+            rates(system, book.onset, t, motion.y, motion.slopes[0])
+        else:
+            motion.slopes[0] = motion.slopes[STAGES]
+        finish_step(system, book, control, motion, t, h)
+    return RUNNING
+
+
+@compiled
+def march_fixed(
+    system: System, book: Book, control: Records, motion: Motion, end: float, most: int
+) -> int:
+    """The same with equal steps of order 4; contact state changes between steps only."""
+    n = system.mass.shape[0]
+    state = control[0]
+    for _ in range(most):
+        t = state.time
+        left = end - t
+        # A remainder of round-off is no step.
+        if left <= 1e-9 * state.step:
+            return DONE
+        h = min(state.step, left)
+        classical_step(system, book.onset, t, h, motion.y, motion.slopes, motion.trial)
+        motion.y[:] = motion.trial
+        t = end if h >= left else t + h
+        for i in range(2 * n):
+            if not abs(motion.y[i]) < 1e30:
+                return BROKEN
+        settle(
+            book.joints,
+            book.onset,
+            book.touch,
+            book.tally,
+            book.episodes,
+            book.surfaces,
+            t,
+            motion.y[:n],
+            motion.y[n : 2 * n],
+        )
+        if state.projected:
+            project(system, t, motion.y)
+        rates(system, book.onset, t, motion.y, motion.slopes[0])
+        finish_step(system, book, control, motion, t, h)
+    return RUNNING
