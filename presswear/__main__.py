@@ -163,7 +163,11 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
             bar.update(task, completed=stage.index + 1)
             bar.console.print(_stage_line(stage), highlight=False)
 
-        status, message = run_campaign(scene, Watcher(progress, finished))
+        try:
+            status, message = run_campaign(scene, Watcher(progress, finished))
+        except KeyboardInterrupt:
+            store.close("interrupted", "stopped by the user; finished stages are kept")
+            raise
         store.close(status, message)
     if not (folder / "result.json").exists():
         raise RunError(message)
