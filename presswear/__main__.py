@@ -61,7 +61,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     run.add_argument("scene", help="one of: " + ", ".join(SCENES))
     run.add_argument("--out", type=Path, help="new result folder (default results/SCENE)")
-    run.add_argument("--engine", help="exudyn (default: the fittest) or exudyn-joints")
+    run.add_argument("--engine", help="exudyn (default: the fittest), exudyn-joints or dae")
     run.add_argument("--conventions", help="paper (as printed, default) or refined")
     run.add_argument("--cycles", help="cycles of each stage; default: until the maps are known")
     run.add_argument("--wears", help="how often the joints are worn (0, 1, 2, ...)")

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from presswear.clearance import Contact, contact_of, load_of, pack_joints, pack_surfaces
 from presswear.compiled import Records, compiled
 from presswear.linkage import ClearanceJoint, Linkage
-from presswear.touch import TALLY, TOUCH
+from presswear.touch import TALLY, TOUCH, settle
 from presswear.wear import deposit_in_bin, deposit_over_arc, pack_wear
 
 Array = NDArray[np.float64]
@@ -245,6 +245,14 @@ class Account:
         account = Account(book, depth_sum=np.zeros(shape), depth_square_sum=np.zeros(shape))
         account.start_cycle()
         return account
+
+    def begin(self, q: Array, v: Array, a: Array) -> None:
+        """Settle contact in the initial state and write the first row of the series."""
+        book = self.book
+        settle(
+            book.joints, book.onset, book.touch, book.tally, book.episodes, book.surfaces, 0.0, q, v
+        )
+        observe(book, 0.0, 0.0, q, v, a)
 
     @property
     def rows(self) -> Array:

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
 from typing import Any
 
-from presswear.engines.base import Accuracy
+from presswear.engines.base import Accuracy, DaeAccuracy, Integrator
 from presswear.errors import InputError
 from presswear.laws import (
     FrictionLaw,
@@ -150,7 +150,7 @@ class Scene:
     bearings: Bearings = field(default_factory=Bearings)
     conventions: Conventions = field(default_factory=Conventions)
     joints: str = choice("AC", tuple(JOINTS), "which joints have clearance")
-    engine: str = choice("exudyn", ("exudyn", "exudyn-joints"), "what solves the motion")
+    engine: str = choice("exudyn", ("exudyn", "exudyn-joints", "dae"), "what solves the motion")
     wears: int = quantity(
         2, "", 0, 20, "paper, per study", "how often the joints are worn", whole=True
     )
@@ -192,6 +192,18 @@ class Scene:
     free_steps: int = quantity(
         10_000, "", 1000, 10_000_000, "chosen", "least solver steps in a cycle", whole=True
     )
+    integrator: Integrator = choice(
+        "dop853",
+        ("dop853", "rk4", "rk4-paper"),
+        "of engine dae: order 8 with located touches, order 4 at equal steps, or at 1e-4 s",
+    )
+    integration_tolerance: float = quantity(
+        1e-9, "", 1e-14, 1e-3, "chosen", "of dop853, per step: times 1 mm and 1 m/s + speed"
+    )
+    equal_step: float = quantity(1e-5, "s", 1e-9, 1e-2, "chosen", "step of rk4")
+    projection: str = choice(
+        "off", ("off", "on"), "of engine dae: whether each state is moved onto the constraints"
+    )
 
     def __post_init__(self) -> None:
         for name in ("name", "title"):
@@ -227,8 +239,19 @@ class Scene:
         )
         return ideal.opened(opened)
 
-    def accuracy(self) -> Accuracy:
-        """Step lengths of the run."""
+    def accuracy(self) -> Accuracy | DaeAccuracy:
+        """How finely the scene's engine integrates."""
+        if self.engine == "dae":
+            return DaeAccuracy(
+                self.integrator,
+                self.integration_tolerance,
+                self.equal_step,
+                projected=self.projection == "on",
+            )
+        return self.exudyn_accuracy()
+
+    def exudyn_accuracy(self) -> Accuracy:
+        """Step lengths of an Exudyn run."""
         return Accuracy(
             steps_per_contact=self.steps_per_contact,
             steps_sustained=self.steps_sustained,

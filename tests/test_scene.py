@@ -159,7 +159,7 @@ def _use(scene: Scene) -> None:
         for value in (joint.normal.stiffness, joint.pin_radius, joint.width):
             assert math.isfinite(value)
             assert value > 0.0
-    assert scene.accuracy().free_step > 0.0
+    assert scene.exudyn_accuracy().free_step > 0.0
     start = scene.press.ideal_motion(np.zeros(1))
     for level in (start.position, start.velocity, start.acceleration):
         assert all(math.isfinite(value) for value in level[0])
@@ -284,7 +284,7 @@ def test_amplification_is_of_the_cycles_run() -> None:
 
 def test_steps_follow_the_speed() -> None:
     scene = Scene("fast", "", press=Press(speed=8.0 * math.pi), free_steps=5000)
-    assert scene.accuracy().free_step == pytest.approx(0.25 / 5000, rel=1e-14)
+    assert scene.exudyn_accuracy().free_step == pytest.approx(0.25 / 5000, rel=1e-14)
 
 
 def test_defaults_are_the_papers() -> None:

@@ -8,12 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.compiled import Records
+from presswear.linkage import Linkage
 from presswear.observe import Account
 from presswear.touch import STEPS
 
 Array = NDArray[np.float64]
 
 Status = Literal["completed", "enough", "failed"]
+Integrator = Literal["dop853", "rk4", "rk4-paper"]
 
 
 @dataclass(frozen=True)
@@ -57,6 +59,34 @@ class Accuracy:
         steps["sustained"] = self.steps_sustained
         steps["least"] = self.least_step
         return steps
+
+
+@dataclass(frozen=True)
+class DaeAccuracy:
+    """How the in-house solver integrates.
+
+    Attributes
+    ----------
+    integrator : {"dop853", "rk4", "rk4-paper"}
+        Error-controlled of order 8 with located touches; classical of order 4 with
+        equal steps; the same with the paper's 1e-4 s.
+    tolerance : float
+        Of ``dop853``: per step, times 1 mm or mrad in positions and times
+        1 m/s + |v| in velocities.
+    step : float
+        Of ``rk4``, s.
+    alpha, beta : float
+        Baumgarte's coefficients, 1/s (equation 19).
+    projected : bool
+        Whether each accepted state is moved onto the constraints.
+    """
+
+    integrator: Integrator = "dop853"
+    tolerance: float = 1e-9
+    step: float = 1e-5
+    alpha: float = 20.0
+    beta: float = 20.0
+    projected: bool = False
 
 
 @dataclass(frozen=True)
@@ -110,3 +140,21 @@ class Run:
     end: Start
     time: float
     diagnostics: dict[str, float | int | str] = field(default_factory=dict)
+
+
+def described(linkage: Linkage) -> str:
+    """What was modelled, in a sentence."""
+    joints = len(linkage.revolutes) + len(linkage.guides)
+    opened = ", ".join(joint.name for joint in linkage.clearances) or "none"
+    friction = any(joint.friction.coefficient > 0.0 for joint in linkage.clearances)
+    worn = any(
+        surface.is_worn
+        for joint in linkage.clearances
+        for surface in (joint.bearing_surface, joint.pin_surface)
+    )
+    wear = any(joint.wear is not None for joint in linkage.clearances)
+    return (
+        f"{len(linkage.bodies)} bodies, {joints} ideal joints, {len(linkage.drives)} drives; "
+        f"clearance: {opened}; friction {'on' if friction else 'off'}; "
+        f"surfaces {'worn' if worn else 'round'}; wear account {'on' if wear else 'off'}"
+    )

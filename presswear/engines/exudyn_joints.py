@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from presswear.clearance import joint_load
 from presswear.compiled import Records, compiled
-from presswear.engines.base import Accuracy, Plan, Run, Start, Status
+from presswear.engines.base import Accuracy, Plan, Run, Start, Status, described
 from presswear.linkage import GROUND, Attachment, Linkage
 from presswear.observe import Account
 from presswear.stepping import accept_step
@@ -153,6 +153,23 @@ def _assemble(linkage: Linkage, start: Start, account: Account) -> _Model:
                 "offset": drive.speed,
             }
         )
+    for spring in linkage.springs:
+        system.AddObject(
+            {
+                "objectType": "ConnectorSpringDamper",
+                "markerNumbers": [marker_at(spring.first), marker_at(spring.second)],
+                "stiffness": spring.stiffness,
+                "damping": spring.damping,
+                "referenceLength": spring.length,
+            }
+        )
+    for load in linkage.loads:
+        at_centre = marker_at(Attachment(load.body, 0.0, 0.0))
+        for kind, vector in (
+            ("ForceVector", [load.x, load.y, 0.0]),
+            ("TorqueVector", [0.0, 0.0, load.moment]),
+        ):
+            system.AddLoad({"loadType": kind, "markerNumber": at_centre, "loadVector": vector})
     model = _Model(container, system, None, None, None)
     for k, clearance in enumerate(linkage.clearances):
         ends = [clearance.bearing.body, clearance.pin.body]
@@ -317,7 +334,7 @@ def simulate(linkage: Linkage, start: Start, accuracy: Accuracy, plan: Plan) -> 
         end=Start(np.array(model.q), np.array(model.v)),
         time=at.last_time,
         diagnostics={
-            "model": _described(linkage),
+            "model": described(linkage),
             "solver": "Exudyn trapezoidal index 2, step chosen by contact state",
             "steps": at.steps - 1,
             "steps_sent_back": at.sent_back,
@@ -348,24 +365,6 @@ def _wall_shares(timer: Any) -> dict[str, float]:
     }
     shares = {f"share_{name}": seconds / timer.total for name, seconds in spent.items()}
     return {**shares, "share_other": 1.0 - sum(shares.values())}
-
-
-def _described(linkage: Linkage) -> str:
-    """What was modelled, in a sentence."""
-    joints = len(linkage.revolutes) + len(linkage.guides)
-    opened = ", ".join(joint.name for joint in linkage.clearances) or "none"
-    friction = any(joint.friction.coefficient > 0.0 for joint in linkage.clearances)
-    worn = any(
-        surface.is_worn
-        for joint in linkage.clearances
-        for surface in (joint.bearing_surface, joint.pin_surface)
-    )
-    wear = any(joint.wear is not None for joint in linkage.clearances)
-    return (
-        f"{len(linkage.bodies)} bodies, {joints} ideal joints, {len(linkage.drives)} drives; "
-        f"clearance: {opened}; friction {'on' if friction else 'off'}; "
-        f"surfaces {'worn' if worn else 'round'}; wear account {'on' if wear else 'off'}"
-    )
 
 
 @contextmanager

@@ -161,7 +161,9 @@ def test_onset_speed_at_the_working_step_under_acceleration() -> None:
 @pytest.mark.parametrize("geometry", list(GEOMETRIES))
 def test_ideal_press_follows_the_closed_form(geometry: str) -> None:
     scene = replace(ideal(), press=Press(geometry=GEOMETRIES[geometry]))
-    run = simulate(scene.linkage(), start_of(scene), scene.accuracy(), Plan(scene.press.period, 1))
+    run = simulate(
+        scene.linkage(), start_of(scene), scene.exudyn_accuracy(), Plan(scene.press.period, 1)
+    )
     rows = run.account.rows
     motion = scene.press.ideal_motion(rows[:, 0])
     column = 3 * scene.linkage().index("slider 6") + 1
@@ -181,7 +183,10 @@ def press_runs() -> dict[str, Run]:
     for name, conventions in CONVENTIONS.items():
         scene = replace(wear_times(), conventions=conventions)
         runs[name] = simulate(
-            scene.linkage(), start_of(scene), scene.accuracy(), Plan(scene.press.period / 3.0, 1)
+            scene.linkage(),
+            start_of(scene),
+            scene.exudyn_accuracy(),
+            Plan(scene.press.period / 3.0, 1),
         )
     return runs
 
@@ -226,7 +231,7 @@ def test_cycles_end_on_time_and_enough_stops() -> None:
         return len(account.cycles) == 2
 
     period = scene.press.period
-    coarse = replace(scene.accuracy(), free_step=period / 300.0)
+    coarse = replace(scene.exudyn_accuracy(), free_step=period / 300.0)
     run = simulate(scene.linkage(), start_of(scene), coarse, Plan(period, 5, enough=enough))
     assert run.status == "enough"
     assert asked == [1, 2]
@@ -250,6 +255,6 @@ def test_errors_and_interrupts_in_callbacks_arrive_as_they_are() -> None:
         simulate(
             scene.linkage(),
             start_of(scene),
-            scene.accuracy(),
+            scene.exudyn_accuracy(),
             Plan(scene.press.period, 1, progress=interrupt),
         )

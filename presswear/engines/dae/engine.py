@@ -1,0 +1,192 @@
+"""The in-house solver as an engine: a linkage and a start in, a Run out."""
+
+import math
+import time as clock
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.constraints import Constraints
+from presswear.energy import elastic_energy, mechanical_energy
+from presswear.engines.base import DaeAccuracy, Plan, Run, Start, Status, described
+from presswear.engines.dae.dynamics import (
+    DRIVE_INTEGRALS,
+    JOINT_INTEGRALS,
+    System,
+    rates,
+    system_of,
+)
+from presswear.engines.dae.march import (
+    BROKEN,
+    CONTROL,
+    DONE,
+    RUNNING,
+    Motion,
+    march_controlled,
+    march_fixed,
+)
+from presswear.engines.dae.runge_kutta import STAGES, dormand_prince
+from presswear.errors import InputError
+from presswear.linkage import Linkage
+from presswear.observe import Account
+
+Array = NDArray[np.float64]
+
+PAPER_STEP = 1e-4
+"""Integral step of the paper's Table 2, s."""
+
+_CHUNK = 2000
+"""Steps between two looks at the clock and the keyboard."""
+
+
+def check_start(constraints: Constraints, start: Start, time: float = 0.0) -> None:
+    """InputError naming the joint when a start violates or repeats a constraint.
+
+    Positions must agree to 1e-6 m or rad and velocities to 1e-4 m/s or rad/s.
+    """
+    phi, phi_t, _, jacobian = constraints.evaluate(time, start.position, start.velocity)
+    for kind, values, allowed in (("position", phi, 1e-6), ("velocity", phi_t, 1e-4)):
+        worst = int(np.argmax(np.abs(values))) if values.size else 0
+        if values.size and not abs(values[worst]) <= allowed:
+            raise InputError(
+                f"the start violates joint {constraints.names[worst]}: its {kind} is off by "
+                f"{abs(values[worst]):.3g}, allowed is {allowed:g}"
+            )
+    # Rows one after another: the first that adds nothing new is the redundant one.
+    basis: list[Array] = []
+    for row, name in zip(jacobian, constraints.names, strict=True):
+        rest = row / np.linalg.norm(row)
+        for known in basis + basis:
+            rest = rest - (rest @ known) * known
+        size = float(np.linalg.norm(rest))
+        if size < 1e-9:
+            raise InputError(
+                f"joint {name} repeats what the other joints already hold, or the position is "
+                "singular: its constraint adds nothing"
+            )
+        basis.append(rest / size)
+
+
+def _energy(system: System, account: Account, y: Array) -> float:
+    """Kinetic, potential and elastic contact energy of a state, J."""
+    n = system.mass.size
+    total = mechanical_energy(system.mass, system.weight, y[:n], y[n : 2 * n])
+    for k in range(system.joints.shape[0]):
+        depth = float(account.book.touch["penetration"][k])
+        total += elastic_energy(system.joints[k], depth)
+    for spring in system.springs:
+        total += _spring_energy(spring, y)
+    return total
+
+
+def _spring_energy(spring: Any, y: Array) -> float:
+    ends = []
+    for body, x, p in (("first", "x1", "y1"), ("second", "x2", "y2")):
+        i = int(spring[body])
+        if i < 0:
+            ends.append((spring[x], spring[p]))
+        else:
+            c, s = math.cos(y[i + 2]), math.sin(y[i + 2])
+            ends.append(
+                (y[i] + c * spring[x] - s * spring[p], y[i + 1] + s * spring[x] + c * spring[p])
+            )
+    stretch = math.dist(*ends) - spring["length"]
+    return 0.5 * float(spring["stiffness"]) * stretch**2
+
+
+def simulate(linkage: Linkage, start: Start, accuracy: DaeAccuracy, plan: Plan) -> Run:
+    """Run a linkage from a start; see ``Plan`` and ``Run``."""
+    began = clock.perf_counter()
+    system, constraints = system_of(linkage, accuracy.alpha, accuracy.beta)
+    check_start(constraints, start)
+    account = Account.of(linkage, start.position, plan.recorded_cycles, plan.cycle)
+    book = account.book
+    n = system.mass.size
+    size = 2 * n + DRIVE_INTEGRALS + JOINT_INTEGRALS * len(linkage.clearances)
+    y = np.zeros(size)
+    y[:n], y[n : 2 * n] = start.position, start.velocity
+    motion = Motion(y, np.zeros(size), np.zeros((STAGES + 1, size)), np.ones(2 * n))
+    control = np.zeros(1, CONTROL)
+    fixed = accuracy.integrator != "dop853"
+    control["step"] = (
+        (PAPER_STEP if accuracy.integrator == "rk4-paper" else accuracy.step) if fixed else 1e-6
+    )
+    control["longest"] = plan.cycle / 500.0
+    control["shortest"] = 1e-14
+    control["tolerance"] = accuracy.tolerance
+    control["projected"] = accuracy.projected
+    tableau = dormand_prince()
+    rates(system, book.onset, 0.0, y, motion.slopes[0])
+    account.begin(y[:n], y[n : 2 * n], motion.slopes[0, n : 2 * n])
+
+    def march(end: float, most: int) -> int:
+        if fixed:
+            return int(march_fixed(system, book, control, motion, end, most))
+        return int(march_controlled(system, tableau, book, control, motion, end, most))
+
+    march(0.0, 1)  # compiles, or loads what was compiled
+    ready = clock.perf_counter()
+    energy_before = _energy(system, account, y)
+    ended: Status = "completed"
+    message = ""
+    duration = plan.cycle * plan.cycles
+    for cycle in range(1, plan.cycles + 1):
+        state = RUNNING
+        while state == RUNNING:
+            state = march(plan.cycle * cycle, _CHUNK)
+            plan.progress(min(float(control["time"][0]) / duration, 1.0))
+        if state != DONE:
+            ended = "failed"
+            reason = "the state is no longer finite" if state == BROKEN else "the step vanished"
+            message = f"{reason} (t = {float(control['time'][0]):.6g} s)"
+            break
+        account.end_cycle()
+        if cycle == plan.recorded_cycles:
+            account.stop_recording()
+        if cycle < plan.cycles and plan.enough(account):
+            ended = "enough"
+            break
+    solved = clock.perf_counter()
+    stored = _energy(system, account, y) - energy_before
+    integrals = y[2 * n :]
+    losses = integrals[DRIVE_INTEGRALS:].reshape(-1, JOINT_INTEGRALS)
+    ledger = {
+        "drive_work_J": float(integrals[0]),
+        "drive_exchange_J": float(integrals[1]),
+        "stored_energy_change_J": stored,
+        "contact_loss_J": float(losses[:, 0].sum()),
+        "friction_loss_J": float(losses[:, 1].sum()),
+    }
+    ledger["energy_residual_J"] = ledger["drive_work_J"] - (
+        stored + ledger["contact_loss_J"] + ledger["friction_loss_J"]
+    )
+    return Run(
+        status=ended,
+        message=message,
+        account=account,
+        end=Start(y[:n].copy(), y[n : 2 * n].copy()),
+        time=float(control["time"][0]),
+        diagnostics={
+            "model": described(linkage),
+            "solver": f"in-house, Lagrange multipliers, {_solver_words(accuracy)}",
+            "steps": int(control["steps"][0]),
+            "steps_sent_back": int(control["rejected"][0]),
+            "events": int(control["events"][0]),
+            "constraint_error_m": float(control["position_error"][0]),
+            "constraint_velocity_error_m_s": float(control["velocity_error"][0]),
+            **ledger,
+            "wall_compile_s": ready - began,
+            "wall_solve_s": solved - ready,
+        },
+    )
+
+
+def _solver_words(accuracy: DaeAccuracy) -> str:
+    if accuracy.integrator == "dop853":
+        words = f"DOP853 at tolerance {accuracy.tolerance:g}, touches located"
+    else:
+        step = PAPER_STEP if accuracy.integrator == "rk4-paper" else accuracy.step
+        words = f"RK4 at equal steps of {step:g} s"
+    held = ", projected" if accuracy.projected else ""
+    return f"{words}, Baumgarte {accuracy.alpha:g}/{accuracy.beta:g}{held}"
