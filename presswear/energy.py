@@ -6,11 +6,15 @@ does its work along n, on the approach e_dot . n; what it does beyond loading th
 elastic law is the contact loss, which for a round joint is the damping.
 """
 
+import math
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
 from presswear.clearance import Contact, Load
 from presswear.compiled import Records, compiled
+from presswear.linkage import GROUND, Attachment, Linkage, Spring
 
 Array = NDArray[np.float64]
 
@@ -32,16 +36,83 @@ def loss_powers(joint: Records, contact: Contact, load: Load) -> tuple[float, fl
     return load.normal * contact.approach - stored, -load.tangential * contact.sliding
 
 
-@compiled
-def mechanical_energy(mass: Array, weight: Array, q: Array, v: Array) -> float:
-    """Kinetic energy plus that of constant generalized forces, J.
+def mass_of(linkage: Linkage) -> Array:
+    """Diagonal of the mass matrix, shape (3 bodies,): m, m, I of each body."""
+    return np.array([x for body in linkage.bodies for x in (body.mass, body.mass, body.inertia)])
+
+
+def weight_of(linkage: Linkage) -> Array:
+    """Constant generalized forces, shape (3 bodies,): gravity and loads."""
+    weight = np.zeros(3 * len(linkage.bodies))
+    weight[1::3] = [-linkage.gravity * body.mass for body in linkage.bodies]
+    for load in linkage.loads:
+        i = 3 * linkage.index(load.body)
+        weight[i : i + 3] += load.x, load.y, load.moment
+    return weight
+
+
+def _place(linkage: Linkage, point: Attachment, q: Array) -> tuple[float, float]:
+    if point.body == GROUND:
+        return point.x, point.y
+    x, y, angle = q[3 * linkage.index(point.body) :][:3]
+    c, s = math.cos(angle), math.sin(angle)
+    return x + c * point.x - s * point.y, y + s * point.x + c * point.y
+
+
+def _spring_energy(linkage: Linkage, spring: Spring, q: Array) -> float:
+    ends = _place(linkage, spring.first, q), _place(linkage, spring.second, q)
+    return 0.5 * spring.stiffness * (math.dist(*ends) - spring.length) ** 2
+
+
+def stored_energy(linkage: Linkage, joints: Records, depths: Array, q: Array, v: Array) -> float:
+    """Kinetic, potential and elastic energy of a state, J.
 
     Parameters
     ----------
-    mass, weight : ndarray, shape (3 bodies,)
-        Diagonal of the mass matrix and constant generalized forces.
+    joints : records of JOINT
+    depths : ndarray, shape (joints,)
+        Penetrations, m.
+    q, v : ndarray, shape (3 bodies,)
     """
-    total = 0.0
-    for i in range(q.shape[0]):
-        total += 0.5 * mass[i] * v[i] * v[i] - weight[i] * q[i]
-    return total
+    with np.errstate(over="ignore"):  # a run that failed has no energy worth a warning
+        kinetic = 0.5 * float(np.sum(mass_of(linkage) * v**2))
+    potential = -float(weight_of(linkage) @ q)
+    springs = sum(_spring_energy(linkage, spring, q) for spring in linkage.springs)
+    contacts = sum(elastic_energy(joints[k], float(depths[k])) for k in range(len(depths)))
+    return kinetic + potential + springs + contacts
+
+
+@dataclass(frozen=True)
+class Ledger:
+    """Where the energy of a run came from and went, J.
+
+    Attributes
+    ----------
+    drive_work, drive_exchange : float
+        Work of the drives, and the integral of their power's absolute value.
+    stored : float
+        Change of kinetic, potential and elastic energy.
+    contact_loss, friction_loss : float
+    """
+
+    drive_work: float
+    drive_exchange: float
+    stored: float
+    contact_loss: float
+    friction_loss: float
+
+    @property
+    def residual(self) -> float:
+        """What does not add up, J: the integration's error."""
+        return self.drive_work - self.stored - self.contact_loss - self.friction_loss
+
+    def as_dict(self) -> dict[str, float]:
+        """Ready for ``result.json``."""
+        return {
+            "drive_work_J": self.drive_work,
+            "drive_exchange_J": self.drive_exchange,
+            "stored_energy_change_J": self.stored,
+            "contact_loss_J": self.contact_loss,
+            "friction_loss_J": self.friction_loss,
+            "energy_residual_J": self.residual,
+        }

@@ -69,7 +69,7 @@ class Book(NamedTuple):
         Latched closing speeds, 0 where open, m/s.
     touch, tally : records of TOUCH and TALLY
     record : one record of RECORD
-    series : ndarray, shape (rows, SERIES_FIXED + SERIES_JOINT joints)
+    series : ndarray, shape (rows, SERIES_FIXED + SERIES_JOINT joints + drives)
     episodes : ndarray, shape (joints, rows, 6)
     cycle : ndarray, shape (CYCLE_FIXED + CYCLE_JOINT joints,)
         Row of the present cycle.
@@ -79,6 +79,11 @@ class Book(NamedTuple):
         F_n ds, N m, and p ds, N/m, of the last step.
     pressure : ndarray
         Working space of one contact arc.
+    torque : ndarray, shape (drives,)
+        Torques of the drives in the present state, N m.
+    ledger : ndarray, shape (7,)
+        Of engines that sum powers by steps: drive work, its absolute value, contact
+        loss, friction loss, J; then the last powers of drives, contact, friction, W.
     """
 
     joints: Records
@@ -94,6 +99,8 @@ class Book(NamedTuple):
     depth: Array
     doses: Array
     pressure: Array
+    torque: Array
+    ledger: Array
 
 
 @compiled
@@ -171,6 +178,8 @@ def observe(book: Book, t: float, h: float, q: Array, v: Array, a: Array) -> Non
         series[row, 1] = displacement
         series[row, 2] = velocity
         series[row, 3] = acceleration
+        for i in range(book.torque.shape[0]):
+            series[row, SERIES_FIXED + SERIES_JOINT * count + i] = book.torque[i]
         state.rows += 1
         state.last_time = t
 
@@ -235,12 +244,14 @@ class Account:
             touch=touch,
             tally=tally,
             record=record,
-            series=np.zeros((rows, SERIES_FIXED + SERIES_JOINT * count)),
+            series=np.zeros((rows, SERIES_FIXED + SERIES_JOINT * count + len(linkage.drives))),
             episodes=np.zeros((count, recorded_cycles * EPISODES_AT_MOST, len(EPISODE_COLUMNS))),
             cycle=np.zeros(len(CYCLE_FIXED) + len(CYCLE_JOINT) * count),
             depth=np.zeros(shape),
             doses=np.zeros((count, 2)),
             pressure=np.zeros(PRESSURE_POINTS),
+            torque=np.zeros(len(linkage.drives)),
+            ledger=np.zeros(7),
         )
         account = Account(book, depth_sum=np.zeros(shape), depth_square_sum=np.zeros(shape))
         account.start_cycle()
@@ -256,7 +267,7 @@ class Account:
 
     @property
     def rows(self) -> Array:
-        """Series rows written so far, shape (n, SERIES_FIXED + SERIES_JOINT joints)."""
+        """Series rows written so far, shape (n, SERIES_FIXED + SERIES_JOINT joints + drives)."""
         return self.book.series[: int(self.book.record["rows"][0])]
 
     def episodes(self, k: int) -> Array:

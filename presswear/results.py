@@ -50,6 +50,8 @@ def stage_arrays(stage: Stage) -> dict[str, Array]:
     account = stage.run.account
     series = account.rows
     arrays: dict[str, Array] = {"time": series[:, 0], "slider": series[:, 1:SERIES_FIXED]}
+    if stage.linkage.drives:
+        arrays["drive_torque"] = series[:, -len(stage.linkage.drives) :]
     for k, joint in enumerate(stage.linkage.clearances):
         own = series[:, SERIES_FIXED + SERIES_JOINT * k :][:, :SERIES_JOINT]
         name = joint.name

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from presswear.clearance import contact_of, load_of
 from presswear.compiled import Records, compiled
+from presswear.energy import loss_powers
 from presswear.observe import Book, observe
 from presswear.touch import next_step, settle
 from presswear.wear import dose_rates
@@ -40,13 +41,56 @@ def rectangle_doses(book: Book, t: float, h: float, q: Array, v: Array) -> None:
 
 
 @compiled
+def sum_powers(book: Book, drive_power: float, h: float, q: Array, v: Array) -> None:
+    """Add a step to the energy ledger by the trapezoidal rule."""
+    contact_power = 0.0
+    friction_power = 0.0
+    for k in range(book.joints.shape[0]):
+        contact, bearing, pin = contact_of(book.joints, k, book.surfaces, q, v)
+        load = load_of(book.joints[k], book.onset[k], contact, bearing, pin)
+        lost, rubbed = loss_powers(book.joints[k], contact, load)
+        contact_power += lost
+        friction_power += rubbed
+    ledger = book.ledger
+    half = 0.5 * h
+    ledger[0] += half * (ledger[4] + drive_power)
+    ledger[1] += half * (abs(ledger[4]) + abs(drive_power))
+    ledger[2] += half * (ledger[5] + contact_power)
+    ledger[3] += half * (ledger[6] + friction_power)
+    ledger[4] = drive_power
+    ledger[5] = contact_power
+    ledger[6] = friction_power
+
+
+@compiled
 def accept_step(
-    book: Book, steps: Records, t: float, h: float, q: Array, v: Array, a: Array
+    book: Book,
+    steps: Records,
+    drives: Array,
+    multipliers: Array,
+    t: float,
+    h: float,
+    q: Array,
+    v: Array,
+    a: Array,
 ) -> float:
-    """Settle contact, account for the step and choose the next; NaN for a broken state."""
+    """Settle contact, account for the step and choose the next; NaN for a broken state.
+
+    Parameters
+    ----------
+    drives : ndarray, shape (drives, 2)
+        Index of each drive's multiplier and its speed, rad/s.
+    multipliers : ndarray
+        Lagrange multipliers of the state; the torque of a drive is minus its own.
+    """
     if not all_finite(q, v):
         return math.nan
+    power = 0.0
+    for i in range(drives.shape[0]):
+        book.torque[i] = -multipliers[int(drives[i, 0])]
+        power += book.torque[i] * drives[i, 1]
     settle(book.joints, book.onset, book.touch, book.tally, book.episodes, book.surfaces, t, q, v)
     rectangle_doses(book, t, h, q, v)
+    sum_powers(book, power, h, q, v)
     observe(book, t, h, q, v, a)
     return next_step(book.joints, book.onset, book.touch, steps, book.surfaces, q, v, a)

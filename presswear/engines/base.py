@@ -48,7 +48,7 @@ class Accuracy:
     steps_per_contact: int
     steps_sustained: int
     free_step: float
-    newton: float = 1e-6
+    newton: float = 1e-8
     least_step: float = 1e-9
 
     def packed(self) -> Records:
@@ -130,6 +130,9 @@ class Run:
         State at the end.
     time : float
         Simulated time, s.
+    reactions : dict
+        Of each ideal joint at the end: force (x, y) of a revolute on its first body, N;
+        normal force, N, and moment, N m, of a guide; torque of a drive, N m.
     diagnostics : dict
         Steps, Newton iterations, wall time by stage and the like.
     """
@@ -139,6 +142,7 @@ class Run:
     account: Account
     end: Start
     time: float
+    reactions: dict[str, tuple[float, ...]]
     diagnostics: dict[str, float | int | str] = field(default_factory=dict)
 
 

@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from presswear.clearance import joint_load
 from presswear.compiled import Records, compiled
+from presswear.energy import Ledger, stored_energy
 from presswear.engines.base import Accuracy, Plan, Run, Start, Status, described
 from presswear.linkage import GROUND, Attachment, Linkage
 from presswear.observe import Account
@@ -54,13 +55,15 @@ def connector_force(
 
 @dataclass
 class _Model:
-    """An assembled Exudyn system; the three views stay live during the solve."""
+    """An assembled Exudyn system; the four views stay live during the solve."""
 
     container: Any
     system: Any
     q: Any
     v: Any
     a: Any
+    multipliers: Any
+    joints: dict[str, int]  # object number of each ideal joint and drive
 
 
 def _assemble(linkage: Linkage, start: Start, account: Account) -> _Model:
@@ -108,8 +111,9 @@ def _assemble(linkage: Linkage, start: Start, account: Account) -> _Model:
             }
         )
 
+    constraints: dict[str, int] = {}
     for joint in linkage.revolutes:
-        system.AddObject(
+        constraints[joint.name] = system.AddObject(
             {
                 "objectType": "JointRevolute2D",
                 "markerNumbers": [marker_at(joint.first), marker_at(joint.second)],
@@ -117,7 +121,7 @@ def _assemble(linkage: Linkage, start: Start, account: Account) -> _Model:
         )
     for guide in linkage.guides:
         normal = guide.direction - guide.angle + 0.5 * math.pi
-        system.AddObject(
+        constraints[guide.name] = system.AddObject(
             {
                 "objectType": "JointPrismatic2D",
                 "markerNumbers": [
@@ -145,7 +149,7 @@ def _assemble(linkage: Linkage, start: Start, account: Account) -> _Model:
             }
         )
         # At velocity level; the trapezoidal rule integrates a constant speed exactly.
-        system.AddObject(
+        constraints[drive.name] = system.AddObject(
             {
                 "objectType": "ConnectorCoordinate",
                 "markerNumbers": [fixed, turned],
@@ -170,7 +174,7 @@ def _assemble(linkage: Linkage, start: Start, account: Account) -> _Model:
             ("TorqueVector", [0.0, 0.0, load.moment]),
         ):
             system.AddLoad({"loadType": kind, "markerNumber": at_centre, "loadVector": vector})
-    model = _Model(container, system, None, None, None)
+    model = _Model(container, system, None, None, None, None, constraints)
     for k, clearance in enumerate(linkage.clearances):
         ends = [clearance.bearing.body, clearance.pin.body]
         if GROUND in ends:
@@ -187,6 +191,7 @@ def _assemble(linkage: Linkage, start: Start, account: Account) -> _Model:
     model.q = data.GetODE2Coordinates(copy=False)
     model.v = data.GetODE2Coordinates_t(copy=False)
     model.a = data.GetODE2Coordinates_tt(copy=False)
+    model.multipliers = data.GetAECoordinates(copy=False)
     return model
 
 
@@ -233,14 +238,14 @@ class _Progress:
 
 
 def _watch(
-    model: _Model, account: Account, steps: Records, plan: Plan
+    model: _Model, account: Account, steps: Records, drives: Array, plan: Plan
 ) -> tuple[_Progress, Callable[..., bool], Callable[..., list[float]]]:
     """The functions for PostStep (accept, account, choose) and PostNewton (send back)."""
     duration = plan.cycle * plan.cycles
     at = _Progress(cycle_end=plan.cycle)
     book = account.book
     joints, onset, touch, surfaces = book.joints, book.onset, book.touch, book.surfaces
-    q, v, a = model.q, model.v, model.a
+    q, v, a, multipliers = model.q, model.v, model.a, model.multipliers
 
     def close_cycle() -> bool:
         account.end_cycle()
@@ -255,7 +260,7 @@ def _watch(
 
     def post_step(system: Any, t: float) -> bool:
         try:
-            following = accept_step(book, steps, t, t - at.last_time, q, v, a)
+            following = accept_step(book, steps, drives, multipliers, t, t - at.last_time, q, v, a)
             at.last_time = t
             at.steps += 1
             if following != following:
@@ -285,7 +290,8 @@ def _warm_up(linkage: Linkage, start: Start, steps: Records) -> None:
     """Compile every kernel, or load it from the cache, on a state thrown away."""
     account = Account.of(linkage, start.position, 1, 1.0)
     q, v = np.array(start.position), np.array(start.velocity)
-    accept_step(account.book, steps, 0.0, 0.0, q, v, np.zeros_like(q))
+    nothing = np.zeros((0, 2))
+    accept_step(account.book, steps, nothing, np.zeros(0), 0.0, 0.0, q, v, np.zeros_like(q))
     if linkage.clearances:
         joints, onset, surfaces = account.book.joints, account.book.onset, account.book.surfaces
         connector_force(joints, 0, onset, surfaces, q, v, np.zeros(6))
@@ -300,7 +306,15 @@ def simulate(linkage: Linkage, start: Start, accuracy: Accuracy, plan: Plan) -> 
     compiled_at = clock.perf_counter()
     account = Account.of(linkage, start.position, plan.recorded_cycles, plan.cycle)
     model = _assemble(linkage, start, account)
-    at, post_step, post_newton = _watch(model, account, steps, plan)
+    drives = np.array(
+        [
+            (model.system.systemData.GetObjectLTGAE(model.joints[drive.name])[0], drive.speed)
+            for drive in linkage.drives
+        ]
+    ).reshape(-1, 2)
+    at, post_step, post_newton = _watch(model, account, steps, drives, plan)
+    depths = account.book.touch["penetration"]
+    before = stored_energy(linkage, account.book.joints, depths, start.position, start.velocity)
     model.system.SetPostStepUserFunction(post_step)
     if linkage.clearances:
         model.system.SetPostNewtonUserFunction(post_newton)
@@ -327,12 +341,17 @@ def simulate(linkage: Linkage, start: Start, accuracy: Accuracy, plan: Plan) -> 
     if at.ended == "failed":
         message = message or "the state is no longer finite"
         message = f"{message} (t = {at.last_time:.6g} s); more steps per contact may help"
+    q, v = np.array(model.q), np.array(model.v)
+    after = stored_energy(linkage, account.book.joints, depths, q, v)
+    work, exchange, contact_loss, friction_loss = (float(x) for x in account.book.ledger[:4])
+    ledger = Ledger(work, exchange, after - before, contact_loss, friction_loss)
     result = Run(
         status=at.ended,
         message=message,
         account=account,
-        end=Start(np.array(model.q), np.array(model.v)),
+        end=Start(q, v),
         time=at.last_time,
+        reactions=_reactions(model, linkage),
         diagnostics={
             "model": described(linkage),
             "solver": "Exudyn trapezoidal index 2, step chosen by contact state",
@@ -343,11 +362,35 @@ def simulate(linkage: Linkage, start: Start, accuracy: Accuracy, plan: Plan) -> 
             "wall_compile_s": compiled_at - began,
             "wall_build_s": built - compiled_at,
             "wall_solve_s": solved - built,
+            **ledger.as_dict(),
             **_wall_shares(solver.timer),
         },
     )
     model.container.Reset()
     return result
+
+
+def _reactions(model: _Model, linkage: Linkage) -> dict[str, tuple[float, ...]]:
+    """Reactions at the end from Exudyn's multipliers, see ``Run``."""
+    multipliers = {
+        name: [float(model.multipliers[i]) for i in model.system.systemData.GetObjectLTGAE(number)]
+        for name, number in model.joints.items()
+    }
+    found: dict[str, tuple[float, ...]] = {}
+    for joint in linkage.revolutes:
+        # Exudyn's revolute is second point less first, and the signs follow.
+        found[joint.name] = (multipliers[joint.name][0], multipliers[joint.name][1])
+    for guide in linkage.guides:
+        normal, moment = multipliers[guide.name]
+        i = 3 * linkage.index(guide.body)
+        along = (model.q[i] - guide.x) * math.cos(guide.direction) + (
+            model.q[i + 1] - guide.y
+        ) * math.sin(guide.direction)
+        # Exudyn's moment is about the guide's point on the frame.
+        found[guide.name] = (-normal, -moment - normal * float(along))
+    for drive in linkage.drives:
+        found[drive.name] = (-multipliers[drive.name][0],)
+    return found
 
 
 def _wall_shares(timer: Any) -> dict[str, float]:

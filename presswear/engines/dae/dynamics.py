@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from presswear.clearance import contact_of, load_of, pack_joints, pack_surfaces
 from presswear.compiled import Records, compiled
 from presswear.constraints import DRIVE, Constraints, constraint_rows, constraints_of, lever
-from presswear.energy import loss_powers
+from presswear.energy import loss_powers, mass_of, weight_of
 from presswear.linkage import GROUND, Linkage
 from presswear.multipliers import Elimination, solve_multipliers, work_out
 from presswear.wear import dose_rates, pack_wear
@@ -214,14 +214,7 @@ def system_of(linkage: Linkage, alpha: float, beta: float) -> tuple[System, Cons
     """Pack a linkage; ``alpha`` and ``beta`` are Baumgarte's coefficients, 1/s."""
     constraints = constraints_of(linkage)
     elimination = work_out(constraints)
-    mass = np.array(
-        [value for body in linkage.bodies for value in (body.mass,) * 2 + (body.inertia,)]
-    )
-    weight = np.zeros(mass.size)
-    weight[1::3] = -linkage.gravity * mass[1::3]
-    for load in linkage.loads:
-        i = 3 * linkage.index(load.body)
-        weight[i : i + 3] += load.x, load.y, load.moment
+    mass = mass_of(linkage)
     springs = np.zeros(len(linkage.springs), SPRING)
     for record, spring in zip(springs, linkage.springs, strict=True):
         for end, point in (("1", spring.first), ("2", spring.second)):
@@ -239,7 +232,7 @@ def system_of(linkage: Linkage, alpha: float, beta: float) -> tuple[System, Cons
         elimination=elimination,
         mass=mass,
         inverse_mass=1.0 / mass,
-        weight=weight,
+        weight=weight_of(linkage),
         springs=springs,
         joints=pack_joints(linkage),
         wear=pack_wear(linkage),

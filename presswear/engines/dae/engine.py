@@ -1,14 +1,12 @@
 """The in-house solver as an engine: a linkage and a start in, a Run out."""
 
-import math
 import time as clock
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from presswear.constraints import Constraints
-from presswear.energy import elastic_energy, mechanical_energy
+from presswear.energy import Ledger, stored_energy
 from presswear.engines.base import DaeAccuracy, Plan, Run, Start, Status, described
 from presswear.engines.dae.dynamics import (
     DRIVE_INTEGRALS,
@@ -68,31 +66,12 @@ def check_start(constraints: Constraints, start: Start, time: float = 0.0) -> No
         basis.append(rest / size)
 
 
-def _energy(system: System, account: Account, y: Array) -> float:
-    """Kinetic, potential and elastic contact energy of a state, J."""
-    n = system.mass.size
-    total = mechanical_energy(system.mass, system.weight, y[:n], y[n : 2 * n])
-    for k in range(system.joints.shape[0]):
-        depth = float(account.book.touch["penetration"][k])
-        total += elastic_energy(system.joints[k], depth)
-    for spring in system.springs:
-        total += _spring_energy(spring, y)
-    return total
-
-
-def _spring_energy(spring: Any, y: Array) -> float:
-    ends = []
-    for body, x, p in (("first", "x1", "y1"), ("second", "x2", "y2")):
-        i = int(spring[body])
-        if i < 0:
-            ends.append((spring[x], spring[p]))
-        else:
-            c, s = math.cos(y[i + 2]), math.sin(y[i + 2])
-            ends.append(
-                (y[i] + c * spring[x] - s * spring[p], y[i + 1] + s * spring[x] + c * spring[p])
-            )
-    stretch = math.dist(*ends) - spring["length"]
-    return 0.5 * float(spring["stiffness"]) * stretch**2
+def _reactions(system: System, constraints: Constraints) -> dict[str, tuple[float, ...]]:
+    """Multipliers of the last evaluated state by joint, see ``Run``."""
+    found: dict[str, tuple[float, ...]] = {}
+    for name, multiplier in zip(constraints.names, system.multipliers, strict=True):
+        found[name] = (*found.get(name, ()), -float(multiplier))
+    return found
 
 
 def simulate(linkage: Linkage, start: Start, accuracy: DaeAccuracy, plan: Plan) -> Run:
@@ -127,7 +106,12 @@ def simulate(linkage: Linkage, start: Start, accuracy: DaeAccuracy, plan: Plan) 
 
     march(0.0, 1)  # compiles, or loads what was compiled
     ready = clock.perf_counter()
-    energy_before = _energy(system, account, y)
+
+    def stored() -> float:
+        depths = book.touch["penetration"]
+        return stored_energy(linkage, book.joints, depths, y[:n], y[n : 2 * n])
+
+    energy_before = stored()
     ended: Status = "completed"
     message = ""
     duration = plan.cycle * plan.cycles
@@ -148,25 +132,19 @@ def simulate(linkage: Linkage, start: Start, accuracy: DaeAccuracy, plan: Plan) 
             ended = "enough"
             break
     solved = clock.perf_counter()
-    stored = _energy(system, account, y) - energy_before
-    integrals = y[2 * n :]
-    losses = integrals[DRIVE_INTEGRALS:].reshape(-1, JOINT_INTEGRALS)
-    ledger = {
-        "drive_work_J": float(integrals[0]),
-        "drive_exchange_J": float(integrals[1]),
-        "stored_energy_change_J": stored,
-        "contact_loss_J": float(losses[:, 0].sum()),
-        "friction_loss_J": float(losses[:, 1].sum()),
-    }
-    ledger["energy_residual_J"] = ledger["drive_work_J"] - (
-        stored + ledger["contact_loss_J"] + ledger["friction_loss_J"]
+    losses = y[2 * n + DRIVE_INTEGRALS :].reshape(-1, JOINT_INTEGRALS).sum(axis=0)
+    work, exchange = y[2 * n : 2 * n + DRIVE_INTEGRALS]
+    ledger = Ledger(
+        float(work), float(exchange), stored() - energy_before, float(losses[0]), float(losses[1])
     )
+    rates(system, book.onset, float(control["time"][0]), y, motion.slopes[0])
     return Run(
         status=ended,
         message=message,
         account=account,
         end=Start(y[:n].copy(), y[n : 2 * n].copy()),
         time=float(control["time"][0]),
+        reactions=_reactions(system, constraints),
         diagnostics={
             "model": described(linkage),
             "solver": f"in-house, Lagrange multipliers, {_solver_words(accuracy)}",
@@ -175,7 +153,7 @@ def simulate(linkage: Linkage, start: Start, accuracy: DaeAccuracy, plan: Plan) 
             "events": int(control["events"][0]),
             "constraint_error_m": float(control["position_error"][0]),
             "constraint_velocity_error_m_s": float(control["velocity_error"][0]),
-            **ledger,
+            **ledger.as_dict(),
             "wall_compile_s": ready - began,
             "wall_solve_s": solved - ready,
         },

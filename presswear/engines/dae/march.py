@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from presswear.clearance import contact_of
 from presswear.compiled import Records, compiled
+from presswear.constraints import DRIVE
 from presswear.engines.dae.dynamics import (
     DRIVE_INTEGRALS,
     JOINT_INTEGRALS,
@@ -156,6 +157,11 @@ def finish_step(
         remember(last, book.joints[k], contact, bearing, pin, t)
         if book.onset[k] > 0.0:
             last.steps += 1
+    drive = 0
+    for i in range(system.constraints.shape[0]):
+        if system.constraints[i].kind == DRIVE:
+            book.torque[drive] = -system.multipliers[system.constraints[i].row]
+            drive += 1
     observe(book, t, h, y[:n], y[n : 2 * n], motion.slopes[0, n : 2 * n])
     state = control[0]
     state.time = t

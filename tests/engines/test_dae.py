@@ -1,0 +1,226 @@
+"""The in-house solver against closed forms, conservation laws and Exudyn."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+
+from presswear.campaign import start_of
+from presswear.catalog import ideal, wear_times
+from presswear.constraints import constraints_of
+from presswear.engines.base import DaeAccuracy, Plan, Run, Start
+from presswear.engines.dae.dynamics import rates, system_of
+from presswear.engines.dae.engine import simulate
+from presswear.engines.exudyn_joints import simulate as simulate_exudyn
+from presswear.errors import InputError
+from presswear.linkage import Attachment, Body, Linkage, Probe, Revolute
+from presswear.press import GEOMETRIES, Press
+
+PRESS = wear_times()
+
+
+@pytest.mark.parametrize("joints", ["none", "A", "C", "AC"])
+def test_multipliers_solve_equation_18(joints: str) -> None:
+    """The sparse elimination against the dense saddle-point system."""
+    scene = replace(PRESS, joints=joints)
+    linkage = scene.linkage()
+    system, constraints = system_of(linkage, alpha=20.0, beta=20.0)
+    motion = scene.press.ideal_motion(np.array([0.1]))
+    rng = np.random.default_rng(3)
+    q = motion.position[0] + 1e-3 * rng.standard_normal(18)
+    v = motion.velocity[0] + 0.1 * rng.standard_normal(18)
+    phi, phi_t, gamma, jacobian = constraints.evaluate(0.1, q, v)
+    right = gamma - 40.0 * phi_t - 400.0 * phi
+    size = constraints.rows
+    matrix = np.block([[np.diag(system.mass), jacobian.T], [jacobian, np.zeros((size, size))]])
+    exact = np.linalg.solve(matrix, np.concatenate([system.weight, right]))
+    y = np.concatenate([q, v, np.zeros(2 + 4 * len(linkage.clearances))])
+    out = np.zeros_like(y)
+    # The displaced pins must not touch: no contact force enters here.
+    rates(system._replace(joints=system.joints[:0]), np.zeros(0), 0.1, y, out)
+    np.testing.assert_allclose(out[18:36], exact[:18], rtol=1e-9, atol=1e-8)
+    np.testing.assert_allclose(system.multipliers, exact[18:], rtol=1e-9, atol=1e-9)
+
+
+def test_derivatives_of_the_constraints() -> None:
+    """Phi_q v + Phi_t = dPhi/dt, and Phi_q a - gamma = d2Phi/dt2, by differences."""
+    linkage = ideal().linkage()
+    constraints = constraints_of(linkage)
+    rng = np.random.default_rng(5)
+    q, v, a = 0.3 * rng.standard_normal((3, 18))
+    h = 1e-4
+
+    def at(t: float) -> tuple[np.ndarray, np.ndarray]:
+        phi, phi_t, _, _ = constraints.evaluate(t, q + t * v + 0.5 * t * t * a, v + t * a)
+        return phi, phi_t
+
+    _, phi_t, gamma, jacobian = constraints.evaluate(0.0, q, v)
+    np.testing.assert_allclose((at(h)[0] - at(-h)[0]) / (2 * h), phi_t, atol=1e-7)
+    np.testing.assert_allclose((at(h)[1] - at(-h)[1]) / (2 * h), jacobian @ a - gamma, atol=1e-7)
+
+
+@pytest.mark.parametrize("geometry", list(GEOMETRIES))
+def test_ideal_press_follows_the_closed_form(geometry: str) -> None:
+    scene = replace(ideal(), press=Press(geometry=GEOMETRIES[geometry]))
+    run = simulate(scene.linkage(), start_of(scene), DaeAccuracy(), Plan(scene.press.period, 1))
+    exact = scene.press.ideal_motion(np.array([run.time]))
+    assert np.abs(run.end.position - exact.position[0]).max() < 1e-10
+    assert np.abs(run.end.velocity - exact.velocity[0]).max() < 1e-9
+    rows = run.account.rows
+    motion = scene.press.ideal_motion(rows[:, 0])
+    assert np.abs(rows[:, 3] - motion.acceleration[:, 13]).max() < 1e-8
+
+
+@pytest.fixture(scope="module")
+def smooth() -> tuple[Run, Run]:
+    """The ideal press for a third of a cycle in both engines."""
+    scene = ideal()
+    plan = Plan(scene.press.period / 3.0, 1)
+    return (
+        simulate(scene.linkage(), start_of(scene), DaeAccuracy(), plan),
+        simulate_exudyn(scene.linkage(), start_of(scene), scene.exudyn_accuracy(), plan),
+    )
+
+
+def test_reactions_and_drive_torques_agree_with_exudyn(smooth: tuple[Run, Run]) -> None:
+    ours, theirs = smooth
+    assert ours.reactions.keys() == theirs.reactions.keys()
+    largest = max(abs(x) for reaction in ours.reactions.values() for x in reaction)
+    assert largest > 1.0
+    for joint, reaction in ours.reactions.items():
+        np.testing.assert_allclose(reaction, theirs.reactions[joint], atol=1e-5 * largest)
+
+
+def test_drives_do_the_work_that_the_press_stores(smooth: tuple[Run, Run]) -> None:
+    ours, theirs = (run.diagnostics for run in smooth)
+    assert float(ours["drive_exchange_J"]) > 0.5
+    assert abs(float(ours["energy_residual_J"])) < 1e-12
+    assert abs(float(theirs["energy_residual_J"])) < 1e-6
+    assert float(theirs["drive_work_J"]) == pytest.approx(float(ours["drive_work_J"]), abs=1e-6)
+
+
+def test_recorded_torque_is_the_power_balance() -> None:
+    """Integral of torque times speed over the series is the drive work."""
+    scene = ideal()
+    plan = Plan(scene.press.period, 1)
+    run = simulate(scene.linkage(), start_of(scene), DaeAccuracy(), plan)
+    rows = run.account.rows
+    speeds = np.array([drive.speed for drive in scene.linkage().drives])
+    power = rows[:, -2:] @ speeds
+    work = CubicSpline(rows[:, 0], power).integrate(0.0, run.time)
+    exchange = float(run.diagnostics["drive_exchange_J"])
+    assert abs(work - float(run.diagnostics["drive_work_J"])) < 1e-6 * exchange
+
+
+@pytest.fixture(scope="module")
+def cycle() -> Run:
+    """One cycle of the two-clearance press at the default tolerance."""
+    return simulate(PRESS.linkage(), start_of(PRESS), DaeAccuracy(), Plan(PRESS.press.period, 1))
+
+
+def test_energy_of_a_cycle_adds_up(cycle: Run) -> None:
+    ledger = cycle.diagnostics
+    exchange = float(ledger["drive_exchange_J"])
+    assert float(ledger["friction_loss_J"]) > 1e-3
+    assert float(ledger["contact_loss_J"]) > 1e-3
+    assert abs(float(ledger["energy_residual_J"])) < 1e-6 * exchange
+
+
+def test_constraints_hold_over_a_cycle(cycle: Run) -> None:
+    assert float(cycle.diagnostics["constraint_error_m"]) < 1e-11
+    assert float(cycle.diagnostics["constraint_velocity_error_m_s"]) < 1e-9
+
+
+def test_touches_are_placed_on_the_surface(cycle: Run) -> None:
+    """At the recorded onset the penetration is zero; the contacts alternate with flights."""
+    assert np.all(cycle.account.book.tally["contacts"] > 10)
+    for k in range(2):
+        onset, end = cycle.account.episodes(k)[:, :2].T
+        assert np.all(end > onset)
+        assert np.all(onset[1:] >= end[:-1])
+
+
+def test_slider_converges_with_the_tolerance() -> None:
+    """After ten touches, at t = 0.05 s: 1e-9 m at the default tolerance."""
+    ends = {
+        tolerance: simulate(
+            PRESS.linkage(), start_of(PRESS), DaeAccuracy(tolerance=tolerance), Plan(0.05, 1)
+        ).end.position[13]
+        for tolerance in (1e-7, 1e-9, 1e-12)
+    }
+    assert abs(ends[1e-9] - ends[1e-12]) < 1e-9
+    assert abs(ends[1e-9] - ends[1e-12]) < 0.1 * abs(ends[1e-7] - ends[1e-12])
+
+
+def test_the_papers_step_fails_and_says_so() -> None:
+    run = simulate(
+        PRESS.linkage(),
+        start_of(PRESS),
+        DaeAccuracy(integrator="rk4-paper"),
+        Plan(PRESS.press.period, 1),
+    )
+    assert run.status == "failed"
+    assert "no longer finite" in run.message
+
+
+def test_projection_holds_the_constraints_without_baumgarte() -> None:
+    scene = ideal()
+    errors = {}
+    for projected in (False, True):
+        accuracy = DaeAccuracy(
+            integrator="rk4", step=1e-3, alpha=0.0, beta=0.0, projected=projected
+        )
+        run = simulate(scene.linkage(), start_of(scene), accuracy, Plan(scene.press.period, 3))
+        errors[projected] = float(run.diagnostics["constraint_error_m"])
+    assert errors[True] < 1e-13
+    assert errors[False] > 1e4 * errors[True]
+
+
+@pytest.mark.slow
+def test_no_drift_over_200_cycles() -> None:
+    scene = ideal()
+    run = simulate(scene.linkage(), start_of(scene), DaeAccuracy(), Plan(scene.press.period, 200))
+    exact = scene.press.ideal_motion(np.array([run.time]))
+    assert float(run.diagnostics["constraint_error_m"]) < 1e-11
+    assert np.abs(run.end.position - exact.position[0]).max() < 1e-9
+
+
+def test_a_start_that_violates_a_joint_is_refused_by_name() -> None:
+    scene = ideal()
+    start = start_of(scene)
+    moved = start.position.copy()
+    moved[13] += 1e-3
+    with pytest.raises(InputError, match="violates joint E: its position"):
+        simulate(scene.linkage(), Start(moved, start.velocity), DaeAccuracy(), Plan(0.01, 1))
+    faster = start.velocity.copy()
+    faster[2] += 0.5
+    with pytest.raises(InputError, match="velocity"):
+        simulate(scene.linkage(), Start(start.position, faster), DaeAccuracy(), Plan(0.01, 1))
+
+
+def test_a_joint_given_twice_is_refused_by_name() -> None:
+    scene = ideal()
+    linkage = scene.linkage()
+    again = replace(linkage.revolutes[3], name="B again")
+    doubled = replace(linkage, revolutes=(*linkage.revolutes, again))
+    with pytest.raises(InputError, match="joint B again repeats"):
+        simulate(doubled, start_of(scene), DaeAccuracy(), Plan(0.01, 1))
+
+
+def test_a_pendulum_keeps_its_energy() -> None:
+    """One body on one joint; the closed form is its energy."""
+    linkage = Linkage(
+        "pendulum",
+        (Body("rod", 1.0, 0.01),),
+        (Revolute("pivot", Attachment("frame", 0.0, 0.0), Attachment("rod", -0.5, 0.0)),),
+        (),
+        (),
+        (),
+        Probe("rod", 0.0),
+    )
+    start = Start(np.array([0.5, 0.0, 0.0]), np.zeros(3))
+    run = simulate(linkage, start, DaeAccuracy(), Plan(2.0, 1))
+    spin = run.end.velocity[2]
+    height = run.end.position[1]
+    assert 0.5 * (0.01 + 0.25) * spin**2 == pytest.approx(-9.81 * height, abs=1e-9)
