@@ -23,6 +23,7 @@ from presswear.engines.dae.march import (
     Motion,
     march_controlled,
     march_fixed,
+    note_torques,
 )
 from presswear.engines.dae.runge_kutta import STAGES, dormand_prince
 from presswear.errors import InputError
@@ -97,6 +98,7 @@ def simulate(linkage: Linkage, start: Start, accuracy: DaeAccuracy, plan: Plan) 
     control["projected"] = accuracy.projected
     tableau = dormand_prince()
     rates(system, book.onset, 0.0, y, motion.slopes[0])
+    note_torques(system, book)
     account.begin(y[:n], y[n : 2 * n], motion.slopes[0, n : 2 * n])
 
     def march(end: float, most: int) -> int:

@@ -140,6 +140,16 @@ def switch(system: System, book: Book, k: int, t: float, y: Array) -> None:
 
 
 @compiled
+def note_torques(system: System, book: Book) -> None:
+    """Torques of the drives in the state whose slopes were evaluated last."""
+    drive = 0
+    for i in range(system.constraints.shape[0]):
+        if system.constraints[i].kind == DRIVE:
+            book.torque[drive] = -system.multipliers[system.constraints[i].row]
+            drive += 1
+
+
+@compiled
 def finish_step(
     system: System, book: Book, control: Records, motion: Motion, t: float, h: float
 ) -> None:
@@ -157,11 +167,7 @@ def finish_step(
         remember(last, book.joints[k], contact, bearing, pin, t)
         if book.onset[k] > 0.0:
             last.steps += 1
-    drive = 0
-    for i in range(system.constraints.shape[0]):
-        if system.constraints[i].kind == DRIVE:
-            book.torque[drive] = -system.multipliers[system.constraints[i].row]
-            drive += 1
+    note_torques(system, book)
     observe(book, t, h, y[:n], y[n : 2 * n], motion.slopes[0, n : 2 * n])
     state = control[0]
     state.time = t
