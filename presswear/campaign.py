@@ -104,15 +104,11 @@ def run_stage(scene: Scene, index: int, worn: Worn, watcher: Watcher) -> Stage:
     cycles = len(run.account.cycles)
     factor = scene.amplification.factor(max(cycles, 1))
     added = run.account.depth_sum * factor
-    stage = Stage(
-        index,
-        linkage,
-        run,
-        added,
-        factor,
-        stage_statistics(linkage, run.account, added),
-        clock.perf_counter() - began,
-    )
+    statistics = stage_statistics(linkage, run.account, added) | {
+        "energy_residual_J": run.diagnostics["energy_residual_J"],
+        "energy_exchanged_J": run.diagnostics["drive_exchange_J"],
+    }
+    stage = Stage(index, linkage, run, added, factor, statistics, clock.perf_counter() - began)
     watcher.stage(stage)
     return stage
 

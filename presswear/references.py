@@ -4,7 +4,7 @@ Each is a ``Linkage`` with a start, so that the engines run it as they run a pre
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -237,12 +237,12 @@ SDND100_INTERVAL = math.pi / 100.0
 """Time between two of them, s."""
 SDND100_STIFFNESS, SDND100_GRAVITY, SDND100_FRICTION = 1e4, 10.0, 0.1
 
-_FLOOR_CLEARANCE = 1e3
-_FLOOR_STIFFNESS = 1e8
+_FLOOR_CLEARANCE = 1e4
+_FLOOR_STIFFNESS = 1e5
 
 
 def _floor(friction: FrictionLaw) -> ClearanceJoint:
-    """A bearing of a kilometre on the frame: flat to a part in 1e6 where it is used."""
+    """A bearing of 10 km on the frame: the slope changes by 1e-4 in a metre."""
     return ClearanceJoint(
         "floor",
         bearing=Attachment(GROUND, 0.0, _FLOOR_CLEARANCE),
@@ -290,19 +290,16 @@ def block(pull: float, press: float, friction: FrictionLaw, speed: float) -> tup
 def sdnd100(upper: float) -> tuple[Linkage, Start]:
     """The mass, its spring of 1 km and its release; friction is full above ``upper``, m/s."""
     friction = FrictionLaw(SDND100_FRICTION, 0.0, upper)
-    linkage, _ = block(0.0, SDND100_GRAVITY, friction, 0.0)
+    linkage, rest = block(0.0, SDND100_GRAVITY, friction, 0.0)
     spring = Spring(
         "spring",
-        Attachment(GROUND, -1e3, 0.0),
+        Attachment(GROUND, -1e3, float(rest.position[1])),
         Attachment("block", 0.0, 0.0),
         SDND100_STIFFNESS,
         1e3,
     )
-    start = _block_at(SDND100_EXTREMA[0], SDND100_GRAVITY)
-    return (
-        Linkage(**{**vars(linkage), "name": "SDND100", "springs": (spring,)}),
-        Start(start, np.zeros(3)),
-    )
+    release = Start(_block_at(SDND100_EXTREMA[0], SDND100_GRAVITY), np.zeros(3))
+    return replace(linkage, name="SDND100", springs=(spring,)), release
 
 
 def creep_speed(friction: FrictionLaw, slope: float) -> float:
@@ -335,13 +332,13 @@ class Ball:
     nominal : float
         Restitution put into Lankarani and Nikravesh's law.
     stiffness : float
-        K, N/m^1.5; gravity during contact matters as its square root of 5, hence high.
+        K, N/m^1.5; what gravity does during contact falls with K^(-2/5), hence high.
     speed : float
         At the start, upwards, m/s; the ball stays below the middle of the bearing.
     """
 
     nominal: float
-    stiffness: float = 1e14
+    stiffness: float = 1e16
     speed: float = 3.0
     gravity: float = 9.81
 

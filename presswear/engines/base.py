@@ -40,7 +40,8 @@ class Accuracy:
     free_step : float
         Longest step in free flight, s.
     newton : float
-        Relative and absolute tolerance of Newton's method.
+        Relative and absolute tolerance of Newton's method; above 1e-9 its noise in the
+        accelerations shortens the steps of a resting pin.
     least_step : float
         Shortest step, s.
     """
@@ -48,7 +49,7 @@ class Accuracy:
     steps_per_contact: int
     steps_sustained: int
     free_step: float
-    newton: float = 1e-8
+    newton: float = 1e-9
     least_step: float = 1e-9
 
     def packed(self) -> Records:
