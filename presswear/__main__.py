@@ -10,7 +10,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
+from rich.box import SIMPLE
 from rich.console import Console
+from rich.markup import escape
 from rich.progress import (
     BarColumn,
     Progress,
@@ -19,6 +21,7 @@ from rich.progress import (
     TimeElapsedColumn,
     TimeRemainingColumn,
 )
+from rich.table import Table
 
 from presswear.catalog import SCENES, scene_named
 from presswear.errors import InputError, RunError
@@ -82,6 +85,13 @@ def _parser() -> argparse.ArgumentParser:
     )
     report.add_argument("folder", type=Path, metavar="DIR")
     report.set_defaults(run=_report)
+
+    verify = commands.add_parser(
+        "verify",
+        help="both engines against reference problems with known answers; exit code 1 on a miss",
+        epilog="example: presswear verify",
+    )
+    verify.set_defaults(run=_verify)
     return parser
 
 
@@ -129,6 +139,19 @@ def _free_folder(name: str) -> Path:
     return folder
 
 
+def _bar(console: Console) -> Progress:
+    """Progress with times passed and left; silent where there is no terminal."""
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TaskProgressColumn(),
+        TimeElapsedColumn(),
+        TextColumn("left"),
+        TimeRemainingColumn(),
+    )
+    return Progress(*columns, console=console, disable=not console.is_terminal)
+
+
 def _stage_name(index: int) -> str:
     return _STAGES[index] if index < len(_STAGES) else f"wear {index}"
 
@@ -142,15 +165,7 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
     from presswear.results import ResultFolder, load
 
     store = ResultFolder(folder, scene)
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TaskProgressColumn(),
-        TimeElapsedColumn(),
-        TextColumn("left"),
-        TimeRemainingColumn(),
-    )
-    with Progress(*columns, console=console, disable=not console.is_terminal) as bar:
+    with _bar(console) as bar:
         stages = scene.wears + 1
         task = bar.add_task(_stage_name(0), total=stages)
 
@@ -203,6 +218,32 @@ def _report(arguments: argparse.Namespace, console: Console) -> int:
 
     console.print(f"report in {write_report(load(arguments.folder))}", highlight=False)
     return 0
+
+
+def _verify(arguments: argparse.Namespace, console: Console) -> int:
+    from presswear.verify import verify
+
+    with _bar(console) as bar:
+        task = bar.add_task("verify", total=1.0)
+        rows = verify(lambda name, part: bar.update(task, description=name, completed=part))
+    table = Table(box=SIMPLE, pad_edge=False)
+    table.add_column("problem", overflow="fold")
+    for column in ("reference", "ours", "error", "bound"):
+        table.add_column(column, justify="right", no_wrap=True)
+    table.add_column("")
+    for row in rows:
+        table.add_row(
+            escape(row.name),
+            f"{row.reference:.9g}",
+            f"{row.ours:.9g}",
+            f"{row.error:.1e}",
+            f"{row.bound:.0e}",
+            "pass" if row.passed else "[bold red]MISS[/]",
+        )
+    console.print(table, highlight=False)
+    missed = sum(not row.passed for row in rows)
+    console.print(f"{len(rows) - missed} of {len(rows)} within their bounds", highlight=False)
+    return 1 if missed else 0
 
 
 def main(argv: Sequence[str] | None = None) -> int:

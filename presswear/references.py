@@ -332,13 +332,13 @@ class Ball:
     nominal : float
         Restitution put into Lankarani and Nikravesh's law.
     stiffness : float
-        K, N/m^1.5; what gravity does during contact falls with K^(-2/5), hence high.
+        K, N/m^1.5; what gravity does during contact falls with the contact time, K^(-2/5).
     speed : float
         At the start, upwards, m/s; the ball stays below the middle of the bearing.
     """
 
     nominal: float
-    stiffness: float = 1e16
+    stiffness: float = 1e14
     speed: float = 3.0
     gravity: float = 9.81
 

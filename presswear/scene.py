@@ -194,11 +194,16 @@ class Scene:
     )
     integrator: Integrator = choice(
         "dop853",
-        ("dop853", "rk4", "rk4-paper"),
-        "of engine dae: order 8 with located touches, order 4 at equal steps, or at 1e-4 s",
+        ("dop853", "dopri5", "rk4", "rk4-paper"),
+        "of engine dae: order 8 or 5 with located touches, 4 at equal steps, the paper's 1e-4 s",
     )
     integration_tolerance: float = quantity(
-        1e-9, "", 1e-14, 1e-3, "chosen", "of dop853, per step: times 1 mm and 1 m/s + speed"
+        1e-9,
+        "",
+        1e-14,
+        1e-3,
+        "chosen",
+        "of dop853 and dopri5, per step: times 1 mm and 1 m/s + speed",
     )
     equal_step: float = quantity(1e-5, "s", 1e-9, 1e-2, "chosen", "step of rk4")
     projection: str = choice(

@@ -15,7 +15,7 @@ from presswear.touch import STEPS
 Array = NDArray[np.float64]
 
 Status = Literal["completed", "enough", "failed"]
-Integrator = Literal["dop853", "rk4", "rk4-paper"]
+Integrator = Literal["dop853", "dopri5", "rk4", "rk4-paper"]
 
 
 @dataclass(frozen=True)
@@ -68,11 +68,11 @@ class DaeAccuracy:
 
     Attributes
     ----------
-    integrator : {"dop853", "rk4", "rk4-paper"}
-        Error-controlled of order 8 with located touches; classical of order 4 with
-        equal steps; the same with the paper's 1e-4 s.
+    integrator : {"dop853", "dopri5", "rk4", "rk4-paper"}
+        Error-controlled of order 8 or 5 with located touches; classical of order 4
+        with equal steps; the same with the paper's 1e-4 s.
     tolerance : float
-        Of ``dop853``: per step, times 1 mm or mrad in positions and times
+        Of ``dop853`` and ``dopri5``: per step, times 1 mm or mrad in positions and times
         1 m/s + |v| in velocities.
     step : float
         Of ``rk4``, s.

@@ -25,7 +25,7 @@ from presswear.engines.dae.march import (
     march_fixed,
     note_torques,
 )
-from presswear.engines.dae.runge_kutta import STAGES, dormand_prince
+from presswear.engines.dae.runge_kutta import MOST_STAGES, dormand_prince_5, dormand_prince_8
 from presswear.errors import InputError
 from presswear.linkage import Linkage
 from presswear.observe import Account
@@ -86,9 +86,9 @@ def simulate(linkage: Linkage, start: Start, accuracy: DaeAccuracy, plan: Plan) 
     size = 2 * n + DRIVE_INTEGRALS + JOINT_INTEGRALS * len(linkage.clearances)
     y = np.zeros(size)
     y[:n], y[n : 2 * n] = start.position, start.velocity
-    motion = Motion(y, np.zeros(size), np.zeros((STAGES + 1, size)), np.ones(2 * n))
+    motion = Motion(y, np.zeros(size), np.zeros((MOST_STAGES + 1, size)), np.ones(2 * n))
     control = np.zeros(1, CONTROL)
-    fixed = accuracy.integrator != "dop853"
+    fixed = accuracy.integrator.startswith("rk4")
     control["step"] = (
         (PAPER_STEP if accuracy.integrator == "rk4-paper" else accuracy.step) if fixed else 1e-6
     )
@@ -96,7 +96,7 @@ def simulate(linkage: Linkage, start: Start, accuracy: DaeAccuracy, plan: Plan) 
     control["shortest"] = 1e-14
     control["tolerance"] = accuracy.tolerance
     control["projected"] = accuracy.projected
-    tableau = dormand_prince()
+    tableau = dormand_prince_5() if accuracy.integrator == "dopri5" else dormand_prince_8()
     rates(system, book.onset, 0.0, y, motion.slopes[0])
     note_torques(system, book)
     account.begin(y[:n], y[n : 2 * n], motion.slopes[0, n : 2 * n])
@@ -163,8 +163,10 @@ def simulate(linkage: Linkage, start: Start, accuracy: DaeAccuracy, plan: Plan) 
 
 
 def _solver_words(accuracy: DaeAccuracy) -> str:
-    if accuracy.integrator == "dop853":
-        words = f"DOP853 at tolerance {accuracy.tolerance:g}, touches located"
+    if not accuracy.integrator.startswith("rk4"):
+        words = (
+            f"{accuracy.integrator.upper()} at tolerance {accuracy.tolerance:g}, touches located"
+        )
     else:
         step = PAPER_STEP if accuracy.integrator == "rk4-paper" else accuracy.step
         words = f"RK4 at equal steps of {step:g} s"

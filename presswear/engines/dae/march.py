@@ -22,10 +22,9 @@ from presswear.engines.dae.dynamics import (
     rates,
 )
 from presswear.engines.dae.runge_kutta import (
-    STAGES,
     Tableau,
     classical_step,
-    dormand_prince_step,
+    embedded_step,
 )
 from presswear.observe import Book, observe
 from presswear.touch import (
@@ -109,7 +108,7 @@ def locate(
 ) -> float:
     """Length of the step that ends where joint ``k`` has zero penetration."""
     for _ in range(NEWTON_STEPS):
-        dormand_prince_step(
+        embedded_step(
             system, tableau, book.onset, t, h, motion.y, motion.slopes, motion.trial, motion.scale
         )
         depth, rate = penetration_of(system, k, motion.trial)
@@ -121,7 +120,7 @@ def locate(
         h += change
         if abs(change) <= 1e-15:
             break
-    dormand_prince_step(
+    embedded_step(
         system, tableau, book.onset, t, h, motion.y, motion.slopes, motion.trial, motion.scale
     )
     return h
@@ -214,19 +213,20 @@ def march_controlled(
         for i in range(n):
             motion.scale[i] = state.tolerance * POSITION_SCALE
             motion.scale[n + i] = state.tolerance * (1.0 + abs(motion.y[n + i]))
-        error = dormand_prince_step(
+        error = embedded_step(
             system, tableau, book.onset, t, h, motion.y, motion.slopes, motion.trial, motion.scale
         )
         if not error <= 1.0:
             state.rejected += 1
-            state.step = h * (
-                max(LEAST_FACTOR, SAFETY * error ** (-0.125)) if error < 1e30 else LEAST_FACTOR
-            )
+            factor = LEAST_FACTOR
+            if error < 1e30:
+                factor = max(LEAST_FACTOR, SAFETY * error**tableau.exponent)
+            state.step = h * factor
             if not state.step > state.shortest:
                 return BROKEN if not error < 1e30 else STUCK
             continue
         k, part = first_event(system, book, motion.trial, h)
-        factor = GREATEST_FACTOR if error == 0.0 else SAFETY * error ** (-0.125)
+        factor = GREATEST_FACTOR if error == 0.0 else SAFETY * error**tableau.exponent
         state.step = h * min(max(factor, LEAST_FACTOR), GREATEST_FACTOR)
         if k >= 0:
             h = locate(system, tableau, book, motion, t, k, part * h)
@@ -250,7 +250,7 @@ def march_controlled(
         if state.projected or k >= 0:
             rates(system, book.onset, t, motion.y, motion.slopes[0])
         else:
-            motion.slopes[0] = motion.slopes[STAGES]
+            motion.slopes[0] = motion.slopes[tableau.b.shape[0]]
         finish_step(system, book, control, motion, t, h)
     return RUNNING
 

@@ -1,8 +1,8 @@
 """Explicit Runge-Kutta steps of the equations of motion.
 
-The classical method of order 4 and Dormand and Prince's of order 8 with embedded
-error estimates of order 5 and 3 (Hairer, Norsett, Wanner: Solving Ordinary
-Differential Equations I, section II.5), its coefficients as published in SciPy.
+The classical method of order 4, and Dormand and Prince's embedded methods of order 8
+(error estimates of order 5 and 3) and of order 5 (Hairer, Norsett, Wanner: Solving
+Ordinary Differential Equations I, sections II.4 and II.5), coefficients as in SciPy.
 """
 
 import math
@@ -10,34 +10,57 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import DOP853
+from scipy.integrate import DOP853, RK45
 
 from presswear.compiled import compiled
 from presswear.engines.dae.dynamics import System, rates
 
 Array = NDArray[np.float64]
 
-STAGES = 12
+MOST_STAGES = 12
 
 
 class Tableau(NamedTuple):
-    """Coefficients of DOP853: a (12, 12), b and c (12,), error weights (13,)."""
+    """Coefficients of an embedded method with ``n`` stages and one at the end of the step.
+
+    Attributes
+    ----------
+    a : ndarray, shape (n, n)
+    b, c : ndarray, shape (n,)
+    error, second_error : ndarray, shape (n + 1,)
+        Weights of the error estimate, and of the one of lower order that DOP853
+        blends in (zero where there is none).
+    exponent : float
+        The error goes with the step to minus one over this.
+    """
 
     a: Array
     b: Array
     c: Array
-    fifth: Array
-    third: Array
+    error: Array
+    second_error: Array
+    exponent: float
 
 
-def dormand_prince() -> Tableau:
-    """The tableau of order 8."""
+def dormand_prince_8() -> Tableau:
+    """The tableau of DOP853."""
     return Tableau(
-        np.ascontiguousarray(DOP853.A[:STAGES, :STAGES]),
+        np.ascontiguousarray(DOP853.A[:MOST_STAGES, :MOST_STAGES]),
         np.array(DOP853.B),
-        np.array(DOP853.C[:STAGES]),
+        np.array(DOP853.C[:MOST_STAGES]),
         np.array(DOP853.E5),
         np.array(DOP853.E3),
+        -1.0 / 8.0,
+    )
+
+
+def dormand_prince_5() -> Tableau:
+    """The tableau of DOPRI5."""
+    stages = len(RK45.B)
+    a = np.zeros((stages, stages))
+    a[:, : RK45.A.shape[1]] = RK45.A
+    return Tableau(
+        a, np.array(RK45.B), np.array(RK45.C), np.array(RK45.E), np.zeros(stages + 1), -1.0 / 5.0
     )
 
 
@@ -66,7 +89,7 @@ def classical_step(
 
 
 @compiled
-def dormand_prince_step(
+def embedded_step(
     system: System,
     tableau: Tableau,
     onset: Array,
@@ -77,9 +100,9 @@ def dormand_prince_step(
     new: Array,
     scale: Array,
 ) -> float:
-    """One step of order 8; returns its error as a multiple of the allowed one.
+    """One embedded step; returns its error as a multiple of the allowed one.
 
-    ``slopes[0]`` holds dy/dt at the start, ``slopes[12]`` afterwards that at the end.
+    ``slopes[0]`` holds dy/dt at the start, ``slopes[stages]`` afterwards that at the end.
 
     Parameters
     ----------
@@ -87,7 +110,8 @@ def dormand_prince_step(
         Allowed error of the first n components; the integrals behind them follow.
     """
     size = y.shape[0]
-    for stage in range(1, STAGES):
+    stages = tableau.b.shape[0]
+    for stage in range(1, stages):
         new[:] = y
         for j in range(stage):
             factor = h * tableau.a[stage, j]
@@ -96,23 +120,23 @@ def dormand_prince_step(
                     new[i] += factor * slopes[j, i]
         rates(system, onset, t + tableau.c[stage] * h, new, slopes[stage])
     new[:] = y
-    for j in range(STAGES):
+    for j in range(stages):
         factor = h * tableau.b[j]
         if factor != 0.0:
             for i in range(size):
                 new[i] += factor * slopes[j, i]
-    rates(system, onset, t + h, new, slopes[STAGES])
-    fifth = 0.0
-    third = 0.0
+    rates(system, onset, t + h, new, slopes[stages])
+    first = 0.0
+    second = 0.0
     count = scale.shape[0]
     for i in range(count):
-        five = 0.0
-        three = 0.0
-        for j in range(STAGES + 1):
-            five += tableau.fifth[j] * slopes[j, i]
-            three += tableau.third[j] * slopes[j, i]
-        fifth += (five / scale[i]) ** 2
-        third += (three / scale[i]) ** 2
-    if fifth == 0.0 and third == 0.0:
+        one = 0.0
+        two = 0.0
+        for j in range(stages + 1):
+            one += tableau.error[j] * slopes[j, i]
+            two += tableau.second_error[j] * slopes[j, i]
+        first += (one / scale[i]) ** 2
+        second += (two / scale[i]) ** 2
+    if first == 0.0 and second == 0.0:
         return 0.0
-    return abs(h) * fifth / math.sqrt((fifth + 0.01 * third) * count)
+    return abs(h) * first / math.sqrt((first + 0.01 * second) * count)
