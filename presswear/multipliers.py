@@ -56,8 +56,8 @@ def solve_multipliers(
     right: Array,
     work: Array,
     solution: Array,
-) -> float:
-    """Solve for the multipliers; returns the smallest pivot over the largest.
+) -> None:
+    """Solve for the multipliers.
 
     Parameters
     ----------
@@ -69,29 +69,25 @@ def solve_multipliers(
         Result by constraint row.
     """
     rows = plan.order.shape[0]
+    products = plan.products
     work[:] = 0.0
-    for i in range(plan.products.shape[0]):
-        slot, left, right_entry, c = plan.products[i]
-        work[slot] += jacobian[left] * jacobian[right_entry] * inverse_mass[c]
-    smallest = np.inf
-    largest = 0.0
+    for i in range(products.shape[0]):
+        product = jacobian[products[i, 1]] * jacobian[products[i, 2]]
+        work[products[i, 0]] += product * inverse_mass[products[i, 3]]
     for k in range(rows):
-        pivot = work[k]
-        smallest = min(smallest, pivot)
-        largest = max(largest, pivot)
+        inverse = 1.0 / work[k]
+        work[k] = inverse
         value = right[plan.order[k]]
-        solution[plan.order[k]] = value
         for e in range(plan.column_start[k], plan.column_start[k + 1]):
-            factor = work[plan.entry_slot[e]] / pivot
+            factor = work[plan.entry_slot[e]] * inverse
             for u in range(plan.update_start[e], plan.update_start[e + 1]):
                 work[plan.updates[u, 0]] -= factor * work[plan.updates[u, 1]]
             right[plan.order[plan.entry_row[e]]] -= factor * value
     for k in range(rows - 1, -1, -1):
-        value = solution[plan.order[k]]
+        value = right[plan.order[k]]
         for e in range(plan.column_start[k], plan.column_start[k + 1]):
             value -= work[plan.entry_slot[e]] * solution[plan.order[plan.entry_row[e]]]
-        solution[plan.order[k]] = value / work[k]
-    return smallest / largest if rows else 1.0
+        solution[plan.order[k]] = value * work[k]
 
 
 def work_out(constraints: Constraints) -> Elimination:

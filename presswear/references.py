@@ -79,6 +79,9 @@ _PINS = {
     "K7": {"A": (_UB, _UA), "H": (_UB, _UA - _U)},
 }
 
+_HUNG = {"K1": "O", "K2": "P", "K3": "B", "K5": "A", "K7": "A", "K4": "E", "K6": "H"}
+"""A pin of each body whose place the frame or the bodies before it fix."""
+
 _TURNS = np.array(
     [
         [1, 0, 0, 0, 0, 0, 0],
@@ -141,13 +144,7 @@ def andrews_start() -> Start:
     angles = _TURNS @ np.array(ANDREWS_START)
     places: dict[str, tuple[float, float]] = {"O": (0.0, 0.0), "A": _A, "B": _B}
     position = np.zeros(21)
-    # Each body hangs on a pin whose place the bodies before it fix.
-    for body, held in (("K1", "O"), ("K2", "P"), ("K3", "B")) + (
-        ("K5", "A"),
-        ("K7", "A"),
-        ("K4", "E"),
-        ("K6", "H"),
-    ):
+    for body, held in _HUNG.items():
         i = int(body[1]) - 1
         cosine, sine = math.cos(angles[i]), math.sin(angles[i])
 

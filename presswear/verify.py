@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 
 from presswear import references
-from presswear.engines.base import Accuracy, DaeAccuracy, Plan, Run
+from presswear.engines.base import Accuracy, DaeAccuracy, Plan, Run, Start
 from presswear.engines.dae.engine import simulate as simulate_dae
 from presswear.engines.exudyn_joints import simulate as simulate_exudyn
 from presswear.errors import RunError
@@ -211,7 +211,7 @@ def creep(slope: float) -> float:
     return _slid(*references.block(pull, press, FRICTION, 0.005), 0.2)
 
 
-def _slid(linkage: Linkage, start: references.Start, time: float) -> float:
+def _slid(linkage: Linkage, start: Start, time: float) -> float:
     run = simulate_dae(linkage, start, TIGHT, Plan(time, 1, recorded_cycles=1))
     return float(_finished(run).end.velocity[0])
 
@@ -234,16 +234,17 @@ def bounced(ball: references.Ball, duration: float) -> Bounces:
     return Bounces(episodes[:, 0] - left, -episodes[:, 3], episodes[:, 1] - episodes[:, 0])
 
 
-def stiff_limit(stiff: float, stiffer: float, ratio: float) -> float:
-    """What a quantity tends to as contacts get short, from two stiffnesses.
+def stiff_limit(values: Sequence[float], ratio: float) -> float:
+    """What a quantity tends to as contacts get short, from its values at two stiffnesses.
 
     Gravity acts during contact too; its effect goes with the contact time, K^(-2/5).
 
     Parameters
     ----------
     ratio : float
-        Of the two stiffnesses, above 1.
+        Of the second stiffness to the first, above 1.
     """
+    stiff, stiffer = values
     return stiffer + (stiffer - stiff) / (ratio**0.4 - 1.0)
 
 
@@ -262,7 +263,7 @@ def bouncing_rows() -> Iterator[Row]:
         totals.append(float(seen.flights[:BOUNCES].sum()) + series * last)
         rebounds.append(last)
     speed = stiffer.speed
-    total, rebound = stiff_limit(*totals, 10.0), stiff_limit(*rebounds, 10.0)
+    total, rebound = stiff_limit(totals, 10.0), stiff_limit(rebounds, 10.0)
     yield Row("bouncing ball, dae: total time (s)", series * speed, total, 1e-6)
     expected = speed * restitution**BOUNCES
     yield Row(f"bouncing ball, dae: rebound {BOUNCES} (m/s)", expected, rebound, 1e-6)

@@ -224,3 +224,23 @@ def test_a_pendulum_keeps_its_energy() -> None:
     spin = run.end.velocity[2]
     height = run.end.position[1]
     assert 0.5 * (0.01 + 0.25) * spin**2 == pytest.approx(-9.81 * height, abs=1e-9)
+
+
+def test_a_singular_position_is_refused_by_name() -> None:
+    """Two rods stretched out between two fixed points hold each other twice along the line."""
+    linkage = Linkage(
+        "stretched",
+        (Body("left", 1.0, 0.01), Body("right", 1.0, 0.01)),
+        (
+            Revolute("O", Attachment("frame", 0.0, 0.0), Attachment("left", -0.5, 0.0)),
+            Revolute("P", Attachment("frame", 2.0, 0.0), Attachment("right", 0.5, 0.0)),
+            Revolute("middle", Attachment("left", 0.5, 0.0), Attachment("right", -0.5, 0.0)),
+        ),
+        (),
+        (),
+        (),
+        Probe("left", 0.0),
+    )
+    start = Start(np.array([0.5, 0.0, 0.0, 1.5, 0.0, 0.0]), np.zeros(6))
+    with pytest.raises(InputError, match="joint middle .* singular"):
+        simulate(linkage, start, DaeAccuracy(), Plan(0.1, 1))

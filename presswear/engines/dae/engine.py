@@ -20,6 +20,7 @@ from presswear.engines.dae.march import (
     CONTROL,
     DONE,
     RUNNING,
+    STUCK,
     Motion,
     march_controlled,
     march_fixed,
@@ -52,19 +53,27 @@ def check_start(constraints: Constraints, start: Start, time: float = 0.0) -> No
                 f"the start violates joint {constraints.names[worst]}: its {kind} is off by "
                 f"{abs(values[worst]):.3g}, allowed is {allowed:g}"
             )
-    # Rows one after another: the first that adds nothing new is the redundant one.
+    repeated = dependent_joint(jacobian, constraints.names, 1e-9)
+    if repeated is not None:
+        raise InputError(
+            f"joint {repeated} repeats what the other joints already hold, or the position is "
+            "singular: its constraint adds nothing"
+        )
+
+
+def dependent_joint(jacobian: Array, names: tuple[str, ...], least: float) -> str | None:
+    """First joint whose constraint adds less than ``least`` to those before it; or None."""
     basis: list[Array] = []
-    for row, name in zip(jacobian, constraints.names, strict=True):
+    for row, name in zip(jacobian, names, strict=True):
         rest = row / np.linalg.norm(row)
+        # Twice: once leaves a remainder of round-off.
         for known in basis + basis:
             rest = rest - (rest @ known) * known
         size = float(np.linalg.norm(rest))
-        if size < 1e-9:
-            raise InputError(
-                f"joint {name} repeats what the other joints already hold, or the position is "
-                "singular: its constraint adds nothing"
-            )
+        if size < least:
+            return name
         basis.append(rest / size)
+    return None
 
 
 def _reactions(system: System, constraints: Constraints) -> dict[str, tuple[float, ...]]:
@@ -125,7 +134,12 @@ def simulate(linkage: Linkage, start: Start, accuracy: DaeAccuracy, plan: Plan) 
         if state != DONE:
             ended = "failed"
             reason = "the state is no longer finite" if state == BROKEN else "the step vanished"
-            message = f"{reason} (t = {float(control['time'][0]):.6g} s)"
+            time = float(control["time"][0])
+            message = f"{reason} (t = {time:.6g} s)"
+            jacobian = constraints.evaluate(time, y[:n], y[n : 2 * n])[3]
+            if state == STUCK:
+                singular = dependent_joint(jacobian, constraints.names, 1e-2)
+                message += f"; joint {singular} is near a singular position" if singular else ""
             break
         account.end_cycle()
         if cycle == plan.recorded_cycles:

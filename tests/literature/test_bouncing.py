@@ -1,0 +1,131 @@
+"""Impacts in the engines: delivered restitution, duration, depth, and a bouncing ball."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from presswear import references
+from presswear.engines.base import Accuracy, DaeAccuracy, Plan
+from presswear.engines.dae.engine import simulate as simulate_dae
+from presswear.engines.exudyn_joints import simulate as simulate_exudyn
+from presswear.laws import delivered_restitution, greatest_penetration, lankarani_nikravesh_damping
+from presswear.verify import (
+    TIGHT,
+    bounced,
+    deepest_penetration,
+    delivered,
+    first_contact,
+    order_of,
+    stiff_limit,
+)
+
+PLAN = Plan(0.005, 1)
+
+
+@pytest.mark.parametrize(("nominal", "expected"), references.DELIVERED.items())
+def test_dae_delivers_the_closed_form(nominal: float, expected: float) -> None:
+    impact = references.Impact(nominal)
+    run = simulate_dae(impact.linkage, impact.start, TIGHT, PLAN)
+    assert delivered(run, impact.speed) == pytest.approx(expected, abs=1e-8)
+    final = run.end.velocity[3] - run.end.velocity[0]
+    assert -final / impact.speed == pytest.approx(expected, abs=1e-8)
+
+
+@pytest.mark.parametrize(("nominal", "steps"), [(0.9, 50), (0.8, 100), (0.5, 100)])
+def test_exudyn_delivers_the_closed_form(nominal: float, steps: int) -> None:
+    """To 1e-4; below a nominal 0.9 that takes more than the default of 50 steps."""
+    impact = references.Impact(nominal)
+    accuracy = Accuracy(steps, 10, free_step=2e-5, newton=1e-10)
+    run = simulate_exudyn(impact.linkage, impact.start, accuracy, PLAN)
+    expected = references.DELIVERED[nominal]
+    assert delivered(run, impact.speed) == pytest.approx(expected, abs=1e-4)
+
+
+def test_exudyn_delivers_to_second_order_in_the_step() -> None:
+    impact = references.Impact(0.9)
+    exact = delivered_restitution(lankarani_nikravesh_damping(0.9))
+    parts = (50, 100, 200, 400)
+    errors = []
+    for steps in parts:
+        accuracy = Accuracy(steps, 10, free_step=2e-5, newton=1e-12)
+        run = simulate_exudyn(impact.linkage, impact.start, accuracy, PLAN)
+        errors.append(abs(delivered(run, impact.speed) - exact))
+    assert order_of([1.0 / steps for steps in parts], errors) == pytest.approx(2.0, abs=0.2)
+
+
+@pytest.mark.parametrize("speed", [0.01, 0.25, 2.0])
+def test_elastic_impact_lasts_as_hertz_says(speed: float) -> None:
+    """2.9432751843 delta_max / v."""
+    impact = references.Impact(1.0, speed=speed)
+    plan = Plan(2.0 * impact.clearance / speed, 1)
+    run = simulate_dae(impact.linkage, impact.start, TIGHT, plan)
+    onset, end = first_contact(run)[:2]
+    assert onset == pytest.approx(impact.clearance / speed, rel=1e-12)
+    assert end - onset == pytest.approx(impact.elastic_duration, rel=1e-8)
+    assert delivered(run, speed) == pytest.approx(1.0, abs=1e-8)
+
+
+@pytest.mark.parametrize("nominal", [0.5, 0.8, 0.9, 1.0])
+def test_depth_is_the_closed_form(nominal: float) -> None:
+    impact = references.Impact(nominal, clearance=1e-5)
+    run = simulate_dae(impact.linkage, impact.start, TIGHT, Plan(2.2e-4, 1))
+    assert deepest_penetration(run, impact.speed) == pytest.approx(impact.deepest, rel=1e-8)
+
+
+def test_default_tolerance_leaves_little() -> None:
+    """At 1e-9 the restitution is right to 5e-8."""
+    impact = references.Impact(0.9)
+    run = simulate_dae(impact.linkage, impact.start, DaeAccuracy(), PLAN)
+    assert delivered(run, impact.speed) == pytest.approx(references.DELIVERED[0.9], abs=5e-8)
+
+
+def test_ball_flies_as_thrown() -> None:
+    """Every flight takes 2 v / g, with v the rebound speed before it."""
+    ball = references.Ball(0.9)
+    seen = bounced(ball, 6.0)
+    thrown = np.concatenate([[ball.speed], seen.rebounds[:-1]])
+    assert len(seen.flights) > 15
+    np.testing.assert_allclose(seen.flights, 2.0 * thrown / ball.gravity, rtol=0.0, atol=1e-13)
+
+
+@pytest.mark.parametrize("nominal", [0.9, 0.8, 0.5])
+def test_ball_rebounds_with_the_delivered_restitution(nominal: float) -> None:
+    """Each bounce in the limit of short contacts; gravity's part goes with K^(-2/5)."""
+    expected = delivered_restitution(lankarani_nikravesh_damping(nominal))
+    ratios = []
+    for stiffness in (1e12, 1e13, 1e14):
+        ball = references.Ball(nominal, stiffness)
+        rebounds = bounced(ball, 2.0).rebounds[:4]
+        ratios.append(rebounds / np.concatenate([[ball.speed], rebounds[:-1]]))
+    np.testing.assert_allclose((ratios[0] - expected) / (ratios[1] - expected), 10**0.4, rtol=5e-3)
+    for bounce in range(4):
+        limit = stiff_limit([ratios[1][bounce], ratios[2][bounce]], 10.0)
+        assert limit == pytest.approx(expected, abs=5e-9)
+
+
+def test_elastic_ball_touches_for_the_hertz_time() -> None:
+    """Gravity adds about g t / v to it."""
+    ball = references.Ball(1.0)
+    deepest = greatest_penetration(0.1, ball.speed, ball.stiffness, 1.5, 0.0)
+    expected = references.HERTZ_DURATION * deepest / ball.speed
+    assert bounced(ball, 0.7).contacts[0] == pytest.approx(expected, rel=2e-5)
+
+
+@pytest.mark.parametrize("nominal", [0.9, 0.5])
+def test_ball_comes_to_rest_when_the_series_says(nominal: float) -> None:
+    """2 v0 / g / (1 - e') without the contact times.
+
+    Where gravity outlasts the impact a bounce gives back less, so that the sum of
+    all flights falls short by a part that vanishes with the contact time, K^(-2/5).
+    """
+    restitution = delivered_restitution(lankarani_nikravesh_damping(nominal))
+    ball = references.Ball(nominal)
+    total = 2.0 * ball.speed / ball.gravity / (1.0 - restitution)
+    sums = []
+    for stiffness in (1e10, 1e12):
+        seen = bounced(replace(ball, stiffness=stiffness), 1.02 * total)
+        sums.append(float(seen.flights.sum()) / total)
+    assert sums[0] < sums[1] < 1.0
+    assert sums[1] == pytest.approx(1.0, abs=2e-3)
+    assert 4.0 < (1.0 - sums[0]) / (1.0 - sums[1]) < 8.0
