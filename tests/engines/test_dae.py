@@ -242,5 +242,5 @@ def test_a_singular_position_is_refused_by_name() -> None:
         Probe("left", 0.0),
     )
     start = Start(np.array([0.5, 0.0, 0.0, 1.5, 0.0, 0.0]), np.zeros(6))
-    with pytest.raises(InputError, match="joint middle .* singular"):
+    with pytest.raises(InputError, match=r"joint middle .* singular"):
         simulate(linkage, start, DaeAccuracy(), Plan(0.1, 1))

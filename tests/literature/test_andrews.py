@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from presswear import references
 from presswear.constraints import constraints_of
@@ -66,7 +67,7 @@ def test_energy_is_the_work_of_the_moment() -> None:
     end = simulate(linkage, start, DaeAccuracy(), plan).end
     spring = linkage.springs[0]
 
-    def stored(position: np.ndarray) -> float:
+    def stored(position: NDArray[np.float64]) -> float:
         i = 3 * linkage.index(spring.first.body)
         x, y, angle = position[i : i + 3]
         c, s = math.cos(angle), math.sin(angle)

@@ -4,6 +4,7 @@ The floor is a bearing so large that it is flat; the force law is that of any jo
 """
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -44,7 +45,8 @@ def test_what_sticks_creeps_back() -> None:
     before, after = released(upper, 4.5), released(upper, 5.5)
     ratio = after.end.position[0] / before.end.position[0]
     assert ratio == pytest.approx(math.exp(-decay * INTERVAL), rel=1e-7)
-    assert after.end.velocity[0] == pytest.approx(-decay * after.end.position[0], rel=1e-5)
+    # The block still bobs on the elastic floor, and friction with it.
+    assert after.end.velocity[0] == pytest.approx(-decay * after.end.position[0], rel=1e-4)
     assert before.end.position[0] == pytest.approx(EXTREMA[-1], abs=1e-7)
 
 
@@ -52,7 +54,7 @@ def test_friction_takes_the_energy_that_is_missing() -> None:
     """From 0.85 to 0.05 mm: mu m g over the path of 3.6 mm, less what the ramp spares."""
     run = released(1e-6)
     lost = run.diagnostics["friction_loss_J"]
-    path = sum(abs(b - a) for a, b in zip(EXTREMA[:-1], EXTREMA[1:], strict=True))
+    path = sum(abs(b - a) for a, b in pairwise(EXTREMA))
     assert isinstance(lost, float)
     assert lost == pytest.approx(0.1 * references.SDND100_GRAVITY * path, rel=1e-5)
     residual = run.diagnostics["energy_residual_J"]

@@ -96,8 +96,8 @@ def first_event(system: System, book: Book, trial: Array, h: float) -> tuple[int
         sign = -1.0 if book.onset[k] > 0.0 else 1.0
         start = min(sign * last.penetration, 0.0)
         s = crossing(start, sign * last.rate, sign * depth, sign * rate, h)
-        # A state that was just placed on an event does not repeat it.
-        if s < part and s * h > 1e-14:
+        # A state that was just placed on an event moves away from it and does not repeat it.
+        if s < part and (s * h > 1e-14 or sign * last.rate > 0.0):
             found, part = k, s
     return found, part
 

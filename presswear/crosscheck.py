@@ -1,0 +1,485 @@
+"""Engine against engine: Exudyn and the in-house solver from the same start.
+
+Impacts drive neighbouring motions apart, so two engines can agree on a trajectory
+only for a while.  How long is measured: the in-house solver runs twice, the second
+time from a start moved by 1e-9 m along a free direction; the horizon is where the
+two have parted by a thousand times as much.  Up to there positions, velocities,
+touches and forces are compared one by one; beyond it only means over cycles are.
+"""
+
+import json
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicHermiteSpline
+from scipy.linalg import null_space
+
+from presswear.campaign import start_of
+from presswear.constraints import constraints_of
+from presswear.engines import engine_named
+from presswear.engines.base import Accuracy, DaeAccuracy, Plan, Run, Start
+from presswear.errors import InputError, RunError
+from presswear.linkage import Linkage
+from presswear.observe import CYCLE_FIXED, CYCLE_JOINT, SERIES_FIXED, SERIES_JOINT
+from presswear.results import plain, provenance, write_whole
+from presswear.scene import Scene
+from presswear.statistics import Estimate, estimate
+
+Array = NDArray[np.float64]
+Progress = Callable[[str, float], None]
+"""Told what is being run and which part of it is done, 0 .. 1."""
+
+DISTURBANCE = 1e-9
+"""Greatest change of a coordinate of the disturbed start, m or rad."""
+GROWTH = 1000.0
+"""Growth of the disturbance at the horizon."""
+REFERENCE_TOLERANCE = 1e-13
+"""Of the in-house solver while trajectories are compared."""
+FINENESS = (1, 2, 4, 8, 16)
+"""Exudyn's steps are the scene's divided by these; the bounds hold for the last."""
+FIRST_TOUCHES = 10
+"""Touches whose bounds are stated."""
+EQUAL_STEP = 8.75e-8
+"""Step of the second in-house integrator, part of a cycle.
+
+RK4 does not locate touches and needs steps as fine as this; with much finer ones
+round-off grows beyond the bound.
+"""
+CYCLES = 8
+"""Cycles whose means are compared, unless the scene says how many."""
+PARTS = 40
+"""Parts of a run; more make the recorded series and the longest steps finer."""
+GRID = 2001
+"""Common times at which series are compared."""
+
+SLIDER_BOUND = 1e-6
+"""m, up to the horizon."""
+VELOCITY_BOUND = 1e-3
+"""Part of the slider's greatest speed, up to the horizon."""
+TIME_BOUND = 1e-6
+"""Of the first touches, s."""
+CLOSING_BOUND = 1e-4
+"""Of the first touches, part of their closing speed."""
+FORCE_BOUND = 1e-3
+"""Of the first touches, part of their peak force."""
+ORDER, ORDER_BOUND = 2.0, 0.3
+"""Order of Exudyn's trapezoidal rule, and how far the observed one may be from it."""
+INTEGRATOR_BOUND = 1e-10
+"""Of the first touches between two in-house integrators, s."""
+
+
+@dataclass(frozen=True)
+class Touch:
+    """A touch: joint, time, s, closing speed, m/s, and greatest force, N."""
+
+    joint: int
+    onset: float
+    closing_speed: float
+    peak_force: float
+
+
+@dataclass(frozen=True)
+class Trace:
+    """What is compared of a run.
+
+    Attributes
+    ----------
+    time : ndarray, shape (n,)
+        s.
+    slider : ndarray, shape (n, 2)
+        Displacement, m, and velocity, m/s.
+    eccentricity : ndarray, shape (n, 2 joints)
+        m.
+    touches : tuple of Touch
+        In the order of their times.
+    """
+
+    time: Array
+    slider: Array
+    eccentricity: Array
+    touches: tuple[Touch, ...]
+
+    def slider_at(self, time: Array) -> tuple[Array, Array]:
+        """Displacement, m, and velocity, m/s, at other times of the run."""
+        cubic = CubicHermiteSpline(self.time, self.slider[:, 0], self.slider[:, 1])
+        return cubic(time), cubic.derivative()(time)
+
+
+@dataclass(frozen=True)
+class Check:
+    """A difference with its bound; without a bound it is only reported."""
+
+    quantity: str
+    difference: float
+    bound: float | None
+    unit: str
+
+    @property
+    def passed(self) -> bool:
+        """Whether the difference is a number within the bound."""
+        return self.bound is None or self.difference <= self.bound
+
+
+@dataclass(frozen=True)
+class Difference:
+    """How far a run's slider is from the reference over time, m."""
+
+    label: str
+    time: Array
+    slider: Array
+
+
+@dataclass(frozen=True)
+class Crosscheck:
+    """Outcome of a cross-check.
+
+    Attributes
+    ----------
+    horizon : float
+        s.
+    parted : bool
+        Whether the trajectories parted at the horizon; else it is where the runs end.
+    checks : tuple of Check
+    touches : tuple of Touch
+        Of the reference, up to the horizon.
+    differences : tuple of Difference
+        The disturbed start first, then Exudyn, coarsest first.
+    statistics : dict
+        Means over cycles of both engines.
+    """
+
+    scene: Scene
+    horizon: float
+    parted: bool
+    checks: tuple[Check, ...]
+    touches: tuple[Touch, ...]
+    differences: tuple[Difference, ...]
+    statistics: dict[str, Any]
+
+    @property
+    def passed(self) -> bool:
+        """Whether every bound is kept."""
+        return all(check.passed for check in self.checks)
+
+
+def disturbed(linkage: Linkage, start: Start) -> Start | None:
+    """The start moved along a direction that the joints leave free; None if there is none.
+
+    Of the free directions the one that moves the slider most is taken.
+    """
+    constraints = constraints_of(linkage)
+    jacobian = constraints.evaluate(0.0, start.position, start.velocity)[3]
+    free = null_space(jacobian)
+    if free.shape[1] == 0:
+        return None
+    probe = 3 * linkage.index(linkage.probe.body)
+    along = [math.cos(linkage.probe.direction), math.sin(linkage.probe.direction)]
+    weights = np.array(along) @ free[probe : probe + 2]
+    moved = free @ weights if np.linalg.norm(weights) > 1e-6 else free[:, 0]
+    position = start.position + DISTURBANCE * moved / np.abs(moved).max()
+    # The step along the tangent leaves the constraints by less than round-off;
+    # velocities have to follow the turned tangent.
+    _, error, _, jacobian = constraints.evaluate(0.0, position, start.velocity)
+    return Start(position, start.velocity - np.linalg.pinv(jacobian) @ error)
+
+
+def touches_of(run: Run) -> tuple[Touch, ...]:
+    """Recorded touches of all joints and those that still last, in order of time."""
+    found = []
+    book = run.account.book
+    for k in range(book.joints.size):
+        found += [Touch(k, row[0], row[2], row[4]) for row in run.account.episodes(k).tolist()]
+        last = book.touch[k]
+        if book.onset[k] > 0.0 and not last["started_closed"]:
+            found.append(
+                Touch(k, *map(float, (last["onset_time"], book.onset[k], last["peak_force"])))
+            )
+    return tuple(sorted(found, key=lambda touch: touch.onset))
+
+
+def trace_of(run: Run) -> Trace:
+    """Copy what is compared of a run; RunError if it failed."""
+    if run.status == "failed":
+        raise RunError(run.message)
+    rows = run.account.rows
+    joints = run.account.book.joints.size
+    columns = [SERIES_FIXED + SERIES_JOINT * k + axis for k in range(joints) for axis in range(2)]
+    return Trace(rows[:, 0].copy(), rows[:, 1:3].copy(), rows[:, columns], touches_of(run))
+
+
+@dataclass(frozen=True)
+class _Runner:
+    """Runs the unworn linkage of a scene and says how far it is."""
+
+    linkage: Linkage
+    progress: Progress
+
+    def run(self, word: str, start: Start, accuracy: Accuracy | DaeAccuracy, plan: Plan) -> Run:
+        engine = engine_named("dae" if isinstance(accuracy, DaeAccuracy) else "exudyn")
+
+        def told(part: float) -> None:
+            self.progress(word, part)
+
+        told(0.0)
+        return engine(self.linkage, start, accuracy, replace(plan, progress=told))
+
+    def trace(self, word: str, start: Start, accuracy: Accuracy | DaeAccuracy, end: float) -> Trace:
+        return trace_of(self.run(word, start, accuracy, Plan(end / PARTS, PARTS, PARTS)))
+
+
+def finer(accuracy: Accuracy, fineness: int) -> Accuracy:
+    """Steps divided, with Newton's errors divided as those of the steps are."""
+    return replace(
+        accuracy,
+        steps_per_contact=accuracy.steps_per_contact * fineness,
+        steps_sustained=accuracy.steps_sustained * fineness,
+        free_step=accuracy.free_step / fineness,
+        newton=accuracy.newton / fineness**2,
+    )
+
+
+def common_times(one: Trace, other: Trace) -> Array:
+    """Evenly spaced times that both runs cover, s."""
+    return np.linspace(0.0, min(one.time[-1], other.time[-1]), GRID)
+
+
+def slider_difference(label: str, one: Trace, other: Trace) -> Difference:
+    """Distance of two sliders over time."""
+    time = common_times(one, other)
+    return Difference(label, time, np.abs(one.slider_at(time)[0] - other.slider_at(time)[0]))
+
+
+def horizon_of(one: Trace, other: Trace) -> float | None:
+    """Time at which slider or eccentricities first differ by the stated growth, s."""
+    time = common_times(one, other)
+    apart = slider_difference("", one, other).slider
+    for mine, theirs in zip(one.eccentricity.T, other.eccentricity.T, strict=True):
+        between = np.interp(time, one.time, mine) - np.interp(time, other.time, theirs)
+        apart = np.maximum(apart, np.abs(between))
+    late = np.flatnonzero(apart >= GROWTH * DISTURBANCE)
+    return float(time[late[0]]) if late.size else None
+
+
+def matched(
+    reference: tuple[Touch, ...], other: tuple[Touch, ...]
+) -> Iterator[tuple[Touch, Touch | None]]:
+    """Each reference touch with the one of the same number in the same joint, if any."""
+    queues = {k: iter([touch for touch in other if touch.joint == k]) for k in _joints(reference)}
+    for touch in reference:
+        yield touch, next(queues[touch.joint], None)
+
+
+def _joints(touches: tuple[Touch, ...]) -> set[int]:
+    return {touch.joint for touch in touches}
+
+
+def touch_differences(reference: tuple[Touch, ...], other: tuple[Touch, ...]) -> Array:
+    """Differences of matched touches, shape (n, 3): time, s, and relative speed and force.
+
+    A touch that the other run lacks is infinitely far away.
+    """
+    rows = [
+        [math.inf] * 3
+        if twin is None
+        else [
+            abs(twin.onset - touch.onset),
+            abs(twin.closing_speed / touch.closing_speed - 1.0),
+            abs(twin.peak_force / touch.peak_force - 1.0),
+        ]
+        for touch, twin in matched(reference, other)
+    ]
+    return np.array(rows).reshape(-1, 3)
+
+
+def observed_order(fineness: tuple[int, ...], errors: list[float]) -> float:
+    """Order at which errors fall with the step: slope of a line through the logarithms."""
+    if not np.all(np.isfinite(errors)) or min(errors) <= 0.0:
+        return math.nan
+    return -float(np.polyfit(np.log(fineness), np.log(errors), 1)[0])
+
+
+def check_engines(scene: Scene, duration: float | None, progress: Progress) -> Crosscheck:
+    """Run and compare both engines on the unworn linkage of a scene.
+
+    Parameters
+    ----------
+    duration : float or None
+        Longest time over which trajectories are compared, s; None: one cycle.
+
+    Raises
+    ------
+    RunError
+        Where an engine finds no way on.
+    """
+    end = scene.press.period if duration is None else duration
+    if not (math.isfinite(end) and end > 0.0):
+        raise InputError(f"duration = {end:g} s: a time above 0 is expected")
+    linkage, start = scene.linkage(), start_of(scene)
+    runner = _Runner(linkage, progress)
+    precise = DaeAccuracy(tolerance=REFERENCE_TOLERANCE)
+    other_start = disturbed(linkage, start)
+    horizon, parted = end, False
+    differences = []
+    if other_start is not None:
+        plain_run = runner.trace("dae", start, precise, end)
+        moved_run = runner.trace("dae, disturbed", other_start, precise, end)
+        found = horizon_of(plain_run, moved_run)
+        horizon, parted = (end, False) if found is None else (found, True)
+        label = f"in-house, start moved by {DISTURBANCE:g} m"
+        differences.append(slider_difference(label, plain_run, moved_run))
+    reference = runner.trace("dae to the horizon", start, precise, horizon)
+    first = reference.touches[:FIRST_TOUCHES]
+    checks, exudyn = _check_exudyn(scene, start, runner, reference, horizon)
+    differences += exudyn
+    if first:
+        step = EQUAL_STEP * scene.press.period
+        # Far enough to hold the last of the touches.
+        until = min(1.001 * first[-1].onset, horizon)
+        second = DaeAccuracy("rk4", step=step)
+        equal = runner.run(f"dae, rk4 at {step:.1e} s", start, second, Plan(until, 1, 1))
+        apart = touch_differences(first, trace_of(equal).touches)[:, 0].max()
+        checks.append(
+            Check(f"first {len(first)} touches, dop853 to rk4", apart, INTEGRATOR_BOUND, "s")
+        )
+    statistics: dict[str, Any] = {}
+    if parted:
+        beyond, statistics = _check_means(scene, start, runner)
+        checks += beyond
+    return Crosscheck(
+        scene,
+        horizon,
+        parted,
+        tuple(checks),
+        reference.touches,
+        tuple(differences),
+        statistics,
+    )
+
+
+def _check_exudyn(
+    scene: Scene, start: Start, runner: _Runner, reference: Trace, horizon: float
+) -> tuple[list[Check], list[Difference]]:
+    """Exudyn at several step lengths against the reference, up to the horizon."""
+    first = reference.touches[:FIRST_TOUCHES]
+    differences: list[Difference] = []
+    errors: list[float] = []
+    for fineness in FINENESS:
+        word = "Exudyn" if fineness == 1 else f"Exudyn, steps / {fineness}"
+        trace = runner.trace(word, start, finer(scene.exudyn_accuracy(), fineness), horizon)
+        differences.append(slider_difference(word, reference, trace))
+        apart = touch_differences(first, trace.touches)
+        errors.append(
+            float(np.sqrt(np.mean(apart[:, 0] ** 2)))
+            if first
+            else float(differences[-1].slider.max())
+        )
+    time = differences[-1].time
+    speed, other_speed = reference.slider_at(time)[1], trace.slider_at(time)[1]
+    order = observed_order(FINENESS, errors)
+    name = f"Exudyn, steps / {FINENESS[-1]}:"
+    checks = [
+        Check(f"{name} slider position", float(differences[-1].slider.max()), SLIDER_BOUND, "m"),
+        Check(
+            f"{name} slider velocity, of the greatest",
+            float(np.abs(speed - other_speed).max() / np.abs(speed).max()),
+            VELOCITY_BOUND,
+            "",
+        ),
+    ]
+    if first:
+        largest = apart.max(axis=0).tolist()
+        count = f"first {len(first)} touches"
+        checks += [
+            Check(f"{name} {count}, times", largest[0], TIME_BOUND, "s"),
+            Check(f"{name} {count}, closing speeds", largest[1], CLOSING_BOUND, ""),
+            Check(f"{name} {count}, peak forces", largest[2], FORCE_BOUND, ""),
+            Check(
+                f"{name} all {len(reference.touches)} touches, times",
+                float(touch_differences(reference.touches, trace.touches)[:, 0].max()),
+                None,
+                "s",
+            ),
+        ]
+    checks.append(Check(f"Exudyn's order {order:.2f}, from 2", abs(order - ORDER), ORDER_BOUND, ""))
+    return checks, differences
+
+
+def _check_means(scene: Scene, start: Start, runner: _Runner) -> tuple[list[Check], dict[str, Any]]:
+    """Means over cycles of both engines: their 95 % intervals must overlap."""
+    cycles = CYCLES if scene.cycles is None else scene.cycles
+    plan = Plan(scene.press.period, cycles, recorded_cycles=1)
+    means: list[dict[str, Estimate]] = []
+    for engine, accuracy in (
+        ("dae", replace(scene, engine="dae").accuracy()),
+        ("Exudyn", scene.exudyn_accuracy()),
+    ):
+        run = runner.run(f"{engine}, {cycles} cycles", start, accuracy, plan)
+        if run.status == "failed":
+            raise RunError(run.message)
+        means.append(cycle_means(runner.linkage, np.array(run.account.cycles)))
+    checks = []
+    for quantity, mine in means[0].items():
+        theirs = means[1][quantity]
+        bound = (
+            None
+            if mine.half_width is None or theirs.half_width is None
+            else mine.half_width + theirs.half_width
+        )
+        checks.append(
+            Check(
+                f"mean of {mine.cycles} cycles: {quantity}", abs(mine.mean - theirs.mean), bound, ""
+            )
+        )
+    named = zip(("dae", "exudyn"), means, strict=True)
+    return checks, {
+        engine: {quantity: asdict(mean) for quantity, mean in found.items()}
+        for engine, found in named
+    }
+
+
+def cycle_means(linkage: Linkage, cycles: Array) -> dict[str, Estimate]:
+    """Means of peaks and doses over cycles, shape (cycles, columns of the account)."""
+    columns = {
+        "greatest slider speed (m/s)": CYCLE_FIXED.index("velocity_max"),
+        "greatest acceleration (m/s^2)": CYCLE_FIXED.index("acceleration_max"),
+    }
+    for k, joint in enumerate(linkage.clearances):
+        base = len(CYCLE_FIXED) + len(CYCLE_JOINT) * k
+        columns[f"{joint.name} peak force (N)"] = base + CYCLE_JOINT.index("force_max")
+        columns[f"{joint.name} dose of wear (N m)"] = base + CYCLE_JOINT.index("dose")
+    return {name: estimate(cycles[:, column]) for name, column in columns.items()}
+
+
+def document_of(outcome: Crosscheck) -> Mapping[str, Any]:
+    """The outcome as plain data."""
+    names = [joint.name for joint in outcome.scene.linkage().clearances]
+    return {
+        "scene": outcome.scene.as_dict(),
+        "provenance": provenance(),
+        "horizon_s": outcome.horizon,
+        "parted": outcome.parted,
+        "passed": outcome.passed,
+        "exudyn_steps_divided_by": list(FINENESS),
+        "checks": [{**asdict(check), "passed": check.passed} for check in outcome.checks],
+        "touches": [{**asdict(touch), "joint": names[touch.joint]} for touch in outcome.touches],
+        "slider_difference_max_m": {
+            curve.label: float(curve.slider[curve.time <= outcome.horizon].max())
+            for curve in outcome.differences
+        },
+        "statistics": outcome.statistics,
+    }
+
+
+def store(outcome: Crosscheck, folder: Path) -> None:
+    """Write ``crosscheck.json`` and ``difference.png`` into a folder, made where needed."""
+    from presswear.figures.crosscheck import write_differences
+
+    folder.mkdir(parents=True, exist_ok=True)
+    text = json.dumps(plain(document_of(outcome)), indent=1, allow_nan=False)
+    write_whole(folder / "crosscheck.json", lambda file: file.write(text.encode()) and None)
+    write_differences(outcome, folder / "difference.png")

@@ -1,0 +1,150 @@
+"""Exudyn's own hollow-sphere contact in C++ against our connector under the same law.
+
+With restitution 1 - (1 - e^2)/2 its Hunt-Crossley law is Lankarani and Nikravesh's
+at e, and its friction ramp is ours with v0 = 0.
+"""
+
+from dataclasses import replace
+
+import exudyn as exu
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from presswear.engines.base import Accuracy, DaeAccuracy, Plan, Start
+from presswear.engines.dae.engine import simulate as simulate_dae
+from presswear.engines.exudyn_joints import simulate
+from presswear.laws import FrictionLaw, NormalLaw, lankarani_nikravesh_damping
+from presswear.linkage import Attachment, Body, ClearanceJoint, Linkage, Probe
+
+NOMINAL = 0.9
+DURATION = 1e-3
+
+
+def pair(friction: float) -> Linkage:
+    """Two free bodies that meet off their mass centres."""
+    joint = ClearanceJoint(
+        "J",
+        Attachment("ring", 0.1, 0.02),
+        Attachment("shaft", -0.05, 0.03),
+        bearing_radius=0.015,
+        clearance=0.8e-3,
+        width=0.02,
+        normal=NormalLaw(1.25e10, 1.5, lankarani_nikravesh_damping(NOMINAL)),
+        friction=FrictionLaw(friction, 0.0, 1e-3),
+    )
+    bodies = (Body("ring", 0.3, 4e-4), Body("shaft", 0.1, 1e-4))
+    return Linkage("pair", bodies, (), (), (), (joint,), Probe("shaft", 0.0), gravity=0.0)
+
+
+START = Start(
+    np.array([0.0, 0.0, 0.0, 0.15, -0.01, 0.0]), np.array([0.0, 0.0, 2.0, 0.3, 0.4, -30.0])
+)
+
+
+def native(linkage: Linkage, nominal: float, step: float) -> NDArray[np.float64]:
+    """Final velocities of both bodies with ``ObjectContactSphereSphere``."""
+    joint = linkage.clearances[0]
+    container = exu.SystemContainer()
+    system = container.AddSystem()
+    markers = {}
+    for i, body in enumerate(linkage.bodies):
+        place = slice(3 * i, 3 * i + 3)
+        node = system.AddNode(
+            {
+                "nodeType": "RigidBody2D",
+                "referenceCoordinates": [0.0, 0.0, 0.0],
+                "initialCoordinates": list(START.position[place]),
+                "initialVelocities": list(START.velocity[place]),
+            }
+        )
+        rigid = system.AddObject(
+            {
+                "objectType": "RigidBody2D",
+                "mass": body.mass,
+                "inertia": body.inertia,
+                "nodeNumber": node,
+            }
+        )
+        point = joint.bearing if joint.bearing.body == body.name else joint.pin
+        markers[body.name] = system.AddMarker(
+            {
+                "markerType": "BodyRigid",
+                "bodyNumber": rigid,
+                "localPosition": [point.x, point.y, 0.0],
+            }
+        )
+    state = system.AddNode(
+        {
+            "nodeType": "GenericData",
+            "numberOfDataCoordinates": 4,
+            "initialCoordinates": [joint.clearance, 0.0, 0.0, 0.0],
+        }
+    )
+    system.AddObject(
+        {
+            "objectType": "ContactSphereSphere",
+            "markerNumbers": [markers[joint.pin.body], markers[joint.bearing.body]],
+            "nodeNumber": state,
+            "spheresRadii": [joint.pin_radius, joint.bearing_radius],
+            "isHollowSphere1": True,
+            "contactStiffness": joint.normal.stiffness,
+            "contactStiffnessExponent": joint.normal.exponent,
+            "contactDamping": 0.0,
+            "impactModel": 1,
+            "restitutionCoefficient": 1.0 - 0.5 * (1.0 - nominal**2),
+            "minimumImpactVelocity": 0.0,
+            "dynamicFriction": joint.friction.coefficient,
+            "frictionProportionalZone": joint.friction.upper,
+        }
+    )
+    system.Assemble()
+    settings = exu.SimulationSettings()
+    settings.solution.file.write = False
+    integration = settings.timeIntegration
+    integration.verboseMode = 0
+    integration.endTime = DURATION
+    integration.numberOfSteps = round(DURATION / step)
+    integration.adaptiveStep = True
+    integration.minimumStepSize = 1e-14
+    integration.newton.relativeTolerance = integration.newton.absoluteTolerance = 1e-12
+    integration.newton.useModifiedNewton = True
+    console = exu.config.printToConsole
+    exu.config.printToConsole = False
+    try:
+        system.SolveDynamic(settings, solverType=exu.DynamicSolverType.TrapezoidalIndex2)
+    finally:
+        exu.config.printToConsole = console
+    end = np.array(system.systemData.GetODE2Coordinates_t())
+    container.Reset()
+    return end
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.3])
+def test_native_contact_agrees_with_the_connector(friction: float) -> None:
+    """Velocities after one impact of two spinning bodies, relative to the change it makes.
+
+    The native contact's error falls with the square of its step: 2.5e-5, 5e-6 and
+    1e-6 at 4e-7, 2e-7 and 1e-7 s; the connector's is 2e-7 at 800 steps per contact.
+    """
+    linkage = pair(friction)
+    plan = Plan(DURATION, 1)
+    run = simulate(linkage, START, Accuracy(800, 10, free_step=2e-5, newton=1e-12), plan)
+    assert run.account.book.tally["contacts"][0] == 1
+    theirs = native(linkage, NOMINAL, 1e-7)
+    change = np.abs(run.end.velocity - START.velocity)
+    assert change.max() > 1.0
+    assert np.abs(theirs - run.end.velocity).max() < 3e-6 * change.max()
+    exact = simulate_dae(linkage, START, DaeAccuracy(tolerance=1e-11), plan).end.velocity
+    assert np.abs(theirs - exact).max() < 3e-6 * change.max()
+
+
+def test_another_law_shows() -> None:
+    """The agreement is one of the law: other restitution or friction is far outside."""
+    linkage = pair(0.3)
+    plain = native(linkage, NOMINAL, 1e-6)
+    other = replace(linkage.clearances[0], friction=FrictionLaw(0.29, 0.0, 1e-3))
+    rough = native(replace(linkage, clearances=(other,)), NOMINAL, 1e-6)
+    bouncy = native(linkage, 0.89, 1e-6)
+    for changed in (rough, bouncy):
+        assert np.abs(changed - plain).max() > 1e-3 * np.abs(plain - START.velocity).max()
