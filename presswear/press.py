@@ -11,7 +11,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.errors import AssemblyError, InputError
+from presswear.dyads import Point, body_state, crank, dyad, slide
+from presswear.errors import InputError
 from presswear.linkage import (
     GROUND,
     Attachment,
@@ -228,14 +229,14 @@ class Press:
         geometry = self.geometry
         time = np.atleast_1d(np.asarray(time, dtype=float))
         theta_2, theta_7 = CRANK_2_START - self.speed * time, CRANK_7_START + self.speed * time
-        o2 = _Point.fixed(geometry.hx, geometry.hy, time.size)
-        o7 = _Point.fixed(0.0, 0.0, time.size)
-        a = _crank(o2, -self.length_2, theta_2, -self.speed)
-        d = _crank(o7, self.length_7, theta_7, self.speed)
+        o2 = Point.fixed(geometry.hx, geometry.hy, time.size)
+        o7 = Point.fixed(0.0, 0.0, time.size)
+        a = crank(o2, -self.length_2, theta_2, -self.speed)
+        d = crank(o7, self.length_7, theta_7, self.speed)
         angle = np.degrees(self.speed * time)
-        b = _dyad(d, a, geometry.side_bd, self.length_3, geometry.side_b, "B", angle, least)
-        c = _dyad(d, b, geometry.side_cd, geometry.side_bc, geometry.side_c, "C", angle, least)
-        e = _slide(c, self.length_5, geometry.hx, geometry.slider_side, angle, least)
+        b = dyad(d, a, geometry.side_bd, self.length_3, geometry.side_b, "B", angle, least)
+        c = dyad(d, b, geometry.side_cd, geometry.side_bc, geometry.side_c, "C", angle, least)
+        e = slide(c, self.length_5, geometry.hx, geometry.slider_side, angle, least)
         plate = self.plate_corners()
         ends = {
             "crank 2": (a, o2, (-0.5 * self.length_2, 0.0), 0.0),
@@ -244,7 +245,7 @@ class Press:
             "rod 5": (e, c, (-0.5 * self.length_5, 0.0), 0.0),
             "crank 7": (o7, d, (-0.5 * self.length_7, 0.0), 0.0),
         }
-        states = {name: _body_state(*given[:3]) for name, given in ends.items()}
+        states = {name: body_state(*given[:3]) for name, given in ends.items()}
         upright = np.full((time.size, 1), 0.5 * math.pi)
         still = np.zeros((time.size, 1))
         states["slider 6"] = (
@@ -275,134 +276,3 @@ class Motion:
     position: Array
     velocity: Array
     acceleration: Array
-
-
-@dataclass(frozen=True)
-class _Point:
-    """A moving point: position, velocity, acceleration, each (n, 2)."""
-
-    position: Array
-    velocity: Array
-    acceleration: Array
-
-    @staticmethod
-    def fixed(x: float, y: float, count: int) -> "_Point":
-        still = np.zeros((count, 2))
-        return _Point(still + np.array([x, y]), still, still)
-
-
-def _direction(angle: Array) -> Array:
-    return np.column_stack([np.cos(angle), np.sin(angle)])
-
-
-def _left(vector: Array) -> Array:
-    """The vector turned by +90 degrees."""
-    return np.column_stack([-vector[:, 1], vector[:, 0]])
-
-
-def _dot(a: Array, b: Array) -> Array:
-    return np.asarray(np.sum(a * b, axis=1))
-
-
-def _crank(centre: _Point, length: float, angle: Array, speed: float) -> _Point:
-    """Tip of a crank turning at constant speed about a fixed point."""
-    arm = length * _direction(angle)
-    return _Point(centre.position + arm, speed * _left(arm), -(speed**2) * arm)
-
-
-def _refuse(joint: str, gap: Array, needed: str, angle: Array, least: float) -> None:
-    """Raise AssemblyError where the margin is not above the least one."""
-    if np.all(gap > least):
-        return
-    worst = int(np.argmin(gap))
-    raise AssemblyError(
-        f"the linkage cannot be assembled over the cycle: at crank angle {angle[worst]:.1f} deg "
-        f"joint {joint} does not close or is at a dead point; {needed}"
-    )
-
-
-def _dyad(
-    p: _Point,
-    q: _Point,
-    from_p: float,
-    from_q: float,
-    side: float,
-    joint: str,
-    angle: Array,
-    least: float,
-) -> _Point:
-    """The point at given distances from two moving points, on a given side of p to q."""
-    base = q.position - p.position
-    length = np.sqrt(_dot(base, base))
-    # Ends that coincide leave the direction open: a zero length is refused below.
-    along = (length**2 + from_p**2 - from_q**2) / (2.0 * np.maximum(length, 1e-12))
-    square = from_p**2 - along**2
-    reach = f"the distance {length[int(np.argmin(square))]:.4g} m between its links' other ends"
-    allowed = f"must stay between {abs(from_p - from_q):.4g} and {from_p + from_q:.4g} m"
-    _refuse(joint, square / from_p**2, f"{reach} {allowed}", angle, least)
-    unit = base / length[:, None]
-    height = side * np.sqrt(square)
-    position = p.position + along[:, None] * unit + height[:, None] * _left(unit)
-    arm_p, arm_q = position - p.position, position - q.position
-    velocity = _solve_two(arm_p, arm_q, _dot(arm_p, p.velocity), _dot(arm_q, q.velocity))
-    spin_p, spin_q = velocity - p.velocity, velocity - q.velocity
-    acceleration = _solve_two(
-        arm_p,
-        arm_q,
-        _dot(arm_p, p.acceleration) - _dot(spin_p, spin_p),
-        _dot(arm_q, q.acceleration) - _dot(spin_q, spin_q),
-    )
-    return _Point(position, velocity, acceleration)
-
-
-def _solve_two(row_1: Array, row_2: Array, right_1: Array, right_2: Array) -> Array:
-    """Vectors x with row_1 . x = right_1 and row_2 . x = right_2, row by row."""
-    determinant = row_1[:, 0] * row_2[:, 1] - row_1[:, 1] * row_2[:, 0]
-    x = (right_1 * row_2[:, 1] - row_1[:, 1] * right_2) / determinant
-    y = (row_1[:, 0] * right_2 - right_1 * row_2[:, 0]) / determinant
-    return np.column_stack([x, y])
-
-
-def _slide(
-    c: _Point, length: float, line_x: float, side: float, angle: Array, least: float
-) -> _Point:
-    """End of a rod from c on the vertical line x = line_x, above or below c."""
-    offset = c.position[:, 0] - line_x
-    square = length**2 - offset**2
-    far = abs(offset[int(np.argmin(square))])
-    needed = f"C is {far:.4g} m from the guide, rod 5 is {length:.4g} m long"
-    _refuse("E", square / length**2, needed, angle, least)
-    drop = side * np.sqrt(square)
-    zero = np.zeros_like(offset)
-    drop_t = -offset * c.velocity[:, 0] / drop
-    drop_tt = -(c.velocity[:, 0] ** 2 + offset * c.acceleration[:, 0] + drop_t**2) / drop
-    return _Point(
-        np.column_stack([zero + line_x, c.position[:, 1] + drop]),
-        np.column_stack([zero, c.velocity[:, 1] + drop_t]),
-        np.column_stack([zero, c.acceleration[:, 1] + drop_tt]),
-    )
-
-
-def _body_state(
-    tail: _Point, head: _Point, tail_local: tuple[float, float]
-) -> tuple[Array, Array, Array]:
-    """Coordinates of a body whose x axis points from one of its points to another.
-
-    Returns position, velocity and acceleration (n, 3) of the mass centre and angle.
-    """
-    arm = head.position - tail.position
-    square = _dot(arm, arm)
-    theta = np.arctan2(arm[:, 1], arm[:, 0])
-    omega = _dot(_left(arm), head.velocity - tail.velocity) / square
-    alpha = _dot(_left(arm), head.acceleration - tail.acceleration) / square
-    axis = _direction(theta)
-    # From the tail to the mass centre, in global directions.
-    lever = -(tail_local[0] * axis + tail_local[1] * _left(axis))
-    position = tail.position + lever
-    velocity = tail.velocity + omega[:, None] * _left(lever)
-    acceleration = tail.acceleration + alpha[:, None] * _left(lever) - (omega**2)[:, None] * lever
-    return (
-        np.column_stack([position, theta]),
-        np.column_stack([velocity, omega]),
-        np.column_stack([acceleration, alpha]),
-    )
