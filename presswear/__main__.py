@@ -25,12 +25,10 @@ from rich.table import Table
 
 from presswear.catalog import SCENES, scene_named
 from presswear.errors import InputError, RunError
-from presswear.scene import CONVENTIONS, Scene, changed, settings_of
+from presswear.scene import CONVENTIONS, Scene, changed, settings_of, stage_name
 
 if TYPE_CHECKING:
     from presswear.campaign import Stage
-
-_STAGES = ("no wear", "first wear", "second wear", "third wear")
 
 
 class _Parser(argparse.ArgumentParser):
@@ -152,10 +150,6 @@ def _bar(console: Console) -> Progress:
     return Progress(*columns, console=console, disable=not console.is_terminal)
 
 
-def _stage_name(index: int) -> str:
-    return _STAGES[index] if index < len(_STAGES) else f"wear {index}"
-
-
 def _run(arguments: argparse.Namespace, console: Console) -> int:
     scene = _scene_from(arguments)
     folder = arguments.out if arguments.out is not None else _free_folder(scene.name)
@@ -167,10 +161,10 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
     store = ResultFolder(folder, scene)
     with _bar(console) as bar:
         stages = scene.wears + 1
-        task = bar.add_task(_stage_name(0), total=stages)
+        task = bar.add_task(stage_name(0), total=stages)
 
         def progress(stage: int, part: float, word: str) -> None:
-            description = f"{_stage_name(stage)}{': ' if word else ''}{word}"
+            description = f"{stage_name(stage)}{': ' if word else ''}{word}"
             bar.update(task, completed=stage + part, description=description)
 
         def finished(stage: "Stage") -> None:
@@ -199,7 +193,7 @@ def _stage_line(stage: "Stage") -> str:
     steps = stage.run.diagnostics["steps"]
     speed = stage.wall / stage.run.time if stage.run.time > 0.0 else float("nan")
     parts = [
-        f"{_stage_name(stage.index)}: {numbers['cycles']} cycles, {steps} steps, "
+        f"{stage_name(stage.index)}: {numbers['cycles']} cycles, {steps} steps, "
         f"{speed:.1f} s per simulated second"
     ]
     for name, joint in numbers.get("joints", {}).items():

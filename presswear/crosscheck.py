@@ -12,7 +12,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -507,10 +507,11 @@ def document_of(outcome: Crosscheck) -> Mapping[str, Any]:
 
 
 def store(outcome: Crosscheck, folder: Path) -> None:
-    """Write ``crosscheck.json`` and ``difference.png`` into a folder, made where needed."""
-    from presswear.figures.crosscheck import write_differences
-
+    """Write ``crosscheck.json`` into a folder, which is made where needed."""
     folder.mkdir(parents=True, exist_ok=True)
     text = json.dumps(plain(document_of(outcome)), indent=1, allow_nan=False)
-    write_whole(folder / "crosscheck.json", lambda file: file.write(text.encode()) and None)
-    write_differences(outcome, folder / "difference.png")
+
+    def write(file: BinaryIO) -> None:
+        file.write(text.encode())
+
+    write_whole(folder / "crosscheck.json", write)

@@ -11,11 +11,11 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from presswear.figures import Figure, draw_all
 from presswear.figures.numbers import given, readable, whole, with_interval
-from presswear.figures.style import SIDES, maps_turn, stage_name
+from presswear.figures.style import SIDES, maps_turn
 from presswear.laws import delivered_restitution, lankarani_nikravesh_damping
 from presswear.quantities import Choice
 from presswear.results import StoredResult, write_whole
-from presswear.scene import CONVENTIONS, Conventions, Setting, settings_of
+from presswear.scene import CONVENTIONS, Conventions, Setting, settings_of, stage_name
 
 Row = tuple[str, ...]
 

@@ -313,6 +313,27 @@ class Setting:
         return f"{value}  ({self.meaning.range_text()}; {self.meaning.status})  {self.meaning.text}"
 
 
+_ORDINALS = (
+    "first",
+    "second",
+    "third",
+    "fourth",
+    "fifth",
+    "sixth",
+    "seventh",
+    "eighth",
+    "ninth",
+    "tenth",
+)
+
+
+def stage_name(index: int) -> str:
+    """Name of a stage: ``no wear``, ``first wear``, ..."""
+    if index == 0:
+        return "no wear"
+    return f"{_ORDINALS[index - 1]} wear" if index <= len(_ORDINALS) else f"wear {index}"
+
+
 _PARTS = ("press", "press.geometry", "bearings", "conventions", "")
 _GEOMETRY_CHOICE = Choice(tuple(GEOMETRIES), "named geometry; a choice, the paper does not fix it")
 

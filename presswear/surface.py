@@ -19,6 +19,25 @@ Array = NDArray[np.float64]
 
 
 @compiled
+def piece(
+    depth: Array, slope: Array, angle: float
+) -> tuple[float, float, float, float, float, float]:
+    """The cubic that holds an angle: its place s in 0 .. 1, the bin width, rad, and the
+    coefficients c0 .. c3 of c0 + s (c1 + s (c2 + s c3)), m.
+    """
+    count = depth.shape[0]
+    width = 2.0 * math.pi / count
+    position = angle / width - 0.5
+    left = math.floor(position)
+    k = left % count
+    j = k + 1 if k + 1 < count else 0
+    rise = depth[j] - depth[k]
+    a = slope[k] * width
+    b = slope[j] * width
+    return position - left, width, depth[k], a, 3.0 * rise - 2.0 * a - b, a + b - 2.0 * rise
+
+
+@compiled
 def profile(depth: Array, slope: Array, angle: float) -> tuple[float, float]:
     """Depth h, m, and dh/dangle, m/rad, of a map at any angle, rad.
 
@@ -27,41 +46,19 @@ def profile(depth: Array, slope: Array, angle: float) -> tuple[float, float]:
     depth, slope : ndarray, shape (m,)
         Values and derivatives at the bin centres; empty for an unworn surface.
     """
-    count = depth.shape[0]
-    if count == 0:
+    if depth.shape[0] == 0:
         return 0.0, 0.0
-    width = 2.0 * math.pi / count
-    position = angle / width - 0.5
-    left = math.floor(position)
-    s = position - left
-    k = left % count
-    j = k + 1 if k + 1 < count else 0
-    rise = depth[j] - depth[k]
-    a = slope[k] * width
-    b = slope[j] * width
-    # Cubic Hermite on the unit interval, written as left value plus corrections.
-    curve = 3.0 * rise - 2.0 * a - b
-    twist = a + b - 2.0 * rise
-    value = depth[k] + s * (a + s * (curve + s * twist))
-    return value, (a + s * (2.0 * curve + s * 3.0 * twist)) / width
+    s, width, c0, c1, c2, c3 = piece(depth, slope, angle)
+    return c0 + s * (c1 + s * (c2 + s * c3)), (c1 + s * (2.0 * c2 + s * 3.0 * c3)) / width
 
 
 @compiled
 def curvature(depth: Array, slope: Array, angle: float) -> float:
     """Second derivative of a map's depth, m/rad^2; it jumps at the bin centres."""
-    count = depth.shape[0]
-    if count == 0:
+    if depth.shape[0] == 0:
         return 0.0
-    width = 2.0 * math.pi / count
-    position = angle / width - 0.5
-    left = math.floor(position)
-    s = position - left
-    k = left % count
-    j = k + 1 if k + 1 < count else 0
-    rise = depth[j] - depth[k]
-    a = slope[k] * width
-    b = slope[j] * width
-    return (2.0 * (3.0 * rise - 2.0 * a - b) + 6.0 * s * (a + b - 2.0 * rise)) / (width * width)
+    s, width, _, _, c2, c3 = piece(depth, slope, angle)
+    return (2.0 * c2 + 6.0 * s * c3) / (width * width)
 
 
 @compiled

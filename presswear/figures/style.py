@@ -10,6 +10,7 @@ from matplotlib.figure import Figure as Sheet
 from numpy.typing import NDArray
 
 from presswear.results import StoredResult
+from presswear.scene import stage_name
 
 __all__ = ["Axes", "Sheet"]
 
@@ -57,29 +58,8 @@ REFERENCE = "black"
 MUTED = "0.45"
 """Colour of what was not run."""
 
-_ORDINALS = (
-    "first",
-    "second",
-    "third",
-    "fourth",
-    "fifth",
-    "sixth",
-    "seventh",
-    "eighth",
-    "ninth",
-    "tenth",
-)
-
-
 SIDES = ("bearing", "pin")
 MICRONS = 1e6
-
-
-def stage_name(index: int) -> str:
-    """Name of a stage: ``no wear``, ``first wear``, ..."""
-    if index == 0:
-        return "no wear"
-    return f"{_ORDINALS[index - 1]} wear" if index <= len(_ORDINALS) else f"wear {index}"
 
 
 @dataclass(frozen=True)

@@ -18,9 +18,9 @@ from presswear.figures.style import (
     Sheet,
     maps_turn,
     shown_stages,
-    stage_name,
 )
 from presswear.results import StoredResult
+from presswear.scene import stage_name
 
 _LINEAR_RATIO = 20.0
 """Ratio of the largest to the smallest peak up to which one linear scale shows both."""

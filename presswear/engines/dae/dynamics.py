@@ -106,6 +106,35 @@ def spring_forces(springs: Records, q: Array, v: Array, force: Array) -> None:
 
 
 @compiled
+def evaluate_constraints(system: System, t: float, q: Array, v: Array) -> None:
+    """Phi, its derivative, gamma and the Jacobian into the system's working space."""
+    constraint_rows(
+        system.constraints,
+        system.row_start,
+        t,
+        q,
+        v,
+        system.phi,
+        system.phi_t,
+        system.gamma,
+        system.jacobian,
+    )
+
+
+@compiled
+def solve(system: System) -> None:
+    """Multipliers for the right-hand side in ``right``, which is overwritten."""
+    solve_multipliers(
+        system.elimination,
+        system.jacobian,
+        system.inverse_mass,
+        system.right,
+        system.work,
+        system.multipliers,
+    )
+
+
+@compiled
 def rates(system: System, onset: Array, t: float, y: Array, out: Array) -> None:
     """dy/dt; leaves the multipliers in ``system``."""
     n = system.mass.shape[0]
@@ -130,17 +159,7 @@ def rates(system: System, onset: Array, t: float, y: Array, out: Array) -> None:
                 force[joint.bearing_body] -= load.x
                 force[joint.bearing_body + 1] -= load.y
                 force[joint.bearing_body + 2] += load.bearing_moment
-    constraint_rows(
-        system.constraints,
-        system.row_start,
-        t,
-        q,
-        v,
-        system.phi,
-        system.phi_t,
-        system.gamma,
-        system.jacobian,
-    )
+    evaluate_constraints(system, t, q, v)
     damping = 2.0 * system.alpha
     stiffness = system.beta * system.beta
     for row in range(system.phi.shape[0]):
@@ -149,14 +168,7 @@ def rates(system: System, onset: Array, t: float, y: Array, out: Array) -> None:
             c = system.column[e]
             right += system.jacobian[e] * system.inverse_mass[c] * force[c]
         system.right[row] = right
-    solve_multipliers(
-        system.elimination,
-        system.jacobian,
-        system.inverse_mass,
-        system.right,
-        system.work,
-        system.multipliers,
-    )
+    solve(system)
     for row in range(system.phi.shape[0]):
         multiplier = system.multipliers[row]
         for e in range(system.row_start[row], system.row_start[row + 1]):
@@ -182,26 +194,9 @@ def project(system: System, t: float, y: Array) -> None:
     """
     n = system.mass.shape[0]
     for level in range(2):
-        constraint_rows(
-            system.constraints,
-            system.row_start,
-            t,
-            y[:n],
-            y[n : 2 * n],
-            system.phi,
-            system.phi_t,
-            system.gamma,
-            system.jacobian,
-        )
+        evaluate_constraints(system, t, y[:n], y[n : 2 * n])
         system.right[:] = system.phi if level == 0 else system.phi_t
-        solve_multipliers(
-            system.elimination,
-            system.jacobian,
-            system.inverse_mass,
-            system.right,
-            system.work,
-            system.multipliers,
-        )
+        solve(system)
         for row in range(system.phi.shape[0]):
             for e in range(system.row_start[row], system.row_start[row + 1]):
                 c = system.column[e]
