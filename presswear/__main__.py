@@ -8,7 +8,7 @@ import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from rich.box import SIMPLE
 from rich.console import Console
@@ -29,6 +29,14 @@ from presswear.scene import CONVENTIONS, Scene, changed, settings_of, stage_name
 
 if TYPE_CHECKING:
     from presswear.campaign import Stage
+
+
+_TABLE_TEXT = (
+    "Columns, in SI units: time, displacement, velocity, acceleration (of the slider), and for "
+    "each clearance joint J: J_eccentricity_x, J_eccentricity_y, J_penetration, J_normal_force, "
+    "J_tangential_force, J_sliding (speed). CSV with a header line of names and # comments, or "
+    "NPZ with one array per column; another program's table may hold any subset beside time."
+)
 
 
 class _Parser(argparse.ArgumentParser):
@@ -90,7 +98,63 @@ def _parser() -> argparse.ArgumentParser:
         epilog="example: presswear verify",
     )
     verify.set_defaults(run=_verify)
+    _add_crosscheck(commands)
     return parser
+
+
+def _add_crosscheck(commands: Any) -> None:
+    """The commands that compare runs and hand them on."""
+    check = commands.add_parser(
+        "crosscheck",
+        help="Exudyn against the in-house solver, or a stored run against another program's table; "
+        "exit code 1 when they disagree",
+        description="Without --against: both engines run a scene on unworn surfaces from the same "
+        "start. They are compared one by one up to the horizon, where a start moved by 1e-9 m has "
+        "grown apart a thousand times, and by means over cycles beyond it (8 cycles, or as many as "
+        "--set cycles=N says). With --against: stage 0 of a result folder is compared with "
+        f"another solver's table. {_TABLE_TEXT} Ours is interpolated at their times; between "
+        "stored rows forces and accelerations are known to some per cent only, so export first "
+        "and let the other solver write its rows at our times.",
+        epilog="examples: presswear crosscheck wear-times --set 'speed=8pi rad/s'; "
+        "presswear crosscheck results/wear-times --against theirs.csv --until 0.1",
+    )
+    check.add_argument(
+        "target", nargs="?", metavar="SCENE|DIR", help="scene (default wear-times) or result folder"
+    )
+    check.add_argument("--out", type=Path, help="new folder (default results/crosscheck-SCENE)")
+    check.add_argument(
+        "--set", action="append", default=[], metavar="KEY=VALUE", help="as in presswear run"
+    )
+    check.add_argument(
+        "--duration",
+        type=float,
+        metavar="S",
+        help="longest time that trajectories are compared, s (default one cycle)",
+    )
+    check.add_argument("--against", type=Path, metavar="FILE", help="table, .csv or .npz")
+    check.add_argument(
+        "--until", type=float, metavar="S", help="last time compared, s (default: all in common)"
+    )
+    check.add_argument(
+        "--tolerance",
+        type=float,
+        metavar="X",
+        help="rms difference allowed in a column, part of its rms (default 1e-3)",
+    )
+    check.set_defaults(run=_crosscheck)
+
+    export = commands.add_parser(
+        "export",
+        help="a stored run as CSV or NPZ for other programs",
+        description=f"Writes the recorded series of a stage. {_TABLE_TEXT}",
+        epilog="example: presswear export results/wear-times first.csv --stage 0",
+    )
+    export.add_argument("folder", type=Path, metavar="DIR")
+    export.add_argument("file", type=Path, metavar="FILE", help="new file, .csv or .npz")
+    export.add_argument(
+        "--stage", type=int, default=0, metavar="K", help="0 unworn (default), 1 after a wear, ..."
+    )
+    export.set_defaults(run=_export)
 
 
 def _list(arguments: argparse.Namespace, console: Console) -> int:
@@ -112,19 +176,25 @@ def _scene_from(arguments: argparse.Namespace) -> Scene:
                 f"--conventions {arguments.conventions}: allowed is one of {', '.join(CONVENTIONS)}"
             )
         scene = replace(scene, conventions=CONVENTIONS[arguments.conventions])
-    settings: dict[str, str] = {}
-    for item in arguments.set:
-        key, equals, value = item.partition("=")
-        if not equals:
-            raise InputError(f"--set {item}: KEY=VALUE is expected")
-        if key in settings:
-            raise InputError(f"--set {key} is given twice")
-        settings[key.strip()] = value.strip()
+    settings = _settings(arguments.set)
     for key in ("engine", "cycles", "wears", "tolerance"):
         given = getattr(arguments, key)
         if given is not None:
             settings[key] = given
     return changed(scene, settings)
+
+
+def _settings(items: list[str]) -> dict[str, str]:
+    """What ``--set`` says, by key."""
+    settings: dict[str, str] = {}
+    for item in items:
+        key, equals, value = item.partition("=")
+        if not equals:
+            raise InputError(f"--set {item}: KEY=VALUE is expected")
+        if key.strip() in settings:
+            raise InputError(f"--set {key.strip()} is given twice")
+        settings[key.strip()] = value.strip()
+    return settings
 
 
 def _free_folder(name: str) -> Path:
@@ -238,6 +308,99 @@ def _verify(arguments: argparse.Namespace, console: Console) -> int:
     missed = sum(not row.passed for row in rows)
     console.print(f"{len(rows) - missed} of {len(rows)} within their bounds", highlight=False)
     return 1 if missed else 0
+
+
+def _crosscheck(arguments: argparse.Namespace, console: Console) -> int:
+    own, foreign = ("set", "out", "duration"), ("until", "tolerance")
+    for name in own if arguments.against else foreign:
+        if getattr(arguments, name) not in (None, []):
+            word = "does not go" if arguments.against else "goes only"
+            raise InputError(f"--{name} {word} with --against; see presswear crosscheck --help")
+    for name in ("duration", *foreign):
+        value = getattr(arguments, name)
+        if value is not None and not 0.0 < value < float("inf"):
+            raise InputError(f"--{name} {value:g}: a finite number above 0 is expected")
+    if arguments.against:
+        return _against(arguments, console)
+    scene = changed(scene_named(arguments.target or "wear-times"), _settings(arguments.set))
+    folder = arguments.out or _free_folder(f"crosscheck-{scene.name}")
+    from presswear.crosscheck import check_engines, store
+    from presswear.figures.crosscheck import write_differences
+    from presswear.results import ResultFolder
+
+    ResultFolder(folder, scene)  # refuses a folder that holds something
+    with _bar(console) as bar:
+        task = bar.add_task("start", total=1.0)
+        outcome = check_engines(
+            scene,
+            arguments.duration,
+            lambda name, part: bar.update(task, description=name, completed=part),
+        )
+    store(outcome, folder)
+    write_differences(outcome, folder / "difference.png")
+    how = "where trajectories part" if outcome.parted else "the end; trajectories did not part"
+    console.print(f"compared up to {outcome.horizon:.4g} s, {how}", highlight=False)
+    _print_checks(
+        console,
+        ("difference", "bound"),
+        [
+            (check.quantity, check.unit, (check.difference, check.bound), check.passed)
+            for check in outcome.checks
+        ],
+    )
+    console.print(f"table and figure in {folder}", highlight=False)
+    return 0 if outcome.passed else 1
+
+
+def _against(arguments: argparse.Namespace, console: Console) -> int:
+    if arguments.target is None:
+        raise InputError("--against needs the result folder to compare with: crosscheck DIR")
+    from presswear.results import load
+    from presswear.tables import TOLERANCE, compare_tables, read_table, table_of
+
+    theirs = read_table(arguments.against)
+    ours = table_of(load(Path(arguments.target)), 0)
+    tolerance = TOLERANCE if arguments.tolerance is None else arguments.tolerance
+    columns = compare_tables(ours, theirs, arguments.until, tolerance)
+    _print_checks(
+        console,
+        ("greatest", "rms", "bound of rms"),
+        [
+            (found.column, found.unit, (found.greatest, found.rms, found.bound), found.passed)
+            for found in columns
+        ],
+    )
+    return 0 if all(found.passed for found in columns) else 1
+
+
+def _print_checks(
+    console: Console,
+    names: tuple[str, ...],
+    rows: list[tuple[str, str, tuple[float | None, ...], bool]],
+) -> None:
+    """A table of quantities with their numbers, and whether each is within its bound."""
+    table = Table(box=SIMPLE, pad_edge=False)
+    table.add_column("quantity", overflow="fold")
+    for column in names:
+        table.add_column(column, justify="right", no_wrap=True)
+    table.add_column("unit")
+    table.add_column("")
+    for quantity, unit, numbers, passed in rows:
+        shown = ["" if number is None else f"{number:.2e}" for number in numbers]
+        verdict = "" if numbers[-1] is None else "pass" if passed else "[bold red]MISS[/]"
+        table.add_row(escape(quantity), *shown, unit, verdict)
+    console.print(table, highlight=False)
+
+
+def _export(arguments: argparse.Namespace, console: Console) -> int:
+    from presswear.results import load
+    from presswear.tables import table_of, write_table
+
+    table = table_of(load(arguments.folder), arguments.stage)
+    write_table(arguments.file, table)
+    rows = table["time"].size
+    console.print(f"{rows} rows of {len(table)} columns in {arguments.file}", highlight=False)
+    return 0
 
 
 def main(argv: Sequence[str] | None = None) -> int:

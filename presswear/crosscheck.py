@@ -9,14 +9,13 @@ touches and forces are compared one by one; beyond it only means over cycles are
 
 import json
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicHermiteSpline
 from scipy.linalg import null_space
 
 from presswear.campaign import start_of
@@ -25,10 +24,21 @@ from presswear.engines import engine_named
 from presswear.engines.base import Accuracy, DaeAccuracy, Plan, Run, Start
 from presswear.errors import InputError, RunError
 from presswear.linkage import Linkage
-from presswear.observe import CYCLE_FIXED, CYCLE_JOINT, SERIES_FIXED, SERIES_JOINT
+from presswear.observe import CYCLE_FIXED, CYCLE_JOINT
 from presswear.results import plain, provenance, write_whole
 from presswear.scene import Scene
 from presswear.statistics import Estimate, estimate
+from presswear.traces import (
+    Difference,
+    Touch,
+    Trace,
+    matched,
+    parting_time,
+    slider_difference,
+    touch_differences,
+    trace_of,
+    velocity_difference,
+)
 
 Array = NDArray[np.float64]
 Progress = Callable[[str, float], None]
@@ -54,9 +64,6 @@ CYCLES = 8
 """Cycles whose means are compared, unless the scene says how many."""
 PARTS = 40
 """Parts of a run; more make the recorded series and the longest steps finer."""
-GRID = 2001
-"""Common times at which series are compared."""
-
 SLIDER_BOUND = 1e-6
 """m, up to the horizon."""
 VELOCITY_BOUND = 1e-3
@@ -77,43 +84,6 @@ INTEGRATOR_BOUND = 1e-10
 
 
 @dataclass(frozen=True)
-class Touch:
-    """A touch: joint, time, s, closing speed, m/s, and greatest force, N."""
-
-    joint: int
-    onset: float
-    closing_speed: float
-    peak_force: float
-
-
-@dataclass(frozen=True)
-class Trace:
-    """What is compared of a run.
-
-    Attributes
-    ----------
-    time : ndarray, shape (n,)
-        s.
-    slider : ndarray, shape (n, 2)
-        Displacement, m, and velocity, m/s.
-    eccentricity : ndarray, shape (n, 2 joints)
-        m.
-    touches : tuple of Touch
-        In the order of their times.
-    """
-
-    time: Array
-    slider: Array
-    eccentricity: Array
-    touches: tuple[Touch, ...]
-
-    def slider_at(self, time: Array) -> tuple[Array, Array]:
-        """Displacement, m, and velocity, m/s, at other times of the run."""
-        cubic = CubicHermiteSpline(self.time, self.slider[:, 0], self.slider[:, 1])
-        return cubic(time), cubic.derivative()(time)
-
-
-@dataclass(frozen=True)
 class Check:
     """A difference with its bound; without a bound it is only reported."""
 
@@ -125,16 +95,7 @@ class Check:
     @property
     def passed(self) -> bool:
         """Whether the difference is a number within the bound."""
-        return self.bound is None or self.difference <= self.bound
-
-
-@dataclass(frozen=True)
-class Difference:
-    """How far a run's slider is from the reference over time, m."""
-
-    label: str
-    time: Array
-    slider: Array
+        return self.bound is None or bool(self.difference <= self.bound)
 
 
 @dataclass(frozen=True)
@@ -191,46 +152,6 @@ def disturbed(linkage: Linkage, start: Start) -> Start | None:
     return Start(position, start.velocity - np.linalg.pinv(jacobian) @ error)
 
 
-def touches_of(run: Run) -> tuple[Touch, ...]:
-    """Recorded touches of all joints and those that still last, in order of time."""
-    found = []
-    book, rows = run.account.book, run.account.rows
-    for k in range(book.joints.size):
-        spans = [(row[0], row[1], row[2]) for row in run.account.episodes(k).tolist()]
-        last = book.touch[k]
-        if book.onset[k] > 0.0 and not last["started_closed"]:
-            spans.append((float(last["onset_time"]), math.inf, float(book.onset[k])))
-        force = rows[:, SERIES_FIXED + SERIES_JOINT * k + 3]
-        for onset, end, closing in spans:
-            within = slice(*np.searchsorted(rows[:, 0], [onset, end]))
-            found.append(Touch(k, onset, closing, peak(rows[within, 0], force[within])))
-    return tuple(sorted(found, key=lambda touch: touch.onset))
-
-
-def peak(time: Array, value: Array) -> float:
-    """Greatest value of a sampled curve, by a parabola through the samples around it."""
-    if not value.size:
-        return math.nan
-    top = int(value.argmax())
-    if not 0 < top < value.size - 1:
-        return float(value[top])
-    before, after = time[top - 1] - time[top], time[top + 1] - time[top]
-    rise, fall = value[top - 1] - value[top], value[top + 1] - value[top]
-    bend = (fall / after - rise / before) / (after - before)
-    slope = rise / before - bend * before
-    return float(value[top] - slope**2 / (4.0 * bend)) if bend < 0.0 else float(value[top])
-
-
-def trace_of(run: Run) -> Trace:
-    """Copy what is compared of a run; RunError if it failed."""
-    if run.status == "failed":
-        raise RunError(run.message)
-    rows = run.account.rows
-    joints = run.account.book.joints.size
-    columns = [SERIES_FIXED + SERIES_JOINT * k + axis for k in range(joints) for axis in range(2)]
-    return Trace(rows[:, 0].copy(), rows[:, 1:3].copy(), rows[:, columns], touches_of(run))
-
-
 @dataclass(frozen=True)
 class _Runner:
     """Runs the unworn linkage of a scene and says how far it is."""
@@ -260,67 +181,6 @@ def finer(accuracy: Accuracy, fineness: int) -> Accuracy:
         free_step=accuracy.free_step / fineness,
         newton=accuracy.newton / fineness**2,
     )
-
-
-def common_times(one: Trace, other: Trace) -> Array:
-    """Evenly spaced times that both runs cover, s."""
-    return np.linspace(0.0, min(one.time[-1], other.time[-1]), GRID)
-
-
-def slider_difference(label: str, one: Trace, other: Trace) -> Difference:
-    """Distance of two sliders over time."""
-    time = common_times(one, other)
-    return Difference(label, time, np.abs(one.slider_at(time)[0] - other.slider_at(time)[0]))
-
-
-def velocity_difference(reference: Trace, other: Trace, end: float) -> float:
-    """Greatest difference of the slider's velocity up to a time, part of its greatest."""
-    time = common_times(reference, other)
-    time = time[time <= end]
-    speed = reference.slider_at(time)[1]
-    return float(np.abs(other.slider_at(time)[1] - speed).max() / np.abs(speed).max())
-
-
-def horizon_of(one: Trace, other: Trace) -> float | None:
-    """Time at which slider or eccentricities first differ by the stated growth, s."""
-    time = common_times(one, other)
-    apart = slider_difference("", one, other).slider
-    for mine, theirs in zip(one.eccentricity.T, other.eccentricity.T, strict=True):
-        between = np.interp(time, one.time, mine) - np.interp(time, other.time, theirs)
-        apart = np.maximum(apart, np.abs(between))
-    late = np.flatnonzero(apart >= GROWTH * DISTURBANCE)
-    return float(time[late[0]]) if late.size else None
-
-
-def matched(
-    reference: tuple[Touch, ...], other: tuple[Touch, ...]
-) -> Iterator[tuple[Touch, Touch | None]]:
-    """Each reference touch with the one of the same number in the same joint, if any."""
-    queues = {k: iter([touch for touch in other if touch.joint == k]) for k in _joints(reference)}
-    for touch in reference:
-        yield touch, next(queues[touch.joint], None)
-
-
-def _joints(touches: tuple[Touch, ...]) -> set[int]:
-    return {touch.joint for touch in touches}
-
-
-def touch_differences(reference: tuple[Touch, ...], other: tuple[Touch, ...]) -> Array:
-    """Differences of matched touches, shape (n, 3): time, s, and relative speed and force.
-
-    A touch that the other run lacks is infinitely far away.
-    """
-    rows = [
-        [math.inf] * 3
-        if twin is None
-        else [
-            abs(twin.onset - touch.onset),
-            abs(twin.closing_speed / touch.closing_speed - 1.0),
-            abs(twin.peak_force / touch.peak_force - 1.0),
-        ]
-        for touch, twin in matched(reference, other)
-    ]
-    return np.array(rows).reshape(-1, 3)
 
 
 def observed_order(fineness: tuple[int, ...], errors: list[float]) -> float:
@@ -355,7 +215,7 @@ def check_engines(scene: Scene, duration: float | None, progress: Progress) -> C
     if other_start is not None:
         calm_run = runner.trace("dae", start, precise, end)
         moved_run = runner.trace("dae, disturbed", other_start, precise, end)
-        found = horizon_of(calm_run, moved_run)
+        found = parting_time(calm_run, moved_run, GROWTH * DISTURBANCE)
         horizon, parted = (end, False) if found is None else (found, True)
         label = f"in-house, start moved by {DISTURBANCE:g} m"
         differences.append(slider_difference(label, calm_run, moved_run))
@@ -371,7 +231,7 @@ def check_engines(scene: Scene, duration: float | None, progress: Progress) -> C
         until = min(1.001 * first[-1].onset, horizon)
         second = DaeAccuracy("rk4", step=step)
         equal = runner.run(f"dae, rk4 at {step:.1e} s", start, second, Plan(until, 1, 1))
-        apart = touch_differences(first, trace_of(equal).touches)[:, 0].max()
+        apart = float(touch_differences(first, trace_of(equal).touches)[:, 0].max())
         checks.append(
             Check(f"first {len(first)} touches, dop853 to rk4", apart, INTEGRATOR_BOUND, "s")
         )
@@ -408,17 +268,17 @@ def _check_exudyn(
             else float(differences[-1].slider.max())
         )
     order = observed_order(FINENESS, errors)
-    name = f"Exudyn / {FINENESS[-1]}"
+    name = f"Exudyn/{FINENESS[-1]}"
     checks = [Check(f"{name}: slider", float(differences[-1].slider.max()), SLIDER_BOUND, "m")]
     if first:
-        count = f"{name}: first {len(first)} touches"
+        count = f"{name}: first {len(first)}"
         largest = apart.max(axis=0).tolist()
         speed = velocity_difference(reference, trace, first[-1].onset)
         checks += [
-            Check(f"{count}, times", largest[0], TIME_BOUND, "s"),
-            Check(f"{count}, closing speeds", largest[1], CLOSING_BOUND, ""),
-            Check(f"{count}, peak forces", largest[2], FORCE_BOUND, ""),
-            Check(f"{count}, slider velocity until", speed, VELOCITY_BOUND, ""),
+            Check(f"{count} touches, times", largest[0], TIME_BOUND, "s"),
+            Check(f"{count} closing speeds", largest[1], CLOSING_BOUND, "relative"),
+            Check(f"{count} peak forces", largest[2], FORCE_BOUND, "relative"),
+            Check(f"{name}: slider velocity so far", speed, VELOCITY_BOUND, "relative"),
             *_reported(name, reference, trace, horizon),
         ]
     checks.append(Check(f"Exudyn's order {order:.2f}, from 2", abs(order - ORDER), ORDER_BOUND, ""))
@@ -427,15 +287,16 @@ def _check_exudyn(
 
 def _reported(name: str, reference: Trace, trace: Trace, end: float) -> list[Check]:
     """What is reported up to the horizon, where no bound could be kept by any solver."""
-    kept = tuple(touch for touch in trace.touches if touch.onset <= 1.001 * end)
     # A touch just before the horizon may come just behind it in the other run.
     apart = [
         abs(twin.onset - touch.onset)
-        for touch, twin in matched(reference.touches, kept)
+        for touch, twin in matched(reference.touches, trace.touches)
         if twin is not None
     ]
     return [
-        Check(f"{name}: slider velocity", velocity_difference(reference, trace, end), None, ""),
+        Check(
+            f"{name}: slider velocity", velocity_difference(reference, trace, end), None, "relative"
+        ),
         Check(f"{name}: {len(apart)} touches, times", max(apart, default=math.nan), None, "s"),
     ]
 
@@ -452,20 +313,23 @@ def _check_means(scene: Scene, start: Start, runner: _Runner) -> tuple[list[Chec
         run = runner.run(f"{engine}, {cycles} cycles", start, accuracy, plan)
         if run.status == "failed":
             raise RunError(run.message)
-        means.append(cycle_means(runner.linkage, np.array(run.account.cycles)))
+        rows = np.array(run.account.cycles)
+        means.append(
+            {
+                quantity: estimate(rows[:, column])
+                for quantity, (column, _) in mean_columns(runner.linkage).items()
+            }
+        )
     checks = []
-    for quantity, mine in means[0].items():
-        theirs = means[1][quantity]
+    for quantity, (_, unit) in mean_columns(runner.linkage).items():
+        one, other = (found[quantity] for found in means)
+        # One cycle alone has no interval.
         bound = (
             None
-            if mine.half_width is None or theirs.half_width is None
-            else mine.half_width + theirs.half_width
+            if one.half_width is None or other.half_width is None
+            else one.half_width + other.half_width
         )
-        checks.append(
-            Check(
-                f"mean of {mine.cycles} cycles: {quantity}", abs(mine.mean - theirs.mean), bound, ""
-            )
-        )
+        checks.append(Check(f"mean {quantity}", abs(one.mean - other.mean), bound, unit))
     named = zip(("dae", "exudyn"), means, strict=True)
     return checks, {
         engine: {quantity: asdict(mean) for quantity, mean in found.items()}
@@ -473,17 +337,17 @@ def _check_means(scene: Scene, start: Start, runner: _Runner) -> tuple[list[Chec
     }
 
 
-def cycle_means(linkage: Linkage, cycles: Array) -> dict[str, Estimate]:
-    """Means of peaks and doses over cycles, shape (cycles, columns of the account)."""
+def mean_columns(linkage: Linkage) -> dict[str, tuple[int, str]]:
+    """Column of the account's cycles and unit of each quantity whose means are compared."""
     columns = {
-        "greatest slider speed (m/s)": CYCLE_FIXED.index("velocity_max"),
-        "greatest acceleration (m/s^2)": CYCLE_FIXED.index("acceleration_max"),
+        "greatest slider velocity": (CYCLE_FIXED.index("velocity_max"), "m/s"),
+        "greatest slider acceleration": (CYCLE_FIXED.index("acceleration_max"), "m/s^2"),
     }
     for k, joint in enumerate(linkage.clearances):
         base = len(CYCLE_FIXED) + len(CYCLE_JOINT) * k
-        columns[f"{joint.name} peak force (N)"] = base + CYCLE_JOINT.index("force_max")
-        columns[f"{joint.name} dose of wear (N m)"] = base + CYCLE_JOINT.index("dose")
-    return {name: estimate(cycles[:, column]) for name, column in columns.items()}
+        columns[f"peak force in {joint.name}"] = (base + CYCLE_JOINT.index("force_max"), "N")
+        columns[f"dose of wear in {joint.name}"] = (base + CYCLE_JOINT.index("dose"), "N m")
+    return columns
 
 
 def document_of(outcome: Crosscheck) -> Mapping[str, Any]:

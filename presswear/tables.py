@@ -216,9 +216,7 @@ def _from_csv(content: bytes, path: Path) -> dict[str, Array]:
                 raise InputError(f"{path}: a column is named twice in {', '.join(names)}")
             continue
         if len(words) != len(names):
-            raise InputError(
-                f"{path}, line {number}: {len(words)} values for {len(names)} columns"
-            )
+            raise InputError(f"{path}, line {number}: {len(words)} values for {len(names)} columns")
         rows.append(_numbers(words, names, f"{path}, line {number}"))
     values = np.array(rows, dtype=float).reshape(-1, len(names))
     return {name: values[:, place].copy() for place, name in enumerate(names)}

@@ -3,9 +3,8 @@
 from pathlib import Path
 
 import matplotlib
-import numpy as np
 
-from presswear.crosscheck import GROWTH, SLIDER_BOUND, Crosscheck, Difference
+from presswear.crosscheck import GROWTH, SLIDER_BOUND, Crosscheck
 from presswear.figures.style import (
     DOTS_PER_INCH,
     MUTED,
@@ -15,6 +14,7 @@ from presswear.figures.style import (
     Sheet,
 )
 from presswear.results import write_whole
+from presswear.traces import Array, Difference
 
 BEYOND = 1.5
 """The figure ends at so many horizons."""
@@ -27,8 +27,7 @@ def difference_sheet(outcome: Crosscheck) -> Sheet:
     axes = sheet.subplots()
     end = max(float(curve.time[-1]) for curve in outcome.differences)
     end = min(end, BEYOND * outcome.horizon)
-    disturbed = outcome.differences[0].time[-1] > outcome.horizon
-    colours = (MUTED, *_COLOURS) if disturbed or outcome.parted else _COLOURS
+    colours = _COLOURS if len(outcome.differences) == len(_COLOURS) else (MUTED, *_COLOURS)
     for curve, colour in zip(outcome.differences, colours, strict=False):
         time, apart = _shown(curve, end)
         axes.semilogy(time, apart, color=colour, linewidth=0.9, label=curve.label)
@@ -51,7 +50,7 @@ def difference_sheet(outcome: Crosscheck) -> Sheet:
     return sheet
 
 
-def _shown(curve: Difference, end: float) -> tuple[np.ndarray, np.ndarray]:
+def _shown(curve: Difference, end: float) -> tuple[Array, Array]:
     # A logarithm shows no zeros.
     shown = (curve.time <= end) & (curve.slider > 0.0)
     return curve.time[shown], curve.slider[shown]
