@@ -218,7 +218,7 @@ def _from_csv(content: bytes, path: Path) -> dict[str, Array]:
         if len(words) != len(names):
             raise InputError(f"{path}, line {number}: {len(words)} values for {len(names)} columns")
         rows.append(_numbers(words, names, f"{path}, line {number}"))
-    values = np.array(rows, dtype=float).reshape(-1, len(names))
+    values = np.array(rows, dtype=float).reshape(len(rows), len(names))
     return {name: values[:, place].copy() for place, name in enumerate(names)}
 
 

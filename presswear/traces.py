@@ -118,11 +118,11 @@ def slider_difference(label: str, one: Trace, other: Trace) -> Difference:
 
 
 def velocity_difference(reference: Trace, other: Trace, end: float) -> float:
-    """Greatest difference of the slider's velocity up to a time, part of its greatest."""
+    """Greatest difference of the slider's velocity up to a time, part of the run's greatest."""
     time = common_times(reference, other)
     time = time[time <= end]
-    speed = reference.slider_at(time)[1]
-    return float(np.abs(other.slider_at(time)[1] - speed).max() / np.abs(speed).max())
+    apart = other.slider_at(time)[1] - reference.slider_at(time)[1]
+    return float(np.abs(apart).max() / np.abs(reference.slider[:, 1]).max())
 
 
 def matched(

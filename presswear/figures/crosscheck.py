@@ -38,10 +38,10 @@ def difference_sheet(outcome: Crosscheck) -> Sheet:
         axes.text(
             outcome.horizon,
             0.02,
-            f" horizon: grown {GROWTH:g} times",
+            f" horizon: grown {GROWTH:g} times ",
             transform=axes.get_xaxis_transform(),
             va="bottom",
-            ha="left",
+            ha="left" if outcome.horizon < 0.7 * end else "right",
         )
     axes.set_xlim(0.0, end)
     axes.set_xlabel("time (s)")
