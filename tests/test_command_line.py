@@ -72,7 +72,9 @@ def test_run_ideal_and_report(tmp_path: Path, capsys: pytest.CaptureFixture[str]
     assert "not empty" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("command", [[], ["run"], ["list"], ["report"], ["crosscheck"], ["export"], ["verify"]])
+@pytest.mark.parametrize(
+    "command", [[], ["run"], ["list"], ["report"], ["crosscheck"], ["export"], ["verify"]]
+)
 def test_every_help_has_an_example(command: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as ended:
         main([*command, "--help"])
