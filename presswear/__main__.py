@@ -115,7 +115,7 @@ def _add_crosscheck(commands: Any) -> None:
         f"another solver's table. {_TABLE_TEXT} Ours is interpolated at their times; between "
         "stored rows forces and accelerations are known to some per cent only, so export first "
         "and let the other solver write its rows at our times.",
-        epilog="examples: presswear crosscheck wear-times --set 'speed=8pi rad/s'; "
+        epilog="example: presswear crosscheck wear-times --set 'speed=8pi rad/s'; "
         "presswear crosscheck results/wear-times --against theirs.csv --until 0.1",
     )
     check.add_argument(
