@@ -1,0 +1,46 @@
+"""The dose of wear, integral of F_n ds, of one impact against its impulse."""
+
+import numpy as np
+import pytest
+
+from presswear import references
+from presswear.engines.base import Accuracy, DaeAccuracy, Plan, Run, Start
+from presswear.engines.dae.engine import simulate as simulate_dae
+from presswear.engines.exudyn_joints import simulate as simulate_exudyn
+from presswear.observe import CYCLE_FIXED
+
+SPIN = 30.0
+"""Of the pin, rad/s: without friction it slides at R_j SPIN throughout the impact."""
+
+
+def _spinning() -> tuple[references.Impact, Start]:
+    impact = references.Impact(0.9)
+    velocity = impact.start.velocity.copy()
+    velocity[5] = SPIN
+    return impact, Start(impact.start.position, velocity)
+
+
+def _dose_and_impulse(run: Run, impact: references.Impact) -> tuple[float, float]:
+    dose = float(run.account.cycles[0][len(CYCLE_FIXED) + 1])
+    ring = impact.linkage.bodies[0]
+    return dose, abs(ring.mass * float(run.end.velocity[0] - impact.start.velocity[0]))
+
+
+@pytest.mark.parametrize(("engine", "error"), [("exudyn", 3e-4), ("dae", 1e-8)])
+def test_dose_is_impulse_times_sliding(engine: str, error: float) -> None:
+    """Exudyn sums by steps, to (pi / 64)^2 / 12 = 2e-4 at the 64 steps that it makes."""
+    impact, start = _spinning()
+    plan = Plan(0.005, 1)
+    if engine == "dae":
+        run = simulate_dae(impact.linkage, start, DaeAccuracy(tolerance=1e-11), plan)
+    else:
+        run = simulate_exudyn(impact.linkage, start, Accuracy(50, 10, 2e-5), plan)
+    assert run.account.book.tally["contacts"][0] == 1
+    dose, impulse = _dose_and_impulse(run, impact)
+    joint = impact.linkage.clearances[0]
+    # The arm is R_j - delta / 2, and the penetration is some micrometres.
+    deepest = float(np.max(run.account.rows[:, 6]))
+    sliding = SPIN * joint.pin_radius
+    assert impulse > 0.01
+    assert dose >= sliding * (1.0 - 0.5 * deepest / joint.pin_radius) * impulse * (1.0 - error)
+    assert dose <= sliding * impulse * (1.0 + error)
