@@ -25,12 +25,15 @@ def all_finite(q: Array, v: Array) -> bool:
 
 
 @compiled
-def rectangle_doses(book: Book, t: float, h: float, q: Array, v: Array) -> None:
-    """Doses of wear of a step from the state at its end.
+def sum_step(book: Book, drive_power: float, t: float, h: float, q: Array, v: Array) -> None:
+    """Doses of wear of a step, and its share of the energy ledger.
 
-    Over a whole contact this is the trapezoidal rule, since the force is zero at
-    both ends.  A step that began open carries force only since the touch.
+    Doses are taken from the state at the step's end: over a whole contact that is the
+    trapezoidal rule, since the force is zero at both ends.  A step that began open
+    carries force only since the touch.  Powers are summed by the trapezoidal rule.
     """
+    contact_power = 0.0
+    friction_power = 0.0
     for k in range(book.joints.shape[0]):
         contact, bearing, pin = contact_of(book.joints, k, book.surfaces, q, v)
         load = load_of(book.joints[k], book.onset[k], contact, bearing, pin)
@@ -38,16 +41,6 @@ def rectangle_doses(book: Book, t: float, h: float, q: Array, v: Array) -> None:
         duration = min(h, t - book.touch[k].onset_time)
         book.doses[k, 0] = work * duration
         book.doses[k, 1] = pressure * duration
-
-
-@compiled
-def sum_powers(book: Book, drive_power: float, h: float, q: Array, v: Array) -> None:
-    """Add a step to the energy ledger by the trapezoidal rule."""
-    contact_power = 0.0
-    friction_power = 0.0
-    for k in range(book.joints.shape[0]):
-        contact, bearing, pin = contact_of(book.joints, k, book.surfaces, q, v)
-        load = load_of(book.joints[k], book.onset[k], contact, bearing, pin)
         lost, rubbed = loss_powers(book.joints[k], contact, load)
         contact_power += lost
         friction_power += rubbed
@@ -90,7 +83,6 @@ def accept_step(
         book.torque[i] = -multipliers[int(drives[i, 0])]
         power += book.torque[i] * drives[i, 1]
     settle(book.joints, book.onset, book.touch, book.tally, book.episodes, book.surfaces, t, q, v)
-    rectangle_doses(book, t, h, q, v)
-    sum_powers(book, power, h, q, v)
+    sum_step(book, power, t, h, q, v)
     observe(book, t, h, q, v, a)
     return next_step(book.joints, book.onset, book.touch, steps, book.surfaces, q, v, a)
