@@ -101,6 +101,12 @@ class Ledger:
     contact_loss: float
     friction_loss: float
 
+    @staticmethod
+    def of(sums: Array, stored: float) -> "Ledger":
+        """From the sums that an engine kept step by step (``Book.ledger``)."""
+        work, exchange, contact_loss, friction_loss = (float(x) for x in sums[:4])
+        return Ledger(work, exchange, stored, contact_loss, friction_loss)
+
     @property
     def residual(self) -> float:
         """What does not add up, J: the integration's error."""

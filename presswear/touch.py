@@ -70,6 +70,9 @@ LANDING = 0.02
 FLIGHT_STEPS_PER_BIN = 4.0
 """Steps in which a pin that skims a worn surface crosses one bin of its map."""
 
+SKIM_STEPS = 2.0
+"""Steps of an error-controlled method in which a pin crosses one bin of a worn map, at least."""
+
 OVERSHOOT = 0.2
 """A step that ends more than this part of a contact step behind a touch is redone."""
 
@@ -304,8 +307,12 @@ def settle(
     t: float,
     q: Array,
     v: Array,
-) -> None:
-    """Bring the contact state up to an accepted state: latch touches, close episodes."""
+) -> int:
+    """Bring the contact state up to an accepted state: latch touches, close episodes.
+
+    Returns the number of joints that have touched or separated.
+    """
+    events = 0
     for k in range(joints.shape[0]):
         last = touch[k]
         contact, bearing, pin = contact_of(joints, k, surfaces, q, v)
@@ -322,12 +329,31 @@ def settle(
             # A joint counts as closed while its onset speed is not zero.
             onset[k] = max(closing, 1e-300)
             open_episode(last, touched, started_closed)
+            events += 1
         elif onset[k] > 0.0 and contact.penetration <= 0.0:
             close_episode(last, tally[k], episodes[k], onset[k], t, contact.rate, LEAST_STEPS)
             onset[k] = 0.0
+            events += 1
         if onset[k] > 0.0:
             last.steps += 1
         remember(last, joints[k], contact, bearing, pin, t)
+    return events
+
+
+@compiled
+def skim_step(joints: Records, touch: Records, surfaces: Array, longest: float) -> float:
+    """Step limit, s, of an error-controlled method from the bumps that a pin runs over.
+
+    Its error estimate sees a bump only where a stage happens to fall on it.
+    """
+    if surfaces.shape[2] == 0:
+        return longest
+    for k in range(joints.shape[0]):
+        last = touch[k]
+        if last.sweep > 0.0 and last.penetration > -last.relief:
+            bins = 2.0 * math.pi / surfaces.shape[2] / last.sweep
+            longest = min(longest, bins / SKIM_STEPS)
+    return longest
 
 
 @compiled

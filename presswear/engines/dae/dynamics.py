@@ -6,40 +6,27 @@ work, its absolute value, and per clearance joint contact loss, friction loss an
 the two doses of wear.
 """
 
-import math
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.clearance import contact_of, load_of, pack_joints, pack_surfaces
+from presswear.clearance import pack_joints, pack_surfaces
 from presswear.compiled import Records, compiled
-from presswear.constraints import DRIVE, Constraints, constraint_rows, constraints_of, lever
-from presswear.energy import loss_powers, mass_of, weight_of
-from presswear.linkage import GROUND, Linkage
+from presswear.constraints import DRIVE, Constraints, constraint_rows, constraints_of
+from presswear.contacts import JOINT_RATES, add_contacts
+from presswear.energy import mass_of, weight_of
+from presswear.linkage import Linkage
 from presswear.multipliers import Elimination, solve_multipliers, work_out
-from presswear.wear import dose_rates, pack_wear
+from presswear.springs import pack_springs, spring_forces
+from presswear.wear import pack_wear
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-SPRING = np.dtype(
-    [
-        ("first", np.int64),
-        ("second", np.int64),
-        ("x1", np.float64),
-        ("y1", np.float64),
-        ("x2", np.float64),
-        ("y2", np.float64),
-        ("stiffness", np.float64),
-        ("damping", np.float64),
-        ("length", np.float64),
-    ]
-)
-
 DRIVE_INTEGRALS = 2
 """Integrals before those of the joints: drive work and its absolute value, J."""
-JOINT_INTEGRALS = 4
+JOINT_INTEGRALS = JOINT_RATES
 """Integrals per joint: contact loss and friction loss, J; F_n ds, N m; p ds, N/m."""
 
 
@@ -70,39 +57,6 @@ class System(NamedTuple):
     right: Array
     work: Array
     multipliers: Array
-
-
-@compiled
-def spring_forces(springs: Records, q: Array, v: Array, force: Array) -> None:
-    """Add the forces of the springs to the generalized forces."""
-    for i in range(springs.shape[0]):
-        spring = springs[i]
-        x1, y1 = lever(spring.first, spring.x1, spring.y1, q)
-        x2, y2 = lever(spring.second, spring.x2, spring.y2, q)
-        dx, dy, dvx, dvy = x2 - x1, y2 - y1, 0.0, 0.0
-        if spring.first >= 0:
-            dx -= q[spring.first]
-            dy -= q[spring.first + 1]
-            dvx -= v[spring.first] - v[spring.first + 2] * y1
-            dvy -= v[spring.first + 1] + v[spring.first + 2] * x1
-        if spring.second >= 0:
-            dx += q[spring.second]
-            dy += q[spring.second + 1]
-            dvx += v[spring.second] - v[spring.second + 2] * y2
-            dvy += v[spring.second + 1] + v[spring.second + 2] * x2
-        length = math.sqrt(dx * dx + dy * dy)
-        rate = (dx * dvx + dy * dvy) / length
-        pull = spring.stiffness * (length - spring.length) + spring.damping * rate
-        fx = pull * dx / length
-        fy = pull * dy / length
-        if spring.first >= 0:
-            force[spring.first] += fx
-            force[spring.first + 1] += fy
-            force[spring.first + 2] += x1 * fy - y1 * fx
-        if spring.second >= 0:
-            force[spring.second] -= fx
-            force[spring.second + 1] -= fy
-            force[spring.second + 2] -= x2 * fy - y2 * fx
 
 
 @compiled
@@ -143,22 +97,8 @@ def rates(system: System, onset: Array, t: float, y: Array, out: Array) -> None:
     force = out[n : 2 * n]
     force[:] = system.weight
     spring_forces(system.springs, q, v, force)
-    for k in range(system.joints.shape[0]):
-        joint = system.joints[k]
-        contact, bearing, pin = contact_of(system.joints, k, system.surfaces, q, v)
-        load = load_of(joint, onset[k], contact, bearing, pin)
-        base = 2 * n + DRIVE_INTEGRALS + JOINT_INTEGRALS * k
-        out[base], out[base + 1] = loss_powers(joint, contact, load)
-        out[base + 2], out[base + 3] = dose_rates(system.wear[k], joint, contact, load.normal)
-        if load.normal > 0.0:
-            if joint.pin_body >= 0:
-                force[joint.pin_body] += load.x
-                force[joint.pin_body + 1] += load.y
-                force[joint.pin_body + 2] += load.pin_moment
-            if joint.bearing_body >= 0:
-                force[joint.bearing_body] -= load.x
-                force[joint.bearing_body + 1] -= load.y
-                force[joint.bearing_body + 2] += load.bearing_moment
+    rest = out[2 * n + DRIVE_INTEGRALS :]
+    add_contacts(system.joints, system.wear, onset, system.surfaces, q, v, force, rest)
     evaluate_constraints(system, t, q, v)
     damping = 2.0 * system.alpha
     stiffness = system.beta * system.beta
@@ -210,15 +150,6 @@ def system_of(linkage: Linkage, alpha: float, beta: float) -> tuple[System, Cons
     constraints = constraints_of(linkage)
     elimination = work_out(constraints)
     mass = mass_of(linkage)
-    springs = np.zeros(len(linkage.springs), SPRING)
-    for record, spring in zip(springs, linkage.springs, strict=True):
-        for end, point in (("1", spring.first), ("2", spring.second)):
-            record["first" if end == "1" else "second"] = (
-                -1 if point.body == GROUND else 3 * linkage.index(point.body)
-            )
-            record["x" + end], record["y" + end] = point.x, point.y
-        record["stiffness"], record["damping"] = spring.stiffness, spring.damping
-        record["length"] = spring.length
     rows = np.zeros((5, constraints.rows))
     system = System(
         constraints=constraints.records,
@@ -228,7 +159,7 @@ def system_of(linkage: Linkage, alpha: float, beta: float) -> tuple[System, Cons
         mass=mass,
         inverse_mass=1.0 / mass,
         weight=weight_of(linkage),
-        springs=springs,
+        springs=pack_springs(linkage),
         joints=pack_joints(linkage),
         wear=pack_wear(linkage),
         surfaces=pack_surfaces(linkage),

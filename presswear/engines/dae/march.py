@@ -34,6 +34,7 @@ from presswear.touch import (
     open_episode,
     remember,
     settle,
+    skim_step,
 )
 
 Array = NDArray[np.float64]
@@ -64,8 +65,6 @@ FIRST_PARTS = 40.0
 SAFETY, LEAST_FACTOR, GREATEST_FACTOR = 0.9, 0.2, 5.0
 NEWTON_STEPS = 12
 """Repetitions that locate an event; it converges quadratically."""
-SKIM_STEPS = 2.0
-"""Steps in which a pin crosses one bin of a worn map, at least."""
 
 
 class Motion(NamedTuple):
@@ -177,20 +176,6 @@ def finish_step(
 
 
 @compiled
-def longest_step(system: System, book: Book, longest: float) -> float:
-    """Step limit from the bumps of worn surfaces that a pin runs over."""
-    if system.surfaces.shape[2] == 0:
-        return longest
-    for k in range(system.joints.shape[0]):
-        last = book.touch[k]
-        if last.sweep > 0.0 and last.penetration > -last.relief:
-            longest = min(
-                longest, 2.0 * math.pi / system.surfaces.shape[2] / last.sweep / SKIM_STEPS
-            )
-    return longest
-
-
-@compiled
 def march_controlled(
     system: System,
     tableau: Tableau,
@@ -208,7 +193,8 @@ def march_controlled(
         left = end - t
         if left <= 0.0:
             return DONE
-        h = min(state.step, longest_step(system, book, state.longest), left)
+        longest = skim_step(system.joints, book.touch, system.surfaces, state.longest)
+        h = min(state.step, longest, left)
         last_step = h >= left
         for i in range(n):
             motion.scale[i] = state.tolerance * POSITION_SCALE

@@ -1,0 +1,54 @@
+"""All clearance joints of a state at once: forces on the bodies and what they dissipate."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.clearance import contact_of, load_of
+from presswear.compiled import Records, compiled
+from presswear.energy import loss_powers
+from presswear.wear import dose_rates
+
+Array = NDArray[np.float64]
+
+JOINT_RATES = 4
+"""Per joint: powers of contact loss and friction loss, W; F_n ds/dt, W; p ds/dt, W/m^2."""
+
+
+@compiled
+def add_contacts(
+    joints: Records,
+    wear: Records,
+    onset: Array,
+    surfaces: Array,
+    q: Array,
+    v: Array,
+    force: Array,
+    rates: Array,
+) -> None:
+    """Add the contact forces to the generalized forces, and fill the rates of all joints.
+
+    Parameters
+    ----------
+    onset : ndarray, shape (joints,)
+        As in ``load_of``.
+    force : ndarray, shape (3 bodies,)
+    rates : ndarray, shape (JOINT_RATES joints,)
+    """
+    for k in range(joints.shape[0]):
+        joint = joints[k]
+        base = JOINT_RATES * k
+        contact, bearing, pin = contact_of(joints, k, surfaces, q, v)
+        load = load_of(joint, onset[k], contact, bearing, pin)
+        rates[base], rates[base + 1] = loss_powers(joint, contact, load)
+        rates[base + 2], rates[base + 3] = dose_rates(wear[k], joint, contact, load.normal)
+        if load.normal > 0.0:
+            b = joint.pin_body
+            if b >= 0:
+                force[b] += load.x
+                force[b + 1] += load.y
+                force[b + 2] += load.pin_moment
+            b = joint.bearing_body
+            if b >= 0:
+                force[b] -= load.x
+                force[b + 1] -= load.y
+                force[b + 2] += load.bearing_moment

@@ -1,0 +1,147 @@
+"""What every Exudyn engine shares: the callback after a step, the solve, how it ends."""
+
+import time as clock
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+import exudyn as exu
+
+from presswear.engines.base import Plan, Status
+from presswear.observe import Account
+
+END_TOLERANCE = 1e-10
+"""Exudyn ends a run this close to its end time, s; a cycle is closed the same way."""
+
+_PROGRESS_STEPS = 512
+
+Accept = Callable[[float, float], float]
+"""Called with the time of an accepted step and the step that the solver proposes, s;
+gives the next step, or NaN for a broken state."""
+
+
+@dataclass
+class Watch:
+    """Where a solve stands: cycles, progress, and why it ended."""
+
+    account: Account
+    plan: Plan
+    time: float = 0.0
+    cycle_end: float = 0.0
+    steps: int = -1
+    ended: Status = "completed"
+    error: BaseException | None = None
+
+    def close_cycle(self) -> bool:
+        """File the present cycle; False ends the run."""
+        self.account.end_cycle()
+        done = len(self.account.cycles)
+        self.cycle_end = self.plan.cycle * (done + 1)
+        if done == self.plan.recorded_cycles:
+            self.account.stop_recording()
+        if done < self.plan.cycles and self.plan.enough(self.account):
+            self.ended = "enough"
+            return False
+        return True
+
+
+def post_step(watch: Watch, accept: Accept) -> Callable[..., bool]:
+    """The function for Exudyn's PostStep; it writes the next step into the running solver."""
+    duration = watch.plan.cycle * watch.plan.cycles
+    watch.cycle_end = watch.plan.cycle
+    iteration: Any = None
+
+    def after(system: Any, t: float) -> bool:
+        nonlocal iteration
+        try:
+            if iteration is None:
+                iteration = system.sys["dynamicSolver"].it
+            following = accept(t, iteration.currentStepSize)
+            watch.time = t
+            watch.steps += 1
+            if following != following:
+                watch.ended = "failed"
+                return False
+            if t >= watch.cycle_end - END_TOLERANCE and not watch.close_cycle():
+                return False
+            iteration.currentStepSize = min(following, watch.cycle_end - t)
+            if watch.steps % _PROGRESS_STEPS == 0:
+                watch.plan.progress(min(t / duration, 1.0))
+        except BaseException as error:  # Exudyn would wrap it: kept, raised after the solve
+            watch.error = error
+            return False
+        return True
+
+    return after
+
+
+def settings_of(plan: Plan, longest: float, shortest: float) -> Any:
+    """Settings common to all solvers, with steps of a length at most, s."""
+    settings = exu.SimulationSettings()
+    settings.solution.file.write = False
+    settings.linearSolver.solverType = exu.LinearSolverType.EXUdense
+    settings.show.computationTime = True  # fills the timers; the console is off
+    integration = settings.timeIntegration
+    integration.verboseMode = 0
+    integration.endTime = plan.cycle * plan.cycles
+    integration.numberOfSteps = max(1, int(integration.endTime / longest))
+    integration.minimumStepSize = shortest
+    return settings
+
+
+def solve(system: Any, settings: Any, solver: Any, watch: Watch, remedy: str) -> str:
+    """Run Exudyn's solver; returns what went wrong, or nothing.
+
+    Parameters
+    ----------
+    remedy : str
+        What may help where the solver gives up.
+    """
+    message = ""
+    try:
+        with _quiet():
+            system.SolveDynamic(settings, solverType=solver)
+    except exu.ExudynError as error:
+        # An interrupt that arrives inside a connector comes wrapped.
+        if "KeyboardInterrupt" in str(error):
+            raise KeyboardInterrupt from None
+        if not isinstance(error, exu.SolverError):
+            raise
+        watch.ended = "failed"
+        message = "the solver found no solution at the shortest step"
+    if watch.error is not None:
+        raise watch.error
+    if system.sys["dynamicSolver"].output.simulationStoppedByUser and watch.ended == "completed":
+        raise KeyboardInterrupt
+    if watch.ended != "failed":
+        return ""
+    message = message or "the state is no longer finite"
+    return f"{message} (t = {watch.time:.6g} s); {remedy}"
+
+
+def share_of(timer: Any, seconds: dict[str, float]) -> dict[str, float]:
+    """Stages of a solve as parts of its wall time; ``share_other`` is the rest."""
+    shares = {f"share_{name}": spent / timer.total for name, spent in seconds.items()}
+    return {**shares, "share_other": 1.0 - sum(shares.values())}
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Keep Exudyn's banners and log files off; errors arrive as exceptions."""
+    console, log = exu.config.printToConsole, exu.special.exceptions.writeErrorsToLogFile
+    exu.config.printToConsole = False
+    exu.special.exceptions.writeErrorsToLogFile = False
+    try:
+        yield
+    finally:
+        exu.config.printToConsole = console
+        exu.special.exceptions.writeErrorsToLogFile = log
+
+
+@contextmanager
+def timed(diagnostics: dict[str, Any], name: str) -> Iterator[None]:
+    """Note the wall time of a stage of the run under a name, s."""
+    began = clock.perf_counter()
+    yield
+    diagnostics[name] = clock.perf_counter() - began

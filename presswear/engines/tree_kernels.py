@@ -1,0 +1,308 @@
+"""Compiled part of the open tree: forces of a stage, and one call per accepted step.
+
+Exudyn's DOPRI5 evaluates seven stages a step, the last in the state that the step
+ends in.  Each leaves its powers in a row, so that work, losses and doses of wear are
+integrated with the weights of the method and at its order.
+
+The law of force changes where a pin touches or leaves.  Steps end there: the moment
+is predicted from penetration, rate, acceleration and its change, a first step goes
+as near as the prediction can be trusted, a second one ends just behind.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import RK45
+
+from presswear.clearance import penetration_acceleration
+from presswear.compiled import Records, compiled
+from presswear.contacts import JOINT_RATES, add_contacts
+from presswear.observe import Book, observe
+from presswear.prescribed import drive_torque, forced_power, place_cranks
+from presswear.springs import spring_forces
+from presswear.stepping import all_finite
+from presswear.touch import contact_step, settle, skim_step
+from presswear.tree import accelerate_links, carry_branches, gather_forces, place_links
+
+Array = NDArray[np.float64]
+
+WEIGHTS = np.append(RK45.B, 0.0)
+"""Weights of the seven stages of DOPRI5."""
+STAGES = WEIGHTS.size
+
+FIRST_PARTS = 12.0
+"""First step behind a touch, as a part of the expected contact."""
+LANDING_DEPTH = 1e-11
+"""A step that ends on a touch or separation goes this far behind it, m."""
+LANDING_PART = 1e-3
+"""... but no further than this part of the contact's duration."""
+UNKNOWN_DOUBT = 0.05
+"""Part of a predicted time that is in doubt while the change of acceleration is unknown."""
+
+PACE = np.dtype(
+    [
+        ("longest", np.float64),  # step, s
+        ("shortest", np.float64),  # s
+        ("control", np.float64),  # what the error control last proposed, s
+        ("asked", np.float64),  # step that was asked for, s
+        ("cut", np.bool_),  # whether that was shorter than the error control's
+        ("smooth", np.bool_),  # no joint has touched or left in the last step
+        ("evaluations", np.int64),
+        ("events", np.int64),
+        ("deepest_touch", np.float64),  # penetration of the first state in a touch, m
+    ]
+)
+"""Where the choice of steps stands."""
+
+
+class TreeSystem(NamedTuple):
+    """An open tree as the kernels see it, with working space.
+
+    Attributes
+    ----------
+    links, cranks, springs : records
+    mass, weight : ndarray, shape (3 bodies,)
+    expected : ndarray, shape (joints,)
+        Closing speed that the next step uses: latched, or predicted while open, m/s.
+    pace : one record of PACE
+    stages : ndarray, shape (STAGES, 1 + JOINT_RATES joints)
+        Powers of the stages of a step: drives (see ``stage_forces``), then the joints'.
+    state : ndarray, shape (4, 3 bodies)
+        q, v, a and generalized forces of all bodies.
+    carried : ndarray, shape (links, CARRIED)
+    balance : ndarray, shape (links,)
+    """
+
+    links: Records
+    cranks: Records
+    springs: Records
+    mass: Array
+    weight: Array
+    expected: Array
+    pace: Records
+    stages: Array
+    state: Array
+    carried: Array
+    balance: Array
+
+
+@compiled
+def stage_forces(
+    system: TreeSystem,
+    joints: Records,
+    wear: Records,
+    surfaces: Array,
+    t: float,
+    x: Array,
+    u: Array,
+    out: Array,
+) -> None:
+    """Forces on the coordinates of the tree in a stage, without those of inertia.
+
+    The drives' power is that against the forces on their cranks: what is applied
+    there, and dP/dt - F of each branch times the velocity of its hinge.  The part
+    dP/dt . v is the end value of P . v less the integral of P . a; the end values are
+    added after the run, so that no acceleration is needed here.
+    """
+    q, v, a, force = system.state[0], system.state[1], system.state[2], system.state[3]
+    place_cranks(system.cranks, t, q, v, a)
+    place_links(system.links, x, u, q, v)
+    force[:] = system.weight
+    spring_forces(system.springs, q, v, force)
+    row = system.stages[system.pace[0].evaluations % STAGES]
+    system.pace[0].evaluations += 1
+    add_contacts(joints, wear, system.expected, surfaces, q, v, force, row[1:])
+    carry_branches(system.links, q, v, a, system.carried)
+    power = -forced_power(system.cranks, v, force)
+    for i in range(system.links.shape[0]):
+        link = system.links[i]
+        b = link.body
+        vx, vy, ax, ay = system.carried[i]
+        power -= force[b] * vx + force[b + 1] * vy
+        power -= link.mass * (v[b] * ax + v[b + 1] * ay)
+        force[b] -= link.mass * ax
+        force[b + 1] -= link.mass * ay
+    row[0] = power
+    gather_forces(system.links, q, force, out)
+
+
+@compiled
+def time_to_event(p: float, r: float, a: float, j: float) -> tuple[float, float]:
+    """Time, s, at which a quantity below zero reaches it, and how far that is in doubt.
+
+    Parameters
+    ----------
+    p, r, a, j : float
+        Value and three time derivatives; the doubt is what the third one changes.
+
+    Returns
+    -------
+    tuple
+        Infinite where it is not reached.
+    """
+    root = r * r - 2.0 * a * p
+    if root < 0.0:
+        return math.inf, 0.0
+    denominator = r + math.sqrt(root)
+    if denominator <= 0.0:
+        return math.inf, 0.0
+    first = -2.0 * p / denominator
+    arrival = first
+    for _ in range(2):
+        slope = r + arrival * (a + 0.5 * j * arrival)
+        if slope <= 0.0:
+            return first, first
+        change = -(p + arrival * (r + arrival * (0.5 * a + j * arrival / 6.0))) / slope
+        arrival = min(max(arrival + change, 0.5 * first), 2.0 * first)
+    return arrival, abs(arrival - first)
+
+
+@compiled
+def step_to_events(book: Book, system: TreeSystem, h: float) -> float:
+    """Step, s, no longer than ``h``, that does not run past the next change of law.
+
+    Leaves the closing speeds that the stages of that step use in ``expected``.
+    """
+    pace = system.pace[0]
+    q, v, a = system.state[0], system.state[1], system.state[2]
+    for k in range(book.joints.shape[0]):
+        joint = book.joints[k]
+        last = book.touch[k]
+        closed = book.onset[k] > 0.0
+        acceleration = penetration_acceleration(book.joints, k, book.surfaces, q, v, a)
+        jerk = (acceleration - last.acceleration) / last.step if last.step > 0.0 else 0.0
+        last.acceleration = acceleration
+        system.expected[k] = book.onset[k]
+        sign = -1.0 if closed else 1.0
+        jerk = sign * jerk if pace.smooth else 0.0
+        p, r, a_n = sign * last.penetration, sign * last.rate, sign * acceleration
+        if p >= 0.0:
+            continue
+        arrival, doubt = time_to_event(p, r, a_n, jerk)
+        if not arrival < 2.0 * h:
+            continue
+        speed = r + arrival * (a_n + 0.5 * jerk * arrival)
+        if not closed:
+            system.expected[k] = max(speed, 0.0)
+        if arrival > h or not speed > 0.0:
+            continue
+        if not pace.smooth:
+            doubt = max(doubt, UNKNOWN_DOUBT * arrival)
+        if doubt * speed <= LANDING_DEPTH:
+            whole = contact_step(
+                joint.stiffness, joint.exponent, last.effective_mass, 0.0, speed, 1.0
+            )
+            h = min(h, arrival + min(LANDING_DEPTH / speed, LANDING_PART * whole))
+        else:
+            h = min(h, max(arrival - 2.0 * doubt, 0.5 * arrival))
+    return max(h, pace.shortest)
+
+
+@compiled
+def sum_stages(book: Book, system: TreeSystem, h: float) -> None:
+    """Doses and energies of a step of length ``h`` from the powers of its stages."""
+    ledger = book.ledger
+    count = book.joints.shape[0]
+    book.doses[:] = 0.0
+    for j in range(STAGES):
+        weight = h * WEIGHTS[j]
+        row = system.stages[j]
+        ledger[0] += weight * row[0]
+        for k in range(count):
+            base = 1 + JOINT_RATES * k
+            ledger[2] += weight * row[base]
+            ledger[3] += weight * row[base + 1]
+            book.doses[k, 0] += weight * row[base + 2]
+            book.doses[k, 1] += weight * row[base + 3]
+    for k in range(count):
+        # One weight is negative: a step at the end of a touch may sum to less than nothing.
+        book.doses[k, 0] = max(book.doses[k, 0], 0.0)
+        book.doses[k, 1] = max(book.doses[k, 1], 0.0)
+
+
+@compiled
+def tree_state(system: TreeSystem, book: Book, t: float, x: Array, u: Array, u_t: Array) -> float:
+    """Place all bodies with rates and accelerations; returns the power of the drives, W.
+
+    Leaves the drives' torques in the book, and in the forces of each body what it and
+    all that hangs from it bear.
+    """
+    q, v, a, force = system.state[0], system.state[1], system.state[2], system.state[3]
+    place_cranks(system.cranks, t, q, v, a)
+    place_links(system.links, x, u, q, v)
+    accelerate_links(system.links, u_t, q, v, a)
+    force[:] = system.weight
+    spring_forces(system.springs, q, v, force)
+    rates = system.stages[0, 1:]
+    add_contacts(book.joints, book.wear, system.expected, book.surfaces, q, v, force, rates)
+    for c in range(force.shape[0]):
+        force[c] -= system.mass[c] * a[c]
+    gather_forces(system.links, q, force, system.balance)
+    power = 0.0
+    for i in range(system.cranks.shape[0]):
+        book.torque[i] = drive_torque(system.cranks[i], q, force)
+        power += book.torque[i] * system.cranks[i].speed
+    return power
+
+
+@compiled
+def next_tree_step(book: Book, system: TreeSystem, proposed: float, events: int) -> float:
+    """Next step, s: what the error control proposes, but not past a change of law."""
+    pace = system.pace[0]
+    taken = book.touch[0].step if book.touch.shape[0] > 0 else pace.asked
+    control = proposed
+    if pace.cut and taken >= 0.999 * pace.asked:
+        # A step cut short says little; what was proposed before it still holds.
+        control = max(proposed, pace.control)
+    for k in range(book.joints.shape[0]):
+        last = book.touch[k]
+        if book.onset[k] > 0.0 and last.steps == 1:
+            joint = book.joints[k]
+            pace.deepest_touch = max(pace.deepest_touch, last.penetration)
+            first = contact_step(
+                joint.stiffness,
+                joint.exponent,
+                last.effective_mass,
+                0.0,
+                max(last.rate, 0.0),
+                FIRST_PARTS,
+            )
+            control = min(control, first)
+    pace.events += events
+    pace.smooth = events == 0
+    pace.control = control
+    limit = min(control, skim_step(book.joints, book.touch, book.surfaces, pace.longest))
+    chosen = step_to_events(book, system, limit)
+    pace.asked = chosen
+    pace.cut = chosen < control
+    return chosen
+
+
+@compiled
+def accept_tree_step(
+    system: TreeSystem, book: Book, t: float, x: Array, u: Array, u_t: Array, proposed: float
+) -> float:
+    """Account for an accepted step and choose the next, s; NaN for a broken state.
+
+    Parameters
+    ----------
+    u_t : ndarray, shape (links,)
+        Accelerations of the tree's coordinates in the state.
+    proposed : float
+        Next step of the error control, s.
+    """
+    if not all_finite(x, u) or not all_finite(u, u_t):
+        return math.nan
+    h = t - book.record[0].now
+    sum_stages(book, system, h)
+    power = tree_state(system, book, t, x, u, u_t)
+    book.ledger[1] += 0.5 * h * (abs(book.ledger[4]) + abs(power))
+    book.ledger[4] = power
+    q, v, a = system.state[0], system.state[1], system.state[2]
+    events = settle(
+        book.joints, book.onset, book.touch, book.tally, book.episodes, book.surfaces, t, q, v
+    )
+    observe(book, t, h, q, v, a)
+    return next_tree_step(book, system, proposed, events)

@@ -1,0 +1,270 @@
+"""Open trees: linkages without a closed loop, in the fewest coordinates.
+
+Where clearance joints cut every loop, what is left hangs from the frame and from
+driven cranks.  Each free body then has one coordinate: its angle relative to the
+body it hangs from, or its way along a guide.  A branch that hangs from a crank is
+described in axes that translate with its hinge, so that the crank's motion enters as
+a force -m a and is exact.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.compiled import Records, compiled
+from presswear.linkage import GROUND, Attachment, Guide, Linkage, Revolute
+from presswear.prescribed import hinge_of, pack_cranks
+
+Array = NDArray[np.float64]
+
+LINK = np.dtype(
+    [
+        ("body", np.int64),  # index of its x in q
+        ("parent", np.int64),  # link it hangs from; -1 for the frame or a crank
+        ("before", np.int64),  # index in q of the body it hangs from; -1 for the frame
+        ("slides", np.bool_),  # along a guide, instead of turning
+        ("before_x", np.float64),  # joint in the frame of the body before, m
+        ("before_y", np.float64),
+        ("own_x", np.float64),  # joint in the body's own frame, m
+        ("own_y", np.float64),
+        ("cosine", np.float64),  # of the guide's direction
+        ("sine", np.float64),
+        ("angle", np.float64),  # of a sliding body, rad
+        ("mass", np.float64),
+    ]
+)
+"""A free body of the tree as the kernels see it; parents come before children."""
+
+CARRIED = 4
+"""Transport velocity and acceleration of a branch: v_x, v_y, a_x, a_y of its hinge."""
+
+
+@compiled
+def arm(x: float, y: float, angle: float) -> tuple[float, float]:
+    """A vector of a body's frame in global directions."""
+    cosine = math.cos(angle)
+    sine = math.sin(angle)
+    return cosine * x - sine * y, sine * x + cosine * y
+
+
+@compiled
+def place_links(links: Records, x: Array, u: Array, q: Array, v: Array) -> None:
+    """Coordinates and rates of all free bodies from those of the tree.
+
+    Parameters
+    ----------
+    x, u : ndarray, shape (links,)
+        Relative angles or ways along guides, rad or m, and rates.
+    q, v : ndarray, shape (3 bodies,)
+        Those of the cranks must be there already.
+    """
+    for i in range(links.shape[0]):
+        link = links[i]
+        b = link.body
+        if link.slides:
+            q[b] = link.before_x + x[i] * link.cosine
+            q[b + 1] = link.before_y + x[i] * link.sine
+            q[b + 2] = link.angle
+            v[b] = u[i] * link.cosine
+            v[b + 1] = u[i] * link.sine
+            v[b + 2] = 0.0
+            continue
+        p = link.before
+        jx, jy, jvx, jvy, angle, spin = link.before_x, link.before_y, 0.0, 0.0, 0.0, 0.0
+        if p >= 0:
+            rx, ry = arm(link.before_x, link.before_y, q[p + 2])
+            jx = q[p] + rx
+            jy = q[p + 1] + ry
+            jvx = v[p] - v[p + 2] * ry
+            jvy = v[p + 1] + v[p + 2] * rx
+            if link.parent >= 0:
+                angle = q[p + 2]
+                spin = v[p + 2]
+        angle += x[i]
+        spin += u[i]
+        rx, ry = arm(link.own_x, link.own_y, angle)
+        q[b] = jx - rx
+        q[b + 1] = jy - ry
+        q[b + 2] = angle
+        v[b] = jvx + spin * ry
+        v[b + 1] = jvy - spin * rx
+        v[b + 2] = spin
+
+
+@compiled
+def accelerate_links(links: Records, u_t: Array, q: Array, v: Array, a: Array) -> None:
+    """Accelerations of all free bodies; those of the cranks must be there already."""
+    for i in range(links.shape[0]):
+        link = links[i]
+        b = link.body
+        if link.slides:
+            a[b] = u_t[i] * link.cosine
+            a[b + 1] = u_t[i] * link.sine
+            a[b + 2] = 0.0
+            continue
+        p = link.before
+        jax, jay, spin_t = 0.0, 0.0, 0.0
+        if p >= 0:
+            rx, ry = arm(link.before_x, link.before_y, q[p + 2])
+            square = v[p + 2] * v[p + 2]
+            jax = a[p] - a[p + 2] * ry - square * rx
+            jay = a[p + 1] + a[p + 2] * rx - square * ry
+            if link.parent >= 0:
+                spin_t = a[p + 2]
+        spin_t += u_t[i]
+        rx, ry = arm(link.own_x, link.own_y, q[b + 2])
+        square = v[b + 2] * v[b + 2]
+        a[b] = jax + spin_t * ry + square * rx
+        a[b + 1] = jay - spin_t * rx + square * ry
+        a[b + 2] = spin_t
+
+
+@compiled
+def carry_branches(links: Records, q: Array, v: Array, a: Array, carried: Array) -> None:
+    """Velocity and acceleration of the point each branch hangs from, shape (links, CARRIED)."""
+    for i in range(links.shape[0]):
+        link = links[i]
+        if link.parent >= 0:
+            carried[i] = carried[link.parent]
+            continue
+        p = link.before
+        if p < 0:
+            carried[i] = 0.0
+            continue
+        rx, ry = arm(link.before_x, link.before_y, q[p + 2])
+        spin = v[p + 2]
+        carried[i, 0] = v[p] - spin * ry
+        carried[i, 1] = v[p + 1] + spin * rx
+        carried[i, 2] = a[p] - spin * spin * rx
+        carried[i, 3] = a[p + 1] - spin * spin * ry
+
+
+@compiled
+def gather_forces(links: Records, q: Array, force: Array, out: Array) -> None:
+    """Forces on the bodies as forces on the coordinates of the tree, J^T f.
+
+    Parameters
+    ----------
+    force : ndarray, shape (3 bodies,)
+        On the mass centres.  Passed down the branches: at the end each body holds what
+        it and all that hangs from it bear, the cranks included.
+    out : ndarray, shape (links,)
+    """
+    for i in range(links.shape[0] - 1, -1, -1):
+        link = links[i]
+        b = link.body
+        fx = force[b]
+        fy = force[b + 1]
+        if link.slides:
+            out[i] = fx * link.cosine + fy * link.sine
+            continue
+        rx, ry = arm(link.own_x, link.own_y, q[b + 2])
+        moment = force[b + 2] - rx * fy + ry * fx
+        out[i] = moment
+        p = link.before
+        if p >= 0:
+            sx = q[b] + rx - q[p]
+            sy = q[b + 1] + ry - q[p + 1]
+            force[p] += fx
+            force[p + 1] += fy
+            force[p + 2] += sx * fy - sy * fx
+            if link.parent >= 0:
+                force[p + 2] += moment
+
+
+@dataclass(frozen=True)
+class Tree:
+    """A linkage as an open tree.
+
+    Attributes
+    ----------
+    links : records of LINK
+    names : tuple of str
+        Body of each link.
+    joints : tuple of Revolute or Guide
+        What each link hangs by.
+    cranks : records of CRANK
+    """
+
+    links: Records
+    names: tuple[str, ...]
+    joints: tuple[Revolute | Guide, ...]
+    cranks: Records
+
+    def coordinates(self, q: Array, v: Array) -> tuple[Array, Array]:
+        """Coordinates and rates of the tree in a state of all bodies, each (links,)."""
+        x, u = np.zeros(len(self.links)), np.zeros(len(self.links))
+        for i, link in enumerate(self.links):
+            b = link["body"]
+            if link["slides"]:
+                along = np.array([link["cosine"], link["sine"]])
+                x[i] = along @ (q[b : b + 2] - [link["before_x"], link["before_y"]])
+                u[i] = along @ v[b : b + 2]
+                continue
+            x[i], u[i] = q[b + 2], v[b + 2]
+            if link["parent"] >= 0:
+                x[i] -= q[link["before"] + 2]
+                u[i] -= v[link["before"] + 2]
+        return x, u
+
+
+def _ends(joint: Revolute | Guide) -> tuple[Attachment, Attachment]:
+    """The two points a joint holds together; of a guide its own and the mass centre."""
+    if isinstance(joint, Guide):
+        return Attachment(GROUND, joint.x, joint.y), Attachment(joint.body, 0.0, 0.0)
+    return joint.first, joint.second
+
+
+def cranks_of(linkage: Linkage) -> frozenset[str]:
+    """Bodies that a drive turns about a hinge on the frame."""
+    return frozenset(d.body for d in linkage.drives if hinge_of(linkage, d.body) is not None)
+
+
+def tree_of(linkage: Linkage) -> Tree | str:
+    """The linkage as an open tree, or in words why it is none."""
+    cranks = cranks_of(linkage)
+    for drive in linkage.drives:
+        if drive.body not in cranks:
+            return f"{drive.name} turns a body that is not hinged to the frame"
+    hinges = {id(hinge_of(linkage, name)) for name in cranks}
+    waiting: list[Revolute | Guide] = [j for j in linkage.revolutes if id(j) not in hinges]
+    waiting += linkage.guides
+    reached: dict[str, int] = dict.fromkeys((GROUND, *cranks), -1)
+    rows: list[tuple[Revolute | Guide, Attachment, Attachment]] = []
+    while waiting:
+        for joint in waiting:
+            before, own = _ends(joint)
+            if before.body in reached and own.body in reached:
+                return f"joint {joint.name} closes a loop"
+            if before.body not in reached:
+                before, own = own, before
+            if before.body in reached:
+                break
+        else:
+            return f"joint {waiting[0].name} hangs from nothing"
+        waiting.remove(joint)
+        reached[own.body] = len(rows)
+        rows.append((joint, before, own))
+    loose = [body.name for body in linkage.bodies if body.name not in reached]
+    if loose:
+        return f"{loose[0]} is not held by any joint"
+    links = np.zeros(len(rows), LINK)
+    for link, (joint, before, own) in zip(links, rows, strict=True):
+        link["body"] = 3 * linkage.index(own.body)
+        link["parent"] = reached[before.body]
+        link["before"] = -1 if before.body == GROUND else 3 * linkage.index(before.body)
+        link["before_x"], link["before_y"] = before.x, before.y
+        link["own_x"], link["own_y"] = own.x, own.y
+        link["mass"] = linkage.bodies[linkage.index(own.body)].mass
+        if isinstance(joint, Guide):
+            link["slides"] = True
+            link["cosine"], link["sine"] = math.cos(joint.direction), math.sin(joint.direction)
+            link["angle"] = joint.angle
+    return Tree(
+        links,
+        tuple(own.body for _, _, own in rows),
+        tuple(joint for joint, _, _ in rows),
+        pack_cranks(linkage, cranks),
+    )
