@@ -63,6 +63,23 @@ class Accuracy:
 
 
 @dataclass(frozen=True)
+class TreeAccuracy:
+    """How an open tree is integrated.
+
+    Attributes
+    ----------
+    tolerance : float
+        Error allowed in a step: root mean square over the coordinates, rad or m, and
+        their rates, rad/s or m/s.
+    free_step : float
+        Longest step, s.
+    """
+
+    tolerance: float
+    free_step: float
+
+
+@dataclass(frozen=True)
 class DaeAccuracy:
     """How the in-house solver integrates.
 

@@ -16,6 +16,7 @@ from presswear.energy import Ledger, stored_energy
 from presswear.engines.base import Accuracy, Plan, Run, Start, described
 from presswear.engines.exudyn_model import Model, assemble, connector_force, reactions_of
 from presswear.engines.exudyn_solve import (
+    STEP,
     Accept,
     Watch,
     post_step,
@@ -44,11 +45,11 @@ def _settings(accuracy: Accuracy, plan: Plan) -> Any:
 
 
 def _accept(model: Model, book: Book, steps: Records, drives: Array) -> Accept:
-    """Account for accepted steps and choose the next; Exudyn's own proposal is not needed."""
+    """Account for accepted steps and choose the next."""
     q, v, a, multipliers = model.q, model.v, model.a, model.multipliers
     last = 0.0
 
-    def accept(t: float, proposed: float) -> float:
+    def accept(t: float) -> float:
         nonlocal last
         h, last = t - last, t
         return accept_step(book, steps, drives, multipliers, t, h, q, v, a)
@@ -102,7 +103,9 @@ def simulate(linkage: Linkage, start: Start, accuracy: Accuracy, plan: Plan) -> 
         ).reshape(-1, 2)
         watch = Watch(account, plan)
         send_back = _SendBack(model, book, steps)
-        model.system.SetPostStepUserFunction(post_step(watch, _accept(model, book, steps, drives)))
+        model.system.SetPostStepUserFunction(
+            post_step(watch, _accept(model, book, steps, drives), STEP)
+        )
         if linkage.clearances:
             model.system.SetPostNewtonUserFunction(lambda system, t: send_back(system, t))
     depths = book.touch["penetration"]

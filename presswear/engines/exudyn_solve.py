@@ -16,16 +16,19 @@ END_TOLERANCE = 1e-10
 
 _PROGRESS_STEPS = 512
 
-Accept = Callable[[float, float], float]
-"""Called with the time of an accepted step and the step that the solver proposes, s;
-gives the next step, or NaN for a broken state."""
+Accept = Callable[[float], float]
+"""Called with the time of an accepted step; gives the next step, s, or NaN for a broken state."""
+
+STEP, LONGEST_STEP = "currentStepSize", "maxStepSize"
+"""Where the next step is written: an implicit solver takes it as it is, an explicit one
+with error control takes it as a limit."""
 
 
 @dataclass
 class Watch:
     """Where a solve stands: cycles, progress, and why it ended."""
 
-    account: Account
+    account: Account | None
     plan: Plan
     time: float = 0.0
     cycle_end: float = 0.0
@@ -46,8 +49,13 @@ class Watch:
         return True
 
 
-def post_step(watch: Watch, accept: Accept) -> Callable[..., bool]:
-    """The function for Exudyn's PostStep; it writes the next step into the running solver."""
+def post_step(watch: Watch, accept: Accept, step: str) -> Callable[..., bool]:
+    """The function for Exudyn's PostStep; it writes the next step into the running solver.
+
+    Parameters
+    ----------
+    step : {STEP, LONGEST_STEP}
+    """
     duration = watch.plan.cycle * watch.plan.cycles
     watch.cycle_end = watch.plan.cycle
     iteration: Any = None
@@ -57,7 +65,7 @@ def post_step(watch: Watch, accept: Accept) -> Callable[..., bool]:
         try:
             if iteration is None:
                 iteration = system.sys["dynamicSolver"].it
-            following = accept(t, iteration.currentStepSize)
+            following = accept(t)
             watch.time = t
             watch.steps += 1
             if following != following:
@@ -65,7 +73,7 @@ def post_step(watch: Watch, accept: Accept) -> Callable[..., bool]:
                 return False
             if t >= watch.cycle_end - END_TOLERANCE and not watch.close_cycle():
                 return False
-            iteration.currentStepSize = min(following, watch.cycle_end - t)
+            setattr(iteration, step, min(following, watch.cycle_end - t))
             if watch.steps % _PROGRESS_STEPS == 0:
                 watch.plan.progress(min(t / duration, 1.0))
         except BaseException as error:  # Exudyn would wrap it: kept, raised after the solve

@@ -32,6 +32,8 @@ WEIGHTS = np.append(RK45.B, 0.0)
 """Weights of the seven stages of DOPRI5."""
 STAGES = WEIGHTS.size
 
+GROWTH = 5.0
+"""A step is at most so many times the one before."""
 FIRST_PARTS = 12.0
 """First step behind a touch, as a part of the expected contact."""
 LANDING_DEPTH = 1e-11
@@ -45,9 +47,9 @@ PACE = np.dtype(
     [
         ("longest", np.float64),  # step, s
         ("shortest", np.float64),  # s
-        ("control", np.float64),  # what the error control last proposed, s
-        ("asked", np.float64),  # step that was asked for, s
-        ("cut", np.bool_),  # whether that was shorter than the error control's
+        ("reach", np.float64),  # last step that was not cut short, s
+        ("asked", np.float64),  # limit that was set to the step, s
+        ("cut", np.bool_),  # whether that was an event's
         ("smooth", np.bool_),  # no joint has touched or left in the last step
         ("evaluations", np.int64),
         ("events", np.int64),
@@ -126,6 +128,19 @@ def stage_forces(
         force[b + 1] -= link.mass * ay
     row[0] = power
     gather_forces(system.links, q, force, out)
+
+
+@compiled
+def hinge_power_integral(system: TreeSystem) -> float:
+    """Momentum of each branch times the velocity of its hinge, summed, J: see ``stage_forces``."""
+    q, v, a = system.state[0], system.state[1], system.state[2]
+    carry_branches(system.links, q, v, a, system.carried)
+    total = 0.0
+    for i in range(system.links.shape[0]):
+        b = system.links[i].body
+        carried = system.carried[i]
+        total += system.links[i].mass * (v[b] * carried[0] + v[b + 1] * carried[1])
+    return total
 
 
 @compiled
@@ -248,41 +263,36 @@ def tree_state(system: TreeSystem, book: Book, t: float, x: Array, u: Array, u_t
 
 
 @compiled
-def next_tree_step(book: Book, system: TreeSystem, proposed: float, events: int) -> float:
-    """Next step, s: what the error control proposes, but not past a change of law."""
+def next_tree_step(book: Book, system: TreeSystem, h: float, events: int) -> float:
+    """Limit of the next step, s, after one of length ``h``; the error control may go below it."""
     pace = system.pace[0]
-    taken = book.touch[0].step if book.touch.shape[0] > 0 else pace.asked
-    control = proposed
-    if pace.cut and taken >= 0.999 * pace.asked:
-        # A step cut short says little; what was proposed before it still holds.
-        control = max(proposed, pace.control)
+    if not (pace.cut and h >= 0.999 * pace.asked):
+        # A step cut short says little: what was reached before it still holds.
+        pace.reach = h
     for k in range(book.joints.shape[0]):
         last = book.touch[k]
         if book.onset[k] > 0.0 and last.steps == 1:
             joint = book.joints[k]
             pace.deepest_touch = max(pace.deepest_touch, last.penetration)
-            first = contact_step(
-                joint.stiffness,
-                joint.exponent,
-                last.effective_mass,
-                0.0,
-                max(last.rate, 0.0),
-                FIRST_PARTS,
+            closing = max(last.rate, 0.0)
+            whole = contact_step(
+                joint.stiffness, joint.exponent, last.effective_mass, 0.0, closing, 1.0
             )
-            control = min(control, first)
+            pace.reach = min(pace.reach, whole / FIRST_PARTS / GROWTH)
     pace.events += events
     pace.smooth = events == 0
-    pace.control = control
-    limit = min(control, skim_step(book.joints, book.touch, book.surfaces, pace.longest))
-    chosen = step_to_events(book, system, limit)
-    pace.asked = chosen
-    pace.cut = chosen < control
-    return chosen
+    limit = min(
+        GROWTH * max(pace.reach, pace.shortest),
+        skim_step(book.joints, book.touch, book.surfaces, pace.longest),
+    )
+    pace.asked = step_to_events(book, system, limit)
+    pace.cut = pace.asked < limit
+    return pace.asked
 
 
 @compiled
 def accept_tree_step(
-    system: TreeSystem, book: Book, t: float, x: Array, u: Array, u_t: Array, proposed: float
+    system: TreeSystem, book: Book, t: float, x: Array, u: Array, u_t: Array
 ) -> float:
     """Account for an accepted step and choose the next, s; NaN for a broken state.
 
@@ -290,8 +300,6 @@ def accept_tree_step(
     ----------
     u_t : ndarray, shape (links,)
         Accelerations of the tree's coordinates in the state.
-    proposed : float
-        Next step of the error control, s.
     """
     if not all_finite(x, u) or not all_finite(u, u_t):
         return math.nan
@@ -305,4 +313,4 @@ def accept_tree_step(
         book.joints, book.onset, book.touch, book.tally, book.episodes, book.surfaces, t, q, v
     )
     observe(book, t, h, q, v, a)
-    return next_tree_step(book, system, proposed, events)
+    return next_tree_step(book, system, h, events)

@@ -1,0 +1,332 @@
+"""Exudyn with an open tree in minimal coordinates, explicit and error-controlled.
+
+For linkages in which the clearance joints cut every loop.  The tree's inertia,
+gyroscopic terms and the integration (DOPRI5) are Exudyn's; its Python user function
+hands the live state to one compiled kernel, which gives the forces of all contacts,
+weights and moving hinges at once.  Contact state changes only between accepted
+steps, and steps end where a pin touches or leaves.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import exudyn as exu
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.contacts import JOINT_RATES
+from presswear.energy import Ledger, mass_of, stored_energy, weight_of
+from presswear.engines.base import Plan, Run, Start, TreeAccuracy, described
+from presswear.engines.exudyn_solve import (
+    LONGEST_STEP,
+    Accept,
+    Watch,
+    post_step,
+    settings_of,
+    share_of,
+    solve,
+    timed,
+)
+from presswear.engines.tree_kernels import (
+    PACE,
+    STAGES,
+    TreeSystem,
+    accept_tree_step,
+    hinge_power_integral,
+    stage_forces,
+    tree_state,
+)
+from presswear.errors import InputError
+from presswear.linkage import Guide, Linkage
+from presswear.observe import Account, Book
+from presswear.prescribed import hinge_of
+from presswear.springs import pack_springs
+from presswear.tree import CARRIED, Tree, tree_of
+
+Array = NDArray[np.float64]
+
+SHORTEST_STEP = 1e-13
+"""s."""
+FIRST_STEP = 1e-7
+"""s."""
+_INSTANT = 1e-12
+"""Length of the step that asks Exudyn for the accelerations at the start, s."""
+
+
+@dataclass
+class Model:
+    """An assembled tree; the three views of its coordinates stay live during the solve."""
+
+    container: Any
+    system: Any
+    x: Any
+    u: Any
+    u_t: Any
+
+
+def _turned(angle: float) -> Array:
+    c, s = math.cos(angle), math.sin(angle)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+
+
+def assemble(tree: Tree, linkage: Linkage, start: Start, force: Callable[..., Array]) -> Model:
+    """Build and assemble the tree with a user function for the forces on its coordinates."""
+    container = exu.SystemContainer()
+    system = container.AddSystem()
+    x, u = tree.coordinates(start.position, start.velocity)
+    count = len(tree.links)
+    node = system.AddNode(
+        {
+            "nodeType": "GenericODE2",
+            "referenceCoordinates": [0.0] * count,
+            "initialCoordinates": list(x),
+            "initialCoordinates_t": list(u),
+            "numberOfODE2Coordinates": count,
+        }
+    )
+    types, turns, offsets, centres, masses, inertias = [], [], [], [], [], []
+    for link, name in zip(tree.links, tree.names, strict=True):
+        body = linkage.bodies[linkage.index(name)]
+        # A link's frame sits in its joint, along the body's axes or along its guide.
+        turn, offset = 0.0, np.zeros(2)
+        if link["slides"]:
+            turn = math.atan2(link["sine"], link["cosine"])
+        elif link["parent"] >= 0:
+            parent = tree.links[link["parent"]]
+            offset = np.array([link["before_x"], link["before_y"]])
+            offset -= [parent["own_x"], parent["own_y"]]
+            if parent["slides"]:
+                turn = parent["angle"] - math.atan2(parent["sine"], parent["cosine"])
+                offset = _turned(turn)[:2, :2] @ offset
+        own = np.array([link["own_x"], link["own_y"]])
+        types.append(exu.JointType.PrismaticX if link["slides"] else exu.JointType.RevoluteZ)
+        turns.append(_turned(turn))
+        offsets.append([*offset, 0.0])
+        centres.append([*-own, 0.0])
+        masses.append(body.mass)
+        inertias.append(np.diag([0.0, 0.0, body.inertia]))
+    system.AddObject(
+        {
+            "objectType": "KinematicTree",
+            "nodeNumber": node,
+            "jointTypes": types,
+            "linkParents": [int(parent) for parent in tree.links["parent"]],
+            "jointTransformations": exu.Matrix3DList(turns),
+            "jointOffsets": exu.Vector3DList(offsets),
+            "linkInertiasCOM": exu.Matrix3DList(inertias),
+            "linkCOMs": exu.Vector3DList(centres),
+            "linkMasses": masses,
+            "forceUserFunction": force,
+        }
+    )
+    system.Assemble()
+    data = system.systemData
+    return Model(
+        container,
+        system,
+        data.GetODE2Coordinates(copy=False),
+        data.GetODE2Coordinates_t(copy=False),
+        data.GetODE2Coordinates_tt(copy=False),
+    )
+
+
+def system_of(tree: Tree, linkage: Linkage, accuracy: TreeAccuracy) -> TreeSystem:
+    """Pack a tree for the kernels."""
+    count, joints = 3 * len(linkage.bodies), len(linkage.clearances)
+    pace = np.zeros(1, PACE)
+    pace["longest"] = accuracy.free_step
+    pace["shortest"] = SHORTEST_STEP
+    pace["reach"] = pace["asked"] = FIRST_STEP
+    return TreeSystem(
+        links=tree.links,
+        cranks=tree.cranks,
+        springs=pack_springs(linkage),
+        mass=mass_of(linkage),
+        weight=weight_of(linkage),
+        expected=np.zeros(joints),
+        pace=pace,
+        stages=np.zeros((STAGES, 1 + JOINT_RATES * joints)),
+        state=np.zeros((4, count)),
+        carried=np.zeros((len(tree.links), CARRIED)),
+        balance=np.zeros(len(tree.links)),
+    )
+
+
+@dataclass
+class _Forces:
+    """The user function of the tree; knows the live state once the model is assembled."""
+
+    system: TreeSystem
+    book: Book
+    out: Array
+    x: Any = None
+    u: Any = None
+
+    def function(self) -> Callable[..., Array]:
+        """What Exudyn calls in every stage; its own copies of the state are not needed."""
+        system, out = self.system, self.out
+        joints, wear, surfaces = self.book.joints, self.book.wear, self.book.surfaces
+
+        def force(mbs: Any, t: float, item: int, q: Any, q_t: Any) -> Array:
+            stage_forces(system, joints, wear, surfaces, t, self.x, self.u, out)
+            return out
+
+        return force
+
+
+def _settings(accuracy: TreeAccuracy, plan: Plan) -> Any:
+    settings = settings_of(plan, accuracy.free_step, SHORTEST_STEP)
+    integration = settings.timeIntegration
+    integration.automaticStepSize = True
+    integration.initialStepSize = FIRST_STEP
+    integration.stepSizeMaxIncrease = 1e9  # growth is limited by next_tree_step
+    # Exudyn's relative part takes the state with its sign; only an absolute one is sound.
+    integration.absoluteTolerance = accuracy.tolerance
+    integration.relativeTolerance = 0.0
+    # The seventh stage of DOPRI5 already is the acceleration at the end of the step.
+    integration.explicit.computeEndOfStepAccelerations = False
+    integration.explicit.computeMassMatrixInversePerBody = False
+    return settings
+
+
+def _accelerations_at_start(model: Model) -> Array:
+    """Accelerations of the coordinates at t = 0, from one vanishing step of Exudyn's."""
+    plan = Plan(_INSTANT, 1)
+    settings = settings_of(plan, _INSTANT, _INSTANT)
+    settings.timeIntegration.explicit.computeEndOfStepAccelerations = False
+    solve(model.system, settings, exu.DynamicSolverType.ExplicitEuler, Watch(None, plan), "")
+    return np.array(model.u_t)
+
+
+def _accept(model: Model, system: TreeSystem, book: Book) -> Accept:
+    """Account for accepted steps and choose the next."""
+    x, u, u_t = model.x, model.u, model.u_t
+    at_start = _accelerations_at_start(model)
+    system.pace["evaluations"] = 0
+
+    def accept(t: float) -> float:
+        return accept_tree_step(system, book, t, x, u, at_start if t == 0.0 else u_t)
+
+    return accept
+
+
+def reactions_of(tree: Tree, linkage: Linkage, force: Array, torque: Array) -> dict[str, Any]:
+    """Reactions of all joints, see ``Run``, from what each body bears (``tree_state``)."""
+    found: dict[str, tuple[float, ...]] = {}
+    for link, name, joint in zip(tree.links, tree.names, tree.joints, strict=True):
+        b = link["body"]
+        if isinstance(joint, Guide):
+            normal = -link["sine"] * force[b] + link["cosine"] * force[b + 1]
+            found[joint.name] = (-float(normal), -float(force[b + 2]))
+            continue
+        sign = -1.0 if joint.first.body == name else 1.0
+        found[joint.name] = (sign * float(force[b]), sign * float(force[b + 1]))
+    for i, drive in enumerate(linkage.drives):
+        hinge = hinge_of(linkage, drive.body)
+        b = 3 * linkage.index(drive.body)
+        if hinge is not None:
+            sign = -1.0 if hinge.first.body == drive.body else 1.0
+            found[hinge.name] = (sign * float(force[b]), sign * float(force[b + 1]))
+        found[drive.name] = (float(torque[i]),)
+    return found
+
+
+def simulate(linkage: Linkage, start: Start, accuracy: TreeAccuracy, plan: Plan) -> Run:
+    """Run a linkage from a start; see ``Plan`` and ``Run``.
+
+    Raises
+    ------
+    InputError
+        Where the linkage is no open tree.
+    """
+    tree = tree_of(linkage)
+    if isinstance(tree, str):
+        raise InputError(f"engine exudyn-tree needs a linkage without closed loops: {tree}")
+    times: dict[str, float] = {}
+    with timed(times, "wall_compile_s"):
+        _warm_up(tree, linkage, start, accuracy)
+    with timed(times, "wall_build_s"):
+        account = Account.of(linkage, start.position, plan.recorded_cycles, plan.cycle)
+        book = account.book
+        system = system_of(tree, linkage, accuracy)
+        forces = _Forces(system, book, np.zeros(len(tree.links)))
+        model = assemble(tree, linkage, start, forces.function())
+        forces.x, forces.u = model.x, model.u
+        watch = Watch(account, plan)
+        accept = _accept(model, system, book)
+        model.system.SetPostStepUserFunction(post_step(watch, accept, LONGEST_STEP))
+
+    def energy() -> tuple[float, float]:
+        q, v = system.state[0], system.state[1]
+        stored = stored_energy(linkage, book.joints, book.touch["penetration"], q, v)
+        return stored, hinge_power_integral(system)
+
+    tree_state(system, book, 0.0, model.x, model.u, np.zeros(len(tree.links)))
+    stored_before, momentum_before = energy()
+    with timed(times, "wall_solve_s"):
+        message = solve(
+            model.system,
+            _settings(accuracy, plan),
+            exu.DynamicSolverType.DOPRI5,
+            watch,
+            "a smaller integration_tolerance may help",
+        )
+    stored_after, momentum_after = energy()
+    book.ledger[0] += momentum_after - momentum_before
+    solver = model.system.sys["dynamicSolver"]
+    pace = system.pace[0]
+    result = Run(
+        status=watch.ended,
+        message=message,
+        account=account,
+        end=Start(system.state[0].copy(), system.state[1].copy()),
+        time=watch.time,
+        reactions=reactions_of(tree, linkage, system.state[3], book.torque),
+        diagnostics={
+            "model": f"{described(linkage)}; open tree of {len(tree.links)} coordinates",
+            "solver": f"Exudyn DOPRI5 at tolerance {accuracy.tolerance:g}, "
+            "steps end on touches and separations",
+            "steps": watch.steps,
+            "steps_sent_back": int(solver.it.rejectedAutomaticStepSizeSteps),
+            "evaluations": int(pace["evaluations"]),
+            "events": int(pace["events"]),
+            "deepest_touch_m": float(pace["deepest_touch"]),
+            **times,
+            **Ledger.of(book.ledger, stored_after - stored_before).as_dict(),
+            **_wall_shares(solver.timer),
+        },
+    )
+    model.container.Reset()
+    return result
+
+
+def _warm_up(tree: Tree, linkage: Linkage, start: Start, accuracy: TreeAccuracy) -> None:
+    """Compile every kernel, or load it from the cache, on a state thrown away."""
+    account = Account.of(linkage, start.position, 1, 1.0)
+    book = account.book
+    system = system_of(tree, linkage, accuracy)
+    x, u = tree.coordinates(start.position, start.velocity)
+    out = np.zeros(len(tree.links))
+    stage_forces(system, book.joints, book.wear, book.surfaces, 0.0, x, u, out)
+    accept_tree_step(system, book, 0.0, x, u, out)
+    tree_state(system, book, 0.0, x, u, out)
+    hinge_power_integral(system)
+
+
+def _wall_shares(timer: Any) -> dict[str, float]:
+    """Where the solve's time went, as parts of its wall time.
+
+    Forces include the tree's own in C++ and the Python user function; the step's end is
+    contact state, wear, recording and the choice of the next step.
+    """
+    return share_of(
+        timer,
+        {
+            "forces": timer.ODE2RHS,
+            "mass_matrix": timer.massMatrix + timer.factorization + timer.newtonIncrement,
+            "integrator": timer.integrationFormula + timer.errorEstimator,
+            "end_of_step": timer.python,
+        },
+    )
