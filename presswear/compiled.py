@@ -63,3 +63,16 @@ def compiled(function: F) -> F:
     of_package = _PACKAGE in Path(function.__code__.co_filename).resolve().parents
     kernel = numba.njit(cache=of_package and _cache_is_usable(), error_model="numpy")(function)
     return cast(F, kernel)
+
+
+def specialised(kernel: F, *arguments: Any) -> F:
+    """The compiled function for arguments of these types, compiled or loaded if need be.
+
+    Numba's dispatcher looks up the types of all arguments in every call; with a dozen
+    records and arrays that takes longer than a small kernel itself.  This is for
+    functions that a solver calls a million times with the same arrays.
+    """
+    dispatcher = cast(Any, kernel)
+    types = tuple(numba.typeof(argument) for argument in arguments)
+    dispatcher.compile(types)
+    return cast(F, dispatcher.overloads[types].entry_point)

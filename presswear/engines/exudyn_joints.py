@@ -16,7 +16,6 @@ from presswear.energy import Ledger, stored_energy
 from presswear.engines.base import Accuracy, Plan, Run, Start, described
 from presswear.engines.exudyn_model import Model, assemble, connector_force, reactions_of
 from presswear.engines.exudyn_solve import (
-    STEP,
     Accept,
     Watch,
     post_step,
@@ -103,9 +102,7 @@ def simulate(linkage: Linkage, start: Start, accuracy: Accuracy, plan: Plan) -> 
         ).reshape(-1, 2)
         watch = Watch(account, plan)
         send_back = _SendBack(model, book, steps)
-        model.system.SetPostStepUserFunction(
-            post_step(watch, _accept(model, book, steps, drives), STEP)
-        )
+        model.system.SetPostStepUserFunction(post_step(watch, _accept(model, book, steps, drives)))
         if linkage.clearances:
             model.system.SetPostNewtonUserFunction(lambda system, t: send_back(system, t))
     depths = book.touch["penetration"]

@@ -19,9 +19,8 @@ _PROGRESS_STEPS = 512
 Accept = Callable[[float], float]
 """Called with the time of an accepted step; gives the next step, s, or NaN for a broken state."""
 
-STEP, LONGEST_STEP = "currentStepSize", "maxStepSize"
-"""Where the next step is written: an implicit solver takes it as it is, an explicit one
-with error control takes it as a limit."""
+Write = Callable[[Any, float], None]
+"""Hands the next step, s, to the running solver, whose ``it`` is given."""
 
 
 @dataclass
@@ -49,13 +48,42 @@ class Watch:
         return True
 
 
-def post_step(watch: Watch, accept: Accept, step: str) -> Callable[..., bool]:
-    """The function for Exudyn's PostStep; it writes the next step into the running solver.
+def write_step(iteration: Any, step: float) -> None:
+    """The next step of a solver without error control."""
+    iteration.currentStepSize = step
 
-    Parameters
-    ----------
-    step : {STEP, LONGEST_STEP}
+
+class StepLimit:
+    """Limits the next step of a solver with error control.
+
+    Such a solver has chosen its next step before it calls PostStep, so the limit is
+    applied in PreStep, to the step and to the time it will end at.  A step that is
+    repeated because of its error is Exudyn's own to shorten.
     """
+
+    def __init__(self, watch: Watch):
+        self._watch = watch
+        self._iteration: Any = None
+        self._limit = 0.0
+
+    def write(self, iteration: Any, step: float) -> None:
+        """Note the limit, s, for the step to come."""
+        self._iteration = iteration
+        self._limit = step
+
+    def pre_step(self, system: Any, t: float) -> bool:
+        """The function for Exudyn's PreStep."""
+        if self._limit > 0.0:
+            iteration = self._iteration
+            step = min(self._limit, iteration.currentStepSize)
+            iteration.currentStepSize = step
+            iteration.currentTime = self._watch.time + step
+            self._limit = 0.0
+        return True
+
+
+def post_step(watch: Watch, accept: Accept, write: Write = write_step) -> Callable[..., bool]:
+    """The function for Exudyn's PostStep: accounts for a step and hands on the next."""
     duration = watch.plan.cycle * watch.plan.cycles
     watch.cycle_end = watch.plan.cycle
     iteration: Any = None
@@ -73,7 +101,7 @@ def post_step(watch: Watch, accept: Accept, step: str) -> Callable[..., bool]:
                 return False
             if t >= watch.cycle_end - END_TOLERANCE and not watch.close_cycle():
                 return False
-            setattr(iteration, step, min(following, watch.cycle_end - t))
+            write(iteration, min(following, watch.cycle_end - t))
             if watch.steps % _PROGRESS_STEPS == 0:
                 watch.plan.progress(min(t / duration, 1.0))
         except BaseException as error:  # Exudyn would wrap it: kept, raised after the solve

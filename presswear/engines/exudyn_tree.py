@@ -16,12 +16,13 @@ import exudyn as exu
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.compiled import specialised
 from presswear.contacts import JOINT_RATES
 from presswear.energy import Ledger, mass_of, stored_energy, weight_of
 from presswear.engines.base import Plan, Run, Start, TreeAccuracy, described
 from presswear.engines.exudyn_solve import (
-    LONGEST_STEP,
     Accept,
+    StepLimit,
     Watch,
     post_step,
     settings_of,
@@ -168,9 +169,10 @@ class _Forces:
         """What Exudyn calls in every stage; its own copies of the state are not needed."""
         system, out = self.system, self.out
         joints, wear, surfaces = self.book.joints, self.book.wear, self.book.surfaces
+        kernel = specialised(stage_forces, system, joints, wear, surfaces, 0.0, out, out, out)
 
         def force(mbs: Any, t: float, item: int, q: Any, q_t: Any) -> Array:
-            stage_forces(system, joints, wear, surfaces, t, self.x, self.u, out)
+            kernel(system, joints, wear, surfaces, t, self.x, self.u, out)
             return out
 
         return force
@@ -205,9 +207,10 @@ def _accept(model: Model, system: TreeSystem, book: Book) -> Accept:
     x, u, u_t = model.x, model.u, model.u_t
     at_start = _accelerations_at_start(model)
     system.pace["evaluations"] = 0
+    kernel = specialised(accept_tree_step, system, book, 0.0, x, u, u_t)
 
     def accept(t: float) -> float:
-        return accept_tree_step(system, book, t, x, u, at_start if t == 0.0 else u_t)
+        return kernel(system, book, t, x, u, at_start if t == 0.0 else u_t)
 
     return accept
 
@@ -256,7 +259,9 @@ def simulate(linkage: Linkage, start: Start, accuracy: TreeAccuracy, plan: Plan)
         forces.x, forces.u = model.x, model.u
         watch = Watch(account, plan)
         accept = _accept(model, system, book)
-        model.system.SetPostStepUserFunction(post_step(watch, accept, LONGEST_STEP))
+        limit = StepLimit(watch)
+        model.system.SetPreStepUserFunction(lambda system, t: limit.pre_step(system, t))
+        model.system.SetPostStepUserFunction(post_step(watch, accept, limit.write))
 
     def energy() -> tuple[float, float]:
         q, v = system.state[0], system.state[1]
@@ -304,15 +309,13 @@ def simulate(linkage: Linkage, start: Start, accuracy: TreeAccuracy, plan: Plan)
 
 def _warm_up(tree: Tree, linkage: Linkage, start: Start, accuracy: TreeAccuracy) -> None:
     """Compile every kernel, or load it from the cache, on a state thrown away."""
-    account = Account.of(linkage, start.position, 1, 1.0)
-    book = account.book
+    book = Account.of(linkage, start.position, 1, 1.0).book
     system = system_of(tree, linkage, accuracy)
-    x, u = tree.coordinates(start.position, start.velocity)
-    out = np.zeros(len(tree.links))
-    stage_forces(system, book.joints, book.wear, book.surfaces, 0.0, x, u, out)
-    accept_tree_step(system, book, 0.0, x, u, out)
-    tree_state(system, book, 0.0, x, u, out)
-    hinge_power_integral(system)
+    x = np.zeros(len(tree.links))
+    specialised(stage_forces, system, book.joints, book.wear, book.surfaces, 0.0, x, x, x)
+    specialised(accept_tree_step, system, book, 0.0, x, x, x)
+    specialised(tree_state, system, book, 0.0, x, x, x)
+    specialised(hinge_power_integral, system)
 
 
 def _wall_shares(timer: Any) -> dict[str, float]:
