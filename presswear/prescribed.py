@@ -29,8 +29,14 @@ CRANK = np.dtype(
 
 
 @compiled
-def place_cranks(cranks: Records, t: float, q: Array, v: Array, a: Array) -> None:
-    """Fill coordinates, rates and accelerations of the prescribed bodies at a time, s."""
+def place_cranks(cranks: Records, t: float, q: Array, v: Array, a: Array, axes: Array) -> None:
+    """Fill coordinates, rates and accelerations of the prescribed bodies at a time, s.
+
+    Parameters
+    ----------
+    axes : ndarray, shape (3 bodies,)
+        Cosine and sine of each body's angle, in the places of its x and y.
+    """
     for i in range(cranks.shape[0]):
         crank = cranks[i]
         b = crank.body
@@ -38,6 +44,8 @@ def place_cranks(cranks: Records, t: float, q: Array, v: Array, a: Array) -> Non
         theta = crank.angle + speed * t
         cosine = math.cos(theta)
         sine = math.sin(theta)
+        axes[b] = cosine
+        axes[b + 1] = sine
         rx = -(cosine * crank.local_x - sine * crank.local_y)
         ry = -(sine * crank.local_x + cosine * crank.local_y)
         q[b] = crank.hinge_x + rx

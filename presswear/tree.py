@@ -42,15 +42,15 @@ CARRIED = 4
 
 
 @compiled
-def arm(x: float, y: float, angle: float) -> tuple[float, float]:
-    """A vector of a body's frame in global directions."""
-    cosine = math.cos(angle)
-    sine = math.sin(angle)
+def arm(x: float, y: float, axes: Array, body: int) -> tuple[float, float]:
+    """A vector of the frame of the body whose x is ``q[body]``, in global directions."""
+    cosine = axes[body]
+    sine = axes[body + 1]
     return cosine * x - sine * y, sine * x + cosine * y
 
 
 @compiled
-def place_links(links: Records, x: Array, u: Array, q: Array, v: Array) -> None:
+def place_links(links: Records, x: Array, u: Array, q: Array, v: Array, axes: Array) -> None:
     """Coordinates and rates of all free bodies from those of the tree.
 
     Parameters
@@ -58,7 +58,9 @@ def place_links(links: Records, x: Array, u: Array, q: Array, v: Array) -> None:
     x, u : ndarray, shape (links,)
         Relative angles or ways along guides, rad or m, and rates.
     q, v : ndarray, shape (3 bodies,)
-        Those of the cranks must be there already.
+    axes : ndarray, shape (3 bodies,)
+        Cosine and sine of each body's angle, in the places of its x and y.  Those of the
+        cranks must be there already, like their coordinates and rates.
     """
     for i in range(links.shape[0]):
         link = links[i]
@@ -70,11 +72,13 @@ def place_links(links: Records, x: Array, u: Array, q: Array, v: Array) -> None:
             v[b] = u[i] * link.cosine
             v[b + 1] = u[i] * link.sine
             v[b + 2] = 0.0
+            axes[b] = math.cos(link.angle)
+            axes[b + 1] = math.sin(link.angle)
             continue
         p = link.before
         jx, jy, jvx, jvy, angle, spin = link.before_x, link.before_y, 0.0, 0.0, 0.0, 0.0
         if p >= 0:
-            rx, ry = arm(link.before_x, link.before_y, q[p + 2])
+            rx, ry = arm(link.before_x, link.before_y, axes, p)
             jx = q[p] + rx
             jy = q[p + 1] + ry
             jvx = v[p] - v[p + 2] * ry
@@ -84,7 +88,9 @@ def place_links(links: Records, x: Array, u: Array, q: Array, v: Array) -> None:
                 spin = v[p + 2]
         angle += x[i]
         spin += u[i]
-        rx, ry = arm(link.own_x, link.own_y, angle)
+        axes[b] = math.cos(angle)
+        axes[b + 1] = math.sin(angle)
+        rx, ry = arm(link.own_x, link.own_y, axes, b)
         q[b] = jx - rx
         q[b + 1] = jy - ry
         q[b + 2] = angle
@@ -94,7 +100,7 @@ def place_links(links: Records, x: Array, u: Array, q: Array, v: Array) -> None:
 
 
 @compiled
-def accelerate_links(links: Records, u_t: Array, q: Array, v: Array, a: Array) -> None:
+def accelerate_links(links: Records, u_t: Array, v: Array, axes: Array, a: Array) -> None:
     """Accelerations of all free bodies; those of the cranks must be there already."""
     for i in range(links.shape[0]):
         link = links[i]
@@ -107,14 +113,14 @@ def accelerate_links(links: Records, u_t: Array, q: Array, v: Array, a: Array) -
         p = link.before
         jax, jay, spin_t = 0.0, 0.0, 0.0
         if p >= 0:
-            rx, ry = arm(link.before_x, link.before_y, q[p + 2])
+            rx, ry = arm(link.before_x, link.before_y, axes, p)
             square = v[p + 2] * v[p + 2]
             jax = a[p] - a[p + 2] * ry - square * rx
             jay = a[p + 1] + a[p + 2] * rx - square * ry
             if link.parent >= 0:
                 spin_t = a[p + 2]
         spin_t += u_t[i]
-        rx, ry = arm(link.own_x, link.own_y, q[b + 2])
+        rx, ry = arm(link.own_x, link.own_y, axes, b)
         square = v[b + 2] * v[b + 2]
         a[b] = jax + spin_t * ry + square * rx
         a[b + 1] = jay - spin_t * rx + square * ry
@@ -122,7 +128,7 @@ def accelerate_links(links: Records, u_t: Array, q: Array, v: Array, a: Array) -
 
 
 @compiled
-def carry_branches(links: Records, q: Array, v: Array, a: Array, carried: Array) -> None:
+def carry_branches(links: Records, v: Array, a: Array, axes: Array, carried: Array) -> None:
     """Velocity and acceleration of the point each branch hangs from, shape (links, CARRIED)."""
     for i in range(links.shape[0]):
         link = links[i]
@@ -133,7 +139,7 @@ def carry_branches(links: Records, q: Array, v: Array, a: Array, carried: Array)
         if p < 0:
             carried[i] = 0.0
             continue
-        rx, ry = arm(link.before_x, link.before_y, q[p + 2])
+        rx, ry = arm(link.before_x, link.before_y, axes, p)
         spin = v[p + 2]
         carried[i, 0] = v[p] - spin * ry
         carried[i, 1] = v[p + 1] + spin * rx
@@ -142,7 +148,7 @@ def carry_branches(links: Records, q: Array, v: Array, a: Array, carried: Array)
 
 
 @compiled
-def gather_forces(links: Records, q: Array, force: Array, out: Array) -> None:
+def gather_forces(links: Records, q: Array, axes: Array, force: Array, out: Array) -> None:
     """Forces on the bodies as forces on the coordinates of the tree, J^T f.
 
     Parameters
@@ -160,7 +166,7 @@ def gather_forces(links: Records, q: Array, force: Array, out: Array) -> None:
         if link.slides:
             out[i] = fx * link.cosine + fy * link.sine
             continue
-        rx, ry = arm(link.own_x, link.own_y, q[b + 2])
+        rx, ry = arm(link.own_x, link.own_y, axes, b)
         moment = force[b + 2] - rx * fy + ry * fx
         out[i] = moment
         p = link.before

@@ -149,7 +149,7 @@ def system_of(tree: Tree, linkage: Linkage, accuracy: TreeAccuracy) -> TreeSyste
         expected=np.zeros(joints),
         pace=pace,
         stages=np.zeros((STAGES, 1 + JOINT_RATES * joints)),
-        state=np.zeros((4, count)),
+        state=np.zeros((5, count)),
         carried=np.zeros((len(tree.links), CARRIED)),
         balance=np.zeros(len(tree.links)),
     )

@@ -34,8 +34,8 @@ STAGES = WEIGHTS.size
 
 GROWTH = 5.0
 """A step is at most so many times the one before."""
-FIRST_PARTS = 12.0
-"""First step behind a touch, as a part of the expected contact."""
+IMPACT_PARTS = 15
+"""Steps in one impact, at least: enough to show its peak, whatever the tolerance."""
 LANDING_DEPTH = 1e-11
 """A step that ends on a touch or separation goes this far behind it, m."""
 LANDING_PART = 1e-3
@@ -71,8 +71,9 @@ class TreeSystem(NamedTuple):
     pace : one record of PACE
     stages : ndarray, shape (STAGES, 1 + JOINT_RATES joints)
         Powers of the stages of a step: drives (see ``stage_forces``), then the joints'.
-    state : ndarray, shape (4, 3 bodies)
-        q, v, a and generalized forces of all bodies.
+    state : ndarray, shape (5, 3 bodies)
+        q, v, a and generalized forces of all bodies, and their axes: cosine and sine of
+        a body's angle in the places of its x and y.
     carried : ndarray, shape (links, CARRIED)
     balance : ndarray, shape (links,)
     """
@@ -108,15 +109,15 @@ def stage_forces(
     dP/dt . v is the end value of P . v less the integral of P . a; the end values are
     added after the run, so that no acceleration is needed here.
     """
-    q, v, a, force = system.state[0], system.state[1], system.state[2], system.state[3]
-    place_cranks(system.cranks, t, q, v, a)
-    place_links(system.links, x, u, q, v)
+    q, v, a, force, axes = system.state
+    place_cranks(system.cranks, t, q, v, a, axes)
+    place_links(system.links, x, u, q, v, axes)
     force[:] = system.weight
     spring_forces(system.springs, q, v, force)
     row = system.stages[system.pace[0].evaluations % STAGES]
     system.pace[0].evaluations += 1
     add_contacts(joints, wear, system.expected, surfaces, q, v, force, row[1:])
-    carry_branches(system.links, q, v, a, system.carried)
+    carry_branches(system.links, v, a, axes, system.carried)
     power = -forced_power(system.cranks, v, force)
     for i in range(system.links.shape[0]):
         link = system.links[i]
@@ -127,14 +128,14 @@ def stage_forces(
         force[b] -= link.mass * ax
         force[b + 1] -= link.mass * ay
     row[0] = power
-    gather_forces(system.links, q, force, out)
+    gather_forces(system.links, q, axes, force, out)
 
 
 @compiled
 def hinge_power_integral(system: TreeSystem) -> float:
     """Momentum of each branch times the velocity of its hinge, summed, J: see ``stage_forces``."""
-    q, v, a = system.state[0], system.state[1], system.state[2]
-    carry_branches(system.links, q, v, a, system.carried)
+    _, v, a, _, axes = system.state
+    carry_branches(system.links, v, a, axes, system.carried)
     total = 0.0
     for i in range(system.links.shape[0]):
         b = system.links[i].body
@@ -181,7 +182,7 @@ def step_to_events(book: Book, system: TreeSystem, h: float) -> float:
     Leaves the closing speeds that the stages of that step use in ``expected``.
     """
     pace = system.pace[0]
-    q, v, a = system.state[0], system.state[1], system.state[2]
+    q, v, a, _, _ = system.state
     for k in range(book.joints.shape[0]):
         joint = book.joints[k]
         last = book.touch[k]
@@ -244,17 +245,17 @@ def tree_state(system: TreeSystem, book: Book, t: float, x: Array, u: Array, u_t
     Leaves the drives' torques in the book, and in the forces of each body what it and
     all that hangs from it bear.
     """
-    q, v, a, force = system.state[0], system.state[1], system.state[2], system.state[3]
-    place_cranks(system.cranks, t, q, v, a)
-    place_links(system.links, x, u, q, v)
-    accelerate_links(system.links, u_t, q, v, a)
+    q, v, a, force, axes = system.state
+    place_cranks(system.cranks, t, q, v, a, axes)
+    place_links(system.links, x, u, q, v, axes)
+    accelerate_links(system.links, u_t, v, axes, a)
     force[:] = system.weight
     spring_forces(system.springs, q, v, force)
     rates = system.stages[0, 1:]
     add_contacts(book.joints, book.wear, system.expected, book.surfaces, q, v, force, rates)
     for c in range(force.shape[0]):
         force[c] -= system.mass[c] * a[c]
-    gather_forces(system.links, q, force, system.balance)
+    gather_forces(system.links, q, axes, force, system.balance)
     power = 0.0
     for i in range(system.cranks.shape[0]):
         book.torque[i] = drive_torque(system.cranks[i], q, force)
@@ -263,26 +264,37 @@ def tree_state(system: TreeSystem, book: Book, t: float, x: Array, u: Array, u_t
 
 
 @compiled
+def step_in_impact(book: Book, longest: float) -> float:
+    """Step limit, s, of the joints that have touched but a moment ago."""
+    for k in range(book.joints.shape[0]):
+        if book.onset[k] > 0.0 and book.touch[k].steps < 2 * IMPACT_PARTS:
+            joint = book.joints[k]
+            part = contact_step(
+                joint.stiffness,
+                joint.exponent,
+                book.touch[k].effective_mass,
+                0.0,
+                book.onset[k],
+                IMPACT_PARTS,
+            )
+            longest = min(longest, part)
+    return longest
+
+
+@compiled
 def next_tree_step(book: Book, system: TreeSystem, h: float, events: int) -> float:
     """Limit of the next step, s, after one of length ``h``; the error control may go below it."""
     pace = system.pace[0]
     if not (pace.cut and h >= 0.999 * pace.asked):
         # A step cut short says little: what was reached before it still holds.
-        pace.reach = h
+        pace.reach = max(h, pace.shortest)
     for k in range(book.joints.shape[0]):
-        last = book.touch[k]
-        if book.onset[k] > 0.0 and last.steps == 1:
-            joint = book.joints[k]
-            pace.deepest_touch = max(pace.deepest_touch, last.penetration)
-            closing = max(last.rate, 0.0)
-            whole = contact_step(
-                joint.stiffness, joint.exponent, last.effective_mass, 0.0, closing, 1.0
-            )
-            pace.reach = min(pace.reach, whole / FIRST_PARTS / GROWTH)
+        if book.onset[k] > 0.0 and book.touch[k].steps == 1:
+            pace.deepest_touch = max(pace.deepest_touch, book.touch[k].penetration)
     pace.events += events
     pace.smooth = events == 0
     limit = min(
-        GROWTH * max(pace.reach, pace.shortest),
+        step_in_impact(book, GROWTH * pace.reach),
         skim_step(book.joints, book.touch, book.surfaces, pace.longest),
     )
     pace.asked = step_to_events(book, system, limit)
@@ -308,7 +320,7 @@ def accept_tree_step(
     power = tree_state(system, book, t, x, u, u_t)
     book.ledger[1] += 0.5 * h * (abs(book.ledger[4]) + abs(power))
     book.ledger[4] = power
-    q, v, a = system.state[0], system.state[1], system.state[2]
+    q, v, a, _, _ = system.state
     events = settle(
         book.joints, book.onset, book.touch, book.tally, book.episodes, book.surfaces, t, q, v
     )
