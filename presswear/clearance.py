@@ -61,13 +61,12 @@ class Contact(NamedTuple):
 
     ``rate`` is that of the penetration, ``approach`` that of |e|; they differ where a
     worn profile slopes.  ``pin_arm`` and ``bearing_arm`` are the distances of the
-    contact point from the two centres, along n.  ``direction`` is phi.
+    contact point from the two centres, along n.
     """
 
     penetration: float
     rate: float
     sliding: float
-    direction: float
     turning: float
     normal_x: float
     normal_y: float
@@ -115,6 +114,12 @@ def joint_end(body: int, local_x: float, local_y: float, q: Array, v: Array) -> 
 
 
 @compiled
+def direction_of(contact: Contact) -> float:
+    """Direction phi of the eccentricity, rad."""
+    return math.atan2(contact.normal_y, contact.normal_x)
+
+
+@compiled
 def contact_between(
     joint: Records,
     bearing: Pose,
@@ -138,10 +143,9 @@ def contact_between(
         nx = ex / eccentricity
         ny = ey / eccentricity
         turning = (ex * vy - ey * vx) / (eccentricity * eccentricity)
-        direction = math.atan2(ey, ex)
     else:
         # A pin exactly in the centre touches nothing: any direction serves.
-        nx, ny, turning, direction = 1.0, 0.0, 0.0, 0.0
+        nx, ny, turning = 1.0, 0.0, 0.0
     penetration = eccentricity - joint.clearance
     approach = vx * nx + vy * ny
     rate = approach
@@ -149,6 +153,7 @@ def contact_between(
     bearing_radius = joint.bearing_radius
     if bearing_depth.shape[0] > 0:
         turns = joint.map_turns
+        direction = math.atan2(ny, nx)
         depth, slope = profile(bearing_depth, bearing_slope, direction - turns * bearing.angle)
         penetration -= depth
         bearing_radius += depth
@@ -166,7 +171,6 @@ def contact_between(
         penetration,
         rate,
         sliding,
-        direction,
         turning,
         nx,
         ny,
@@ -280,13 +284,14 @@ def penetration_acceleration(
     if surfaces.shape[2] > 0:
         turning_t = (ay * nx - ax * ny - 2.0 * contact.approach * turning) / contact.eccentricity
         turns = joint.map_turns
+        direction = direction_of(contact)
         for row, angle, spin, spin_t in (
             (0, bearing.angle, bearing.spin, bearing_spin_t),
             (2, pin.angle, pin.spin, pin_spin_t),
         ):
             depth = surfaces[k, row]
             slope = surfaces[k, row + 1]
-            where = contact.direction - turns * angle
+            where = direction - turns * angle
             sweep = turning - turns * spin
             result -= curvature(depth, slope, where) * sweep * sweep
             result -= profile(depth, slope, where)[1] * (turning_t - turns * spin_t)

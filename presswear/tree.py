@@ -132,12 +132,11 @@ def carry_branches(links: Records, v: Array, a: Array, axes: Array, carried: Arr
     """Velocity and acceleration of the point each branch hangs from, shape (links, CARRIED)."""
     for i in range(links.shape[0]):
         link = links[i]
-        if link.parent >= 0:
-            carried[i] = carried[link.parent]
-            continue
         p = link.before
-        if p < 0:
-            carried[i] = 0.0
+        if link.parent >= 0 or p < 0:
+            # Numba copies single numbers faster than short rows.
+            for c in range(CARRIED):
+                carried[i, c] = carried[link.parent, c] if link.parent >= 0 else 0.0
             continue
         rx, ry = arm(link.before_x, link.before_y, axes, p)
         spin = v[p + 2]

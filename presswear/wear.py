@@ -12,7 +12,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.clearance import Contact
+from presswear.clearance import Contact, direction_of
 from presswear.compiled import Records, compiled
 from presswear.linkage import ClearanceJoint, Linkage
 from presswear.surface import bin_of, profile
@@ -74,8 +74,11 @@ def contact_area(
 def dose_rates(
     law: Records, joint: Records, contact: Contact, normal: float
 ) -> tuple[float, float]:
-    """Rates of the two doses of wear: F_n ds/dt, W, and p ds/dt, W/m^2, with p = F_n / A."""
-    if normal <= 0.0:
+    """Rates of the two doses of wear: F_n ds/dt, W, and p ds/dt, W/m^2, with p = F_n / A.
+
+    Zero where no account is kept.
+    """
+    if normal <= 0.0 or law.coefficient == 0.0:
         return 0.0, 0.0
     work = normal * slip_speed(law.slip_by_angle, joint.pin_radius, contact)
     indentation = 0.5 * contact.penetration
@@ -109,8 +112,8 @@ def deposit_in_bin(
     added = law.coefficient * pressure_dose
     count = depth.shape[1]
     turns = joint.map_turns
-    bearing_bin = bin_of(contact.direction - turns * bearing_angle, count)
-    pin_bin = bin_of(contact.direction - turns * pin_angle, count)
+    bearing_bin = bin_of(direction_of(contact) - turns * bearing_angle, count)
+    pin_bin = bin_of(direction_of(contact) - turns * pin_angle, count)
     depth[0, bearing_bin] += law.bearing_share * added
     depth[1, pin_bin] += (1.0 - law.bearing_share) * added
 
@@ -135,6 +138,7 @@ def deposit_over_arc(
     count = depth.shape[1]
     worn = surfaces.shape[1] > 0
     turns = joint.map_turns
+    direction = direction_of(contact)
     bearing_zero = turns * bearing_angle
     pin_zero = turns * pin_angle
     # A step that ends with the separation leaves its wear where the pin last was.
@@ -148,7 +152,7 @@ def deposit_over_arc(
     for side in (-1.0, 1.0):
         for i in range(most):
             offset = side * (i + 0.5) * step
-            angle = contact.direction + offset
+            angle = direction + offset
             # cos(x) - 1 without cancellation
             half = math.sin(0.5 * offset)
             overlap = contact.eccentricity * (1.0 - 2.0 * half * half) - joint.clearance
@@ -169,7 +173,7 @@ def deposit_over_arc(
     scale = law.coefficient * dose / (joint.width * joint.bearing_radius * bin_width * total)
     for i in range(used):
         offset = -(i + 0.5) * step if i < left else (i - left + 0.5) * step
-        angle = contact.direction + offset
+        angle = direction + offset
         added = scale * pressure[i]
         depth[0, bin_of(angle - bearing_zero, count)] += law.bearing_share * added
         depth[1, bin_of(angle - pin_zero, count)] += (1.0 - law.bearing_share) * added

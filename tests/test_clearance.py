@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from two_bodies import JOINT, Pair, gap_of, placed, waves, worn_joint
 
 from presswear.clearance import (
+    direction_of,
     joint_end,
     pack_joints,
     pack_surfaces,
@@ -116,7 +117,7 @@ def test_penetration_is_measured_from_the_worn_gap(
     assert contact.eccentricity == pytest.approx(
         penetration + gap_of(joint, direction, *angles), abs=8.0 * EPS
     )
-    assert math.cos(contact.direction - direction) == pytest.approx(1.0, abs=1e-12)
+    assert math.cos(direction_of(contact) - direction) == pytest.approx(1.0, abs=1e-12)
 
 
 @given(joints, st.floats(0.0, 1e-4), directions, angle_pairs, _rates(3.0, 300.0))
@@ -192,7 +193,7 @@ def _knot_is_near(pair: Pair, span: float) -> bool:
     count = pair.surfaces.shape[2]
     turns = float(pair.joint.map_frame == "body")
     positions = [
-        (pair.contact()[0].direction - turns * pair.q[body + 2]) * count / (2.0 * math.pi) - 0.5
+        (direction_of(pair.contact()[0]) - turns * pair.q[body + 2]) * count / (2.0 * math.pi) - 0.5
         for body in (0, 3)
     ]
     width = 2.0 * math.pi / max(count, 1)

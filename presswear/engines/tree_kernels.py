@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy.integrate import RK45
 
 from presswear.clearance import penetration_acceleration
-from presswear.compiled import Records, compiled
+from presswear.compiled import Records, compiled, copy_to
 from presswear.contacts import JOINT_RATES, add_contacts
 from presswear.observe import Book, observe
 from presswear.prescribed import drive_torque, forced_power, place_cranks
@@ -112,7 +112,7 @@ def stage_forces(
     q, v, a, force, axes = system.state
     place_cranks(system.cranks, t, q, v, a, axes)
     place_links(system.links, x, u, q, v, axes)
-    force[:] = system.weight
+    copy_to(force, system.weight)
     spring_forces(system.springs, q, v, force)
     row = system.stages[system.pace[0].evaluations % STAGES]
     system.pace[0].evaluations += 1
@@ -122,11 +122,12 @@ def stage_forces(
     for i in range(system.links.shape[0]):
         link = system.links[i]
         b = link.body
-        vx, vy, ax, ay = system.carried[i]
-        power -= force[b] * vx + force[b + 1] * vy
-        power -= link.mass * (v[b] * ax + v[b + 1] * ay)
-        force[b] -= link.mass * ax
-        force[b + 1] -= link.mass * ay
+        ax = link.mass * system.carried[i, 2]
+        ay = link.mass * system.carried[i, 3]
+        power -= force[b] * system.carried[i, 0] + force[b + 1] * system.carried[i, 1]
+        power -= v[b] * ax + v[b + 1] * ay
+        force[b] -= ax
+        force[b + 1] -= ay
     row[0] = power
     gather_forces(system.links, q, axes, force, out)
 
@@ -139,8 +140,8 @@ def hinge_power_integral(system: TreeSystem) -> float:
     total = 0.0
     for i in range(system.links.shape[0]):
         b = system.links[i].body
-        carried = system.carried[i]
-        total += system.links[i].mass * (v[b] * carried[0] + v[b + 1] * carried[1])
+        along = v[b] * system.carried[i, 0] + v[b + 1] * system.carried[i, 1]
+        total += system.links[i].mass * along
     return total
 
 
@@ -249,7 +250,7 @@ def tree_state(system: TreeSystem, book: Book, t: float, x: Array, u: Array, u_t
     place_cranks(system.cranks, t, q, v, a, axes)
     place_links(system.links, x, u, q, v, axes)
     accelerate_links(system.links, u_t, v, axes, a)
-    force[:] = system.weight
+    copy_to(force, system.weight)
     spring_forces(system.springs, q, v, force)
     rates = system.stages[0, 1:]
     add_contacts(book.joints, book.wear, system.expected, book.surfaces, q, v, force, rates)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.clearance import pack_joints, pack_surfaces
-from presswear.compiled import Records, compiled
+from presswear.compiled import Records, compiled, copy_to
 from presswear.constraints import DRIVE, Constraints, constraint_rows, constraints_of
 from presswear.contacts import JOINT_RATES, add_contacts
 from presswear.energy import mass_of, weight_of
@@ -95,7 +95,7 @@ def rates(system: System, onset: Array, t: float, y: Array, out: Array) -> None:
     q = y[:n]
     v = y[n : 2 * n]
     force = out[n : 2 * n]
-    force[:] = system.weight
+    copy_to(force, system.weight)
     spring_forces(system.springs, q, v, force)
     rest = out[2 * n + DRIVE_INTEGRALS :]
     add_contacts(system.joints, system.wear, onset, system.surfaces, q, v, force, rest)
@@ -135,7 +135,7 @@ def project(system: System, t: float, y: Array) -> None:
     n = system.mass.shape[0]
     for level in range(2):
         evaluate_constraints(system, t, y[:n], y[n : 2 * n])
-        system.right[:] = system.phi if level == 0 else system.phi_t
+        copy_to(system.right, system.phi if level == 0 else system.phi_t)
         solve(system)
         for row in range(system.phi.shape[0]):
             for e in range(system.row_start[row], system.row_start[row + 1]):

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.clearance import contact_of
-from presswear.compiled import Records, compiled
+from presswear.compiled import Records, compiled, copy_to
 from presswear.constraints import DRIVE
 from presswear.engines.dae.dynamics import (
     DRIVE_INTEGRALS,
@@ -219,7 +219,7 @@ def march_controlled(
             last_step = False
             state.events += 1
         t = end if last_step else t + h
-        motion.y[:] = motion.trial
+        copy_to(motion.y, motion.trial)
         if k >= 0:
             switch(system, book, k, t, motion.y)
             joint = system.joints[k]
@@ -236,7 +236,7 @@ def march_controlled(
         if state.projected or k >= 0:
             rates(system, book.onset, t, motion.y, motion.slopes[0])
         else:
-            motion.slopes[0] = motion.slopes[tableau.b.shape[0]]
+            copy_to(motion.slopes[0], motion.slopes[tableau.b.shape[0]])
         finish_step(system, book, control, motion, t, h)
     return RUNNING
 
@@ -256,7 +256,7 @@ def march_fixed(
             return DONE
         h = min(state.step, left)
         classical_step(system, book.onset, t, h, motion.y, motion.slopes, motion.trial)
-        motion.y[:] = motion.trial
+        copy_to(motion.y, motion.trial)
         t = end if h >= left else t + h
         for i in range(2 * n):
             if not abs(motion.y[i]) < 1e30:

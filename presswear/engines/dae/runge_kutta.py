@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import DOP853, RK45
 
-from presswear.compiled import compiled
+from presswear.compiled import compiled, copy_to
 from presswear.engines.dae.dynamics import System, rates
 
 Array = NDArray[np.float64]
@@ -112,14 +112,14 @@ def embedded_step(
     size = y.shape[0]
     stages = tableau.b.shape[0]
     for stage in range(1, stages):
-        new[:] = y
+        copy_to(new, y)
         for j in range(stage):
             factor = h * tableau.a[stage, j]
             if factor != 0.0:
                 for i in range(size):
                     new[i] += factor * slopes[j, i]
         rates(system, onset, t + tableau.c[stage] * h, new, slopes[stage])
-    new[:] = y
+    copy_to(new, y)
     for j in range(stages):
         factor = h * tableau.b[j]
         if factor != 0.0:
