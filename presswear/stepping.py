@@ -59,8 +59,7 @@ def sum_step(book: Book, drive_power: float, t: float, h: float, q: Array, v: Ar
 def accept_step(
     book: Book,
     steps: Records,
-    drives: Array,
-    multipliers: Array,
+    power: float,
     t: float,
     h: float,
     q: Array,
@@ -71,17 +70,11 @@ def accept_step(
 
     Parameters
     ----------
-    drives : ndarray, shape (drives, 2)
-        Index of each drive's multiplier and its speed, rad/s.
-    multipliers : ndarray
-        Lagrange multipliers of the state; the torque of a drive is minus its own.
+    power : float
+        Of the drives in the state, W; their torques are in the book.
     """
     if not all_finite(q, v):
         return math.nan
-    power = 0.0
-    for i in range(drives.shape[0]):
-        book.torque[i] = -multipliers[int(drives[i, 0])]
-        power += book.torque[i] * drives[i, 1]
     settle(book.joints, book.onset, book.touch, book.tally, book.episodes, book.surfaces, t, q, v)
     sum_step(book, power, t, h, q, v)
     observe(book, t, h, q, v, a)

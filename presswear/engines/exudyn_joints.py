@@ -11,10 +11,11 @@ import exudyn as exu
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.compiled import Records
-from presswear.energy import Ledger, stored_energy
+from presswear.compiled import Records, specialised
+from presswear.contacts import JOINT_RATES
+from presswear.energy import Ledger, stored_energy, weight_of
 from presswear.engines.base import Accuracy, Plan, Run, Start, described
-from presswear.engines.exudyn_model import Model, assemble, connector_force, reactions_of
+from presswear.engines.exudyn_model import Model, assemble, reactions_of
 from presswear.engines.exudyn_solve import (
     Accept,
     Watch,
@@ -24,10 +25,9 @@ from presswear.engines.exudyn_solve import (
     solve,
     timed,
 )
+from presswear.engines.joint_kernels import Drives, accept_joint_step, shorter_joint_step
 from presswear.linkage import Linkage
 from presswear.observe import Account, Book
-from presswear.stepping import accept_step
-from presswear.touch import shorter_step
 
 Array = NDArray[np.float64]
 
@@ -43,15 +43,36 @@ def _settings(accuracy: Accuracy, plan: Plan) -> Any:
     return settings
 
 
-def _accept(model: Model, book: Book, steps: Records, drives: Array) -> Accept:
+def _drives(model: Model, linkage: Linkage) -> Drives:
+    """Where the torques of the drives come from."""
+    number = model.system.systemData.GetObjectLTGAE
+    count = 3 * len(linkage.bodies)
+    return Drives(
+        multiplier=np.array(
+            [
+                number(model.joints[drive.name])[0] if drive.name in model.joints else -1
+                for drive in linkage.drives
+            ],
+            dtype=np.int64,
+        ),
+        speed=np.array([drive.speed for drive in linkage.drives], dtype=np.float64),
+        multipliers=model.multipliers,
+        weight=weight_of(linkage),
+        force=np.zeros(count),
+        rates=np.zeros(JOINT_RATES * len(linkage.clearances)),
+    )
+
+
+def _accept(model: Model, drives: Drives, book: Book, steps: Records) -> Accept:
     """Account for accepted steps and choose the next."""
-    q, v, a, multipliers = model.q, model.v, model.a, model.multipliers
+    frame = model.frame
+    kernel = specialised(accept_joint_step, frame, drives, book, steps, 0.0, 0.0)
     last = 0.0
 
     def accept(t: float) -> float:
         nonlocal last
         h, last = t - last, t
-        return accept_step(book, steps, drives, multipliers, t, h, q, v, a)
+        return kernel(frame, drives, book, steps, t, h)
 
     return accept
 
@@ -61,48 +82,31 @@ class _SendBack:
 
     def __init__(self, model: Model, book: Book, steps: Records):
         self.count = 0
-        self._arguments = book.joints, book.onset, book.touch, steps, book.surfaces
-        self._state = model.q, model.v
+        self._arguments = model.frame, book, steps
+        self._kernel = specialised(shorter_joint_step, *self._arguments, 0.0)
 
     def __call__(self, system: Any, t: float) -> list[float]:
-        shorter = shorter_step(*self._arguments, t, *self._state)
+        shorter = self._kernel(*self._arguments, t)
         if shorter < 0.0:
             return [0.0, -1.0]
         self.count += 1
         return [2.0, shorter]
 
 
-def _warm_up(linkage: Linkage, start: Start, steps: Records) -> None:
-    """Compile every kernel, or load it from the cache, on a state thrown away."""
-    account = Account.of(linkage, start.position, 1, 1.0)
-    q, v = np.array(start.position), np.array(start.velocity)
-    nothing = np.zeros((0, 2))
-    accept_step(account.book, steps, nothing, np.zeros(0), 0.0, 0.0, q, v, np.zeros_like(q))
-    if linkage.clearances:
-        joints, onset, surfaces = account.book.joints, account.book.onset, account.book.surfaces
-        connector_force(joints, 0, onset, surfaces, q, v, np.zeros(6))
-        shorter_step(joints, onset, account.book.touch, steps, surfaces, 0.0, q, v)
-
-
 def simulate(linkage: Linkage, start: Start, accuracy: Accuracy, plan: Plan) -> Run:
     """Run a linkage from a start; see ``Plan`` and ``Run``."""
     steps = accuracy.packed()
     times: dict[str, float] = {}
-    with timed(times, "wall_compile_s"):
-        _warm_up(linkage, start, steps)
+    # Compiling, or loading what was compiled, is part of building the model.
     with timed(times, "wall_build_s"):
         account = Account.of(linkage, start.position, plan.recorded_cycles, plan.cycle)
         book = account.book
         model = assemble(linkage, start, account)
-        drives = np.array(
-            [
-                (model.system.systemData.GetObjectLTGAE(model.joints[drive.name])[0], drive.speed)
-                for drive in linkage.drives
-            ]
-        ).reshape(-1, 2)
         watch = Watch(account, plan)
         send_back = _SendBack(model, book, steps)
-        model.system.SetPostStepUserFunction(post_step(watch, _accept(model, book, steps, drives)))
+        model.system.SetPostStepUserFunction(
+            post_step(watch, _accept(model, _drives(model, linkage), book, steps))
+        )
         if linkage.clearances:
             model.system.SetPostNewtonUserFunction(lambda system, t: send_back(system, t))
     depths = book.touch["penetration"]
@@ -116,7 +120,7 @@ def simulate(linkage: Linkage, start: Start, accuracy: Accuracy, plan: Plan) -> 
             "more steps per contact may help",
         )
     solver = model.system.sys["dynamicSolver"]
-    q, v = np.array(model.q), np.array(model.v)
+    q, v = np.array(model.frame.q), np.array(model.frame.v)
     after = stored_energy(linkage, book.joints, depths, q, v)
     result = Run(
         status=watch.ended,
@@ -124,7 +128,7 @@ def simulate(linkage: Linkage, start: Start, accuracy: Accuracy, plan: Plan) -> 
         account=account,
         end=Start(q, v),
         time=watch.time,
-        reactions=reactions_of(model, linkage),
+        reactions=reactions_of(model, linkage, book.torque, drives.force),
         diagnostics={
             "model": described(linkage),
             "solver": "Exudyn trapezoidal index 2, step chosen by contact state",

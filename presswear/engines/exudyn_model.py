@@ -1,10 +1,11 @@
 """A linkage as an Exudyn system of rigid bodies, joints and connectors.
 
 Every body is an ``ObjectRigidBody2D``, every ideal joint an Exudyn constraint, and
-every clearance joint one ``ObjectGenericODE2`` over the nodes of its two bodies: its
-Python user function returns the exact generalized forces on both.  (A connector
-between two markers cannot: it applies equal and opposite moments, while pin and
-bearing have different radii.)
+all clearance joints together are one ``ObjectGenericODE2`` over the nodes of their
+bodies: its Python user function returns the exact generalized forces on all of them.
+(A connector between two markers cannot: it applies equal and opposite moments, while
+pin and bearing have different radii.)  A driven crank that only clearance joints hold
+on to is left out: its motion is known, and its torque follows from the contact force.
 """
 
 import math
@@ -16,48 +17,53 @@ import exudyn as exu
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.clearance import joint_load
-from presswear.compiled import Records, compiled
+from presswear.compiled import Records, specialised
 from presswear.engines.base import Start
+from presswear.engines.joint_kernels import Frame, connector_forces
 from presswear.linkage import GROUND, Attachment, Linkage
-from presswear.observe import Account
+from presswear.observe import Account, Book
+from presswear.prescribed import hinge_of, pack_cranks
+from presswear.tree import cranks_of
 
 Array = NDArray[np.float64]
 
 
-@compiled
-def connector_force(
-    joints: Records, k: int, onset: Array, surfaces: Array, q: Array, v: Array, out: Array
-) -> None:
-    """Generalized forces of clearance joint ``k`` on bearing body, then pin body; (6,)."""
-    load = joint_load(joints, k, onset, surfaces, q, v)
-    out[0] = -load.x
-    out[1] = -load.y
-    out[2] = load.bearing_moment
-    out[3] = load.x
-    out[4] = load.y
-    out[5] = load.pin_moment
-
-
 @dataclass
 class Model:
-    """An assembled Exudyn system; the four views stay live during the solve."""
+    """An assembled Exudyn system; the views of ``frame`` stay live during the solve."""
 
     container: Any
     system: Any
-    q: Any
-    v: Any
-    a: Any
-    multipliers: Any
     joints: dict[str, int]  # object number of each ideal joint and drive
+    cranks: Records  # driven bodies that are left out
+    frame: Any = None
+    multipliers: Any = None
+
+
+def left_out(linkage: Linkage) -> frozenset[str]:
+    """Cranks that hold on to the rest by clearance joints only: their motion is known."""
+    held = {
+        end.body
+        for joint in linkage.revolutes
+        for end in (joint.first, joint.second)
+        if GROUND not in (joint.first.body, joint.second.body)
+    }
+    held |= {end.body for spring in linkage.springs for end in (spring.first, spring.second)}
+    held |= {guide.body for guide in linkage.guides}
+    return cranks_of(linkage) - held
 
 
 def assemble(linkage: Linkage, start: Start, account: Account) -> Model:
     """Build and assemble the Exudyn system of a linkage in its initial state."""
     container = exu.SystemContainer()
     system = container.AddSystem()
-    nodes, bodies = [], []
+    omitted = left_out(linkage)
+    hinges = {id(hinge_of(linkage, name)) for name in omitted}
+    nodes: dict[str, Any] = {}
+    bodies: dict[str, Any] = {}
     for i, body in enumerate(linkage.bodies):
+        if body.name in omitted:
+            continue
         # Reference coordinates are zero, so that coordinates are positions.
         node = system.AddNode(
             {
@@ -84,12 +90,12 @@ def assemble(linkage: Linkage, start: Start, account: Account) -> Model:
                     "loadVector": [0.0, -linkage.gravity, 0.0],
                 }
             )
-        nodes.append(node)
-        bodies.append(rigid)
+        nodes[body.name] = node
+        bodies[body.name] = rigid
     ground = system.AddObject({"objectType": "Ground"})
 
     def marker_at(point: Attachment) -> Any:
-        owner = ground if point.body == GROUND else bodies[linkage.index(point.body)]
+        owner = ground if point.body == GROUND else bodies[point.body]
         return system.AddMarker(
             {
                 "markerType": "BodyRigid",
@@ -100,6 +106,8 @@ def assemble(linkage: Linkage, start: Start, account: Account) -> Model:
 
     constraints: dict[str, int] = {}
     for joint in linkage.revolutes:
+        if id(joint) in hinges:
+            continue
         constraints[joint.name] = system.AddObject(
             {
                 "objectType": "JointRevolute2D",
@@ -128,10 +136,12 @@ def assemble(linkage: Linkage, start: Start, account: Account) -> Model:
         }
     )
     for drive in linkage.drives:
+        if drive.body in omitted:
+            continue
         turned = system.AddMarker(
             {
                 "markerType": "NodeCoordinate",
-                "nodeNumber": nodes[linkage.index(drive.body)],
+                "nodeNumber": nodes[drive.body],
                 "coordinate": 2,
             }
         )
@@ -155,63 +165,124 @@ def assemble(linkage: Linkage, start: Start, account: Account) -> Model:
             }
         )
     for load in linkage.loads:
+        if load.body in omitted:
+            continue
         at_centre = marker_at(Attachment(load.body, 0.0, 0.0))
         for kind, vector in (
             ("ForceVector", [load.x, load.y, 0.0]),
             ("TorqueVector", [0.0, 0.0, load.moment]),
         ):
             system.AddLoad({"loadType": kind, "markerNumber": at_centre, "loadVector": vector})
-    model = Model(container, system, None, None, None, None, constraints)
-    for k, clearance in enumerate(linkage.clearances):
-        ends = [clearance.bearing.body, clearance.pin.body]
-        if GROUND in ends:
-            raise ValueError(f"clearance joint {clearance.name}: both ends must be moving bodies")
+    model = Model(container, system, constraints, pack_cranks(linkage, omitted))
+    connector = _Connector.of(linkage, nodes, account.book)
+    if linkage.clearances:
         system.AddObject(
             {
                 "objectType": "GenericODE2",
-                "nodeNumbers": [nodes[linkage.index(body)] for body in ends],
-                "forceUserFunction": _connector(account, k, model),
+                "nodeNumbers": [nodes[name] for name in connector.bodies],
+                "forceUserFunction": connector.function(),
             }
         )
     system.Assemble()
-    data = system.systemData
-    model.q = data.GetODE2Coordinates(copy=False)
-    model.v = data.GetODE2Coordinates_t(copy=False)
-    model.a = data.GetODE2Coordinates_tt(copy=False)
-    model.multipliers = data.GetAECoordinates(copy=False)
+    model.frame = _frame(model, linkage, start, omitted)
+    model.multipliers = system.systemData.GetAECoordinates(copy=False)
+    connector.connect(model.frame)
     return model
 
 
-def _connector(account: Account, k: int, model: Model) -> Callable[..., Array]:
-    """User function of clearance joint ``k``: reads the live state, not its arguments."""
-    joints, onset, surfaces = account.book.joints, account.book.onset, account.book.surfaces
-    out = np.zeros(6)
+def _frame(model: Model, linkage: Linkage, start: Start, omitted: frozenset[str]) -> Frame:
+    data = model.system.systemData
+    solved = (
+        data.GetODE2Coordinates(copy=False),
+        data.GetODE2Coordinates_t(copy=False),
+        data.GetODE2Coordinates_tt(copy=False),
+    )
+    count = 3 * len(linkage.bodies)
+    if not omitted:
+        nowhere = np.zeros(0, dtype=np.int64)
+        return Frame(*solved, nowhere, model.cranks, *solved, np.zeros(count))
+    kept = [i for i, body in enumerate(linkage.bodies) if body.name not in omitted]
+    places = np.array([3 * i + c for i in kept for c in range(3)])
+    q, v = np.array(start.position), np.array(start.velocity)
+    return Frame(*solved, places, model.cranks, q, v, np.zeros(count), np.zeros(count))
 
-    def force(system: Any, t: float, item: int, q: Any, v: Any) -> Array:
-        connector_force(joints, k, onset, surfaces, model.q, model.v, out)
-        return out
 
-    return force
+@dataclass
+class _Connector:
+    """The object of all clearance joints and its user function.
+
+    The function reads the live state instead of Exudyn's copies, so it is complete only
+    when the system is assembled.
+    """
+
+    bodies: tuple[str, ...]
+    arguments: tuple[Any, ...]  # joints, slots, onset, surfaces
+    out: Array
+    frame: Any = None
+    kernel: Any = None
+
+    @staticmethod
+    def of(linkage: Linkage, nodes: dict[str, Any], book: Book) -> "_Connector":
+        ends = [end.body for joint in linkage.clearances for end in (joint.bearing, joint.pin)]
+        bodies = tuple(name for name in dict.fromkeys(ends) if name in nodes)
+        slots = [3 * bodies.index(name) if name in bodies else -1 for name in ends]
+        arguments = (
+            book.joints,
+            np.array(slots, dtype=np.int64).reshape(-1, 2),
+            book.onset,
+            book.surfaces,
+        )
+        return _Connector(bodies, arguments, np.zeros(3 * len(bodies)))
+
+    def connect(self, frame: Frame) -> None:
+        self.frame = frame
+        self.kernel = specialised(connector_forces, frame, *self.arguments, 0.0, self.out)
+
+    def function(self) -> Callable[..., Array]:
+        joints, slots, onset, surfaces = self.arguments
+
+        def force(system: Any, t: float, item: int, q: Any, v: Any) -> Array:
+            self.kernel(self.frame, joints, slots, onset, surfaces, t, self.out)
+            return self.out
+
+        return force
 
 
-def reactions_of(model: Model, linkage: Linkage) -> dict[str, tuple[float, ...]]:
-    """Reactions at the end from Exudyn's multipliers, see ``Run``."""
+def reactions_of(
+    model: Model, linkage: Linkage, torque: Array, force: Array
+) -> dict[str, tuple[float, ...]]:
+    """Reactions at the end from Exudyn's multipliers, see ``Run``.
+
+    Parameters
+    ----------
+    torque : ndarray, shape (drives,)
+    force : ndarray, shape (3 bodies,)
+        On the cranks that are left out: their hinges bear m a less this.
+    """
     multipliers = {
         name: [float(model.multipliers[i]) for i in model.system.systemData.GetObjectLTGAE(number)]
         for name, number in model.joints.items()
     }
     found: dict[str, tuple[float, ...]] = {}
     for joint in linkage.revolutes:
+        if joint.name not in multipliers:
+            continue
         # Exudyn's revolute is second point less first, and the signs follow.
         found[joint.name] = (multipliers[joint.name][0], multipliers[joint.name][1])
     for guide in linkage.guides:
         normal, moment = multipliers[guide.name]
         i = 3 * linkage.index(guide.body)
-        along = (model.q[i] - guide.x) * math.cos(guide.direction) + (
-            model.q[i + 1] - guide.y
-        ) * math.sin(guide.direction)
+        x, y = model.frame.q[i] - guide.x, model.frame.q[i + 1] - guide.y
+        along = x * math.cos(guide.direction) + y * math.sin(guide.direction)
         # Exudyn's moment is about the guide's point on the frame.
         found[guide.name] = (-normal, -moment - normal * float(along))
-    for drive in linkage.drives:
-        found[drive.name] = (-multipliers[drive.name][0],)
+    for drive, value in zip(linkage.drives, torque, strict=True):
+        found[drive.name] = (float(value),)
+        hinge = hinge_of(linkage, drive.body)
+        if drive.name not in multipliers and hinge is not None:
+            i = 3 * linkage.index(drive.body)
+            mass = linkage.bodies[linkage.index(drive.body)].mass
+            bears = mass * model.frame.a[i : i + 2] - force[i : i + 2]
+            sign = 1.0 if hinge.first.body == drive.body else -1.0
+            found[hinge.name] = (sign * float(bears[0]), sign * float(bears[1]))
     return found
