@@ -104,9 +104,9 @@ def simulate(linkage: Linkage, start: Start, accuracy: Accuracy, plan: Plan) -> 
         model = assemble(linkage, start, account)
         watch = Watch(account, plan)
         send_back = _SendBack(model, book, steps)
-        model.system.SetPostStepUserFunction(
-            post_step(watch, _accept(model, _drives(model, linkage), book, steps))
-        )
+        drives = _drives(model, linkage)
+        accept = _accept(model, drives, book, steps)
+        model.system.SetPostStepUserFunction(post_step(watch, accept))
         if linkage.clearances:
             model.system.SetPostNewtonUserFunction(lambda system, t: send_back(system, t))
     depths = book.touch["penetration"]
