@@ -25,7 +25,8 @@ from rich.table import Table
 
 from presswear.catalog import SCENES, scene_named
 from presswear.errors import InputError, RunError
-from presswear.scene import CONVENTIONS, Scene, changed, settings_of, stage_name
+from presswear.scene import CONVENTIONS, Scene, stage_name
+from presswear.settings import changed, settings_of
 
 if TYPE_CHECKING:
     from presswear.campaign import Stage
@@ -71,7 +72,7 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument("scene", help="one of: " + ", ".join(SCENES))
     run.add_argument("--out", type=Path, help="new result folder (default results/SCENE)")
     run.add_argument("--engine", help="exudyn (default: the fittest), exudyn-joints or dae")
-    run.add_argument("--conventions", help="paper (as printed, default) or refined")
+    run.add_argument("--conventions", help="paper (as printed) or refined; default: the scene's")
     run.add_argument("--cycles", help="cycles of each stage; default: until the maps are known")
     run.add_argument("--wears", help="how often the joints are worn (0, 1, 2, ...)")
     run.add_argument("--tolerance", help="how well wear maps must be known (default 0.1)")

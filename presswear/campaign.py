@@ -70,8 +70,8 @@ class Watcher:
 
 
 def start_of(scene: Scene) -> Start:
-    """Pins centred in their bearings, positions and velocities of the ideal press."""
-    motion = scene.press.ideal_motion(np.zeros(1))
+    """Pins centred in their bearings, positions and velocities of the ideal mechanism."""
+    motion = scene.mechanism.ideal_motion(np.zeros(1))
     return Start(motion.position[0], motion.velocity[0])
 
 
@@ -99,7 +99,7 @@ def run_stage(scene: Scene, index: int, worn: Worn, watcher: Watcher) -> Stage:
     def progress(part: float) -> None:
         watcher.progress(index, min(part * most / needed, 1.0), word)
 
-    plan = Plan(scene.press.period, most, enough=enough, progress=progress)
+    plan = Plan(scene.mechanism.period, most, enough=enough, progress=progress)
     run = engine_named(scene.engine)(linkage, start_of(scene), scene.accuracy(), plan)
     cycles = len(run.account.cycles)
     factor = scene.amplification.factor(max(cycles, 1))

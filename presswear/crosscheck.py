@@ -197,7 +197,7 @@ def check_engines(scene: Scene, duration: float | None, progress: Progress) -> C
     RunError
         Where an engine finds no way on.
     """
-    end = scene.press.period if duration is None else duration
+    end = scene.mechanism.period if duration is None else duration
     if not (math.isfinite(end) and end > 0.0):
         raise InputError(f"duration = {end:g} s: a time above 0 is expected")
     linkage, start = scene.linkage(), start_of(scene)
@@ -297,7 +297,7 @@ def _reported(name: str, reference: Trace, trace: Trace, end: float) -> list[Che
 def _check_means(scene: Scene, start: Start, runner: _Runner) -> tuple[list[Check], dict[str, Any]]:
     """Means over cycles of both engines: their 95 % intervals must overlap."""
     cycles = CYCLES if scene.cycles is None else scene.cycles
-    plan = Plan(scene.press.period, cycles, recorded_cycles=1)
+    plan = Plan(scene.mechanism.period, cycles, recorded_cycles=1)
     means: list[dict[str, Estimate]] = []
     for engine, accuracy in (
         ("dae", replace(scene, engine="dae").accuracy()),

@@ -29,6 +29,17 @@ class Point:
         return Point(still + np.array([x, y]), still, still)
 
 
+@dataclass(frozen=True)
+class Line:
+    """A line on the frame: a point of it, m, and the unit vector along it.
+
+    The vector and no angle: an upright line then keeps x exactly.
+    """
+
+    point: tuple[float, float]
+    direction: tuple[float, float]
+
+
 def _direction(angle: Array) -> Array:
     return np.column_stack([np.cos(angle), np.sin(angle)])
 
@@ -104,21 +115,58 @@ def _solve_two(row_1: Array, row_2: Array, right_1: Array, right_2: Array) -> Ar
     return np.column_stack([x, y])
 
 
-def slide(c: Point, length: float, line_x: float, side: float, angle: Array, least: float) -> Point:
-    """End of a rod from c on the vertical line x = line_x, above or below c."""
-    offset = c.position[:, 0] - line_x
+def slide(
+    c: Point,
+    length: float,
+    line: Line,
+    side: float,
+    names: tuple[str, str, str],
+    angle: Array,
+    least: float,
+) -> Point:
+    """The end on a line of a rod from a moving point, ahead of it on the line or behind.
+
+    Parameters
+    ----------
+    side : float
+        1 ahead of the foot of ``c`` on the line, -1 behind.
+    names : tuple of str
+        Moving point, rod and joint on the line, for the message.
+    """
+    unit = np.array(line.direction)
+    across = np.array([-unit[1], unit[0]])
+    away = c.position - np.array(line.point)
+    offset = away @ across
     square = length**2 - offset**2
     far = abs(offset[int(np.argmin(square))])
-    needed = f"C is {far:.4g} m from the guide, rod 5 is {length:.4g} m long"
-    _refuse("E", square / length**2, needed, angle, least)
-    drop = side * np.sqrt(square)
-    zero = np.zeros_like(offset)
-    drop_t = -offset * c.velocity[:, 0] / drop
-    drop_tt = -(c.velocity[:, 0] ** 2 + offset * c.acceleration[:, 0] + drop_t**2) / drop
+    point, rod, joint = names
+    needed = f"{point} is {far:.4g} m from the guide, {rod} is {length:.4g} m long"
+    _refuse(joint, square / length**2, needed, angle, least)
+    reach = side * np.sqrt(square)
+    offset_t, offset_tt = c.velocity @ across, c.acceleration @ across
+    reach_t = -offset * offset_t / reach
+    reach_tt = -(offset_t**2 + offset * offset_tt + reach_t**2) / reach
+
+    def along(value: Array) -> Array:
+        return value[:, None] * unit
+
     return Point(
-        np.column_stack([zero + line_x, c.position[:, 1] + drop]),
-        np.column_stack([zero, c.velocity[:, 1] + drop_t]),
-        np.column_stack([zero, c.acceleration[:, 1] + drop_tt]),
+        np.array(line.point) + along(away @ unit + reach),
+        along(c.velocity @ unit + reach_t),
+        along(c.acceleration @ unit + reach_tt),
+    )
+
+
+def on_guide(c: Point, angle: float) -> tuple[Array, Array, Array]:
+    """Coordinates of a body that slides with its mass centre at ``c`` and does not turn.
+
+    Returns position, velocity and acceleration (n, 3) of the mass centre and angle.
+    """
+    still = np.zeros((len(c.position), 1))
+    return (
+        np.hstack([c.position, still + angle]),
+        np.hstack([c.velocity, still]),
+        np.hstack([c.acceleration, still]),
     )
 
 

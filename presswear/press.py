@@ -6,12 +6,14 @@ each value says whether it is the paper's, chosen or assumed.
 """
 
 import math
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.dyads import Point, body_state, crank, dyad, slide
+from presswear.dyads import Line, Point, body_state, crank, dyad, on_guide, slide
 from presswear.errors import InputError
 from presswear.linkage import (
     GROUND,
@@ -23,7 +25,8 @@ from presswear.linkage import (
     Probe,
     Revolute,
 )
-from presswear.quantities import check_fields, quantity
+from presswear.mechanism import Motion, motion_of
+from presswear.quantities import check_fields, named_set, quantity
 
 Array = NDArray[np.float64]
 
@@ -104,7 +107,12 @@ def _length(default: float, text: str) -> float:
 class Press:
     """The seven-bar press: everything but its clearance joints."""
 
-    geometry: Geometry = field(default_factory=Geometry)
+    kind: ClassVar[str] = "press"
+    openable: ClassVar[tuple[str, ...]] = ("A", "C")
+
+    geometry: Geometry = named_set(
+        "standard", GEOMETRIES, "named geometry; a choice, the paper does not fix it"
+    )
     length_2: float = _length(0.07, "crank 2, O2 to A")
     length_3: float = _length(0.34, "rod 3, A to B")
     length_5: float = _length(0.40, "rod 5, C to E")
@@ -150,6 +158,20 @@ class Press:
     def period(self) -> float:
         """Time of one cycle, s."""
         return 2.0 * math.pi / self.speed
+
+    @property
+    def origin(self) -> str:
+        """Where its values come from, in a sentence."""
+        return (
+            f"The geometry ({self.geometry.name}) and several parameters are chosen, not the "
+            "paper's: it does not print enough to fix the mechanism."
+        )
+
+    @staticmethod
+    def from_dict(data: Mapping[str, Any]) -> "Press":
+        """A press from its fields as plain data."""
+        plain = dict(data)
+        return Press(geometry=Geometry(**plain.pop("geometry")), **plain)
 
     def plate_corners(self) -> dict[str, tuple[float, float]]:
         """B, C, D in the plate's frame: origin at the centroid, x axis along D to B, m."""
@@ -206,7 +228,7 @@ class Press:
             gravity=self.gravity,
         )
 
-    def ideal_motion(self, time: Array) -> "Motion":
+    def ideal_motion(self, time: Array) -> Motion:
         """Motion of every body with all joints closed, in closed form.
 
         Parameters
@@ -221,7 +243,7 @@ class Press:
         """
         return self._motion(time, 0.0)
 
-    def _motion(self, time: Array, least: float) -> "Motion":
+    def _motion(self, time: Array, least: float) -> Motion:
         """``ideal_motion``, refused unless each pair of links is bent by ``least``.
 
         That is the square of the sine of the angle by which it is short of stretched.
@@ -236,43 +258,22 @@ class Press:
         angle = np.degrees(self.speed * time)
         b = dyad(d, a, geometry.side_bd, self.length_3, geometry.side_b, "B", angle, least)
         c = dyad(d, b, geometry.side_cd, geometry.side_bc, geometry.side_c, "C", angle, least)
-        e = slide(c, self.length_5, geometry.hx, geometry.slider_side, angle, least)
+        guide = Line((geometry.hx, 0.0), (0.0, 1.0))
+        names = ("C", "rod 5", "E")
+        e = slide(c, self.length_5, guide, geometry.slider_side, names, angle, least)
         plate = self.plate_corners()
         ends = {
-            "crank 2": (a, o2, (-0.5 * self.length_2, 0.0), 0.0),
-            "rod 3": (b, a, (-0.5 * self.length_3, 0.0), 0.0),
-            "plate 4": (d, b, plate["D"], 0.0),
-            "rod 5": (e, c, (-0.5 * self.length_5, 0.0), 0.0),
-            "crank 7": (o7, d, (-0.5 * self.length_7, 0.0), 0.0),
+            "crank 2": (a, o2, (-0.5 * self.length_2, 0.0)),
+            "rod 3": (b, a, (-0.5 * self.length_3, 0.0)),
+            "plate 4": (d, b, plate["D"]),
+            "rod 5": (e, c, (-0.5 * self.length_5, 0.0)),
+            "crank 7": (o7, d, (-0.5 * self.length_7, 0.0)),
         }
-        states = {name: body_state(*given[:3]) for name, given in ends.items()}
-        upright = np.full((time.size, 1), 0.5 * math.pi)
-        still = np.zeros((time.size, 1))
-        states["slider 6"] = (
-            np.hstack([e.position, upright]),
-            np.hstack([e.velocity, still]),
-            np.hstack([e.acceleration, still]),
-        )
-        order = [body.name for body in self.linkage().bodies]
-        position, velocity, acceleration = (
-            np.hstack([states[name][level] for name in order]) for level in range(3)
-        )
-        # Angles are continuous in time and agree with the drives at the cranks.
-        position[:, 2::3] = np.unwrap(position[:, 2::3], axis=0)
-        for body, exact in (("crank 2", theta_2), ("crank 7", theta_7)):
-            position[:, 3 * order.index(body) + 2] = exact
-        return Motion(time, position, velocity, acceleration)
+        states = {name: body_state(*given) for name, given in ends.items()}
+        states["slider 6"] = on_guide(e, 0.5 * math.pi)
+        driven = {"crank 2": theta_2, "crank 7": theta_7}
+        return motion_of(self.linkage(), time, states, driven)
 
     def check_assembly(self) -> None:
         """Raise AssemblyError unless the linkage closes over the whole cycle."""
         self._motion(np.linspace(0.0, self.period, 1441), _DEAD_POINT)
-
-
-@dataclass(frozen=True)
-class Motion:
-    """Coordinates of all bodies over time, shapes (n,) and (n, 3 bodies), SI and rad."""
-
-    time: Array
-    position: Array
-    velocity: Array
-    acceleration: Array

@@ -7,6 +7,7 @@ that the help, the error messages and the report all speak from one place.
 
 import math
 import re
+from collections.abc import Callable, Mapping
 from dataclasses import Field, dataclass, field, fields
 from typing import Any
 
@@ -109,22 +110,50 @@ class Choice:
             raise InputError(f"{name} = {value!r}: allowed is one of {', '.join(self.words)}")
 
 
-def choice(default: str, words: tuple[str, ...], text: str) -> Any:
-    """A dataclass field that takes one of a few words."""
-    return field(default=default, metadata={"choice": Choice(words, text)})
+def choice(
+    default: str, words: tuple[str, ...] | Callable[[Any], tuple[str, ...]], text: str
+) -> Any:
+    """A dataclass field that takes one of a few words, which may depend on its owner."""
+    return field(default=default, metadata={"choice": (words, text)})
 
 
-def choice_of(item: Field[Any]) -> Choice | None:
-    """The choice of a field made by ``choice``; None for any other field."""
-    found = item.metadata.get("choice")
-    return found if isinstance(found, Choice) else None
+def choice_of(item: Field[Any], owner: Any) -> Choice | None:
+    """The choice that a field made by ``choice`` offers its owner; None for any other field."""
+    if "choice" not in item.metadata:
+        return None
+    words, text = item.metadata["choice"]
+    return Choice(words(owner) if callable(words) else words, text)
+
+
+@dataclass(frozen=True)
+class NamedSets:
+    """Sets of values that can be taken by name and then changed one by one."""
+
+    sets: Mapping[str, Any]
+    text: str
+
+    @property
+    def choice(self) -> Choice:
+        """The names as a choice."""
+        return Choice(tuple(self.sets), self.text)
+
+
+def named_set(default: str, sets: Mapping[str, Any], text: str) -> Any:
+    """A dataclass field that holds one of some dataclass instances with a field ``name``."""
+    return field(default=sets[default], metadata={"sets": NamedSets(sets, text)})
+
+
+def sets_of(item: Field[Any]) -> NamedSets | None:
+    """The sets of a field made by ``named_set``; None for any other field."""
+    found = item.metadata.get("sets")
+    return found if isinstance(found, NamedSets) else None
 
 
 def check_fields(owner: Any) -> None:
     """Check every quantity and choice of a dataclass instance."""
     for item in fields(owner):
         value = getattr(owner, item.name)
-        meaning, words = meaning_of(item), choice_of(item)
+        meaning, words = meaning_of(item), choice_of(item, owner)
         if meaning is not None and not (value is None and item.default is None):
             meaning.check(item.name, value)
         if words is not None:

@@ -15,7 +15,8 @@ from presswear.figures.style import SIDES, maps_turn
 from presswear.laws import delivered_restitution, lankarani_nikravesh_damping
 from presswear.quantities import Choice
 from presswear.results import StoredResult, write_whole
-from presswear.scene import CONVENTIONS, Conventions, Setting, settings_of, stage_name
+from presswear.scene import CONVENTIONS, Conventions, stage_name
+from presswear.settings import SET, Setting, settings_of
 
 Row = tuple[str, ...]
 
@@ -165,7 +166,7 @@ def key_numbers(result: StoredResult) -> Table:
         (
             "Slider",
             (
-                statistic("largest displacement (mm)", MILLI, 4, "slider", "displacement_max_m"),
+                statistic("highest displacement (mm)", MILLI, 4, "slider", "displacement_max_m"),
                 statistic("lowest velocity (m/s)", 1.0, 3, "slider", "velocity_min_m_s"),
                 statistic("highest velocity (m/s)", 1.0, 3, "slider", "velocity_max_m_s"),
                 statistic("largest acceleration (m/s²)", 1.0, 3, "slider", "acceleration_max_m_s2"),
@@ -220,7 +221,7 @@ def cycle_means(result: StoredResult) -> Table:
         return _by_stage(result, label, text)
 
     slider = (
-        mean("largest displacement (mm)", MILLI, "slider", "displacement_max_per_cycle_m"),
+        mean("highest displacement (mm)", MILLI, "slider", "displacement_max_per_cycle_m"),
         mean("highest velocity (m/s)", 1.0, "slider", "velocity_max_per_cycle_m_s"),
         mean("largest acceleration (m/s²)", 1.0, "slider", "acceleration_max_per_cycle_m_s2"),
         _by_stage(
@@ -289,18 +290,17 @@ def notes(result: StoredResult) -> list[str]:
         setting.key
         for setting in settings_of(scene)
         if not isinstance(setting.meaning, Choice)
-        and not setting.meaning.status.startswith("paper")
+        and setting.meaning.status.startswith(("chosen", "assumed", SET))
     ]
     found = [
-        f"The geometry ({scene.press.geometry.name}) and several parameters are chosen, not the "
-        "paper's: it does not print enough to fix the mechanism. Chosen or assumed are "
-        f"{', '.join(chosen)}; the table of parameters tells where each value comes from."
+        f"{scene.mechanism.origin} Chosen or assumed are {', '.join(chosen)}; the table of "
+        "parameters tells where each value comes from."
     ]
     if not scene.clearance_joints:
         return found
     found.insert(
         0,
-        "Beyond about twenty impacts the motion is chaotic; a peak is one draw. The means over "
+        "Beyond some tens of impacts the motion is chaotic; a peak is one draw. The means over "
         "cycles are given below with 95 % intervals.",
     )
     nominal = scene.bearings.restitution

@@ -23,12 +23,13 @@ from numpy.typing import NDArray
 from presswear.campaign import Stage
 from presswear.errors import InputError
 from presswear.observe import SERIES_FIXED, SERIES_JOINT
+from presswear.press import Press
 from presswear.scene import Scene
 from presswear.surface import bin_centres
 
 Array = NDArray[np.float64]
 
-SCHEMA = 1
+SCHEMA = 2
 PACKAGES = ("presswear", "exudyn", "numpy", "scipy", "numba", "matplotlib")
 
 
@@ -208,14 +209,21 @@ def load(path: Path) -> StoredResult:
     except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
         raise InputError(f"{file} cannot be read: {error}") from None
     schema = document.get("schema") if isinstance(document, dict) else None
-    if schema != SCHEMA:
-        raise InputError(f"{file} has schema {schema!r}; this version reads {SCHEMA}")
+    if schema not in (1, SCHEMA):
+        raise InputError(f"{file} has schema {schema!r}; this version reads 1 to {SCHEMA}")
     try:
         names = [path / f"stage-{int(entry['index'])}.npz" for entry in document["stages"]]
-        scene = document["scene"]
+        scene = _from_schema_1(document["scene"]) if schema == 1 else document["scene"]
     except (KeyError, TypeError, ValueError) as error:
         raise InputError(f"{file} is not whole: {error!r}") from None
     return StoredResult(path, document, Scene.from_dict(scene), [_arrays(name) for name in names])
+
+
+def _from_schema_1(scene: Mapping[str, Any]) -> dict[str, Any]:
+    """A stored scene of schema 1, which knew no mechanism but the press."""
+    plain = dict(scene)
+    plain["mechanism"] = {"kind": Press.kind, **plain.pop("press")}
+    return plain
 
 
 def _arrays(file: Path) -> dict[str, Array]:

@@ -1,7 +1,8 @@
 """A scene: everything a person chooses, as data that prints and stores itself."""
 
-from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass, field, fields, replace
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass, field
+from itertools import combinations
 from typing import Any
 
 from presswear.engines.base import Accuracy, DaeAccuracy, Integrator
@@ -22,17 +23,10 @@ from presswear.linkage import (
     Slip,
     WearLaw,
 )
-from presswear.press import GEOMETRIES, Geometry, Press
-from presswear.quantities import (
-    Choice,
-    Meaning,
-    check_fields,
-    choice,
-    choice_of,
-    meaning_of,
-    parse_quantity,
-    quantity,
-)
+from presswear.mechanism import Mechanism
+from presswear.press import Press
+from presswear.quantities import Choice, check_fields, choice, quantity
+from presswear.slider_crank import SliderCrank
 from presswear.surface import Surface
 
 
@@ -137,19 +131,40 @@ class Bearings:
         )
 
 
-JOINTS = {"A": ("A",), "C": ("C",), "AC": ("A", "C"), "none": ()}
+_RESTORED: Mapping[str, Callable[[Mapping[str, Any]], Press | SliderCrank]] = {
+    Press.kind: Press.from_dict,
+    SliderCrank.kind: SliderCrank.from_dict,
+}
+"""What makes a stored mechanism anew, by its kind."""
+
+
+def joint_words(mechanism: Mechanism) -> dict[str, tuple[str, ...]]:
+    """The choices of joints with clearance: every combination by its letters, and ``none``."""
+    names = mechanism.openable
+    chosen = [some for count in range(len(names)) for some in combinations(names, count + 1)]
+    return {"".join(some): some for some in chosen} | {"none": ()}
+
+
+def _words(scene: "Scene") -> tuple[str, ...]:
+    return tuple(joint_words(scene.mechanism))
 
 
 @dataclass(frozen=True)
 class Scene:
-    """A study of the press; see the fields' own texts for units and ranges."""
+    """A study of a mechanism; see the fields' own texts for units and ranges.
+
+    Attributes
+    ----------
+    statuses : mapping of str to str
+        Where values come from, by key, where it is not what their fields say.
+    """
 
     name: str
     title: str
-    press: Press = field(default_factory=Press)
+    mechanism: Press | SliderCrank = field(default_factory=Press)
     bearings: Bearings = field(default_factory=Bearings)
     conventions: Conventions = field(default_factory=Conventions)
-    joints: str = choice("AC", tuple(JOINTS), "which joints have clearance")
+    joints: str = choice("AC", _words, "which joints have clearance")
     engine: str = choice("exudyn", ("exudyn", "exudyn-joints", "dae"), "what solves the motion")
     wears: int = quantity(
         2, "", 0, 20, "paper, per study", "how often the joints are worn", whole=True
@@ -209,19 +224,23 @@ class Scene:
     projection: str = choice(
         "off", ("off", "on"), "of engine dae: whether each state is moved onto the constraints"
     )
+    statuses: Mapping[str, str] = field(default_factory=dict, hash=False)
 
     def __post_init__(self) -> None:
         for name in ("name", "title"):
             if not isinstance(getattr(self, name), str):
                 raise InputError(f"{name} = {getattr(self, name)!r}: a text is expected")
+        for key, status in dict(self.statuses).items():
+            if not (isinstance(key, str) and isinstance(status, str)):
+                raise InputError(f"status {status!r} of {key!r}: texts are expected")
         check_fields(self)
         check_fields(self.conventions)
-        self.press.check_assembly()
+        self.mechanism.check_assembly()
 
     @property
     def clearance_joints(self) -> tuple[str, ...]:
         """Names of the joints with clearance."""
-        return JOINTS[self.joints]
+        return joint_words(self.mechanism)[self.joints]
 
     @property
     def amplification(self) -> "Amplification":
@@ -230,7 +249,7 @@ class Scene:
 
     def linkage(self, worn: Mapping[str, tuple[Surface, Surface]] | None = None) -> Linkage:
         """The linkage of a stage; ``worn`` gives bearing and pin surface by joint name."""
-        ideal = self.press.linkage()
+        ideal = self.mechanism.linkage()
         surfaces = worn or {}
         opened = tuple(
             self.bearings.joint(
@@ -260,21 +279,24 @@ class Scene:
         return Accuracy(
             steps_per_contact=self.steps_per_contact,
             steps_sustained=self.steps_sustained,
-            free_step=self.press.period / self.free_steps,
+            free_step=self.mechanism.period / self.free_steps,
         )
 
     def as_dict(self) -> dict[str, Any]:
-        """The scene as plain data, SI units, radians."""
-        return asdict(self)
+        """The scene as plain data, SI units, radians; its mechanism says of which kind it is."""
+        plain = asdict(self)
+        return plain | {"mechanism": {"kind": self.mechanism.kind, **plain["mechanism"]}}
 
     @staticmethod
     def from_dict(data: Mapping[str, Any]) -> "Scene":
         """A scene from ``as_dict``; InputError names what does not fit."""
         try:
             plain = dict(data)
-            press = dict(plain.pop("press"))
+            mechanism = dict(plain.pop("mechanism"))
+            kind = mechanism.pop("kind")
+            Choice(tuple(_RESTORED), "").check("kind of mechanism", kind)
             return Scene(
-                press=Press(geometry=Geometry(**press.pop("geometry")), **press),
+                mechanism=_RESTORED[kind](mechanism),
                 bearings=Bearings(**plain.pop("bearings")),
                 conventions=Conventions(**plain.pop("conventions")),
                 **plain,
@@ -296,23 +318,6 @@ class Amplification:
         return self.represented_cycles / cycles
 
 
-@dataclass(frozen=True)
-class Setting:
-    """One thing that ``--set`` can change."""
-
-    key: str
-    value: Any
-    meaning: Meaning | Choice
-
-    def described(self) -> str:
-        """Value, range and text in one line."""
-        if isinstance(self.meaning, Choice):
-            return f"{self.value}  ({' | '.join(self.meaning.words)})  {self.meaning.text}"
-        unit = f" {self.meaning.unit}" if self.meaning.unit else ""
-        value = "none" if self.value is None else f"{self.value:.6g}{unit}"
-        return f"{value}  ({self.meaning.range_text()}; {self.meaning.status})  {self.meaning.text}"
-
-
 _ORDINALS = (
     "first",
     "second",
@@ -332,62 +337,3 @@ def stage_name(index: int) -> str:
     if index == 0:
         return "no wear"
     return f"{_ORDINALS[index - 1]} wear" if index <= len(_ORDINALS) else f"wear {index}"
-
-
-_PARTS = ("press", "press.geometry", "bearings", "conventions", "")
-_GEOMETRY_CHOICE = Choice(tuple(GEOMETRIES), "named geometry; a choice, the paper does not fix it")
-
-
-def _part(scene: Scene, path: str) -> Any:
-    owner: Any = scene
-    for name in path.split(".") if path else ():
-        owner = getattr(owner, name)
-    return owner
-
-
-def settings_of(scene: Scene) -> Iterator[Setting]:
-    """Everything that ``--set`` can change, with its present value."""
-    yield Setting("geometry", scene.press.geometry.name, _GEOMETRY_CHOICE)
-    for path in _PARTS:
-        owner = _part(scene, path)
-        for item in fields(owner):
-            meaning = meaning_of(item) or choice_of(item)
-            if meaning is not None:
-                yield Setting(item.name, getattr(owner, item.name), meaning)
-
-
-def changed(scene: Scene, settings: Mapping[str, str]) -> Scene:
-    """The scene with settings given as text, as on the command line.
-
-    ``geometry`` is taken first, so that single lengths can be set on top of it.
-    """
-    known = {setting.key: setting for setting in settings_of(scene)}
-    for key in settings:
-        if key not in known:
-            raise InputError(f"unknown key {key!r}; known are {', '.join(sorted(known))}")
-    updates: dict[str, dict[str, Any]] = {path: {} for path in _PARTS}
-    geometry = scene.press.geometry
-    if "geometry" in settings:
-        _GEOMETRY_CHOICE.check("geometry", settings["geometry"])
-        geometry = GEOMETRIES[settings["geometry"]]
-    for path in _PARTS:
-        owner = _part(scene, path)
-        for item in fields(owner):
-            if item.name not in settings or item.name == "geometry":
-                continue
-            text = settings[item.name]
-            meaning, words = meaning_of(item), choice_of(item)
-            if words is not None:
-                words.check(item.name, text)
-                updates[path][item.name] = text
-            elif meaning is not None:
-                updates[path][item.name] = parse_quantity(item.name, text, meaning)
-    if updates["press.geometry"]:
-        geometry = replace(geometry, name=f"{geometry.name}, changed", **updates["press.geometry"])
-    return replace(
-        scene,
-        press=replace(scene.press, geometry=geometry, **updates["press"]),
-        bearings=replace(scene.bearings, **updates["bearings"]),
-        conventions=replace(scene.conventions, **updates["conventions"]),
-        **updates[""],
-    )

@@ -15,7 +15,7 @@ def main() -> None:
     account = stage.run.account
     time, displacement = account.rows[:, :2].T
     column = 3 * stage.linkage.index("slider 6") + 1
-    exact = scene.press.ideal_motion(time).position[:, column]
+    exact = scene.mechanism.ideal_motion(time).position[:, column]
     print(f"stroke {np.ptp(exact):.4f} m")
     print(f"Exudyn against the closed form {np.abs(displacement - exact + exact[0]).max():.1e} m")
 

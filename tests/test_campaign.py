@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from presswear.campaign import Stage, Watcher, run_campaign, worn_out
-from presswear.catalog import wear_times
+from presswear.catalog import slider_crank, wear_times
 from presswear.errors import InputError
-from presswear.results import ResultFolder, load, write_whole
+from presswear.results import ResultFolder, StoredResult, load, write_whole
 from presswear.scene import CONVENTIONS, Scene
 from presswear.statistics import estimate
 from presswear.surface import Surface
@@ -21,7 +21,7 @@ def short(conventions: str) -> Scene:
     scene = wear_times()
     return replace(
         scene,
-        press=replace(scene.press, speed=60.0),
+        mechanism=replace(scene.mechanism, speed=60.0),
         conventions=CONVENTIONS[conventions],
         cycles=1,
         wears=1,
@@ -117,6 +117,44 @@ def test_a_file_appears_whole_or_not_at_all(tmp_path: Path) -> None:
         write_whole(target, broken)
     assert target.read_bytes() == b"old"
     assert list(tmp_path.iterdir()) == [target]
+
+
+def _restored(path: Path, document: object) -> StoredResult:
+    (path / "result.json").write_text(json.dumps(document))
+    return load(path)
+
+
+def test_scenes_of_schema_1_are_presses(tmp_path: Path) -> None:
+    scene = short("refined")
+    data = scene.as_dict()
+    press = data.pop("mechanism")
+    assert press.pop("kind") == "press"
+    del data["statuses"]
+    found = _restored(tmp_path, {"schema": 1, "scene": {**data, "press": press}, "stages": []})
+    assert found.scene == scene
+    # What is stored is left alone.
+    assert "press" in found.document["scene"]
+
+
+def test_scenes_say_which_mechanism_they_hold(tmp_path: Path) -> None:
+    document = {"schema": 2, "scene": slider_crank().as_dict(), "stages": []}
+    assert _restored(tmp_path, document).scene == slider_crank()
+
+
+@pytest.mark.parametrize(
+    ("document", "says"),
+    [
+        ({"schema": 3, "stages": []}, "schema 3; this version reads 1 to 2"),
+        ({"schema": 1, "scene": {"mechanism": {}}, "stages": []}, "not whole.*press"),
+        ({"schema": 1, "scene": {"press": 3}, "stages": []}, "not whole"),
+        ({"schema": 1, "scene": 3, "stages": []}, "not whole"),
+        ({"schema": 2, "scene": {"press": {}}, "stages": []}, "not a stored scene.*mechanism"),
+        ({"schema": "2", "scene": {}, "stages": []}, "schema '2'"),
+    ],
+)
+def test_other_schemas_are_refused(tmp_path: Path, document: dict[str, object], says: str) -> None:
+    with pytest.raises(InputError, match=says):
+        _restored(tmp_path, document)
 
 
 @pytest.mark.parametrize("text", ["", "[]", '{"schema": 99}', "{", "\x00\xff"])

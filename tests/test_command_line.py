@@ -25,6 +25,12 @@ from presswear.__main__ import main
         (["run", "wear-times", "--cycles", "many"], ("cycles", "many")),
         (["run", "wear-times", "--conventions", "mine"], ("mine", "refined")),
         (["run", "wear-times", "--engine", "steam"], ("steam", "exudyn")),
+        (["run", "wear-times", "--set", "joints=B"], ("joints", "A, C, AC, none")),
+        (["run", "slider-crank", "--set", "joints=C"], ("joints", "A, B, AB, none")),
+        (["run", "slider-crank", "--set", "geometry=standard"], ("geometry", "rod_length")),
+        (["run", "slider-crank", "--set", "rod_length=40mm"], ("rod_length", "0.050005 m")),
+        (["run", "slider-crank", "--set", "crank_length=0.12m"], ("crank_length", "joint B")),
+        (["run", "slider-crank", "--set", "speed=6000rad/s"], ("speed", "5000 rad/s")),
         (["run"], ("scene",)),
         (["dance"], ("dance", "run")),
         (["report", "nowhere"], ("nowhere", "result.json")),
@@ -51,7 +57,13 @@ def test_bad_input_is_one_line_and_exit_code_2(
 def test_list_names_the_scenes(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["list"]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert [line.split()[0] for line in lines] == ["ideal", "wear-times"]
+    assert [line.split()[0] for line in lines] == [
+        "ideal",
+        "wear-times",
+        "clearance-a",
+        "clearance-c",
+        "slider-crank",
+    ]
 
 
 def test_list_shows_what_can_be_set(capsys: pytest.CaptureFixture[str]) -> None:

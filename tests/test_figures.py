@@ -30,7 +30,7 @@ def made_up(
     scene: Scene, stages: int, status: str = "completed", message: str = ""
 ) -> StoredResult:
     """A result as a run of the scene would leave it, from formulas; stage depth grows."""
-    time = np.linspace(0.0, 2.0 * scene.press.period, 400)
+    time = np.linspace(0.0, 2.0 * scene.mechanism.period, 400)
     angle = bin_centres(BINS)
     listed, arrays = [], []
     for k in range(stages):
@@ -83,7 +83,7 @@ def made_up(
             }
         )
     document = {
-        "schema": 1,
+        "schema": 2,
         "engine": scene.engine,
         "provenance": {
             "python": "3.12.0",
@@ -200,12 +200,19 @@ def test_profile_is_drawn_to_the_stated_scale(scene: Scene) -> None:
 
 
 def test_ideal_slider_is_the_closed_form() -> None:
-    press = BOTH.press
+    press = BOTH.mechanism
     slider = ideal_slider(BOTH, np.linspace(0.0, press.period, 2001))
     assert slider[0, 0] == 0.0
     assert slider[:, 0].max() == pytest.approx(0.1061, abs=1e-4)
     assert slider[:, 1].min() == pytest.approx(-0.889, abs=1e-3)
     assert slider[:, 2].min() == pytest.approx(-20.0, abs=0.1)
+
+
+def test_unworn_surfaces_are_not_called_worn() -> None:
+    """What the path's caption says of surfaces that turn is of worn ones only."""
+    unworn, worn = (centre_trajectory(made_up(BODY, stages))[0].caption for stages in (1, 2))
+    assert "Worn surfaces turn" not in unworn
+    assert "Worn surfaces turn" in worn
 
 
 def test_many_stages_are_thinned_out() -> None:

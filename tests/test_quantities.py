@@ -215,11 +215,11 @@ class _Owner:
 def test_fields_carry_their_meaning() -> None:
     plain, length, count, word = fields(_Owner)
     assert meaning_of(plain) is None
-    assert choice_of(plain) is None
+    assert choice_of(plain, _Owner()) is None
     assert meaning_of(length) == Meaning("m", 0.0, 1.0, "assumed", "a length")
     assert meaning_of(count) is not None
     assert meaning_of(word) is None
-    found = choice_of(word)
+    found = choice_of(word, _Owner())
     assert found is not None
     assert found.words == ("one", "two")
 

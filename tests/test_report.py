@@ -8,9 +8,12 @@ from pathlib import Path
 import pytest
 from test_figures import BODY, BOTH, IDEAL, ONE, made_up
 
-from presswear.report import render, write_report
+from presswear.catalog import slider_crank
+from presswear.figures import drawings
+from presswear.report import notes, render, write_report
 from presswear.results import StoredResult
-from presswear.scene import CONVENTIONS, Conventions, settings_of
+from presswear.scene import CONVENTIONS, Conventions
+from presswear.settings import settings_of
 
 
 class Page(HTMLParser):
@@ -94,7 +97,7 @@ def test_unfinished_status() -> None:
 
 def test_key_numbers() -> None:
     page = page_of(made_up(BOTH, 3))
-    assert page.row("largest displacement (mm)")[1:] == ["107.3"] * 3
+    assert page.row("highest displacement (mm)")[1:] == ["107.3"] * 3
     assert page.row("deepest wear it ran on, bearing + pin (µm)")[1:] == [
         "0",
         "10.0\u00a0at\u00a092.5°",
@@ -111,7 +114,7 @@ def test_bodies_keep_their_own_depths() -> None:
 
 def test_says_how_far_to_trust_it() -> None:
     text = page_of(made_up(BOTH, 2)).text
-    assert "Beyond about twenty impacts the motion is chaotic; a peak is one draw" in text
+    assert "Beyond some tens of impacts the motion is chaotic; a peak is one draw" in text
     assert "chosen, not the paper's" in text
     assert "80\u00a0± 12" in text
 
@@ -120,6 +123,17 @@ def test_ideal_press_is_not_called_chaotic() -> None:
     text = page_of(made_up(IDEAL, 1)).text
     assert "chaotic" not in text
     assert "chosen, not the paper's" in text
+
+
+@pytest.mark.parametrize("joints", ["B", "none"])
+def test_a_slider_crank_is_no_press_of_the_paper(joints: str) -> None:
+    result = made_up(replace(slider_crank(), joints=joints), 1)
+    sentences = [*notes(result), *(drawing.caption for drawing in drawings(result))]
+    assert any("from memory and not checked against a page" in text for text in sentences)
+    assert not [text for text in sentences if re.search(r"\b(press|paper|crank 2)\b", text)]
+    table = next(text for text in sentences if "Chosen or assumed are gravity, " in text)
+    assert ", clearance," not in table
+    assert ", friction," in table
 
 
 def test_every_setting_is_listed_with_its_origin() -> None:

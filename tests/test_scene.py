@@ -10,7 +10,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from presswear.catalog import SCENES, scene_named
+from presswear.catalog import SCENES, scene_named, slider_crank, wear_times
 from presswear.errors import AssemblyError, InputError
 from presswear.laws import hertz_stiffness
 from presswear.press import GEOMETRIES, Press
@@ -21,17 +21,20 @@ from presswear.scene import (
     Bearings,
     Conventions,
     Scene,
-    changed,
-    settings_of,
+    joint_words,
 )
+from presswear.settings import changed, settings_of
+from presswear.slider_crank import SliderCrank
 
 BASE = Scene("base", "a scene")
+OTHER = Scene("other", "a slider-crank", mechanism=SliderCrank(), joints="B")
 SETTINGS = {setting.key: setting for setting in settings_of(BASE)}
 scenes = pytest.mark.parametrize("name", list(SCENES))
 
 
-def test_keys_are_unique() -> None:
-    keys = [setting.key for setting in settings_of(BASE)]
+@pytest.mark.parametrize("scene", [BASE, OTHER], ids=["press", "slider-crank"])
+def test_keys_are_unique(scene: Scene) -> None:
+    keys = [setting.key for setting in settings_of(scene)]
     assert len(keys) == len(set(keys))
 
 
@@ -55,9 +58,10 @@ def test_changed_sets_every_part() -> None:
             "cycles": "7",
         },
     )
-    assert scene.press.speed == 4.0 * math.pi
-    assert scene.press.geometry.hx == 0.241
-    assert scene.press.geometry.name == "standard, changed"
+    assert scene.mechanism.speed == 4.0 * math.pi
+    assert isinstance(scene.mechanism, Press)
+    assert scene.mechanism.geometry.hx == 0.241
+    assert scene.mechanism.geometry.name == "standard, changed"
     assert scene.bearings.clearance == 0.6e-3
     assert scene.conventions == replace(Conventions(), footprint="arc")
     assert scene.clearance_joints == ("C",)
@@ -73,10 +77,12 @@ def test_changed_without_settings_changes_nothing() -> None:
 
 @pytest.mark.parametrize("name", list(GEOMETRIES))
 def test_every_geometry_can_be_named(name: str) -> None:
-    assert changed(BASE, {"geometry": name}).press.geometry == GEOMETRIES[name]
+    assert changed(BASE, {"geometry": name}).mechanism == Press(geometry=GEOMETRIES[name])
     moved = changed(BASE, {"hy": f"{GEOMETRIES[name].hy + 1e-4} m", "geometry": name})
-    assert moved.press.geometry.side_bd == GEOMETRIES[name].side_bd
-    assert moved.press.geometry.hy == GEOMETRIES[name].hy + 1e-4
+    assert isinstance(moved.mechanism, Press)
+    assert moved.mechanism.geometry.side_bd == GEOMETRIES[name].side_bd
+    assert moved.mechanism.geometry.hy == GEOMETRIES[name].hy + 1e-4
+    assert moved.mechanism.geometry.name == f"{name}, changed"
 
 
 def test_unknown_names_are_refused_with_what_is_known() -> None:
@@ -86,6 +92,84 @@ def test_unknown_names_are_refused_with_what_is_known() -> None:
         changed(BASE, {"geometry": "round"})
     with pytest.raises(InputError, match="unknown scene 'nothing'; known are ideal"):
         scene_named("nothing")
+
+
+def test_joints_are_those_of_the_mechanism() -> None:
+    assert joint_words(Press()) == {"A": ("A",), "C": ("C",), "AC": ("A", "C"), "none": ()}
+    assert list(joint_words(SliderCrank())) == ["A", "B", "AB", "none"]
+    for mechanism in (Press(), SliderCrank()):
+        for word, names in joint_words(mechanism).items():
+            scene = Scene("", "", mechanism=mechanism, joints=word)
+            assert tuple(joint.name for joint in scene.linkage().clearances) == names
+    assert "(A | B | AB | none)" in _described(OTHER, "joints")
+
+
+@pytest.mark.parametrize(
+    ("scene", "word", "allowed"),
+    [
+        (BASE, "B", "A, C, AC, none"),
+        (BASE, "CA", "A, C, AC, none"),
+        (BASE, "", "A, C, AC, none"),
+        (OTHER, "AC", "A, B, AB, none"),
+        (OTHER, "O", "A, B, AB, none"),
+    ],
+)
+def test_joints_that_stay_closed_are_refused(scene: Scene, word: str, allowed: str) -> None:
+    expected = f"joints = '{word}': allowed is one of {allowed}"
+    with pytest.raises(InputError, match=f"^{expected}$"):
+        changed(scene, {"joints": word})
+    with pytest.raises(InputError, match=f"^{expected}$"):
+        replace(scene, joints=word)
+
+
+def test_each_mechanism_has_its_own_keys() -> None:
+    scene = changed(OTHER, {"crank_length": "60mm", "speed": "3000rpm", "clearance": "0.2mm"})
+    assert scene.mechanism == SliderCrank(crank_length=0.06, speed=100.0 * math.pi)
+    assert scene.bearings.clearance == 0.2e-3
+    for key in ("geometry", "hx", "length_2"):
+        with pytest.raises(InputError, match=f"unknown key '{key}'; known are .*rod_length"):
+            changed(OTHER, {key: "standard"})
+    with pytest.raises(InputError, match="unknown key 'rod_length'"):
+        changed(BASE, {"rod_length": "1m"})
+
+
+def _described(scene: Scene, key: str) -> str:
+    return next(s.described() for s in settings_of(scene) if s.key == key)
+
+
+def test_where_a_value_comes_from_follows_it() -> None:
+    assert "; paper, per study)" in _described(BASE, "clearance")
+    scene = slider_crank()
+    assert "; literature, from memory)" in _described(scene, "clearance")
+    scene = changed(scene, {"clearance": "0.4mm"})
+    assert "; set by the user)" in _described(scene, "clearance")
+    assert "; literature, from memory)" in _described(scene, "bearing_radius")
+    assert Scene.from_dict(json.loads(json.dumps(scene.as_dict()))) == scene
+
+
+def test_a_slider_crank_owes_nothing_to_the_paper() -> None:
+    statuses = [
+        setting.meaning.status
+        for setting in settings_of(slider_crank())
+        if not isinstance(setting.meaning, Choice)
+    ]
+    assert statuses
+    assert not [status for status in statuses if "paper" in status]
+
+
+def test_named_scenes_differ_from_the_central_study_as_they_say() -> None:
+    for letter in "AC":
+        scene = scene_named(f"clearance-{letter.lower()}")
+        study = replace(wear_times(), joints=letter, wears=0, cycles=5)
+        assert scene == replace(study, name=scene.name, title=scene.title)
+        assert f"at {letter} alone" in scene.title
+
+
+def test_stiffness_of_the_slider_crank_is_the_printed_one() -> None:
+    joint = slider_crank().linkage().clearances[0]
+    assert joint.name == "B"
+    assert f"{joint.normal.stiffness:.2e}" == "6.61e+10"
+    assert (joint.bearing.body, joint.pin.body) == ("rod", "slider")
 
 
 def test_clearance_stays_below_the_bearing_radius() -> None:
@@ -131,17 +215,31 @@ values = st.text(max_size=20) | st.builds(
 @pytest.mark.filterwarnings("error")
 def test_any_text_makes_a_usable_scene_or_one_line_of_refusal(key: str, text: str) -> None:
     for conventions in CONVENTIONS.values():
-        base = replace(BASE, conventions=conventions)
-        refusal: InputError | None = None
-        try:
-            scene = changed(base, {key: text})
-        except InputError as error:
-            refusal = error
-        if refusal is None:
-            _use(scene)
-        else:
-            assert len(str(refusal).splitlines()) == 1
-            assert _names(key, refusal), refusal
+        _use_or_refuse(replace(BASE, conventions=conventions), key, text)
+
+
+@given(st.sampled_from(sorted(setting.key for setting in settings_of(OTHER))), values)
+@example("crank_length", "120mm")
+@example("crank_length", "119.99mm")
+@example("rod_length", "50mm")
+@example("rod_length", "1e-3m")
+@example("speed", "0 rpm")
+@pytest.mark.filterwarnings("error")
+def test_any_text_makes_a_usable_slider_crank_or_one_line_of_refusal(key: str, text: str) -> None:
+    _use_or_refuse(OTHER, key, text)
+
+
+def _use_or_refuse(base: Scene, key: str, text: str) -> None:
+    refusal: InputError | None = None
+    try:
+        scene = changed(base, {key: text})
+    except InputError as error:
+        refusal = error
+    if refusal is None:
+        _use(scene)
+    else:
+        assert len(str(refusal).splitlines()) == 1
+        assert _names(key, refusal), refusal
 
 
 def _names(key: str, refusal: InputError) -> bool:
@@ -160,7 +258,7 @@ def _use(scene: Scene) -> None:
             assert math.isfinite(value)
             assert value > 0.0
     assert scene.exudyn_accuracy().free_step > 0.0
-    start = scene.press.ideal_motion(np.zeros(1))
+    start = scene.mechanism.ideal_motion(np.zeros(1))
     for level in (start.position, start.velocity, start.acceleration):
         assert all(math.isfinite(value) for value in level[0])
     assert Scene.from_dict(json.loads(json.dumps(scene.as_dict()))) == scene
@@ -204,8 +302,14 @@ def _stored_part(part: str, **other: Any) -> dict[str, Any]:
         pytest.param({}, id="empty"),
         pytest.param([1, 2], id="a list"),
         pytest.param("scene", id="a word"),
-        pytest.param(_stored(press="abc"), id="press a word"),
-        pytest.param(_stored(press=[1]), id="press a list"),
+        pytest.param(_stored(mechanism="abc"), id="mechanism a word"),
+        pytest.param(_stored(mechanism=[1]), id="mechanism a list"),
+        pytest.param(_stored(mechanism={}), id="mechanism of no kind"),
+        pytest.param(_stored_part("mechanism", kind="crane"), id="unknown kind"),
+        pytest.param(_stored_part("mechanism", kind=["press"]), id="kind a list"),
+        pytest.param(_stored_part("mechanism", kind="slider-crank"), id="another kind"),
+        pytest.param(_stored(statuses={"clearance": 1}), id="status a number"),
+        pytest.param(_stored(statuses="chosen"), id="statuses a word"),
         pytest.param(_stored(bearings=None), id="no bearings"),
         pytest.param(_stored(unknown=1), id="unknown field"),
         pytest.param(_stored_part("bearings", colour=1), id="unknown bearing field"),
@@ -214,8 +318,8 @@ def _stored_part(part: str, **other: Any) -> dict[str, Any]:
         pytest.param(_stored_part("bearings", width=None), id="no width"),
         pytest.param(_stored_part("bearings", friction=math.nan), id="friction nan"),
         pytest.param(_stored_part("bearings", angles=360.5), id="part of a bin"),
-        pytest.param(_stored_part("press", geometry="standard"), id="geometry a word"),
-        pytest.param(_stored_part("press", speed=None), id="no speed"),
+        pytest.param(_stored_part("mechanism", geometry="standard"), id="geometry a word"),
+        pytest.param(_stored_part("mechanism", speed=None), id="no speed"),
         pytest.param(_stored(wears=None), id="no wears"),
         pytest.param(_stored(wears=1.5), id="one and a half wears"),
         pytest.param(_stored(cycles="many"), id="cycles a word"),
@@ -244,7 +348,7 @@ def test_scene_makes_the_linkage_it_describes() -> None:
     assert joint.map_frame == "fixed"
     assert joint.wear is not None
     assert (joint.wear.slip, joint.wear.footprint) == ("angle", "bin")
-    closed = {r.name: r for r in scene.press.linkage().revolutes}
+    closed = {r.name: r for r in scene.mechanism.linkage().revolutes}
     assert (joint.bearing, joint.pin) == (closed["A"].first, closed["A"].second)
 
 
@@ -283,7 +387,7 @@ def test_amplification_is_of_the_cycles_run() -> None:
 
 
 def test_steps_follow_the_speed() -> None:
-    scene = Scene("fast", "", press=Press(speed=8.0 * math.pi), free_steps=5000)
+    scene = Scene("fast", "", mechanism=Press(speed=8.0 * math.pi), free_steps=5000)
     assert scene.exudyn_accuracy().free_step == pytest.approx(0.25 / 5000, rel=1e-14)
 
 
@@ -292,4 +396,4 @@ def test_defaults_are_the_papers() -> None:
     assert (bearings.youngs_modulus, bearings.poisson_ratio) == (200e9, 0.3)
     assert (bearings.restitution, bearings.exponent) == (0.9, 1.5)
     assert (bearings.lower_speed, bearings.upper_speed) == (1e-4, 1e-3)
-    assert BASE.press.speed == 3.5 * math.pi
+    assert BASE.mechanism.speed == 3.5 * math.pi

@@ -159,7 +159,9 @@ def test_a_table_that_does_not_belong_to_the_run_is_refused() -> None:
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """One fast cycle of the in-house solver, worn once."""
     scene = wear_times()
-    scene = replace(scene, press=replace(scene.press, speed=60.0), engine="dae", cycles=1, wears=0)
+    scene = replace(
+        scene, mechanism=replace(scene.mechanism, speed=60.0), engine="dae", cycles=1, wears=0
+    )
     path = tmp_path_factory.mktemp("result") / "run"
     store = ResultFolder(path, scene)
     store.close(*run_campaign(scene, Watcher(stage=store.add)))

@@ -11,6 +11,7 @@ from matplotlib.ticker import MaxNLocator
 from presswear.figures.numbers import readable
 from presswear.figures.style import (
     REFERENCE,
+    SIDES,
     WIDTH,
     Array,
     Axes,
@@ -48,10 +49,10 @@ def ideal_slider(scene: Scene, time: Array) -> Array:
     ndarray, shape (n, 3)
         m, m/s, m/s^2.
     """
-    linkage = scene.press.linkage()
+    linkage = scene.mechanism.linkage()
     column = 3 * linkage.index(linkage.probe.body)
     along = np.array([math.cos(linkage.probe.direction), math.sin(linkage.probe.direction)])
-    motion = scene.press.ideal_motion(np.append(0.0, time))
+    motion = scene.mechanism.ideal_motion(np.append(0.0, time))
     levels = (motion.position, motion.velocity, motion.acceleration)
     slider = np.column_stack([level[:, column : column + 2] @ along for level in levels])
     slider[:, 0] -= slider[0, 0]
@@ -77,9 +78,9 @@ def response(result: StoredResult) -> list[Drawing]:
     _draw_ideal(panels[2], time, ideal[:, 1])
     panels[2].set_ylabel("velocity\n(m/s)")
     _draw_accelerations(panels[3 : 3 + len(stages)], stages, time, ideal[:, 2])
-    caption = f"The slider over {shown_time_text(result)}, against the ideal press in closed form."
+    caption = f"The slider over {shown_time_text(result)}, against the ideal motion in closed form."
     if with_impacts:
-        interval = result.scene.press.period / _MEANS_PER_CYCLE
+        interval = result.scene.mechanism.period / _MEANS_PER_CYCLE
         _draw_mean_accelerations(panels[-1], stages, time, ideal[:, 1], interval)
         caption += (
             " Impacts dwarf the ideal acceleration: each stage has a panel of its own on one "
@@ -252,7 +253,7 @@ def centre_trajectory(result: StoredResult) -> list[Drawing]:
     )
     if any(limit.size for limit in limits.values()):
         handles.append(Line2D([], [], label="gap limit, c + wear depths", **_LIMIT))
-    elif maps_turn(result):
+    elif any(np.any(s.depth(j, side) > 0.0) for s in stages for j in joints for side in SIDES):
         caption += " Worn surfaces turn with their bodies, so that no fixed line bounds the path."
     sheet.legend(handles=handles, loc="outside upper center", ncols=len(handles))
     return [Drawing("centre-trajectory.png", "Path of the pin centre", caption, sheet)]

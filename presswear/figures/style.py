@@ -54,7 +54,7 @@ _DASHES: tuple[LineStyle, ...] = (
     (0.0, (1.2, 1.0)),
 )
 REFERENCE = "black"
-"""Colour of what is compared with: the ideal press, the new surface, the round gap."""
+"""Colour of what is compared with: the ideal motion, the new surface, the round gap."""
 MUTED = "0.45"
 """Colour of what was not run."""
 
@@ -126,12 +126,12 @@ def moving_stages(result: StoredResult) -> list[ShownStage]:
 def shown_time(result: StoredResult) -> float:
     """End of the motion shown, s."""
     recorded = max(float(stage.arrays["time"][-1]) for stage in moving_stages(result))
-    return min(SHOWN_CYCLES * result.scene.press.period, recorded)
+    return min(SHOWN_CYCLES * result.scene.mechanism.period, recorded)
 
 
 def shown_time_text(result: StoredResult) -> str:
     """The time shown, in words."""
-    cycles = shown_time(result) / result.scene.press.period
+    cycles = shown_time(result) / result.scene.mechanism.period
     whole = round(cycles)
     if whole < 1 or abs(cycles - whole) > 0.02:
         return f"the first {cycles:.2g} cycles"

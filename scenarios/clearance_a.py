@@ -1,0 +1,27 @@
+"""The press with clearance at A alone, unworn.
+
+Run:  python scenarios/clearance_a.py
+"""
+
+from pathlib import Path
+
+from presswear.campaign import Watcher, run_campaign
+from presswear.catalog import clearance_a
+from presswear.report import write_report
+from presswear.results import ResultFolder, load
+
+
+def main() -> None:
+    scene = clearance_a()
+    folder = ResultFolder(Path("results/clearance-a-script"), scene)
+    folder.close(*run_campaign(scene, Watcher(stage=folder.add)))
+    result = load(folder.path)
+    numbers = result.statistics(0)
+    peak = numbers["joints"]["A"]["force_max_N"]
+    print(f"slider acceleration up to {numbers['slider']['acceleration_max_m_s2']:.0f} m/s^2")
+    print(f"joint A: peak force {peak:.0f} N")
+    print("report:", write_report(result))
+
+
+if __name__ == "__main__":
+    main()
