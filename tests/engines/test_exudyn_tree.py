@@ -1,0 +1,203 @@
+"""The open tree in Exudyn against the in-house solver, closed forms and conservation."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from branches import branching, placed, tree
+
+from presswear.campaign import start_of
+from presswear.catalog import wear_times
+from presswear.engines.base import DaeAccuracy, Plan, Run, Start, TreeAccuracy
+from presswear.engines.dae.engine import simulate as simulate_dae
+from presswear.engines.exudyn_tree import simulate
+from presswear.errors import InputError
+from presswear.linkage import Attachment, Linkage, Load, Slip, Spring
+from presswear.scene import CONVENTIONS, Scene
+from presswear.surface import Surface
+
+END = 0.05
+TIGHT = 1e-10
+
+
+def accuracy(tolerance: float) -> TreeAccuracy:
+    return TreeAccuracy(tolerance, 1e-3)
+
+
+def both(scene: Scene, linkage: Linkage, tolerance: float, end: float = END) -> tuple[Run, Run]:
+    """The same linkage from the same start: tree, then in-house at a tight tolerance."""
+    plan = Plan(end, 1)
+    start = start_of(scene)
+    return (
+        simulate(linkage, start, accuracy(tolerance), plan),
+        simulate_dae(linkage, start, DaeAccuracy(tolerance=1e-12), plan),
+    )
+
+
+def touches(run: Run) -> list[tuple[float, int, float, float]]:
+    """Onset, joint, closing speed and end of all finished contacts, by time."""
+    rows = [
+        (float(row[0]), k, float(row[2]), float(row[1]))
+        for k in range(len(run.account.book.joints))
+        for row in run.account.episodes(k)
+    ]
+    return sorted(rows)
+
+
+@pytest.fixture(scope="module")
+def tight() -> tuple[Run, Run]:
+    return both(wear_times(), wear_times().linkage(), TIGHT)
+
+
+def test_touches_and_slider_agree_with_the_in_house_solver(tight: tuple[Run, Run]) -> None:
+    ours, reference = tight
+    pairs = list(zip(touches(ours), touches(reference), strict=True))
+    assert len(pairs) == 10
+    for one, other in pairs:
+        assert one[1] == other[1]
+        assert one[0] == pytest.approx(other[0], abs=1e-8)
+        assert one[2] == pytest.approx(other[2], rel=1e-6)
+        assert one[3] == pytest.approx(other[3], abs=1e-8)
+    assert ours.end.position == pytest.approx(reference.end.position, abs=1e-8)
+
+
+def test_errors_fall_with_the_tolerance() -> None:
+    errors = []
+    for tolerance in (1e-6, 1e-8, 1e-10):
+        ours, reference = both(wear_times(), wear_times().linkage(), tolerance)
+        pairs = zip(touches(ours), touches(reference), strict=True)
+        errors.append(max(abs(one[0] - other[0]) for one, other in pairs))
+    assert errors[1] < 0.3 * errors[0]
+    assert errors[2] < 0.03 * errors[1]
+
+
+def test_reactions_and_torques_agree_with_multipliers(tight: tuple[Run, Run]) -> None:
+    ours, reference = tight
+    assert ours.reactions.keys() == reference.reactions.keys()
+    for name, expected in reference.reactions.items():
+        assert ours.reactions[name] == pytest.approx(expected, abs=2e-6), name
+    # Up to the first touch torques are smooth enough to be read between the rows.
+    rows, expected_rows = ours.account.rows, reference.account.rows
+    expected_rows = expected_rows[expected_rows[:, 0] < 0.01]
+    for column in (-2, -1):
+        torque = np.interp(expected_rows[:, 0], rows[:, 0], rows[:, column])
+        assert torque == pytest.approx(expected_rows[:, column], abs=1e-4)
+        assert np.ptp(torque) > 5e-4
+
+
+def test_work_and_losses_agree_and_add_up(tight: tuple[Run, Run]) -> None:
+    ours, reference = tight
+    exchanged = float(reference.diagnostics["drive_exchange_J"])
+    assert ours.diagnostics["drive_exchange_J"] == pytest.approx(exchanged, rel=1e-3)
+    for name in ("drive_work_J", "stored_energy_change_J", "contact_loss_J", "friction_loss_J"):
+        expected = float(reference.diagnostics[name])
+        assert ours.diagnostics[name] == pytest.approx(expected, abs=1e-8 * exchanged), name
+    assert abs(float(ours.diagnostics["energy_residual_J"])) < 1e-8 * exchanged
+
+
+@pytest.mark.parametrize(("slip", "error"), [("sliding", 2e-6), ("angle", 1e-3)])
+def test_doses_and_peaks_agree(slip: Slip, error: float) -> None:
+    """By angle, slip has a kink wherever the pin turns back, which costs both engines digits."""
+    scene = wear_times()
+    scene = replace(scene, conventions=replace(scene.conventions, slip=slip))
+    ours, reference = both(scene, scene.linkage(), TIGHT)
+    mine, expected = ours.account.cycles[0], reference.account.cycles[0]
+    for k in range(2):
+        force, dose, contacts = 5 + 3 * k, 6 + 3 * k, 7 + 3 * k
+        assert mine[dose] == pytest.approx(expected[dose], rel=error)
+        # A peak is that of the accepted states.
+        assert mine[force] == pytest.approx(expected[force], rel=0.01)
+        assert mine[contacts] == expected[contacts]
+
+
+def test_the_cranks_turn_exactly(tight: tuple[Run, Run]) -> None:
+    run = tight[0]
+    exact = wear_times().mechanism.ideal_motion(np.array([run.time])).position[0]
+    for crank in ("crank 2", "crank 7"):
+        i = 3 * wear_times().linkage().index(crank)
+        assert run.end.position[i : i + 3] == pytest.approx(exact[i : i + 3], abs=1e-14)
+
+
+@pytest.mark.parametrize("conventions", sorted(CONVENTIONS))
+def test_worn_surfaces_agree(conventions: str) -> None:
+    scene = replace(wear_times(), conventions=CONVENTIONS[conventions])
+    angle = (np.arange(360) + 0.5) * math.radians(1.0)
+    bearing = Surface(2e-5 * np.exp(-(((angle - 1.5) / 0.3) ** 2)))
+    pin = Surface(1e-5 * (1.0 + np.cos(3.0 * angle)))
+    linkage = scene.linkage({"A": (bearing, pin), "C": (pin, bearing)})
+    ours, reference = both(scene, linkage, TIGHT)
+    first, other = touches(ours)[:8], touches(reference)[:8]
+    assert len(first) == 8
+    for one, expected in zip(first, other, strict=True):
+        assert one[0] == pytest.approx(expected[0], abs=1e-7)
+        assert one[2] == pytest.approx(expected[2], rel=1e-4)
+    assert ours.end.position == pytest.approx(reference.end.position, abs=1e-6)
+
+
+def test_every_touch_is_landed_on_and_resolved() -> None:
+    scene = wear_times()
+    plan = Plan(scene.mechanism.period, 1)
+    run = simulate(scene.linkage(), start_of(scene), accuracy(1e-6), plan)
+    assert run.account.book.tally["contacts"].sum() > 15
+    assert run.account.book.tally["fewest_steps"].min() >= 20
+    assert float(run.diagnostics["deepest_touch_m"]) < 1e-9
+
+
+def test_a_tree_without_contacts_with_springs_loads_and_an_inclined_guide() -> None:
+    """The slider's frame is turned against its guide, and a pendulum hangs from it."""
+    linkage = replace(
+        branching(),
+        springs=(
+            Spring("soft", Attachment("far", 0.1, 0.0), Attachment("slider", 0.0, 0.1), 40.0, 0.1),
+            Spring("grip", Attachment("crank", 0.0, 0.0), Attachment("near", 0.0, 0.0), 30.0, 0.2),
+        ),
+        loads=(Load("pendulum", 1.0, -2.0, 0.3), Load("crank", 0.5, 0.5, 0.1)),
+    )
+    found = tree(linkage)
+    x = np.array([0.3, -0.5, 0.1, 0.4])
+    q, v, _, _ = placed(found, 5, 0.0, x, np.array([1.0, -2.0, 0.3, 4.0]))
+    start, plan = Start(q, v), Plan(0.2, 1)
+    ours = simulate(linkage, start, accuracy(1e-11), plan)
+    reference = simulate_dae(linkage, start, DaeAccuracy(tolerance=1e-12), plan)
+    assert ours.end.position == pytest.approx(reference.end.position, abs=1e-8)
+    assert ours.end.velocity == pytest.approx(reference.end.velocity, abs=1e-7)
+    for name, expected in reference.reactions.items():
+        assert ours.reactions[name] == pytest.approx(expected, abs=1e-6), name
+    work = float(reference.diagnostics["drive_work_J"])
+    assert abs(work) > 1.0
+    assert ours.diagnostics["drive_work_J"] == pytest.approx(work, rel=1e-7)
+
+
+def test_a_linkage_with_a_loop_is_refused_by_name() -> None:
+    scene = replace(wear_times(), joints="A")
+    with pytest.raises(InputError, match=r"joint \w+ closes a loop"):
+        simulate(scene.linkage(), start_of(scene), accuracy(1e-8), Plan(END, 1))
+
+
+def test_a_state_that_is_not_finite_ends_the_run_as_failed() -> None:
+    scene = wear_times()
+    start = start_of(scene)
+    fast = Start(start.position, np.where(np.arange(18) == 13, 1e200, start.velocity))
+    run = simulate(scene.linkage(), fast, accuracy(1e-8), Plan(END, 1))
+    assert run.status == "failed"
+    assert "t = " in run.message
+
+
+def test_interrupts_in_callbacks_arrive_as_they_are() -> None:
+    scene = wear_times()
+
+    def interrupt(part: float) -> None:
+        raise KeyboardInterrupt
+
+    plan = Plan(END, 1, progress=interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        simulate(scene.linkage(), start_of(scene), accuracy(1e-8), plan)
+
+
+def test_cycles_end_on_time() -> None:
+    scene = wear_times()
+    run = simulate(scene.linkage(), start_of(scene), accuracy(1e-6), Plan(0.01, 5, 2))
+    assert run.time == pytest.approx(0.05, abs=1e-9)
+    assert len(run.account.cycles) == 5
+    assert float(run.account.rows[-1, 0]) <= 0.02 + 1e-9
