@@ -71,7 +71,9 @@ def _parser() -> argparse.ArgumentParser:
     )
     run.add_argument("scene", help="one of: " + ", ".join(SCENES))
     run.add_argument("--out", type=Path, help="new result folder (default results/SCENE)")
-    run.add_argument("--engine", help="exudyn (default: the fittest), exudyn-joints or dae")
+    run.add_argument(
+        "--engine", help="exudyn (default: the smallest model), exudyn-tree, exudyn-joints or dae"
+    )
     run.add_argument("--conventions", help="paper (as printed) or refined; default: the scene's")
     run.add_argument("--cycles", help="cycles of each stage; default: until the maps are known")
     run.add_argument("--wears", help="how often the joints are worn (0, 1, 2, ...)")
@@ -109,7 +111,8 @@ def _add_crosscheck(commands: Any) -> None:
         "crosscheck",
         help="Exudyn against the in-house solver, or a stored run against another program's table; "
         "exit code 1 when they disagree",
-        description="Without --against: both engines run a scene on unworn surfaces from the same "
+        description="Without --against: Exudyn (the open tree where there is one, or what --set "
+        "engine=... says) and the in-house solver run a scene on unworn surfaces from the same "
         "start. They are compared one by one up to the horizon, where a start moved by 1e-9 m has "
         "grown apart a thousand times, and by means over cycles beyond it (8 cycles, or as many as "
         "--set cycles=N says). With --against: stage 0 of a result folder is compared with "

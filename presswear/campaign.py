@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.engines import engine_named
+from presswear.engines import engine_for
 from presswear.engines.base import Plan, Run, Start
 from presswear.linkage import Linkage
 from presswear.observe import Account
@@ -99,8 +99,15 @@ def run_stage(scene: Scene, index: int, worn: Worn, watcher: Watcher) -> Stage:
     def progress(part: float) -> None:
         watcher.progress(index, min(part * most / needed, 1.0), word)
 
-    plan = Plan(scene.mechanism.period, most, enough=enough, progress=progress)
-    run = engine_named(scene.engine)(linkage, start_of(scene), scene.accuracy(), plan)
+    plan = Plan(
+        scene.mechanism.period,
+        most,
+        torques=scene.drive_torque == "on",
+        enough=enough,
+        progress=progress,
+    )
+    accuracy = scene.accuracy()
+    run = engine_for(accuracy)(linkage, start_of(scene), accuracy, plan)
     cycles = len(run.account.cycles)
     factor = scene.amplification.factor(max(cycles, 1))
     added = run.account.depth_sum * factor

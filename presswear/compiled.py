@@ -28,6 +28,7 @@ Records = Any
 Numba knows their fields, a type checker does not.
 """
 
+_NUMBA: Any = numba  # its type hints leave out what is used here
 _PACKAGE = Path(__file__).resolve().parent
 
 
@@ -68,7 +69,7 @@ def compiled(function: F) -> F:
     defined elsewhere is outside the digest and is compiled anew each time.
     """
     of_package = _PACKAGE in Path(function.__code__.co_filename).resolve().parents
-    compiler = numba.njit(cache=of_package and _cache_is_usable(), error_model="numpy", _nrt=False)
+    compiler = _NUMBA.njit(cache=of_package and _cache_is_usable(), error_model="numpy", _nrt=False)
     return cast(F, compiler(function))
 
 
@@ -80,7 +81,7 @@ def specialised(kernel: F, *arguments: Any) -> F:
     functions that a solver calls a million times with the same arrays.
     """
     dispatcher = cast(Any, kernel)
-    types = tuple(numba.typeof(argument) for argument in arguments)
+    types = tuple(_NUMBA.typeof(argument) for argument in arguments)
     dispatcher.compile(types)
     return cast(F, dispatcher.overloads[types].entry_point)
 

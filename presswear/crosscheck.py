@@ -20,8 +20,16 @@ from scipy.linalg import null_space
 
 from presswear.campaign import start_of
 from presswear.constraints import constraints_of
-from presswear.engines import engine_named
-from presswear.engines.base import Accuracy, DaeAccuracy, Plan, Run, Start
+from presswear.engines import engine_for
+from presswear.engines.base import (
+    AnyAccuracy,
+    DaeAccuracy,
+    JointsAccuracy,
+    Plan,
+    Run,
+    Start,
+    TreeAccuracy,
+)
 from presswear.errors import InputError, RunError
 from presswear.linkage import Linkage
 from presswear.observe import CYCLE_FIXED, CYCLE_JOINT
@@ -51,7 +59,9 @@ GROWTH = 1000.0
 REFERENCE_TOLERANCE = 1e-13
 """Of the in-house solver while trajectories are compared."""
 FINENESS = (1, 2, 4, 8, 16)
-"""Exudyn's steps are the scene's divided by these; the bounds hold for the last."""
+"""Steps of Exudyn's joints model are the scene's divided by these; bounds hold for the last."""
+TOLERANCE_PARTS = (1, 10, 100, 1000)
+"""The tolerance of its open tree is the scene's divided by these; bounds hold for the last."""
 FIRST_TOUCHES = 10
 """Touches whose bounds are stated."""
 CYCLES = 8
@@ -73,6 +83,8 @@ FORCE_BOUND = 1e-3
 """Of the first touches, part of their peak force."""
 ORDER, ORDER_BOUND = 2.0, 0.3
 """Order of Exudyn's trapezoidal rule, and how far the observed one may be from it."""
+TREE_TIME_BOUND, TREE_SLIDER_BOUND = 1e-8, 1e-8
+"""Of the open tree at its finest: first touches, s, and slider up to the last of them, m."""
 INTEGRATOR_BOUND = 1e-10
 """Of the first touches between two in-house integrators, s."""
 
@@ -153,8 +165,8 @@ class _Runner:
     linkage: Linkage
     progress: Progress
 
-    def run(self, word: str, start: Start, accuracy: Accuracy | DaeAccuracy, plan: Plan) -> Run:
-        engine = engine_named("dae" if isinstance(accuracy, DaeAccuracy) else "exudyn")
+    def run(self, word: str, start: Start, accuracy: AnyAccuracy, plan: Plan) -> Run:
+        engine = engine_for(accuracy)
 
         def told(part: float) -> None:
             self.progress(word, part)
@@ -162,11 +174,11 @@ class _Runner:
         told(0.0)
         return engine(self.linkage, start, accuracy, replace(plan, progress=told))
 
-    def trace(self, word: str, start: Start, accuracy: Accuracy | DaeAccuracy, end: float) -> Trace:
+    def trace(self, word: str, start: Start, accuracy: AnyAccuracy, end: float) -> Trace:
         return trace_of(self.run(word, start, accuracy, Plan(end / PARTS, PARTS, PARTS)))
 
 
-def finer(accuracy: Accuracy, fineness: int) -> Accuracy:
+def finer(accuracy: JointsAccuracy, fineness: int) -> JointsAccuracy:
     """Steps divided, with Newton's errors divided as those of the steps are."""
     return replace(
         accuracy,
@@ -175,6 +187,46 @@ def finer(accuracy: Accuracy, fineness: int) -> Accuracy:
         free_step=accuracy.free_step / fineness,
         newton=accuracy.newton / fineness**2,
     )
+
+
+@dataclass(frozen=True)
+class Ladder:
+    """An Exudyn model from its working accuracy to its finest.
+
+    Attributes
+    ----------
+    rungs : tuple
+        Label and accuracy of each.
+    time_bound : float
+        Of the first touches at the finest, s.
+    fineness : tuple of int or None
+        What the steps are divided by, where the error has a known order in them.
+    """
+
+    rungs: tuple[tuple[str, TreeAccuracy | JointsAccuracy], ...]
+    time_bound: float
+    fineness: tuple[int, ...] | None
+
+
+def ladder_of(scene: Scene) -> Ladder:
+    """Of the model that Exudyn takes for the scene."""
+    scene = replace(scene, engine="exudyn") if scene.engine == "dae" else scene
+    accuracy = scene.accuracy()
+    if isinstance(accuracy, TreeAccuracy):
+        tree = tuple(
+            (
+                f"Exudyn's tree at {accuracy.tolerance / parts:g}",
+                replace(accuracy, tolerance=accuracy.tolerance / parts),
+            )
+            for parts in TOLERANCE_PARTS
+        )
+        return Ladder(tree, TREE_TIME_BOUND, None)
+    period = scene.mechanism.period
+    joints = tuple(
+        ("Exudyn" if n == 1 else f"Exudyn, steps / {n}", finer(scene.numerics.joints(period), n))
+        for n in FINENESS
+    )
+    return Ladder(joints, TIME_BOUND, FINENESS)
 
 
 def observed_order(fineness: tuple[int, ...], errors: list[float]) -> float:
@@ -246,13 +298,13 @@ def check_engines(scene: Scene, duration: float | None, progress: Progress) -> C
 def _check_exudyn(
     scene: Scene, start: Start, runner: _Runner, reference: Trace, horizon: float
 ) -> tuple[list[Check], list[Difference]]:
-    """Exudyn at several step lengths against the reference, up to the horizon."""
+    """Exudyn, ever finer, against the reference up to the horizon."""
     first = reference.touches[:FIRST_TOUCHES]
+    ladder = ladder_of(scene)
     differences: list[Difference] = []
     errors: list[float] = []
-    for fineness in FINENESS:
-        word = "Exudyn" if fineness == 1 else f"Exudyn, steps / {fineness}"
-        trace = runner.trace(word, start, finer(scene.exudyn_accuracy(), fineness), horizon)
+    for word, accuracy in ladder.rungs:
+        trace = runner.trace(word, start, accuracy, horizon)
         differences.append(slider_difference(word, reference, trace))
         apart = touch_differences(first, trace.touches)
         errors.append(
@@ -260,21 +312,29 @@ def _check_exudyn(
             if first
             else float(differences[-1].slider.max())
         )
-    order = observed_order(FINENESS, errors)
-    name = f"Exudyn/{FINENESS[-1]}"
-    checks = [Check(f"{name}: slider", float(differences[-1].slider.max()), SLIDER_BOUND, "m")]
+    name = ladder.rungs[-1][0]
+    slider = differences[-1]
+    checks = [Check(f"{name}: slider", float(slider.slider.max()), SLIDER_BOUND, "m")]
     if first:
         count = f"{name}: first {len(first)}"
         largest = apart.max(axis=0).tolist()
         speed = velocity_difference(reference, trace, first[-1].onset)
         checks += [
-            Check(f"{count} touches, times", largest[0], TIME_BOUND, "s"),
+            Check(f"{count} touches, times", largest[0], ladder.time_bound, "s"),
             Check(f"{count} closing speeds", largest[1], CLOSING_BOUND, "relative"),
             Check(f"{count} peak forces", largest[2], FORCE_BOUND, "relative"),
             Check(f"{name}: velocity to touch {len(first)}", speed, VELOCITY_BOUND, "relative"),
             *_reported(name, reference, trace, horizon),
         ]
-    checks.append(Check(f"Exudyn's order {order:.2f}, from 2", abs(order - ORDER), ORDER_BOUND, ""))
+    if ladder.fineness is None:
+        if first:
+            early = float(slider.slider[slider.time <= first[-1].onset].max())
+            words = f"{name}: slider to touch {len(first)}"
+            checks.append(Check(words, early, TREE_SLIDER_BOUND, "m"))
+    else:
+        order = observed_order(ladder.fineness, errors)
+        words = f"Exudyn's order {order:.2f}, from 2"
+        checks.append(Check(words, abs(order - ORDER), ORDER_BOUND, ""))
     return checks, differences
 
 
@@ -300,8 +360,8 @@ def _check_means(scene: Scene, start: Start, runner: _Runner) -> tuple[list[Chec
     plan = Plan(scene.mechanism.period, cycles, recorded_cycles=1)
     means: list[dict[str, Estimate]] = []
     for engine, accuracy in (
-        ("dae", replace(scene, engine="dae").accuracy()),
-        ("Exudyn", scene.exudyn_accuracy()),
+        ("dae", scene.numerics.dae()),
+        ("Exudyn", ladder_of(scene).rungs[0][1]),
     ):
         run = runner.run(f"{engine}, {cycles} cycles", start, accuracy, plan)
         if run.status == "failed":
@@ -352,7 +412,7 @@ def document_of(outcome: Crosscheck) -> Mapping[str, Any]:
         "horizon_s": outcome.horizon,
         "parted": outcome.parted,
         "passed": outcome.passed,
-        "exudyn_steps_divided_by": list(FINENESS),
+        "exudyn": [label for label, _ in ladder_of(outcome.scene).rungs],
         "checks": [{**asdict(check), "passed": check.passed} for check in outcome.checks],
         "touches": [{**asdict(touch), "joint": names[touch.joint]} for touch in outcome.touches],
         "slider_difference_max_m": {

@@ -70,6 +70,7 @@ class Book(NamedTuple):
     touch, tally : records of TOUCH and TALLY
     record : one record of RECORD
     series : ndarray, shape (rows, SERIES_FIXED + SERIES_JOINT joints + drives)
+        Without the torques of the drives where they are not asked for.
     episodes : ndarray, shape (joints, rows, 6)
     cycle : ndarray, shape (CYCLE_FIXED + CYCLE_JOINT joints,)
         Row of the present cycle.
@@ -178,8 +179,9 @@ def observe(book: Book, t: float, h: float, q: Array, v: Array, a: Array) -> Non
         series[row, 1] = displacement
         series[row, 2] = velocity
         series[row, 3] = acceleration
-        for i in range(book.torque.shape[0]):
-            series[row, SERIES_FIXED + SERIES_JOINT * count + i] = book.torque[i]
+        first = SERIES_FIXED + SERIES_JOINT * count
+        for column in range(first, series.shape[1]):
+            series[row, column] = book.torque[column - first]
         state.rows += 1
         state.last_time = t
 
@@ -204,7 +206,13 @@ class Account:
     depth_square_sum: Array = field(default_factory=lambda: np.zeros(0))
 
     @staticmethod
-    def of(linkage: Linkage, position: Array, recorded_cycles: int, cycle: float) -> "Account":
+    def of(
+        linkage: Linkage,
+        position: Array,
+        recorded_cycles: int,
+        cycle: float,
+        torques: bool = True,
+    ) -> "Account":
         """An empty account for a linkage that starts in a position.
 
         Parameters
@@ -214,6 +222,8 @@ class Account:
             Cycles whose series and episodes are kept.
         cycle : float
             Duration of one cycle, s.
+        torques : bool
+            Whether series hold the torques of the drives.
         """
         joints = pack_joints(linkage)
         count = joints.size
@@ -235,6 +245,7 @@ class Account:
             + record["probe_sin"] * position[record["probe"] + 1]
         )
         rows = recorded_cycles * (ROWS_AT_MOST if count else 2 * ROWS_AT_LEAST)
+        columns = SERIES_FIXED + SERIES_JOINT * count + len(linkage.drives) * torques
         shape = (count, 2, angles)
         book = Book(
             joints=joints,
@@ -244,7 +255,7 @@ class Account:
             touch=touch,
             tally=tally,
             record=record,
-            series=np.zeros((rows, SERIES_FIXED + SERIES_JOINT * count + len(linkage.drives))),
+            series=np.zeros((rows, columns)),
             episodes=np.zeros((count, recorded_cycles * EPISODES_AT_MOST, len(EPISODE_COLUMNS))),
             cycle=np.zeros(len(CYCLE_FIXED) + len(CYCLE_JOINT) * count),
             depth=np.zeros(shape),

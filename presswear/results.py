@@ -11,7 +11,7 @@ import platform
 import subprocess
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from presswear.campaign import Stage
 from presswear.errors import InputError
+from presswear.numerics import Numerics
 from presswear.observe import SERIES_FIXED, SERIES_JOINT
 from presswear.press import Press
 from presswear.scene import Scene
@@ -51,8 +52,9 @@ def stage_arrays(stage: Stage) -> dict[str, Array]:
     account = stage.run.account
     series = account.rows
     arrays: dict[str, Array] = {"time": series[:, 0], "slider": series[:, 1:SERIES_FIXED]}
-    if stage.linkage.drives:
-        arrays["drive_torque"] = series[:, -len(stage.linkage.drives) :]
+    torques = series[:, SERIES_FIXED + SERIES_JOINT * len(stage.linkage.clearances) :]
+    if torques.shape[1] > 0:
+        arrays["drive_torque"] = torques
     for k, joint in enumerate(stage.linkage.clearances):
         own = series[:, SERIES_FIXED + SERIES_JOINT * k :][:, :SERIES_JOINT]
         name = joint.name
@@ -220,8 +222,10 @@ def load(path: Path) -> StoredResult:
 
 
 def _from_schema_1(scene: Mapping[str, Any]) -> dict[str, Any]:
-    """A stored scene of schema 1, which knew no mechanism but the press."""
+    """A stored scene of schema 1: its mechanism is a press, its numerics are the scene's own."""
     plain = dict(scene)
+    names = {item.name for item in fields(Numerics)}
+    plain["numerics"] = {name: plain.pop(name) for name in names & plain.keys()}
     plain["mechanism"] = {"kind": Press.kind, **plain.pop("press")}
     return plain
 

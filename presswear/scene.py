@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass, field
 from itertools import combinations
 from typing import Any
 
-from presswear.engines.base import Accuracy, DaeAccuracy, Integrator
+from presswear.engines.base import AnyAccuracy
 from presswear.errors import InputError
 from presswear.laws import (
     FrictionLaw,
@@ -24,10 +24,12 @@ from presswear.linkage import (
     WearLaw,
 )
 from presswear.mechanism import Mechanism
+from presswear.numerics import Numerics
 from presswear.press import Press
 from presswear.quantities import Choice, check_fields, choice, quantity
 from presswear.slider_crank import SliderCrank
 from presswear.surface import Surface
+from presswear.tree import Tree, tree_of
 
 
 @dataclass(frozen=True)
@@ -138,6 +140,10 @@ _RESTORED: Mapping[str, Callable[[Mapping[str, Any]], Press | SliderCrank]] = {
 """What makes a stored mechanism anew, by its kind."""
 
 
+TREE = "exudyn-tree"
+ENGINES = ("exudyn", TREE, "exudyn-joints", "dae")
+
+
 def joint_words(mechanism: Mechanism) -> dict[str, tuple[str, ...]]:
     """The choices of joints with clearance: every combination by its letters, and ``none``."""
     names = mechanism.openable
@@ -164,8 +170,14 @@ class Scene:
     mechanism: Press | SliderCrank = field(default_factory=Press)
     bearings: Bearings = field(default_factory=Bearings)
     conventions: Conventions = field(default_factory=Conventions)
+    numerics: Numerics = field(default_factory=Numerics)
     joints: str = choice("AC", _words, "which joints have clearance")
-    engine: str = choice("exudyn", ("exudyn", "exudyn-joints", "dae"), "what solves the motion")
+    engine: str = choice(
+        "exudyn",
+        ENGINES,
+        "what solves the motion; exudyn takes the open tree where there is one, or the joints",
+    )
+    drive_torque: str = choice("off", ("off", "on"), "whether drive torques are stored")
     wears: int = quantity(
         2, "", 0, 20, "paper, per study", "how often the joints are worn", whole=True
     )
@@ -192,38 +204,6 @@ class Scene:
         "paper",
         "cycles that one wear stands for: 200 x 20,000, which the paper calls 2 million",
     )
-    steps_per_contact: int = quantity(
-        50, "", 20, 10_000, "chosen", "solver steps in one impact", whole=True
-    )
-    steps_sustained: int = quantity(
-        10,
-        "",
-        5,
-        10_000,
-        "chosen",
-        "least steps in half a period of a pin at rest on its bearing",
-        whole=True,
-    )
-    free_steps: int = quantity(
-        10_000, "", 1000, 10_000_000, "chosen", "least solver steps in a cycle", whole=True
-    )
-    integrator: Integrator = choice(
-        "dop853",
-        ("dop853", "dopri5", "rk4", "rk4-paper"),
-        "of engine dae: order 8 or 5 with located touches, 4 at equal steps, the paper's 1e-4 s",
-    )
-    integration_tolerance: float = quantity(
-        1e-9,
-        "",
-        1e-14,
-        1e-3,
-        "chosen",
-        "of dop853 and dopri5, per step: times 1 mm and 1 m/s + speed",
-    )
-    equal_step: float = quantity(1e-5, "s", 1e-9, 1e-2, "chosen", "step of rk4")
-    projection: str = choice(
-        "off", ("off", "on"), "of engine dae: whether each state is moved onto the constraints"
-    )
     statuses: Mapping[str, str] = field(default_factory=dict, hash=False)
 
     def __post_init__(self) -> None:
@@ -236,6 +216,13 @@ class Scene:
         check_fields(self)
         check_fields(self.conventions)
         self.mechanism.check_assembly()
+        reason = tree_of(self.linkage()) if self.engine == TREE else ""
+        if isinstance(reason, str) and reason:
+            others = ", ".join(name for name in ENGINES if name != TREE)
+            raise InputError(
+                f"engine = {TREE!r}: a linkage without loops is needed, but {reason}; "
+                f"allowed here is one of {others}"
+            )
 
     @property
     def clearance_joints(self) -> tuple[str, ...]:
@@ -263,24 +250,19 @@ class Scene:
         )
         return ideal.opened(opened)
 
-    def accuracy(self) -> Accuracy | DaeAccuracy:
-        """How finely the scene's engine integrates."""
-        if self.engine == "dae":
-            return DaeAccuracy(
-                self.integrator,
-                self.integration_tolerance,
-                self.equal_step,
-                projected=self.projection == "on",
-            )
-        return self.exudyn_accuracy()
+    @property
+    def solver(self) -> str:
+        """The engine that runs: for ``exudyn`` the smallest model that the linkage allows."""
+        if self.engine != "exudyn":
+            return self.engine
+        return TREE if isinstance(tree_of(self.linkage()), Tree) else "exudyn-joints"
 
-    def exudyn_accuracy(self) -> Accuracy:
-        """Step lengths of an Exudyn run."""
-        return Accuracy(
-            steps_per_contact=self.steps_per_contact,
-            steps_sustained=self.steps_sustained,
-            free_step=self.mechanism.period / self.free_steps,
-        )
+    def accuracy(self) -> AnyAccuracy:
+        """How finely the engine that runs integrates."""
+        solver, period = self.solver, self.mechanism.period
+        if solver == "dae":
+            return self.numerics.dae()
+        return self.numerics.tree(period) if solver == TREE else self.numerics.joints(period)
 
     def as_dict(self) -> dict[str, Any]:
         """The scene as plain data, SI units, radians; its mechanism says of which kind it is."""
@@ -299,6 +281,7 @@ class Scene:
                 mechanism=_RESTORED[kind](mechanism),
                 bearings=Bearings(**plain.pop("bearings")),
                 conventions=Conventions(**plain.pop("conventions")),
+                numerics=Numerics(**plain.pop("numerics")),
                 **plain,
             )
         except InputError:

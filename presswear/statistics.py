@@ -83,7 +83,7 @@ def joint_statistics(
         "force_max_N": float(force.max()),
         "force_max_per_cycle_N": asdict(estimate(force)),
         "contacts": contacts,
-        "contacts_below_20_steps": int(tally["unresolved"]),
+        "unresolved_contacts": int(tally["unresolved"]),
         "fewest_steps_in_a_contact": int(tally["fewest_steps"]) if contacts else None,
         "part_of_time_in_contact": float(tally["closed_time"]) / account.last_time,
         "dose_per_cycle_Nm": asdict(estimate(dose)),

@@ -315,10 +315,12 @@ def settle(
     t: float,
     q: Array,
     v: Array,
+    needed: int = LEAST_STEPS,
 ) -> int:
     """Bring the contact state up to an accepted state: latch touches, close episodes.
 
-    Returns the number of joints that have touched or separated.
+    A contact of fewer than ``needed`` steps counts as unresolved.  Returns the number of
+    joints that have touched or separated.
     """
     events = 0
     for k in range(joints.shape[0]):
@@ -339,7 +341,7 @@ def settle(
             open_episode(last, touched, started_closed)
             events += 1
         elif onset[k] > 0.0 and contact.penetration <= 0.0:
-            close_episode(last, tally[k], episodes[k], onset[k], t, contact.rate, LEAST_STEPS)
+            close_episode(last, tally[k], episodes[k], onset[k], t, contact.rate, needed)
             onset[k] = 0.0
             events += 1
         if onset[k] > 0.0:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 
 from presswear import references
-from presswear.engines.base import Accuracy, DaeAccuracy, Plan, Run, Start
+from presswear.engines.base import DaeAccuracy, JointsAccuracy, Plan, Run, Start
 from presswear.engines.dae.engine import simulate as simulate_dae
 from presswear.engines.exudyn_joints import simulate as simulate_exudyn
 from presswear.errors import RunError
@@ -84,7 +84,7 @@ def order_of(steps: Sequence[float], errors: Sequence[float]) -> float:
 def andrews_with_exudyn(step: float) -> Array:
     """The seven angles at the end, rad, with equal steps, s."""
     # A step one part in 1e9 shorter keeps round-off from making them one fewer.
-    accuracy = Accuracy(50, 10, free_step=step * (1.0 - 1e-9), newton=NEWTON)
+    accuracy = JointsAccuracy(50, 10, free_step=step * (1.0 - 1e-9), newton=NEWTON)
     plan = Plan(references.ANDREWS_DURATION, 1, recorded_cycles=1)
     run = simulate_exudyn(references.andrews(), references.andrews_start(), accuracy, plan)
     return references.andrews_angles(_finished(run).end.position)
@@ -139,7 +139,7 @@ def impact_rows() -> Iterator[Row]:
         ours = delivered(run, impact.speed)
         yield Row(f"restitution, nominal {nominal}, dae", expected, ours, 1e-8)
         steps = EXUDYN_STEPS_PER_CONTACT[nominal]
-        accuracy = Accuracy(steps, 10, free_step=2e-5, newton=1e-10)
+        accuracy = JointsAccuracy(steps, 10, free_step=2e-5, newton=1e-10)
         run = simulate_exudyn(impact.linkage, impact.start, accuracy, plan)
         name = f"restitution, nominal {nominal}, Exudyn, {steps} steps"
         yield Row(name, expected, delivered(run, impact.speed), 1e-4)

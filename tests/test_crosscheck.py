@@ -16,8 +16,8 @@ from presswear.campaign import start_of
 from presswear.catalog import ideal, wear_times
 from presswear.constraints import constraints_of
 from presswear.crosscheck import Check, disturbed, finer, observed_order
-from presswear.engines import Engine, engine_named
-from presswear.engines.base import Accuracy
+from presswear.engines import Engine, engine_for
+from presswear.engines.base import AnyAccuracy, DaeAccuracy, JointsAccuracy
 from presswear.linkage import Linkage
 from presswear.traces import Touch, Trace, parting_time, peak, touch_differences
 
@@ -84,7 +84,7 @@ def test_no_number_is_no_agreement() -> None:
 
 
 def test_finer_divides_every_step() -> None:
-    found = finer(Accuracy(50, 10, 1e-5, newton=1e-6), 4)
+    found = finer(JointsAccuracy(50, 10, 1e-5, newton=1e-6), 4)
     assert (found.steps_per_contact, found.steps_sustained) == (200, 40)
     assert (found.free_step, found.newton) == (2.5e-6, 6.25e-8)
 
@@ -93,11 +93,30 @@ def test_finer_divides_every_step() -> None:
 SHORT = ["crosscheck", "wear-times", "--set", "speed=8pi rad/s", "--duration", "0.0095"]
 
 
+@pytest.mark.parametrize(
+    ("engine", "expected"),
+    [
+        (
+            "exudyn-joints",
+            {
+                "Exudyn, steps / 16: slider": 1e-6,
+                "Exudyn, steps / 16: first 3 touches, times": 1e-6,
+            },
+        ),
+        (
+            "exudyn",
+            {
+                "Exudyn's tree at 1e-11: slider to touch 3": 1e-8,
+                "Exudyn's tree at 1e-11: first 3 touches, times": 1e-8,
+            },
+        ),
+    ],
+)
 def test_the_engines_agree_on_the_first_touches(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    engine: str, expected: dict[str, float], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     folder = tmp_path / "check"
-    assert main([*SHORT, "--out", str(folder)]) == 0
+    assert main([*SHORT, "--set", f"engine={engine}", "--out", str(folder)]) == 0
     shown = capsys.readouterr().out
     assert "MISS" not in shown
     assert max(map(len, shown.splitlines())) <= 100
@@ -106,8 +125,7 @@ def test_the_engines_agree_on_the_first_touches(
     assert document["parted"] is False
     assert [touch["joint"] for touch in document["touches"]] == ["A", "C", "A"]
     bounds = {check["quantity"]: check["bound"] for check in document["checks"]}
-    assert bounds["Exudyn/16: slider"] == 1e-6
-    assert bounds["Exudyn/16: first 3 touches, times"] == 1e-6
+    assert {name: bounds[name] for name in expected} == expected
     assert bounds["first 3 touches, dop853 to dopri5"] == 1e-10
     assert (folder / "difference.png").stat().st_size > 10_000
     assert main([*SHORT, "--out", str(folder)]) == 2
@@ -116,9 +134,9 @@ def test_the_engines_agree_on_the_first_touches(
 def test_a_small_change_of_one_engine_is_noticed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    def heavier(name: str) -> Engine:
-        engine = engine_named(name)
-        if name == "dae":
+    def heavier(accuracy: AnyAccuracy) -> Engine:
+        engine = engine_for(accuracy)
+        if isinstance(accuracy, DaeAccuracy):
             return engine
 
         def run(linkage: Linkage, *others: Any) -> Any:
@@ -126,10 +144,12 @@ def test_a_small_change_of_one_engine_is_noticed(
 
         return run
 
-    monkeypatch.setattr(crosscheck, "engine_named", heavier)
+    monkeypatch.setattr(crosscheck, "engine_for", heavier)
     assert main([*SHORT, "--out", str(tmp_path / "check")]) == 1
-    missed = [line for line in capsys.readouterr().out.splitlines() if "MISS" in line]
-    assert any("touches, times" in line for line in missed)
+    document = json.loads((tmp_path / "check" / "crosscheck.json").read_text())
+    missed = [check["quantity"] for check in document["checks"] if not check["passed"]]
+    assert any("touches, times" in quantity for quantity in missed)
+    assert capsys.readouterr().out.count("MISS") == len(missed)
 
 
 def test_without_clearance_the_whole_duration_is_compared(

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from presswear.catalog import SCENES, scene_named, slider_crank, wear_times
 from presswear.errors import AssemblyError, InputError
 from presswear.laws import hertz_stiffness
+from presswear.numerics import Numerics
 from presswear.press import GEOMETRIES, Press
 from presswear.quantities import Choice
 from presswear.scene import (
@@ -257,7 +258,7 @@ def _use(scene: Scene) -> None:
         for value in (joint.normal.stiffness, joint.pin_radius, joint.width):
             assert math.isfinite(value)
             assert value > 0.0
-    assert scene.exudyn_accuracy().free_step > 0.0
+    assert scene.numerics.joints(scene.mechanism.period).free_step > 0.0
     start = scene.mechanism.ideal_motion(np.zeros(1))
     for level in (start.position, start.velocity, start.acceleration):
         assert all(math.isfinite(value) for value in level[0])
@@ -387,8 +388,12 @@ def test_amplification_is_of_the_cycles_run() -> None:
 
 
 def test_steps_follow_the_speed() -> None:
-    scene = Scene("fast", "", mechanism=Press(speed=8.0 * math.pi), free_steps=5000)
-    assert scene.exudyn_accuracy().free_step == pytest.approx(0.25 / 5000, rel=1e-14)
+    scene = Scene(
+        "fast", "", mechanism=Press(speed=8.0 * math.pi), numerics=Numerics(free_steps=5000)
+    )
+    assert scene.numerics.joints(scene.mechanism.period).free_step == pytest.approx(
+        0.25 / 5000, rel=1e-14
+    )
 
 
 def test_defaults_are_the_papers() -> None:

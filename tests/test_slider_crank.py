@@ -197,7 +197,10 @@ def test_in_house_engine_follows_the_closed_form(in_house: Run) -> None:
 
 def test_exudyn_follows_the_closed_form() -> None:
     run = simulate_exudyn(
-        IDEAL.linkage(), start_of(IDEAL), IDEAL.exudyn_accuracy(), Plan(ONE.period, 2)
+        IDEAL.linkage(),
+        start_of(IDEAL),
+        IDEAL.numerics.joints(IDEAL.mechanism.period),
+        Plan(ONE.period, 2),
     )
     assert np.all(_errors(run) < [1e-8, 1e-6, 1e-2])
 

@@ -3,22 +3,26 @@
 from collections.abc import Callable
 from typing import Any
 
-from presswear.engines.base import Plan, Run, Start
+from presswear.engines.base import AnyAccuracy, DaeAccuracy, Plan, Run, Start, TreeAccuracy
 from presswear.linkage import Linkage
 
 Engine = Callable[[Linkage, Start, Any, Plan], Run]
 """Called with the engine's own kind of accuracy."""
 
 
-def engine_named(name: str) -> Engine:
-    """The engine of a name; ``exudyn`` takes the fittest of Exudyn's.
+def engine_for(accuracy: AnyAccuracy) -> Engine:
+    """The engine that an accuracy belongs to.
 
     Imported when asked for, so that no command pays for an engine it does not use.
     """
-    if name == "dae":
+    if isinstance(accuracy, DaeAccuracy):
         from presswear.engines.dae.engine import simulate as in_house
 
         return in_house
+    if isinstance(accuracy, TreeAccuracy):
+        from presswear.engines.exudyn_tree import simulate as as_tree
+
+        return as_tree
     from presswear.engines.exudyn_joints import simulate as with_joints
 
-    return {"exudyn": with_joints, "exudyn-joints": with_joints}[name]
+    return with_joints

@@ -27,7 +27,7 @@ class Start:
 
 
 @dataclass(frozen=True)
-class Accuracy:
+class JointsAccuracy:
     """How finely an implicit fixed-order run is stepped.
 
     Attributes
@@ -107,6 +107,10 @@ class DaeAccuracy:
     projected: bool = False
 
 
+AnyAccuracy = TreeAccuracy | JointsAccuracy | DaeAccuracy
+"""Each belongs to one engine."""
+
+
 @dataclass(frozen=True)
 class Plan:
     """How long to run and what to keep.
@@ -119,6 +123,8 @@ class Plan:
         Most cycles to run.
     recorded_cycles : int
         Cycles at the start whose series and episodes are kept.
+    torques : bool
+        Whether the series hold the torques of the drives.
     enough : callable
         Asked after each cycle; True ends the run.
     progress : callable
@@ -128,6 +134,7 @@ class Plan:
     cycle: float
     cycles: int
     recorded_cycles: int = 5
+    torques: bool = True
     enough: Callable[[Account], bool] = lambda account: False
     progress: Callable[[float], None] = lambda part: None
 
@@ -162,6 +169,13 @@ class Run:
     time: float
     reactions: dict[str, tuple[float, ...]]
     diagnostics: dict[str, float | int | str] = field(default_factory=dict)
+
+
+def account_of(linkage: Linkage, start: Start, plan: Plan) -> Account:
+    """The empty account of a run."""
+    return Account.of(
+        linkage, start.position, plan.recorded_cycles, plan.cycle, torques=plan.torques
+    )
 
 
 def described(linkage: Linkage) -> str:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from presswear.compiled import Records, specialised
 from presswear.contacts import JOINT_RATES
 from presswear.energy import Ledger, stored_energy, weight_of
-from presswear.engines.base import Accuracy, Plan, Run, Start, described
+from presswear.engines.base import JointsAccuracy, Plan, Run, Start, account_of, described
 from presswear.engines.exudyn_model import Model, assemble, reactions_of
 from presswear.engines.exudyn_solve import (
     Accept,
@@ -27,12 +27,12 @@ from presswear.engines.exudyn_solve import (
 )
 from presswear.engines.joint_kernels import Drives, accept_joint_step, shorter_joint_step
 from presswear.linkage import Linkage
-from presswear.observe import Account, Book
+from presswear.observe import Book
 
 Array = NDArray[np.float64]
 
 
-def _settings(accuracy: Accuracy, plan: Plan) -> Any:
+def _settings(accuracy: JointsAccuracy, plan: Plan) -> Any:
     settings = settings_of(plan, accuracy.free_step, 0.1 * accuracy.least_step)
     integration = settings.timeIntegration
     # Steps are chosen by accept_step; Exudyn must not lengthen them behind its back.
@@ -93,13 +93,13 @@ class _SendBack:
         return [2.0, shorter]
 
 
-def simulate(linkage: Linkage, start: Start, accuracy: Accuracy, plan: Plan) -> Run:
+def simulate(linkage: Linkage, start: Start, accuracy: JointsAccuracy, plan: Plan) -> Run:
     """Run a linkage from a start; see ``Plan`` and ``Run``."""
     steps = accuracy.packed()
     times: dict[str, float] = {}
     # Compiling, or loading what was compiled, is part of building the model.
     with timed(times, "wall_build_s"):
-        account = Account.of(linkage, start.position, plan.recorded_cycles, plan.cycle)
+        account = account_of(linkage, start, plan)
         book = account.book
         model = assemble(linkage, start, account)
         watch = Watch(account, plan)

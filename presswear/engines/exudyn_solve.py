@@ -27,7 +27,7 @@ Write = Callable[[Any, float], None]
 class Watch:
     """Where a solve stands: cycles, progress, and why it ended."""
 
-    account: Account | None
+    account: Account
     plan: Plan
     time: float = 0.0
     cycle_end: float = 0.0
@@ -136,7 +136,7 @@ def solve(system: Any, settings: Any, solver: Any, watch: Watch, remedy: str) ->
     """
     message = ""
     try:
-        with _quiet():
+        with quiet():
             system.SolveDynamic(settings, solverType=solver)
     except exu.ExudynError as error:
         # An interrupt that arrives inside a connector comes wrapped.
@@ -163,7 +163,7 @@ def share_of(timer: Any, seconds: dict[str, float]) -> dict[str, float]:
 
 
 @contextmanager
-def _quiet() -> Iterator[None]:
+def quiet() -> Iterator[None]:
     """Keep Exudyn's banners and log files off; errors arrive as exceptions."""
     console, log = exu.config.printToConsole, exu.special.exceptions.writeErrorsToLogFile
     exu.config.printToConsole = False

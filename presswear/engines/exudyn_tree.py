@@ -19,12 +19,13 @@ from numpy.typing import NDArray
 from presswear.compiled import specialised
 from presswear.contacts import JOINT_RATES
 from presswear.energy import Ledger, mass_of, stored_energy, weight_of
-from presswear.engines.base import Plan, Run, Start, TreeAccuracy, described
+from presswear.engines.base import Plan, Run, Start, TreeAccuracy, account_of, described
 from presswear.engines.exudyn_solve import (
     Accept,
     StepLimit,
     Watch,
     post_step,
+    quiet,
     settings_of,
     share_of,
     solve,
@@ -48,6 +49,7 @@ from presswear.tree import CARRIED, Tree, tree_of
 
 Array = NDArray[np.float64]
 
+_EXUDYN: Any = exu  # its type hints do not know the arguments of its lists
 SHORTEST_STEP = 1e-13
 """s."""
 FIRST_STEP = 1e-7
@@ -114,10 +116,10 @@ def assemble(tree: Tree, linkage: Linkage, start: Start, force: Callable[..., Ar
             "nodeNumber": node,
             "jointTypes": types,
             "linkParents": [int(parent) for parent in tree.links["parent"]],
-            "jointTransformations": exu.Matrix3DList(turns),
-            "jointOffsets": exu.Vector3DList(offsets),
-            "linkInertiasCOM": exu.Matrix3DList(inertias),
-            "linkCOMs": exu.Vector3DList(centres),
+            "jointTransformations": _EXUDYN.Matrix3DList(turns),
+            "jointOffsets": _EXUDYN.Vector3DList(offsets),
+            "linkInertiasCOM": _EXUDYN.Matrix3DList(inertias),
+            "linkCOMs": _EXUDYN.Vector3DList(centres),
             "linkMasses": masses,
             "forceUserFunction": force,
         }
@@ -195,10 +197,10 @@ def _settings(accuracy: TreeAccuracy, plan: Plan) -> Any:
 
 def _accelerations_at_start(model: Model) -> Array:
     """Accelerations of the coordinates at t = 0, from one vanishing step of Exudyn's."""
-    plan = Plan(_INSTANT, 1)
-    settings = settings_of(plan, _INSTANT, _INSTANT)
+    settings = settings_of(Plan(_INSTANT, 1), _INSTANT, _INSTANT)
     settings.timeIntegration.explicit.computeEndOfStepAccelerations = False
-    solve(model.system, settings, exu.DynamicSolverType.ExplicitEuler, Watch(None, plan), "")
+    with quiet():
+        model.system.SolveDynamic(settings, solverType=exu.DynamicSolverType.ExplicitEuler)
     return np.array(model.u_t)
 
 
@@ -251,7 +253,7 @@ def simulate(linkage: Linkage, start: Start, accuracy: TreeAccuracy, plan: Plan)
     with timed(times, "wall_compile_s"):
         _warm_up(tree, linkage, start, accuracy)
     with timed(times, "wall_build_s"):
-        account = Account.of(linkage, start.position, plan.recorded_cycles, plan.cycle)
+        account = account_of(linkage, start, plan)
         book = account.book
         system = system_of(tree, linkage, accuracy)
         forces = _Forces(system, book, np.zeros(len(tree.links)))
@@ -276,7 +278,7 @@ def simulate(linkage: Linkage, start: Start, accuracy: TreeAccuracy, plan: Plan)
             _settings(accuracy, plan),
             exu.DynamicSolverType.DOPRI5,
             watch,
-            "a smaller integration_tolerance may help",
+            "a smaller tree_tolerance may help",
         )
     stored_after, momentum_after = energy()
     book.ledger[0] += momentum_after - momentum_before

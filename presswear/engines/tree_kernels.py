@@ -36,6 +36,9 @@ GROWTH = 5.0
 """A step is at most so many times the one before."""
 IMPACT_PARTS = 15
 """Steps in one impact, at least: enough to show its peak, whatever the tolerance."""
+LEAST_STEPS = 10
+"""A contact of fewer steps counts as unresolved; on a worn surface it may be cut short by
+a bump that its touch does not tell of."""
 LANDING_DEPTH = 1e-11
 """A step that ends on a touch or separation goes this far behind it, m."""
 LANDING_PART = 1e-3
@@ -191,6 +194,9 @@ def step_to_events(book: Book, system: TreeSystem, h: float) -> float:
         acceleration = penetration_acceleration(book.joints, k, book.surfaces, q, v, a)
         jerk = (acceleration - last.acceleration) / last.step if last.step > 0.0 else 0.0
         last.acceleration = acceleration
+        if closed and last.steps == 1 and last.rate > 0.0 and acceleration < 0.0:
+            last.longest_step = 2.0 * last.rate / -acceleration / IMPACT_PARTS
+            h = min(h, last.longest_step)
         system.expected[k] = book.onset[k]
         sign = -1.0 if closed else 1.0
         jerk = sign * jerk if pace.smooth else 0.0
@@ -266,7 +272,11 @@ def tree_state(system: TreeSystem, book: Book, t: float, x: Array, u: Array, u_t
 
 @compiled
 def step_in_impact(book: Book, longest: float) -> float:
-    """Step limit, s, of the joints that have touched but a moment ago."""
+    """Step limit, s, of the joints that have touched but a moment ago.
+
+    A touch that the surrounding motion pulls open again may be far shorter than an
+    impact; ``step_to_events`` notes how short.
+    """
     for k in range(book.joints.shape[0]):
         if book.onset[k] > 0.0 and book.touch[k].steps < 2 * IMPACT_PARTS:
             joint = book.joints[k]
@@ -278,7 +288,7 @@ def step_in_impact(book: Book, longest: float) -> float:
                 book.onset[k],
                 IMPACT_PARTS,
             )
-            longest = min(longest, part)
+            longest = min(longest, part, book.touch[k].longest_step)
     return longest
 
 
@@ -323,7 +333,16 @@ def accept_tree_step(
     book.ledger[4] = power
     q, v, a, _, _ = system.state
     events = settle(
-        book.joints, book.onset, book.touch, book.tally, book.episodes, book.surfaces, t, q, v
+        book.joints,
+        book.onset,
+        book.touch,
+        book.tally,
+        book.episodes,
+        book.surfaces,
+        t,
+        q,
+        v,
+        LEAST_STEPS,
     )
     observe(book, t, h, q, v, a)
     return next_tree_step(book, system, h, events)

@@ -26,7 +26,7 @@ def test_multipliers_solve_equation_18(joints: str) -> None:
     scene = replace(PRESS, joints=joints)
     linkage = scene.linkage()
     system, constraints = system_of(linkage, alpha=20.0, beta=20.0)
-    motion = scene.press.ideal_motion(np.array([0.1]))
+    motion = scene.mechanism.ideal_motion(np.array([0.1]))
     rng = np.random.default_rng(3)
     q = motion.position[0] + 1e-3 * rng.standard_normal(18)
     v = motion.velocity[0] + 0.1 * rng.standard_normal(18)
@@ -62,13 +62,13 @@ def test_derivatives_of_the_constraints() -> None:
 
 @pytest.mark.parametrize("geometry", list(GEOMETRIES))
 def test_ideal_press_follows_the_closed_form(geometry: str) -> None:
-    scene = replace(ideal(), press=Press(geometry=GEOMETRIES[geometry]))
-    run = simulate(scene.linkage(), start_of(scene), DaeAccuracy(), Plan(scene.press.period, 1))
-    exact = scene.press.ideal_motion(np.array([run.time]))
+    scene = replace(ideal(), mechanism=Press(geometry=GEOMETRIES[geometry]))
+    run = simulate(scene.linkage(), start_of(scene), DaeAccuracy(), Plan(scene.mechanism.period, 1))
+    exact = scene.mechanism.ideal_motion(np.array([run.time]))
     assert np.abs(run.end.position - exact.position[0]).max() < 1e-10
     assert np.abs(run.end.velocity - exact.velocity[0]).max() < 1e-9
     rows = run.account.rows
-    motion = scene.press.ideal_motion(rows[:, 0])
+    motion = scene.mechanism.ideal_motion(rows[:, 0])
     assert np.abs(rows[:, 3] - motion.acceleration[:, 13]).max() < 1e-8
 
 
@@ -76,10 +76,12 @@ def test_ideal_press_follows_the_closed_form(geometry: str) -> None:
 def smooth() -> tuple[Run, Run]:
     """The ideal press for a third of a cycle in both engines."""
     scene = ideal()
-    plan = Plan(scene.press.period / 3.0, 1)
+    plan = Plan(scene.mechanism.period / 3.0, 1)
     return (
         simulate(scene.linkage(), start_of(scene), DaeAccuracy(), plan),
-        simulate_exudyn(scene.linkage(), start_of(scene), scene.exudyn_accuracy(), plan),
+        simulate_exudyn(
+            scene.linkage(), start_of(scene), scene.numerics.joints(scene.mechanism.period), plan
+        ),
     )
 
 
@@ -103,7 +105,7 @@ def test_drives_do_the_work_that_the_press_stores(smooth: tuple[Run, Run]) -> No
 def test_recorded_torque_is_the_power_balance() -> None:
     """Integral of torque times speed over the series is the drive work."""
     scene = ideal()
-    plan = Plan(scene.press.period, 1)
+    plan = Plan(scene.mechanism.period, 1)
     run = simulate(scene.linkage(), start_of(scene), DaeAccuracy(), plan)
     rows = run.account.rows
     speeds = np.array([drive.speed for drive in scene.linkage().drives])
@@ -116,7 +118,9 @@ def test_recorded_torque_is_the_power_balance() -> None:
 @pytest.fixture(scope="module")
 def cycle() -> Run:
     """One cycle of the two-clearance press at the default tolerance."""
-    return simulate(PRESS.linkage(), start_of(PRESS), DaeAccuracy(), Plan(PRESS.press.period, 1))
+    return simulate(
+        PRESS.linkage(), start_of(PRESS), DaeAccuracy(), Plan(PRESS.mechanism.period, 1)
+    )
 
 
 def test_energy_of_a_cycle_adds_up(cycle: Run) -> None:
@@ -158,7 +162,7 @@ def test_the_papers_step_fails_and_says_so() -> None:
         PRESS.linkage(),
         start_of(PRESS),
         DaeAccuracy(integrator="rk4-paper"),
-        Plan(PRESS.press.period, 1),
+        Plan(PRESS.mechanism.period, 1),
     )
     assert run.status == "failed"
     assert "no longer finite" in run.message
@@ -171,7 +175,7 @@ def test_projection_holds_the_constraints_without_baumgarte() -> None:
         accuracy = DaeAccuracy(
             integrator="rk4", step=1e-3, alpha=0.0, beta=0.0, projected=projected
         )
-        run = simulate(scene.linkage(), start_of(scene), accuracy, Plan(scene.press.period, 3))
+        run = simulate(scene.linkage(), start_of(scene), accuracy, Plan(scene.mechanism.period, 3))
         errors[projected] = float(run.diagnostics["constraint_error_m"])
     assert errors[True] < 1e-13
     assert errors[False] > 1e4 * errors[True]
@@ -180,8 +184,10 @@ def test_projection_holds_the_constraints_without_baumgarte() -> None:
 @pytest.mark.slow
 def test_no_drift_over_200_cycles() -> None:
     scene = ideal()
-    run = simulate(scene.linkage(), start_of(scene), DaeAccuracy(), Plan(scene.press.period, 200))
-    exact = scene.press.ideal_motion(np.array([run.time]))
+    run = simulate(
+        scene.linkage(), start_of(scene), DaeAccuracy(), Plan(scene.mechanism.period, 200)
+    )
+    exact = scene.mechanism.ideal_motion(np.array([run.time]))
     assert float(run.diagnostics["constraint_error_m"]) < 1e-11
     assert np.abs(run.end.position - exact.position[0]).max() < 1e-9
 

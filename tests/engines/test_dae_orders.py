@@ -9,7 +9,7 @@ import pytest
 from presswear import references
 from presswear.campaign import start_of
 from presswear.catalog import ideal
-from presswear.engines.base import Accuracy, DaeAccuracy, Plan, Start
+from presswear.engines.base import DaeAccuracy, JointsAccuracy, Plan, Start
 from presswear.engines.dae.engine import simulate
 from presswear.engines.exudyn_joints import simulate as simulate_exudyn
 from presswear.linkage import GROUND, Attachment, Body, Linkage, Probe, Spring
@@ -74,9 +74,9 @@ def test_rk4_is_of_fourth_order_on_andrews() -> None:
 
 @pytest.mark.parametrize("geometry", list(GEOMETRIES))
 def test_rk4_is_of_fourth_order_on_the_ideal_press(geometry: str) -> None:
-    scene = replace(ideal(), press=Press(geometry=GEOMETRIES[geometry]))
-    period = scene.press.period
-    exact = scene.press.ideal_motion(np.array([period]))
+    scene = replace(ideal(), mechanism=Press(geometry=GEOMETRIES[geometry]))
+    period = scene.mechanism.period
+    exact = scene.mechanism.ideal_motion(np.array([period]))
     steps = [period / n for n in (100, 200, 400, 800)]
     errors = []
     for step in steps:
@@ -97,12 +97,12 @@ def test_dop853_is_of_eighth_order_and_follows_its_tolerance() -> None:
 
 def test_exudyn_is_of_second_order_on_the_ideal_press() -> None:
     scene = ideal()
-    period = scene.press.period
-    exact = scene.press.ideal_motion(np.array([period])).position[0]
+    period = scene.mechanism.period
+    exact = scene.mechanism.ideal_motion(np.array([period])).position[0]
     steps = [period / n for n in (500, 1000, 2000)]
     errors = []
     for step in steps:
-        accuracy = Accuracy(50, 10, free_step=step * (1.0 - 1e-9), newton=1e-12)
+        accuracy = JointsAccuracy(50, 10, free_step=step * (1.0 - 1e-9), newton=1e-12)
         run = simulate_exudyn(scene.linkage(), start_of(scene), accuracy, Plan(period, 1))
         errors.append(float(np.abs(run.end.position - exact).max()))
     assert 1.9 < order_of(steps, errors) < 2.1
@@ -114,7 +114,7 @@ def test_exudyn_is_of_second_order_on_an_oscillator() -> None:
     steps = [1e-4, 5e-5, 2.5e-5]
     errors = []
     for step in steps:
-        accuracy = Accuracy(50, 10, free_step=step * (1.0 - 1e-9), newton=1e-12)
+        accuracy = JointsAccuracy(50, 10, free_step=step * (1.0 - 1e-9), newton=1e-12)
         plan = Plan(duration, 1, recorded_cycles=1)
         end = simulate_exudyn(oscillator(), start, accuracy, plan).end
         errors.append(abs(end.position[0] / AMPLITUDE - math.cos(FREQUENCY * duration)))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from presswear import references
-from presswear.engines.base import Accuracy, DaeAccuracy, Plan, Run, Start
+from presswear.engines.base import DaeAccuracy, JointsAccuracy, Plan, Run, Start
 from presswear.engines.dae.engine import simulate as simulate_dae
 from presswear.engines.exudyn_joints import simulate as simulate_exudyn
 from presswear.linkage import WearLaw
@@ -40,7 +40,7 @@ def test_dose_is_impulse_times_sliding(engine: str, error: float) -> None:
     if engine == "dae":
         run = simulate_dae(linkage, start, DaeAccuracy(tolerance=1e-11), plan)
     else:
-        run = simulate_exudyn(linkage, start, Accuracy(50, 10, 2e-5), plan)
+        run = simulate_exudyn(linkage, start, JointsAccuracy(50, 10, 2e-5), plan)
     assert run.account.book.tally["contacts"][0] == 1
     dose, impulse = _dose_and_impulse(run, impact)
     joint = impact.linkage.clearances[0]

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from presswear.campaign import start_of
 from presswear.catalog import ideal, wear_times
-from presswear.engines.base import Accuracy, Plan, Run, Start
+from presswear.engines.base import JointsAccuracy, Plan, Run, Start
 from presswear.engines.exudyn_joints import simulate
 from presswear.laws import (
     FrictionLaw,
@@ -73,7 +73,7 @@ def at(ring: tuple[float, ...], shaft: tuple[float, ...]) -> Start:
 
 
 def run_pair(linkage: Linkage, start: Start, duration: float, steps: int = 50) -> Run:
-    accuracy = Accuracy(steps, 10, free_step=2e-5, newton=1e-10)
+    accuracy = JointsAccuracy(steps, 10, free_step=2e-5, newton=1e-10)
     return simulate(linkage, start, accuracy, Plan(duration, 1))
 
 
@@ -149,7 +149,7 @@ def test_onset_speed_at_the_working_step_under_acceleration() -> None:
     arm, spin = 0.05, 40.0
     linkage = free_pair(pin=(arm, 0.0))
     start = at((arm, 0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0, spin))
-    run = simulate(linkage, start, Accuracy(50, 10, free_step=5e-5), Plan(0.001, 1))
+    run = simulate(linkage, start, JointsAccuracy(50, 10, free_step=5e-5), Plan(0.001, 1))
     # |e| is the chord 2 arm sin(spin t / 2).
     half = math.asin(CLEARANCE / (2.0 * arm))
     onset, _, closing = run.account.episodes(0)[0, :3]
@@ -160,19 +160,22 @@ def test_onset_speed_at_the_working_step_under_acceleration() -> None:
 
 @pytest.mark.parametrize("geometry", list(GEOMETRIES))
 def test_ideal_press_follows_the_closed_form(geometry: str) -> None:
-    scene = replace(ideal(), press=Press(geometry=GEOMETRIES[geometry]))
+    scene = replace(ideal(), mechanism=Press(geometry=GEOMETRIES[geometry]))
     run = simulate(
-        scene.linkage(), start_of(scene), scene.exudyn_accuracy(), Plan(scene.press.period, 1)
+        scene.linkage(),
+        start_of(scene),
+        scene.numerics.joints(scene.mechanism.period),
+        Plan(scene.mechanism.period, 1),
     )
     rows = run.account.rows
-    motion = scene.press.ideal_motion(rows[:, 0])
+    motion = scene.mechanism.ideal_motion(rows[:, 0])
     column = 3 * scene.linkage().index("slider 6") + 1
     assert rows.shape[0] > 1000
     exact = motion.position[:, column] - motion.position[0, column]
     assert np.abs(rows[:, 1] - exact).max() < 1e-6
     assert np.abs(rows[:, 2] - motion.velocity[:, column]).max() < 1e-5
     assert np.abs(rows[:, 3] - motion.acceleration[:, column]).max() < 1e-2
-    closing = scene.press.ideal_motion(np.array([scene.press.period]))
+    closing = scene.mechanism.ideal_motion(np.array([scene.mechanism.period]))
     assert np.abs(run.end.position - closing.position[0]).max() < 1e-6
 
 
@@ -185,8 +188,8 @@ def press_runs() -> dict[str, Run]:
         runs[name] = simulate(
             scene.linkage(),
             start_of(scene),
-            scene.exudyn_accuracy(),
-            Plan(scene.press.period / 3.0, 1),
+            scene.numerics.joints(scene.mechanism.period),
+            Plan(scene.mechanism.period / 3.0, 1),
         )
     return runs
 
@@ -216,7 +219,7 @@ def test_worn_volume_is_the_dose(press_runs: dict[str, Run]) -> None:
 def test_the_drives_turn_exactly(press_runs: dict[str, Run]) -> None:
     scene = wear_times()
     for run in press_runs.values():
-        exact = scene.press.ideal_motion(np.array([run.time])).position[0]
+        exact = scene.mechanism.ideal_motion(np.array([run.time])).position[0]
         for crank in ("crank 2", "crank 7"):
             i = 3 * scene.linkage().index(crank) + 2
             assert run.end.position[i] == pytest.approx(exact[i], abs=1e-9)
@@ -230,8 +233,8 @@ def test_cycles_end_on_time_and_enough_stops() -> None:
         asked.append(len(account.cycles))
         return len(account.cycles) == 2
 
-    period = scene.press.period
-    coarse = replace(scene.exudyn_accuracy(), free_step=period / 300.0)
+    period = scene.mechanism.period
+    coarse = replace(scene.numerics.joints(scene.mechanism.period), free_step=period / 300.0)
     run = simulate(scene.linkage(), start_of(scene), coarse, Plan(period, 5, enough=enough))
     assert run.status == "enough"
     assert asked == [1, 2]
@@ -255,6 +258,6 @@ def test_errors_and_interrupts_in_callbacks_arrive_as_they_are() -> None:
         simulate(
             scene.linkage(),
             start_of(scene),
-            scene.exudyn_accuracy(),
-            Plan(scene.press.period, 1, progress=interrupt),
+            scene.numerics.joints(scene.mechanism.period),
+            Plan(scene.mechanism.period, 1, progress=interrupt),
         )

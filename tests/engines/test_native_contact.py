@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from presswear.engines.base import Accuracy, DaeAccuracy, Plan, Start
+from presswear.engines.base import DaeAccuracy, JointsAccuracy, Plan, Start
 from presswear.engines.dae.engine import simulate as simulate_dae
 from presswear.engines.exudyn_joints import simulate
 from presswear.laws import FrictionLaw, NormalLaw, lankarani_nikravesh_damping
@@ -129,7 +129,7 @@ def test_native_contact_agrees_with_the_connector(friction: float) -> None:
     """
     linkage = pair(friction)
     plan = Plan(DURATION, 1)
-    run = simulate(linkage, START, Accuracy(800, 10, free_step=2e-5, newton=1e-12), plan)
+    run = simulate(linkage, START, JointsAccuracy(800, 10, free_step=2e-5, newton=1e-12), plan)
     assert run.account.book.tally["contacts"][0] == 1
     theirs = native(linkage, NOMINAL, 1e-7)
     change = np.abs(run.end.velocity - START.velocity)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from presswear import references
-from presswear.engines.base import Accuracy, DaeAccuracy, Plan, Start
+from presswear.engines.base import DaeAccuracy, JointsAccuracy, Plan, Start
 from presswear.engines.dae.engine import simulate as simulate_dae
 from presswear.engines.exudyn_joints import simulate as simulate_exudyn
 from presswear.laws import delivered_restitution, greatest_penetration, lankarani_nikravesh_damping
@@ -47,7 +47,7 @@ def test_a_run_that_starts_on_the_touch_does_not_miss_it() -> None:
 def test_exudyn_delivers_the_closed_form(nominal: float, steps: int) -> None:
     """To 1e-4; below a nominal 0.9 that takes more than the default of 50 steps."""
     impact = references.Impact(nominal)
-    accuracy = Accuracy(steps, 10, free_step=2e-5, newton=1e-10)
+    accuracy = JointsAccuracy(steps, 10, free_step=2e-5, newton=1e-10)
     run = simulate_exudyn(impact.linkage, impact.start, accuracy, PLAN)
     expected = references.DELIVERED[nominal]
     assert delivered(run, impact.speed) == pytest.approx(expected, abs=1e-4)
@@ -59,7 +59,7 @@ def test_exudyn_delivers_to_second_order_in_the_step() -> None:
     parts = (50, 100, 200, 400)
     errors = []
     for steps in parts:
-        accuracy = Accuracy(steps, 10, free_step=2e-5, newton=1e-12)
+        accuracy = JointsAccuracy(steps, 10, free_step=2e-5, newton=1e-12)
         run = simulate_exudyn(impact.linkage, impact.start, accuracy, PLAN)
         errors.append(abs(delivered(run, impact.speed) - exact))
     assert order_of([1.0 / steps for steps in parts], errors) == pytest.approx(2.0, abs=0.2)

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from presswear.constraints import Constraints
 from presswear.energy import Ledger, stored_energy
-from presswear.engines.base import DaeAccuracy, Plan, Run, Start, Status, described
+from presswear.engines.base import DaeAccuracy, Plan, Run, Start, Status, account_of, described
 from presswear.engines.dae.dynamics import (
     DRIVE_INTEGRALS,
     JOINT_INTEGRALS,
@@ -29,7 +29,6 @@ from presswear.engines.dae.march import (
 from presswear.engines.dae.runge_kutta import MOST_STAGES, dormand_prince_5, dormand_prince_8
 from presswear.errors import InputError
 from presswear.linkage import Linkage
-from presswear.observe import Account
 
 Array = NDArray[np.float64]
 
@@ -89,7 +88,7 @@ def simulate(linkage: Linkage, start: Start, accuracy: DaeAccuracy, plan: Plan) 
     began = clock.perf_counter()
     system, constraints = system_of(linkage, accuracy.alpha, accuracy.beta)
     check_start(constraints, start)
-    account = Account.of(linkage, start.position, plan.recorded_cycles, plan.cycle)
+    account = account_of(linkage, start, plan)
     book = account.book
     n = system.mass.size
     size = 2 * n + DRIVE_INTEGRALS + JOINT_INTEGRALS * len(linkage.clearances)
