@@ -1,0 +1,168 @@
+"""``presswear crosscheck`` and ``presswear export``: comparing runs and handing them on."""
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from presswear.catalog import scene_named
+from presswear.commands.terminal import (
+    free_folder,
+    print_table,
+    progress_bar,
+    settings_given,
+    verdict,
+)
+from presswear.errors import InputError
+from presswear.settings import changed
+
+_TABLE_TEXT = (
+    "Columns, in SI units: time, displacement, velocity, acceleration (of the slider), and for "
+    "each clearance joint J: J_eccentricity_x, J_eccentricity_y, J_penetration, J_normal_force, "
+    "J_tangential_force, J_sliding (speed). CSV with a header line of names and # comments, or "
+    "NPZ with one array per column; another program's table may hold any subset beside time."
+)
+
+
+def add(commands: Any) -> None:
+    """Add the parsers of ``crosscheck`` and ``export``."""
+    check = commands.add_parser(
+        "crosscheck",
+        help="Exudyn against the in-house solver, or a stored run against another program's table; "
+        "exit code 1 when they disagree",
+        description="Without --against: Exudyn (the open tree where there is one, or what --set "
+        "engine=... says) and the in-house solver run a scene on unworn surfaces from the same "
+        "start. They are compared one by one up to the horizon, where a start moved by 1e-9 m has "
+        "grown apart a thousand times, and by means over cycles beyond it (8 cycles, or as many as "
+        "--set cycles=N says). With --against: stage 0 of a result folder is compared with "
+        f"another solver's table. {_TABLE_TEXT} Ours is interpolated at their times; between "
+        "stored rows forces and accelerations are known to some per cent only, so export first "
+        "and let the other solver write its rows at our times.",
+        epilog="example: presswear crosscheck wear-times --set 'speed=8pi rad/s'; "
+        "presswear crosscheck results/wear-times --against theirs.csv --until 0.1",
+    )
+    check.add_argument(
+        "target", nargs="?", metavar="SCENE|DIR", help="scene (default wear-times) or result folder"
+    )
+    check.add_argument("--out", type=Path, help="new folder (default results/crosscheck-SCENE)")
+    check.add_argument(
+        "--set", action="append", default=[], metavar="KEY=VALUE", help="as in presswear run"
+    )
+    check.add_argument(
+        "--duration",
+        type=float,
+        metavar="S",
+        help="longest time that trajectories are compared, s (default one cycle)",
+    )
+    check.add_argument("--against", type=Path, metavar="FILE", help="table, .csv or .npz")
+    check.add_argument(
+        "--until", type=float, metavar="S", help="last time compared, s (default: all in common)"
+    )
+    check.add_argument(
+        "--tolerance",
+        type=float,
+        metavar="X",
+        help="rms difference allowed in a column, part of its rms (default 1e-3)",
+    )
+    check.set_defaults(run=_crosscheck)
+
+    export = commands.add_parser(
+        "export",
+        help="a stored run as CSV or NPZ for other programs",
+        description=f"Writes the recorded series of a stage. {_TABLE_TEXT}",
+        epilog="example: presswear export results/wear-times first.csv --stage 0",
+    )
+    export.add_argument("folder", type=Path, metavar="DIR")
+    export.add_argument("file", type=Path, metavar="FILE", help="new file, .csv or .npz")
+    export.add_argument(
+        "--stage", type=int, default=0, metavar="K", help="0 unworn (default), 1 after a wear, ..."
+    )
+    export.set_defaults(run=_export)
+
+
+def _crosscheck(arguments: argparse.Namespace, console: Console) -> int:
+    own, foreign = ("set", "out", "duration"), ("until", "tolerance")
+    for name in own if arguments.against else foreign:
+        if getattr(arguments, name) not in (None, []):
+            word = "does not go" if arguments.against else "goes only"
+            raise InputError(f"--{name} {word} with --against; see presswear crosscheck --help")
+    for name in ("duration", *foreign):
+        value = getattr(arguments, name)
+        if value is not None and not 0.0 < value < float("inf"):
+            raise InputError(f"--{name} {value:g}: a finite number above 0 is expected")
+    if arguments.against:
+        return _against(arguments, console)
+    scene = changed(scene_named(arguments.target or "wear-times"), settings_given(arguments.set))
+    folder = arguments.out or free_folder(f"crosscheck-{scene.name}")
+    from presswear.crosscheck import check_engines, store
+    from presswear.figures.crosscheck import write_differences
+    from presswear.results import ResultFolder
+
+    ResultFolder(folder, scene)  # refuses a folder that holds something
+    with progress_bar(console) as bar:
+        task = bar.add_task("start", total=1.0)
+        outcome = check_engines(
+            scene,
+            arguments.duration,
+            lambda name, part: bar.update(task, description=name, completed=part),
+        )
+    store(outcome, folder)
+    write_differences(outcome, folder / "difference.png")
+    how = "where trajectories part" if outcome.parted else "the end; trajectories did not part"
+    console.print(f"compared up to {outcome.horizon:.4g} s, {how}", highlight=False)
+    _print_checks(
+        console,
+        ("difference", "bound"),
+        [
+            (check.quantity, check.unit, (check.difference, check.bound), check.passed)
+            for check in outcome.checks
+        ],
+    )
+    console.print(f"table and figure in {folder}", highlight=False)
+    return 0 if outcome.passed else 1
+
+
+def _against(arguments: argparse.Namespace, console: Console) -> int:
+    if arguments.target is None:
+        raise InputError("--against needs the result folder to compare with: crosscheck DIR")
+    from presswear.results import load
+    from presswear.tables import TOLERANCE, compare_tables, read_table, table_of
+
+    theirs = read_table(arguments.against)
+    ours = table_of(load(Path(arguments.target)), 0)
+    tolerance = TOLERANCE if arguments.tolerance is None else arguments.tolerance
+    columns = compare_tables(ours, theirs, arguments.until, tolerance)
+    _print_checks(
+        console,
+        ("greatest", "rms", "bound of rms"),
+        [
+            (found.column, found.unit, (found.greatest, found.rms, found.bound), found.passed)
+            for found in columns
+        ],
+    )
+    return 0 if all(found.passed for found in columns) else 1
+
+
+def _print_checks(
+    console: Console,
+    names: tuple[str, ...],
+    rows: list[tuple[str, str, tuple[float | None, ...], bool]],
+) -> None:
+    """A table of quantities with their numbers, and whether each is within its bound."""
+    cells = []
+    for quantity, unit, numbers, passed in rows:
+        shown = ["" if number is None else f"{number:.2e}" for number in numbers]
+        cells.append([quantity, *shown, unit, "" if numbers[-1] is None else verdict(passed)])
+    print_table(console, ("quantity", "unit", ""), names, cells)
+
+
+def _export(arguments: argparse.Namespace, console: Console) -> int:
+    from presswear.results import load
+    from presswear.tables import table_of, write_table
+
+    table = table_of(load(arguments.folder), arguments.stage)
+    write_table(arguments.file, table)
+    rows = table["time"].size
+    console.print(f"{rows} rows of {len(table)} columns in {arguments.file}", highlight=False)
+    return 0

@@ -1,0 +1,132 @@
+"""``presswear run`` and ``presswear report``: a scene into its result folder."""
+
+import argparse
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rich.console import Console
+
+from presswear.catalog import SCENES, scene_named
+from presswear.commands.terminal import free_folder, progress_bar, settings_given
+from presswear.errors import InputError, RunError
+from presswear.scene import CONVENTIONS, Scene, stage_name
+from presswear.settings import changed
+
+if TYPE_CHECKING:
+    from presswear.campaign import Stage
+
+
+def add(commands: Any) -> None:
+    """Add the parsers of ``run`` and ``report``."""
+    run = commands.add_parser(
+        "run",
+        help="run a scene and write its result folder and report",
+        epilog="example: presswear run wear-times --conventions refined --cycles 10 "
+        "--set clearance=0.6mm --set 'speed=6pi rad/s' --set geometry=swapped",
+    )
+    run.add_argument("scene", help="one of: " + ", ".join(SCENES))
+    run.add_argument("--out", type=Path, help="new result folder (default results/SCENE)")
+    run.add_argument(
+        "--engine", help="exudyn (default: the smallest model), exudyn-tree, exudyn-joints or dae"
+    )
+    run.add_argument("--conventions", help="paper (as printed) or refined; default: the scene's")
+    run.add_argument("--cycles", help="cycles of each stage; default: until the maps are known")
+    run.add_argument("--wears", help="how often the joints are worn (0, 1, 2, ...)")
+    run.add_argument("--tolerance", help="how well wear maps must be known (default 0.1)")
+    run.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="KEY=VALUE",
+        help="change one value, with its unit; repeatable (see presswear list SCENE)",
+    )
+    run.set_defaults(run=_run)
+
+    report = commands.add_parser(
+        "report",
+        help="figures and report anew from a result folder",
+        epilog="example: presswear report results/wear-times",
+    )
+    report.add_argument("folder", type=Path, metavar="DIR")
+    report.set_defaults(run=_report)
+
+
+def _scene_from(arguments: argparse.Namespace) -> Scene:
+    """The scene that the options of ``run`` describe; InputError before anything runs."""
+    scene = scene_named(arguments.scene)
+    if arguments.conventions is not None:
+        if arguments.conventions not in CONVENTIONS:
+            raise InputError(
+                f"--conventions {arguments.conventions}: allowed is one of {', '.join(CONVENTIONS)}"
+            )
+        scene = replace(scene, conventions=CONVENTIONS[arguments.conventions])
+    settings = settings_given(arguments.set)
+    for key in ("engine", "cycles", "wears", "tolerance"):
+        given = getattr(arguments, key)
+        if given is not None:
+            settings[key] = given
+    return changed(scene, settings)
+
+
+def _run(arguments: argparse.Namespace, console: Console) -> int:
+    scene = _scene_from(arguments)
+    folder = arguments.out if arguments.out is not None else free_folder(scene.name)
+    from presswear.campaign import Watcher, run_campaign
+    from presswear.report import write_report
+    from presswear.results import ResultFolder, load
+
+    store = ResultFolder(folder, scene)
+    with progress_bar(console) as bar:
+        stages = scene.wears + 1
+        task = bar.add_task(stage_name(0), total=stages)
+
+        def progress(stage: int, part: float, word: str) -> None:
+            description = f"{stage_name(stage)}{': ' if word else ''}{word}"
+            bar.update(task, completed=stage + part, description=description)
+
+        def finished(stage: "Stage") -> None:
+            store.add(stage)
+            bar.update(task, completed=stage.index + 1)
+            bar.console.print(_stage_line(stage), highlight=False)
+
+        try:
+            status, message = run_campaign(scene, Watcher(progress, finished))
+        except KeyboardInterrupt:
+            store.close("interrupted", "stopped by the user; finished stages are kept")
+            raise
+        store.close(status, message)
+    if not (folder / "result.json").exists():
+        raise RunError(message)
+    report = write_report(load(folder))
+    console.print(f"results in {folder}, report in {report}", highlight=False)
+    if status == "failed":
+        raise RunError(message)
+    return 0
+
+
+def _stage_line(stage: "Stage") -> str:
+    """One line on a finished stage: what ran, how finely, what came out."""
+    numbers = stage.statistics
+    steps = stage.run.diagnostics["steps"]
+    speed = stage.wall / stage.run.time if stage.run.time > 0.0 else float("nan")
+    parts = [
+        f"{stage_name(stage.index)}: {numbers['cycles']} cycles, {steps} steps, "
+        f"{speed:.1f} s per simulated second"
+    ]
+    for name, joint in numbers.get("joints", {}).items():
+        fewest = joint["fewest_steps_in_a_contact"]
+        resolved = "no contact" if fewest is None else f"at least {fewest} steps in each"
+        parts.append(
+            f"{name}: {joint['contacts']} contacts, {resolved}, peak {joint['force_max_N']:.0f} N, "
+            f"wear {1e9 * joint['wear_volume_m3']:.3g} mm^3"
+        )
+    return "; ".join(parts)
+
+
+def _report(arguments: argparse.Namespace, console: Console) -> int:
+    from presswear.report import write_report
+    from presswear.results import load
+
+    console.print(f"report in {write_report(load(arguments.folder))}", highlight=False)
+    return 0

@@ -1,0 +1,84 @@
+"""What the commands share: progress, tables, folders, and settings given as text."""
+
+from pathlib import Path
+
+from rich.box import SIMPLE
+from rich.console import Console
+from rich.markup import escape
+from rich.progress import (
+    BarColumn,
+    Progress,
+    TaskProgressColumn,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
+from rich.table import Table
+
+from presswear.errors import InputError
+
+
+def settings_given(items: list[str]) -> dict[str, str]:
+    """What ``--set`` says, by key."""
+    settings: dict[str, str] = {}
+    for item in items:
+        key, equals, value = item.partition("=")
+        if not equals:
+            raise InputError(f"--set {item}: KEY=VALUE is expected")
+        if key.strip() in settings:
+            raise InputError(f"--set {key.strip()} is given twice")
+        settings[key.strip()] = value.strip()
+    return settings
+
+
+def free_folder(name: str) -> Path:
+    """results/NAME, or the first of results/NAME-2, -3 ... that is free."""
+    base = Path("results") / name
+    folder, number = base, 1
+    while folder.exists():
+        number += 1
+        folder = base.with_name(f"{base.name}-{number}")
+    return folder
+
+
+def progress_bar(console: Console) -> Progress:
+    """Progress with times passed and left; silent where there is no terminal."""
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TaskProgressColumn(),
+        TimeElapsedColumn(),
+        TextColumn("left"),
+        TimeRemainingColumn(),
+    )
+    return Progress(*columns, console=console, disable=not console.is_terminal)
+
+
+def print_table(
+    console: Console, texts: tuple[str, ...], numbers: tuple[str, ...], rows: list[list[str]]
+) -> None:
+    """A table: the first column folds, then numbers to the right, then further texts.
+
+    Parameters
+    ----------
+    texts : tuple of str
+        Names of the first column and of those behind the numbers.
+    rows : list of list of str
+        Cells in the order of the columns; rich's markup is kept in those behind the
+        numbers only.
+    """
+    table = Table(box=SIMPLE, pad_edge=False)
+    table.add_column(texts[0], overflow="fold")
+    for name in numbers:
+        table.add_column(name, justify="right", no_wrap=True)
+    for name in texts[1:]:
+        table.add_column(name)
+    plain = 1 + len(numbers)
+    for row in rows:
+        table.add_row(*(escape(cell) for cell in row[:plain]), *row[plain:])
+    console.print(table, highlight=False)
+
+
+def verdict(passed: bool) -> str:
+    """Pass or miss, in rich's markup."""
+    return "pass" if passed else "[bold red]MISS[/]"
