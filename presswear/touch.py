@@ -73,6 +73,9 @@ LANDING = 0.02
 FLIGHT_STEPS_PER_BIN = 4.0
 """Steps in which a pin that skims a worn surface crosses one bin of its map."""
 
+IMPACT_PARTS = 15
+"""Steps of an error-controlled method in one impact, at least: enough to show its peak."""
+
 SKIM_STEPS = 2.0
 """Steps of an error-controlled method in which a pin crosses one bin of a worn map, at least."""
 
@@ -348,6 +351,22 @@ def settle(
             last.steps += 1
         remember(last, joints[k], contact, bearing, pin, t)
     return events
+
+
+@compiled
+def step_in_impact(joints: Records, onset: Array, touch: Records, longest: float) -> float:
+    """Step limit, s, of an error-controlled method from joints that touched a moment ago.
+
+    A touch that the surrounding motion pulls open again may be far shorter than an
+    impact; its ``longest_step`` tells how short.
+    """
+    for k in range(joints.shape[0]):
+        if onset[k] > 0.0 and touch[k].steps < 2 * IMPACT_PARTS:
+            joint = joints[k]
+            mass = touch[k].effective_mass
+            part = contact_step(joint.stiffness, joint.exponent, mass, 0.0, onset[k], IMPACT_PARTS)
+            longest = min(longest, part, touch[k].longest_step)
+    return longest
 
 
 @compiled

@@ -1,6 +1,6 @@
 """What every engine takes and gives back."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -178,9 +178,14 @@ def account_of(linkage: Linkage, start: Start, plan: Plan) -> Account:
     )
 
 
-def described(linkage: Linkage) -> str:
-    """What was modelled, in a sentence."""
-    joints = len(linkage.revolutes) + len(linkage.guides)
+def described(linkage: Linkage, model: str) -> str:
+    """What was modelled, in a sentence.
+
+    Parameters
+    ----------
+    model : str
+        The coordinates and joints that the engine solves for.
+    """
     opened = ", ".join(joint.name for joint in linkage.clearances) or "none"
     friction = any(joint.friction.coefficient > 0.0 for joint in linkage.clearances)
     worn = any(
@@ -189,8 +194,15 @@ def described(linkage: Linkage) -> str:
         for surface in (joint.bearing_surface, joint.pin_surface)
     )
     wear = any(joint.wear is not None for joint in linkage.clearances)
+    if not linkage.clearances:
+        return f"{model}; clearance: none"
     return (
-        f"{len(linkage.bodies)} bodies, {joints} ideal joints, {len(linkage.drives)} drives; "
-        f"clearance: {opened}; friction {'on' if friction else 'off'}; "
+        f"{model}; clearance: {opened}; friction {'on' if friction else 'off'}; "
         f"surfaces {'worn' if worn else 'round'}; wear account {'on' if wear else 'off'}"
     )
+
+
+def listed(names: Iterable[str]) -> str:
+    """Names in a sentence: ``a``, ``a and b``, ``a, b and c``."""
+    *most, last = names
+    return f"{', '.join(most)} and {last}" if most else last

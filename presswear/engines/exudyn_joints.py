@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from presswear.compiled import Records, specialised
 from presswear.contacts import JOINT_RATES
 from presswear.energy import Ledger, stored_energy, weight_of
-from presswear.engines.base import JointsAccuracy, Plan, Run, Start, account_of, described
-from presswear.engines.exudyn_model import Model, assemble, reactions_of
+from presswear.engines.base import JointsAccuracy, Plan, Run, Start, account_of, described, listed
+from presswear.engines.exudyn_model import Model, assemble, left_out, reactions_of
 from presswear.engines.exudyn_solve import (
     Accept,
     Watch,
@@ -130,7 +130,7 @@ def simulate(linkage: Linkage, start: Start, accuracy: JointsAccuracy, plan: Pla
         time=watch.time,
         reactions=reactions_of(model, linkage, book.torque, drives.force),
         diagnostics={
-            "model": described(linkage),
+            "model": described(linkage, _model_words(model, linkage)),
             "solver": "Exudyn trapezoidal index 2, step chosen by contact state",
             "steps": watch.steps,
             "steps_sent_back": send_back.count,
@@ -143,6 +143,12 @@ def simulate(linkage: Linkage, start: Start, accuracy: JointsAccuracy, plan: Pla
     )
     model.container.Reset()
     return result
+
+
+def _model_words(model: Model, linkage: Linkage) -> str:
+    omitted = sorted(left_out(linkage))
+    words = f"{len(linkage.bodies) - len(omitted)} bodies, {len(model.joints)} joints and drives"
+    return f"{words}, {listed(omitted)} prescribed" if omitted else words
 
 
 def _wall_shares(timer: Any) -> dict[str, float]:

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from presswear.compiled import specialised
 from presswear.contacts import JOINT_RATES
 from presswear.energy import Ledger, mass_of, stored_energy, weight_of
-from presswear.engines.base import Plan, Run, Start, TreeAccuracy, account_of, described
+from presswear.engines.base import Plan, Run, Start, TreeAccuracy, account_of, described, listed
 from presswear.engines.exudyn_solve import (
     Accept,
     StepLimit,
@@ -45,7 +45,7 @@ from presswear.linkage import Guide, Linkage
 from presswear.observe import Account, Book
 from presswear.prescribed import hinge_of
 from presswear.springs import pack_springs
-from presswear.tree import CARRIED, Tree, tree_of
+from presswear.tree import CARRIED, Tree, cranks_of, tree_of
 
 Array = NDArray[np.float64]
 
@@ -292,7 +292,7 @@ def simulate(linkage: Linkage, start: Start, accuracy: TreeAccuracy, plan: Plan)
         time=watch.time,
         reactions=reactions_of(tree, linkage, system.state[3], book.torque),
         diagnostics={
-            "model": f"{described(linkage)}; open tree of {len(tree.links)} coordinates",
+            "model": described(linkage, _model_words(tree, linkage)),
             "solver": f"Exudyn DOPRI5 at tolerance {accuracy.tolerance:g}, "
             "steps end on touches and separations",
             "steps": watch.steps,
@@ -307,6 +307,12 @@ def simulate(linkage: Linkage, start: Start, accuracy: TreeAccuracy, plan: Plan)
     )
     model.container.Reset()
     return result
+
+
+def _model_words(tree: Tree, linkage: Linkage) -> str:
+    words = f"open tree of {len(tree.links)} coordinates ({listed(tree.names)})"
+    known = sorted(cranks_of(linkage))
+    return f"{words}, {listed(known)} prescribed" if known else words
 
 
 def _warm_up(tree: Tree, linkage: Linkage, start: Start, accuracy: TreeAccuracy) -> None:

@@ -23,7 +23,7 @@ from presswear.observe import Book, observe
 from presswear.prescribed import drive_torque, forced_power, place_cranks
 from presswear.springs import spring_forces
 from presswear.stepping import all_finite
-from presswear.touch import contact_step, settle, skim_step
+from presswear.touch import IMPACT_PARTS, contact_step, settle, skim_step, step_in_impact
 from presswear.tree import accelerate_links, carry_branches, gather_forces, place_links
 
 Array = NDArray[np.float64]
@@ -34,8 +34,6 @@ STAGES = WEIGHTS.size
 
 GROWTH = 5.0
 """A step is at most so many times the one before."""
-IMPACT_PARTS = 15
-"""Steps in one impact, at least: enough to show its peak, whatever the tolerance."""
 LEAST_STEPS = 10
 """A contact of fewer steps counts as unresolved; on a worn surface it may be cut short by
 a bump that its touch does not tell of."""
@@ -271,28 +269,6 @@ def tree_state(system: TreeSystem, book: Book, t: float, x: Array, u: Array, u_t
 
 
 @compiled
-def step_in_impact(book: Book, longest: float) -> float:
-    """Step limit, s, of the joints that have touched but a moment ago.
-
-    A touch that the surrounding motion pulls open again may be far shorter than an
-    impact; ``step_to_events`` notes how short.
-    """
-    for k in range(book.joints.shape[0]):
-        if book.onset[k] > 0.0 and book.touch[k].steps < 2 * IMPACT_PARTS:
-            joint = book.joints[k]
-            part = contact_step(
-                joint.stiffness,
-                joint.exponent,
-                book.touch[k].effective_mass,
-                0.0,
-                book.onset[k],
-                IMPACT_PARTS,
-            )
-            longest = min(longest, part, book.touch[k].longest_step)
-    return longest
-
-
-@compiled
 def next_tree_step(book: Book, system: TreeSystem, h: float, events: int) -> float:
     """Limit of the next step, s, after one of length ``h``; the error control may go below it."""
     pace = system.pace[0]
@@ -305,7 +281,7 @@ def next_tree_step(book: Book, system: TreeSystem, h: float, events: int) -> flo
     pace.events += events
     pace.smooth = events == 0
     limit = min(
-        step_in_impact(book, GROWTH * pace.reach),
+        step_in_impact(book.joints, book.onset, book.touch, GROWTH * pace.reach),
         skim_step(book.joints, book.touch, book.surfaces, pace.longest),
     )
     pace.asked = step_to_events(book, system, limit)

@@ -161,7 +161,9 @@ def simulate(linkage: Linkage, start: Start, accuracy: DaeAccuracy, plan: Plan) 
         time=float(control["time"][0]),
         reactions=_reactions(system, constraints),
         diagnostics={
-            "model": described(linkage),
+            "model": described(
+                linkage, f"{len(linkage.bodies)} bodies, {constraints.rows} constraints"
+            ),
             "solver": f"in-house, Lagrange multipliers, {_solver_words(accuracy)}",
             "steps": int(control["steps"][0]),
             "steps_sent_back": int(control["rejected"][0]),

@@ -35,6 +35,7 @@ from presswear.touch import (
     remember,
     settle,
     skim_step,
+    step_in_impact,
 )
 
 Array = NDArray[np.float64]
@@ -194,6 +195,7 @@ def march_controlled(
         if left <= 0.0:
             return DONE
         longest = skim_step(system.joints, book.touch, system.surfaces, state.longest)
+        longest = step_in_impact(system.joints, book.onset, book.touch, longest)
         h = min(state.step, longest, left)
         last_step = h >= left
         for i in range(n):
