@@ -1,0 +1,57 @@
+"""Bodies and joints in Exudyn where a crank is left out, against the in-house solver."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from presswear.campaign import start_of
+from presswear.catalog import wear_times
+from presswear.engines.base import DaeAccuracy, Plan, Run
+from presswear.engines.dae.engine import simulate as simulate_dae
+from presswear.engines.exudyn_joints import simulate
+from presswear.engines.exudyn_model import left_out
+from presswear.linkage import Attachment, Spring
+
+
+def both(joints: str) -> tuple[Run, Run]:
+    scene = replace(wear_times(), joints=joints)
+    linkage, start, plan = scene.linkage(), start_of(scene), Plan(0.03, 1)
+    accuracy = scene.numerics.joints(scene.mechanism.period)
+    fine = replace(
+        accuracy,
+        steps_per_contact=200,
+        steps_sustained=40,
+        free_step=accuracy.free_step / 4,
+        newton=1e-11,
+    )
+    return (
+        simulate(linkage, start, fine, plan),
+        simulate_dae(linkage, start, DaeAccuracy(tolerance=1e-11), plan),
+    )
+
+
+@pytest.mark.parametrize(("joints", "omitted"), [("A", "crank 2"), ("AC", "crank 2"), ("C", "")])
+def test_a_crank_without_its_body_moves_and_bears_the_same(joints: str, omitted: str) -> None:
+    ours, reference = both(joints)
+    assert ("prescribed" in str(ours.diagnostics["model"])) == bool(omitted)
+    assert omitted in str(ours.diagnostics["model"])
+    assert ours.account.book.tally["contacts"].sum() >= 2
+    assert ours.end.position == pytest.approx(reference.end.position, abs=2e-7)
+    assert ours.reactions.keys() == reference.reactions.keys()
+    for name, expected in reference.reactions.items():
+        assert ours.reactions[name] == pytest.approx(expected, abs=2e-3), name
+    for name in ("drive_work_J", "contact_loss_J"):
+        exchanged = float(reference.diagnostics["drive_exchange_J"])
+        expected_work = float(reference.diagnostics[name])
+        assert ours.diagnostics[name] == pytest.approx(expected_work, abs=5e-6 * exchanged)
+    rows = ours.account.rows
+    assert np.ptp(rows[:, -2]) > 0.01  # the torque of drive 2
+
+
+def test_only_cranks_held_by_clearance_joints_are_left_out() -> None:
+    linkage = replace(wear_times(), joints="A").linkage()
+    assert left_out(linkage) == {"crank 2"}
+    spring = Spring("s", Attachment("crank 2", 0, 0), Attachment("frame", 0, 0), 10.0, 0.1)
+    assert left_out(replace(linkage, springs=(spring,))) == frozenset()
+    assert left_out(replace(linkage, drives=linkage.drives[1:])) == frozenset()
