@@ -153,6 +153,7 @@ class ResultFolder:
                 "status": stage.run.status,
                 "message": stage.run.message,
                 "amplification": stage.amplification,
+                "wear_steps": [step.as_dict() for step in stage.steps],
                 "simulated_s": stage.run.time,
                 "wall_s": stage.wall,
                 "diagnostics": stage.run.diagnostics,
@@ -216,6 +217,8 @@ def load(path: Path) -> StoredResult:
     try:
         names = [path / f"stage-{int(entry['index'])}.npz" for entry in document["stages"]]
         scene = _from_schema_1(document["scene"]) if schema == 1 else document["scene"]
+        # Before there were steps, every wear was one jump.
+        scene = {"extrapolation": "single", **scene}
     except (KeyError, TypeError, ValueError) as error:
         raise InputError(f"{file} is not whole: {error!r}") from None
     return StoredResult(path, document, Scene.from_dict(scene), [_arrays(name) for name in names])

@@ -1,10 +1,12 @@
 """A scene: everything a person chooses, as data that prints and stores itself."""
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field
 from itertools import combinations
 from typing import Any
 
+from presswear.amplification import Amplification
 from presswear.engines.base import AnyAccuracy
 from presswear.errors import InputError
 from presswear.laws import (
@@ -204,6 +206,20 @@ class Scene:
         "paper",
         "cycles that one wear stands for: 200 x 20,000, which the paper calls 2 million",
     )
+    extrapolation: str = choice(
+        "conventions",
+        ("conventions", "single", "steps"),
+        "how a wear is applied: in a single jump, as the paper does, in steps with a run between "
+        "them, or in steps only where the footprint is an arc",
+    )
+    depth_step: float = quantity(
+        0.01,
+        "",
+        1e-4,
+        1.0,
+        "chosen",
+        "in steps: largest change of a surface in one, part of the clearance",
+    )
     statuses: Mapping[str, str] = field(default_factory=dict, hash=False)
 
     def __post_init__(self) -> None:
@@ -230,9 +246,21 @@ class Scene:
         return joint_words(self.mechanism)[self.joints]
 
     @property
-    def amplification(self) -> "Amplification":
+    def wears_in_steps(self) -> bool:
+        """Whether a wear is applied in steps.
+
+        By the conventions where the scene leaves it to them: a profile whose depth depends on
+        the width of its bins has no step that is small enough.
+        """
+        if self.extrapolation == "conventions":
+            return self.conventions.footprint == "arc"
+        return self.extrapolation == "steps"
+
+    @property
+    def amplification(self) -> Amplification:
         """How the depth of the cycles run becomes one wear."""
-        return Amplification(self.represented_cycles)
+        limit = self.depth_step if self.wears_in_steps else math.inf
+        return Amplification(self.represented_cycles, limit)
 
     def linkage(self, worn: Mapping[str, tuple[Surface, Surface]] | None = None) -> Linkage:
         """The linkage of a stage; ``worn`` gives bearing and pin surface by joint name."""
@@ -288,17 +316,6 @@ class Scene:
             raise
         except (KeyError, TypeError, ValueError, OverflowError) as error:
             raise InputError(f"this is not a stored scene: {error}") from None
-
-
-@dataclass(frozen=True)
-class Amplification:
-    """Depth of some cycles multiplied to that of the cycles one wear stands for."""
-
-    represented_cycles: float
-
-    def factor(self, cycles: int) -> float:
-        """Multiplier of the depth that ``cycles`` cycles added."""
-        return self.represented_cycles / cycles
 
 
 _ORDINALS = (

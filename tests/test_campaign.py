@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from presswear.campaign import Stage, Watcher, run_campaign, worn_out
+from presswear.amplification import worn_out
+from presswear.campaign import Stage, Watcher, run_campaign
 from presswear.catalog import slider_crank, wear_times
 from presswear.errors import InputError
 from presswear.results import ResultFolder, StoredResult, load, write_whole
@@ -26,6 +27,7 @@ def short(conventions: str) -> Scene:
         cycles=1,
         wears=1,
         represented_cycles=1e6,
+        extrapolation="single",
     )
 
 
@@ -167,14 +169,14 @@ def test_a_folder_that_holds_no_result_is_refused(tmp_path: Path, text: str) -> 
 
 
 def test_wear_through_the_pin_is_named() -> None:
-    linkage = wear_times().linkage()
+    joints = wear_times().linkage().clearances
     whole = Surface(np.zeros(360))
     deep = Surface(np.full(360, 0.0143))
     worn = {"A": (whole, whole), "C": (whole, deep)}
-    found = worn_out(linkage, worn)
+    found = worn_out(joints, worn)
     assert found is not None
     assert "pin of joint C" in found
-    assert worn_out(linkage, {"A": (whole, whole), "C": (whole, whole)}) is None
+    assert worn_out(joints, {"A": (whole, whole), "C": (whole, whole)}) is None
 
 
 def test_interval_of_a_mean_over_cycles() -> None:

@@ -18,7 +18,6 @@ from presswear.press import GEOMETRIES, Press
 from presswear.quantities import Choice
 from presswear.scene import (
     CONVENTIONS,
-    Amplification,
     Bearings,
     Conventions,
     Scene,
@@ -380,11 +379,6 @@ def test_every_convention_is_a_choice_of_its_own() -> None:
 def test_conventions_are_named_as_described() -> None:
     assert CONVENTIONS["paper"] == Conventions("paper", "angle", "fixed", "bin")
     assert CONVENTIONS["refined"] == Conventions("refined", "sliding", "body", "arc")
-
-
-def test_amplification_is_of_the_cycles_run() -> None:
-    assert Amplification(4e6).factor(200) == 20_000.0
-    assert BASE.amplification.factor(200) == 20_000.0
 
 
 def test_steps_follow_the_speed() -> None:
