@@ -201,6 +201,19 @@ class StoredResult:
         found: dict[str, Any] = self.document["stages"][stage]["statistics"]
         return found
 
+    def wear_steps(self, stage: int) -> list[dict[str, Any]]:
+        """How the wear after a stage was applied, as ``WearStep.as_dict`` says it.
+
+        Empty where none was, and in results from before there were steps.
+        """
+        found: list[dict[str, Any]] = self.document["stages"][stage].get("wear_steps", [])
+        return found
+
+    @property
+    def grew_in_steps(self) -> bool:
+        """Whether any wear was applied in more than one step."""
+        return any(len(self.wear_steps(k)) > 1 for k in range(len(self.stages)))
+
 
 def load(path: Path) -> StoredResult:
     """Read a result folder; InputError says what is missing or of another schema."""

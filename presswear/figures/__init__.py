@@ -7,6 +7,7 @@ from typing import BinaryIO
 
 import matplotlib
 
+from presswear.figures.growth import wear_growth
 from presswear.figures.motion import centre_trajectory, contact_force, response
 from presswear.figures.style import DOTS_PER_INCH, SETTINGS, Drawing, Sheet
 from presswear.figures.surfaces import worn_surfaces
@@ -17,6 +18,7 @@ __all__ = ["Drawing", "Figure", "draw_all", "drawings"]
 
 _DRAWERS: tuple[Callable[[StoredResult], list[Drawing]], ...] = (
     wear_depth,
+    wear_growth,
     worn_surfaces,
     response,
     contact_force,

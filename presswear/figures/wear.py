@@ -101,7 +101,8 @@ def wear_depth(result: StoredResult) -> list[Drawing]:
         "after each wear."
     )
     if any(line.get_color() == MUTED for line in lines.values()):
-        caption += " The grey line adds what the last stage would wear off; no stage ran on it."
+        jump = " in a single jump" if result.grew_in_steps else ""
+        caption += f" The grey line adds what the last stage would wear off{jump}; none ran on it."
     if any(axes.get_yscale() == "log" for axes in grid.flat):
         caption += " The scale is logarithmic where the peaks differ much; lower depths are cut."
     return [Drawing("wear-depth.png", "Wear depth", caption, sheet)]

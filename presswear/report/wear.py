@@ -1,0 +1,94 @@
+"""Tables of wear: what each stage ran on, and how each wear was applied."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from presswear.figures.numbers import readable, whole
+from presswear.figures.style import SIDES, maps_turn
+from presswear.report.parts import MICRONS, Row, Table, by_stage
+from presswear.results import StoredResult
+from presswear.scene import stage_name
+
+
+def wear_rows(result: StoredResult, joint: str) -> list[Row]:
+    """Deepest wear that each stage ran on, and that one wear after it adds."""
+    rows = []
+    parts = {side: (side,) for side in SIDES} if maps_turn(result) else {"bearing + pin": SIDES}
+    for kind, text in (("depth", "deepest wear it ran on"), ("wear", "one more wear: deepest")):
+        for part, sides in parts.items():
+
+            def peak(k: int, kind: str = kind, sides: tuple[str, ...] = sides) -> str:
+                arrays = result.stages[k]
+                depth = np.sum([arrays[f"{joint}_{kind}_{side}"] for side in sides], axis=0)
+                if not np.any(depth > 0.0):
+                    return "0"
+                angle = float(np.degrees(arrays["angle"][int(depth.argmax())]))
+                return f"{readable(MICRONS * float(depth.max()))}\u00a0at\u00a0{angle:.1f}°"
+
+            rows.append(by_stage(result, f"{text}, {part} (µm)", peak))
+    return rows
+
+
+def growth(result: StoredResult) -> Table | None:
+    """How each wear was applied; None where all were single jumps."""
+    if not result.grew_in_steps:
+        return None
+    wears = [
+        (stage_name(stage["index"] + 1), steps)
+        for k, stage in enumerate(result.document["stages"])
+        if (steps := result.wear_steps(k))
+    ]
+
+    def row(label: str, value: Callable[[list[dict[str, Any]]], str]) -> Row:
+        return (label, *(value(steps) for _, steps in wears))
+
+    how = (
+        row("steps", lambda steps: whole(len(steps))),
+        row("cycles that it stands for", lambda steps: readable(_sum(steps, "represented_cycles"))),
+        row("cycles run", lambda steps: whole(_sum(steps, "cycles"))),
+        row("depth multiplied by", lambda steps: spread(steps, "factor")),
+        row(
+            "largest change in a step (% of the clearance)",
+            lambda steps: readable(100.0 * max(s["largest_change_of_clearance"] for s in steps)),
+        ),
+        row("computed in (s)", lambda steps: readable(_sum(steps, "wall_s"))),
+    )
+    joints = [
+        (
+            f"Joint {joint}",
+            (
+                *(
+                    row(
+                        f"deepest then, {side} (µm)",
+                        lambda steps, at=(joint, side): readable(  # type: ignore[misc]
+                            MICRONS * steps[-1]["deepest_m"][at[0]][at[1]]
+                        ),
+                    )
+                    for side in SIDES
+                ),
+                row(
+                    "largest normal force in its runs (N)",
+                    lambda steps, at=joint: readable(  # type: ignore[misc]
+                        max(s["force_max_N"][at] for s in steps)
+                    ),
+                ),
+            ),
+        )
+        for joint in result.scene.clearance_joints
+    ]
+    names = tuple(name for name, _ in wears)
+    return Table(("how the wear was applied", *names), (("", how), *joints))
+
+
+def _sum(steps: list[dict[str, Any]], key: str) -> float:
+    return float(sum(step[key] for step in steps))
+
+
+def spread(steps: list[dict[str, Any]], key: str) -> str:
+    """Least and largest of a number of each step."""
+    least, most = (pick(step[key] for step in steps) for pick in (min, max))
+    if readable(least) == readable(most):
+        return readable(most)
+    return f"{readable(least)} to {readable(most)}"
