@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.compiled import Records, compiled
-from presswear.laws import ONSET_SPEED_FLOOR, friction_force, normal_force
+from presswear.foundation import Bed, foundation_stiffness, press
+from presswear.laws import ONSET_SPEED_FLOOR, damped_force, elastic_force, friction_force
 from presswear.linkage import GROUND, ClearanceJoint, Linkage
 from presswear.surface import Surface, curvature, profile
 
@@ -38,6 +39,8 @@ JOINT = np.dtype(
         ("lower_speed", np.float64),
         ("upper_speed", np.float64),
         ("map_turns", np.float64),  # 1 where the wear maps turn with their bodies
+        ("foundation", np.float64),  # its stiffness k_w b R, N/m^2 per rad; 0 for radial contact
+        ("least_depth", np.float64),  # sum of the least depths of both surfaces, m
     ]
 )
 """A clearance joint as the kernels see it; SI units."""
@@ -57,11 +60,29 @@ class Pose(NamedTuple):
 
 
 class Contact(NamedTuple):
-    """Geometry of the pin in its bearing at one instant; SI units.
+    """The pin in its bearing at one instant; SI units.
 
-    ``rate`` is that of the penetration, ``approach`` that of |e|; they differ where a
-    worn profile slopes.  ``pin_arm`` and ``bearing_arm`` are the distances of the
-    contact point from the two centres, along n.
+    Attributes
+    ----------
+    penetration, rate : float
+        Greatest overlap of the surfaces, and its rate.
+    sliding, turning : float
+        v_t at the contact point; rate of the direction of e, rad/s.
+    normal_x, normal_y : float
+        Direction in which the pin presses on the bearing.
+    eccentricity, eccentricity_x, eccentricity_y : float
+        e and its length.
+    pin_arm, bearing_arm : float
+        Distances of the contact point from the two centres, along the normal.
+    approach : float
+        Speed on which the normal force works.
+    elastic, closing : float
+        Elastic force, N, and the rate that damps it.
+    energy : float
+        Elastic energy, J.
+    couple : float
+        Moment of the elastic pressure on the pin about the contact point, N m; the bearing
+        bears the opposite.  A worn surface is not round.
     """
 
     penetration: float
@@ -71,9 +92,15 @@ class Contact(NamedTuple):
     normal_x: float
     normal_y: float
     eccentricity: float
+    eccentricity_x: float
+    eccentricity_y: float
     pin_arm: float
     bearing_arm: float
     approach: float
+    elastic: float
+    closing: float
+    energy: float
+    couple: float
 
 
 class Load(NamedTuple):
@@ -116,11 +143,11 @@ def joint_end(body: int, local_x: float, local_y: float, q: Array, v: Array) -> 
 @compiled
 def direction_of(contact: Contact) -> float:
     """Direction phi of the eccentricity, rad."""
-    return math.atan2(contact.normal_y, contact.normal_x)
+    return math.atan2(contact.eccentricity_y, contact.eccentricity_x)
 
 
 @compiled
-def contact_between(
+def radial_contact(
     joint: Records,
     bearing: Pose,
     pin: Pose,
@@ -129,7 +156,7 @@ def contact_between(
     pin_depth: Array,
     pin_slope: Array,
 ) -> Contact:
-    """Radial contact of the pin with the surface that faces it.
+    """Contact of the pin with the point of the surface that faces it.
 
     The rate of penetration follows the worn profile: delta_dot = e_dot . n minus the
     change of both depths under the moving contact.
@@ -167,6 +194,8 @@ def contact_between(
     pin_arm = pin_radius - indentation
     bearing_arm = bearing_radius + indentation
     sliding = vy * nx - vx * ny + pin.spin * pin_arm - bearing.spin * bearing_arm
+    elastic = elastic_force(penetration, joint.stiffness, joint.exponent)
+    energy = elastic * penetration / (joint.exponent + 1.0)
     return Contact(
         penetration,
         rate,
@@ -175,9 +204,99 @@ def contact_between(
         nx,
         ny,
         eccentricity,
+        ex,
+        ey,
         pin_arm,
         bearing_arm,
         approach,
+        elastic,
+        rate,
+        energy,
+        0.0,
+    )
+
+
+@compiled
+def bed_between(
+    joint: Records, bearing: Pose, pin: Pose, surfaces: Array, ex: float, ey: float
+) -> tuple[Bed, float, float, float]:
+    """The foundation's bed, with the direction of e and those of the maps' zeros, rad."""
+    direction = math.atan2(ey, ex)
+    bearing_zero = joint.map_turns * bearing.angle
+    pin_zero = joint.map_turns * pin.angle
+    bed = press(
+        surfaces,
+        math.sqrt(ex * ex + ey * ey),
+        joint.clearance,
+        joint.least_depth,
+        direction - bearing_zero,
+        direction - pin_zero,
+    )
+    return bed, direction, bearing_zero, pin_zero
+
+
+@compiled
+def foundation_contact(joint: Records, bearing: Pose, pin: Pose, surfaces: Array) -> Contact:
+    """Contact of the pin with all of the worn arc, through an elastic foundation.
+
+    Force and couples are the gradient of the elastic energy in e and in both bodies'
+    angles.  The pin's couple follows from the bearing's: turned together, nothing
+    changes.  Damping multiplies all of them, with the rate at which they are worked
+    against.
+    """
+    ex = pin.x - bearing.x
+    ey = pin.y - bearing.y
+    vx = pin.vx - bearing.vx
+    vy = pin.vy - bearing.vy
+    eccentricity = math.sqrt(ex * ex + ey * ey)
+    turning = (ex * vy - ey * vx) / (eccentricity * eccentricity) if eccentricity > 0.0 else 0.0
+    bed, direction, bearing_zero, pin_zero = bed_between(joint, bearing, pin, surfaces, ex, ey)
+    turns = joint.map_turns
+    place = direction + bed.place
+    nx = math.cos(place)
+    ny = math.sin(place)
+    _, bearing_slope = profile(surfaces[0], surfaces[1], place - bearing_zero)
+    pin_depth, pin_slope = profile(surfaces[2], surfaces[3], place - pin_zero)
+    rate = vx * nx + vy * ny
+    rate += turns * (bearing_slope * bearing.spin + pin_slope * pin.spin)
+    elastic = 0.0
+    closing = approach = rate
+    couple = 0.0
+    if bed.overlap > 0.0:
+        size = math.sqrt(bed.along * bed.along + bed.across * bed.across)
+        if size > 0.0:
+            k = joint.foundation
+            elastic = k * size
+            cosine = math.cos(direction)
+            sine = math.sin(direction)
+            nx = (cosine * bed.along - sine * bed.across) / size
+            ny = (sine * bed.along + cosine * bed.across) / size
+            on_bearing = -k * turns * bed.slope
+            couple = elastic * (ex * ny - ey * nx) - on_bearing
+            turned = (couple * pin.spin + on_bearing * bearing.spin) / elastic
+            approach = vx * nx + vy * ny - turned
+            # Maps fixed in direction store no energy when the bodies turn.
+            closing = approach if turns > 0.0 else approach + turned
+    pin_arm = joint.pin_radius - pin_depth - 0.5 * max(bed.overlap, 0.0)
+    bearing_arm = pin_arm + ex * nx + ey * ny
+    sliding = vy * nx - vx * ny + pin.spin * pin_arm - bearing.spin * bearing_arm
+    return Contact(
+        bed.overlap,
+        rate,
+        sliding,
+        turning,
+        nx,
+        ny,
+        eccentricity,
+        ex,
+        ey,
+        pin_arm,
+        bearing_arm,
+        approach,
+        elastic,
+        closing,
+        0.5 * joint.foundation * bed.square,
+        couple,
     )
 
 
@@ -192,9 +311,7 @@ def load_of(joint: Records, onset_speed: float, contact: Contact, bearing: Pose,
     if contact.penetration <= 0.0:
         return Load(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     onset = max(onset_speed if onset_speed > 0.0 else contact.rate, ONSET_SPEED_FLOOR)
-    normal = normal_force(
-        contact.penetration, contact.rate, onset, joint.stiffness, joint.exponent, joint.damping
-    )
+    normal = damped_force(contact.elastic, contact.closing, onset, joint.damping)
     tangential = 0.0
     if joint.friction > 0.0:
         tangential = friction_force(
@@ -204,11 +321,18 @@ def load_of(joint: Records, onset_speed: float, contact: Contact, bearing: Pose,
     ny = contact.normal_y
     fx = -normal * nx - tangential * ny
     fy = -normal * ny + tangential * nx
+    # The contact point, the same from both mass centres.
     px = pin.lever_x + contact.pin_arm * nx
     py = pin.lever_y + contact.pin_arm * ny
-    bx = bearing.lever_x + contact.bearing_arm * nx
-    by = bearing.lever_y + contact.bearing_arm * ny
-    return Load(normal, tangential, fx, fy, px * fy - py * fx, by * fx - bx * fy)
+    bx = bearing.lever_x + contact.eccentricity_x + contact.pin_arm * nx
+    by = bearing.lever_y + contact.eccentricity_y + contact.pin_arm * ny
+    pin_moment = px * fy - py * fx
+    bearing_moment = by * fx - bx * fy
+    if contact.elastic > 0.0:
+        couple = normal / contact.elastic * contact.couple
+        pin_moment += couple
+        bearing_moment -= couple
+    return Load(normal, tangential, fx, fy, pin_moment, bearing_moment)
 
 
 @compiled
@@ -227,7 +351,9 @@ def contact_of(
     joint = joints[k]
     bearing = joint_end(joint.bearing_body, joint.bearing_x, joint.bearing_y, q, v)
     pin = joint_end(joint.pin_body, joint.pin_x, joint.pin_y, q, v)
-    contact = contact_between(
+    if joint.foundation > 0.0 and surfaces.shape[2] > 0:
+        return foundation_contact(joint, bearing, pin, surfaces[k]), bearing, pin
+    contact = radial_contact(
         joint,
         bearing,
         pin,
@@ -270,31 +396,58 @@ def penetration_acceleration(
     profile's curvature times the square of the turning.
     """
     joint = joints[k]
-    contact, bearing, pin = contact_of(joints, k, surfaces, q, v)
-    if contact.eccentricity == 0.0:
-        return 0.0
+    bearing = joint_end(joint.bearing_body, joint.bearing_x, joint.bearing_y, q, v)
+    pin = joint_end(joint.pin_body, joint.pin_x, joint.pin_y, q, v)
     pin_x, pin_y, pin_spin_t = end_acceleration(joint.pin_body, pin, a)
     bearing_x, bearing_y, bearing_spin_t = end_acceleration(joint.bearing_body, bearing, a)
+    ex = pin.x - bearing.x
+    ey = pin.y - bearing.y
+    vx = pin.vx - bearing.vx
+    vy = pin.vy - bearing.vy
     ax = pin_x - bearing_x
     ay = pin_y - bearing_y
-    nx = contact.normal_x
-    ny = contact.normal_y
-    turning = contact.turning
-    result = ax * nx + ay * ny + turning * turning * contact.eccentricity
+    eccentricity = math.sqrt(ex * ex + ey * ey)
+    if eccentricity == 0.0:
+        return 0.0
+    turns = joint.map_turns
+    if joint.foundation > 0.0 and surfaces.shape[2] > 0:
+        # The greatest overlap follows its place: p_tt - p_ts^2 / p_ss.
+        bed, direction, _, _ = bed_between(joint, bearing, pin, surfaces[k], ex, ey)
+        place = direction + bed.place
+        nx = math.cos(place)
+        ny = math.sin(place)
+        second = ax * nx + ay * ny
+        mixed = vy * nx - vx * ny
+        across = -(ex * nx + ey * ny)
+        for row, angle, spin, spin_t in (
+            (0, bearing.angle, bearing.spin, bearing_spin_t),
+            (2, pin.angle, pin.spin, pin_spin_t),
+        ):
+            where = place - turns * angle
+            bend = curvature(surfaces[k, row], surfaces[k, row + 1], where)
+            slope = profile(surfaces[k, row], surfaces[k, row + 1], where)[1]
+            second += turns * (slope * spin_t - bend * spin * spin)
+            mixed += turns * bend * spin
+            across -= bend
+        return second - mixed * mixed / across if across < 0.0 else second
+    nx = ex / eccentricity
+    ny = ey / eccentricity
+    turning = (vy * nx - vx * ny) / eccentricity
+    result = ax * nx + ay * ny + turning * turning * eccentricity
     if surfaces.shape[2] > 0:
-        turning_t = (ay * nx - ax * ny - 2.0 * contact.approach * turning) / contact.eccentricity
-        turns = joint.map_turns
-        direction = direction_of(contact)
+        approach = vx * nx + vy * ny
+        turning_t = (ay * nx - ax * ny - 2.0 * approach * turning) / eccentricity
+        direction = math.atan2(ny, nx)
         for row, angle, spin, spin_t in (
             (0, bearing.angle, bearing.spin, bearing_spin_t),
             (2, pin.angle, pin.spin, pin_spin_t),
         ):
             depth = surfaces[k, row]
-            slope = surfaces[k, row + 1]
+            slopes = surfaces[k, row + 1]
             where = direction - turns * angle
             sweep = turning - turns * spin
-            result -= curvature(depth, slope, where) * sweep * sweep
-            result -= profile(depth, slope, where)[1] * (turning_t - turns * spin_t)
+            result -= curvature(depth, slopes, where) * sweep * sweep
+            result -= profile(depth, slopes, where)[1] * (turning_t - turns * spin_t)
     return result
 
 
@@ -318,6 +471,12 @@ def pack_joints(linkage: Linkage) -> Records:
         record["friction"] = joint.friction.coefficient
         record["lower_speed"], record["upper_speed"] = joint.friction.lower, joint.friction.upper
         record["map_turns"] = float(joint.map_frame == "body")
+        if joint.contact == "foundation":
+            record["foundation"] = foundation_stiffness(joint.normal.stiffness, joint.clearance)
+        record["least_depth"] = sum(
+            float(surface.depth.min()) if surface.is_worn else 0.0
+            for surface in (joint.bearing_surface, joint.pin_surface)
+        )
     return joints
 
 

@@ -13,26 +13,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.clearance import Contact, Load
-from presswear.compiled import Records, compiled
+from presswear.compiled import compiled
 from presswear.linkage import GROUND, Attachment, Linkage, Spring
 
 Array = NDArray[np.float64]
 
 
 @compiled
-def elastic_energy(joint: Records, penetration: float) -> float:
-    """Energy stored in a contact, J: K delta^(n + 1) / (n + 1)."""
-    if penetration <= 0.0:
-        return 0.0
-    return joint.stiffness * penetration ** (joint.exponent + 1.0) / (joint.exponent + 1.0)
-
-
-@compiled
-def loss_powers(joint: Records, contact: Contact, load: Load) -> tuple[float, float]:
+def loss_powers(contact: Contact, load: Load) -> tuple[float, float]:
     """Power lost in a contact, and in its friction, W."""
     if contact.penetration <= 0.0:
         return 0.0, 0.0
-    stored = joint.stiffness * contact.penetration**joint.exponent * contact.rate
+    stored = contact.elastic * contact.closing
     return load.normal * contact.approach - stored, -load.tangential * contact.sliding
 
 
@@ -64,22 +56,20 @@ def _spring_energy(linkage: Linkage, spring: Spring, q: Array) -> float:
     return 0.5 * spring.stiffness * (math.dist(*ends) - spring.length) ** 2
 
 
-def stored_energy(linkage: Linkage, joints: Records, depths: Array, q: Array, v: Array) -> float:
+def stored_energy(linkage: Linkage, elastic: Array, q: Array, v: Array) -> float:
     """Kinetic, potential and elastic energy of a state, J.
 
     Parameters
     ----------
-    joints : records of JOINT
-    depths : ndarray, shape (joints,)
-        Penetrations, m.
+    elastic : ndarray, shape (joints,)
+        Elastic energies of the contacts, J.
     q, v : ndarray, shape (3 bodies,)
     """
     with np.errstate(over="ignore"):  # a run that failed has no energy worth a warning
         kinetic = 0.5 * float(np.sum(mass_of(linkage) * v**2))
     potential = -float(weight_of(linkage) @ q)
     springs = sum(_spring_energy(linkage, spring, q) for spring in linkage.springs)
-    contacts = sum(elastic_energy(joints[k], float(depths[k])) for k in range(len(depths)))
-    return kinetic + potential + springs + contacts
+    return kinetic + potential + springs + float(np.sum(elastic))
 
 
 @dataclass(frozen=True)

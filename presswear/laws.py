@@ -28,6 +28,24 @@ for a grazing touch; below this speed the impact energy of a gram is 5e-16 J.
 
 
 @compiled
+def elastic_force(penetration: float, stiffness: float, exponent: float) -> float:
+    """Elastic contact force K delta^n, N; zero when open."""
+    if penetration <= 0.0:
+        return 0.0
+    # n = 3/2 is by far the most common; a square root is cheaper than a power.
+    if exponent == 1.5:
+        return stiffness * penetration * math.sqrt(penetration)
+    return stiffness * penetration**exponent
+
+
+@compiled
+def damped_force(elastic: float, rate: float, onset_speed: float, damping: float) -> float:
+    """Elastic force with its damping, N (equation 8); never adhesive."""
+    force = elastic * (1.0 + damping * rate / onset_speed)
+    return force if force > 0.0 else 0.0
+
+
+@compiled
 def normal_force(
     penetration: float,
     rate: float,
@@ -47,16 +65,8 @@ def normal_force(
     stiffness, exponent, damping : float
         K, N/m^n; n; chi.
     """
-    if penetration <= 0.0:
-        return 0.0
-    # n = 3/2 is by far the most common; a square root is cheaper than a power.
-    elastic = (
-        stiffness * penetration * math.sqrt(penetration)
-        if exponent == 1.5
-        else stiffness * penetration**exponent
-    )
-    force = elastic * (1.0 + damping * rate / onset_speed)
-    return force if force > 0.0 else 0.0
+    elastic = elastic_force(penetration, stiffness, exponent)
+    return damped_force(elastic, rate, onset_speed, damping)
 
 
 @compiled

@@ -16,6 +16,7 @@ GROUND = "frame"
 MapFrame = Literal["fixed", "body"]
 Slip = Literal["angle", "sliding"]
 Footprint = Literal["bin", "arc"]
+SurfaceContact = Literal["radial", "foundation"]
 
 
 @dataclass(frozen=True)
@@ -154,6 +155,9 @@ class ClearanceJoint:
         None keeps no wear account.
     map_frame : {"fixed", "body"}
         Whether the wear maps stay fixed in direction or turn with their bodies.
+    contact : {"radial", "foundation"}
+        How worn surfaces meet: the pin's nearest point alone along e, or all of the arc
+        through an elastic foundation.  Round ones meet by the normal law in both.
     bearing_surface, pin_surface : Surface
     """
 
@@ -167,6 +171,7 @@ class ClearanceJoint:
     friction: FrictionLaw = field(default_factory=FrictionLaw)
     wear: WearLaw | None = None
     map_frame: MapFrame = "body"
+    contact: SurfaceContact = "radial"
     bearing_surface: Surface = field(default_factory=Surface)
     pin_surface: Surface = field(default_factory=Surface)
 

@@ -165,8 +165,8 @@ def observe(book: Book, t: float, h: float, q: Array, v: Array, a: Array) -> Non
         cycle[base + 2] = counts.contacts
         if has_room:
             column = SERIES_FIXED + SERIES_JOINT * k
-            series[row, column] = contact.eccentricity * contact.normal_x
-            series[row, column + 1] = contact.eccentricity * contact.normal_y
+            series[row, column] = contact.eccentricity_x
+            series[row, column + 1] = contact.eccentricity_y
             series[row, column + 2] = contact.penetration
             series[row, column + 3] = load.normal
             series[row, column + 4] = load.tangential

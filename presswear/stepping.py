@@ -41,7 +41,7 @@ def sum_step(book: Book, drive_power: float, t: float, h: float, q: Array, v: Ar
         duration = min(h, t - book.touch[k].onset_time)
         book.doses[k, 0] = work * duration
         book.doses[k, 1] = pressure * duration
-        lost, rubbed = loss_powers(book.joints[k], contact, load)
+        lost, rubbed = loss_powers(contact, load)
         contact_power += lost
         friction_power += rubbed
     ledger = book.ledger

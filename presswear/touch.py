@@ -34,6 +34,7 @@ TOUCH = np.dtype(
         ("step", np.float64),  # that led to it, s
         ("sweep", np.float64),  # speed at which the contact runs over the wear maps, rad/s
         ("effective_mass", np.float64),  # lower bound, kg
+        ("energy", np.float64),  # elastic, J
         ("relief", np.float64),  # greatest difference of depth on the worn surfaces, m
     ]
 )
@@ -302,6 +303,7 @@ def remember(
     last.time = t
     last.penetration = contact.penetration
     last.rate = contact.rate
+    last.energy = contact.energy
     last.sweep = max(
         abs(contact.turning - turns * bearing.spin), abs(contact.turning - turns * pin.spin)
     )

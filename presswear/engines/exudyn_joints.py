@@ -109,8 +109,8 @@ def simulate(linkage: Linkage, start: Start, accuracy: JointsAccuracy, plan: Pla
         model.system.SetPostStepUserFunction(post_step(watch, accept))
         if linkage.clearances:
             model.system.SetPostNewtonUserFunction(lambda system, t: send_back(system, t))
-    depths = book.touch["penetration"]
-    before = stored_energy(linkage, book.joints, depths, start.position, start.velocity)
+    energies = book.touch["energy"]
+    before = stored_energy(linkage, energies, start.position, start.velocity)
     with timed(times, "wall_solve_s"):
         message = solve(
             model.system,
@@ -121,7 +121,7 @@ def simulate(linkage: Linkage, start: Start, accuracy: JointsAccuracy, plan: Pla
         )
     solver = model.system.sys["dynamicSolver"]
     q, v = np.array(model.frame.q), np.array(model.frame.v)
-    after = stored_energy(linkage, book.joints, depths, q, v)
+    after = stored_energy(linkage, energies, q, v)
     result = Run(
         status=watch.ended,
         message=message,

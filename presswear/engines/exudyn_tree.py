@@ -267,7 +267,7 @@ def simulate(linkage: Linkage, start: Start, accuracy: TreeAccuracy, plan: Plan)
 
     def energy() -> tuple[float, float]:
         q, v = system.state[0], system.state[1]
-        stored = stored_energy(linkage, book.joints, book.touch["penetration"], q, v)
+        stored = stored_energy(linkage, book.touch["energy"], q, v)
         return stored, hinge_power_integral(system)
 
     tree_state(system, book, 0.0, model.x, model.u, np.zeros(len(tree.links)))

@@ -118,8 +118,7 @@ def simulate(linkage: Linkage, start: Start, accuracy: DaeAccuracy, plan: Plan) 
     ready = clock.perf_counter()
 
     def stored() -> float:
-        depths = book.touch["penetration"]
-        return stored_energy(linkage, book.joints, depths, y[:n], y[n : 2 * n])
+        return stored_energy(linkage, book.touch["energy"], y[:n], y[n : 2 * n])
 
     energy_before = stored()
     ended: Status = "completed"
