@@ -23,6 +23,7 @@ from presswear.linkage import (
     MapFrame,
     Revolute,
     Slip,
+    SurfaceContact,
     WearLaw,
 )
 from presswear.mechanism import Mechanism
@@ -50,11 +51,16 @@ class Conventions:
     footprint: Footprint = choice(
         "bin", ("bin", "arc"), "wear into the one bin of the contact, or over the contact arc"
     )
+    contact: SurfaceContact = choice(
+        "radial",
+        ("radial", "foundation"),
+        "worn surfaces meet where e points, or over all of the arc on an elastic foundation",
+    )
 
 
 CONVENTIONS: dict[str, Conventions] = {
     "paper": Conventions(),
-    "refined": Conventions("refined", "sliding", "body", "arc"),
+    "refined": Conventions("refined", "sliding", "body", "arc", "foundation"),
 }
 """The two named sets; every choice can be made alone."""
 
@@ -131,6 +137,7 @@ class Bearings:
             FrictionLaw(self.friction, self.lower_speed, self.upper_speed),
             law if wear else None,
             conventions.map_frame,
+            conventions.contact,
             *worn,
         )
 
@@ -231,6 +238,11 @@ class Scene:
                 raise InputError(f"status {status!r} of {key!r}: texts are expected")
         check_fields(self)
         check_fields(self.conventions)
+        if self.conventions.contact == "foundation" and self.bearings.exponent != 1.5:
+            raise InputError(
+                f"exponent = {self.bearings.exponent:g}: with contact = 'foundation', which is "
+                "linear and gives the exponent 1.5 of a round joint, allowed is 1.5"
+            )
         self.mechanism.check_assembly()
         reason = tree_of(self.linkage()) if self.engine == TREE else ""
         if isinstance(reason, str) and reason:

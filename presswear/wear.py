@@ -133,7 +133,8 @@ def deposit_over_arc(
     """Add the wear of a dose F_n ds, N m, over the contact arc.
 
     The overlap e . n(theta) - c - h_bearing - h_pin is followed outwards from the
-    direction of contact until it ends; ``pressure`` is working space, shape (2 m,).
+    direction of contact until it ends; on a foundation as far as there can be another
+    patch.  ``pressure`` is working space.
     """
     count = depth.shape[1]
     worn = surfaces.shape[1] > 0
@@ -146,7 +147,13 @@ def deposit_over_arc(
     half_arc = math.sqrt(2.0 * penetration / contact.eccentricity)
     step = min(half_arc / ARC_SAMPLES, 2.0 * math.pi / count / BIN_SAMPLES)
     # A groove that fits the pin may hold it over much more than the round arc.
-    most = min(int(math.pi / step), pressure.shape[0] // 2 - 1)
+    reach = math.pi
+    has_patches = joint.foundation > 0.0
+    if has_patches:
+        above = contact.eccentricity - joint.clearance - joint.least_depth
+        sine = math.sqrt(min(max(0.5 * above / contact.eccentricity, 0.0), 1.0))
+        reach = 2.0 * math.asin(sine) + step
+    most = min(int(reach / step) + 1, pressure.shape[0] // 2 - 1)
     used = 0
     total = 0.0
     for side in (-1.0, 1.0):
@@ -160,16 +167,19 @@ def deposit_over_arc(
                 overlap -= profile(surfaces[0], surfaces[1], angle - bearing_zero)[0]
                 overlap -= profile(surfaces[2], surfaces[3], angle - pin_zero)[0]
             if overlap <= 0.0:
-                break
+                if not has_patches:
+                    break
+                overlap = 0.0
             pressure[used] = overlap
             used += 1
             total += overlap
         if side < 0.0:
             left = used
     bin_width = 2.0 * math.pi / count
-    if used == 0:
+    if total == 0.0:
         # An overlap so slight that round-off hides it: all of it at the contact.
         pressure[0], total, used, left = 1.0, 1.0, 1, 0
+        direction = math.atan2(contact.normal_y, contact.normal_x)
     scale = law.coefficient * dose / (joint.width * joint.bearing_radius * bin_width * total)
     for i in range(used):
         offset = -(i + 0.5) * step if i < left else (i - left + 0.5) * step
