@@ -23,6 +23,8 @@ _LINES: dict[str, tuple[str, LineStyle]] = {
 }
 _MARKED_STEPS = 60
 """Most steps whose ends are marked; more would be a thick line."""
+_NAMED_WEARS = 2
+"""Most wears whose names stand beside each other above a panel; of more, the last is named."""
 
 
 def wear_growth(result: StoredResult) -> list[Drawing]:
@@ -68,15 +70,15 @@ def wear_growth(result: StoredResult) -> list[Drawing]:
 
 
 def _mark_wears(axes: Axes, ends: list[tuple[float, str]]) -> None:
-    for end, name in ends:
+    for end, _ in ends:
         axes.axvline(end, color=MUTED, linewidth=0.6)
+    for end, name in ends if len(ends) <= _NAMED_WEARS else ends[-1:]:
         axes.annotate(
             name,
-            (end, 0.02),
+            (end, 1.0),
             xycoords=("data", "axes fraction"),
-            xytext=(-3.0, 0.0),
+            xytext=(0.0, 2.0),
             textcoords="offset points",
-            rotation=90.0,
             ha="right",
             va="bottom",
             color=MUTED,
