@@ -25,6 +25,11 @@ Array = NDArray[np.float64]
 ABSCISSAE = (0.8611363115940526, 0.3399810435848563)
 WEIGHTS = (0.3478548451374538, 0.6521451548625461)
 """Four-point Gauss-Legendre quadrature, symmetric halves."""
+# Numba divides where it is told to; multiplying by these takes a fifth of the time.
+THIRD, FIFTH, SEVENTH, NINTH, TWELFTH = 1 / 3, 1 / 5, 1 / 7, 1 / 9, 1 / 12
+C2, C4, C6, C8, C10 = -1 / 2, 1 / 24, -1 / 720, 1 / 40320, -1 / 3628800
+C3, C5, C7, C9 = -1 / 6, 1 / 120, -1 / 5040, 1 / 362880
+"""Coefficients of the series of cosine and sine."""
 LONGEST_SEGMENT = 0.1
 """rad."""
 ROOT_STEPS = 60
@@ -83,8 +88,8 @@ def turned(x: float) -> tuple[float, float]:
     if abs(x) > 0.5:
         return math.cos(x), math.sin(x)
     y = x * x
-    cosine = 1.0 - y / 2 * (1.0 - y / 12 * (1.0 - y / 30 * (1.0 - y / 56 * (1.0 - y / 90))))
-    sine = x * (1.0 - y / 6 * (1.0 - y / 20 * (1.0 - y / 42 * (1.0 - y / 72))))
+    cosine = 1.0 + y * (C2 + y * (C4 + y * (C6 + y * (C8 + y * C10))))
+    sine = x * (1.0 + y * (C3 + y * (C5 + y * (C7 + y * C9))))
     return cosine, sine
 
 
@@ -133,16 +138,17 @@ def root_between(g: Segment, of_slope: bool, low: float, high: float) -> float:
 def add_whole(g: Segment, half: float, bed: Bed) -> Bed:
     """The bed with all of a segment, integrated in closed form."""
     y = half * half
-    m0 = g.a0 + y * (g.a2 / 3.0 + y * (g.a4 / 5.0 + y * g.a6 / 7.0))
-    m1 = y * (g.a1 / 3.0 + y * (g.a3 / 5.0 + y * g.a5 / 7.0))
-    m2 = y * (g.a0 / 3.0 + y * (g.a2 / 5.0 + y * g.a4 / 7.0))
-    m3 = y * y * (g.a1 / 5.0 + y * g.a3 / 7.0)
-    m4 = y * y * (g.a0 / 5.0 + y * g.a2 / 7.0)
+    m0 = g.a0 + y * (g.a2 * THIRD + y * (g.a4 * FIFTH + y * g.a6 * SEVENTH))
+    m1 = y * (g.a1 * THIRD + y * (g.a3 * FIFTH + y * g.a5 * SEVENTH))
+    m2 = y * (g.a0 * THIRD + y * (g.a2 * FIFTH + y * g.a4 * SEVENTH))
+    m3 = y * y * (g.a1 * FIFTH + y * g.a3 * SEVENTH)
+    m4 = y * y * (g.a0 * FIFTH + y * g.a2 * SEVENTH)
     s2 = g.a1 * g.a1 + 2.0 * g.a0 * g.a2
     s4 = g.a2 * g.a2 + 2.0 * (g.a0 * g.a4 + g.a1 * g.a3)
     s6 = g.a3 * g.a3 + 2.0 * (g.a0 * g.a6 + g.a1 * g.a5 + g.a2 * g.a4)
     s8 = g.a4 * g.a4 + 2.0 * (g.a2 * g.a6 + g.a3 * g.a5)
-    square = g.a0 * g.a0 + y * (s2 / 3.0 + y * (s4 / 5.0 + y * (s6 / 7.0 + y * s8 / 9.0)))
+    square = y * (s2 * THIRD + y * (s4 * FIFTH + y * (s6 * SEVENTH + y * s8 * NINTH)))
+    square += g.a0 * g.a0
     return with_moments(g, 2.0 * half, m0, m1, m2, m3, m4, square, bed)
 
 
@@ -160,8 +166,8 @@ def with_moments(
 ) -> Bed:
     """The bed with a part whose moments of p about the segment's middle are given."""
     # Integrals of p cos x and p sin x.
-    even = scale * (m0 - 0.5 * m2 + m4 / 24.0)
-    odd = scale * (m1 - m3 / 6.0)
+    even = scale * (m0 + C2 * m2 + C4 * m4)
+    odd = scale * (m1 + C3 * m3)
     return Bed(
         bed.overlap,
         bed.place,
@@ -227,22 +233,29 @@ def press_segment(g: Segment, middle: float, half: float, bed: Bed) -> Bed:
 
 
 @compiled
-def cubic_about(depth: Array, slope: Array, k: int, x: float) -> tuple[float, float, float, float]:
-    """Coefficients of piece ``k`` of a map about a place x behind its first node, rad."""
-    count = depth.shape[0]
-    scale = count / (2.0 * math.pi)
-    j = k + 1 if k + 1 < count else 0
+def cubic_about(
+    depth: Array, slope: Array, k: int, x: float, width: float, scale: float
+) -> tuple[float, float, float, float]:
+    """Coefficients of piece ``k`` of a map about a place x behind its first node, rad.
+
+    Parameters
+    ----------
+    width, scale : float
+        Of a bin, rad, and one over it.
+    """
+    j = k + 1 if k + 1 < depth.shape[0] else 0
     rise = depth[j] - depth[k]
-    a = slope[k] / scale
-    b = slope[j] / scale
+    a = slope[k] * width
+    b = slope[j] * width
     c2 = 3.0 * rise - 2.0 * a - b
     c3 = a + b - 2.0 * rise
     s = x * scale
+    square = scale * scale
     return (
         depth[k] + s * (a + s * (c2 + s * c3)),
         (a + s * (2.0 * c2 + 3.0 * s * c3)) * scale,
-        (c2 + 3.0 * s * c3) * scale * scale,
-        c3 * scale * scale * scale,
+        (c2 + 3.0 * s * c3) * square,
+        c3 * scale * square,
     )
 
 
@@ -263,21 +276,23 @@ def segment_of(
     bearing_x: float,
     pin_x: float,
     middle: float,
+    width: float,
+    scale: float,
 ) -> Segment:
     """The overlap about a place, from pieces of both maps and places in them, rad."""
-    b0, b1, b2, b3 = cubic_about(surfaces[0], surfaces[1], bearing, bearing_x)
-    p0, p1, p2, p3 = cubic_about(surfaces[2], surfaces[3], pin, pin_x)
+    b0, b1, b2, b3 = cubic_about(surfaces[0], surfaces[1], bearing, bearing_x, width, scale)
+    p0, p1, p2, p3 = cubic_about(surfaces[2], surfaces[3], pin, pin_x, width, scale)
     cosine, sine = turned(middle)
     ec = eccentricity * cosine
     es = eccentricity * sine
     return Segment(
         ec - clearance - b0 - p0,
         -es - b1 - p1,
-        -ec / 2.0 - b2 - p2,
-        es / 6.0 - b3 - p3,
-        ec / 24.0,
-        -es / 120.0,
-        -ec / 720.0,
+        C2 * ec - b2 - p2,
+        -C3 * es - b3 - p3,
+        C4 * ec,
+        -C5 * es,
+        C6 * ec,
         b1,
         2.0 * b2,
         3.0 * b3,
@@ -308,6 +323,7 @@ def press(
     """
     count = surfaces.shape[1]
     width = 2.0 * math.pi / count
+    scale = 1.0 / width
     here = profile(surfaces[0], surfaces[1], bearing_place)[0]
     here += profile(surfaces[2], surfaces[3], pin_place)[0]
     bed = Bed(eccentricity - clearance - here, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -331,12 +347,21 @@ def press(
         half = 0.5 * length
         near = max(left, -left - length, 0.0)
         # 1 - cos x is at least x^2 / 2 (1 - x^2 / 12).
-        bound = eccentricity * (1.0 - 0.5 * near * near * (1.0 - near * near / 12.0)) - clearance
+        bound = eccentricity * (1.0 - 0.5 * near * near * (1.0 - TWELFTH * near * near)) - clearance
         bound -= least_of(surfaces[0], b) + least_of(surfaces[2], p)
         if bound > 0.0 or bound > bed.overlap:
             middle = left + half
             segment = segment_of(
-                surfaces, eccentricity, clearance, b, p, b_x + half, p_x + half, middle
+                surfaces,
+                eccentricity,
+                clearance,
+                b,
+                p,
+                b_x + half,
+                p_x + half,
+                middle,
+                width,
+                scale,
             )
             bed = press_segment(segment, middle, half, bed)
         left += length
