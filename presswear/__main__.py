@@ -10,10 +10,10 @@ from typing import NoReturn
 
 from rich.console import Console
 
-from presswear.commands import crosscheck, run, scenes, verify
+from presswear.commands import costs, crosscheck, run, scenes, verify
 from presswear.errors import InputError, RunError
 
-COMMANDS = (scenes, run, verify, crosscheck)
+COMMANDS = (scenes, run, verify, crosscheck, costs)
 """In the order in which help lists them."""
 
 

@@ -35,6 +35,10 @@ from presswear.__main__ import main
         (["dance"], ("dance", "run")),
         (["report", "nowhere"], ("nowhere", "result.json")),
         (["list", "nonsense"], ("nonsense", "ideal")),
+        (["costs", "--repeats", "0"], ("--repeats 0", "1 to")),
+        (["costs", "--repeats", "-1"], ("--repeats", "-1")),
+        (["costs", "--repeats", "many"], ("--repeats many", "whole number")),
+        (["costs", "--fast"], ("--fast",)),
     ],
 )
 def test_bad_input_is_one_line_and_exit_code_2(
@@ -85,7 +89,8 @@ def test_run_ideal_and_report(tmp_path: Path, capsys: pytest.CaptureFixture[str]
 
 
 @pytest.mark.parametrize(
-    "command", [[], ["run"], ["list"], ["report"], ["crosscheck"], ["export"], ["verify"]]
+    "command",
+    [[], ["run"], ["list"], ["report"], ["crosscheck"], ["export"], ["verify"], ["costs"]],
 )
 def test_every_help_has_an_example(command: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as ended:

@@ -1,0 +1,95 @@
+"""``presswear costs``: what features cost, how engines compare, where time goes.
+
+It measures and does not judge: a verdict is printed, and the exit code is 0.
+"""
+
+import argparse
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rich.box import SIMPLE
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from presswear.catalog import scene_named
+from presswear.commands.terminal import free_folder, progress_bar
+from presswear.errors import InputError
+
+if TYPE_CHECKING:
+    from presswear.costs.text import TextTable
+
+SCENE = "wear-times"
+
+
+def add(commands: Any) -> None:
+    """Add the parser of ``costs``."""
+    costs = commands.add_parser(
+        "costs",
+        help="what the features of a model cost, how engines compare, where the time goes",
+        description=f"Times the scene {SCENE} on one core, with each feature on and off, in every "
+        "engine at equal work, and stage by stage in the open tree. Ratios hold within one run "
+        "of this command; keep the machine calm meanwhile. About three minutes.",
+        epilog="example: presswear costs --repeats 7 --out results/costs-calm",
+    )
+    costs.add_argument("--out", type=Path, help="new folder (default results/costs)")
+    costs.add_argument("--repeats", help="how often each run is timed (default 5)")
+    costs.add_argument(
+        "--quick", action="store_true", help="short runs, twice each: rough, below a minute"
+    )
+    costs.set_defaults(run=_costs)
+
+
+def _repeats(text: str) -> int:
+    if not (text.isascii() and text.isdigit() and 1 <= int(text) <= 1000):
+        raise InputError(f"--repeats {text}: a whole number from 1 to 1000 is expected")
+    return int(text)
+
+
+def _costs(arguments: argparse.Namespace, console: Console) -> int:
+    repeats = None if arguments.repeats is None else _repeats(arguments.repeats)
+    scene = scene_named(SCENE)
+    folder = arguments.out if arguments.out is not None else free_folder("costs")
+    from presswear.results import ResultFolder, provenance
+
+    ResultFolder(folder, scene)  # refuses a folder that holds something
+    from presswear.costs.study import QUICK, Extent, store, study
+    from presswear.costs.text import markdown_of, tables_of
+
+    extent = QUICK if arguments.quick else Extent()
+    if repeats is not None:
+        extent = replace(extent, repeats=repeats)
+    with progress_bar(console) as bar:
+        task = bar.add_task("start", total=1.0)
+        found = study(
+            scene,
+            extent,
+            lambda name, part: bar.update(task, description=name, completed=part),
+        )
+    store(found, markdown_of(found, provenance()), folder)
+    for table in tables_of(found):
+        print_text_table(console, table)
+    console.print(f"tables and all times in {folder}", highlight=False)
+    return 0
+
+
+def print_text_table(console: Console, table: "TextTable") -> None:
+    """A table and the sentences that explain it."""
+    shown = Table(
+        box=SIMPLE,
+        pad_edge=False,
+        collapse_padding=True,
+        title=table.title,
+        title_justify="left",
+    )
+    for name in table.texts:
+        shown.add_column(name, overflow="fold")
+    for name in table.numbers:
+        shown.add_column(name, justify="right")
+    for row in table.rows:
+        shown.add_row(*(escape(cell) for cell in row))
+    console.print(shown, highlight=False)
+    for sentence in table.sentences:
+        console.print(escape(sentence), highlight=False)
+    console.print()
