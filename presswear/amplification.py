@@ -2,9 +2,9 @@
 
 In one jump, as the paper does, or in steps that each change no profile by more than
 a stated part of its clearance; after each the surfaces are rebuilt and the linkage
-runs again.  Too large an extrapolation makes a profile unstable (Mukras, Kim,
-Mauntler, Schmitz and Sawyer, Wear 266, 2009, 822): a pit digs itself deeper for
-longer than the pin would stay in it.
+runs again.  Too large an extrapolation makes a profile unstable (Mukras, Kim, Sawyer,
+Jackson and Bergquist, Wear 266, 2009, 822): a pit digs itself deeper for longer than
+the pin would stay in it.
 """
 
 import math

@@ -220,7 +220,7 @@ class Scene:
         "them, or in steps only where the footprint is an arc",
     )
     depth_step: float = quantity(
-        0.01,
+        0.005,
         "",
         1e-4,
         1.0,
