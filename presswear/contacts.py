@@ -39,7 +39,7 @@ def add_contacts(
         base = JOINT_RATES * k
         contact, bearing, pin = contact_of(joints, k, surfaces, q, v)
         load = load_of(joint, onset[k], contact, bearing, pin)
-        rates[base], rates[base + 1] = loss_powers(contact, load)
+        rates[base], rates[base + 1] = loss_powers(contact, load.normal, load.tangential)
         rates[base + 2], rates[base + 3] = dose_rates(wear[k], joint, contact, load.normal)
         if load.normal > 0.0:
             b = joint.pin_body

@@ -12,20 +12,20 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.clearance import Contact, Load
 from presswear.compiled import compiled
+from presswear.joint_data import Contact
 from presswear.linkage import GROUND, Attachment, Linkage, Spring
 
 Array = NDArray[np.float64]
 
 
 @compiled
-def loss_powers(contact: Contact, load: Load) -> tuple[float, float]:
+def loss_powers(contact: Contact, normal: float, tangential: float) -> tuple[float, float]:
     """Power lost in a contact, and in its friction, W."""
     if contact.penetration <= 0.0:
         return 0.0, 0.0
     stored = contact.elastic * contact.closing
-    return load.normal * contact.approach - stored, -load.tangential * contact.sliding
+    return normal * contact.approach - stored, -tangential * contact.sliding
 
 
 def mass_of(linkage: Linkage) -> Array:

@@ -11,10 +11,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.clearance import Contact, contact_of, load_of, pack_joints, pack_surfaces
+from presswear.clearance import STATE, note_contacts, note_forces
 from presswear.compiled import Records, compiled
+from presswear.joint_data import pack_joints, pack_surfaces
 from presswear.linkage import ClearanceJoint, Linkage
-from presswear.touch import TALLY, TOUCH, settle
+from presswear.touch import LEAST_STEPS, TALLY, TOUCH, settle
 from presswear.wear import deposit_in_bin, deposit_over_arc, pack_wear
 
 Array = NDArray[np.float64]
@@ -65,6 +66,8 @@ class Book(NamedTuple):
     ----------
     joints, wear : records of JOINT and WEAR
     surfaces : ndarray, shape (joints, 4, m)
+    states : records of STATE
+        Contacts and forces of the last accepted state.
     onset : ndarray, shape (joints,)
         Latched closing speeds, 0 where open, m/s.
     touch, tally : records of TOUCH and TALLY
@@ -90,6 +93,7 @@ class Book(NamedTuple):
     joints: Records
     wear: Records
     surfaces: Array
+    states: Records
     onset: Array
     touch: Records
     tally: Records
@@ -105,10 +109,13 @@ class Book(NamedTuple):
 
 
 @compiled
-def deposit(book: Book, k: int, contact: Contact, bearing_angle: float, pin_angle: float) -> None:
+def deposit(book: Book, k: int) -> None:
     """Add the wear of the last step's doses to the maps of joint ``k``."""
     law = book.wear[k]
     joint = book.joints[k]
+    contact = book.states[k]
+    bearing_angle = contact.bearing_angle
+    pin_angle = contact.pin_angle
     if law.over_arc:
         deposit_over_arc(
             book.depth[k],
@@ -128,8 +135,22 @@ def deposit(book: Book, k: int, contact: Contact, bearing_angle: float, pin_angl
 
 
 @compiled
+def settle_state(book: Book, t: float, q: Array, v: Array, needed: int) -> int:
+    """Evaluate and settle the contacts of an accepted state; see ``settle``."""
+    note_contacts(book.joints, book.surfaces, book.states, q, v)
+    events = settle(
+        book.joints, book.onset, book.touch, book.tally, book.episodes, book.states, t, needed
+    )
+    note_forces(book.joints, book.onset, book.states)
+    return events
+
+
+@compiled
 def observe(book: Book, t: float, h: float, q: Array, v: Array, a: Array) -> None:
-    """Account for one accepted step of length ``h``, s, that ended in the given state."""
+    """Account for one accepted step of length ``h``, s, that ended in the given state.
+
+    The state's contacts are in the book, settled.
+    """
     joints, touch, tally, series = book.joints, book.touch, book.tally, book.series
     cycle = book.cycle
     state = book.record[0]
@@ -149,30 +170,29 @@ def observe(book: Book, t: float, h: float, q: Array, v: Array, a: Array) -> Non
     has_room = row < min(state.room, series.shape[0])
     is_due = row == 0 or t - state.last_time >= state.interval
     for k in range(count):
-        contact, bearing, pin = contact_of(joints, k, book.surfaces, q, v)
-        load = load_of(joints[k], book.onset[k], contact, bearing, pin)
+        contact = book.states[k]
         counts = tally[k]
         base = CYCLE_FIXED_COUNT + CYCLE_JOINT_COUNT * k
-        if load.normal > 0.0:
+        if contact.normal > 0.0:
             duration = min(h, t - touch[k].onset_time)
             counts.closed_time += duration
-            counts.peak_force = max(counts.peak_force, load.normal)
-            touch[k].peak_force = max(touch[k].peak_force, load.normal)
-            cycle[base] = max(cycle[base], load.normal)
+            counts.peak_force = max(counts.peak_force, contact.normal)
+            touch[k].peak_force = max(touch[k].peak_force, contact.normal)
+            cycle[base] = max(cycle[base], contact.normal)
         cycle[base + 1] += book.doses[k, 0]
         if book.doses[k, 0] > 0.0 and book.wear[k].coefficient > 0.0:
-            deposit(book, k, contact, bearing.angle, pin.angle)
+            deposit(book, k)
         cycle[base + 2] = counts.contacts
         if has_room:
             column = SERIES_FIXED + SERIES_JOINT * k
             series[row, column] = contact.eccentricity_x
             series[row, column + 1] = contact.eccentricity_y
             series[row, column + 2] = contact.penetration
-            series[row, column + 3] = load.normal
-            series[row, column + 4] = load.tangential
+            series[row, column + 3] = contact.normal
+            series[row, column + 4] = contact.tangential
             series[row, column + 5] = contact.sliding
             if row > 0:
-                change = abs(load.normal - series[row - 1, column + 3])
+                change = abs(contact.normal - series[row - 1, column + 3])
                 is_due = is_due or change > state.force_step * counts.peak_force
     if has_room and is_due:
         series[row, 0] = t
@@ -251,6 +271,7 @@ class Account:
             joints=joints,
             wear=pack_wear(linkage),
             surfaces=pack_surfaces(linkage),
+            states=np.zeros(count, STATE),
             onset=np.zeros(count),
             touch=touch,
             tally=tally,
@@ -271,9 +292,7 @@ class Account:
     def begin(self, q: Array, v: Array, a: Array) -> None:
         """Settle contact in the initial state and write the first row of the series."""
         book = self.book
-        settle(
-            book.joints, book.onset, book.touch, book.tally, book.episodes, book.surfaces, 0.0, q, v
-        )
+        settle_state(book, 0.0, q, v, LEAST_STEPS)
         observe(book, 0.0, 0.0, q, v, a)
 
     @property

@@ -5,11 +5,10 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.clearance import contact_of, load_of
 from presswear.compiled import Records, compiled
 from presswear.energy import loss_powers
-from presswear.observe import Book, observe
-from presswear.touch import next_step, settle
+from presswear.observe import Book, observe, settle_state
+from presswear.touch import LEAST_STEPS, next_step
 from presswear.wear import dose_rates
 
 Array = NDArray[np.float64]
@@ -25,7 +24,7 @@ def all_finite(q: Array, v: Array) -> bool:
 
 
 @compiled
-def sum_step(book: Book, drive_power: float, t: float, h: float, q: Array, v: Array) -> None:
+def sum_step(book: Book, drive_power: float, t: float, h: float) -> None:
     """Doses of wear of a step, and its share of the energy ledger.
 
     Doses are taken from the state at the step's end: over a whole contact that is the
@@ -35,13 +34,12 @@ def sum_step(book: Book, drive_power: float, t: float, h: float, q: Array, v: Ar
     contact_power = 0.0
     friction_power = 0.0
     for k in range(book.joints.shape[0]):
-        contact, bearing, pin = contact_of(book.joints, k, book.surfaces, q, v)
-        load = load_of(book.joints[k], book.onset[k], contact, bearing, pin)
-        work, pressure = dose_rates(book.wear[k], book.joints[k], contact, load.normal)
+        contact = book.states[k]
+        work, pressure = dose_rates(book.wear[k], book.joints[k], contact, contact.normal)
         duration = min(h, t - book.touch[k].onset_time)
         book.doses[k, 0] = work * duration
         book.doses[k, 1] = pressure * duration
-        lost, rubbed = loss_powers(contact, load)
+        lost, rubbed = loss_powers(contact, contact.normal, contact.tangential)
         contact_power += lost
         friction_power += rubbed
     ledger = book.ledger
@@ -75,7 +73,9 @@ def accept_step(
     """
     if not all_finite(q, v):
         return math.nan
-    settle(book.joints, book.onset, book.touch, book.tally, book.episodes, book.surfaces, t, q, v)
-    sum_step(book, power, t, h, q, v)
+    settle_state(book, t, q, v, LEAST_STEPS)
+    sum_step(book, power, t, h)
     observe(book, t, h, q, v, a)
-    return next_step(book.joints, book.onset, book.touch, steps, book.surfaces, q, v, a)
+    return next_step(
+        book.joints, book.onset, book.touch, steps, book.surfaces, book.states, q, v, a
+    )

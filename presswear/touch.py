@@ -15,8 +15,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.clearance import Contact, Pose, contact_of, penetration_acceleration
+from presswear.clearance import contact_of, penetration_acceleration
 from presswear.compiled import Records, compiled
+from presswear.joint_data import Contact
 
 Array = NDArray[np.float64]
 
@@ -294,18 +295,16 @@ def close_episode(
 
 
 @compiled
-def remember(
-    last: Records, joint: Records, contact: Contact, bearing: Pose, pin: Pose, t: float
-) -> None:
+def remember(last: Records, joint: Records, state: Records, t: float) -> None:
     """Keep what the next step needs of an accepted state."""
     turns = joint.map_turns
     last.step = t - last.time
     last.time = t
-    last.penetration = contact.penetration
-    last.rate = contact.rate
-    last.energy = contact.energy
+    last.penetration = state.penetration
+    last.rate = state.rate
+    last.energy = state.energy
     last.sweep = max(
-        abs(contact.turning - turns * bearing.spin), abs(contact.turning - turns * pin.spin)
+        abs(state.turning - turns * state.bearing_spin), abs(state.turning - turns * state.pin_spin)
     )
 
 
@@ -316,13 +315,11 @@ def settle(
     touch: Records,
     tally: Records,
     episodes: Array,
-    surfaces: Array,
+    states: Records,
     t: float,
-    q: Array,
-    v: Array,
     needed: int = LEAST_STEPS,
 ) -> int:
-    """Bring the contact state up to an accepted state: latch touches, close episodes.
+    """Bring the contact state up to accepted states of the joints: latch touches, close episodes.
 
     A contact of fewer than ``needed`` steps counts as unresolved.  Returns the number of
     joints that have touched or separated.
@@ -330,7 +327,7 @@ def settle(
     events = 0
     for k in range(joints.shape[0]):
         last = touch[k]
-        contact, bearing, pin = contact_of(joints, k, surfaces, q, v)
+        contact = states[k]
         if onset[k] == 0.0 and contact.penetration > 0.0:
             h = t - last.time
             started_closed = last.penetration > 0.0 or h <= 0.0
@@ -351,7 +348,7 @@ def settle(
             events += 1
         if onset[k] > 0.0:
             last.steps += 1
-        remember(last, joints[k], contact, bearing, pin, t)
+        remember(last, joints[k], contact, t)
     return events
 
 
@@ -394,6 +391,7 @@ def next_step(
     touch: Records,
     steps: Records,
     surfaces: Array,
+    states: Records,
     q: Array,
     v: Array,
     a: Array,
@@ -408,7 +406,7 @@ def next_step(
         part = contact_step(
             joint.stiffness, joint.exponent, last.effective_mass, depth, rate, steps[0].per_contact
         )
-        acceleration = penetration_acceleration(joints, k, surfaces, q, v, a)
+        acceleration = penetration_acceleration(joints, k, surfaces, states[k].place, q, v, a)
         if surfaces.shape[2] > 0 and last.sweep > 0.0 and depth > -last.relief:
             # A bump of the profile is a contact of its own and gets as many steps.
             bins = 2.0 * math.pi / surfaces.shape[2] / last.sweep

@@ -12,8 +12,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.clearance import Contact, direction_of
 from presswear.compiled import Records, compiled
+from presswear.joint_data import Contact, direction_of
 from presswear.linkage import ClearanceJoint, Linkage
 from presswear.surface import bin_of, profile
 

@@ -10,13 +10,8 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from two_bodies import JOINT, Pair, gap_of, placed, waves, worn_joint
 
-from presswear.clearance import (
-    direction_of,
-    joint_end,
-    pack_joints,
-    pack_surfaces,
-    penetration_acceleration,
-)
+from presswear.clearance import penetration_acceleration
+from presswear.joint_data import direction_of, joint_end, pack_joints, pack_surfaces
 from presswear.laws import ONSET_SPEED_FLOOR, FrictionLaw, friction_force, normal_force
 from presswear.linkage import GROUND, Attachment, ClearanceJoint
 from presswear.surface import Surface
@@ -217,7 +212,9 @@ def test_penetration_acceleration_is_the_derivative_of_the_rate(
     acceleration: Array,
 ) -> None:
     pair = placed(joint, penetration, direction, angles=angles, rates=rates)
-    formula = penetration_acceleration(pair.joints, 0, pair.surfaces, pair.q, pair.v, acceleration)
+    formula = penetration_acceleration(
+        pair.joints, 0, pair.surfaces, 0.0, pair.q, pair.v, acceleration
+    )
     eccentricity = pair.contact()[0].eccentricity
     # Centres move at up to 1.5 m/s against each other: a small part of the time in which
     # the pin would cross the joint.
@@ -248,7 +245,7 @@ def test_centred_pin_touches_nothing(joint: ClearanceJoint) -> None:
     assert contact.penetration <= -joint.clearance
     assert np.all(np.isfinite(contact))
     assert pair.load(0.0) == (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    pull = penetration_acceleration(pair.joints, 0, pair.surfaces, q, v, np.ones(6))
+    pull = penetration_acceleration(pair.joints, 0, pair.surfaces, 0.0, q, v, np.ones(6))
     assert math.isfinite(pull)
 
 
@@ -302,8 +299,8 @@ def test_a_bearing_on_the_frame_is_a_bearing_on_a_body_at_rest(
     assert alone.contact()[0] == free.contact()[0]
     acceleration = np.concatenate([np.zeros(3), rates[:3] * 100.0])
     assert penetration_acceleration(
-        alone.joints, 0, alone.surfaces, alone.q, alone.v, acceleration[3:]
-    ) == penetration_acceleration(free.joints, 0, free.surfaces, free.q, free.v, acceleration)
+        alone.joints, 0, alone.surfaces, 0.0, alone.q, alone.v, acceleration[3:]
+    ) == penetration_acceleration(free.joints, 0, free.surfaces, 0.0, free.q, free.v, acceleration)
 
 
 def test_packed_joint_holds_every_value() -> None:

@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 from two_bodies import JOINT, Pair
 
-from presswear.clearance import contact_of, joint_load
+from presswear.clearance import STATE, contact_of, joint_load, note_contacts
 from presswear.compiled import Records
 from presswear.laws import delivered_restitution
 from presswear.linkage import GROUND, Attachment, ClearanceJoint
@@ -60,6 +60,7 @@ class _Line:
         self.steps["free"], self.steps["per_contact"] = FREE, PARTS
         self.steps["sustained"], self.steps["least"] = 10.0, 1e-9
         self.episodes = np.zeros((1, 20, 6))
+        self.states = np.zeros(1, STATE)
         self.settle()
 
     def start(self, x: float, speed: float) -> "_Line":
@@ -69,16 +70,15 @@ class _Line:
         return self
 
     def settle(self) -> None:
+        note_contacts(self.joints, self.surfaces, self.states, self.q, self.v)
         settle(
             self.joints,
             self.onset,
             self.touch,
             self.tally,
             self.episodes,
-            self.surfaces,
+            self.states,
             self.time,
-            self.q,
-            self.v,
         )
 
     def acceleration(self, x: float, speed: float, onset: float) -> float:
@@ -91,7 +91,15 @@ class _Line:
         now = self.acceleration(self.q[0], self.v[0], self.onset[0])
         a = np.array([now, 0.0, 0.0])
         return next_step(
-            self.joints, self.onset, self.touch, self.steps, self.surfaces, self.q, self.v, a
+            self.joints,
+            self.onset,
+            self.touch,
+            self.steps,
+            self.surfaces,
+            self.states,
+            self.q,
+            self.v,
+            a,
         )
 
     def moved(self, h: float) -> tuple[float, float]:

@@ -6,16 +6,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.clearance import (
-    Contact,
-    Load,
-    Pose,
-    contact_of,
-    joint_load,
-    pack_joints,
-    pack_surfaces,
-)
+from presswear.clearance import contact_of, joint_load
 from presswear.compiled import Records
+from presswear.joint_data import Contact, Load, Pose, pack_joints, pack_surfaces
 from presswear.laws import FrictionLaw, NormalLaw
 from presswear.linkage import (
     GROUND,

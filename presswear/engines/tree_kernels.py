@@ -19,11 +19,11 @@ from scipy.integrate import RK45
 from presswear.clearance import penetration_acceleration
 from presswear.compiled import Records, compiled, copy_to
 from presswear.contacts import JOINT_RATES, add_contacts
-from presswear.observe import Book, observe
+from presswear.observe import Book, observe, settle_state
 from presswear.prescribed import drive_torque, forced_power, place_cranks
 from presswear.springs import spring_forces
 from presswear.stepping import all_finite
-from presswear.touch import IMPACT_PARTS, contact_step, settle, skim_step, step_in_impact
+from presswear.touch import IMPACT_PARTS, contact_step, skim_step, step_in_impact
 from presswear.tree import accelerate_links, carry_branches, gather_forces, place_links
 
 Array = NDArray[np.float64]
@@ -189,7 +189,9 @@ def step_to_events(book: Book, system: TreeSystem, h: float) -> float:
         joint = book.joints[k]
         last = book.touch[k]
         closed = book.onset[k] > 0.0
-        acceleration = penetration_acceleration(book.joints, k, book.surfaces, q, v, a)
+        acceleration = penetration_acceleration(
+            book.joints, k, book.surfaces, book.states[k].place, q, v, a
+        )
         jerk = (acceleration - last.acceleration) / last.step if last.step > 0.0 else 0.0
         last.acceleration = acceleration
         if closed and last.steps == 1 and last.rate > 0.0 and acceleration < 0.0:
@@ -308,17 +310,6 @@ def accept_tree_step(
     book.ledger[1] += 0.5 * h * (abs(book.ledger[4]) + abs(power))
     book.ledger[4] = power
     q, v, a, _, _ = system.state
-    events = settle(
-        book.joints,
-        book.onset,
-        book.touch,
-        book.tally,
-        book.episodes,
-        book.surfaces,
-        t,
-        q,
-        v,
-        LEAST_STEPS,
-    )
+    events = settle_state(book, t, q, v, LEAST_STEPS)
     observe(book, t, h, q, v, a)
     return next_tree_step(book, system, h, events)

@@ -11,11 +11,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.clearance import pack_joints, pack_surfaces
 from presswear.compiled import Records, compiled, copy_to
 from presswear.constraints import DRIVE, Constraints, constraint_rows, constraints_of
 from presswear.contacts import JOINT_RATES, add_contacts
 from presswear.energy import mass_of, weight_of
+from presswear.joint_data import pack_joints, pack_surfaces
 from presswear.linkage import Linkage
 from presswear.multipliers import Elimination, solve_multipliers, work_out
 from presswear.springs import pack_springs, spring_forces

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.clearance import contact_of
+from presswear.clearance import contact_of, note_contacts, note_forces
 from presswear.compiled import Records, compiled, copy_to
 from presswear.constraints import DRIVE
 from presswear.engines.dae.dynamics import (
@@ -26,14 +26,14 @@ from presswear.engines.dae.runge_kutta import (
     classical_step,
     embedded_step,
 )
-from presswear.observe import Book, observe
+from presswear.observe import Book, observe, settle_state
 from presswear.touch import (
+    LEAST_STEPS,
     close_episode,
     contact_step,
     crossing,
     open_episode,
     remember,
-    settle,
     skim_step,
     step_in_impact,
 )
@@ -155,15 +155,16 @@ def finish_step(
     """Account for an accepted state in ``motion.y``, whose slopes are in ``slopes[0]``."""
     n = system.mass.shape[0]
     y = motion.y
+    note_contacts(book.joints, book.surfaces, book.states, y[:n], y[n : 2 * n])
+    note_forces(book.joints, book.onset, book.states)
     for k in range(system.joints.shape[0]):
         base = 2 * n + DRIVE_INTEGRALS + JOINT_INTEGRALS * k + 2
         # Integrals are emptied into the account, so that they never lose digits.
         book.doses[k, 0] = y[base]
         book.doses[k, 1] = y[base + 1]
         y[base] = y[base + 1] = 0.0
-        contact, bearing, pin = contact_of(system.joints, k, system.surfaces, y[:n], y[n : 2 * n])
         last = book.touch[k]
-        remember(last, book.joints[k], contact, bearing, pin, t)
+        remember(last, book.joints[k], book.states[k], t)
         if book.onset[k] > 0.0:
             last.steps += 1
     note_torques(system, book)
@@ -263,17 +264,7 @@ def march_fixed(
         for i in range(2 * n):
             if not abs(motion.y[i]) < 1e30:
                 return BROKEN
-        settle(
-            book.joints,
-            book.onset,
-            book.touch,
-            book.tally,
-            book.episodes,
-            book.surfaces,
-            t,
-            motion.y[:n],
-            motion.y[n : 2 * n],
-        )
+        settle_state(book, t, motion.y[:n], motion.y[n : 2 * n], LEAST_STEPS)
         if state.projected:
             project(system, t, motion.y)
         rates(system, book.onset, t, motion.y, motion.slopes[0])
