@@ -119,6 +119,12 @@ def test_says_how_far_to_trust_it() -> None:
     assert "80\u00a0± 12" in text
 
 
+def test_radial_contact_on_worn_surfaces_is_warned_of() -> None:
+    assert "met radially" in page_of(made_up(BOTH, 2)).text
+    assert "met radially" not in page_of(made_up(BOTH, 1)).text
+    assert "met radially" not in page_of(made_up(BODY, 2)).text
+
+
 def test_ideal_press_is_not_called_chaotic() -> None:
     text = page_of(made_up(IDEAL, 1)).text
     assert "chaotic" not in text

@@ -266,7 +266,7 @@ def notes(result: StoredResult) -> list[str]:
         f"The normal force is set to a restitution of {nominal:g}; the law of Lankarani and "
         f"Nikravesh gives back {delivered:.3f}."
     )
-    if len(result.stages) > 1:
+    if len(result.stages) > 1 and scene.conventions.contact == "radial":
         found.append(
             "A worn surface is met radially: the force points along the line of centres even "
             "where the profile slopes, which feeds energy into the joint or takes it out, and a "
