@@ -345,6 +345,10 @@ def test_amplification_is_of_the_cycles_run() -> None:
     assert slider_crank().amplification.limit == slider_crank().depth_step
 
 
+LIMIT = 0.015
+"""Of the steps of the press, part of the clearance."""
+
+
 @pytest.fixture(scope="module")
 def real(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """One fast cycle of the press in the in-house solver, worn once in steps, stored."""
@@ -357,7 +361,7 @@ def real(tmp_path_factory: pytest.TempPathFactory) -> Path:
         cycles=1,
         wears=1,
         represented_cycles=1e6,
-        depth_step=0.004,
+        depth_step=LIMIT,
     )
     path = tmp_path_factory.mktemp("result") / "steps"
     folder = ResultFolder(path, scene)
@@ -372,7 +376,7 @@ def test_the_press_wears_in_steps(real: Path) -> None:
     assert len(steps) >= 3
     assert result.wear_steps(1) == []
     assert sum(step["represented_cycles"] for step in steps) == pytest.approx(1e6, rel=1e-13)
-    assert all(0.0 < step["largest_change_of_clearance"] <= 0.004 * (1 + 1e-8) for step in steps)
+    assert all(0.0 < step["largest_change_of_clearance"] <= LIMIT * (1 + 1e-8) for step in steps)
     for joint in "AC":
         for side in ("bearing", "pin"):
             before, after = (stages[f"{joint}_depth_{side}"] for stages in result.stages)
@@ -392,7 +396,7 @@ def test_growth_is_a_table_and_a_figure(real: Path) -> None:
     assert table is not None
     rows = {row[0]: row[1:] for _, group in table.groups for row in group}
     assert rows["steps"] == (str(len(result.wear_steps(0))),)
-    assert float(rows["largest change in a step (% of the clearance)"][0]) <= 0.4
+    assert float(rows["largest change in a step (% of the clearance)"][0]) <= 100.0 * LIMIT
     assert "deepest then, pin (µm)" in rows
     found = {drawing.file: drawing for drawing in drawings(result)}
     panels = found["wear-growth.png"].sheet.get_axes()
