@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from presswear.compiled import Records, compiled
 from presswear.joint_data import Contact, Load, Pose, joint_end
 from presswear.laws import ONSET_SPEED_FLOOR, damped_force, friction_force
-from presswear.surface import curvature, profile
+from presswear.surface import BEARING, PIN, SLOPE, curvature, profile
 from presswear.surface_contact import foundation_contact, radial_contact
 
 Array = NDArray[np.float64]
@@ -24,6 +24,10 @@ STATE = np.dtype(
         ("bearing_spin", np.float64),  # rad/s
         ("pin_angle", np.float64),
         ("pin_spin", np.float64),
+        ("bearing_x", np.float64),  # lever of the bearing's centre, m
+        ("bearing_y", np.float64),
+        ("pin_x", np.float64),
+        ("pin_y", np.float64),
         ("normal", np.float64),  # N
         ("tangential", np.float64),
     ]
@@ -40,8 +44,8 @@ def contact_of(
     Parameters
     ----------
     joints : record array of JOINT
-    surfaces : ndarray, shape (joints, 4, m)
-        Bearing depth and slope, pin depth and slope; m = 0 when nothing is worn.
+    surfaces : ndarray, shape (joints, ROWS, m)
+        See ``pack_surfaces``; m = 0 when nothing is worn.
     q, v : ndarray, shape (3 bodies,)
     """
     joint = joints[k]
@@ -53,10 +57,10 @@ def contact_of(
         joint,
         bearing,
         pin,
-        surfaces[k, 0],
-        surfaces[k, 1],
-        surfaces[k, 2],
-        surfaces[k, 3],
+        surfaces[k, BEARING],
+        surfaces[k, BEARING + SLOPE],
+        surfaces[k, PIN],
+        surfaces[k, PIN + SLOPE],
     )
     return contact, bearing, pin
 
@@ -82,34 +86,27 @@ def contact_forces(joint: Records, onset_speed: float, contact: Contact) -> tupl
 
 
 @compiled
-def load_of(joint: Records, onset_speed: float, contact: Contact, bearing: Pose, pin: Pose) -> Load:
-    """Forces of the contact and their moments; ``onset_speed`` as in ``contact_forces``."""
-    normal, tangential = contact_forces(joint, onset_speed, contact)
+def load_of(joint: Records, onset_speed: float, state: Records) -> Load:
+    """Forces of a noted contact and their moments; ``onset_speed`` as in ``contact_forces``."""
+    normal, tangential = contact_forces(joint, onset_speed, state)
     if normal == 0.0:
         return Load(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    nx = contact.normal_x
-    ny = contact.normal_y
+    nx = state.normal_x
+    ny = state.normal_y
     fx = -normal * nx - tangential * ny
     fy = -normal * ny + tangential * nx
     # The contact point, the same from both mass centres.
-    px = pin.lever_x + contact.pin_arm * nx
-    py = pin.lever_y + contact.pin_arm * ny
-    bx = bearing.lever_x + contact.eccentricity_x + contact.pin_arm * nx
-    by = bearing.lever_y + contact.eccentricity_y + contact.pin_arm * ny
+    px = state.pin_x + state.pin_arm * nx
+    py = state.pin_y + state.pin_arm * ny
+    bx = state.bearing_x + state.eccentricity_x + state.pin_arm * nx
+    by = state.bearing_y + state.eccentricity_y + state.pin_arm * ny
     pin_moment = px * fy - py * fx
     bearing_moment = by * fx - bx * fy
-    if contact.elastic > 0.0:
-        couple = normal / contact.elastic * contact.couple
+    if state.elastic > 0.0:
+        couple = normal / state.elastic * state.couple
         pin_moment += couple
         bearing_moment -= couple
     return Load(normal, tangential, fx, fy, pin_moment, bearing_moment)
-
-
-@compiled
-def joint_load(joints: Records, k: int, onset: Array, surfaces: Array, q: Array, v: Array) -> Load:
-    """Forces of joint ``k`` in a state of the whole linkage; ``onset`` as in ``load_of``."""
-    contact, bearing, pin = contact_of(joints, k, surfaces, q, v)
-    return load_of(joints[k], onset[k], contact, bearing, pin)
 
 
 @compiled
@@ -139,6 +136,10 @@ def note_contacts(joints: Records, surfaces: Array, states: Records, q: Array, v
         s.bearing_spin = bearing.spin
         s.pin_angle = pin.angle
         s.pin_spin = pin.spin
+        s.bearing_x = bearing.lever_x
+        s.bearing_y = bearing.lever_y
+        s.pin_x = pin.lever_x
+        s.pin_y = pin.lever_y
 
 
 @compiled
@@ -200,12 +201,12 @@ def penetration_acceleration(
         mixed = vy * nx - vx * ny
         across = -(ex * nx + ey * ny)
         for row, angle, spin, spin_t in (
-            (0, bearing.angle, bearing.spin, bearing_spin_t),
-            (2, pin.angle, pin.spin, pin_spin_t),
+            (BEARING, bearing.angle, bearing.spin, bearing_spin_t),
+            (PIN, pin.angle, pin.spin, pin_spin_t),
         ):
             where = place - turns * angle
-            bend = curvature(surfaces[k, row], surfaces[k, row + 1], where)
-            slope = profile(surfaces[k, row], surfaces[k, row + 1], where)[1]
+            bend = curvature(surfaces[k, row], surfaces[k, row + SLOPE], where)
+            slope = profile(surfaces[k, row], surfaces[k, row + SLOPE], where)[1]
             second += turns * (slope * spin_t - bend * spin * spin)
             mixed += turns * bend * spin
             across -= bend
@@ -219,11 +220,11 @@ def penetration_acceleration(
         turning_t = (ay * nx - ax * ny - 2.0 * approach * turning) / eccentricity
         direction = math.atan2(ny, nx)
         for row, angle, spin, spin_t in (
-            (0, bearing.angle, bearing.spin, bearing_spin_t),
-            (2, pin.angle, pin.spin, pin_spin_t),
+            (BEARING, bearing.angle, bearing.spin, bearing_spin_t),
+            (PIN, pin.angle, pin.spin, pin_spin_t),
         ):
             depth = surfaces[k, row]
-            slopes = surfaces[k, row + 1]
+            slopes = surfaces[k, row + SLOPE]
             where = direction - turns * angle
             sweep = turning - turns * spin
             result -= curvature(depth, slopes, where) * sweep * sweep

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.clearance import contact_of, load_of
+from presswear.clearance import load_of
 from presswear.compiled import Records, compiled
 from presswear.energy import loss_powers
 from presswear.wear import dose_rates
@@ -16,29 +16,24 @@ JOINT_RATES = 4
 
 @compiled
 def add_contacts(
-    joints: Records,
-    wear: Records,
-    onset: Array,
-    surfaces: Array,
-    q: Array,
-    v: Array,
-    force: Array,
-    rates: Array,
+    joints: Records, wear: Records, onset: Array, states: Records, force: Array, rates: Array
 ) -> None:
     """Add the contact forces to the generalized forces, and fill the rates of all joints.
 
     Parameters
     ----------
     onset : ndarray, shape (joints,)
-        As in ``load_of``.
+        As in ``contact_forces``.
+    states : records of STATE
+        Noted contacts.
     force : ndarray, shape (3 bodies,)
     rates : ndarray, shape (JOINT_RATES joints,)
     """
     for k in range(joints.shape[0]):
         joint = joints[k]
         base = JOINT_RATES * k
-        contact, bearing, pin = contact_of(joints, k, surfaces, q, v)
-        load = load_of(joint, onset[k], contact, bearing, pin)
+        contact = states[k]
+        load = load_of(joint, onset[k], contact)
         rates[base], rates[base + 1] = loss_powers(contact, load.normal, load.tangential)
         rates[base + 2], rates[base + 3] = dose_rates(wear[k], joint, contact, load.normal)
         if load.normal > 0.0:

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.compiled import compiled
-from presswear.surface import profile
+from presswear.surface import BEARING, CUBE, LEAST, PIN, SLOPE, SQUARE, profile
 
 Array = NDArray[np.float64]
 
@@ -32,6 +32,8 @@ C3, C5, C7, C9 = -1 / 6, 1 / 120, -1 / 5040, 1 / 362880
 """Coefficients of the series of cosine and sine."""
 LONGEST_SEGMENT = 0.1
 """rad."""
+ROOT_TOLERANCE = 1e-10
+"""rad; overlaps and sums change with the square of an error here."""
 ROOT_STEPS = 60
 """Most steps to a root; Newton's method needs four, bisection helps where it strays."""
 
@@ -114,21 +116,23 @@ def bend_at(g: Segment, x: float) -> float:
 
 
 @compiled
-def root_between(g: Segment, of_slope: bool, low: float, high: float) -> float:
-    """Where the overlap or its slope changes sign between two places."""
-    at_low = slope_at(g, low) if of_slope else value_at(g, low)
-    x = 0.5 * (low + high)
+def root_between(
+    g: Segment, of_slope: bool, low: float, high: float, at_low: float, at_high: float
+) -> float:
+    """Where the overlap or its slope, of opposite signs at two places, is zero."""
+    rises = at_high > at_low
+    x = low - at_low * (high - low) / (at_high - at_low)
     for _ in range(ROOT_STEPS):
         value = slope_at(g, x) if of_slope else value_at(g, x)
         slope = bend_at(g, x) if of_slope else slope_at(g, x)
-        if (value > 0.0) == (at_low > 0.0):
-            low = x
-        else:
+        if (value > 0.0) == rises:
             high = x
+        else:
+            low = x
         following = x - value / slope if slope != 0.0 else low
-        if not low < following < high:
+        if not low <= following <= high:
             following = 0.5 * (low + high)
-        if abs(following - x) < 1e-15:
+        if abs(following - x) < ROOT_TOLERANCE:
             return following
         x = following
     return x
@@ -206,10 +210,11 @@ def press_segment(g: Segment, middle: float, half: float, bed: Bed) -> Bed:
     """The bed with a segment added: its greatest overlap and its pressed parts."""
     start = value_at(g, -half)
     end = value_at(g, half)
-    rises = slope_at(g, -half) > 0.0
+    start_slope = slope_at(g, -half)
+    end_slope = slope_at(g, half)
     cut, between = half, end
-    if rises != (slope_at(g, half) > 0.0):
-        cut = root_between(g, True, -half, half)
+    if (start_slope > 0.0) != (end_slope > 0.0):
+        cut = root_between(g, True, -half, half, start_slope, end_slope)
         between = value_at(g, cut)
     overlap, place = bed.overlap, bed.place
     if start > overlap:
@@ -222,48 +227,35 @@ def press_segment(g: Segment, middle: float, half: float, bed: Bed) -> Bed:
     if start >= 0.0 and end >= 0.0 and between >= 0.0:
         return add_whole(g, half, bed)
     if start > 0.0 or between > 0.0:
-        low = -half if start >= 0.0 else root_between(g, False, -half, cut)
-        high = cut if between >= 0.0 else root_between(g, False, -half, cut)
+        low, high = -half, cut
+        if start < 0.0:
+            low = root_between(g, False, -half, cut, start, between)
+        elif between < 0.0:
+            high = root_between(g, False, -half, cut, start, between)
         bed = add_pressed(g, low, high, bed)
     if cut < half and (between > 0.0 or end > 0.0):
-        low = cut if between >= 0.0 else root_between(g, False, cut, half)
-        high = half if end >= 0.0 else root_between(g, False, cut, half)
+        low, high = cut, half
+        if between < 0.0:
+            low = root_between(g, False, cut, half, between, end)
+        elif end < 0.0:
+            high = root_between(g, False, cut, half, between, end)
         bed = add_pressed(g, low, high, bed)
     return bed
 
 
 @compiled
-def cubic_about(
-    depth: Array, slope: Array, k: int, x: float, width: float, scale: float
-) -> tuple[float, float, float, float]:
-    """Coefficients of piece ``k`` of a map about a place x behind its first node, rad.
-
-    Parameters
-    ----------
-    width, scale : float
-        Of a bin, rad, and one over it.
-    """
-    j = k + 1 if k + 1 < depth.shape[0] else 0
-    rise = depth[j] - depth[k]
-    a = slope[k] * width
-    b = slope[j] * width
-    c2 = 3.0 * rise - 2.0 * a - b
-    c3 = a + b - 2.0 * rise
-    s = x * scale
-    square = scale * scale
+def cubic_about(surfaces: Array, row: int, k: int, x: float) -> tuple[float, float, float, float]:
+    """Coefficients of piece ``k`` of a map about a place x behind its first node, rad."""
+    c1 = surfaces[row + SLOPE, k]
+    c2 = surfaces[row + SQUARE, k]
+    c3 = surfaces[row + CUBE, k]
+    triple = 3.0 * x * c3
     return (
-        depth[k] + s * (a + s * (c2 + s * c3)),
-        (a + s * (2.0 * c2 + 3.0 * s * c3)) * scale,
-        (c2 + 3.0 * s * c3) * square,
-        c3 * scale * square,
+        surfaces[row, k] + x * (c1 + x * (c2 + x * c3)),
+        c1 + x * (2.0 * c2 + triple),
+        c2 + triple,
+        c3,
     )
-
-
-@compiled
-def least_of(depth: Array, k: int) -> float:
-    """Least depth of piece ``k``: being monotone, it is that of one of its ends."""
-    j = k + 1 if k + 1 < depth.shape[0] else 0
-    return min(depth[k], depth[j])
 
 
 @compiled
@@ -276,12 +268,10 @@ def segment_of(
     bearing_x: float,
     pin_x: float,
     middle: float,
-    width: float,
-    scale: float,
 ) -> Segment:
     """The overlap about a place, from pieces of both maps and places in them, rad."""
-    b0, b1, b2, b3 = cubic_about(surfaces[0], surfaces[1], bearing, bearing_x, width, scale)
-    p0, p1, p2, p3 = cubic_about(surfaces[2], surfaces[3], pin, pin_x, width, scale)
+    b0, b1, b2, b3 = cubic_about(surfaces, BEARING, bearing, bearing_x)
+    p0, p1, p2, p3 = cubic_about(surfaces, PIN, pin, pin_x)
     cosine, sine = turned(middle)
     ec = eccentricity * cosine
     es = eccentricity * sine
@@ -314,8 +304,7 @@ def press(
 
     Parameters
     ----------
-    surfaces : ndarray, shape (4, m)
-        Depth and slope of the bearing, then of the pin.
+    surfaces : ndarray, shape (ROWS, m)
     least_depth : float
         Sum of the least depths of both, m.
     bearing_place, pin_place : float
@@ -323,9 +312,8 @@ def press(
     """
     count = surfaces.shape[1]
     width = 2.0 * math.pi / count
-    scale = 1.0 / width
-    here = profile(surfaces[0], surfaces[1], bearing_place)[0]
-    here += profile(surfaces[2], surfaces[3], pin_place)[0]
+    here = profile(surfaces[BEARING], surfaces[BEARING + SLOPE], bearing_place)[0]
+    here += profile(surfaces[PIN], surfaces[PIN + SLOPE], pin_place)[0]
     bed = Bed(eccentricity - clearance - here, 0.0, 0.0, 0.0, 0.0, 0.0)
     if eccentricity == 0.0:
         return bed
@@ -348,20 +336,11 @@ def press(
         near = max(left, -left - length, 0.0)
         # 1 - cos x is at least x^2 / 2 (1 - x^2 / 12).
         bound = eccentricity * (1.0 - 0.5 * near * near * (1.0 - TWELFTH * near * near)) - clearance
-        bound -= least_of(surfaces[0], b) + least_of(surfaces[2], p)
+        bound -= surfaces[BEARING + LEAST, b] + surfaces[PIN + LEAST, p]
         if bound > 0.0 or bound > bed.overlap:
             middle = left + half
             segment = segment_of(
-                surfaces,
-                eccentricity,
-                clearance,
-                b,
-                p,
-                b_x + half,
-                p_x + half,
-                middle,
-                width,
-                scale,
+                surfaces, eccentricity, clearance, b, p, b_x + half, p_x + half, middle
             )
             bed = press_segment(segment, middle, half, bed)
         left += length

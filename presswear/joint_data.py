@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from presswear.compiled import Records, compiled
 from presswear.foundation import foundation_stiffness
 from presswear.linkage import GROUND, ClearanceJoint, Linkage
-from presswear.surface import Surface
+from presswear.surface import BEARING, PIN, ROWS, packed_rows
 
 Array = NDArray[np.float64]
 
@@ -176,17 +176,12 @@ def pack_joints(linkage: Linkage) -> Records:
 
 
 def pack_surfaces(linkage: Linkage) -> Array:
-    """Depths and slopes of all worn surfaces, shape (joints, 4, m); m = 0 if none is worn."""
+    """The worn surfaces as the kernels see them, shape (joints, ROWS, m); m = 0 if none is."""
     joints: tuple[ClearanceJoint, ...] = linkage.clearances
     worn = [s for joint in joints for s in (joint.bearing_surface, joint.pin_surface) if s.is_worn]
     count = worn[0].depth.size if worn else 0
-    packed = np.zeros((len(joints), 4, count))
-
-    def fill(rows: Array, surface: Surface) -> None:
-        if surface.is_worn:
-            rows[0], rows[1] = surface.depth, surface.slope
-
+    packed = np.zeros((len(joints), ROWS, count))
     for k, joint in enumerate(joints):
-        fill(packed[k, 0:2], joint.bearing_surface)
-        fill(packed[k, 2:4], joint.pin_surface)
+        packed[k, BEARING:PIN] = packed_rows(joint.bearing_surface, count)
+        packed[k, PIN:] = packed_rows(joint.pin_surface, count)
     return packed

@@ -65,7 +65,7 @@ class Book(NamedTuple):
     Attributes
     ----------
     joints, wear : records of JOINT and WEAR
-    surfaces : ndarray, shape (joints, 4, m)
+    surfaces : ndarray, shape (joints, ROWS, m)
     states : records of STATE
         Contacts and forces of the last accepted state.
     onset : ndarray, shape (joints,)
@@ -135,9 +135,8 @@ def deposit(book: Book, k: int) -> None:
 
 
 @compiled
-def settle_state(book: Book, t: float, q: Array, v: Array, needed: int) -> int:
-    """Evaluate and settle the contacts of an accepted state; see ``settle``."""
-    note_contacts(book.joints, book.surfaces, book.states, q, v)
+def settle_state(book: Book, t: float, needed: int) -> int:
+    """Settle an accepted state whose contacts are noted; see ``settle``."""
     events = settle(
         book.joints, book.onset, book.touch, book.tally, book.episodes, book.states, t, needed
     )
@@ -292,7 +291,8 @@ class Account:
     def begin(self, q: Array, v: Array, a: Array) -> None:
         """Settle contact in the initial state and write the first row of the series."""
         book = self.book
-        settle_state(book, 0.0, q, v, LEAST_STEPS)
+        note_contacts(book.joints, book.surfaces, book.states, q, v)
+        settle_state(book, 0.0, LEAST_STEPS)
         observe(book, 0.0, 0.0, q, v, a)
 
     @property

@@ -5,6 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.clearance import note_contacts
 from presswear.compiled import Records, compiled
 from presswear.energy import loss_powers
 from presswear.observe import Book, observe, settle_state
@@ -73,7 +74,8 @@ def accept_step(
     """
     if not all_finite(q, v):
         return math.nan
-    settle_state(book, t, q, v, LEAST_STEPS)
+    note_contacts(book.joints, book.surfaces, book.states, q, v)
+    settle_state(book, t, LEAST_STEPS)
     sum_step(book, power, t, h)
     observe(book, t, h, q, v, a)
     return next_step(

@@ -18,6 +18,14 @@ from presswear.compiled import compiled
 Array = NDArray[np.float64]
 
 
+BEARING, PIN = 0, 5
+"""First of the rows that the kernels keep of a surface: see ``packed_rows``."""
+SLOPE, SQUARE, CUBE, LEAST = 1, 2, 3, 4
+"""Rows behind the depth."""
+ROWS = 10
+"""Of a bearing and its pin."""
+
+
 @compiled
 def piece(
     depth: Array, slope: Array, angle: float
@@ -82,6 +90,26 @@ def monotone_slopes(depth: Array) -> Array:
     slopes = np.zeros(depth.size)
     slopes[same_sign] = (2.0 * ahead * (behind / total))[same_sign]
     return slopes
+
+
+def packed_rows(surface: "Surface", count: int) -> Array:
+    """A surface as the kernels see it, shape (5, m).
+
+    Depth and slope at the bin centres; coefficients of x^2 and x^3 of the cubic behind
+    each centre, m/rad^2 and m/rad^3; its least depth.
+    """
+    rows = np.zeros((5, count))
+    if surface.is_worn:
+        depth, slope = surface.depth, surface.slope
+        width = 2.0 * math.pi / count
+        following, following_slope = np.roll(depth, -1), np.roll(slope, -1)
+        secant = (following - depth) / width
+        rows[0], rows[SLOPE] = depth, slope
+        rows[SQUARE] = (3.0 * secant - 2.0 * slope - following_slope) / width
+        rows[CUBE] = (slope + following_slope - 2.0 * secant) / width**2
+        # Monotone between the centres.
+        rows[LEAST] = np.minimum(depth, following)
+    return rows
 
 
 def bin_centres(count: int) -> Array:

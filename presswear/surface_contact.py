@@ -13,7 +13,7 @@ from presswear.compiled import Records, compiled
 from presswear.foundation import Bed, press
 from presswear.joint_data import Contact, Pose
 from presswear.laws import elastic_force
-from presswear.surface import profile
+from presswear.surface import BEARING, PIN, SLOPE, profile
 
 Array = NDArray[np.float64]
 
@@ -128,8 +128,8 @@ def foundation_contact(joint: Records, bearing: Pose, pin: Pose, surfaces: Array
     place = direction + bed.place
     nx = math.cos(place)
     ny = math.sin(place)
-    _, bearing_slope = profile(surfaces[0], surfaces[1], place - bearing_zero)
-    pin_depth, pin_slope = profile(surfaces[2], surfaces[3], place - pin_zero)
+    _, bearing_slope = profile(surfaces[BEARING], surfaces[BEARING + SLOPE], place - bearing_zero)
+    pin_depth, pin_slope = profile(surfaces[PIN], surfaces[PIN + SLOPE], place - pin_zero)
     rate = vx * nx + vy * ny
     rate += turns * (bearing_slope * bearing.spin + pin_slope * pin.spin)
     elastic = 0.0

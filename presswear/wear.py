@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from presswear.compiled import Records, compiled
 from presswear.joint_data import Contact, direction_of
 from presswear.linkage import ClearanceJoint, Linkage
-from presswear.surface import bin_of, profile
+from presswear.surface import BEARING, PIN, SLOPE, bin_of, profile
 
 Array = NDArray[np.float64]
 
@@ -164,8 +164,10 @@ def deposit_over_arc(
             half = math.sin(0.5 * offset)
             overlap = contact.eccentricity * (1.0 - 2.0 * half * half) - joint.clearance
             if worn:
-                overlap -= profile(surfaces[0], surfaces[1], angle - bearing_zero)[0]
-                overlap -= profile(surfaces[2], surfaces[3], angle - pin_zero)[0]
+                overlap -= profile(
+                    surfaces[BEARING], surfaces[BEARING + SLOPE], angle - bearing_zero
+                )[0]
+                overlap -= profile(surfaces[PIN], surfaces[PIN + SLOPE], angle - pin_zero)[0]
             if overlap <= 0.0:
                 if not has_patches:
                     break

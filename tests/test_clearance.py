@@ -14,7 +14,7 @@ from presswear.clearance import penetration_acceleration
 from presswear.joint_data import direction_of, joint_end, pack_joints, pack_surfaces
 from presswear.laws import ONSET_SPEED_FLOOR, FrictionLaw, friction_force, normal_force
 from presswear.linkage import GROUND, Attachment, ClearanceJoint
-from presswear.surface import Surface
+from presswear.surface import CUBE, LEAST, PIN, ROWS, SLOPE, SQUARE, Surface, bin_centres
 
 Array = NDArray[np.float64]
 
@@ -317,15 +317,21 @@ def test_packed_joint_holds_every_value() -> None:
 
 
 def test_unworn_surfaces_pack_to_nothing() -> None:
-    assert pack_surfaces(placed(JOINT, 0.0, 0.0).linkage).shape == (1, 4, 0)
+    assert pack_surfaces(placed(JOINT, 0.0, 0.0).linkage).shape == (1, ROWS, 0)
     flat = replace(JOINT, bearing_surface=Surface(np.zeros(16)))
-    assert pack_surfaces(placed(flat, 0.0, 0.0).linkage).shape == (1, 4, 0)
+    assert pack_surfaces(placed(flat, 0.0, 0.0).linkage).shape == (1, ROWS, 0)
 
 
 def test_one_worn_surface_packs_beside_an_unworn_one() -> None:
     surface = waves(20, 1e-5, 3)
     packed = pack_surfaces(placed(replace(JOINT, pin_surface=surface), 0.0, 0.0).linkage)
-    assert packed.shape == (1, 4, 20)
-    assert not packed[0, :2].any()
-    np.testing.assert_array_equal(packed[0, 2], surface.depth)
-    np.testing.assert_array_equal(packed[0, 3], surface.slope)
+    assert packed.shape == (1, ROWS, 20)
+    assert not packed[0, :PIN].any()
+    np.testing.assert_array_equal(packed[0, PIN], surface.depth)
+    np.testing.assert_array_equal(packed[0, PIN + SLOPE], surface.slope)
+    # The cubic behind each centre, read a third of a bin on.
+    x = 2.0 * math.pi / 20 / 3.0
+    rows = packed[0, PIN:]
+    cubic = rows[0] + x * (rows[SLOPE] + x * (rows[SQUARE] + x * rows[CUBE]))
+    assert cubic == pytest.approx(surface(bin_centres(20) + x), rel=1e-13)
+    assert np.all(rows[LEAST] <= cubic)

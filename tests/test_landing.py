@@ -6,9 +6,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from two_bodies import JOINT, Pair
+from two_bodies import JOINT, Pair, joint_load
 
-from presswear.clearance import STATE, contact_of, joint_load, note_contacts
+from presswear.clearance import STATE, contact_of, note_contacts
 from presswear.compiled import Records
 from presswear.laws import delivered_restitution
 from presswear.linkage import GROUND, Attachment, ClearanceJoint

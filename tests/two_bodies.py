@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.clearance import contact_of, joint_load
+from presswear.clearance import STATE, contact_of, load_of, note_contacts
 from presswear.compiled import Records
 from presswear.joint_data import Contact, Load, Pose, pack_joints, pack_surfaces
 from presswear.laws import FrictionLaw, NormalLaw
@@ -48,6 +48,13 @@ def worn_joint(frame: MapFrame, count: int = 24, deepest: float = 1e-4) -> Clear
         bearing_surface=waves(count, deepest, 1),
         pin_surface=waves(count, deepest, 2),
     )
+
+
+def joint_load(joints: Records, k: int, onset: Array, surfaces: Array, q: Array, v: Array) -> Load:
+    """Forces of joint ``k`` in a state of the whole linkage."""
+    states = np.zeros(len(joints), STATE)
+    note_contacts(joints, surfaces, states, q, v)
+    return load_of(joints[k], float(onset[k]), states[k])
 
 
 @dataclass(frozen=True)

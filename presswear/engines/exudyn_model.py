@@ -17,6 +17,7 @@ import exudyn as exu
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.clearance import STATE
 from presswear.compiled import Records, specialised
 from presswear.engines.base import Start
 from presswear.engines.joint_kernels import Frame, connector_forces
@@ -216,7 +217,7 @@ class _Connector:
     """
 
     bodies: tuple[str, ...]
-    arguments: tuple[Any, ...]  # joints, slots, onset, surfaces
+    arguments: tuple[Any, ...]  # joints, slots, onset, surfaces, states
     out: Array
     frame: Any = None
     kernel: Any = None
@@ -231,6 +232,7 @@ class _Connector:
             np.array(slots, dtype=np.int64).reshape(-1, 2),
             book.onset,
             book.surfaces,
+            np.zeros(len(ends) // 2, STATE),
         )
         return _Connector(bodies, arguments, np.zeros(3 * len(bodies)))
 
@@ -239,10 +241,10 @@ class _Connector:
         self.kernel = specialised(connector_forces, frame, *self.arguments, 0.0, self.out)
 
     def function(self) -> Callable[..., Array]:
-        joints, slots, onset, surfaces = self.arguments
+        joints, slots, onset, surfaces, states = self.arguments
 
         def force(system: Any, t: float, item: int, q: Any, v: Any) -> Array:
-            self.kernel(self.frame, joints, slots, onset, surfaces, t, self.out)
+            self.kernel(self.frame, joints, slots, onset, surfaces, states, t, self.out)
             return self.out
 
         return force

@@ -142,6 +142,7 @@ def system_of(tree: Tree, linkage: Linkage, accuracy: TreeAccuracy) -> TreeSyste
     pace["longest"] = accuracy.free_step
     pace["shortest"] = SHORTEST_STEP
     pace["reach"] = pace["asked"] = FIRST_STEP
+    pace["noted"] = np.nan
     return TreeSystem(
         links=tree.links,
         cranks=tree.cranks,
@@ -170,11 +171,14 @@ class _Forces:
     def function(self) -> Callable[..., Array]:
         """What Exudyn calls in every stage; its own copies of the state are not needed."""
         system, out = self.system, self.out
-        joints, wear, surfaces = self.book.joints, self.book.wear, self.book.surfaces
-        kernel = specialised(stage_forces, system, joints, wear, surfaces, 0.0, out, out, out)
+        book = self.book
+        joints, wear, surfaces, states = book.joints, book.wear, book.surfaces, book.states
+        kernel = specialised(
+            stage_forces, system, joints, wear, surfaces, states, 0.0, out, out, out
+        )
 
         def force(mbs: Any, t: float, item: int, q: Any, q_t: Any) -> Array:
-            kernel(system, joints, wear, surfaces, t, self.x, self.u, out)
+            kernel(system, joints, wear, surfaces, states, t, self.x, self.u, out)
             return out
 
         return force
@@ -320,7 +324,8 @@ def _warm_up(tree: Tree, linkage: Linkage, start: Start, accuracy: TreeAccuracy)
     book = Account.of(linkage, start.position, 1, 1.0).book
     system = system_of(tree, linkage, accuracy)
     x = np.zeros(len(tree.links))
-    specialised(stage_forces, system, book.joints, book.wear, book.surfaces, 0.0, x, x, x)
+    arguments = book.joints, book.wear, book.surfaces, book.states
+    specialised(stage_forces, system, *arguments, 0.0, x, x, x)
     specialised(accept_tree_step, system, book, 0.0, x, x, x)
     specialised(tree_state, system, book, 0.0, x, x, x)
     specialised(hinge_power_integral, system)

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.clearance import joint_load
+from presswear.clearance import load_of, note_contacts
 from presswear.compiled import Records, compiled, copy_to
 from presswear.contacts import add_contacts
 from presswear.observe import Book
@@ -65,6 +65,7 @@ def connector_forces(
     slots: Indices,
     onset: Array,
     surfaces: Array,
+    states: Records,
     t: float,
     out: Array,
 ) -> None:
@@ -75,13 +76,16 @@ def connector_forces(
     slots : ndarray of int, shape (joints, 2)
         Where the forces on bearing and pin belong in ``out``; -1 for a body that Exudyn
         does not solve for.
+    states : records of STATE
+        Working space.
     out : ndarray, shape (3 bodies of the connector,)
     """
     refresh(frame, t)
     for i in range(out.shape[0]):
         out[i] = 0.0
+    note_contacts(joints, surfaces, states, frame.q, frame.v)
     for k in range(joints.shape[0]):
-        load = joint_load(joints, k, onset, surfaces, frame.q, frame.v)
+        load = load_of(joints[k], onset[k], states[k])
         if load.normal == 0.0:
             continue
         i = slots[k, 0]
@@ -126,16 +130,8 @@ def drive_power(frame: Frame, drives: Drives, book: Book) -> float:
     """Fill the torques of the drives; returns their power, W."""
     if frame.cranks.shape[0] > 0:
         copy_to(drives.force, drives.weight)
-        add_contacts(
-            book.joints,
-            book.wear,
-            book.onset,
-            book.surfaces,
-            frame.q,
-            frame.v,
-            drives.force,
-            drives.rates,
-        )
+        note_contacts(book.joints, book.surfaces, book.states, frame.q, frame.v)
+        add_contacts(book.joints, book.wear, book.onset, book.states, drives.force, drives.rates)
     power = 0.0
     crank = 0
     for i in range(drives.speed.shape[0]):

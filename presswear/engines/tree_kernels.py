@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import RK45
 
-from presswear.clearance import penetration_acceleration
+from presswear.clearance import note_contacts, penetration_acceleration
 from presswear.compiled import Records, compiled, copy_to
 from presswear.contacts import JOINT_RATES, add_contacts
 from presswear.observe import Book, observe, settle_state
@@ -53,6 +53,7 @@ PACE = np.dtype(
         ("cut", np.bool_),  # whether that was an event's
         ("smooth", np.bool_),  # no joint has touched or left in the last step
         ("evaluations", np.int64),
+        ("noted", np.float64),  # time of the state whose contacts are noted, s
         ("events", np.int64),
         ("deepest_touch", np.float64),  # penetration of the first state in a touch, m
     ]
@@ -98,6 +99,7 @@ def stage_forces(
     joints: Records,
     wear: Records,
     surfaces: Array,
+    states: Records,
     t: float,
     x: Array,
     u: Array,
@@ -115,9 +117,15 @@ def stage_forces(
     place_links(system.links, x, u, q, v, axes)
     copy_to(force, system.weight)
     spring_forces(system.springs, q, v, force)
-    row = system.stages[system.pace[0].evaluations % STAGES]
-    system.pace[0].evaluations += 1
-    add_contacts(joints, wear, system.expected, surfaces, q, v, force, row[1:])
+    pace = system.pace[0]
+    stage = pace.evaluations % STAGES
+    row = system.stages[stage]
+    pace.evaluations += 1
+    # The first stage is in the state that the last step ended in.
+    if stage > 0 or t != pace.noted:
+        note_contacts(joints, surfaces, states, q, v)
+        pace.noted = t
+    add_contacts(joints, wear, system.expected, states, force, row[1:])
     carry_branches(system.links, v, a, axes, system.carried)
     power = -forced_power(system.cranks, v, force)
     for i in range(system.links.shape[0]):
@@ -259,7 +267,10 @@ def tree_state(system: TreeSystem, book: Book, t: float, x: Array, u: Array, u_t
     copy_to(force, system.weight)
     spring_forces(system.springs, q, v, force)
     rates = system.stages[0, 1:]
-    add_contacts(book.joints, book.wear, system.expected, book.surfaces, q, v, force, rates)
+    if t != system.pace[0].noted:
+        note_contacts(book.joints, book.surfaces, book.states, q, v)
+        system.pace[0].noted = t
+    add_contacts(book.joints, book.wear, system.expected, book.states, force, rates)
     for c in range(force.shape[0]):
         force[c] -= system.mass[c] * a[c]
     gather_forces(system.links, q, axes, force, system.balance)
@@ -310,6 +321,6 @@ def accept_tree_step(
     book.ledger[1] += 0.5 * h * (abs(book.ledger[4]) + abs(power))
     book.ledger[4] = power
     q, v, a, _, _ = system.state
-    events = settle_state(book, t, q, v, LEAST_STEPS)
+    events = settle_state(book, t, LEAST_STEPS)
     observe(book, t, h, q, v, a)
     return next_tree_step(book, system, h, events)

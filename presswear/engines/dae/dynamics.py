@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.clearance import STATE, note_contacts
 from presswear.compiled import Records, compiled, copy_to
 from presswear.constraints import DRIVE, Constraints, constraint_rows, constraints_of
 from presswear.contacts import JOINT_RATES, add_contacts
@@ -48,6 +49,7 @@ class System(NamedTuple):
     joints: Records
     wear: Records
     surfaces: Array
+    states: Records
     alpha: float
     beta: float
     phi: Array
@@ -98,7 +100,8 @@ def rates(system: System, onset: Array, t: float, y: Array, out: Array) -> None:
     copy_to(force, system.weight)
     spring_forces(system.springs, q, v, force)
     rest = out[2 * n + DRIVE_INTEGRALS :]
-    add_contacts(system.joints, system.wear, onset, system.surfaces, q, v, force, rest)
+    note_contacts(system.joints, system.surfaces, system.states, q, v)
+    add_contacts(system.joints, system.wear, onset, system.states, force, rest)
     evaluate_constraints(system, t, q, v)
     damping = 2.0 * system.alpha
     stiffness = system.beta * system.beta
@@ -163,6 +166,7 @@ def system_of(linkage: Linkage, alpha: float, beta: float) -> tuple[System, Cons
         joints=pack_joints(linkage),
         wear=pack_wear(linkage),
         surfaces=pack_surfaces(linkage),
+        states=np.zeros(len(linkage.clearances), STATE),
         alpha=alpha,
         beta=beta,
         phi=rows[0],

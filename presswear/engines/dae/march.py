@@ -264,7 +264,8 @@ def march_fixed(
         for i in range(2 * n):
             if not abs(motion.y[i]) < 1e30:
                 return BROKEN
-        settle_state(book, t, motion.y[:n], motion.y[n : 2 * n], LEAST_STEPS)
+        note_contacts(book.joints, book.surfaces, book.states, motion.y[:n], motion.y[n : 2 * n])
+        settle_state(book, t, LEAST_STEPS)
         if state.projected:
             project(system, t, motion.y)
         rates(system, book.onset, t, motion.y, motion.slopes[0])
