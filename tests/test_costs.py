@@ -31,7 +31,7 @@ SHORT = Extent(
     wear_cycles=1,
     equal_time=0.0105,
 )
-FEATURES = ["friction", "worn surfaces", "wear account", "drive torques stored"]
+FEATURES = ["friction", "worn surfaces", "wear account", "torques stored"]
 
 
 @pytest.fixture(scope="module")
@@ -73,7 +73,7 @@ def test_ratios_follow_from_the_medians(found: Costs) -> None:
 def test_a_switch_changes_what_is_modelled(found: Costs) -> None:
     rows = {(row.feature, row.state): row.timing for row in found.tables[1].rows}
     # Neither the account of wear nor stored torques change the motion, so the steps agree.
-    for feature in ("wear account", "drive torques stored"):
+    for feature in ("wear account", "torques stored"):
         assert rows[feature, "off"].steps == rows[feature, "on"].steps
     assert rows["worn surfaces", "on"].steps != rows["worn surfaces", "off"].steps
     assert rows["friction", "on"].steps != rows["friction", "off"].steps
@@ -235,7 +235,7 @@ def test_the_command_prints_and_stores(
 
 
 def test_a_table_fits_a_terminal(found: Costs, capsys: pytest.CaptureFixture[str]) -> None:
-    console = Console(width=100)
+    console = Console(width=80)
     for table in tables_of(found):
         command.print_text_table(console, table)
     assert "…" not in capsys.readouterr().out

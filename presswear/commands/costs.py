@@ -30,7 +30,7 @@ def add(commands: Any) -> None:
         help="what the features of a model cost, how engines compare, where the time goes",
         description=f"Times the scene {SCENE} on one core, with each feature on and off, in every "
         "engine at equal work, and stage by stage in the open tree. Ratios hold within one run "
-        "of this command; keep the machine calm meanwhile. About three minutes.",
+        "of this command; keep the machine calm meanwhile. About four minutes.",
         epilog="example: presswear costs --repeats 7 --out results/costs-calm",
     )
     costs.add_argument("--out", type=Path, help="new folder (default results/costs)")
@@ -86,7 +86,7 @@ def print_text_table(console: Console, table: "TextTable") -> None:
     for name in table.texts:
         shown.add_column(name, overflow="fold")
     for name in table.numbers:
-        shown.add_column(name, justify="right")
+        shown.add_column(name, justify="right", no_wrap=True)
     for row in table.rows:
         shown.add_row(*(escape(cell) for cell in row))
     console.print(shown, highlight=False)

@@ -117,7 +117,7 @@ def switched_rows(
             ("friction", frictionless, own),
             ("worn surfaces", own, rough),
             ("wear account", unaccounted, own),
-            ("drive torques stored", own, torques),
+            ("torques stored", own, torques),
         )
         for row in (FeatureRow(feature, "off", off, off), FeatureRow(feature, "on", on, off))
     )

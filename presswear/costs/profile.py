@@ -5,7 +5,8 @@ calls.  Recorded: every call of the two kernels with what it was given, so that 
 and their parts are timed in compiled loops (``replay``).  Idle: Exudyn's own steps with
 functions that do nothing and without any, which is what a call into Python takes.
 Kernels in a loop find their data in the cache more often than between two calls of
-Exudyn's; what they lose there counts as Python.
+Exudyn's; what they lose there counts as Python.  The end of a step is compiled as one
+function, and takes longer than its parts one by one in a loop.
 """
 
 import time as clock
@@ -20,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.compiled import specialised
-from presswear.costs.replay import replay_stages, replay_steps
+from presswear.costs.replay import StageCalls, StepCalls, StepParts, replay_stages, replay_steps
 from presswear.costs.timing import Case, Progress, Timing, time_cases
 from presswear.engines import exudyn_tree
 from presswear.engines.base import Plan, TreeAccuracy, account_of
@@ -157,34 +158,44 @@ def inside_calls(case: Case) -> tuple[_Spent, _Spent, _Spent]:
 
 @dataclass
 class _Record:
-    """What the kernels of a run were given, call by call."""
+    """What the kernels of a run were given, call by call: rows of StageCalls and StepCalls."""
 
-    stages: list[tuple[float, Array, Array, Array]] = field(default_factory=list)
-    steps: list[tuple[float, Array, Array, Array, Array]] = field(default_factory=list)
+    stages: list[tuple[Any, ...]] = field(default_factory=list)
+    steps: list[tuple[Any, ...]] = field(default_factory=list)
 
     def specialised(self, kernel: Any, *arguments: Any) -> Any:
         """As ``compiled.specialised``, with the calls noted."""
         entry = specialised(kernel, *arguments)
         if kernel is stage_forces:
 
-            def noted_stage(
-                system: TreeSystem, joints: Any, wear: Any, surfaces: Array, t: float, *rest: Any
-            ) -> None:
-                x, u, _ = rest
-                self.stages.append((t, x.copy(), u.copy(), system.expected.copy()))
-                entry(system, joints, wear, surfaces, t, *rest)
+            def noted_stage(system: TreeSystem, *rest: Any) -> None:
+                *_, t, x, u, _ = rest
+                pace = system.pace[0]
+                times = t, float(pace["noted"]), int(pace["evaluations"])
+                self.stages.append((*times, x.copy(), u.copy(), system.expected.copy()))
+                entry(system, *rest)
 
             return noted_stage
         if kernel is accept_tree_step:
 
-            def noted_step(
-                system: TreeSystem, book: Book, t: float, x: Array, u: Array, u_t: Array
-            ) -> float:
-                self.steps.append((t, x.copy(), u.copy(), u_t.copy(), system.stages.copy()))
-                return float(entry(system, book, t, x, u, u_t))
+            def noted_step(system: TreeSystem, book: Book, t: float, *state: Array) -> float:
+                times = t, float(system.pace[0]["noted"])
+                copies = (each.copy() for each in (*state, system.stages, book.states))
+                self.steps.append((*times, *copies))
+                return float(entry(system, book, t, *state))
 
             return noted_step
         return entry
+
+    @property
+    def stage_calls(self) -> StageCalls:
+        """All calls of the force function."""
+        return StageCalls(*_columns(self.stages))
+
+    @property
+    def step_calls(self) -> StepCalls:
+        """All ends of steps."""
+        return StepCalls(*_columns(self.steps))
 
 
 def record(case: Case) -> _Record:
@@ -195,9 +206,9 @@ def record(case: Case) -> _Record:
     return kept
 
 
-def _columns(rows: list[Any]) -> list[Array]:
+def _columns(rows: list[tuple[Any, ...]]) -> list[Any]:
     """Recorded rows as one array for each of their parts."""
-    return [np.array(column, dtype=np.float64) for column in zip(*rows, strict=True)]
+    return [np.array(column) for column in zip(*rows, strict=True)]
 
 
 def _tree(case: Case) -> tuple[Tree, TreeAccuracy]:
@@ -222,19 +233,15 @@ def _timed_loop(case: Case, loop: Callable[[TreeSystem, Book], None], unaware: b
 def kernel_times(case: Case, kept: _Record, repeats: int) -> dict[str, float]:
     """Wall times of the kernels and their parts over a run, s: medians, loops in turn."""
     tree, _ = _tree(case)
-    times, x, u, expected = _columns(kept.stages)
-    ends = _columns(kept.steps)
+    stages, steps = kept.stage_calls, kept.step_calls
     out = np.zeros(len(tree.links))
 
     def stage(forces: bool, contacts: bool) -> Callable[[TreeSystem, Book], None]:
-        return lambda system, book: replay_stages(
-            system, book, times, x, u, expected, out, forces, contacts
-        )
+        return lambda system, book: replay_stages(system, book, stages, out, forces, contacts)
 
-    def step(parts: int, whole: bool = False, sums: bool = True) -> Callable[..., None]:
-        named = [sums and parts > 0, parts > 1, parts > 2, parts > 3, whole]
-        arguments: list[Any] = [*ends, *named]
-        return lambda system, book: replay_steps(system, book, *arguments)
+    def step(count: int, whole: bool = False, sums: bool = True) -> Callable[..., None]:
+        parts = StepParts(sums and count > 0, count > 1, count > 2, count > 3, count > 4, whole)
+        return lambda system, book: replay_steps(system, book, steps, parts)
 
     loops: dict[str, Callable[[TreeSystem, Book], None]] = {
         "stage": stage(True, True),
@@ -245,6 +252,7 @@ def kernel_times(case: Case, kept: _Record, repeats: int) -> dict[str, float]:
         "to bodies": step(2),
         "to contact": step(3),
         "to series": step(4),
+        "to the next step": step(5),
         "whole": step(0, whole=True),
         # Without doses there is nothing to deposit.
         "to contact, no sums": step(3, sums=False),
@@ -268,7 +276,8 @@ def kernel_times(case: Case, kept: _Record, repeats: int) -> dict[str, float]:
         "contact state": found["to contact"] - found["to bodies"],
         "series and peaks": series,
         "wear maps": found["to series"] - found["to contact"] - series,
-        "choice of the next step": found["whole"] - found["to series"],
+        "choice of the next step": found["to the next step"] - found["to series"],
+        "the whole above its parts": found["whole"] - found["to the next step"],
     }
 
 
@@ -365,6 +374,7 @@ def profile(case: Case, repeats: int, progress: Progress) -> Profile:
                 "series and peaks",
                 "wear maps",
                 "choice of the next step",
+                "the whole above its parts",
             )
         ),
     )

@@ -34,7 +34,8 @@ def _features(table: FeatureTable, simulated: float, surfaces: str) -> TextTable
     sentences = [
         f"{simulated:.3g} s simulated; medians of {repeats}, least and greatest.",
         "The motion differs from row to row and with it the number of steps, so the fair measure "
-        "of a feature is the time of one attempted step; ratios are to the row with it off.",
+        "of a feature is the time of one attempted step; ratios, of us/step and of s/s, are to the "
+        "row with it off.",
         SIZES,
     ]
     if any(row.feature == "worn surfaces" for row in table.rows):
@@ -58,7 +59,7 @@ def _features(table: FeatureTable, simulated: float, surfaces: str) -> TextTable
     return TextTable(
         table.title,
         ("feature", "model"),
-        ("s/s", "us/step", "min..max", "steps/s", "ratio us/step", "ratio s/s"),
+        ("s/s", "us/step", "min..max", "steps/s", "ratio/step", "ratio/s"),
         tuple(rows),
         tuple(sentences),
     )
