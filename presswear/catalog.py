@@ -81,8 +81,16 @@ SCENES = {
 }
 
 
+STUDIES = {
+    "runaway": "Does the second wear run away? wear-times, one reading changed at a time",
+}
+"""Names and titles of the studies, which run several scenes each."""
+
+
 def scene_named(name: str) -> Scene:
     """A named scene; InputError lists the names."""
     if name not in SCENES:
-        raise InputError(f"unknown scene {name!r}; known are {', '.join(SCENES)}")
+        if name in STUDIES:
+            raise InputError(f"{name!r} is a study of several scenes; presswear run {name}")
+        raise InputError(f"unknown scene {name!r}; known are {', '.join((*SCENES, *STUDIES))}")
     return SCENES[name]()

@@ -1,13 +1,15 @@
-"""``presswear run`` and ``presswear report``: a scene into its result folder."""
+"""``presswear run`` and ``presswear report``: a scene or a study into its result folder."""
 
 import argparse
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
+from rich.progress import Progress, TaskID
 
-from presswear.catalog import SCENES, scene_named
+from presswear.catalog import SCENES, STUDIES, scene_named
 from presswear.commands.terminal import free_folder, progress_bar, settings_given
 from presswear.errors import InputError, RunError
 from presswear.scene import CONVENTIONS, Scene, stage_name
@@ -25,7 +27,7 @@ def add(commands: Any) -> None:
         epilog="example: presswear run wear-times --conventions refined --cycles 10 "
         "--set clearance=0.6mm --set 'speed=6pi rad/s' --set geometry=swapped",
     )
-    run.add_argument("scene", help="one of: " + ", ".join(SCENES))
+    run.add_argument("scene", help="one of: " + ", ".join((*SCENES, *STUDIES)))
     run.add_argument("--out", type=Path, help="new result folder (default results/SCENE)")
     run.add_argument(
         "--engine", help="exudyn (default: the smallest model), exudyn-tree, exudyn-joints or dae"
@@ -41,6 +43,10 @@ def add(commands: Any) -> None:
         metavar="KEY=VALUE",
         help="change one value, with its unit; repeatable (see presswear list SCENE)",
     )
+    run.add_argument("--jobs", type=int, default=1, metavar="N", help="of a study: runs at a time")
+    run.add_argument(
+        "--resume", action="store_true", help="of a study: keep the finished runs in --out"
+    )
     run.set_defaults(run=_run)
 
     report = commands.add_parser(
@@ -52,9 +58,52 @@ def add(commands: Any) -> None:
     report.set_defaults(run=_report)
 
 
+def _study(arguments: argparse.Namespace, console: Console) -> int:
+    """Run a study: its variants, with the options given, into one folder."""
+    if arguments.jobs < 1:
+        raise InputError(f"--jobs {arguments.jobs}: allowed is 1 and more")
+    if arguments.resume and arguments.out is None:
+        raise InputError("--resume needs the folder to go on with: --out DIR")
+    from presswear.runaway import runaway
+    from presswear.studies import run_study, waiting
+
+    plain = runaway()
+    study = replace(
+        plain,
+        variants=tuple(
+            replace(variant, scene=_with_options(variant.scene, arguments))
+            for variant in plain.variants
+        ),
+    )
+    folder = arguments.out if arguments.out is not None else free_folder(study.name)
+    waiting(study, folder, arguments.resume)
+    from presswear.report.study import write_study_report
+
+    labels = {variant.key: variant.label for variant in study.variants}
+    parts = dict.fromkeys(labels, 0.0)
+    with progress_bar(console) as bar:
+        task = bar.add_task("start", total=float(len(parts)))
+
+        def told(key: str, part: float, word: str) -> None:
+            if part >= 1.0 and parts[key] < 1.0:
+                bar.console.print(f"finished: {labels[key]}", highlight=False)
+            parts[key] = max(part, parts[key])
+            bar.update(task, completed=sum(parts.values()), description=labels[key])
+
+        run_study(study, folder, arguments.jobs, arguments.resume, told)
+    sentence, report = write_study_report(study, folder)
+    console.print(sentence, highlight=False)
+    console.print(f"results in {folder}, report in {report}", highlight=False)
+    return 0
+
+
 def _scene_from(arguments: argparse.Namespace) -> Scene:
     """The scene that the options of ``run`` describe; InputError before anything runs."""
-    scene = scene_named(arguments.scene)
+    return _with_options(scene_named(arguments.scene), arguments)
+
+
+def _with_options(scene: Scene, arguments: argparse.Namespace) -> Scene:
+    """A scene changed as the options of ``run`` say."""
     if arguments.conventions is not None:
         if arguments.conventions not in CONVENTIONS:
             raise InputError(
@@ -70,6 +119,10 @@ def _scene_from(arguments: argparse.Namespace) -> Scene:
 
 
 def _run(arguments: argparse.Namespace, console: Console) -> int:
+    if arguments.scene in STUDIES:
+        return _study(arguments, console)
+    if arguments.resume or arguments.jobs != 1:
+        raise InputError(f"--resume and --jobs are for studies: {', '.join(STUDIES)}")
     scene = _scene_from(arguments)
     folder = arguments.out if arguments.out is not None else free_folder(scene.name)
     from presswear.campaign import Watcher, run_campaign
@@ -78,20 +131,20 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
 
     store = ResultFolder(folder, scene)
     with progress_bar(console) as bar:
-        stages = scene.wears + 1
-        task = bar.add_task(stage_name(0), total=stages)
+        task = bar.add_task(stage_name(0), total=1.0)
 
         def progress(stage: int, part: float, word: str) -> None:
             description = f"{stage_name(stage)}{': ' if word else ''}{word}"
-            bar.update(task, completed=stage + part, description=description)
+            bar.update(task, description=description)
 
         def finished(stage: "Stage") -> None:
             store.add(stage)
-            bar.update(task, completed=stage.index + 1)
+            bar.console.print(_model_line(stage), highlight=False)
             bar.console.print(_stage_line(stage), highlight=False)
 
         try:
-            status, message = run_campaign(scene, Watcher(progress, finished))
+            overall = partial(_completed, bar, task)
+            status, message = run_campaign(scene, Watcher(progress, finished, overall))
         except KeyboardInterrupt:
             store.close("interrupted", "stopped by the user; finished stages are kept")
             raise
@@ -105,15 +158,22 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
     return 0
 
 
+def _completed(bar: Progress, task: TaskID, part: float) -> None:
+    bar.update(task, completed=part)
+
+
+def _model_line(stage: "Stage") -> str:
+    """What was modelled, and by what it was solved."""
+    told = stage.run.diagnostics
+    return f"{stage_name(stage.index)}: {told['model']}. {told['solver']}"
+
+
 def _stage_line(stage: "Stage") -> str:
     """One line on a finished stage: what ran, how finely, what came out."""
     numbers = stage.statistics
     steps = stage.run.diagnostics["steps"]
     speed = stage.wall / stage.run.time if stage.run.time > 0.0 else float("nan")
-    parts = [
-        f"{stage_name(stage.index)}: {numbers['cycles']} cycles, {steps} steps, "
-        f"{speed:.1f} s per simulated second"
-    ]
+    parts = [f"  {numbers['cycles']} cycles, {steps} steps, {speed:.2f} s per simulated second"]
     for name, joint in numbers.get("joints", {}).items():
         fewest = joint["fewest_steps_in_a_contact"]
         resolved = "no contact" if fewest is None else f"at least {fewest} steps in each"

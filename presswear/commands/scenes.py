@@ -5,7 +5,7 @@ from typing import Any
 
 from rich.console import Console
 
-from presswear.catalog import SCENES, scene_named
+from presswear.catalog import SCENES, STUDIES, scene_named
 from presswear.settings import settings_of
 
 
@@ -24,6 +24,8 @@ def _list(arguments: argparse.Namespace, console: Console) -> int:
     if arguments.scene is None:
         for scene in SCENES.values():
             console.print(f"{scene().name:12} {scene().title}", highlight=False)
+        for name, title in STUDIES.items():
+            console.print(f"{name:12} {title}", highlight=False)
         return 0
     for setting in settings_of(scene_named(arguments.scene)):
         console.print(f"{setting.key:20} {setting.described()}", highlight=False, soft_wrap=True)

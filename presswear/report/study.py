@@ -1,0 +1,85 @@
+"""The report of a study: its answer, one row a variant, its figure, in one HTML file."""
+
+import base64
+import math
+from io import BytesIO
+from pathlib import Path
+
+import matplotlib
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from presswear.figures.runaway import two_wears
+from presswear.figures.style import DOTS_PER_INCH, SETTINGS
+from presswear.results import write_whole
+from presswear.runaway import CYCLES, RUNAWAY, Outcome, answer, outcome_of
+from presswear.studies import Study, results_of
+
+_HEAD = (
+    "reading",
+    "first wear, A, C (µm)",
+    "second wear, A, C (µm)",
+    "second / first, at most",
+    "peak force at A, mean a cycle (N)",
+    "energy residual",
+    "",
+)
+
+
+def _number(value: float, form: str = ".3g") -> str:
+    return "-" if math.isnan(value) else format(value, form)
+
+
+def _depths(depths: dict[str, float]) -> str:
+    return ", ".join(_number(1e6 * depth) for depth in depths.values())
+
+
+def _row(outcome: Outcome) -> tuple[str, ...]:
+    verdicts = {True: "runs away", False: "does not run away", None: "cannot be told"}
+    return (
+        outcome.variant.label,
+        _depths(outcome.first),
+        _depths(outcome.second),
+        _number(outcome.growth, ".2g"),
+        ", ".join(f"{force:.0f}" for force in outcome.force) or "-",
+        _number(outcome.residual, ".0e"),
+        outcome.failure or verdicts[outcome.runs_away],
+    )
+
+
+def write_study_report(study: Study, folder: Path) -> tuple[str, Path]:
+    """Write ``report.html`` and the figure into the study's folder; returns answer and path."""
+    outcomes = [outcome_of(variant, result) for variant, result in results_of(study, folder)]
+    clearance = study.variants[0].scene.bearings.clearance
+    sentence = answer(outcomes, clearance)
+    with matplotlib.rc_context(SETTINGS):
+        drawing = two_wears(outcomes, clearance)
+    image = BytesIO()
+    drawing.sheet.savefig(image, format="png", dpi=DOTS_PER_INCH)
+    png = image.getvalue()
+    write_whole(folder / drawing.file, lambda file: _put(file, png))
+    page = Environment(
+        loader=PackageLoader("presswear"), autoescape=True, undefined=StrictUndefined
+    ).get_template("study.html")
+    text = page.render(
+        study=study,
+        answer=sentence,
+        head=_HEAD,
+        rows=[_row(outcome) for outcome in outcomes],
+        figures=[(drawing, base64.b64encode(png).decode())],
+        notes=[
+            f"A wear runs away here when the second adds more than {RUNAWAY:g} times the depth of "
+            f"the first. Each run has {CYCLES} cycles unless said otherwise; a wear stands for 4 "
+            "million. Depths scatter by some tens of per cent between runs: the motion is chaotic, "
+            "and the deepest bin of a map is its noisiest. Forces are means over cycles of the "
+            "peak in each stage, unworn first.",
+            "Each row's own result folder is beside this file; presswear report FOLDER/ROW draws "
+            "its figures.",
+        ],
+    )
+    path = folder / "report.html"
+    write_whole(path, lambda file: _put(file, text.encode()))
+    return sentence, path
+
+
+def _put(file: object, data: bytes) -> None:
+    file.write(data)  # type: ignore[attr-defined]
