@@ -82,7 +82,7 @@ SCENES = {
 
 
 STUDIES = {
-    "runaway": "Does the second wear run away? wear-times, one reading changed at a time",
+    "runaway": "Study: does the second wear run away? One reading changed at a time",
 }
 """Names and titles of the studies, which run several scenes each."""
 

@@ -169,7 +169,7 @@ def answer(outcomes: Iterable[Outcome], clearance: float) -> str:
         parts.append(
             f"Under {len(calm)} of {len(finished)} readings that can be computed the second wear "
             f"does not run away: it adds {min(o.growth for o in calm):.2g} to "
-            f"{max(o.growth for o in calm):.2g} times the depth of the first, and no wear is deeper "
+            f"{max(o.growth for o in calm):.2g} times the depth of the first; no wear is deeper "
             f"than {1e6 * deepest:.0f} µm, {100.0 * deepest / clearance:.1f} % of the clearance."
         )
     if away:

@@ -67,6 +67,7 @@ def test_list_names_the_scenes(capsys: pytest.CaptureFixture[str]) -> None:
         "clearance-a",
         "clearance-c",
         "slider-crank",
+        "runaway",
     ]
 
 

@@ -377,8 +377,37 @@ def test_every_convention_is_a_choice_of_its_own() -> None:
 
 
 def test_conventions_are_named_as_described() -> None:
-    assert CONVENTIONS["paper"] == Conventions("paper", "angle", "fixed", "bin")
-    assert CONVENTIONS["refined"] == Conventions("refined", "sliding", "body", "arc")
+    assert CONVENTIONS["paper"] == Conventions("paper", "angle", "fixed", "bin", "radial")
+    assert CONVENTIONS["refined"] == Conventions("refined", "sliding", "body", "arc", "foundation")
+
+
+def test_a_foundation_needs_the_exponent_of_hertz() -> None:
+    steep = replace(BASE, bearings=replace(BASE.bearings, exponent=1.2))
+    with pytest.raises(InputError, match="exponent = 1.2.*allowed is 1.5"):
+        changed(steep, {"contact": "foundation"})
+
+
+@pytest.mark.parametrize(
+    ("joints", "engine", "solver", "kind"),
+    [
+        ("AC", "exudyn", "exudyn-tree", TreeAccuracy),
+        ("A", "exudyn", "exudyn-joints", JointsAccuracy),
+        ("none", "exudyn", "exudyn-joints", JointsAccuracy),
+        ("AC", "exudyn-joints", "exudyn-joints", JointsAccuracy),
+        ("AC", "dae", "dae", DaeAccuracy),
+    ],
+)
+def test_the_smallest_model_that_fits_is_taken(
+    joints: str, engine: str, solver: str, kind: type
+) -> None:
+    scene = replace(BASE, joints=joints, engine=engine)
+    assert scene.solver == solver
+    assert isinstance(scene.accuracy(), kind)
+
+
+def test_an_open_tree_is_refused_where_a_loop_is_closed() -> None:
+    with pytest.raises(InputError, match="engine = 'exudyn-tree'.*closes a loop"):
+        replace(BASE, joints="C", engine="exudyn-tree")
 
 
 def test_steps_follow_the_speed() -> None:

@@ -34,9 +34,10 @@ STAGES = WEIGHTS.size
 
 GROWTH = 5.0
 """A step is at most so many times the one before."""
-LEAST_STEPS = 10
-"""A contact of fewer steps counts as unresolved; on a worn surface it may be cut short by
-a bump that its touch does not tell of."""
+LEAST_STEPS = 5
+"""A contact of fewer steps counts as unresolved: its peak could be missed.  An impact gets
+IMPACT_PARTS; a bump of a worn surface can cut a touch short that began like one, and
+there the error control decides."""
 LANDING_DEPTH = 1e-11
 """A step that ends on a touch or separation goes this far behind it, m."""
 LANDING_PART = 1e-3

@@ -1,0 +1,157 @@
+"""Studies: running variants, resuming, what is refused; the runaway study's reading."""
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from presswear.__main__ import main
+from presswear.catalog import STUDIES, wear_times
+from presswear.errors import InputError
+from presswear.figures.runaway import two_wears
+from presswear.runaway import Outcome, answer, outcome_of, runaway
+from presswear.settings import changed
+from presswear.studies import Study, Variant, results_of, run_study, waiting
+
+
+def small(**settings: str) -> Study:
+    """Two quick variants: one cycle each in the in-house solver, and one that fails at once."""
+    base = changed(
+        replace(wear_times(), wears=1, cycles=1), {"engine": "dae", "angles": "16", **settings}
+    )
+    return Study(
+        "small",
+        "Two variants",
+        "Which?",
+        (
+            Variant("one", "the first", base),
+            Variant("stops", "the paper's step", changed(base, {"integrator": "rk4-paper"})),
+        ),
+    )
+
+
+@pytest.fixture(scope="module")
+def ran(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[tuple[str, float]]]:
+    """The small study's folder, and what was told."""
+    folder = tmp_path_factory.mktemp("study") / "out"
+    heard: list[tuple[str, float]] = []
+    run_study(small(), folder, 2, False, lambda key, part, word: heard.append((key, part)))
+    return folder, heard
+
+
+def test_every_variant_has_its_folder(ran: tuple[Path, list[tuple[str, float]]]) -> None:
+    folder, heard = ran
+    found = {v.key: result for v, result in results_of(small(), folder)}
+    one, stops = found["one"], found["stops"]
+    assert one is not None
+    assert one.document["status"] == "completed"
+    assert len(one.stages) == 2
+    assert stops is not None
+    assert stops.document["status"] == "failed"
+    assert ("one", 1.0) in heard
+    parts = [part for key, part in heard if key == "one"]
+    assert parts == sorted(parts)
+
+
+def test_resuming_keeps_what_is_finished(ran: tuple[Path, list[tuple[str, float]]]) -> None:
+    folder, _ = ran
+    before = (folder / "one" / "result.json").stat().st_mtime_ns
+    assert waiting(small(), folder, resume=True) == []
+    run_study(small(), folder, 1, True, lambda key, part, word: None)
+    assert (folder / "one" / "result.json").stat().st_mtime_ns == before
+
+
+def test_an_interrupted_variant_runs_again(
+    ran: tuple[Path, list[tuple[str, float]]], tmp_path: Path
+) -> None:
+    folder = tmp_path / "copy"
+    run_study(small(), folder, 2, False, lambda key, part, word: None)
+    file = folder / "one" / "result.json"
+    document = json.loads(file.read_text())
+    file.write_text(json.dumps(document | {"status": "interrupted"}))
+    left = waiting(small(), folder, resume=True)
+    assert [variant.key for variant in left] == ["one"]
+    assert not file.exists()
+
+
+def test_other_runs_in_the_folder_are_refused(ran: tuple[Path, list[tuple[str, float]]]) -> None:
+    folder, _ = ran
+    with pytest.raises(InputError, match="not empty"):
+        waiting(small(), folder, resume=False)
+    with pytest.raises(InputError, match="another scene"):
+        waiting(small(friction="0.3"), folder, resume=True)
+    assert (folder / "one" / "result.json").exists()
+
+
+def outcome(label: str, first: float, second: float, failure: str = "") -> Outcome:
+    variant = Variant(label, label, wear_times())
+    return Outcome(variant, {"A": first}, {"A": second}, (100.0,), 1e-9, failure)
+
+
+def test_the_answer_names_what_runs_away_and_what_stops() -> None:
+    calm, away = outcome("calm", 1e-5, 2e-5), outcome("wild", 1e-5, 3e-4)
+    stopped = outcome("broken", math.nan, math.nan, "it stopped")
+    assert (calm.runs_away, away.runs_away, stopped.runs_away) == (False, True, None)
+    text = answer([calm, away, stopped], 8e-4)
+    assert "1 of 2 readings" in text
+    assert "does run away under: wild (300 µm, 30 times the first)" in text
+    assert "Not to be computed at all: broken" in text
+    assert "run away under" not in answer([calm], 8e-4)
+    assert "nothing can be said" in answer([stopped], 8e-4)
+
+
+def test_outcomes_are_read_from_results(ran: tuple[Path, list[tuple[str, float]]]) -> None:
+    folder, _ = ran
+    outcomes = [outcome_of(v, result) for v, result in results_of(small(), folder)]
+    one, stops = outcomes
+    result = next(iter(results_of(small(), folder)))[1]
+    assert result is not None
+    for wear, stage in ((one.first, 0), (one.second, 1)):
+        for joint in ("A", "C"):
+            deepest = max(
+                result.stages[stage][f"{joint}_wear_{side}"].max() for side in ("bearing", "pin")
+            )
+            assert wear[joint] == deepest > 0.0
+    assert math.isnan(stops.growth)
+    assert "t = " in stops.failure
+    drawing = two_wears(outcomes, 8e-4)
+    assert len(drawing.sheet.axes) == 2
+
+
+def test_runaway_changes_one_thing_at_a_time_and_only_what_it_says() -> None:
+    study = runaway()
+    assert study.name in STUDIES
+    paper = study.variants[0].scene
+    keys = [variant.key for variant in study.variants]
+    assert len(set(keys)) == len(keys)
+    for variant in study.variants[1:5]:
+        scene = variant.scene
+        changes = [
+            getattr(scene.conventions, name) != getattr(paper.conventions, name)
+            for name in ("stiffness", "slip", "map_frame", "footprint", "contact")
+        ]
+        assert sum(changes) + (scene.extrapolation != paper.extrapolation) == 1
+    for variant in study.variants:
+        # The second wear in steps needs the stage behind it.
+        assert variant.scene.wears == (2 if variant.scene.wears_in_steps else 1)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["run", "runaway", "--jobs", "0"], "--jobs 0"),
+        (["run", "runaway", "--resume"], "--out"),
+        (["run", "wear-times", "--jobs", "2"], "for studies"),
+        (["run", "runaway", "--set", "nonsense=1"], "unknown key"),
+        (["list", "runaway"], "study"),
+    ],
+)
+def test_bad_options_of_a_study(
+    arguments: list[str], words: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(arguments) == 2
+    told = capsys.readouterr().err
+    assert words in told
+    assert len(told.splitlines()) == 1
