@@ -16,6 +16,7 @@ from presswear.engines.exudyn_joints import simulate as simulate_exudyn
 from presswear.errors import InputError
 from presswear.linkage import Attachment, Body, Linkage, Probe, Revolute
 from presswear.press import GEOMETRIES, Press
+from presswear.surface import Surface
 
 PRESS = wear_times()
 
@@ -250,3 +251,16 @@ def test_a_singular_position_is_refused_by_name() -> None:
     start = Start(np.array([0.5, 0.0, 0.0, 1.5, 0.0, 0.0]), np.zeros(6))
     with pytest.raises(InputError, match=r"joint middle .* singular"):
         simulate(linkage, start, DaeAccuracy(), Plan(0.1, 1))
+
+
+def test_touches_on_steep_walls_are_located_inside_their_steps() -> None:
+    """Newton's method alone strays from a notch's wall to steps that nothing has checked."""
+    depth = np.where(np.arange(360) % 30 == 0, 1e-4, 0.0)
+    surfaces = (Surface(depth), Surface())
+    linkage = PRESS.linkage({"A": surfaces, "C": surfaces})
+    run = simulate(linkage, start_of(PRESS), DaeAccuracy(), Plan(PRESS.mechanism.period, 1))
+    exchange = float(run.diagnostics["drive_exchange_J"])
+    assert abs(float(run.diagnostics["energy_residual_J"])) < 1e-4 * exchange
+    for k in range(2):
+        onset, end = run.account.episodes(k)[:, :2].T
+        assert np.all(end > onset)
