@@ -275,6 +275,7 @@ def simulate(linkage: Linkage, start: Start, accuracy: TreeAccuracy, plan: Plan)
         return stored, hinge_power_integral(system)
 
     tree_state(system, book, 0.0, model.x, model.u, np.zeros(len(tree.links)))
+    book.touch["energy"] = book.states["energy"]  # of pins that start pressed in
     stored_before, momentum_before = energy()
     with timed(times, "wall_solve_s"):
         message = solve(

@@ -111,6 +111,23 @@ def test_doses_and_peaks_agree(slip: Slip, error: float) -> None:
         assert mine[contacts] == expected[contacts]
 
 
+def test_pins_that_start_pressed_in_bring_their_energy() -> None:
+    scene = wear_times()
+    start = start_of(scene)
+    turned = start.position.copy()
+    # Rod 5 about E: its pin 2 um deep, and its mass centre with it.
+    i = 3 * scene.linkage().index("rod 5")
+    half, angle = 0.2, turned[i + 2]
+    more = angle + 2.0 * math.asin(0.5 * (scene.bearings.clearance + 2e-6) / 0.4)
+    turned[i] += half * (math.cos(more) - math.cos(angle))
+    turned[i + 1] += half * (math.sin(more) - math.sin(angle))
+    turned[i + 2] = more
+    run = simulate(scene.linkage(), Start(turned, start.velocity), accuracy(1e-9), Plan(1e-3, 1))
+    pressed = 0.4 * scene.linkage().clearances[1].normal.stiffness * 2e-6**2.5
+    assert float(run.account.rows[0, 4 + 6 + 2]) == pytest.approx(2e-6, rel=1e-6)
+    assert abs(float(run.diagnostics["energy_residual_J"])) < 0.01 * pressed
+
+
 def test_the_cranks_turn_exactly(tight: tuple[Run, Run]) -> None:
     run = tight[0]
     exact = wear_times().mechanism.ideal_motion(np.array([run.time])).position[0]
