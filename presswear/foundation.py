@@ -206,41 +206,81 @@ def add_pressed(g: Segment, low: float, high: float, bed: Bed) -> Bed:
 
 
 @compiled
+def inflection(g: Segment, half: float) -> float:
+    """Where the slope of the overlap turns back, or the segment's end if it does not.
+
+    The second derivative is all but linear: two steps of Newton's method from the
+    secant's root leave nothing.
+    """
+    low = bend_at(g, -half)
+    high = bend_at(g, half)
+    if (low > 0.0) == (high > 0.0):
+        return half
+    x = half * (low + high) / (low - high)
+    for _ in range(2):
+        third = 6.0 * g.a3 + x * (24.0 * g.a4 + x * (60.0 * g.a5 + x * 120.0 * g.a6))
+        if third != 0.0:
+            x = min(max(x - bend_at(g, x) / third, -half), half)
+    return x
+
+
+@compiled
+def extremum(g: Segment, low: float, high: float) -> float:
+    """Where the overlap is extreme between places with a monotone slope, or the second."""
+    if high <= low:
+        return high
+    at_low = slope_at(g, low)
+    at_high = slope_at(g, high)
+    if (at_low > 0.0) == (at_high > 0.0):
+        return high
+    return root_between(g, True, low, high, at_low, at_high)
+
+
+@compiled
+def add_monotone(
+    g: Segment, low: float, high: float, at_low: float, at_high: float, bed: Bed
+) -> Bed:
+    """The bed with the pressed part between two places with a monotone overlap."""
+    if high <= low or (at_low <= 0.0 and at_high <= 0.0):
+        return bed
+    if at_low < 0.0:
+        low = root_between(g, False, low, high, at_low, at_high)
+    elif at_high < 0.0:
+        high = root_between(g, False, low, high, at_low, at_high)
+    return add_pressed(g, low, high, bed)
+
+
+@compiled
 def press_segment(g: Segment, middle: float, half: float, bed: Bed) -> Bed:
-    """The bed with a segment added: its greatest overlap and its pressed parts."""
+    """The bed with a segment added: its greatest overlap and its pressed parts.
+
+    Between its ends, its inflection and the extremes to both sides of that the overlap
+    is monotone.
+    """
+    turn = inflection(g, half)
+    first = extremum(g, -half, turn)
+    second = extremum(g, turn, half)
     start = value_at(g, -half)
-    end = value_at(g, half)
-    start_slope = slope_at(g, -half)
-    end_slope = slope_at(g, half)
-    cut, between = half, end
-    if (start_slope > 0.0) != (end_slope > 0.0):
-        cut = root_between(g, True, -half, half, start_slope, end_slope)
-        between = value_at(g, cut)
+    at_first = value_at(g, first)
+    at_turn = at_first if first == turn else value_at(g, turn)
+    at_second = at_turn if second == turn else value_at(g, second)
+    end = at_second if second == half else value_at(g, half)
     overlap, place = bed.overlap, bed.place
     if start > overlap:
         overlap, place = start, middle - half
-    if between > overlap:
-        overlap, place = between, middle + cut
+    if at_first > overlap:
+        overlap, place = at_first, middle + first
+    if at_second > overlap:
+        overlap, place = at_second, middle + second
     if end > overlap:
         overlap, place = end, middle + half
     bed = Bed(overlap, place, bed.along, bed.across, bed.slope, bed.square)
-    if start >= 0.0 and end >= 0.0 and between >= 0.0:
+    if min(min(start, at_first), min(at_second, end)) >= 0.0:
         return add_whole(g, half, bed)
-    if start > 0.0 or between > 0.0:
-        low, high = -half, cut
-        if start < 0.0:
-            low = root_between(g, False, -half, cut, start, between)
-        elif between < 0.0:
-            high = root_between(g, False, -half, cut, start, between)
-        bed = add_pressed(g, low, high, bed)
-    if cut < half and (between > 0.0 or end > 0.0):
-        low, high = cut, half
-        if between < 0.0:
-            low = root_between(g, False, cut, half, between, end)
-        elif end < 0.0:
-            high = root_between(g, False, cut, half, between, end)
-        bed = add_pressed(g, low, high, bed)
-    return bed
+    bed = add_monotone(g, -half, first, start, at_first, bed)
+    bed = add_monotone(g, first, turn, at_first, at_turn, bed)
+    bed = add_monotone(g, turn, second, at_turn, at_second, bed)
+    return add_monotone(g, second, half, at_second, end, bed)
 
 
 @compiled

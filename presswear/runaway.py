@@ -46,13 +46,15 @@ def runaway() -> Study:
         Variant("arc", "paper, wear over the arc", of(paper, **arc)),
         Variant(
             "arc-foundation",
-            "the same, contact on a foundation",
+            "paper, arc, contact on a foundation",
             of(paper, **arc, contact="foundation"),
         ),
         Variant(
-            "arc-steps", "the same, wear in steps", of(paper, footprint="arc", depth_step="0.02")
+            "arc-steps", "paper, arc, wear in steps", of(paper, footprint="arc", depth_step="0.02")
         ),
     ]
+    once = replace(of(paper, **arc), cycles=1)
+    varied.append(Variant("arc-once", "paper, arc, multiplied from one cycle", once))
     varied += [
         Variant(f"angles-{n}", f"paper, {n} angles", of(paper, angles=str(n)))
         for n in (90, 180, 720, 1440)

@@ -13,7 +13,17 @@ from two_bodies import JOINT, Pair, joint_load
 
 from presswear.clearance import contact_of, penetration_acceleration
 from presswear.foundation import Bed, foundation_stiffness, press
-from presswear.surface import ROWS, Surface, bin_centres, packed_rows
+from presswear.surface import (
+    BEARING,
+    CUBE,
+    PIN,
+    ROWS,
+    SLOPE,
+    SQUARE,
+    Surface,
+    bin_centres,
+    packed_rows,
+)
 
 Array = NDArray[np.float64]
 
@@ -235,3 +245,31 @@ def test_results_converge_as_angles_are_added() -> None:
     assert errors[2] < 2e-3
     for coarse, fine in pairwise(errors):
         assert fine < 0.45 * coarse
+
+
+def along_on_a_grid(surfaces: Array, eccentricity: float, *places: float) -> float:
+    """The integral of p cos(s) by the rectangle rule."""
+    count = surfaces.shape[1]
+    width = 2.0 * math.pi / count
+    s = np.linspace(-1.5, 1.5, 300_001)
+    overlap = eccentricity * np.cos(s) - C
+    for first, place in ((BEARING, places[0]), (PIN, places[1])):
+        position = (place + s) / width - 0.5
+        k = np.floor(position).astype(int)
+        x = (position - k) * width
+        rows = surfaces[first : first + 5, k % count]
+        overlap -= rows[0] + x * (rows[SLOPE] + x * (rows[SQUARE] + x * rows[CUBE]))
+    return float((np.maximum(overlap, 0.0) * np.cos(s)).sum() * (s[1] - s[0]))
+
+
+@given(seed=st.integers(0, 10_000), above=st.floats(0.0, 2e-5))
+def test_no_patch_hides_between_two_nodes(seed: int, above: float) -> None:
+    """On coarse rough maps the overlap can rise and fall twice inside one segment."""
+    random = np.random.default_rng(seed)
+    bearing, pin = Surface(3e-5 * random.random(24)), Surface(3e-5 * random.random(24))
+    surfaces = np.vstack([packed_rows(bearing, 24), packed_rows(pin, 24)])
+    places = (float(random.uniform(0.0, 6.0)), float(random.uniform(0.0, 6.0)))
+    eccentricity = C + float(bearing.depth.min() + pin.depth.min()) + 1e-6 + above
+    found = bed(bearing, pin, eccentricity, *places)
+    expected = along_on_a_grid(surfaces, eccentricity, *places)
+    assert found.along == pytest.approx(expected, rel=2e-4, abs=1e-12)
