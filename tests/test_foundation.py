@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from two_bodies import JOINT, Pair, joint_load
@@ -263,13 +263,16 @@ def along_on_a_grid(surfaces: Array, eccentricity: float, *places: float) -> flo
 
 
 @given(seed=st.integers(0, 10_000), above=st.floats(0.0, 2e-5))
+@example(seed=626, above=3e-6)
+@example(seed=1790, above=3e-6)
 def test_no_patch_hides_between_two_nodes(seed: int, above: float) -> None:
     """On coarse rough maps the overlap can rise and fall twice inside one segment."""
     random = np.random.default_rng(seed)
     bearing, pin = Surface(3e-5 * random.random(24)), Surface(3e-5 * random.random(24))
     surfaces = np.vstack([packed_rows(bearing, 24), packed_rows(pin, 24)])
     places = (float(random.uniform(0.0, 6.0)), float(random.uniform(0.0, 6.0)))
-    eccentricity = C + float(bearing.depth.min() + pin.depth.min()) + 1e-6 + above
+    eccentricity = C + 1e-6 + above - bed(bearing, pin, C, *places).overlap
     found = bed(bearing, pin, eccentricity, *places)
+    assert found.along > 0.0
     expected = along_on_a_grid(surfaces, eccentricity, *places)
     assert found.along == pytest.approx(expected, rel=2e-4, abs=1e-12)
