@@ -68,10 +68,10 @@ def write_study_report(study: Study, folder: Path) -> tuple[str, Path]:
         figures=[(drawing, base64.b64encode(png).decode())],
         notes=[
             f"A wear runs away here when the second adds more than {RUNAWAY:g} times the depth of "
-            f"the first. Each run has {CYCLES} cycles unless the row or the command says otherwise; "
-            "a wear stands for 4 million. Depths scatter by some tens of per cent between runs: the motion is chaotic, "
-            "and the deepest bin of a map is its noisiest. Forces are means over cycles of the "
-            "peak in each stage, unworn first.",
+            f"the first. Each run has {CYCLES} cycles unless the row or the command says "
+            "otherwise; a wear stands for 4 million. Depths scatter by some tens of per cent "
+            "between runs: the motion is chaotic, and the deepest bin of a map is its noisiest. "
+            "Forces are means over cycles of the peak in each stage, unworn first.",
             "Each row's own result folder is beside this file; presswear report FOLDER/ROW draws "
             "its figures.",
         ],
