@@ -39,6 +39,11 @@ A force along e over a sloping profile makes energy of its own, 2e-3 to 4e-2 of 
 drives exchange on these profiles (the ledger's contact loss is below zero), in blows of
 1e4 N and more on the walls, whose rounding is all that the error control sees.
 """
+MADE = 0.5
+"""Energy that radial contact may make, part of what the drives exchange.
+
+Beyond that the law drives the press as much as the drives do, and the run means nothing.
+"""
 WORN_PATIENCE = 20.0
 """Wall time after which a run on worn surfaces counts as hung, s; others take up to 8."""
 
@@ -171,8 +176,13 @@ def on_worn(scene: Scene, worn: Worn) -> Iterator[Finding]:
     """Runs on worn surfaces, and its energy adds up."""
     run = run_scene(scene, worn=worn, patience=WORN_PATIENCE)
     found = energy_of(run, engine_name(scene.accuracy()))
-    radial = scene.conventions.contact == "radial"
-    yield replace(found, bound=RADIAL_ENERGY) if radial else found
+    if scene.conventions.contact != "radial":
+        yield found
+        return
+    yield replace(found, bound=RADIAL_ENERGY)
+    exchanged = float(run.diagnostics["drive_exchange_J"])
+    made = max(-float(run.diagnostics["contact_loss_J"]), 0.0) / exchanged
+    yield Finding("energy that the radial law made / exchanged", made, MADE)
 
 
 def profile_cases() -> Iterator[Case]:
