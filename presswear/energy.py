@@ -72,6 +72,31 @@ def stored_energy(linkage: Linkage, elastic: Array, q: Array, v: Array) -> float
     return kinetic + potential + springs + float(np.sum(elastic))
 
 
+MADE = 0.5
+"""Energy that contacts may make, part of what the drives exchanged, before a run is ended."""
+SETTLED = 0.05
+"""Part of the first cycle before which that is not judged."""
+
+
+def made_energy(contact_loss: float, exchange: float) -> str:
+    """What is wrong where contacts gave back more than they took, or nothing.
+
+    A radial force over a steep worn profile is not the gradient of an energy: pin and
+    wall can drive each other, ever faster.
+
+    Parameters
+    ----------
+    contact_loss, exchange : float
+        So far, J; see ``Ledger``.
+    """
+    if exchange <= 0.0 or contact_loss >= -MADE * exchange:
+        return ""
+    return (
+        f"the contacts made {-contact_loss:.3g} J, where the drives exchanged {exchange:.3g} J: "
+        "the worn surfaces are too steep for contact = radial; foundation can follow them"
+    )
+
+
 @dataclass(frozen=True)
 class Ledger:
     """Where the energy of a run came from and went, J.

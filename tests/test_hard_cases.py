@@ -16,11 +16,6 @@ from presswear.laws import FrictionLaw
 from presswear.references import block
 
 CASES = list(hard_cases())
-KNOWN = {
-    "deeper than c, radial": "a force along e over a sloping profile feeds the pin without end, "
-    "until the run hardly moves",
-}
-"""Misses that are known, by case, with the reason."""
 SLOW = (
     "deeper than c, radial",
     "deeper than c, foundation",
@@ -34,8 +29,6 @@ def _marked(case: Case) -> object:
     marks = []
     if case.long or case.name in SLOW:
         marks.append(pytest.mark.slow)
-    if case.name in KNOWN:
-        marks.append(pytest.mark.xfail(reason=KNOWN[case.name], strict=True))
     return pytest.param(case, id=f"{case.name}, {case.engine}", marks=marks)
 
 

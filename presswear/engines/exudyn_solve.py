@@ -8,6 +8,7 @@ from typing import Any
 
 import exudyn as exu
 
+from presswear.energy import SETTLED, made_energy
 from presswear.engines.base import Plan, Status
 from presswear.observe import Account
 
@@ -33,7 +34,17 @@ class Watch:
     cycle_end: float = 0.0
     steps: int = -1
     ended: Status = "completed"
+    reason: str = ""
     error: BaseException | None = None
+
+    def is_sound(self) -> bool:
+        """Whether the contacts have made no energy; False ends the run."""
+        ledger = self.account.book.ledger
+        if self.time > SETTLED * self.plan.cycle:
+            self.reason = made_energy(float(ledger[2]), float(ledger[1]))
+        if self.reason:
+            self.ended = "failed"
+        return not self.reason
 
     def close_cycle(self) -> bool:
         """File the present cycle; False ends the run."""
@@ -104,6 +115,7 @@ def post_step(watch: Watch, accept: Accept, write: Write = write_step) -> Callab
             write(iteration, min(following, watch.cycle_end - t))
             if watch.steps % _PROGRESS_STEPS == 0:
                 watch.plan.progress(min(t / duration, 1.0))
+                return watch.is_sound()
         except BaseException as error:  # Exudyn would wrap it: kept, raised after the solve
             watch.error = error
             return False
@@ -152,6 +164,8 @@ def solve(system: Any, settings: Any, solver: Any, watch: Watch, remedy: str) ->
         raise KeyboardInterrupt
     if watch.ended != "failed":
         return ""
+    if watch.reason:
+        return f"{watch.reason} (t = {watch.time:.6g} s)"
     message = message or "the state is no longer finite"
     return f"{message} (t = {watch.time:.6g} s); {remedy}"
 

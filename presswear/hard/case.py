@@ -57,7 +57,8 @@ class Case:
     findings : callable
         Runs it; yields its figures.
     refusal : str
-        Pattern of the message with which it must be refused; empty where it must run.
+        Pattern of the message with which it must be refused, before or while it runs;
+        empty where it must run.
     long : bool
         Whether it takes more than some ten seconds.
     """
@@ -107,10 +108,10 @@ def outcomes(case: Case) -> Iterator[Outcome]:
                 yield told(finding, "MISS", "ran, where it must be refused")
                 return
             yield told(finding, "pass" if finding.passed else "MISS")
-    except InputError as error:
+    except (InputError, RunError) as error:
         as_expected = bool(case.refusal) and re.search(case.refusal, str(error)) is not None
         yield told(None, "refused" if as_expected else "MISS", str(error))
-    except (RunError, ArithmeticError) as error:
+    except ArithmeticError as error:
         yield told(None, "MISS", str(error))
 
 

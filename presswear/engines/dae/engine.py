@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.constraints import Constraints
-from presswear.energy import Ledger, stored_energy
+from presswear.energy import SETTLED, Ledger, made_energy, stored_energy
 from presswear.engines.base import DaeAccuracy, Plan, Run, Start, Status, account_of, described
 from presswear.engines.dae.dynamics import (
     DRIVE_INTEGRALS,
@@ -124,11 +124,20 @@ def simulate(linkage: Linkage, start: Start, accuracy: DaeAccuracy, plan: Plan) 
     ended: Status = "completed"
     message = ""
     duration = plan.cycle * plan.cycles
+    made = ""
     for cycle in range(1, plan.cycles + 1):
         state = RUNNING
         while state == RUNNING:
             state = march(plan.cycle * cycle, _CHUNK)
-            plan.progress(min(float(control["time"][0]) / duration, 1.0))
+            time = float(control["time"][0])
+            plan.progress(min(time / duration, 1.0))
+            lost = float(y[2 * n + DRIVE_INTEGRALS :: JOINT_INTEGRALS].sum())
+            made = made_energy(lost, float(y[2 * n + 1])) if time > SETTLED * plan.cycle else ""
+            if made:
+                break
+        if made:
+            ended, message = "failed", f"{made} (t = {time:.6g} s)"
+            break
         if state != DONE:
             ended = "failed"
             reason = "the state is no longer finite" if state == BROKEN else "the step vanished"

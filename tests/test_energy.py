@@ -1,0 +1,17 @@
+"""The watch for energy that contacts make."""
+
+import pytest
+
+from presswear.energy import made_energy
+
+
+@pytest.mark.parametrize(
+    ("loss", "exchange", "wrong"),
+    [(0.1, 1.0, False), (-0.4, 1.0, False), (-0.6, 1.0, True), (-1.0, 0.0, False)],
+)
+def test_only_what_exceeds_half_of_the_exchange_is_wrong(
+    loss: float, exchange: float, wrong: bool
+) -> None:
+    told = made_energy(loss, exchange)
+    assert bool(told) == wrong
+    assert not told or ("0.6 J" in told and "contact = radial" in told)
