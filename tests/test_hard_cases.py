@@ -101,7 +101,8 @@ def _case(refusal: str = "", *, error: Exception | None = None, figure: float = 
         (_case(error=InputError("c = 0 m: allowed is 1 to 2 m")), "MISS"),
         (_case("c = 0 m", error=InputError("c = 0 m: allowed is 1 to 2 m")), "refused"),
         (_case("c = 1 m", error=InputError("c = 0 m: allowed is 1 to 2 m")), "MISS"),
-        (_case("c = 0 m", error=RunError("c = 0 m: allowed is 1 to 2 m")), "MISS"),
+        (_case("c = 0 m", error=RunError("c = 0 m: the state ran away")), "refused"),
+        (_case("c = 0 m", error=RunError("the step vanished")), "MISS"),
         (_case("c = 0 m"), "MISS"),
     ],
 )
