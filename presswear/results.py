@@ -47,6 +47,15 @@ def write_whole(path: Path, write: Callable[[BinaryIO], None]) -> None:
         part.unlink(missing_ok=True)
 
 
+def write_bytes(path: Path, data: bytes) -> None:
+    """Write bytes as ``write_whole`` does."""
+
+    def write(file: BinaryIO) -> None:
+        file.write(data)
+
+    write_whole(path, write)
+
+
 def stage_arrays(stage: Stage) -> dict[str, Array]:
     """The arrays of one stage under their contracted names; SI units."""
     account = stage.run.account
@@ -171,11 +180,7 @@ class ResultFolder:
     def _write(self) -> None:
         self._document["wall_s"] = time.perf_counter() - self._began
         text = json.dumps(plain(self._document), indent=1, allow_nan=False)
-        write_whole(self.path / "result.json", lambda file: _put(file, text))
-
-
-def _put(file: BinaryIO, text: str) -> None:
-    file.write(text.encode())
+        write_bytes(self.path / "result.json", text.encode())
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ from two_bodies import JOINT, Pair, joint_load
 
 from presswear.clearance import contact_of, penetration_acceleration
 from presswear.foundation import Bed, foundation_stiffness, press
+from presswear.linkage import ClearanceJoint
 from presswear.surface import (
     BEARING,
     CUBE,
@@ -127,9 +128,9 @@ def worn(bearing: Surface, pin: Surface) -> Pair:
     return pair
 
 
-def at(joint: object, q: Array, eccentricity: float, direction: float) -> Array:
+def at(joint: ClearanceJoint, q: Array, eccentricity: float, direction: float) -> Array:
     """Coordinates with the pin's centre at a place seen from the bearing's."""
-    pair = Pair(joint, q, np.zeros(6))  # type: ignore[arg-type]
+    pair = Pair(joint, q, np.zeros(6))
     contact = pair.contact()[0]
     moved = q.copy()
     moved[3] += eccentricity * math.cos(direction) - contact.eccentricity_x

@@ -3,7 +3,6 @@
 import base64
 from dataclasses import dataclass
 from pathlib import Path
-from typing import BinaryIO
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
@@ -29,7 +28,7 @@ from presswear.report.parts import (
     stage_names,
 )
 from presswear.report.wear import growth, spread, wear_rows
-from presswear.results import StoredResult, write_whole
+from presswear.results import StoredResult, write_bytes
 from presswear.settings import SET, settings_of
 
 
@@ -47,11 +46,7 @@ def write_report(result: StoredResult) -> Path:
     figures = draw_all(result, folder)
     text = render(result, [(figure, (folder / figure.file).read_bytes()) for figure in figures])
     path = result.path / "report.html"
-
-    def write(file: BinaryIO) -> None:
-        file.write(text.encode())
-
-    write_whole(path, write)
+    write_bytes(path, text.encode())
     return path
 
 

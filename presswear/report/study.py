@@ -10,7 +10,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from presswear.figures.runaway import two_wears
 from presswear.figures.style import DOTS_PER_INCH, SETTINGS
-from presswear.results import write_whole
+from presswear.results import write_bytes
 from presswear.runaway import CYCLES, RUNAWAY, Outcome, answer, outcome_of
 from presswear.studies import Study, results_of
 
@@ -56,7 +56,7 @@ def write_study_report(study: Study, folder: Path) -> tuple[str, Path]:
     image = BytesIO()
     drawing.sheet.savefig(image, format="png", dpi=DOTS_PER_INCH)
     png = image.getvalue()
-    write_whole(folder / drawing.file, lambda file: _put(file, png))
+    write_bytes(folder / drawing.file, png)
     page = Environment(
         loader=PackageLoader("presswear"), autoescape=True, undefined=StrictUndefined
     ).get_template("study.html")
@@ -77,9 +77,5 @@ def write_study_report(study: Study, folder: Path) -> tuple[str, Path]:
         ],
     )
     path = folder / "report.html"
-    write_whole(path, lambda file: _put(file, text.encode()))
+    write_bytes(path, text.encode())
     return sentence, path
-
-
-def _put(file: object, data: bytes) -> None:
-    file.write(data)  # type: ignore[attr-defined]
