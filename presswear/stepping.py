@@ -5,7 +5,6 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.clearance import note_contacts
 from presswear.compiled import Records, compiled
 from presswear.energy import loss_powers
 from presswear.observe import Book, observe, settle_state
@@ -67,6 +66,8 @@ def accept_step(
 ) -> float:
     """Settle contact, account for the step and choose the next; NaN for a broken state.
 
+    The contacts of the state are noted in the book.
+
     Parameters
     ----------
     power : float
@@ -74,7 +75,6 @@ def accept_step(
     """
     if not all_finite(q, v):
         return math.nan
-    note_contacts(book.joints, book.surfaces, book.states, q, v)
     settle_state(book, t, LEAST_STEPS)
     sum_step(book, power, t, h)
     observe(book, t, h, q, v, a)

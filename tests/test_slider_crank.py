@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import fields, replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -160,8 +161,9 @@ def test_the_shortest_rod_passes_all_around() -> None:
 )
 @pytest.mark.parametrize("value", [0.0, -1.0, math.nan, math.inf, "1"])
 def test_a_value_out_of_range_is_refused_by_name(name: str, value: object) -> None:
+    values: dict[str, Any] = {name: value}
     with pytest.raises(InputError, match=f"^{name} = .*allowed is"):
-        SliderCrank(**{name: value})  # type: ignore[arg-type]
+        SliderCrank(**values)
 
 
 def test_every_value_says_where_it_comes_from() -> None:

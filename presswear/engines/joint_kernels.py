@@ -127,10 +127,9 @@ class Drives(NamedTuple):
 
 @compiled
 def drive_power(frame: Frame, drives: Drives, book: Book) -> float:
-    """Fill the torques of the drives; returns their power, W."""
+    """Fill the torques of the drives, with contacts noted; returns their power, W."""
     if frame.cranks.shape[0] > 0:
         copy_to(drives.force, drives.weight)
-        note_contacts(book.joints, book.surfaces, book.states, frame.q, frame.v)
         add_contacts(book.joints, book.wear, book.onset, book.states, drives.force, drives.rates)
     power = 0.0
     crank = 0
@@ -151,6 +150,7 @@ def accept_joint_step(
 ) -> float:
     """Account for an accepted step and choose the next; see ``accept_step``."""
     refresh(frame, t)
+    note_contacts(book.joints, book.surfaces, book.states, frame.q, frame.v)
     power = drive_power(frame, drives, book)
     return accept_step(book, steps, power, t, h, frame.q, frame.v, frame.a)
 

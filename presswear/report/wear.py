@@ -1,6 +1,7 @@
 """Tables of wear: what each stage ran on, and how each wear was applied."""
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -62,17 +63,13 @@ def growth(result: StoredResult) -> Table | None:
                 *(
                     row(
                         f"deepest then, {side} (µm)",
-                        lambda steps, at=(joint, side): readable(  # type: ignore[misc]
-                            MICRONS * steps[-1]["deepest_m"][at[0]][at[1]]
-                        ),
+                        partial(_deepest_then, joint, side),
                     )
                     for side in SIDES
                 ),
                 row(
                     "largest normal force in its runs (N)",
-                    lambda steps, at=joint: readable(  # type: ignore[misc]
-                        max(s["force_max_N"][at] for s in steps)
-                    ),
+                    partial(_largest_force, joint),
                 ),
             ),
         )
@@ -80,6 +77,14 @@ def growth(result: StoredResult) -> Table | None:
     ]
     names = tuple(name for name, _ in wears)
     return Table(("how the wear was applied", *names), (("", how), *joints))
+
+
+def _deepest_then(joint: str, side: str, steps: list[dict[str, Any]]) -> str:
+    return readable(MICRONS * steps[-1]["deepest_m"][joint][side])
+
+
+def _largest_force(joint: str, steps: list[dict[str, Any]]) -> str:
+    return readable(max(s["force_max_N"][joint] for s in steps))
 
 
 def _sum(steps: list[dict[str, Any]], key: str) -> float:
