@@ -89,11 +89,18 @@ def penetration_of(system: System, k: int, y: Array) -> tuple[float, float]:
 
 
 @compiled
-def first_event(system: System, book: Book, trial: Array, h: float) -> tuple[int, float]:
-    """Joint that touches or separates first in a trial step, and at which part; or -1."""
+def first_event(
+    system: System, book: Book, trial: Array, h: float, apart: int
+) -> tuple[int, float]:
+    """Joint that touches or separates first in a trial step, and at which part; or -1.
+
+    Joint ``apart`` is not looked at.
+    """
     found = -1
     part = 2.0
     for k in range(system.joints.shape[0]):
+        if k == apart:
+            continue
         last = book.touch[k]
         depth, rate = penetration_of(system, k, trial)
         sign = -1.0 if book.onset[k] > 0.0 else 1.0
@@ -245,11 +252,18 @@ def march_controlled(
             if not state.step > state.shortest:
                 return BROKEN if not error < 1e30 else STUCK
             continue
-        k, part = first_event(system, book, motion.trial, h)
+        k, part = first_event(system, book, motion.trial, h, -1)
         factor = GREATEST_FACTOR if error == 0.0 else SAFETY * error**tableau.exponent
         state.step = h * min(max(factor, LEAST_FACTOR), GREATEST_FACTOR)
         if k >= 0:
             located, found = locate(system, tableau, book, motion, t, k, h, part)
+            for _ in range(system.joints.shape[0]):
+                # The cubics may have seen events of two joints in the wrong order.
+                earlier, part = first_event(system, book, motion.trial, located, k)
+                if not found or earlier < 0:
+                    break
+                k = earlier
+                located, found = locate(system, tableau, book, motion, t, k, located, part)
             if not found:
                 # The cubic through both ends saw what is not there; a shorter one sees better.
                 state.rejected += 1
