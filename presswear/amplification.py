@@ -121,7 +121,7 @@ class Sample:
     cycles : int
         Cycles run, at least 1.
     depth : ndarray, shape (joints, 2, m)
-        Depth that they added to bearing and pin, m.
+        Mean depth that one of them adds to bearing and pin, m.
     force : dict
         Peak normal force by joint, N.
     wall : float
@@ -137,7 +137,7 @@ class Sample:
     @property
     def rate(self) -> float:
         """Fastest change of a profile, part of its clearance in one cycle."""
-        return fastest_change(self.joints, self.depth) / self.cycles
+        return fastest_change(self.joints, self.depth)
 
 
 def fastest_change(joints: tuple[ClearanceJoint, ...], depth: Array) -> float:
@@ -181,8 +181,7 @@ class Growth:
     def after(self, amplification: Amplification, sample: Sample) -> "Growth":
         """One step more, from a run on the present surfaces."""
         share = amplification.share(sample.rate, self.remaining)
-        factor = share / sample.cycles
-        added = sample.depth * factor
+        added = sample.depth * share
         worn = {
             joint.name: (
                 joint.bearing_surface.worn_by(added[k, 0]),
@@ -193,7 +192,7 @@ class Growth:
         step = WearStep(
             share,
             sample.cycles,
-            factor,
+            share / sample.cycles,
             fastest_change(sample.joints, added),
             {
                 name: {

@@ -11,15 +11,17 @@ from numpy.typing import NDArray
 
 from presswear.amplification import Growth, Sample, WearStep, Worn, fastest_change, worn_out
 from presswear.engines import engine_for
-from presswear.engines.base import Plan, Run, Start
+from presswear.engines.base import Plan, Run
 from presswear.linkage import Linkage
 from presswear.observe import CYCLE_FIXED, CYCLE_JOINT, Account
+from presswear.sampling import LEAST_SAMPLES, STARTUP_CYCLES
 from presswear.scene import Scene, stage_name
-from presswear.statistics import map_errors, stage_statistics
+from presswear.starts import start_of
+from presswear.statistics import stage_statistics
 
 Array = NDArray[np.float64]
 
-LEAST_CYCLES = 3
+LEAST_CYCLES = STARTUP_CYCLES + LEAST_SAMPLES
 """Cycles before a wear map's scatter can be judged."""
 
 
@@ -38,6 +40,9 @@ class Stage:
         Depth that the wear after this stage adds, bearing and pin, m: the sum of its steps.
         After the last stage no wear is applied; there it is what one more would add in one
         jump, at the rate of this stage.
+    batches : ndarray, shape (n, joints, 2, m)
+        Depth that one wear adds by each of n batches of cycles alone, m; empty where the wear
+        was applied in steps or few cycles ran.
     amplification : float
         Multiplier of the depth of the cycles that the stage ran.
     steps : tuple of WearStep
@@ -51,6 +56,7 @@ class Stage:
     linkage: Linkage
     run: Run
     added: Array
+    batches: Array
     amplification: float
     steps: tuple[WearStep, ...]
     statistics: dict[str, Any]
@@ -137,12 +143,6 @@ class Pace:
         self.watcher.overall(self._shown_overall)
 
 
-def start_of(scene: Scene) -> Start:
-    """Pins centred in their bearings, positions and velocities of the ideal mechanism."""
-    motion = scene.mechanism.ideal_motion(np.zeros(1))
-    return Start(motion.position[0], motion.velocity[0])
-
-
 @dataclass(frozen=True)
 class Ran:
     """A linkage that ran.
@@ -169,14 +169,20 @@ class Ran:
         return Sample(
             joints,
             max(self.cycles, 1),
-            self.run.account.depth_sum,
+            self.run.account.maps.per_cycle(),
             {joint.name: float(peaks[k * len(CYCLE_JOINT)]) for k, joint in enumerate(joints)},
             self.wall,
         )
 
 
-def run_on(scene: Scene, worn: Worn, remaining: float, pace: Pace) -> Ran:
-    """Run the linkage on given surfaces, with some represented cycles of a wear left."""
+def run_on(scene: Scene, worn: Worn, remaining: float, tolerance: float, pace: Pace) -> Ran:
+    """Run the linkage on given surfaces, with some represented cycles of a wear left.
+
+    Parameters
+    ----------
+    tolerance : float
+        How well the wear maps must be known where the scene does not say the cycles.
+    """
     began = clock.perf_counter()
     linkage = scene.linkage(worn)
     amplification = scene.amplification
@@ -189,17 +195,17 @@ def run_on(scene: Scene, worn: Worn, remaining: float, pace: Pace) -> Ran:
         done = len(account.cycles)
         if not linkage.clearances:
             return False
-        rate = fastest_change(linkage.clearances, account.depth_sum) / done
+        rate = fastest_change(linkage.clearances, account.maps.per_cycle())
         pace.expect(amplification.steps(rate, remaining))
         if done < LEAST_CYCLES:
             return False
-        error = float(map_errors(account).max())
+        error = float(account.maps.errors().max())
         word = f"cycle {done}, wear maps known to {100.0 * error:.0f} %"
         if scene.cycles is not None:
             return False
         # The error falls with the square root of the number of cycles.
-        needed = min(float(most), max(done * (error / scene.tolerance) ** 2, done + 1.0))
-        return error <= scene.tolerance
+        needed = min(float(most), max(done * (error / tolerance) ** 2, done + 1.0))
+        return error <= tolerance
 
     def progress(part: float) -> None:
         pace.tell(min(part * most / needed, 1.0), word)
@@ -218,28 +224,34 @@ def run_on(scene: Scene, worn: Worn, remaining: float, pace: Pace) -> Ran:
 
 
 def stage_of(
-    index: int, ran: Ran, added: Array, factor: float, steps: tuple[WearStep, ...]
+    scene: Scene, index: int, ran: Ran, added: Array, steps: tuple[WearStep, ...]
 ) -> Stage:
     """A stage with its statistics."""
     run = ran.run
-    statistics = stage_statistics(ran.linkage, run.account, added) | {
+    factor = scene.amplification.factor(max(ran.cycles, 1))
+    batches = np.zeros((0, *added.shape))
+    if len(steps) < 2:
+        batches = scene.represented_cycles * run.account.maps.batches()
+    statistics = stage_statistics(ran.linkage, run.account, added, batches) | {
         "energy_residual_J": run.diagnostics["energy_residual_J"],
         "energy_exchanged_J": run.diagnostics["drive_exchange_J"],
     }
-    return Stage(index, ran.linkage, run, added, factor, steps, statistics, ran.wall)
+    if steps:
+        factor = steps[0].factor
+    return Stage(index, ran.linkage, run, added, batches, factor, steps, statistics, ran.wall)
 
 
 def without_wear(scene: Scene, index: int, ran: Ran) -> Stage:
     """A stage after which no wear is applied; tells what one would add in one jump."""
-    factor = scene.amplification.factor(max(ran.cycles, 1))
-    return stage_of(index, ran, ran.run.account.depth_sum * factor, factor, ())
+    added = ran.run.account.maps.per_cycle() * scene.represented_cycles
+    return stage_of(scene, index, ran, added, ())
 
 
 def run_stage(scene: Scene, index: int, worn: Worn, watcher: Watcher) -> Stage:
     """Run one stage on given surfaces, without the wear after it."""
     pace = Pace(replace(scene, wears=index), watcher)
     pace.begin(index)
-    ran = run_on(scene, worn, scene.represented_cycles, pace)
+    ran = run_on(scene, worn, scene.represented_cycles, scene.tolerance, pace)
     stage = without_wear(scene, index, ran)
     watcher.stage(stage)
     return stage
@@ -262,7 +274,9 @@ def growths(
         yield growth, ""
         if growth.is_complete:
             return
-        ran = run_on(scene, growth.worn, growth.remaining, pace)
+        # The depths of the steps add up, their errors only as the root of the sum of squares.
+        steps = len(growth.steps) / (1.0 - growth.remaining / scene.represented_cycles)
+        ran = run_on(scene, growth.worn, growth.remaining, scene.tolerance * math.sqrt(steps), pace)
         if ran.run.status == "failed":
             yield growth, f"after {step_name(index, growth)}: {ran.run.message}"
             return
@@ -288,7 +302,7 @@ def run_campaign(scene: Scene, watcher: Watcher) -> tuple[str, str]:
     pace = Pace(scene, watcher)
     for index in range(scene.wears + 1):
         pace.begin(index)
-        ran = run_on(scene, worn, scene.represented_cycles, pace)
+        ran = run_on(scene, worn, scene.represented_cycles, scene.tolerance, pace)
         if ran.run.status == "failed" or index == scene.wears:
             watcher.stage(without_wear(scene, index, ran))
             if ran.run.status == "failed":
@@ -301,7 +315,7 @@ def run_campaign(scene: Scene, watcher: Watcher) -> tuple[str, str]:
                 growth, problem = reached
         finally:
             # The stage ran to its end, even where somebody stops the wear after it.
-            watcher.stage(stage_of(index, ran, growth.added, growth.steps[0].factor, growth.steps))
+            watcher.stage(stage_of(scene, index, ran, growth.added, growth.steps))
         if problem:
             return "failed", problem
         worn = growth.worn

@@ -31,6 +31,50 @@ def wear_times() -> Scene:
     )
 
 
+def friction() -> Scene:
+    """Section 5.3.2 and 5.4.2: the lower of two friction coefficients."""
+    return replace(
+        wear_times(),
+        name="friction",
+        title="Friction coefficient 0.05 at 6 pi rad/s (paper, sections 5.3.2 and 5.4.2)",
+        mechanism=Press(speed=6.0 * math.pi),
+        bearings=Bearings(clearance=0.6e-3, friction=0.05),
+        wears=1,
+    )
+
+
+def friction_high() -> Scene:
+    """As ``friction``, with the higher coefficient."""
+    return replace(
+        friction(),
+        name="friction-0.1",
+        title="Friction coefficient 0.1, else as friction",
+        bearings=Bearings(clearance=0.6e-3, friction=0.1),
+    )
+
+
+def speed() -> Scene:
+    """Section 5.3.3 and 5.4.3: the lower of two speeds."""
+    return replace(
+        wear_times(),
+        name="speed",
+        title="Crank speed 4 pi rad/s (paper, sections 5.3.3 and 5.4.3)",
+        mechanism=Press(speed=4.0 * math.pi),
+        bearings=Bearings(clearance=0.8e-3, friction=0.03),
+        wears=1,
+    )
+
+
+def speed_high() -> Scene:
+    """As ``speed``, with the higher speed."""
+    return replace(
+        speed(),
+        name="speed-8pi",
+        title="Crank speed 8 pi rad/s, else as speed",
+        mechanism=Press(speed=8.0 * math.pi),
+    )
+
+
 def clearance_a() -> Scene:
     """As ``wear_times``, unworn, with one joint open."""
     return replace(
@@ -77,11 +121,23 @@ def slider_crank() -> Scene:
 
 
 SCENES = {
-    scene().name: scene for scene in (ideal, wear_times, clearance_a, clearance_c, slider_crank)
+    scene().name: scene
+    for scene in (
+        ideal,
+        wear_times,
+        friction,
+        friction_high,
+        speed,
+        speed_high,
+        clearance_a,
+        clearance_c,
+        slider_crank,
+    )
 }
 
 
 STUDIES = {
+    "paper": "Study: every figure and printed number of the paper, with error bars",
     "runaway": "Study: does the second wear run away? One reading changed at a time",
 }
 """Names and titles of the studies, which run several scenes each."""

@@ -16,10 +16,7 @@ from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import null_space
 
-from presswear.campaign import start_of
-from presswear.constraints import constraints_of
 from presswear.engines import engine_for
 from presswear.engines.base import (
     AnyAccuracy,
@@ -34,8 +31,9 @@ from presswear.errors import InputError, RunError
 from presswear.linkage import Linkage
 from presswear.observe import CYCLE_FIXED, CYCLE_JOINT
 from presswear.results import plain, provenance, write_whole
+from presswear.sampling import Estimate, estimate
 from presswear.scene import Scene
-from presswear.statistics import Estimate, estimate
+from presswear.starts import disturbed, start_of
 from presswear.traces import (
     Difference,
     Touch,
@@ -137,27 +135,6 @@ class Crosscheck:
         return all(check.passed for check in self.checks)
 
 
-def disturbed(linkage: Linkage, start: Start) -> Start | None:
-    """The start moved along a direction that the joints leave free; None if there is none.
-
-    Of the free directions the one that moves the slider most is taken.
-    """
-    constraints = constraints_of(linkage)
-    jacobian = constraints.evaluate(0.0, start.position, start.velocity)[3]
-    free = null_space(jacobian)
-    if free.shape[1] == 0:
-        return None
-    probe = 3 * linkage.index(linkage.probe.body)
-    along = [math.cos(linkage.probe.direction), math.sin(linkage.probe.direction)]
-    weights = np.array(along) @ free[probe : probe + 2]
-    moved = free @ weights if np.linalg.norm(weights) > 1e-6 else free[:, 0]
-    position = start.position + DISTURBANCE * moved / np.abs(moved).max()
-    # The step along the tangent leaves the constraints by less than round-off;
-    # velocities have to follow the turned tangent.
-    _, error, _, jacobian = constraints.evaluate(0.0, position, start.velocity)
-    return Start(position, start.velocity - np.linalg.pinv(jacobian) @ error)
-
-
 @dataclass(frozen=True)
 class _Runner:
     """Runs the unworn linkage of a scene and says how far it is."""
@@ -255,7 +232,7 @@ def check_engines(scene: Scene, duration: float | None, progress: Progress) -> C
     linkage, start = scene.linkage(), start_of(scene)
     runner = _Runner(linkage, progress)
     precise = DaeAccuracy(tolerance=REFERENCE_TOLERANCE)
-    other_start = disturbed(linkage, start)
+    other_start = disturbed(linkage, start, DISTURBANCE)
     horizon, parted = end, False
     differences = []
     if other_start is not None:

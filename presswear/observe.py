@@ -15,6 +15,7 @@ from presswear.clearance import STATE, note_contacts, note_forces
 from presswear.compiled import Records, compiled
 from presswear.joint_data import pack_joints, pack_surfaces
 from presswear.linkage import ClearanceJoint, Linkage
+from presswear.sampling import MapBatches
 from presswear.touch import LEAST_STEPS, TALLY, TOUCH, settle
 from presswear.wear import deposit_in_bin, deposit_over_arc, pack_wear
 
@@ -215,14 +216,13 @@ class Account:
         What the kernels fill.
     cycles : list of ndarray
         One row per finished cycle, columns CYCLE_FIXED and CYCLE_JOINT.
-    depth_sum, depth_square_sum : ndarray, shape (joints, 2, m)
-        Sums over finished cycles of the depth added and of its square.
+    maps : MapBatches
+        Depth that the finished cycles added to bearing and pin, m.
     """
 
     book: Book
+    maps: MapBatches
     cycles: list[Array] = field(default_factory=list)
-    depth_sum: Array = field(default_factory=lambda: np.zeros(0))
-    depth_square_sum: Array = field(default_factory=lambda: np.zeros(0))
 
     @staticmethod
     def of(
@@ -284,7 +284,7 @@ class Account:
             torque=np.zeros(len(linkage.drives)),
             ledger=np.zeros(7),
         )
-        account = Account(book, depth_sum=np.zeros(shape), depth_square_sum=np.zeros(shape))
+        account = Account(book, MapBatches(shape))
         account.start_cycle()
         return account
 
@@ -323,8 +323,7 @@ class Account:
     def end_cycle(self) -> None:
         """File the present cycle and start the next."""
         self.cycles.append(self.book.cycle.copy())
-        self.depth_sum += self.book.depth
-        self.depth_square_sum += self.book.depth**2
+        self.maps.add(self.book.depth)
         self.start_cycle()
 
 

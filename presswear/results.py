@@ -80,6 +80,7 @@ def stage_arrays(stage: Stage) -> dict[str, Array]:
         ):
             arrays[f"{name}_depth_{side}"] = surface.depth if surface.is_worn else np.zeros(bins)
             arrays[f"{name}_wear_{side}"] = added
+        arrays[f"{name}_wear_batches"] = stage.batches[:, k]
     arrays["cycles"] = np.array(account.cycles)
     return arrays
 

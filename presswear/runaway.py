@@ -13,7 +13,7 @@ from presswear.catalog import wear_times
 from presswear.results import StoredResult
 from presswear.scene import CONVENTIONS, Scene
 from presswear.settings import changed
-from presswear.studies import Study, Variant
+from presswear.studies import Change, Study, Variant, unchanged
 
 RUNAWAY = 10.0
 """A second wear that adds so many times the depth of the first has run away."""
@@ -24,10 +24,10 @@ PRINTED = (1.221e-6, 1.178e-3)
 lost a factor of ten in print."""
 
 
-def runaway() -> Study:
-    """The study ``runaway``."""
+def runaway(change: Change = unchanged) -> Study:
+    """The study ``runaway``, from the paper's scene with a change."""
     # What a second wear would add in one jump is known once the first one has been run on.
-    paper = replace(wear_times(), name="runaway", cycles=CYCLES, wears=1)
+    paper = change(replace(wear_times(), name="runaway", cycles=CYCLES, wears=1))
     refined = replace(paper, conventions=CONVENTIONS["refined"])
 
     def of(base: Scene, **settings: str) -> Scene:

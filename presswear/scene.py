@@ -227,6 +227,15 @@ class Scene:
         "chosen",
         "in steps: largest change of a surface in one, part of the clearance",
     )
+    start_offset: float = quantity(
+        0.0,
+        "m",
+        -1e-3,
+        1e-3,
+        "chosen",
+        "how far the start is moved along a direction that the joints leave free: another draw "
+        "of the motion",
+    )
     statuses: Mapping[str, str] = field(default_factory=dict, hash=False)
 
     def __post_init__(self) -> None:
@@ -242,6 +251,10 @@ class Scene:
             raise InputError(
                 f"exponent = {self.bearings.exponent:g}: with contact = 'foundation', which is "
                 "linear and gives the exponent 1.5 of a round joint, allowed is 1.5"
+            )
+        if self.start_offset != 0.0 and not self.clearance_joints:
+            raise InputError(
+                f"start_offset = {self.start_offset:g} m: without a clearance joint allowed is 0 m"
             )
         self.mechanism.check_assembly()
         reason = tree_of(self.linkage()) if self.engine == TREE else ""

@@ -1,69 +1,33 @@
-"""Statistics of a run over its cycles.
+"""Numbers of a stage, ready for ``result.json``.
 
-Beyond some twenty impacts the motion is chaotic and the peak of one run is one
-draw.  Each cycle is taken as one sample; intervals are Student's 95 % intervals of
-the mean over cycles.  Neighbouring cycles are taken as independent, which the
-first start-up cycle is not: it is left out where there are enough others.
+Peaks of a whole run are one draw of a chaotic motion; beside them stand means over cycles
+and the intervals of ``sampling``.
 """
 
-import math
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import t as student
 
 from presswear.linkage import ClearanceJoint, Linkage
 from presswear.observe import CYCLE_FIXED, CYCLE_JOINT, Account
+from presswear.sampling import Interval, estimate, half_width, peak_of
 from presswear.surface import bin_centres
 from presswear.wear import worn_volume
 
 Array = NDArray[np.float64]
 
-STARTUP_CYCLES = 1
-"""Cycles left out of means over cycles, where at least three others remain."""
 
-
-@dataclass(frozen=True)
-class Estimate:
-    """Mean over cycles with the half width of its 95 % interval (None: too few cycles)."""
-
-    mean: float
-    half_width: float | None
-    cycles: int
-
-
-def estimate(samples: Array) -> Estimate:
-    """Mean and interval of one number per cycle, shape (cycles,)."""
-    if samples.size >= STARTUP_CYCLES + 3:
-        samples = samples[STARTUP_CYCLES:]
-    count = samples.size
-    if count < 2:
-        return Estimate(float(samples.mean()) if count else math.nan, None, count)
-    spread = float(samples.std(ddof=1)) / math.sqrt(count)
-    return Estimate(float(samples.mean()), float(student.ppf(0.975, count - 1)) * spread, count)
-
-
-def map_errors(account: Account) -> Array:
-    """Standard error of each joint's wear map as part of its rms, shape (joints,).
-
-    The variance between cycles in each bin, over the number of cycles; infinite
-    before the second cycle.
-    """
-    count = len(account.cycles)
-    joints = account.depth_sum.shape[0]
-    if count < 2:
-        return np.full(joints, math.inf)
-    mean = account.depth_sum / count
-    variance = np.maximum(account.depth_square_sum / count - mean**2, 0.0) / (count - 1)
-    size = np.sum(mean**2, axis=(1, 2))
-    noise = np.sum(variance, axis=(1, 2))
-    return np.where(size > 0.0, np.sqrt(noise / np.where(size > 0.0, size, 1.0)), 0.0)
+def ends(interval: Interval, factor: float = 1.0) -> list[float] | None:
+    """Both ends of an interval in another unit; None where it has none."""
+    if interval.low is None or interval.high is None:
+        return None
+    return [factor * interval.low, factor * interval.high]
 
 
 def joint_statistics(
-    joint: ClearanceJoint, k: int, account: Account, added: Array
+    joint: ClearanceJoint, k: int, account: Account, added: Array, maps: Array
 ) -> dict[str, Any]:
     """Numbers of one clearance joint.
 
@@ -71,38 +35,52 @@ def joint_statistics(
     ----------
     added : ndarray, shape (2, m)
         Depth of one wear, bearing and pin, m.
+    maps : ndarray, shape (n, 2, m)
+        The same by batches of cycles, of which it is the mean; none: no intervals.
     """
     rows = np.array(account.cycles)
     first = len(CYCLE_FIXED) + len(CYCLE_JOINT) * k
     force, dose = rows[:, first], rows[:, first + 1]
     tally = account.book.tally[k]
     contacts = int(tally["contacts"])
-    both = added.sum(axis=0) if joint.map_frame == "fixed" else None
-    degrees = np.degrees(bin_centres(added.shape[1]))
     numbers: dict[str, Any] = {
         "force_max_N": float(force.max()),
         "force_max_per_cycle_N": asdict(estimate(force)),
         "contacts": contacts,
+        "contacts_per_cycle": asdict(estimate(np.diff(rows[:, first + 2], prepend=0.0))),
         "unresolved_contacts": int(tally["unresolved"]),
         "fewest_steps_in_a_contact": int(tally["fewest_steps"]) if contacts else None,
         "part_of_time_in_contact": float(tally["closed_time"]) / account.last_time,
         "dose_per_cycle_Nm": asdict(estimate(dose)),
         "wear_volume_m3": worn_volume(joint, added),
-        "wear_map_error": float(map_errors(account)[k]),
+        "wear_volume_half_width_m3": half_width(np.array([worn_volume(joint, m) for m in maps])),
+        "wear_map_error": float(account.maps.errors()[k]),
     }
-    for name, depth in (("bearing", added[0]), ("pin", added[1]), ("both", both)):
-        if depth is not None:
-            numbers[f"wear_depth_max_{name}_m"] = float(depth.max())
-            numbers[f"wear_depth_max_{name}_deg"] = float(degrees[int(depth.argmax())])
+    sides: dict[str, list[int]] = {"bearing": [0], "pin": [1]}
+    if joint.map_frame == "fixed":
+        sides["both"] = [0, 1]
+    degrees = np.degrees(bin_centres(added.shape[1]))
+    for name, some in sides.items():
+        depth = added[some].sum(axis=0)
+        numbers[f"wear_depth_max_{name}_m"] = float(depth.max())
+        numbers[f"wear_depth_max_{name}_deg"] = float(degrees[int(depth.argmax())])
+        if len(maps):
+            peak = peak_of(maps[:, some].sum(axis=1), np.ones(len(maps)))
+            numbers[f"wear_depth_max_{name}_interval_m"] = ends(peak.depth)
+            numbers[f"wear_depth_max_{name}_interval_deg"] = ends(peak.angle, np.degrees(1.0))
     return numbers
 
 
-def stage_statistics(linkage: Linkage, account: Account, added: Array) -> dict[str, Any]:
-    """Numbers of one stage, ready for ``result.json``.
+def stage_statistics(
+    linkage: Linkage, account: Account, added: Array, maps: Array
+) -> dict[str, Any]:
+    """Numbers of one stage.
 
     Parameters
     ----------
     added : ndarray, shape (joints, 2, m)
+    maps : ndarray, shape (n, joints, 2, m)
+        As for ``joint_statistics``.
     """
     rows = np.array(account.cycles)
     if rows.size == 0:
@@ -120,7 +98,7 @@ def stage_statistics(linkage: Linkage, account: Account, added: Array) -> dict[s
             "acceleration_max_per_cycle_m_s2": asdict(estimate(acceleration)),
         },
         "joints": {
-            joint.name: joint_statistics(joint, k, account, added[k])
+            joint.name: joint_statistics(joint, k, account, added[k], maps[:, k])
             for k, joint in enumerate(linkage.clearances)
         },
     }

@@ -1,9 +1,11 @@
-"""Studies: one scene in several variants, run side by side, and an answer drawn from all.
+"""Studies: scenes in several variants, run side by side, and an answer drawn from all.
 
-A study's folder holds one result folder for each variant.  Variants run in processes of
-their own; one that is finished is kept whatever happens to the others.
+A study's folder holds ``study.json``, which says what is to be run, and one result folder
+for each variant.  Variants run in processes of their own; one that is finished is kept
+whatever happens to the others.
 """
 
+import json
 import multiprocessing
 import queue
 import shutil
@@ -15,14 +17,26 @@ from typing import Any
 
 from presswear.campaign import Watcher, run_campaign
 from presswear.errors import InputError
-from presswear.results import ResultFolder, StoredResult, load
+from presswear.results import ResultFolder, StoredResult, load, plain, write_bytes
 from presswear.scene import Scene
 
 Told = Callable[[str, float, str], None]
 """Key of a variant, part of it done 0 .. 1, and a word on where it stands."""
 
+Change = Callable[[Scene], Scene]
+"""What a person wants changed in the scene that a study starts from."""
+
+FILE = "study.json"
+SCHEMA = 1
 _POLL = 0.2
 """Time between two looks at the processes, s."""
+_CYCLES_OF_MAPS = 0.08
+"""Cycles until wear maps are known to a tolerance, times its square: a rough measure."""
+
+
+def unchanged(scene: Scene) -> Scene:
+    """The change that is none."""
+    return scene
 
 
 @dataclass(frozen=True)
@@ -41,6 +55,16 @@ class Variant:
     label: str
     scene: Scene
 
+    @property
+    def extent(self) -> float:
+        """Simulated time that it takes, s: of a run that ends by itself a rough guess."""
+        scene = self.scene
+        cycles = scene.cycles
+        if cycles is None:
+            cycles = min(round(_CYCLES_OF_MAPS / scene.tolerance**2) + 4, scene.most_cycles)
+        # Worn surfaces take more steps.
+        return cycles * scene.mechanism.period * (1.0 + 1.5 * scene.wears)
+
 
 @dataclass(frozen=True)
 class Study:
@@ -57,6 +81,44 @@ class Study:
     question: str
     variants: tuple[Variant, ...]
 
+    def as_dict(self) -> dict[str, Any]:
+        """The study as plain data."""
+        return {
+            "schema": SCHEMA,
+            "name": self.name,
+            "title": self.title,
+            "question": self.question,
+            "variants": [
+                {"key": v.key, "label": v.label, "scene": v.scene.as_dict()} for v in self.variants
+            ],
+        }
+
+
+def is_study(folder: Path) -> bool:
+    """Whether a folder is that of a study."""
+    return (folder / FILE).exists()
+
+
+def load_study(folder: Path) -> Study:
+    """The study of a folder; InputError says what is wrong with it."""
+    file = folder / FILE
+    try:
+        data = json.loads(file.read_text())
+    except FileNotFoundError:
+        raise InputError(f"{folder} is no study's folder: it has no {FILE}") from None
+    except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
+        raise InputError(f"{file} cannot be read: {error}") from None
+    try:
+        if data["schema"] != SCHEMA:
+            raise InputError(f"{file} has schema {data['schema']!r}; this version reads {SCHEMA}")
+        variants = tuple(
+            Variant(str(v["key"]), str(v["label"]), Scene.from_dict(v["scene"]))
+            for v in data["variants"]
+        )
+        return Study(str(data["name"]), str(data["title"]), str(data["question"]), variants)
+    except (KeyError, TypeError) as error:
+        raise InputError(f"{file} is not whole: {error!r}") from None
+
 
 def run_variant(path: Path, scene: Scene, progress: Callable[[float, str], None]) -> None:
     """Run a scene into a result folder; a run that fails is a result as well."""
@@ -72,31 +134,31 @@ def run_variant(path: Path, scene: Scene, progress: Callable[[float, str], None]
     store.close(status, message)
 
 
-def _work(path: Path, key: str, scene: Scene, messages: Any) -> None:
-    """What the process of one variant does."""
+def _work(folder: Path, tasks: Any, messages: Any) -> None:
+    """What one process does: variants, until there are none left."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides
-    try:
-        run_variant(path, scene, lambda part, word: messages.put((key, part, word, None)))
-        messages.put((key, 1.0, "", None))
-    except BaseException as error:
-        messages.put((key, 1.0, "", f"{type(error).__name__}: {error}"))
-        raise
+    while (task := tasks.get()) is not None:
+        key, scene = task
+        try:
+            messages.put((key, 0.0, "", None))
+            run_variant(
+                folder / key,
+                scene,
+                # The end is told once everything is written.
+                lambda part, word, key=key: messages.put((key, min(part, 0.999), word, None)),
+            )
+            messages.put((key, 1.0, "", None))
+        except BaseException as error:
+            messages.put((key, 1.0, "", f"{type(error).__name__}: {error}"))
+            raise
 
 
-def is_finished(path: Path, scene: Scene) -> bool:
-    """Whether a folder holds the whole result of a scene.
-
-    Raises
-    ------
-    InputError
-        Where it holds the result of another scene.
-    """
-    if not (path / "result.json").exists():
-        return False
-    found = load(path)
-    if found.scene != scene:
-        raise InputError(f"{path} holds a run of another scene; name a new folder")
-    return found.document["status"] in ("completed", "failed")
+def is_finished(path: Path) -> bool:
+    """Whether a folder holds the whole result of a scene."""
+    return (path / "result.json").exists() and load(path).document["status"] in (
+        "completed",
+        "failed",
+    )
 
 
 def waiting(study: Study, folder: Path, resume: bool) -> list[Variant]:
@@ -107,9 +169,22 @@ def waiting(study: Study, folder: Path, resume: bool) -> list[Variant]:
     InputError
         Where the folder holds something and nothing is to be resumed, or another study.
     """
-    if not resume and folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-        raise InputError(f"--out {folder}: it exists and is not empty; name a new one or --resume")
-    left = [v for v in study.variants if not is_finished(folder / v.key, v.scene)]
+    if not resume:
+        if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+            raise InputError(
+                f"--out {folder}: it exists and is not empty; name a new one or --resume"
+            )
+        return list(study.variants)
+    found = load_study(folder)
+    wanted = {v.key: v.scene for v in study.variants}
+    there = {v.key: v.scene for v in found.variants}
+    for key in wanted.keys() | there.keys():
+        if wanted.get(key) != there.get(key):
+            raise InputError(
+                f"--out {folder}: it holds another study ({key} differs); "
+                "give the options of the first start, or name a new folder"
+            )
+    left = [v for v in study.variants if not is_finished(folder / v.key)]
     for variant in left:
         shutil.rmtree(folder / variant.key, ignore_errors=True)
     return left
@@ -128,27 +203,33 @@ def run_study(study: Study, folder: Path, jobs: int, resume: bool, told: Told) -
         if variant not in left:
             told(variant.key, 1.0, "")
     folder.mkdir(parents=True, exist_ok=True)
+    write_bytes(folder / FILE, json.dumps(plain(study.as_dict()), indent=1).encode())
     context = multiprocessing.get_context("spawn")
+    tasks: Any = context.Queue()
     messages: Any = context.Queue()
-    running: dict[str, Any] = {}
+    # The longest first, so that no process is left with one when the others are done.
+    for variant in sorted(left, key=lambda v: v.extent, reverse=True):
+        tasks.put((variant.key, variant.scene))
+    workers = [
+        context.Process(target=_work, args=(folder, tasks, messages), daemon=True)
+        for _ in range(min(jobs, len(left)))
+    ]
     try:
-        while left or running:
-            while left and len(running) < jobs:
-                variant = left.pop(0)
-                arguments = (folder / variant.key, variant.key, variant.scene, messages)
-                process = context.Process(target=_work, args=arguments, daemon=True)
-                process.start()
-                running[variant.key] = process
+        for worker in workers:
+            tasks.put(None)
+            worker.start()
+        while any(worker.is_alive() for worker in workers):
             _listen(messages, told)
-            for key in [key for key, process in running.items() if not process.is_alive()]:
-                process = running.pop(key)
-                if process.exitcode != 0:
-                    raise RuntimeError(f"variant {key} ended with code {process.exitcode}")
+            for worker in workers:
+                if worker.exitcode not in (None, 0):
+                    _listen(messages, told)
+                    raise RuntimeError(f"a process ended with code {worker.exitcode}")
         _listen(messages, told)
     finally:
-        for process in running.values():
-            process.terminate()
-            process.join()
+        for worker in workers:
+            if worker.is_alive():
+                worker.terminate()
+                worker.join()
 
 
 def _listen(messages: Any, told: Told) -> None:

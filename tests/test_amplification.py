@@ -189,7 +189,7 @@ def test_single_jumps_are_those_of_the_paper(campaign: Campaign) -> None:
     for stage in seen.stages:
         assert np.array_equal([depth_of(j) for j in stage.linkage.clearances], worn)
         assert stage.amplification == REPRESENTED / 7
-        assert np.array_equal(stage.added, stage.run.account.depth_sum * (REPRESENTED / 7))
+        assert np.array_equal(stage.added, stage.run.account.maps.per_cycle() * REPRESENTED)
         worn = worn + stage.added
     assert [len(stage.steps) for stage in seen.stages] == [1, 1, 0]
 

@@ -12,8 +12,8 @@ from presswear.campaign import Stage, Watcher, run_campaign
 from presswear.catalog import slider_crank, wear_times
 from presswear.errors import InputError
 from presswear.results import ResultFolder, StoredResult, load, write_whole
+from presswear.sampling import estimate
 from presswear.scene import CONVENTIONS, Scene
-from presswear.statistics import estimate
 from presswear.surface import Surface
 
 
@@ -55,7 +55,7 @@ def test_the_next_stage_runs_on_the_amplified_wear(
     assert first.amplification == scene.represented_cycles
     for k, joint in enumerate(second.linkage.clearances):
         assert joint.bearing_surface.is_worn
-        expected = 1e6 * first.run.account.depth_sum[k]
+        expected = 1e6 * first.run.account.maps.total[k]
         np.testing.assert_allclose(joint.bearing_surface.depth, expected[0], rtol=1e-14)
         np.testing.assert_allclose(joint.pin_surface.depth, expected[1], rtol=1e-14)
     assert not first.linkage.clearances[0].bearing_surface.is_worn

@@ -12,13 +12,13 @@ import pytest
 
 from presswear import crosscheck
 from presswear.__main__ import main
-from presswear.campaign import start_of
 from presswear.catalog import ideal, wear_times
 from presswear.constraints import constraints_of
-from presswear.crosscheck import Check, disturbed, finer, observed_order
+from presswear.crosscheck import DISTURBANCE, Check, finer, observed_order
 from presswear.engines import Engine, engine_for
 from presswear.engines.base import AnyAccuracy, DaeAccuracy, JointsAccuracy
 from presswear.linkage import Linkage
+from presswear.starts import disturbed, start_of
 from presswear.traces import Touch, Trace, parting_time, peak, touch_differences
 
 
@@ -26,7 +26,7 @@ from presswear.traces import Touch, Trace, parting_time, peak, touch_differences
 def test_the_disturbed_start_keeps_every_constraint(joints: str) -> None:
     scene = replace(wear_times(), joints=joints)
     linkage, start = scene.linkage(), start_of(scene)
-    moved = disturbed(linkage, start)
+    moved = disturbed(linkage, start, DISTURBANCE)
     assert moved is not None
     assert np.abs(moved.position - start.position).max() == pytest.approx(1e-9, rel=1e-6)
     slider = 3 * linkage.index("slider 6") + 1
@@ -39,7 +39,7 @@ def test_the_disturbed_start_keeps_every_constraint(joints: str) -> None:
 
 def test_a_linkage_without_clearance_cannot_be_disturbed() -> None:
     scene = ideal()
-    assert disturbed(scene.linkage(), start_of(scene)) is None
+    assert disturbed(scene.linkage(), start_of(scene), DISTURBANCE) is None
 
 
 def _trace(offset: Callable[[np.ndarray], np.ndarray]) -> Trace:

@@ -10,7 +10,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from presswear.campaign import start_of
 from presswear.catalog import slider_crank
 from presswear.constraints import constraints_of
 from presswear.engines.base import DaeAccuracy, Plan, Run
@@ -22,6 +21,7 @@ from presswear.press import Press
 from presswear.quantities import meaning_of
 from presswear.scene import Scene
 from presswear.slider_crank import SliderCrank
+from presswear.starts import start_of
 
 Array = NDArray[np.float64]
 

@@ -8,12 +8,12 @@ import math
 from dataclasses import dataclass
 from itertools import islice
 
-from presswear.campaign import start_of
 from presswear.costs.timing import Case, Progress, Timing, time_cases
 from presswear.engines.base import AnyAccuracy, DaeAccuracy, JointsAccuracy, Plan, Run
 from presswear.errors import RunError
 from presswear.linkage import Linkage
 from presswear.scene import Scene
+from presswear.starts import start_of
 from presswear.traces import Touch, touch_differences, touches_of
 
 FIXED_STEP = 1e-6

@@ -7,7 +7,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from statistics import median
 
-from presswear.campaign import start_of
 from presswear.engines import engine_for
 from presswear.engines.base import (
     AnyAccuracy,
@@ -20,6 +19,7 @@ from presswear.engines.base import (
 from presswear.errors import RunError
 from presswear.linkage import Linkage
 from presswear.scene import Scene
+from presswear.starts import start_of
 from presswear.surface import Surface
 from presswear.tree import Tree, tree_of
 

@@ -150,7 +150,7 @@ def sound(run: Run, plan: Plan) -> Run:
     arrays = {
         "series": account.rows,
         "cycles": np.array(account.cycles),
-        "wear": account.depth_sum,
+        "wear": account.maps.total,
         "position": run.end.position,
         "velocity": run.end.velocity,
         "reactions": np.array([x for reaction in run.reactions.values() for x in reaction]),

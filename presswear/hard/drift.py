@@ -6,13 +6,13 @@ from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 
-from presswear.campaign import start_of
 from presswear.engines.base import Run
 from presswear.hard.case import Case, Finding, energy_of, engine_name, guarded, ran
 from presswear.hard.scenes import BASE
 from presswear.observe import Account
 from presswear.press import Press
 from presswear.scene import Scene
+from presswear.starts import start_of
 
 FAST = 40.0 * math.pi
 """Crank speed of the many cycles, rad/s: a cycle takes 50 ms and some hundred touches."""

@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.amplification import Worn
-from presswear.campaign import start_of
 from presswear.catalog import slider_crank, wear_times
 from presswear.engines.base import Run, Start
 from presswear.errors import InputError
@@ -19,6 +18,7 @@ from presswear.hard.case import PATIENCE, Case, Finding, energy_of, engine_name,
 from presswear.press import Press
 from presswear.scene import CONVENTIONS, Scene
 from presswear.slider_crank import SliderCrank
+from presswear.starts import start_of
 from presswear.surface import Surface, bin_centres
 
 Array = NDArray[np.float64]

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from presswear.campaign import start_of
 from presswear.catalog import ideal, wear_times
 from presswear.constraints import constraints_of
 from presswear.engines.base import DaeAccuracy, Plan, Run, Start
@@ -16,6 +15,7 @@ from presswear.engines.exudyn_joints import simulate as simulate_exudyn
 from presswear.errors import InputError
 from presswear.linkage import Attachment, Body, Linkage, Probe, Revolute
 from presswear.press import GEOMETRIES, Press
+from presswear.starts import start_of
 from presswear.surface import Surface
 
 PRESS = wear_times()

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from presswear import references
-from presswear.campaign import start_of
 from presswear.catalog import ideal
 from presswear.engines.base import DaeAccuracy, JointsAccuracy, Plan, Start
 from presswear.engines.dae.engine import simulate
 from presswear.engines.exudyn_joints import simulate as simulate_exudyn
 from presswear.linkage import GROUND, Attachment, Body, Linkage, Probe, Spring
 from presswear.press import GEOMETRIES, Press
+from presswear.starts import start_of
 from presswear.verify import order_of
 
 FREQUENCY, AMPLITUDE, DURATION = 1000.0, 0.01, 0.5

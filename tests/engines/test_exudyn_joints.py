@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from presswear.campaign import start_of
 from presswear.catalog import ideal, wear_times
 from presswear.engines.base import JointsAccuracy, Plan, Run, Start
 from presswear.engines.exudyn_joints import simulate
@@ -29,6 +28,7 @@ from presswear.linkage import (
 from presswear.observe import Account
 from presswear.press import GEOMETRIES, Press
 from presswear.scene import CONVENTIONS
+from presswear.starts import start_of
 
 CLEARANCE = 0.8e-3
 STIFFNESS = 1.25e10
@@ -207,12 +207,12 @@ def test_worn_volume_is_the_dose(press_runs: dict[str, Run]) -> None:
     account = press_runs["refined"].account
     joint = wear_times().linkage().clearances[0]
     assert joint.wear is not None
-    bins = account.depth_sum.shape[2]
+    bins = account.maps.total.shape[2]
     area = joint.width * joint.bearing_radius * 2.0 * math.pi / bins
     for k in range(2):
         dose = account.cycles[0][5 + 3 * k + 1]
         assert dose > 0.0
-        volume = account.depth_sum[k].sum() * area
+        volume = account.maps.total[k].sum() * area
         assert volume == pytest.approx(joint.wear.coefficient * dose, rel=1e-12)
 
 

@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from presswear.campaign import start_of
 from presswear.catalog import wear_times
 from presswear.engines.base import DaeAccuracy, Plan, Run
 from presswear.engines.dae.engine import simulate as simulate_dae
 from presswear.engines.exudyn_joints import simulate
 from presswear.engines.exudyn_model import left_out
 from presswear.linkage import Attachment, Spring
+from presswear.starts import start_of
 
 
 def both(joints: str) -> tuple[Run, Run]:

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from branches import branching, placed, tree
 
-from presswear.campaign import start_of
 from presswear.catalog import wear_times
 from presswear.engines.base import DaeAccuracy, Plan, Run, Start, TreeAccuracy
 from presswear.engines.dae.engine import simulate as simulate_dae
@@ -15,6 +14,7 @@ from presswear.engines.exudyn_tree import simulate
 from presswear.errors import InputError
 from presswear.linkage import Attachment, Linkage, Load, Slip, Spring
 from presswear.scene import CONVENTIONS, Scene
+from presswear.starts import start_of
 from presswear.surface import Surface
 
 END = 0.05

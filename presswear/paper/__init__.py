@@ -1,0 +1,1 @@
+"""The study ``paper``: every scene, number, claim and figure of the paper beside ours."""
