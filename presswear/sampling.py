@@ -8,10 +8,12 @@ means (Law and Kelton, Simulation Modeling and Analysis, section 9.5.3).  Interv
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import f_oneway
 from scipy.stats import t as student
 
 Array = NDArray[np.float64]
@@ -170,8 +172,8 @@ class Peak:
     angle: Interval
 
 
-def resampled(maps: Array, weights: Array) -> Array:
-    """Bootstrap of a weighted mean over maps, shape (RESAMPLES, m): always the same draws.
+def resampled(maps: Array, weights: Array, seed: int = 1) -> Array:
+    """Bootstrap of a weighted mean over maps, shape (RESAMPLES, m); a seed gives its draws.
 
     Parameters
     ----------
@@ -180,42 +182,92 @@ def resampled(maps: Array, weights: Array) -> Array:
         Cycles in each.
     """
     count = len(maps)
-    generator = np.random.default_rng(1)
+    generator = np.random.default_rng(seed)
     picked = generator.multinomial(count, np.full(count, 1.0 / count), RESAMPLES) * weights
     return np.asarray(picked @ maps / picked.sum(axis=1, keepdims=True))
 
 
-def peak_of(maps: Array, weights: Array) -> Peak:
-    """The deepest place of the mean of some maps, with bootstrap intervals.
+def basic_interval(value: float, draws: Array, count: int) -> Interval:
+    """Interval of a statistic from what it is in bootstrap draws, shape (RESAMPLES,).
 
-    The deepest of many noisy bins is too deep on average; each draw repeats that with respect
-    to the mean map, so that the interval is turned about the estimate ("basic" bootstrap,
-    Davison and Hinkley, Bootstrap Methods and their Application, section 2.4), and widened as
-    Student's is for few maps.
+    What is biased by noise, such as the deepest of many bins, is biased again by as much in
+    the draws: the interval is turned about the estimate ("basic" bootstrap, Davison and
+    Hinkley, Bootstrap Methods and their Application, section 2.4).  It is widened as
+    Student's is.
 
     Parameters
     ----------
-    maps : ndarray, shape (n, m)
-        Depth at the bin centres, m.
-    weights : ndarray, shape (n,)
-        Cycles in each.
+    count : int
+        Samples that the draws are from.
     """
-    mean = weights @ maps / weights.sum()
-    bins = mean.size
-    place = int(mean.argmax())
-    depth, angle = float(mean[place]), 2.0 * math.pi * (place + 0.5) / bins
-    count = len(maps)
     if count < LEAST_SAMPLES:
-        return Peak(Interval(depth, None, None), Interval(angle, None, None))
-    draws = resampled(maps, weights)
-    places = draws.argmax(axis=1)
-    ends = (0.5 - 0.5 * LEVEL, 0.5 + 0.5 * LEVEL)
-    wider = student.ppf(ends[1], count - 1) / student.ppf(ends[1], 10**6)
-    wider *= math.sqrt(count / (count - 1))
-    low, high = depth - wider * (np.quantile(draws.max(axis=1), ends[::-1]) - depth)
+        return Interval(value, None, None)
+    ends = value - _widening(count) * (np.quantile(draws, _ENDS[::-1]) - value)
+    return Interval(value, float(ends[0]), float(ends[1]))
+
+
+_ENDS = (0.5 - 0.5 * LEVEL, 0.5 + 0.5 * LEVEL)
+
+
+def _widening(count: int) -> float:
+    """Student's quantile over that of the normal distribution, and the bias of a spread."""
+    quantile = float(student.ppf(_ENDS[1], count - 1) / student.ppf(_ENDS[1], math.inf))
+    return quantile * math.sqrt(count / (count - 1))
+
+
+def turned_interval(place: int, places: NDArray[np.int64], bins: int, count: int) -> Interval:
+    """Interval of the angle, rad, of a bin from where it is in bootstrap draws."""
+    angle = 2.0 * math.pi * (place + 0.5) / bins
+    if count < LEAST_SAMPLES:
+        return Interval(angle, None, None)
     moved = (places - place + bins // 2) % bins - bins // 2
-    left, right = 2.0 * math.pi / bins * np.quantile(moved, ends)
-    return Peak(
-        Interval(depth, max(float(low), 0.0), float(high)),
-        Interval(angle, angle + min(float(left), 0.0), angle + max(float(right), 0.0)),
-    )
+    left, right = 2.0 * math.pi / bins * np.quantile(moved, _ENDS)
+    return Interval(angle, angle + min(float(left), 0.0), angle + max(float(right), 0.0))
+
+
+def peak_of(mean: Array, draws: Array, count: int) -> Peak:
+    """The deepest place of a mean wear map.
+
+    Parameters
+    ----------
+    mean : ndarray, shape (m,)
+        Depth at the bin centres, m.
+    draws : ndarray, shape (RESAMPLES, m)
+        Of ``resampled``.
+    count : int
+        Maps that the draws are from.
+    """
+    place = int(mean.argmax())
+    depth = basic_interval(float(mean[place]), draws.max(axis=1), count)
+    if depth.low is not None:
+        depth = Interval(depth.value, max(depth.low, 0.0), depth.high)
+    return Peak(depth, turned_interval(place, draws.argmax(axis=1), mean.size, count))
+
+
+def pooled(runs: Sequence[Array]) -> tuple[Estimate, bool]:
+    """Mean over the cycles of several runs, start-up left out, and whether the runs differ.
+
+    Runs whose means differ by more than their cycles explain (one-way analysis of variance,
+    1 %) are single samples themselves: their interval is that of the runs.
+
+    Parameters
+    ----------
+    runs : sequence of ndarray, shape (cycles,)
+    """
+    samples = [after_startup(rows) for rows in runs]
+    everything = np.concatenate(samples)
+    mean = float(everything.mean()) if everything.size else math.nan
+    parts = [batched(some) for some in samples]
+    if differ(samples):
+        return Estimate(
+            mean, half_width(np.array([s.mean() for s in samples])), everything.size
+        ), True
+    return Estimate(mean, half_width(np.concatenate(parts)), everything.size), False
+
+
+def differ(samples: Sequence[Array]) -> bool:
+    """Whether some groups of samples have means that differ (analysis of variance, 1 %)."""
+    groups = [some for some in samples if some.size >= LEAST_SAMPLES]
+    if len(groups) < 2 or all(np.ptp(some) == 0.0 for some in groups):
+        return False
+    return bool(f_oneway(*groups).pvalue < 0.01)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from presswear.linkage import ClearanceJoint, Linkage
 from presswear.observe import CYCLE_FIXED, CYCLE_JOINT, Account
-from presswear.sampling import Interval, estimate, half_width, peak_of
+from presswear.sampling import Interval, estimate, half_width, peak_of, resampled
 from presswear.surface import bin_centres
 from presswear.wear import worn_volume
 
@@ -65,7 +65,9 @@ def joint_statistics(
         numbers[f"wear_depth_max_{name}_m"] = float(depth.max())
         numbers[f"wear_depth_max_{name}_deg"] = float(degrees[int(depth.argmax())])
         if len(maps):
-            peak = peak_of(maps[:, some].sum(axis=1), np.ones(len(maps)))
+            own = maps[:, some].sum(axis=1)
+            draws = resampled(own, np.ones(len(own)))
+            peak = peak_of(own.mean(axis=0), draws, len(own))
             numbers[f"wear_depth_max_{name}_interval_m"] = ends(peak.depth)
             numbers[f"wear_depth_max_{name}_interval_deg"] = ends(peak.angle, np.degrees(1.0))
     return numbers

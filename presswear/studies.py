@@ -30,7 +30,7 @@ FILE = "study.json"
 SCHEMA = 1
 _POLL = 0.2
 """Time between two looks at the processes, s."""
-_CYCLES_OF_MAPS = 0.08
+_CYCLES_OF_MAPS = 0.06
 """Cycles until wear maps are known to a tolerance, times its square: a rough measure."""
 
 
@@ -61,7 +61,7 @@ class Variant:
         scene = self.scene
         cycles = scene.cycles
         if cycles is None:
-            cycles = min(round(_CYCLES_OF_MAPS / scene.tolerance**2) + 4, scene.most_cycles)
+            cycles = min(round(_CYCLES_OF_MAPS / scene.tolerance**2) + 9, scene.most_cycles)
         # Worn surfaces take more steps.
         return cycles * scene.mechanism.period * (1.0 + 1.5 * scene.wears)
 

@@ -13,11 +13,12 @@ from matplotlib.figure import Figure as Sheet
 
 from presswear.catalog import wear_times
 from presswear.figures import Drawing, draw_all, drawings
-from presswear.figures.motion import centre_trajectory, ideal_slider, response
+from presswear.figures.motion import centre_trajectory, response
 from presswear.figures.numbers import given, readable, whole, with_interval
 from presswear.figures.style import length_scale, round_down
 from presswear.figures.surfaces import worn_surfaces
 from presswear.figures.wear import wear_depth
+from presswear.ideal import ideal_slider
 from presswear.results import StoredResult
 from presswear.scene import CONVENTIONS, Scene, stage_name
 from presswear.surface import bin_centres

@@ -25,6 +25,7 @@ from presswear.figures.style import (
     shown_time,
     shown_time_text,
 )
+from presswear.ideal import ideal_slider
 from presswear.results import StoredResult
 from presswear.scene import Scene
 
@@ -34,29 +35,6 @@ _TALLEST = 9.6
 """Greatest height that fits an A4 page with its caption, inches."""
 _IDEAL_DASHES = (0.0, (4.0, 2.0))
 _LIMIT: dict[str, Any] = {"color": REFERENCE, "linewidth": 0.7}
-
-
-def ideal_slider(scene: Scene, time: Array) -> Array:
-    """Displacement from the start, velocity and acceleration of the ideal slider, closed form.
-
-    Parameters
-    ----------
-    time : ndarray, shape (n,)
-        s.
-
-    Returns
-    -------
-    ndarray, shape (n, 3)
-        m, m/s, m/s^2.
-    """
-    linkage = scene.mechanism.linkage()
-    column = 3 * linkage.index(linkage.probe.body)
-    along = np.array([math.cos(linkage.probe.direction), math.sin(linkage.probe.direction)])
-    motion = scene.mechanism.ideal_motion(np.append(0.0, time))
-    levels = (motion.position, motion.velocity, motion.acceleration)
-    slider = np.column_stack([level[:, column : column + 2] @ along for level in levels])
-    slider[:, 0] -= slider[0, 0]
-    return slider[1:]
 
 
 def response(result: StoredResult) -> list[Drawing]:
