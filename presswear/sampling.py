@@ -257,12 +257,9 @@ def pooled(runs: Sequence[Array]) -> tuple[Estimate, bool]:
     samples = [after_startup(rows) for rows in runs]
     everything = np.concatenate(samples)
     mean = float(everything.mean()) if everything.size else math.nan
-    parts = [batched(some) for some in samples]
-    if differ(samples):
-        return Estimate(
-            mean, half_width(np.array([s.mean() for s in samples])), everything.size
-        ), True
-    return Estimate(mean, half_width(np.concatenate(parts)), everything.size), False
+    apart = differ(samples)
+    parts = [some.mean(keepdims=True) if apart else batched(some) for some in samples]
+    return Estimate(mean, half_width(np.concatenate(parts)), everything.size), apart
 
 
 def differ(samples: Sequence[Array]) -> bool:

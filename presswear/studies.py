@@ -12,6 +12,7 @@ import shutil
 import signal
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -137,16 +138,16 @@ def run_variant(path: Path, scene: Scene, progress: Callable[[float, str], None]
 def _work(folder: Path, tasks: Any, messages: Any) -> None:
     """What one process does: variants, until there are none left."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides
+
+    def tell(key: str, part: float, word: str) -> None:
+        # The end is told once everything is written.
+        messages.put((key, min(part, 0.999), word, None))
+
     while (task := tasks.get()) is not None:
         key, scene = task
         try:
-            messages.put((key, 0.0, "", None))
-            run_variant(
-                folder / key,
-                scene,
-                # The end is told once everything is written.
-                lambda part, word, key=key: messages.put((key, min(part, 0.999), word, None)),
-            )
+            tell(key, 0.0, "")
+            run_variant(folder / key, scene, partial(tell, key))
             messages.put((key, 1.0, "", None))
         except BaseException as error:
             messages.put((key, 1.0, "", f"{type(error).__name__}: {error}"))

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -125,7 +126,7 @@ def _by_cycle(
         return np.array(
             [
                 measure(result, arrays, slice(int(first), int(last)), joint)
-                for first, last in zip(ends[:-1], ends[1:], strict=True)
+                for first, last in pairwise(ends)
             ]
         )
 
