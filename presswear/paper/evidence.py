@@ -1,7 +1,7 @@
 """What our runs say about a quantity of the paper: its value, its interval, its scatter."""
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 
@@ -110,6 +110,12 @@ def _column(name: str) -> Callable[[StoredResult, int, str], Array]:
     return samples
 
 
+def _contact_rate(result: StoredResult, stage: int, joint: str) -> Array:
+    """Contacts in a second, 1/s."""
+    contacts = _column("contacts")(result, stage, joint)
+    return np.asarray(contacts / result.scene.mechanism.period)
+
+
 def _by_cycle(
     measure: Callable[[StoredResult, dict[str, Array], slice, str], float],
 ) -> Callable[[StoredResult, int, str], Array]:
@@ -171,7 +177,7 @@ _CYCLES: Mapping[str, Callable[[StoredResult, int, str], Array]] = {
     "velocity": _column("velocity_max"),
     "acceleration": _column("acceleration_max"),
     "force": _column("force_max"),
-    "contacts": _column("contacts"),
+    "contact_rate": _contact_rate,
     "dose": _column("dose"),
     "displacement_off": _by_cycle(_off_ideal(0)),
     "velocity_off": _by_cycle(_off_ideal(1)),
@@ -205,7 +211,14 @@ _MAPS: Mapping[str, Callable[[Array], Array]] = {
     "unevenness": _unevenness,
     "mean_depth": _mean_depth,
 }
-"""Quantities of a wear map, of both surfaces together."""
+"""Quantities of the wear map of both surfaces together, all wears so far added up."""
+
+_LAST: Mapping[str, Callable[[Array], Array]] = {
+    "added_depth": _deepest,
+    "added_mean": _mean_depth,
+    "contact_range": _range,
+}
+"""The same of the last wear alone."""
 
 ANGLE = "angle"
 """Where a wear map is deepest."""
@@ -286,18 +299,19 @@ class Evidence:
         found = self.at_stage(case, place.setting, last)
         if last < 0 or not found:
             return None
-        mean, draws, count = self._drawn(found, place.joint, place.wears)
+        stages = range(last, place.wears) if quantity in _LAST else range(place.wears)
+        mean, draws, count = _drawn(found, place.joint, stages)
         dose = [_CYCLES["dose"](result, last, place.joint) for result in found]
         cycles = sum(after_startup(rows).size for rows in dose)
         apart = last > 0 and differ([after_startup(rows) for rows in dose])
         if quantity == ANGLE:
             interval = peak_of(mean, draws, count).angle
         else:
-            functional = _MAPS[quantity]
+            functional = (_LAST if quantity in _LAST else _MAPS)[quantity]
             interval = basic_interval(float(functional(mean)), functional(draws), count)
             half = None
             if apart:
-                own = [functional(self._drawn([r], place.joint, place.wears)[0]) for r in found]
+                own = [functional(_drawn([r], place.joint, stages)[0]) for r in found]
                 half = half_width(np.array(own))
             if half is not None:
                 interval = Interval(interval.value, interval.value - half, interval.value + half)
@@ -305,28 +319,41 @@ class Evidence:
             interval.value, interval.low, interval.high, None, cycles, len(found), apart
         )
 
-    def _drawn(
-        self, found: Iterable[StoredResult], joint: str, wears: int
-    ) -> tuple[Array, Array, int]:
-        """Mean map after some wears, its bootstrap draws, and the fewest samples of a wear."""
-        pools = [_batches(found, joint, stage) for stage in range(wears)]
-        mean = sum((w @ m / w.sum() for m, w in pools), np.zeros(pools[0][0].shape[1]))
-        draws = sum(
-            (resampled(m, w, seed) for seed, (m, w) in enumerate(pools)), np.zeros((1, mean.size))
-        )
-        return mean, draws, min(len(m) for m, _ in pools)
-
     def wear_map(self, case: str, setting: str, joint: str, wears: int) -> WearMap | None:
         """Depth after some wears, bearing and pin together, with its pointwise interval."""
         found = self.at_stage(case, setting, wears - 1)
         if wears < 1 or not found:
             return None
-        mean, draws, _ = self._drawn(found, joint, wears)
+        mean, draws, _ = _drawn(found, joint, range(wears))
         low, high = np.quantile(draws, (0.025, 0.975), axis=0)
         return WearMap(found[0].stages[0]["angle"], mean, low, high)
 
+    def map_error(self, case: str, setting: str, joint: str, stage: int) -> float | None:
+        """Standard error of the wear map of a stage, pooled over the runs, part of its rms."""
+        found = self.at_stage(case, setting, stage)
+        if not found:
+            return None
+        maps, weights = _batches(found, joint, stage)
+        if len(maps) < LEAST_SAMPLES:
+            return None
+        share = weights / weights.sum()
+        mean = share @ maps
+        # Of a weighted mean of samples whose variance goes as one over the weight.
+        variance = (share @ (maps - mean) ** 2) / (len(maps) - 1)
+        return math.sqrt(float(variance.sum()) / float((mean**2).sum()))
 
-def _batches(found: Iterable[StoredResult], joint: str, stage: int) -> tuple[Array, Array]:
+
+def _drawn(found: Sequence[StoredResult], joint: str, stages: range) -> tuple[Array, Array, int]:
+    """Mean of the wears after some stages added up, its draws, and their fewest samples."""
+    pools = [_batches(found, joint, stage) for stage in stages]
+    mean = sum((w @ m / w.sum() for m, w in pools), np.zeros(pools[0][0].shape[1]))
+    draws = sum(
+        (resampled(m, w, seed) for seed, (m, w) in enumerate(pools)), np.zeros((1, mean.size))
+    )
+    return mean, draws, min(len(m) for m, _ in pools)
+
+
+def _batches(found: Sequence[StoredResult], joint: str, stage: int) -> tuple[Array, Array]:
     """Depth of one wear by batches of all runs, (n, m), and the cycles in each, (n,).
 
     Where a run has no batches (its wear went in steps), its wear is one.
