@@ -41,8 +41,8 @@ class Stage:
         After the last stage no wear is applied; there it is what one more would add in one
         jump, at the rate of this stage.
     batches : ndarray, shape (n, joints, 2, m)
-        Depth that one wear adds by each of n batches of cycles alone, m; empty where the wear
-        was applied in steps or few cycles ran.
+        Depth that one wear adds by each of n batches of the stage's cycles alone, m, with the
+        mean ``added``; empty where few cycles ran.
     amplification : float
         Multiplier of the depth of the cycles that the stage ran.
     steps : tuple of WearStep
@@ -229,9 +229,11 @@ def stage_of(
     """A stage with its statistics."""
     run = ran.run
     factor = scene.amplification.factor(max(ran.cycles, 1))
-    batches = np.zeros((0, *added.shape))
-    if len(steps) < 2:
-        batches = scene.represented_cycles * run.account.maps.batches()
+    batches = scene.represented_cycles * run.account.maps.batches()
+    if len(batches):
+        # Of a wear in steps, the sum of steps with the scatter of the first: in all runs but
+        # that one the tolerance is wider by the root of their number.
+        batches += added - batches.mean(axis=0)
     statistics = stage_statistics(ran.linkage, run.account, added, batches) | {
         "energy_residual_J": run.diagnostics["energy_residual_J"],
         "energy_exchanged_J": run.diagnostics["drive_exchange_J"],

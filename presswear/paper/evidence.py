@@ -356,7 +356,7 @@ def _drawn(found: Sequence[StoredResult], joint: str, stages: range) -> tuple[Ar
 def _batches(found: Sequence[StoredResult], joint: str, stage: int) -> tuple[Array, Array]:
     """Depth of one wear by batches of all runs, (n, m), and the cycles in each, (n,).
 
-    Where a run has no batches (its wear went in steps), its wear is one.
+    Where a run has no batches, too few cycles, its wear is one.
     """
     maps, weights = [], []
     for result in found:
