@@ -5,7 +5,7 @@ Run:  python scenarios/runaway.py
 
 from pathlib import Path
 
-from presswear.report.study import write_study_report
+from presswear.report.runaway import write_runaway_report
 from presswear.runaway import runaway
 from presswear.studies import run_study
 
@@ -21,7 +21,7 @@ def main() -> None:
             print(f"finished {len(told)} of {len(study.variants)}: {key}")
 
     run_study(study, folder, jobs=2, resume=folder.exists(), told=progress)
-    answer, report = write_study_report(study, folder)
+    answer, report = write_runaway_report(study, folder)
     print(answer)
     print("report:", report)
 

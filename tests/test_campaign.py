@@ -12,7 +12,6 @@ from presswear.campaign import Stage, Watcher, run_campaign
 from presswear.catalog import slider_crank, wear_times
 from presswear.errors import InputError
 from presswear.results import ResultFolder, StoredResult, load, write_whole
-from presswear.sampling import estimate
 from presswear.scene import CONVENTIONS, Scene
 from presswear.surface import Surface
 
@@ -177,11 +176,3 @@ def test_wear_through_the_pin_is_named() -> None:
     assert found is not None
     assert "pin of joint C" in found
     assert worn_out(joints, {"A": (whole, whole), "C": (whole, whole)}) is None
-
-
-def test_interval_of_a_mean_over_cycles() -> None:
-    """Student's interval of 2, 4, 6 after the start-up cycle: 4 +- 4.303 * 2 / sqrt(3)."""
-    found = estimate(np.array([100.0, 2.0, 4.0, 6.0]))
-    assert found.mean == 4.0
-    assert found.half_width == pytest.approx(4.30265 * 2.0 / 3.0**0.5, rel=1e-5)
-    assert estimate(np.array([1.0])).half_width is None

@@ -10,10 +10,12 @@ from rich.console import Console
 from rich.progress import Progress, TaskID
 
 from presswear.catalog import SCENES, STUDIES, scene_named
+from presswear.commands import studies
 from presswear.commands.terminal import free_folder, progress_bar, settings_given
 from presswear.errors import InputError, RunError
 from presswear.scene import CONVENTIONS, Scene, stage_name
 from presswear.settings import changed
+from presswear.studies import is_study
 
 if TYPE_CHECKING:
     from presswear.campaign import Stage
@@ -51,50 +53,11 @@ def add(commands: Any) -> None:
 
     report = commands.add_parser(
         "report",
-        help="figures and report anew from a result folder",
+        help="figures and report anew from the folder of a run or a study",
         epilog="example: presswear report results/wear-times",
     )
     report.add_argument("folder", type=Path, metavar="DIR")
     report.set_defaults(run=_report)
-
-
-def _study(arguments: argparse.Namespace, console: Console) -> int:
-    """Run a study: its variants, with the options given, into one folder."""
-    if arguments.jobs < 1:
-        raise InputError(f"--jobs {arguments.jobs}: allowed is 1 and more")
-    if arguments.resume and arguments.out is None:
-        raise InputError("--resume needs the folder to go on with: --out DIR")
-    from presswear.runaway import runaway
-    from presswear.studies import run_study, waiting
-
-    plain = runaway()
-    study = replace(
-        plain,
-        variants=tuple(
-            replace(variant, scene=_with_options(variant.scene, arguments))
-            for variant in plain.variants
-        ),
-    )
-    folder = arguments.out if arguments.out is not None else free_folder(study.name)
-    waiting(study, folder, arguments.resume)
-    from presswear.report.study import write_study_report
-
-    labels = {variant.key: variant.label for variant in study.variants}
-    parts = dict.fromkeys(labels, 0.0)
-    with progress_bar(console) as bar:
-        task = bar.add_task("start", total=float(len(parts)))
-
-        def told(key: str, part: float, word: str) -> None:
-            if part >= 1.0 and parts[key] < 1.0:
-                bar.console.print(f"finished: {labels[key]}", highlight=False)
-            parts[key] = max(part, parts[key])
-            bar.update(task, completed=sum(parts.values()), description=labels[key])
-
-        run_study(study, folder, arguments.jobs, arguments.resume, told)
-    sentence, report = write_study_report(study, folder)
-    console.print(sentence, highlight=False)
-    console.print(f"results in {folder}, report in {report}", highlight=False)
-    return 0
 
 
 def _scene_from(arguments: argparse.Namespace) -> Scene:
@@ -120,7 +83,7 @@ def _with_options(scene: Scene, arguments: argparse.Namespace) -> Scene:
 
 def _run(arguments: argparse.Namespace, console: Console) -> int:
     if arguments.scene in STUDIES:
-        return _study(arguments, console)
+        return studies.run(arguments, console, partial(_with_options, arguments=arguments))
     if arguments.resume or arguments.jobs != 1:
         raise InputError(f"--resume and --jobs are for studies: {', '.join(STUDIES)}")
     scene = _scene_from(arguments)
@@ -185,6 +148,8 @@ def _stage_line(stage: "Stage") -> str:
 
 
 def _report(arguments: argparse.Namespace, console: Console) -> int:
+    if is_study(arguments.folder):
+        return studies.report(arguments.folder, console)
     from presswear.report import write_report
     from presswear.results import load
 

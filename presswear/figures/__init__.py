@@ -9,12 +9,12 @@ import matplotlib
 
 from presswear.figures.growth import wear_growth
 from presswear.figures.motion import centre_trajectory, contact_force, response
-from presswear.figures.style import DOTS_PER_INCH, SETTINGS, Drawing, Sheet
+from presswear.figures.style import DOTS_PER_INCH, SETTINGS, Drawing
 from presswear.figures.surfaces import worn_surfaces
 from presswear.figures.wear import wear_depth
 from presswear.results import StoredResult, write_whole
 
-__all__ = ["Drawing", "Figure", "draw_all", "drawings"]
+__all__ = ["Drawing", "Figure", "draw_all", "drawings", "save"]
 
 _DRAWERS: tuple[Callable[[StoredResult], list[Drawing]], ...] = (
     wear_depth,
@@ -43,15 +43,18 @@ def drawings(result: StoredResult) -> Iterator[Drawing]:
         yield from found
 
 
-def _png(sheet: Sheet) -> Callable[[BinaryIO], None]:
-    return lambda file: sheet.savefig(file, format="png", dpi=DOTS_PER_INCH)
+def save(drawing: Drawing, folder: Path) -> Figure:
+    """Write a drawing into a folder, which is made where needed."""
+
+    def write(file: BinaryIO) -> None:
+        drawing.sheet.savefig(file, format="png", dpi=DOTS_PER_INCH)
+
+    folder.mkdir(parents=True, exist_ok=True)
+    with matplotlib.rc_context(SETTINGS):
+        write_whole(folder / drawing.file, write)
+    return Figure(drawing.file, drawing.title, drawing.caption)
 
 
 def draw_all(result: StoredResult, folder: Path) -> list[Figure]:
-    """Write the figures of a result into a folder, which is made where needed."""
-    folder.mkdir(parents=True, exist_ok=True)
-    written = []
-    for drawing in drawings(result):
-        write_whole(folder / drawing.file, _png(drawing.sheet))
-        written.append(Figure(drawing.file, drawing.title, drawing.caption))
-    return written
+    """Write the figures of a result into a folder."""
+    return [save(drawing, folder) for drawing in drawings(result)]

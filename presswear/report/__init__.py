@@ -1,12 +1,9 @@
 """The report of a result folder: one HTML file that opens anywhere."""
 
-import base64
 from dataclasses import dataclass
 from pathlib import Path
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
-
-from presswear.figures import Figure, draw_all
+from presswear.figures import draw_all
 from presswear.figures.numbers import readable, whole, with_interval
 from presswear.laws import delivered_restitution, lankarani_nikravesh_damping
 from presswear.quantities import Choice
@@ -17,6 +14,7 @@ from presswear.report.origin import (
     parameters,
     provenance,
 )
+from presswear.report.page import Illustration, render_page
 from presswear.report.parts import (
     CUBIC_MILLIMETRES,
     MILLI,
@@ -44,29 +42,23 @@ def write_report(result: StoredResult) -> Path:
     """Draw the figures and write ``report.html`` into the result folder; returns its path."""
     folder = result.path / "figures"
     figures = draw_all(result, folder)
-    text = render(result, [(figure, (folder / figure.file).read_bytes()) for figure in figures])
+    text = render(result, [Illustration.of(figure, folder) for figure in figures])
     path = result.path / "report.html"
     write_bytes(path, text.encode())
     return path
 
 
-def render(result: StoredResult, figures: list[tuple[Figure, bytes]]) -> str:
-    """The page as text, figures (record and PNG) inside."""
-    page = Environment(
-        loader=PackageLoader("presswear"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    return page.get_template("report.html").render(
+def render(result: StoredResult, figures: list[Illustration]) -> str:
+    """The page as text."""
+    return render_page(
+        "report.html",
         scene=result.scene,
         status=status_of(result),
         modelled=modelled(result),
         key_numbers=key_numbers(result),
         endings=endings(result),
         growth=growth(result),
-        figures=[(figure, base64.b64encode(png).decode()) for figure, png in figures],
+        figures=figures,
         means=cycle_means(result),
         notes=notes(result),
         parameters=parameters(result),

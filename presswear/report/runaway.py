@@ -1,15 +1,15 @@
-"""The report of a study: its answer, one row a variant, its figure, in one HTML file."""
+"""The report of the study ``runaway``: answer, one row a variant, figure, in one HTML file."""
 
-import base64
 import math
-from io import BytesIO
 from pathlib import Path
 
 import matplotlib
-from jinja2 import Environment, PackageLoader, StrictUndefined
 
+from presswear.figures import save
 from presswear.figures.runaway import two_wears
-from presswear.figures.style import DOTS_PER_INCH, SETTINGS
+from presswear.figures.style import SETTINGS
+from presswear.report.page import Illustration, render_page
+from presswear.report.parts import Table
 from presswear.results import write_bytes
 from presswear.runaway import CYCLES, RUNAWAY, Outcome, answer, outcome_of
 from presswear.studies import Study, results_of
@@ -46,26 +46,20 @@ def _row(outcome: Outcome) -> tuple[str, ...]:
     )
 
 
-def write_study_report(study: Study, folder: Path) -> tuple[str, Path]:
+def write_runaway_report(study: Study, folder: Path) -> tuple[str, Path]:
     """Write ``report.html`` and the figure into the study's folder; returns answer and path."""
     outcomes = [outcome_of(variant, result) for variant, result in results_of(study, folder)]
     clearance = study.variants[0].scene.bearings.clearance
     sentence = answer(outcomes, clearance)
     with matplotlib.rc_context(SETTINGS):
         drawing = two_wears(outcomes, clearance)
-    image = BytesIO()
-    drawing.sheet.savefig(image, format="png", dpi=DOTS_PER_INCH)
-    png = image.getvalue()
-    write_bytes(folder / drawing.file, png)
-    page = Environment(
-        loader=PackageLoader("presswear"), autoescape=True, undefined=StrictUndefined
-    ).get_template("study.html")
-    text = page.render(
+    figure = save(drawing, folder)
+    text = render_page(
+        "study.html",
         study=study,
         answer=sentence,
-        head=_HEAD,
-        rows=[_row(outcome) for outcome in outcomes],
-        figures=[(drawing, base64.b64encode(png).decode())],
+        outcomes=Table(_HEAD, (("", tuple(map(_row, outcomes))),)),
+        figures=[Illustration.of(figure, folder)],
         notes=[
             f"A wear runs away here when the second adds more than {RUNAWAY:g} times the depth of "
             f"the first. Each run has {CYCLES} cycles unless the row or the command says "

@@ -1,0 +1,117 @@
+"""Studies from the command line: their runs side by side, progress of each, one report."""
+
+import argparse
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import Progress, TaskID
+
+from presswear.commands.terminal import free_folder, progress_bar
+from presswear.errors import InputError, RunError
+from presswear.scene import Scene
+from presswear.studies import Change, Study, Variant, load_study, run_study, waiting
+
+Writer = Callable[[Study, Path], tuple[str, Path]]
+"""Writes a study's report into its folder; gives its answer and its path."""
+
+
+def _builder(name: str) -> Callable[[Change], Study]:
+    """What makes a study of a name; imported only when wanted."""
+    if name == "paper":
+        from presswear.paper.variants import paper
+
+        return paper
+    from presswear.runaway import runaway
+
+    return runaway
+
+
+def _writer(name: str) -> Writer:
+    """What writes the report of a study of a name."""
+    if name == "paper":
+        from presswear.report.paper import write_paper_report
+
+        return write_paper_report
+    from presswear.report.runaway import write_runaway_report
+
+    return write_runaway_report
+
+
+@dataclass
+class Board:
+    """Progress of a study on a terminal: one line for the whole, one for each run at work.
+
+    Attributes
+    ----------
+    parts : dict
+        Part done 0 .. 1 by key of the variant.
+    """
+
+    bar: Progress
+    variants: dict[str, Variant]
+    parts: dict[str, float]
+    whole: TaskID
+    lines: dict[str, TaskID]
+
+    @staticmethod
+    def of(study: Study, bar: Progress) -> "Board":
+        """A board on which nothing has been done yet."""
+        variants = {variant.key: variant for variant in study.variants}
+        total = sum(variant.extent for variant in study.variants)
+        whole = bar.add_task(study.name, total=total)
+        return Board(bar, variants, dict.fromkeys(variants, 0.0), whole, {})
+
+    def tell(self, key: str, part: float, word: str) -> None:
+        """A variant has come so far."""
+        label = self.variants[key].label
+        is_news = part >= 1.0 > self.parts[key]
+        self.parts[key] = max(part, self.parts[key])
+        if key not in self.lines and part < 1.0:
+            self.lines[key] = self.bar.add_task(label, total=1.0)
+        if key in self.lines:
+            text = f"{label}{': ' if word else ''}{word}"
+            self.bar.update(self.lines[key], completed=self.parts[key], description=text)
+        if is_news:
+            finished = sum(done >= 1.0 for done in self.parts.values())
+            self.bar.console.print(
+                f"finished {finished} of {len(self.parts)}: {label}", highlight=False
+            )
+            if key in self.lines:
+                self.bar.remove_task(self.lines.pop(key))
+        done = sum(variant.extent * self.parts[key] for key, variant in self.variants.items())
+        self.bar.update(self.whole, completed=done)
+
+
+def run(arguments: argparse.Namespace, console: Console, change: Callable[[Scene], Scene]) -> int:
+    """Run a study into one folder, with a change that a person asked for."""
+    if arguments.jobs < 1:
+        raise InputError(f"--jobs {arguments.jobs}: allowed is 1 and more")
+    if arguments.resume and arguments.out is None:
+        raise InputError("--resume needs the folder to go on with: --out DIR")
+    study = _builder(arguments.scene)(change)
+    folder = arguments.out if arguments.out is not None else free_folder(study.name)
+    waiting(study, folder, arguments.resume)
+    try:
+        with progress_bar(console) as bar:
+            board = Board.of(study, bar)
+            run_study(study, folder, arguments.jobs, arguments.resume, board.tell)
+    except KeyboardInterrupt:
+        console.print(
+            f"finished runs are kept; the same command with --out {folder} --resume goes on",
+            highlight=False,
+        )
+        raise
+    except RuntimeError as error:
+        raise RunError(f"{error}; finished runs are kept in {folder}") from error
+    return report(folder, console)
+
+
+def report(folder: Path, console: Console) -> int:
+    """Write the report of a study's folder anew."""
+    study = load_study(folder)
+    answer, path = _writer(study.name)(study, folder)
+    console.print(answer, highlight=False)
+    console.print(f"results in {folder}, report in {path}", highlight=False)
+    return 0

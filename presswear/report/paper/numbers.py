@@ -1,0 +1,135 @@
+"""Tables of the printed numbers beside ours."""
+
+import math
+
+import numpy as np
+
+from presswear.figures.numbers import readable
+from presswear.paper.claims import depth_ratios
+from presswear.paper.evidence import Evidence, Place, WearMap
+from presswear.paper.printed import PRINTED, RANGES, Printed
+from presswear.paper.variants import BASE, SETTINGS
+from presswear.paper.verdicts import Standing, compared, ratio_standing, standing
+from presswear.paper.words import (
+    QUANTITIES,
+    between,
+    number,
+    place_text,
+    ratio_text,
+    value_with_interval,
+)
+from presswear.report.paper.trends import compared_text
+from presswear.report.parts import Row, Table
+
+_HEAD = (
+    "printed number",
+    "Fig.",
+    "paper",
+    "ours (95 % interval)",
+    "single cycles (95 %)",
+    "paper / ours",
+    "",
+    "remarks",
+)
+
+
+def stages_of(item: Printed) -> list[Place]:
+    """The stages of ours that a printed number is held against."""
+    if not item.stage_not_said:
+        return [item.place]
+    place = item.place
+    return [Place(place.setting, wears, place.joint) for wears in (0, 1)]
+
+
+def standings(evidence: Evidence) -> list[tuple[Printed, Standing]]:
+    """How every printed number stands, by stage where the paper leaves it open."""
+    return [
+        (item, standing(item, evidence.measured(BASE, place, item.quantity)))
+        for item in PRINTED
+        for place in stages_of(item)
+    ]
+
+
+def numbers_table(evidence: Evidence) -> Table:
+    """Every printed number, by section."""
+    groups: dict[str, list[Row]] = {}
+    for item in PRINTED:
+        setting = SETTINGS[item.place.setting][0]
+        group = f"Section {item.section}: {setting}"
+        for place in stages_of(item):
+            groups.setdefault(group, []).append(_number_row(evidence, item, place))
+    return Table(_HEAD, tuple((name, tuple(rows)) for name, rows in groups.items()), numeric=False)
+
+
+def _number_row(evidence: Evidence, item: Printed, place: Place) -> Row:
+    shown = QUANTITIES[item.quantity]
+    ours = evidence.measured(BASE, place, item.quantity)
+    remarks = [item.misprint] if item.misprint else []
+    if item.stage_not_said:
+        remarks.append("stage not said in the paper")
+    if ours is not None and ours.differ:
+        remarks.append("our runs differ from each other: interval over runs")
+    is_ratio = ours is not None and ours.value > 0.0 and item.quantity != "angle"
+    return (
+        f"{shown.label}, {place_text(place, item.quantity)} ({shown.unit})",
+        item.figure,
+        number(item.value, item.quantity),
+        value_with_interval(ours, item.quantity),
+        between(*ours.draws, item.quantity) if ours is not None and ours.draws else "–",
+        readable(item.value / ours.value) if ours is not None and is_ratio else "–",
+        str(standing(item, ours)),
+        "; ".join(remarks),
+    )
+
+
+def ratios_table(evidence: Evidence) -> Table:
+    """Ratios between printed depths, which do not hang on K_d / b."""
+    rows = []
+    for part in depth_ratios():
+        printed = part.printed
+        assert printed is not None, "only printed depths are compared"
+        ours = compared(evidence, BASE, part)
+        quotient = readable(printed / ours.value) if ours is not None else "–"
+        rows.append(
+            (
+                compared_text(part),
+                readable(printed),
+                ratio_text(ours),
+                quotient,
+                str(ratio_standing(printed, ours)),
+            )
+        )
+    head = ("ratio of deepest wears", "paper", "ours (95 % interval)", "paper / ours", "")
+    return Table(head, (("", tuple(rows)),), numeric=False)
+
+
+def ranges_table(evidence: Evidence) -> Table:
+    """Printed ranges of wear: how much of our wear lies inside."""
+    rows = []
+    for item in RANGES:
+        arcs = ", ".join(
+            f"{math.degrees(low):.4g}° to {math.degrees(high):.4g}°" for low, high in item.arcs
+        )
+        width = sum(math.degrees(high - low) for low, high in item.arcs)
+        for setting in ("friction-0.05", "friction-0.1"):
+            ours = evidence.wear_map(BASE, setting, item.joint, 1)
+            inside = "–" if ours is None else f"{readable(100.0 * _inside(ours, item.arcs))} %"
+            rows.append(
+                (
+                    f"joint {item.joint}, {SETTINGS[setting][0]}",
+                    item.figure,
+                    arcs,
+                    f"{width / 3.6:.3g} %",
+                    inside,
+                )
+            )
+    head = ("main wear area", "Fig.", "paper", "part of the circle", "part of our wear inside")
+    return Table(head, (("", tuple(rows)),), numeric=False)
+
+
+def _inside(ours: WearMap, arcs: tuple[tuple[float, float], ...]) -> float:
+    """Part of the depth, summed over the angle, that lies in some arcs."""
+    within = np.zeros(ours.angle.size, dtype=bool)
+    for low, high in arcs:
+        within |= (ours.angle >= low) & (ours.angle <= high)
+    return float(ours.mean[within].sum() / ours.mean.sum())

@@ -1,0 +1,34 @@
+"""Two friction coefficients at 6 pi rad/s, one wear (paper, sections 5.3.2 and 5.4.2).
+
+Run:  python scenarios/friction.py
+"""
+
+from dataclasses import replace
+from pathlib import Path
+
+from presswear.campaign import Stage, Watcher, run_campaign
+from presswear.catalog import friction, friction_high
+from presswear.report import write_report
+from presswear.results import ResultFolder, load
+
+
+def main() -> None:
+    for scene in (friction(), friction_high()):
+        scene = replace(scene, cycles=10)
+        folder = ResultFolder(Path("results") / f"{scene.name}-script", scene)
+
+        def finished(stage: Stage, folder: ResultFolder = folder) -> None:
+            folder.add(stage)
+            for name, joint in stage.statistics["joints"].items():
+                print(
+                    f"c_f {stage.linkage.clearances[0].friction.coefficient:g}, after "
+                    f"{stage.index} wears: joint {name}, one wear is "
+                    f"{1e6 * joint['wear_depth_max_both_m']:.1f} µm deep"
+                )
+
+        folder.close(*run_campaign(scene, Watcher(stage=finished)))
+        print("report:", write_report(load(folder.path)))
+
+
+if __name__ == "__main__":
+    main()
