@@ -1,7 +1,7 @@
 """Figures of motion: slider response, contact forces, paths of the pin centres."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -33,7 +33,8 @@ _MEANS_PER_CYCLE = 50
 """Intervals in a cycle over which the acceleration is averaged."""
 _TALLEST = 9.6
 """Greatest height that fits an A4 page with its caption, inches."""
-_IDEAL_DASHES = (0.0, (4.0, 2.0))
+IDEAL_DASHES = (0.0, (4.0, 2.0))
+"""Of the ideal motion and of the round gap."""
 _LIMIT: dict[str, Any] = {"color": REFERENCE, "linewidth": 0.7}
 
 
@@ -52,8 +53,8 @@ def response(result: StoredResult) -> list[Drawing]:
     panels = sheet.subplots(len(heights), 1, sharex=True, height_ratios=heights)
     _draw_displacements(panels[:2], result.scene, stages, time, ideal[:, 0])
     for stage in stages:
-        _draw_stage(panels[2], stage, stage.early(end), stage.arrays["slider"][:, 1])
-    _draw_ideal(panels[2], time, ideal[:, 1])
+        draw_stage(panels[2], stage, stage.early(end), stage.arrays["slider"][:, 1])
+    draw_ideal(panels[2], time, ideal[:, 1])
     panels[2].set_ylabel("velocity\n(m/s)")
     _draw_accelerations(panels[3 : 3 + len(stages)], stages, time, ideal[:, 2])
     caption = f"The slider over {shown_time_text(result)}, against the ideal motion in closed form."
@@ -68,7 +69,7 @@ def response(result: StoredResult) -> list[Drawing]:
     panels[-1].set_xlabel("time (s)")
     panels[-1].set_xlim(0.0, end)
     sheet.align_ylabels()
-    handles = [Line2D([], [], color=REFERENCE, linestyle=_IDEAL_DASHES, label="ideal")]
+    handles = [Line2D([], [], color=REFERENCE, linestyle=IDEAL_DASHES, label="ideal")]
     handles += [
         Line2D([], [], color=stage.colour, linestyle=stage.dashes, label=stage.label)
         for stage in stages
@@ -77,7 +78,8 @@ def response(result: StoredResult) -> list[Drawing]:
     return [Drawing("response.png", "Motion of the slider", caption, sheet)]
 
 
-def _draw_stage(axes: Axes, stage: ShownStage, rows: slice, values: Array) -> None:
+def draw_stage(axes: Axes, stage: ShownStage, rows: slice, values: Array) -> None:
+    """Values of a stage over some rows of its time."""
     axes.plot(
         stage.arrays["time"][rows],
         values[rows],
@@ -87,8 +89,9 @@ def _draw_stage(axes: Axes, stage: ShownStage, rows: slice, values: Array) -> No
     )
 
 
-def _draw_ideal(axes: Axes, time: Array, values: Array) -> None:
-    axes.plot(time, values, color=REFERENCE, linestyle=_IDEAL_DASHES, linewidth=0.9)
+def draw_ideal(axes: Axes, time: Array, values: Array) -> None:
+    """Values of the ideal motion."""
+    axes.plot(time, values, color=REFERENCE, linestyle=IDEAL_DASHES, linewidth=0.9)
 
 
 def _draw_displacements(
@@ -106,10 +109,10 @@ def _draw_displacements(
     )
     factor, unit = length_scale(largest)
     for stage, rows, deviation in zip(stages, shown, deviations, strict=True):
-        _draw_stage(panels[0], stage, rows, stage.arrays["slider"][:, 0])
-        _draw_stage(panels[1], stage, rows, factor * deviation)
-    _draw_ideal(panels[0], time, ideal)
-    _draw_ideal(panels[1], time, np.zeros_like(time))
+        draw_stage(panels[0], stage, rows, stage.arrays["slider"][:, 0])
+        draw_stage(panels[1], stage, rows, factor * deviation)
+    draw_ideal(panels[0], time, ideal)
+    draw_ideal(panels[1], time, np.zeros_like(time))
     panels[0].set_ylabel("displacement\n(m)")
     panels[1].set_ylabel(f"displacement\nless ideal ({unit})")
 
@@ -123,7 +126,7 @@ def _draw_accelerations(
         rows = stage.early(float(time[-1]))
         values = stage.arrays["slider"][rows, 2]
         axes.plot(stage.arrays["time"][rows], values, color=stage.colour, linewidth=0.7)
-        _draw_ideal(axes, time, ideal)
+        draw_ideal(axes, time, ideal)
         axes.set_ylabel("acceleration\n(m/s²)")
         note(axes, f"{stage.label}, largest {readable(float(np.abs(values).max()))} m/s²")
         low, high = min(low, float(values.min())), max(high, float(values.max()))
@@ -144,7 +147,7 @@ def _draw_mean_accelerations(
     for stage in stages:
         values = mean(stage.arrays["time"], stage.arrays["slider"][:, 1])
         axes.plot(middle, values, color=stage.colour, linestyle=stage.dashes, linewidth=0.8)
-    _draw_ideal(axes, middle, mean(time, ideal_velocity))
+    draw_ideal(axes, middle, mean(time, ideal_velocity))
     axes.set_ylabel(f"acceleration,\n{readable(1e3 * interval, 2)} ms mean\n(m/s²)")
 
 
@@ -190,7 +193,7 @@ def centre_trajectory(result: StoredResult) -> list[Drawing]:
     clearance = result.scene.bearings.clearance
     factor, unit = length_scale(clearance)
     limits = {
-        (joint, stage.index): _gap_limit(result, joint, stage)
+        (joint, stage.index): gap_limit(result, joint, stage)
         for joint in joints
         for stage in stages
     }
@@ -199,42 +202,63 @@ def centre_trajectory(result: StoredResult) -> list[Drawing]:
         for axes, stage in zip(row, stages, strict=True):
             path = stage.arrays[f"{joint}_eccentricity"][stage.early(shown_time(result))]
             limit = limits[joint, stage.index]
-            axes.plot(*(factor * path.T), color=stage.colour, linewidth=0.5)
-            axes.plot(*(factor * _circle(clearance)), linestyle=_IDEAL_DASHES, **_LIMIT)
-            axes.plot(*(factor * limit), **_LIMIT)
-            reached = np.hstack([path.T, limit])
-            widest = max(widest, float(np.hypot(*reached).max(initial=0.0)))
+            reach = draw_path(axes, path, limit, clearance, factor, stage.colour)
+            widest = max(widest, reach)
         row[0].set_ylabel(f"joint {joint}\n$e_y$ ({unit})")
     for axes, stage in zip(grid[0], stages, strict=True):
         axes.set_title(stage.label)
     for axes in grid[-1]:
         axes.set_xlabel(f"$e_x$ ({unit})")
-    edge = 1.06 * factor * widest
-    for axes in grid.flat:
-        axes.set_xlim(-edge, edge)
-        axes.set_ylim(-edge, edge)
-        axes.set_aspect("equal")
-        axes.xaxis.set_major_locator(MaxNLocator(4, symmetric=True))
-        axes.yaxis.set_major_locator(MaxNLocator(4, symmetric=True))
-    handles = [
-        Line2D(
-            [],
-            [],
-            linestyle=_IDEAL_DASHES,
-            label=f"clearance circle, c = {readable(factor * clearance)} {unit}",
-            **_LIMIT,
-        )
-    ]
+    set_path_limits(grid.flat, 1.06 * factor * widest)
+    handles = [circle_line(f"clearance circle, c = {readable(factor * clearance)} {unit}")]
     caption = (
         f"Centre of the pin from the centre of its bearing over {shown_time_text(result)}, in "
         "fixed directions. It starts in the middle."
     )
     if any(limit.size for limit in limits.values()):
-        handles.append(Line2D([], [], label="gap limit, c + wear depths", **_LIMIT))
+        handles.append(limit_line())
     elif any(np.any(s.depth(j, side) > 0.0) for s in stages for j in joints for side in SIDES):
         caption += " Worn surfaces turn with their bodies, so that no fixed line bounds the path."
     sheet.legend(handles=handles, loc="outside upper center", ncols=len(handles))
     return [Drawing("centre-trajectory.png", "Path of the pin centre", caption, sheet)]
+
+
+def draw_path(
+    axes: Axes, path: Array, limit: Array, clearance: float, factor: float, colour: str
+) -> float:
+    """Path of a pin's centre, shape (n, 2), m, with what bounds it; returns how far all reach, m.
+
+    Parameters
+    ----------
+    limit : ndarray, shape (2, n)
+        As ``gap_limit`` gives it.
+    factor : float
+        Units of the axes in a metre.
+    """
+    axes.plot(*(factor * path.T), color=colour, linewidth=0.5)
+    axes.plot(*(factor * _circle(clearance)), linestyle=IDEAL_DASHES, **_LIMIT)
+    axes.plot(*(factor * limit), **_LIMIT)
+    return max(clearance, float(np.hypot(*np.hstack([path.T, limit])).max(initial=0.0)))
+
+
+def set_path_limits(panels: Iterable[Axes], edge: float) -> None:
+    """One square range, in the units of the axes, for all paths."""
+    for axes in panels:
+        axes.set_xlim(-edge, edge)
+        axes.set_ylim(-edge, edge)
+        axes.set_aspect("equal")
+        axes.xaxis.set_major_locator(MaxNLocator(4, symmetric=True))
+        axes.yaxis.set_major_locator(MaxNLocator(4, symmetric=True))
+
+
+def circle_line(label: str) -> Line2D:
+    """The clearance circle in a legend."""
+    return Line2D([], [], linestyle=IDEAL_DASHES, label=label, **_LIMIT)
+
+
+def limit_line() -> Line2D:
+    """The limit of the gap in a legend."""
+    return Line2D([], [], label="gap limit, c + wear depths", **_LIMIT)
 
 
 def _circle(radius: float) -> Array:
@@ -243,7 +267,7 @@ def _circle(radius: float) -> Array:
     return radius * np.array([np.cos(around), np.sin(around)])
 
 
-def _gap_limit(result: StoredResult, joint: str, stage: ShownStage) -> Array:
+def gap_limit(result: StoredResult, joint: str, stage: ShownStage) -> Array:
     """How far the pin's centre can go, m, shape (2, n); empty where no fixed line says it."""
     depth = stage.depth(joint, "bearing") + stage.depth(joint, "pin")
     if maps_turn(result) or not np.any(depth > 0.0):

@@ -53,6 +53,8 @@ _DASHES: tuple[LineStyle, ...] = (
     (0.0, (3.0, 1.2)),
     (0.0, (1.2, 1.0)),
 )
+LINES: tuple[tuple[str, LineStyle], ...] = tuple(zip(_COLOURS, _DASHES, strict=True))
+"""Colour and dashes of the first, second, ... of several lines."""
 REFERENCE = "black"
 """Colour of what is compared with: the ideal motion, the new surface, the round gap."""
 MUTED = "0.45"
@@ -107,9 +109,7 @@ def shown_stages(result: StoredResult) -> list[ShownStage]:
     labels = map(stage_name, indices) if result.scene.clearance_joints else ["computed"] * count
     return [
         ShownStage(index, label, colour, dashes, result.stages[int(k)])
-        for index, label, k, colour, dashes in zip(
-            indices, labels, picked, _COLOURS, _DASHES, strict=False
-        )
+        for index, label, k, (colour, dashes) in zip(indices, labels, picked, LINES, strict=False)
     ]
 
 

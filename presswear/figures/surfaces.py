@@ -83,11 +83,20 @@ def worn_surfaces(result: StoredResult) -> list[Drawing]:
             if any(np.any(stage.depth(joint, side) > 0.0) for side in SIDES)
         ]
         if worn:
-            found.append(_worn_surface(result, joint, worn))
+            found.append(worn_surface(result, joint, worn))
     return found
 
 
-def _worn_surface(result: StoredResult, joint: str, stages: list[ShownStage]) -> Drawing:
+def worn_surface(result: StoredResult, joint: str, stages: list[ShownStage]) -> Drawing:
+    """Outline and enlargement of one joint.
+
+    Parameters
+    ----------
+    result : StoredResult
+        Whose bearings the joint has.
+    stages : list of ShownStage
+        With the depths to draw, the surface of the last in grey.
+    """
     bearings = result.scene.bearings
     views = _views(result, joint, stages)
     deepest = max(float(stage.depth(joint, side).max()) for stage in stages for side in SIDES)
