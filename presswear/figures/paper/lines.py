@@ -1,0 +1,187 @@
+"""What the paper's figures compare, and the runs that show it."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+
+from matplotlib.lines import Line2D
+
+from presswear.figures.style import LINES, Array, Axes, LineStyle, ShownStage
+from presswear.paper.evidence import Evidence, Measured, Place
+from presswear.paper.printed import FAST, FRICTION, HIGH_FRICTION, PRINTED, SLOW, WEAR, Printed
+from presswear.paper.variants import BASE
+from presswear.results import StoredResult
+from presswear.scene import stage_name
+
+JOINTS = ("A", "C")
+MILLIMETRES = 1e3
+
+
+@dataclass(frozen=True)
+class Line:
+    """A setting after some wears, with the colour and line it has in all figures.
+
+    Attributes
+    ----------
+    setting : str
+        Key of the study's settings.
+    wears : int
+    own : str
+        What sets it apart from the other settings in a figure, if there are others.
+    place : int
+        Its place among the lines.
+    """
+
+    setting: str
+    wears: int
+    own: str
+    place: int
+
+    @property
+    def name(self) -> str:
+        """Setting and stage in words."""
+        stage = stage_name(self.wears)
+        return f"{self.own}, {stage}" if self.own else stage
+
+    @property
+    def wear_name(self) -> str:
+        """What sets it apart among lines that are all worn: of several settings, all once."""
+        return self.own or stage_name(self.wears)
+
+    @property
+    def colour(self) -> str:
+        """Of the line."""
+        return LINES[self.place][0]
+
+    @property
+    def dashes(self) -> LineStyle:
+        """Of the line."""
+        return LINES[self.place][1]
+
+    def at(self, joint: str = "") -> Place:
+        """Where its quantities are."""
+        return Place(self.setting, self.wears, joint)
+
+    def handle(self, name: str) -> Line2D:
+        """It in a legend."""
+        return Line2D([], [], color=self.colour, linestyle=self.dashes, label=name)
+
+
+WEARS = tuple(Line(WEAR, wears, "", wears) for wears in range(3))
+FRICTIONS = (
+    Line(FRICTION, 0, "friction 0.05", 0),
+    Line(HIGH_FRICTION, 0, "friction 0.1", 1),
+    Line(FRICTION, 1, "friction 0.05", 2),
+    Line(HIGH_FRICTION, 1, "friction 0.1", 3),
+)
+SPEEDS = (
+    Line(SLOW, 0, "4π rad/s", 0),
+    Line(SLOW, 1, "4π rad/s", 1),
+    Line(FAST, 0, "8π rad/s", 2),
+    Line(FAST, 1, "8π rad/s", 3),
+)
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A line with the run that shows it.
+
+    Attributes
+    ----------
+    stage : ShownStage
+        Its series end with the first cycle.
+    """
+
+    line: Line
+    result: StoredResult
+    stage: ShownStage
+
+    @property
+    def period(self) -> float:
+        """Of a cycle, s."""
+        return self.result.scene.mechanism.period
+
+
+def shown_cycles(evidence: Evidence, lines: Iterable[Line]) -> list[Shown]:
+    """The first cycle of the first run of each line; a line without any is left out."""
+    found = []
+    for line in lines:
+        for result in evidence.at_stage(BASE, line.setting, line.wears):
+            arrays = result.stages[line.wears]
+            if arrays["time"].size > 1:
+                arrays = _first_cycle(result, arrays)
+                stage = ShownStage(line.wears, line.name, line.colour, line.dashes, arrays)
+                found.append(Shown(line, result, stage))
+                break
+    return found
+
+
+def _first_cycle(result: StoredResult, arrays: dict[str, Array]) -> dict[str, Array]:
+    """The arrays with their series cut to the first cycle."""
+    # The last row of a cycle may lie a rounding behind its end.
+    end = result.scene.mechanism.period * (1.0 + 1e-9)
+    rows = int(arrays["time"].searchsorted(end, side="right"))
+    series = ["time", "slider"]
+    for joint in result.scene.clearance_joints:
+        series += [f"{joint}_force", f"{joint}_eccentricity"]
+    return arrays | {name: arrays[name][:rows] for name in series}
+
+
+def shown_joints(shown: Sequence[Shown]) -> list[str]:
+    """The joints of the paper that have clearance in every run."""
+    open_in_all = [set(one.result.scene.clearance_joints) for one in shown]
+    return [joint for joint in JOINTS if all(joint in found for found in open_in_all)]
+
+
+def differing(known: Iterable[Measured]) -> str:
+    """What the intervals are where runs differ, as a sentence; may be empty."""
+    if not any(one.differ for one in known):
+        return ""
+    return (
+        " Where the runs differ by more than their cycles explain, each run is one sample, and "
+        "the interval is wide."
+    )
+
+
+def printed_in(number: int) -> Iterator[Printed]:
+    """What the paper prints of its figure."""
+    return (one for one in PRINTED if one.figure.rstrip("abc") == str(number))
+
+
+def misprints(number: int) -> str:
+    """What is wrong with the printed numbers of a figure, as a sentence; may be empty."""
+    parts = (part for one in printed_in(number) for part in one.misprint.split("; "))
+    found = list(dict.fromkeys(part for part in parts if part))
+    return f" In print: {'; '.join(found)}." if found else ""
+
+
+def counted(known: Iterable[Measured | None]) -> str:
+    """How many cycles and runs some quantities are from."""
+    found = [one for one in known if one is not None]
+    cycles = _range([one.samples for one in found])
+    runs = _range([one.runs for one in found])
+    return f"{cycles} cycle{'' if cycles == '1' else 's'} of {runs} run{'' if runs == '1' else 's'}"
+
+
+def _range(counts: Sequence[int]) -> str:
+    low, high = min(counts), max(counts)
+    return str(low) if low == high else f"{low} to {high}"
+
+
+def letter(axes: Axes, text: str) -> None:
+    """The letter of a panel, as in the paper, in its upper left corner."""
+    axes.text(
+        0.008,
+        0.95,
+        text,
+        transform=axes.transAxes,
+        ha="left",
+        va="top",
+        fontweight="bold",
+        bbox={"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 1.0},
+    )
+
+
+ONE_CYCLE = (
+    "the first cycle of one run. The motion is chaotic, so that a cycle is one draw: another "
+    "start gives another"
+)
