@@ -102,16 +102,14 @@ class Shown:
 
 
 def shown_cycles(evidence: Evidence, lines: Iterable[Line]) -> list[Shown]:
-    """The first cycle of the first run of each line; a line without any is left out."""
+    """The first cycle of the first start of each line; a line without any is left out."""
     found = []
     for line in lines:
-        for result in evidence.at_stage(BASE, line.setting, line.wears):
-            arrays = result.stages[line.wears]
-            if arrays["time"].size > 1:
-                arrays = _first_cycle(result, arrays)
-                stage = ShownStage(line.wears, line.name, line.colour, line.dashes, arrays)
-                found.append(Shown(line, result, stage))
-                break
+        result = evidence.at_stage(BASE, line.setting, line.wears)
+        if result is not None and result.stages[line.wears]["time"].size > 1:
+            arrays = _first_cycle(result, result.stages[line.wears])
+            stage = ShownStage(line.wears, line.name, line.colour, line.dashes, arrays)
+            found.append(Shown(line, result, stage))
     return found
 
 
@@ -133,11 +131,11 @@ def shown_joints(shown: Sequence[Shown]) -> list[str]:
 
 
 def differing(known: Iterable[Measured]) -> str:
-    """What the intervals are where runs differ, as a sentence; may be empty."""
+    """What the intervals are where starts differ, as a sentence; may be empty."""
     if not any(one.differ for one in known):
         return ""
     return (
-        " Where the runs differ by more than their cycles explain, each run is one sample, and "
+        " Where starts differ by more than their cycles explain, each start is one sample, and "
         "the interval is wide."
     )
 
@@ -155,16 +153,15 @@ def misprints(number: int) -> str:
 
 
 def counted(known: Iterable[Measured | None]) -> str:
-    """How many cycles and runs some quantities are from."""
+    """How many cycles and starts some quantities are from."""
     found = [one for one in known if one is not None]
-    cycles = _range([one.samples for one in found])
-    runs = _range([one.runs for one in found])
-    return f"{cycles} cycle{'' if cycles == '1' else 's'} of {runs} run{'' if runs == '1' else 's'}"
+    cycles = _range([one.samples for one in found], "cycle")
+    return f"{cycles} from {_range([one.starts for one in found], 'start')}"
 
 
-def _range(counts: Sequence[int]) -> str:
+def _range(counts: Sequence[int], word: str) -> str:
     low, high = min(counts), max(counts)
-    return str(low) if low == high else f"{low} to {high}"
+    return f"{low if low == high else f'{low} to {high}'} {word}{'' if high == 1 else 's'}"
 
 
 def letter(axes: Axes, text: str) -> None:
@@ -182,6 +179,6 @@ def letter(axes: Axes, text: str) -> None:
 
 
 ONE_CYCLE = (
-    "the first cycle of one run. The motion is chaotic, so that a cycle is one draw: another "
-    "start gives another"
+    "the first cycle of the first start. The motion is chaotic, so that a single cycle is one draw "
+    "of many"
 )

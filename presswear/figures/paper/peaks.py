@@ -18,7 +18,7 @@ ROW = 0.24
 _MARK: dict[str, Any] = {
     "marker": "D",
     "markersize": 5.0,
-    "markerfacecolor": "white",
+    "markerfacecolor": "none",
     "markeredgewidth": 1.1,
 }
 _IDEAL: dict[str, Any] = {"color": REFERENCE, "linewidth": 1.6}
@@ -30,7 +30,7 @@ def peaks_caption(known: Mapping[str, Mapping[Line, Measured]], number: int) -> 
     """What the row of peaks shows, of some quantities."""
     every = [one for found in known.values() for one in found.values()]
     if not every:
-        return "Lowest row: peaks of single cycles; no run has enough of them."
+        return "Lowest row: peaks of single cycles; none ran to its end."
     text = (
         f"Lowest row: the peak of a cycle over {counted(every)}: its mean (dot) with the 95 % "
         "interval of the mean (line), and the range of 95 % of single cycles (pale bar). First "

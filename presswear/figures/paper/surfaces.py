@@ -31,10 +31,10 @@ def surfaces(joint: str) -> Callable[[Evidence, int, tuple[Line, ...]], Drawing 
             return None
         drawing = worn_surface(shown[0][0], joint, [stage for _, stage in shown])
         caption = (
-            f"{drawing.caption} The surfaces are those of one run of each, the first, not means "
-            "over runs: how uneven they are is partly chance, and the wear depths with their "
-            f"intervals are in Fig. {number - (1 if joint == 'A' else 2)}. The enlarged part is "
-            f"around the deepest wear of “{shown[-1][1].label}”."
+            f"{drawing.caption} The surfaces are those that the stage before left on average "
+            "over the cycles of all its starts: how uneven they are is partly chance, and the "
+            f"depths with their intervals are in Fig. {number - (1 if joint == 'A' else 2)}. The "
+            f"enlarged part is around the deepest wear of “{shown[-1][1].label}”."
         )
         title = f"Fig. {number} Worn surfaces at {joint} {_COMPARED[number]}"
         return replace(drawing, file=f"fig-{number:02d}.png", title=title, caption=caption)
@@ -43,16 +43,14 @@ def surfaces(joint: str) -> Callable[[Evidence, int, tuple[Line, ...]], Drawing 
 
 
 def _worn(evidence: Evidence, line: Line, joint: str) -> tuple[StoredResult, ShownStage] | None:
-    """The first run of a line, with its surfaces; None where nothing is worn."""
-    if line.wears < 1:
+    """The run of a line, with its surfaces; None where nothing is worn."""
+    result = evidence.at_stage(BASE, line.setting, line.wears - 1)
+    if result is None or joint not in result.scene.clearance_joints:
         return None
-    for result in evidence.at_stage(BASE, line.setting, line.wears - 1):
-        if joint not in result.scene.clearance_joints:
-            continue
-        arrays = _after(result, line.wears, joint)
-        if any(np.any(arrays[f"{joint}_depth_{side}"] > 0.0) for side in SIDES):
-            return result, ShownStage(line.wears, line.wear_name, line.colour, line.dashes, arrays)
-    return None
+    arrays = _after(result, line.wears, joint)
+    if not any(np.any(arrays[f"{joint}_depth_{side}"] > 0.0) for side in SIDES):
+        return None
+    return result, ShownStage(line.wears, line.wear_name, line.colour, line.dashes, arrays)
 
 
 def _after(result: StoredResult, wears: int, joint: str) -> dict[str, Array]:

@@ -40,12 +40,19 @@ _TITLES = {
 
 @dataclass(frozen=True)
 class _Curve:
-    """A wear map with what the paper prints of its deepest place."""
+    """A wear map with what the paper prints of its deepest place.
+
+    Attributes
+    ----------
+    turns : bool
+        Whether its angles are on the bodies.
+    """
 
     line: Line
     map: WearMap
     depth: Printed | None
     angle: Printed | None
+    turns: bool
 
 
 def depths(evidence: Evidence, number: int, lines: tuple[Line, ...]) -> Drawing | None:
@@ -58,8 +65,7 @@ def depths(evidence: Evidence, number: int, lines: tuple[Line, ...]) -> Drawing 
     sheet = Sheet(figsize=(WIDTH, 0.8 + 2.5 * len(panels)), layout="constrained")
     grid = sheet.subplots(len(panels), 1, squeeze=False)
     everything = [curve for curves in panels.values() for curve in curves]
-    result = evidence.at_stage(BASE, everything[0].line.setting, everything[0].line.wears - 1)[0]
-    where = "angle on each body" if maps_turn(result) else "direction of contact"
+    where = "angle on each body" if everything[0].turns else "direction of contact"
     for axes, (joint, curves) in zip(grid.flat, panels.items(), strict=True):
         _draw(axes, curves)
         for one in ranges:
@@ -96,15 +102,15 @@ def depths(evidence: Evidence, number: int, lines: tuple[Line, ...]) -> Drawing 
 def _curves(evidence: Evidence, joint: str, lines: Sequence[Line]) -> list[_Curve]:
     found = []
     for line in lines:
-        runs = evidence.at_stage(BASE, line.setting, line.wears - 1) if line.wears else []
+        result = evidence.at_stage(BASE, line.setting, line.wears - 1)
         # A person may have closed a joint in all runs.
-        if not runs or joint not in runs[0].scene.clearance_joints:
+        if result is None or joint not in result.scene.clearance_joints:
             continue
         known = evidence.wear_map(BASE, line.setting, joint, line.wears)
         if known is not None and np.any(known.mean > 0.0):
             place = line.at(joint)
             depth, angle = printed_at(place, "depth"), printed_at(place, "angle")
-            found.append(_Curve(line, known, depth, angle))
+            found.append(_Curve(line, known, depth, angle, maps_turn(result)))
     return found
 
 
