@@ -130,6 +130,15 @@ def test_peaks_are_those_of_the_evidence(drawn: dict[int, Drawing], evidence: Ev
     np.testing.assert_allclose(means, expected)
 
 
+def test_peaks_of_the_shown_cycle_are_marked(drawn: dict[int, Drawing], evidence: Evidence) -> None:
+    """Figure 17: of every step of the first cycle."""
+    marked = [float(np.ravel(line.get_xdata())[0]) for line in lines_of(drawn[17].sheet, "shown")]
+    stages = evidence.runs[BASE, "wear-times"].stages
+    names = ("displacement_max", "velocity_max", "acceleration_max")
+    expected = [arrays["cycles"][0, CYCLE_FIXED.index(n)] for n in names for arrays in stages]
+    np.testing.assert_allclose(marked, expected)
+
+
 def test_depth_is_the_mean_map(drawn: dict[int, Drawing], evidence: Evidence) -> None:
     for axes, joint in zip(drawn[8].sheet.axes, "AC", strict=True):
         curves = [line for line in axes.get_lines() if len(np.ravel(line.get_xdata())) > 2]

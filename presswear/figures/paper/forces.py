@@ -39,7 +39,7 @@ def contact_forces(evidence: Evidence, number: int, lines: tuple[Line, ...]) -> 
     known = {joint: peaks(evidence, drawn, "force", joint) for joint in joints}
     panels = bottom.subplots(1, len(joints), sharey=True, squeeze=False)[0]
     for axes, joint in zip(panels, joints, strict=True):
-        cycle = {one.line: _largest(one, joint) for one in shown}
+        cycle = {one.line: one.peak("force", joint) for one in shown}
         draw_peaks(axes, drawn, known[joint], "force", joint, cycle)
         axes.set_xlabel(f"largest force at {joint} in a cycle (N)")
         axes.set_xlim(0.0, None)
@@ -74,11 +74,7 @@ def _draw_cycles(sheet: SubFigure, shown: Sequence[Shown], joints: Sequence[str]
 def _draw_force(axes: Axes, one: Shown, joint: str) -> None:
     force = one.stage.arrays[f"{joint}_force"][:, 0]
     axes.plot(one.stage.arrays["time"], force, color=one.line.colour, linewidth=0.7)
-    largest = _largest(one, joint)
+    largest = float(force.max())
     axes.set_xlim(0.0, one.period)
     axes.set_ylim(0.0, 1.35 * largest if largest > 0.0 else 1.0)
-    note(axes, f"{one.line.name}, largest {readable(largest)} N")
-
-
-def _largest(one: Shown, joint: str) -> float:
-    return float(one.stage.arrays[f"{joint}_force"][:, 0].max())
+    note(axes, f"{one.line.name}, largest {readable(one.peak('force', joint))} N")

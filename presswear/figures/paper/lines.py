@@ -1,11 +1,13 @@
 """What the paper's figures compare, and the runs that show it."""
 
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from matplotlib.lines import Line2D
 
 from presswear.figures.style import LINES, Array, Axes, LineStyle, ShownStage
+from presswear.observe import CYCLE_FIXED, CYCLE_JOINT
 from presswear.paper.evidence import Evidence, Measured, Place
 from presswear.paper.printed import FAST, FRICTION, HIGH_FRICTION, PRINTED, SLOW, WEAR, Printed
 from presswear.paper.variants import BASE
@@ -99,6 +101,16 @@ class Shown:
     def period(self) -> float:
         """Of a cycle, s."""
         return self.result.scene.mechanism.period
+
+    def peak(self, quantity: str, joint: str = "") -> float:
+        """Largest of the cycle, SI units: of every step, while the series leaves steps out."""
+        rows = self.stage.arrays["cycles"]
+        if joint:
+            own = len(CYCLE_JOINT) * self.result.scene.clearance_joints.index(joint)
+            column = len(CYCLE_FIXED) + own + CYCLE_JOINT.index(f"{quantity}_max")
+        else:
+            column = CYCLE_FIXED.index(f"{quantity}_max")
+        return float(rows[0, column]) if len(rows) else math.nan
 
 
 def shown_cycles(evidence: Evidence, lines: Iterable[Line]) -> list[Shown]:

@@ -59,7 +59,7 @@ def responses(evidence: Evidence, number: int, lines: tuple[Line, ...]) -> Drawi
     panels = bottom.subplots(1, len(_QUANTITIES), sharey=True)
     for k, (axes, (name, unit)) in enumerate(zip(panels, _QUANTITIES, strict=True)):
         ideal = {one.line: _ideal_peak(one, k) for one in shown}
-        cycle = {one.line: _peak(one.stage.arrays["slider"], k) for one in shown}
+        cycle = {one.line: one.peak(name) for one in shown}
         draw_peaks(axes, drawn, known[name], name, "", cycle, ideal)
         axes.set_xlabel(f"largest {name}\nof a cycle ({unit})")
     marks = peak_handles(with_ideal=True)
@@ -142,14 +142,10 @@ def _draw_acceleration(axes: Axes, one: Shown, time: Array, ideal: Array) -> Non
     draw_ideal(axes, time, ideal)
     low, high = (float(end(np.append(values, ideal))) for end in (np.min, np.max))
     axes.set_ylim(low - 0.05 * (high - low), high + 0.4 * (high - low))
-    note(axes, f"{one.line.name}, largest {readable(float(np.abs(values).max()))} m/s²")
+    note(axes, f"{one.line.name}, largest {readable(one.peak('acceleration'))} m/s²")
 
 
 def _ideal_peak(one: Shown, column: int) -> float:
-    return _peak(ideal_slider(one.result.scene, np.linspace(0.0, one.period, 2001)), column)
-
-
-def _peak(slider: Array, column: int) -> float:
-    """Largest in a cycle; of the acceleration, of either sign."""
-    values = slider[:, column]
+    """Largest of the ideal motion in a cycle; of the acceleration, of either sign."""
+    values = ideal_slider(one.result.scene, np.linspace(0.0, one.period, 2001))[:, column]
     return float(np.abs(values).max() if column == 2 else values.max())
