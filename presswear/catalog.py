@@ -36,7 +36,7 @@ def friction() -> Scene:
     return replace(
         wear_times(),
         name="friction",
-        title="Friction coefficient 0.05 at 6 pi rad/s (paper, sections 5.3.2 and 5.4.2)",
+        title="Friction 0.05 at 6 pi rad/s (paper, 5.3.2 and 5.4.2)",
         mechanism=Press(speed=6.0 * math.pi),
         bearings=Bearings(clearance=0.6e-3, friction=0.05),
         wears=1,
@@ -48,7 +48,7 @@ def friction_high() -> Scene:
     return replace(
         friction(),
         name="friction-0.1",
-        title="Friction coefficient 0.1, else as friction",
+        title="Friction 0.1, else as friction",
         bearings=Bearings(clearance=0.6e-3, friction=0.1),
     )
 
@@ -58,7 +58,7 @@ def speed() -> Scene:
     return replace(
         wear_times(),
         name="speed",
-        title="Crank speed 4 pi rad/s (paper, sections 5.3.3 and 5.4.3)",
+        title="Cranks at 4 pi rad/s (paper, 5.3.3 and 5.4.3)",
         mechanism=Press(speed=4.0 * math.pi),
         bearings=Bearings(clearance=0.8e-3, friction=0.03),
         wears=1,
@@ -70,7 +70,7 @@ def speed_high() -> Scene:
     return replace(
         speed(),
         name="speed-8pi",
-        title="Crank speed 8 pi rad/s, else as speed",
+        title="Cranks at 8 pi rad/s, else as speed",
         mechanism=Press(speed=8.0 * math.pi),
     )
 
@@ -137,7 +137,7 @@ SCENES = {
 
 
 STUDIES = {
-    "paper": "Study: every figure and printed number of the paper, with error bars",
+    "paper": "Study: every number and figure of the paper, with errors",
     "runaway": "Study: does the second wear run away? One reading changed at a time",
 }
 """Names and titles of the studies, which run several scenes each."""

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.campaign import Stage
+from presswear.deviation import deviations
 from presswear.errors import InputError
 from presswear.numerics import Numerics
 from presswear.observe import SERIES_FIXED, SERIES_JOINT
@@ -56,15 +57,20 @@ def write_bytes(path: Path, data: bytes) -> None:
     write_whole(path, write)
 
 
-def stage_arrays(stage: Stage) -> dict[str, Array]:
-    """The arrays of one stage under their contracted names; SI units."""
-    account = stage.run.account
+def stage_arrays(scene: Scene, stage: Stage) -> dict[str, Array]:
+    """The arrays of one stage under their contracted names; SI units.
+
+    Series, episodes and torques are those of the first start.
+    """
+    ensemble = stage.ensemble
+    joints = ensemble.linkage.clearances
+    account = ensemble.accounts[0]
     series = account.rows
     arrays: dict[str, Array] = {"time": series[:, 0], "slider": series[:, 1:SERIES_FIXED]}
-    torques = series[:, SERIES_FIXED + SERIES_JOINT * len(stage.linkage.clearances) :]
+    torques = series[:, SERIES_FIXED + SERIES_JOINT * len(joints) :]
     if torques.shape[1] > 0:
         arrays["drive_torque"] = torques
-    for k, joint in enumerate(stage.linkage.clearances):
+    for k, joint in enumerate(joints):
         own = series[:, SERIES_FIXED + SERIES_JOINT * k :][:, :SERIES_JOINT]
         name = joint.name
         arrays[f"{name}_eccentricity"] = own[:, 0:2]
@@ -81,7 +87,13 @@ def stage_arrays(stage: Stage) -> dict[str, Array]:
             arrays[f"{name}_depth_{side}"] = surface.depth if surface.is_worn else np.zeros(bins)
             arrays[f"{name}_wear_{side}"] = added
         arrays[f"{name}_wear_batches"] = stage.batches[:, k]
-    arrays["cycles"] = np.array(account.cycles)
+    arrays["wear_batch_cycles"] = stage.weights
+    starts = ensemble.accounts
+    arrays["cycles"] = np.array([row for own in starts for row in own.cycles])
+    arrays["cycle_start"] = np.repeat(
+        np.arange(float(len(starts))), [len(own.cycles) for own in starts]
+    )
+    arrays |= deviations(scene, ensemble)
     return arrays
 
 
@@ -136,6 +148,7 @@ class ResultFolder:
         if path.exists() and (not path.is_dir() or any(path.iterdir())):
             raise InputError(f"--out {path}: it exists and is not empty; name a new folder")
         self.path = path
+        self._scene = scene
         self._began = time.perf_counter()
         self._document: dict[str, Any] = {
             "schema": SCHEMA,
@@ -152,7 +165,7 @@ class ResultFolder:
     def add(self, stage: Stage) -> None:
         """Store a finished stage."""
         self.path.mkdir(parents=True, exist_ok=True)
-        arrays = stage_arrays(stage)
+        arrays = stage_arrays(self._scene, stage)
         write_whole(
             self.path / f"stage-{stage.index}.npz",
             lambda file: np.savez_compressed(file, allow_pickle=False, **arrays),
@@ -160,13 +173,13 @@ class ResultFolder:
         self._document["stages"].append(
             {
                 "index": stage.index,
-                "status": stage.run.status,
-                "message": stage.run.message,
+                "status": stage.ensemble.status,
+                "message": stage.ensemble.failure,
                 "amplification": stage.amplification,
                 "wear_steps": [step.as_dict() for step in stage.steps],
-                "simulated_s": stage.run.time,
-                "wall_s": stage.wall,
-                "diagnostics": stage.run.diagnostics,
+                "simulated_s": stage.ensemble.time,
+                "wall_s": stage.ensemble.wall,
+                "diagnostics": stage.ensemble.diagnostics(),
                 "statistics": stage.statistics,
             }
         )

@@ -124,31 +124,58 @@ class MapBatches:
     def _has_samples(self) -> bool:
         return self.cycles >= STARTUP_CYCLES + LEAST_SAMPLES
 
-    def per_cycle(self) -> Array:
-        """Mean depth that one cycle adds, m: of the samples, or of all cycles where few ran."""
-        if not self._has_samples:
-            return self.total / max(self.cycles, 1)
-        return np.asarray(self._sums.sum(axis=0) / (self.cycles - STARTUP_CYCLES))
+    @property
+    def samples(self) -> int:
+        """Cycles behind the start-up; 0 where they are too few to leave that out."""
+        return self.cycles - STARTUP_CYCLES if self._has_samples else 0
+
+    @property
+    def sampled(self) -> Array:
+        """Depth of the samples, m."""
+        return np.asarray(self._sums.sum(axis=0))
 
     def batches(self) -> Array:
         """Mean depth per cycle in each full batch, shape (batches, joints, 2, m), m."""
-        if not self._has_samples:
-            return np.zeros((0, *self.shape))
-        count = (self.cycles - STARTUP_CYCLES) // self.size
+        count = self.samples // self.size
         return np.asarray(self._sums[:count] / self.size)
 
-    def errors(self) -> Array:
-        """Standard error of each joint's map as part of its rms, shape (joints,).
 
-        Infinite where too few cycles ran.
-        """
-        maps = self.batches()
-        if len(maps) < LEAST_SAMPLES:
-            return np.full(self.shape[0], math.inf)
-        variance = maps.var(axis=0, ddof=1) / len(maps)
-        size = np.sum(self.per_cycle() ** 2, axis=(1, 2))
-        noise = np.sum(variance, axis=(1, 2))
-        return np.where(size > 0.0, np.sqrt(noise / np.where(size > 0.0, size, 1.0)), 0.0)
+def mean_map(runs: Sequence[MapBatches]) -> Array:
+    """Mean depth that one cycle adds, m: of all samples, or of all cycles where few ran."""
+    samples = sum(run.samples for run in runs)
+    if samples == 0:
+        depth = np.sum([run.total for run in runs], axis=0)
+        return np.asarray(depth / max(sum(run.cycles for run in runs), 1))
+    depth = np.sum([run.sampled for run in runs if run.samples], axis=0)
+    return np.asarray(depth / samples)
+
+
+def map_batches(runs: Sequence[MapBatches]) -> tuple[Array, Array]:
+    """Batches of all runs, shape (n, joints, 2, m), m, and the cycles in each, (n,)."""
+    maps = np.concatenate([run.batches() for run in runs])
+    weights = np.concatenate([np.full(len(run.batches()), float(run.size)) for run in runs])
+    return maps, weights
+
+
+def map_errors(maps: Array, weights: Array) -> Array:
+    """Standard error of each joint's mean map as part of its rms, shape (joints,).
+
+    Infinite where there are too few samples.
+
+    Parameters
+    ----------
+    maps : ndarray, shape (n, joints, 2, m)
+        By batches.
+    weights : ndarray, shape (n,)
+        Cycles in each; the variance of a batch goes as one over them.
+    """
+    if len(maps) < LEAST_SAMPLES:
+        return np.full(maps.shape[1], math.inf)
+    share = weights / weights.sum()
+    mean = np.tensordot(share, maps, 1)
+    variance = np.tensordot(share, (maps - mean) ** 2, 1) / (len(maps) - 1)
+    size, noise = (np.sum(part, axis=(1, 2)) for part in (mean**2, variance))
+    return np.where(size > 0.0, np.sqrt(noise / np.where(size > 0.0, size, 1.0)), 0.0)
 
 
 @dataclass(frozen=True)

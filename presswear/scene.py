@@ -196,14 +196,14 @@ class Scene:
         1,
         100_000,
         "chosen",
-        "cycles of each stage; none given: until the maps are known",
+        "cycles of each stage and start; none given: until the maps are known",
         whole=True,
     )
     tolerance: float = quantity(
         0.1, "", 1e-3, 1.0, "chosen", "how well the wear maps must be known, part of their rms"
     )
     most_cycles: int = quantity(
-        200, "", 1, 100_000, "paper", "cycles at most without --cycles", whole=True
+        200, "", 1, 100_000, "paper", "cycles of a stage at most without --cycles", whole=True
     )
     represented_cycles: float = quantity(
         4e6,
@@ -227,14 +227,14 @@ class Scene:
         "chosen",
         "in steps: largest change of a surface in one, part of the clearance",
     )
-    start_offset: float = quantity(
-        0.0,
-        "m",
-        -1e-3,
-        1e-3,
+    starts: int = quantity(
+        1,
+        "",
+        1,
+        100,
         "chosen",
-        "how far the start is moved along a direction that the joints leave free: another draw "
-        "of the motion",
+        "starts 1e-9 m apart, from each of which every stage runs: several draws of the motion",
+        whole=True,
     )
     statuses: Mapping[str, str] = field(default_factory=dict, hash=False)
 
@@ -252,10 +252,8 @@ class Scene:
                 f"exponent = {self.bearings.exponent:g}: with contact = 'foundation', which is "
                 "linear and gives the exponent 1.5 of a round joint, allowed is 1.5"
             )
-        if self.start_offset != 0.0 and not self.clearance_joints:
-            raise InputError(
-                f"start_offset = {self.start_offset:g} m: without a clearance joint allowed is 0 m"
-            )
+        if self.starts > 1 and not self.clearance_joints:
+            raise InputError(f"starts = {self.starts}: without a clearance joint allowed is 1")
         self.mechanism.check_assembly()
         reason = tree_of(self.linkage()) if self.engine == TREE else ""
         if isinstance(reason, str) and reason:

@@ -10,18 +10,24 @@ from presswear.engines.base import Start
 from presswear.linkage import Linkage
 from presswear.scene import Scene
 
+APART = 1e-9
+"""How far one start is from the next, m; grown to the size of a clearance in a cycle or two."""
 
-def start_of(scene: Scene) -> Start:
+
+def start_of(scene: Scene, index: int = 0) -> Start:
     """Pins centred in their bearings, positions and velocities of the ideal mechanism.
 
-    Moved by the scene's ``start_offset``, where it has one.
+    Parameters
+    ----------
+    index : int
+        Of several starts, each beside the other by APART.
     """
     motion = scene.mechanism.ideal_motion(np.zeros(1))
     start = Start(motion.position[0], motion.velocity[0])
-    if scene.start_offset == 0.0:
+    if index == 0:
         return start
-    moved = disturbed(scene.linkage(), start, scene.start_offset)
-    assert moved is not None, "a scene with an offset has a clearance joint"
+    moved = disturbed(scene.linkage(), start, index * APART)
+    assert moved is not None, "a scene with several starts has a clearance joint"
     return moved
 
 

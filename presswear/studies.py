@@ -179,7 +179,7 @@ def waiting(study: Study, folder: Path, resume: bool) -> list[Variant]:
     found = load_study(folder)
     wanted = {v.key: v.scene for v in study.variants}
     there = {v.key: v.scene for v in found.variants}
-    for key in wanted.keys() | there.keys():
+    for key in dict.fromkeys([*wanted, *there]):
         if wanted.get(key) != there.get(key):
             raise InputError(
                 f"--out {folder}: it holds another study ({key} differs); "

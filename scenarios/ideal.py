@@ -12,7 +12,7 @@ from presswear.catalog import ideal
 def main() -> None:
     scene = ideal()
     stage = run_stage(scene, 0, {}, Watcher())
-    account = stage.run.account
+    account = stage.ensemble.accounts[0]
     time, displacement = account.rows[:, :2].T
     column = 3 * stage.linkage.index("slider 6") + 1
     exact = scene.mechanism.ideal_motion(time).position[:, column]

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-import presswear.campaign
+import presswear.ensemble
 from presswear.amplification import Amplification, WearStep
 from presswear.campaign import Stage, Watcher, run_campaign, run_stage
 from presswear.catalog import slider_crank, wear_times
@@ -126,7 +126,7 @@ def campaign(monkeypatch: pytest.MonkeyPatch) -> Campaign:
     """Runs a campaign with a fake engine."""
 
     def run(scene: Scene, engine: FakeEngine) -> Seen:
-        monkeypatch.setattr(presswear.campaign, "engine_for", lambda accuracy: engine)
+        monkeypatch.setattr(presswear.ensemble, "engine_for", lambda accuracy: engine)
         seen = Seen()
         seen.status, seen.message = run_campaign(scene, seen.watcher())
         return seen
@@ -189,7 +189,7 @@ def test_single_jumps_are_those_of_the_paper(campaign: Campaign) -> None:
     for stage in seen.stages:
         assert np.array_equal([depth_of(j) for j in stage.linkage.clearances], worn)
         assert stage.amplification == REPRESENTED / 7
-        assert np.array_equal(stage.added, stage.run.account.maps.per_cycle() * REPRESENTED)
+        assert np.array_equal(stage.added, stage.ensemble.depth() * REPRESENTED)
         worn = worn + stage.added
     assert [len(stage.steps) for stage in seen.stages] == [1, 1, 0]
 
@@ -244,13 +244,13 @@ def test_failure_inside_a_wear_names_the_step_and_keeps_the_stage(campaign: Camp
     assert [stage.index for stage in seen.stages] == [0, 1]
     assert [len(stage.steps) for stage in seen.stages] == [5, 3]
     np.testing.assert_allclose(seen.stages[1].added[0], 0.6 * REPRESENTED * RATE * SHAPE)
-    assert seen.stages[1].run.status == "completed"
+    assert seen.stages[1].ensemble.status == "completed"
 
 
 def test_failure_of_a_stage_is_told_as_before(campaign: Campaign) -> None:
     seen = campaign(replace(SCENE, depth_step=0.01), FakeEngine(constant, fails=6))
     assert (seen.status, seen.message) == ("failed", "stage 1: the solver found no step")
-    assert [stage.run.status for stage in seen.stages] == ["completed", "failed"]
+    assert [stage.ensemble.status for stage in seen.stages] == ["completed", "failed"]
 
 
 def test_a_surface_worn_through_in_a_step_is_named(campaign: Campaign) -> None:
@@ -272,7 +272,7 @@ def test_a_surface_worn_through_in_one_jump_is_told_as_before(campaign: Campaign
 
 def test_a_stage_outlives_an_interrupted_wear(monkeypatch: pytest.MonkeyPatch) -> None:
     engine = FakeEngine(constant, stopped=4)
-    monkeypatch.setattr(presswear.campaign, "engine_for", lambda accuracy: engine)
+    monkeypatch.setattr(presswear.ensemble, "engine_for", lambda accuracy: engine)
     seen = Seen()
     with pytest.raises(KeyboardInterrupt):
         run_campaign(replace(SCENE, depth_step=0.01), seen.watcher())
@@ -311,7 +311,7 @@ def test_progress_of_single_jumps_is_that_of_the_runs(campaign: Campaign) -> Non
 
 def test_a_stage_alone_is_not_worn(monkeypatch: pytest.MonkeyPatch) -> None:
     engine = FakeEngine(constant)
-    monkeypatch.setattr(presswear.campaign, "engine_for", lambda accuracy: engine)
+    monkeypatch.setattr(presswear.ensemble, "engine_for", lambda accuracy: engine)
     seen = Seen()
     stage = run_stage(replace(SCENE, depth_step=0.001), 0, {}, seen.watcher())
     assert (engine.runs, stage.steps, seen.stages) == (1, (), [stage])

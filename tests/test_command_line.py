@@ -64,9 +64,14 @@ def test_list_names_the_scenes(capsys: pytest.CaptureFixture[str]) -> None:
     assert [line.split()[0] for line in lines] == [
         "ideal",
         "wear-times",
+        "friction",
+        "friction-0.1",
+        "speed",
+        "speed-8pi",
         "clearance-a",
         "clearance-c",
         "slider-crank",
+        "paper",
         "runaway",
     ]
 

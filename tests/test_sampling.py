@@ -16,6 +16,9 @@ from presswear.sampling import (
     differ,
     estimate,
     half_width,
+    map_batches,
+    map_errors,
+    mean_map,
     peak_of,
     pooled,
     resampled,
@@ -67,25 +70,43 @@ def test_map_batches_keep_sums_means_and_scatter(count: int, seed: int) -> None:
         found.add(depth)
     assert np.allclose(found.total, maps.sum(axis=0))
     if count < STARTUP_CYCLES + LEAST_SAMPLES:
-        assert np.allclose(found.per_cycle(), maps.mean(axis=0))
-        assert np.all(np.isinf(found.errors()))
+        assert np.allclose(mean_map([found]), maps.mean(axis=0))
+        assert np.all(np.isinf(map_errors(*map_batches([found]))))
         return
     samples = maps[STARTUP_CYCLES:]
-    assert np.allclose(found.per_cycle(), samples.mean(axis=0))
+    assert np.allclose(mean_map([found]), samples.mean(axis=0))
     whole = len(samples) // found.size
     expected = samples[: whole * found.size].reshape(whole, found.size, 2, 2, 5).mean(axis=1)
     assert np.allclose(found.batches(), expected)
     assert whole <= MOST_BATCHES
     noise = (expected.var(axis=0, ddof=1) / whole).sum(axis=(1, 2))
-    size = (samples.mean(axis=0) ** 2).sum(axis=(1, 2))
-    assert np.allclose(found.errors(), np.sqrt(noise / size))
+    size = (expected.mean(axis=0) ** 2).sum(axis=(1, 2))
+    assert np.allclose(map_errors(*map_batches([found])), np.sqrt(noise / size))
+
+
+def test_maps_of_several_starts_are_pooled_by_their_cycles() -> None:
+    generator = np.random.default_rng(4)
+    runs, samples = [], []
+    for count in (12, 80):
+        maps = generator.gamma(2.0, size=(count, 1, 2, 6))
+        run = MapBatches((1, 2, 6))
+        for depth in maps:
+            run.add(depth)
+        runs.append(run)
+        samples.append(maps[STARTUP_CYCLES:])
+    assert np.allclose(mean_map(runs), np.concatenate(samples).mean(axis=0))
+    batches, weights = map_batches(runs)
+    assert weights.tolist() == [1.0] * 11 + [4.0] * 19
+    plain = np.concatenate(samples).std(axis=0, ddof=1) / np.sqrt(90)
+    expected = np.sqrt((plain**2).sum() / (mean_map(runs) ** 2).sum())
+    assert map_errors(batches, weights)[0] == pytest.approx(expected, rel=0.25)
 
 
 def test_a_map_without_wear_has_no_error() -> None:
     found = MapBatches((1, 2, 4))
     for _ in range(6):
         found.add(np.zeros((1, 2, 4)))
-    assert found.errors()[0] == 0.0
+    assert map_errors(*map_batches([found]))[0] == 0.0
 
 
 @pytest.mark.parametrize(("count", "width"), [(6, 10.0), (20, 10.0), (20, 40.0)])

@@ -80,7 +80,7 @@ def test_other_runs_in_the_folder_are_refused(ran: tuple[Path, list[tuple[str, f
     folder, _ = ran
     with pytest.raises(InputError, match="not empty"):
         waiting(small(), folder, resume=False)
-    with pytest.raises(InputError, match="another scene"):
+    with pytest.raises(InputError, match=r"another study .one differs"):
         waiting(small(friction="0.3"), folder, resume=True)
     assert (folder / "one" / "result.json").exists()
 

@@ -127,15 +127,16 @@ def _completed(bar: Progress, task: TaskID, part: float) -> None:
 
 def _model_line(stage: "Stage") -> str:
     """What was modelled, and by what it was solved."""
-    told = stage.run.diagnostics
+    told = stage.ensemble.diagnostics()
     return f"{stage_name(stage.index)}: {told['model']}. {told['solver']}"
 
 
 def _stage_line(stage: "Stage") -> str:
     """One line on a finished stage: what ran, how finely, what came out."""
     numbers = stage.statistics
-    steps = stage.run.diagnostics["steps"]
-    speed = stage.wall / stage.run.time if stage.run.time > 0.0 else float("nan")
+    ensemble = stage.ensemble
+    steps = ensemble.diagnostics()["steps"]
+    speed = ensemble.wall / ensemble.time if ensemble.time > 0.0 else float("nan")
     parts = [f"  {numbers['cycles']} cycles, {steps} steps, {speed:.2f} s per simulated second"]
     for name, joint in numbers.get("joints", {}).items():
         fewest = joint["fewest_steps_in_a_contact"]

@@ -59,8 +59,8 @@ class FeatureTable:
 def wear_once(scene: Scene, cycles: int) -> Worn:
     """Surfaces after one wear of a scene, from the wear of so many cycles."""
     stage = run_stage(replace(scene, cycles=cycles), 0, {}, Watcher())
-    if stage.run.status == "failed":
-        raise RunError(stage.run.message)
+    if stage.ensemble.failure:
+        raise RunError(stage.ensemble.failure)
     return {
         joint.name: (
             joint.bearing_surface.worn_by(stage.added[k, 0]),

@@ -39,6 +39,7 @@ QUANTITIES: dict[str, Shown] = {
     "dose": Shown("force times slip in a cycle", "N m"),
     "displacement_off": Shown("distance from the ideal displacement (rms)", "mm", 1e3),
     "velocity_off": Shown("distance from the ideal velocity (rms)", "m/s"),
+    "stroke": Shown("stroke", "m", 1.0, 4),
     "lag": Shown("lag behind the ideal motion", "µs", 1e6),
     "flight": Shown("part of the time out of contact", "%", 100.0),
     "depth": Shown("deepest wear", "µm", 1e6),

@@ -45,25 +45,35 @@ def wear_batches(peak: float, place: int, seed: int, count: int = CYCLES - 1) ->
 
 
 def stage(setting: str, wears: int, seed: int, **numbers: Any) -> dict[str, Array]:
-    """Arrays of a stage; ``force`` and ``peak`` by joint, and what the slider does."""
+    """Arrays of a stage; ``force`` (by joint, of each start) and ``peak`` by joint.
+
+    Without ``force`` there is one start.
+    """
     scene = base_scene(setting)
-    force = numbers.get("force", {"A": 200.0, "C": 100.0})
+    forces = numbers.get("force", [{"A": 200.0, "C": 100.0}])
     peak = numbers.get("peak", {"A": 20e-6, "C": 8e-6})
     time = np.linspace(0.0, 3.0 * scene.mechanism.period, 1501)
-    slider = ideal_slider(scene, time - numbers.get("lag", 0.0))
+    count = len(forces)
     arrays = {
         "time": time,
-        "slider": slider,
+        "slider": ideal_slider(scene, time),
         "angle": bin_centres(BINS),
-        "cycles": cycle_rows(CYCLES, seed, force),
+        "cycles": np.concatenate(
+            [cycle_rows(CYCLES, seed + 1000 * s, force) for s, force in enumerate(forces)]
+        ),
+        "cycle_start": np.repeat(np.arange(float(count)), CYCLES),
+        "wear_batch_cycles": np.ones(count * (CYCLES - 1)),
+        "deviation_start": np.repeat(np.arange(float(count)), 3),
+        "deviation": np.tile([3e-4, 0.02 + 0.01 * wears, 1e-4, 0.1071], (3 * count, 1)),
     }
     for k, joint in enumerate(("A", "C")):
-        batches = wear_batches(peak[joint], 18 + 20 * k, seed + k)
+        batches = wear_batches(peak[joint], 18 + 20 * k, seed + k, count * (CYCLES - 1))
         turn = 6.0 * np.pi * time / time[-1]
         arrays[f"{joint}_wear_batches"] = batches
+        arrays[f"{joint}_flight"] = np.full(3 * count, 0.1 + 0.1 * wears)
         arrays[f"{joint}_eccentricity"] = 8e-4 * np.column_stack([np.cos(turn), np.sin(turn)])
         arrays[f"{joint}_penetration"] = np.where(np.sin(turn) > 0.0, 1e-7, -1e-7)
-        arrays[f"{joint}_force"] = np.column_stack([force[joint] * np.cos(turn) ** 8, 0.0 * turn])
+        arrays[f"{joint}_force"] = np.column_stack([100.0 * np.cos(turn) ** 8, 0.0 * turn])
         arrays[f"{joint}_sliding"] = 0.0 * turn
         for s, side in enumerate(("bearing", "pin")):
             arrays[f"{joint}_wear_{side}"] = batches[:, s].mean(axis=0)
@@ -113,18 +123,20 @@ def result(setting: str, stages: list[dict[str, Array]], status: str = "complete
 def every_result(stages: int = 3) -> dict[str, StoredResult]:
     """All runs of the study, alike but for their seeds."""
     found = {}
-    for case in cases():
+    for seed, case in enumerate(cases()):
         for setting in case.settings:
-            for start in range(case.starts):
-                most = min(base_scene(setting).wears, case.wears) + 1
-                key = variant_key(case.key, setting, start)
-                found[key] = result(
-                    setting,
-                    [stage(setting, k, 100 * start + 10 * k + 1) for k in range(min(most, stages))],
-                )
+            most = min(base_scene(setting).wears, case.wears) + 1
+            force = [{"A": 200.0, "C": 100.0}] * case.starts
+            found[variant_key(case.key, setting)] = result(
+                setting,
+                [
+                    stage(setting, k, 100 * seed + 10 * k + 1, force=force)
+                    for k in range(min(most, stages))
+                ],
+            )
     return found
 
 
-def evidence_of(setting: str, *runs: list[dict[str, Array]]) -> Evidence:
-    """Evidence of the standard case of one setting alone, from its runs' stages."""
-    return Evidence({("standard", setting): tuple(result(setting, stages) for stages in runs)})
+def evidence_of(setting: str, *stages: dict[str, Array]) -> Evidence:
+    """Evidence of the standard case of one setting alone, from its stages."""
+    return Evidence({("standard", setting): result(setting, list(stages))})

@@ -6,23 +6,30 @@ import numpy as np
 import pytest
 from invented import BINS, CYCLES, every_result, evidence_of, result, stage
 
-from presswear.paper.evidence import Evidence, Place
+from presswear.paper.evidence import Evidence, Measured, Place
 from presswear.paper.words import QUANTITIES
 
 SETTING = "wear-times"
+EVEN = {"A": 200.0, "C": 100.0}
+SLIDER = ("displacement", "velocity", "acceleration", "lag", "stroke")
 
 
 def one(wears: int = 0, seed: int = 1, **numbers: object) -> dict[str, np.ndarray]:
     return stage(SETTING, wears, seed, **numbers)
 
 
-def test_a_peak_is_the_mean_over_cycles_behind_the_first() -> None:
-    runs = [[one(seed=seed)] for seed in (1, 2, 3)]
-    found = evidence_of(SETTING, *runs).measured("standard", Place(SETTING, 0, "A"), "force")
+def known(evidence: Evidence, quantity: str, wears: int = 0, joint: str = "") -> Measured:
+    found = evidence.measured("standard", Place(SETTING, wears, joint), quantity)
     assert found is not None
-    samples = np.concatenate([run[0]["cycles"][1:, 5] for run in runs])
+    return found
+
+
+def test_a_peak_is_the_mean_over_cycles_behind_the_first_of_each_start() -> None:
+    arrays = one(force=[EVEN] * 3)
+    found = known(evidence_of(SETTING, arrays), "force", joint="A")
+    samples = arrays["cycles"].reshape(3, CYCLES, -1)[:, 1:, 5]
     assert found.value == pytest.approx(samples.mean())
-    assert (found.samples, found.runs, found.differ) == (3 * (CYCLES - 1), 3, False)
+    assert (found.samples, found.starts, found.differ) == (3 * (CYCLES - 1), 3, False)
     assert found.low is not None
     assert found.high is not None
     assert found.low < 200.0 < found.high
@@ -31,42 +38,29 @@ def test_a_peak_is_the_mean_over_cycles_behind_the_first() -> None:
     assert found.draws[1] > 230.0
 
 
-def test_contacts_are_counted_by_cycle_and_given_by_second() -> None:
-    evidence = evidence_of(SETTING, [one()])
-    found = evidence.measured("standard", Place(SETTING, 0, "C"), "contact_rate")
-    assert found is not None
-    period = evidence.runs["standard", SETTING][0].scene.mechanism.period
-    assert found.value == pytest.approx(7.0 / period)
+def test_contacts_are_counted_by_cycle_and_start_and_given_by_second() -> None:
+    evidence = evidence_of(SETTING, one(force=[EVEN] * 2))
+    period = evidence.runs["standard", SETTING].scene.mechanism.period
+    assert known(evidence, "contact_rate", joint="C").value == pytest.approx(7.0 / period)
 
 
-def test_a_late_slider_lags_by_its_delay() -> None:
-    late = 1e-4
-    evidence = evidence_of(SETTING, [one(lag=late)])
-    found = evidence.measured("standard", Place(SETTING, 0), "lag")
-    assert found is not None
-    assert found.value == pytest.approx(late, rel=1e-3)
-    exact = evidence_of(SETTING, [one()]).measured("standard", Place(SETTING, 0), "velocity_off")
-    assert exact is not None
-    assert exact.value == pytest.approx(0.0, abs=1e-12)
+def test_recorded_cycles_are_read_by_their_columns() -> None:
+    evidence = evidence_of(SETTING, one())
+    values = [known(evidence, name).value for name in ("displacement_off", "velocity_off", "lag")]
+    assert values == pytest.approx([3e-4, 0.02, 1e-4])
+    assert known(evidence, "stroke").value == pytest.approx(0.1071)
+    assert known(evidence, "flight", joint="A").value == pytest.approx(0.1)
 
 
-def test_flight_is_the_part_of_the_time_out_of_contact() -> None:
-    found = evidence_of(SETTING, [one()]).measured("standard", Place(SETTING, 0, "A"), "flight")
-    assert found is not None
-    assert found.value == pytest.approx(0.5, abs=0.01)
-
-
-def test_depths_add_up_over_wears_and_pool_over_runs() -> None:
-    runs = [
-        [one(0, s, peak={"A": 20e-6, "C": 8e-6}), one(1, s + 5, peak={"A": 30e-6, "C": 4e-6})]
-        for s in (1, 20)
-    ]
-    evidence = evidence_of(SETTING, *runs)
+def test_depths_add_up_over_wears() -> None:
+    evidence = evidence_of(
+        SETTING,
+        one(0, 1, peak={"A": 20e-6, "C": 8e-6}),
+        one(1, 6, peak={"A": 30e-6, "C": 4e-6}),
+    )
 
     def value(quantity: str, wears: int, joint: str = "A") -> float:
-        found = evidence.measured("standard", Place(SETTING, wears, joint), quantity)
-        assert found is not None
-        return found.value
+        return known(evidence, quantity, wears, joint).value
 
     assert value("depth", 1) == pytest.approx(20e-6, rel=0.05)
     assert value("depth", 2) == pytest.approx(50e-6, rel=0.05)
@@ -81,53 +75,49 @@ def test_depths_add_up_over_wears_and_pool_over_runs() -> None:
     assert np.all((drawn.low <= drawn.mean) & (drawn.mean <= drawn.high))
 
 
-def test_the_error_of_a_pooled_map_falls_with_the_runs() -> None:
-    errors = [
-        evidence_of(SETTING, *([one(seed=s)] for s in range(runs))).map_error(
-            "standard", SETTING, "A", 0
-        )
-        for runs in (1, 4, 16)
-    ]
-    assert errors[0] == pytest.approx(0.05 / math.sqrt(CYCLES - 1), rel=0.5)
-    assert errors[1] == pytest.approx(0.05 / math.sqrt(4 * (CYCLES - 1)), rel=0.3)
-    assert errors[2] == pytest.approx(0.05 / math.sqrt(16 * (CYCLES - 1)), rel=0.15)
+def test_the_error_of_a_map_falls_with_the_starts() -> None:
+    for starts, tolerance in ((1, 0.5), (4, 0.3), (16, 0.15)):
+        evidence = evidence_of(SETTING, one(force=[EVEN] * starts))
+        expected = 0.05 / math.sqrt(starts * (CYCLES - 1))
+        error = evidence.map_error("standard", SETTING, "A", 0)
+        assert error == pytest.approx(expected, rel=tolerance)
 
 
-def test_runs_that_differ_widen_the_interval() -> None:
-    same = [[one(seed=s)] for s in (1, 2, 3)]
-    apart = [
-        [one(seed=s, force={"A": mean, "C": 100.0})]
-        for s, mean in ((1, 150.0), (2, 200.0), (3, 250.0))
-    ]
-    narrow = evidence_of(SETTING, *same).measured("standard", Place(SETTING, 0, "A"), "force")
-    wide = evidence_of(SETTING, *apart).measured("standard", Place(SETTING, 0, "A"), "force")
-    assert narrow is not None
-    assert wide is not None
+def test_starts_that_differ_widen_the_interval() -> None:
+    apart = [{"A": mean, "C": 100.0} for mean in (150.0, 200.0, 250.0)]
+    narrow = known(evidence_of(SETTING, one(force=[EVEN] * 3)), "force", joint="A")
+    wide = known(evidence_of(SETTING, one(force=apart)), "force", joint="A")
     assert wide.differ
     assert wide.high is not None
     assert narrow.high is not None
     assert wide.high - wide.value > 10.0 * (narrow.high - narrow.value)
 
 
+def test_a_wear_of_few_cycles_has_a_value_and_no_interval() -> None:
+    arrays = one()
+    arrays["A_wear_batches"] = arrays["A_wear_batches"][:0]
+    arrays["wear_batch_cycles"] = np.zeros(0)
+    evidence = evidence_of(SETTING, arrays)
+    found = known(evidence, "depth", 1, "A")
+    assert found.value == pytest.approx(20e-6, rel=0.05)
+    assert found.low is None
+    assert evidence.map_error("standard", SETTING, "A", 0) is None
+
+
 def test_what_did_not_run_is_missing() -> None:
-    evidence = evidence_of(SETTING, [one()])
+    evidence = evidence_of(SETTING, one())
     assert evidence.measured("standard", Place(SETTING, 1, "A"), "force") is None
     assert evidence.measured("standard", Place(SETTING, 2, "A"), "depth") is None
     assert evidence.measured("standard", Place(SETTING, 0, "A"), "depth") is None
     assert evidence.measured("swapped", Place(SETTING, 0, "A"), "force") is None
     broken = result(SETTING, [one()], status="failed")
     broken.document["stages"][0]["status"] = "failed"
-    none = Evidence({("standard", SETTING): (broken,)})
+    none = Evidence({("standard", SETTING): broken})
     assert none.measured("standard", Place(SETTING, 0, "A"), "force") is None
 
 
 def test_every_quantity_has_words_and_can_be_measured() -> None:
     evidence = Evidence.of(every_result())
     for quantity in QUANTITIES:
-        joint = "" if "off" in quantity or quantity in SLIDER else "A"
-        found = evidence.measured("standard", Place(SETTING, 1, joint), quantity)
-        assert found is not None, quantity
-        assert math.isfinite(found.value)
-
-
-SLIDER = ("displacement", "velocity", "acceleration", "lag")
+        joint = "" if quantity.endswith("_off") or quantity in SLIDER else "A"
+        assert math.isfinite(known(evidence, quantity, 1, joint).value)

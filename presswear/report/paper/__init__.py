@@ -47,7 +47,7 @@ def render(
     """The page as text."""
     claims = judged(evidence)
     failures = failures_of(results)
-    first = next((found[0] for place, found in evidence.runs.items() if place[0] == BASE), None)
+    first = next((found for place, found in evidence.runs.items() if place[0] == BASE), None)
     return render_page(
         "paper.html",
         study=study,

@@ -29,6 +29,7 @@ def geometry_table(evidence: Evidence) -> Table:
     places = [
         ("displacement", Place(WEAR, 1)),
         ("displacement", Place(WEAR, 2)),
+        ("stroke", Place(WEAR, 0)),
         ("velocity", Place(WEAR, 0)),
         ("velocity", Place(WEAR, 1)),
         ("velocity", Place(WEAR, 2)),
@@ -36,12 +37,11 @@ def geometry_table(evidence: Evidence) -> Table:
     rows = []
     for quantity, place in places:
         printed = printed_at(place, quantity)
-        assert printed is not None, "only printed peaks are shown"
         shown = QUANTITIES[quantity]
         rows.append(
             (
                 f"{shown.label}, {place_text(place, quantity)} ({shown.unit})",
-                number(printed.value, quantity),
+                "–" if printed is None else number(printed.value, quantity),
                 *(
                     value_with_interval(evidence.measured(name, place, quantity), quantity)
                     for name in GEOMETRIES
@@ -105,7 +105,7 @@ def stopped_table(evidence: Evidence) -> Table:
             f"{QUANTITIES[found.quantity].label}, {place_text(found.place, found.quantity)} "
             f"({QUANTITIES[found.quantity].unit})",
             value_with_interval(found.early, found.quantity),
-            f"{found.early.samples} in {found.early.runs}",
+            f"{found.early.samples} from {found.early.starts}",
             value_with_interval(found.full, found.quantity),
             str(found.full.samples),
             ratio_text(found.ratio),
@@ -116,7 +116,7 @@ def stopped_table(evidence: Evidence) -> Table:
     head = (
         "",
         "stopped early",
-        "cycles, runs",
+        "cycles, starts",
         "200 cycles",
         "cycles",
         "ratio",

@@ -68,7 +68,7 @@ def _number_row(evidence: Evidence, item: Printed, place: Place) -> Row:
     if item.stage_not_said:
         remarks.append("stage not said in the paper")
     if ours is not None and ours.differ:
-        remarks.append("our runs differ from each other: interval over runs")
+        remarks.append("our starts differ by more than their cycles explain: interval over starts")
     is_ratio = ours is not None and ours.value > 0.0 and item.quantity != "angle"
     return (
         f"{shown.label}, {place_text(place, item.quantity)} ({shown.unit})",
