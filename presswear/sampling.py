@@ -248,8 +248,28 @@ def turned_interval(place: int, places: NDArray[np.int64], bins: int, count: int
     if count < LEAST_SAMPLES:
         return Interval(angle, None, None)
     moved = (places - place + bins // 2) % bins - bins // 2
-    left, right = 2.0 * math.pi / bins * np.quantile(moved, _ENDS)
-    return Interval(angle, angle + min(float(left), 0.0), angle + max(float(right), 0.0))
+    left, right = _widening(count) * np.quantile(moved, _ENDS)
+    # No place is known better than its bin.
+    width = 2.0 * math.pi / bins
+    return Interval(
+        angle, angle + width * min(float(left), -0.5), angle + width * max(float(right), 0.5)
+    )
+
+
+def pointwise_interval(mean: Array, draws: Array, count: int) -> tuple[Array, Array]:
+    """Ends of the interval of each place of a mean map from its draws.
+
+    Parameters
+    ----------
+    mean : ndarray, shape (m,)
+    draws : ndarray, shape (RESAMPLES, m)
+    count : int
+        Maps that the draws are from; of one the ends are the mean.
+    """
+    if count < 2:
+        return mean, mean
+    low, high = mean + _widening(count) * (np.quantile(draws, _ENDS, axis=0) - mean)
+    return low, high
 
 
 def peak_of(mean: Array, draws: Array, count: int) -> Peak:

@@ -139,7 +139,7 @@ def test_an_angle_near_zero_keeps_its_interval_together() -> None:
     assert angle.low is not None
     assert angle.high is not None
     assert 0.0 < angle.high - angle.low < math.radians(40.0)
-    assert angle.low <= angle.value <= angle.high
+    assert angle.low < angle.value < angle.high
 
 
 def test_resampling_weighs_by_cycles() -> None:

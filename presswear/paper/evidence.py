@@ -17,6 +17,7 @@ from presswear.sampling import (
     basic_interval,
     map_errors,
     peak_of,
+    pointwise_interval,
     pooled,
     resampled,
 )
@@ -58,6 +59,8 @@ class Measured:
         Ends of the 95 % interval; None where there are too few samples.
     draws : (float, float) or None
         Range that holds 95 % of single cycles, for what is read from one.
+    first : (float, float) or None
+        Range of the first cycles of all starts, which are not among the samples.
     samples : int
         Cycles.
     starts : int
@@ -69,6 +72,7 @@ class Measured:
     low: float | None
     high: float | None
     draws: tuple[float, float] | None
+    first: tuple[float, float] | None
     samples: int
     starts: int
     differ: bool = False
@@ -77,6 +81,8 @@ class Measured:
 @dataclass(frozen=True)
 class WearMap:
     """Depth of both surfaces of a joint together, pooled over the starts, m.
+
+    Of maps that turn with their bodies, which have no common angle, the bearing's alone.
 
     Attributes
     ----------
@@ -152,22 +158,26 @@ _CYCLES: Mapping[str, Sampler] = {
 """Quantities of which every cycle is a sample."""
 
 
+# A map is given as its surfaces, shape (..., surfaces, m): one, both added up, where angles are
+# directions in space; two where they are on the bodies.
+
+
 def _deepest(maps: Array) -> Array:
-    return np.asarray(maps.max(axis=-1))
+    return np.asarray(maps.max(axis=-1).sum(axis=-1))
 
 
 def _range(maps: Array) -> Array:
     """Angle over which a surface is worn, rad."""
     worn = maps >= RANGE_DEPTH * maps.max(axis=-1, keepdims=True)
-    return np.asarray(2.0 * math.pi * worn.mean(axis=-1))
+    return np.asarray(2.0 * math.pi * worn.mean(axis=(-2, -1)))
 
 
 def _unevenness(maps: Array) -> Array:
-    return np.asarray(maps.std(axis=-1))
+    return np.asarray(maps.std(axis=-1).sum(axis=-1))
 
 
 def _mean_depth(maps: Array) -> Array:
-    return np.asarray(maps.mean(axis=-1))
+    return np.asarray(maps.mean(axis=-1).sum(axis=-1))
 
 
 _MAPS: Mapping[str, Callable[[Array], Array]] = {
@@ -218,6 +228,9 @@ class Evidence:
     def measured(self, case: str, place: Place, quantity: str) -> Measured | None:
         """A quantity under a case, pooled over its starts; None where nothing says it."""
         key = (case, place, quantity)
+        result = self.runs.get((case, place.setting))
+        if place.joint and result and place.joint not in result.scene.clearance_joints:
+            return None
         if key not in self._known:
             measure = self._of_cycles if quantity in _CYCLES else self._of_maps
             self._known[key] = measure(case, place, quantity)
@@ -242,6 +255,7 @@ class Evidence:
             None if half is None else estimate.mean - half,
             None if half is None else estimate.mean + half,
             draws,
+            (float(min(own[0] for own in rows)), float(max(own[0] for own in rows))),
             estimate.cycles,
             len(rows),
             apart,
@@ -257,20 +271,22 @@ class Evidence:
         dose = _CYCLES["dose"](result, last, place.joint)
         cycles = sum(after_startup(rows).size for rows in dose)
         if quantity == ANGLE:
-            interval = peak_of(mean, draws, count).angle
+            if len(mean) > 1:
+                return None
+            interval = peak_of(mean[0], draws[:, 0], count).angle
         else:
             functional = (_LAST if quantity in _LAST else _MAPS)[quantity]
             interval = basic_interval(float(functional(mean)), functional(draws), count)
-        return Measured(interval.value, interval.low, interval.high, None, cycles, len(dose))
+        return Measured(interval.value, interval.low, interval.high, None, None, cycles, len(dose))
 
     def wear_map(self, case: str, setting: str, joint: str, wears: int) -> WearMap | None:
         """Depth after some wears, bearing and pin together, with its pointwise interval."""
         result = self.at_stage(case, setting, wears - 1)
-        if result is None:
+        if result is None or joint not in result.scene.clearance_joints:
             return None
-        mean, draws, _ = _drawn(result, joint, range(wears))
-        low, high = np.quantile(draws, (0.025, 0.975), axis=0)
-        return WearMap(result.stages[0]["angle"], mean, low, high)
+        mean, draws, count = _drawn(result, joint, range(wears))
+        low, high = pointwise_interval(mean[0], draws[:, 0], count)
+        return WearMap(result.stages[0]["angle"], mean[0], np.maximum(low, 0.0), high)
 
     def map_error(self, case: str, setting: str, joint: str, stage: int) -> float | None:
         """Standard error of the wear map of a stage, part of its rms."""
@@ -284,21 +300,36 @@ class Evidence:
 
 
 def _drawn(result: StoredResult, joint: str, stages: range) -> tuple[Array, Array, int]:
-    """Mean of the wears after some stages added up, its draws, and their fewest samples."""
-    pools = [_batches(result.stages[stage], joint) for stage in stages]
-    mean = sum((w @ m / w.sum() for m, w in pools), np.zeros(pools[0][0].shape[1]))
+    """Mean of the wears after some stages added up, its draws, and their fewest samples.
+
+    Returns
+    -------
+    mean : ndarray, shape (surfaces, m)
+        m; see the quantities of maps.
+    draws : ndarray, shape (RESAMPLES, surfaces, m)
+    count : int
+    """
+    turns = result.scene.conventions.map_frame == "body"
+    pools = []
+    for stage in stages:
+        maps, weights = _batches(result.stages[stage], joint)
+        pools.append((maps if turns else maps.sum(axis=1, keepdims=True), weights))
+    shape = pools[0][0].shape[1:]
+    mean = sum((np.tensordot(w / w.sum(), m, 1) for m, w in pools), np.zeros(shape))
     draws = sum(
-        (resampled(m, w, seed) for seed, (m, w) in enumerate(pools)), np.zeros((1, mean.size))
+        (resampled(m.reshape(len(m), -1), w, seed) for seed, (m, w) in enumerate(pools)),
+        np.zeros((1, mean.size)),
     )
-    return mean, draws, min(len(m) for m, _ in pools)
+    return mean, draws.reshape(-1, *shape), min(len(m) for m, _ in pools)
 
 
 def _batches(arrays: Mapping[str, Array], joint: str) -> tuple[Array, Array]:
-    """Depth of one wear of both surfaces by batches, (n, m), and the cycles in each, (n,).
+    """Depth of one wear by batches, (n, 2, m), and the cycles in each, (n,).
 
     Where there are no batches, of too few cycles, the wear is one.
     """
-    own = arrays[f"{joint}_wear_batches"].sum(axis=1)
+    own = arrays[f"{joint}_wear_batches"]
     if len(own):
         return own, arrays["wear_batch_cycles"]
-    return (arrays[f"{joint}_wear_bearing"] + arrays[f"{joint}_wear_pin"])[np.newaxis], np.ones(1)
+    whole = np.stack([arrays[f"{joint}_wear_bearing"], arrays[f"{joint}_wear_pin"]])
+    return whole[np.newaxis], np.ones(1)

@@ -184,9 +184,11 @@ def standing(number: Printed, ours: Measured | None) -> Standing:
         off = turned(number.value - ours.value)
         inside = ours.low - ours.value <= off <= ours.high - ours.value
         return Standing.AGREES if inside else Standing.DIFFERS
-    if ours.draws is None:
+    if ours.draws is None or ours.first is None:
         return Standing.OPEN
-    low, high = ours.draws
+    # The paper shows the first cycle of its run; ours is among what it is held against.
+    low = min(ours.draws[0], ours.first[0])
+    high = max(ours.draws[1], ours.first[1])
     if number.value > high:
         return Standing.ABOVE
     return Standing.BELOW if number.value < low else Standing.INSIDE

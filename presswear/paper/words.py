@@ -74,7 +74,9 @@ def between(low: float | None, high: float | None, quantity: str) -> str:
 
 
 def span(low: float, high: float, digits: int = 3) -> str:
-    """Two numbers as from, to; no upper end is said so."""
+    """Two numbers as from, to; no upper end is said so, and one number twice is told once."""
+    if readable(low, digits) == readable(high, digits):
+        return readable(low, digits)
     if math.isinf(high):
         return f"from {readable(low, digits)}"
     return f"{readable(low, digits)} to {readable(high, digits)}"

@@ -24,8 +24,13 @@ from presswear.sampling import Interval
 A, B = Place("speed-4pi", 0, "A"), Place("speed-8pi", 0, "A")
 
 
-def known(value: float, half: float, draws: tuple[float, float] | None = None) -> Measured:
-    return Measured(value, value - half, value + half, draws, 30, 3)
+def known(
+    value: float,
+    half: float,
+    draws: tuple[float, float] | None = None,
+    first: tuple[float, float] | None = None,
+) -> Measured:
+    return Measured(value, value - half, value + half, draws, first, 30, 3)
 
 
 def test_the_interval_of_a_ratio_covers_it() -> None:
@@ -108,11 +113,13 @@ def printed(quantity: str, value: float) -> Printed:
 
 
 def test_a_printed_peak_is_held_against_single_cycles() -> None:
-    ours = known(100.0, 5.0, draws=(60.0, 150.0))
+    ours = known(100.0, 5.0, draws=(60.0, 150.0), first=(100.0, 110.0))
     assert standing(printed("force", 140.0), ours) is Standing.INSIDE
     assert standing(printed("force", 151.0), ours) is Standing.ABOVE
     assert standing(printed("force", 59.0), ours) is Standing.BELOW
     assert standing(printed("force", 100.0), known(100.0, 5.0)) is Standing.OPEN
+    first = known(100.0, 5.0, draws=(60.0, 150.0), first=(300.0, 320.0))
+    assert standing(printed("force", 310.0), first) is Standing.INSIDE
     assert standing(printed("force", 100.0), None) is Standing.MISSING
 
 
