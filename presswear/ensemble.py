@@ -30,8 +30,8 @@ from presswear.starts import start_of
 
 Array = NDArray[np.float64]
 
-FEWEST = 8
-"""Samples of all starts before runs may end because the maps are known: fewer agree by luck."""
+FEWEST = 16
+"""Samples of all starts before a stage may end because its maps are known: fewer agree by luck."""
 
 _LARGEST = ("deepest_touch_m", "constraint_error_m", "constraint_velocity_error_m_s")
 """Diagnostics of which the largest counts, not the sum."""
@@ -172,6 +172,9 @@ class _Watch:
         self._share = (len(earlier) + 1) / scene.starts
         self._tolerance = tolerance / math.sqrt(self._share)
         self.most = scene.cycles or max(scene.most_cycles // scene.starts, 1)
+        # Luck in a later step of a wear is made good by the other steps.
+        is_first = remaining >= scene.represented_cycles
+        self._fewest = FEWEST if is_first else LEAST_SAMPLES
         self._needed = float(self.most)
         self._word = ""
 
@@ -184,7 +187,7 @@ class _Watch:
         pace.expect(amplification.steps(fastest_change(joints, mean_map(maps)), self._remaining))
         done = len(account.cycles)
         samples = sum(run.samples for run in maps)
-        if done < STARTUP_CYCLES + LEAST_SAMPLES or samples < FEWEST * self._share:
+        if done < STARTUP_CYCLES + LEAST_SAMPLES or samples < self._fewest * self._share:
             return False
         error = float(map_errors(*map_batches(maps)).max())
         start = f"start {len(maps)}, " if self._scene.starts > 1 else ""

@@ -2,6 +2,11 @@
 
 import json
 import math
+import os
+import signal
+import subprocess
+import sys
+import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,7 +18,15 @@ from presswear.errors import InputError
 from presswear.figures.runaway import two_wears
 from presswear.runaway import Outcome, answer, outcome_of, runaway
 from presswear.settings import changed
-from presswear.studies import Study, Variant, results_of, run_study, waiting
+from presswear.studies import (
+    Study,
+    Variant,
+    is_finished,
+    load_study,
+    results_of,
+    run_study,
+    waiting,
+)
 
 
 def small(**settings: str) -> Study:
@@ -155,3 +168,49 @@ def test_bad_options_of_a_study(
     told = capsys.readouterr().err
     assert words in told
     assert len(told.splitlines()) == 1
+
+
+def test_a_study_stops_at_once_and_keeps_what_is_finished(tmp_path: Path) -> None:
+    """Ctrl-C while two runs are at work: out within a second, finished runs stay, one line."""
+    out = tmp_path / "study"
+    settings = ["--engine", "dae", "--cycles", "1", "--set", "integrator=dopri5"]
+    command = [sys.executable, "-m", "presswear", "run", "runaway", *settings]
+    process = subprocess.Popen(
+        [*command, "--jobs", "2", "--out", str(out)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    deadline = time.monotonic() + 120.0
+    while not any(map(is_finished, out.glob("*"))) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    began = time.monotonic()
+    os.killpg(process.pid, signal.SIGINT)
+    said, error = process.communicate(timeout=20)
+    assert time.monotonic() - began < 5.0
+    assert process.returncode == 130, error
+    assert "--resume" in said
+    assert error.count("\n") == 1
+    study = load_study(out)
+    finished = [v for v in study.variants if is_finished(out / v.key)]
+    assert finished
+    left = waiting(study, out, resume=True)
+    assert {v.key for v in left} | {v.key for v in finished} == {v.key for v in study.variants}
+
+
+def test_a_stored_study_is_the_same_study(ran: tuple[Path, list[tuple[str, float]]]) -> None:
+    folder, _ = ran
+    assert load_study(folder) == small()
+    with pytest.raises(InputError, match="no study"):
+        load_study(folder / "one")
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [("{", "cannot be read"), ('{"schema": 99}', "schema 99"), ('{"schema": 1}', "not whole")],
+)
+def test_a_damaged_study_is_named(tmp_path: Path, text: str, words: str) -> None:
+    (tmp_path / "study.json").write_text(text)
+    with pytest.raises(InputError, match=words):
+        load_study(tmp_path)
