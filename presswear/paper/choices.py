@@ -13,12 +13,10 @@ from presswear.sampling import Interval
 WATCHED: tuple[tuple[str, Place], ...] = (
     ("depth", Place(WEAR, 1, "A")),
     ("depth", Place(WEAR, 1, "C")),
-    ("range", Place(WEAR, 1, "C")),
     ("force", Place(WEAR, 0, "A")),
     ("force", Place(WEAR, 0, "C")),
     ("force", Place(WEAR, 1, "A")),
     ("force", Place(WEAR, 1, "C")),
-    ("velocity", Place(WEAR, 0)),
     ("displacement", Place(WEAR, 0)),
 )
 """What sensitivities are shown of: quantity and place."""

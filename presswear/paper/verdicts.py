@@ -158,12 +158,12 @@ def together(verdicts: Iterable[Verdict]) -> Verdict:
 class Standing(StrEnum):
     """Words for how a printed number stands."""
 
-    INSIDE = "within the scatter of single cycles"
-    ABOVE = "above the scatter of single cycles"
-    BELOW = "below the scatter of single cycles"
+    INSIDE = "inside"
+    ABOVE = "above"
+    BELOW = "below"
     AGREES = "agrees"
     DIFFERS = "differs"
-    FREE = "not compared: scales with K_d / b"
+    FREE = "as ratios only"
     OPEN = "cannot be told"
     MISSING = "not computed"
 

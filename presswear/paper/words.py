@@ -65,6 +65,11 @@ def number(value: float, quantity: str) -> str:
     return readable(shown.factor * value, shown.digits)
 
 
+def as_printed(value: float, quantity: str) -> str:
+    """A printed value with all its digits, in the unit of our own, without the unit."""
+    return readable(QUANTITIES[quantity].factor * value, 4)
+
+
 def between(low: float | None, high: float | None, quantity: str) -> str:
     """An interval of a quantity; a dash where there is none."""
     if low is None or high is None:

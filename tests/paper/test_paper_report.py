@@ -13,7 +13,7 @@ from presswear.paper.claims import CLAIMS
 from presswear.paper.evidence import Evidence
 from presswear.paper.printed import PRINTED
 from presswear.paper.variants import paper
-from presswear.paper.words import number
+from presswear.paper.words import as_printed
 from presswear.report.paper import render
 from presswear.report.paper.numbers import numbers_table, ranges_table, ratios_table
 from presswear.report.paper.summary import findings, headline
@@ -48,9 +48,8 @@ def page() -> Words:
 
 def test_every_printed_number_and_claim_is_on_the_page(page: Words) -> None:
     for item in PRINTED:
-        assert re.sub(r"\s+", " ", number(item.value, item.quantity)) in page.text
-        if item.misprint:
-            assert item.misprint in page.text
+        assert re.sub(r"\s+", " ", as_printed(item.value, item.quantity)) in page.text
+        assert all(part in page.text for part in item.misprint.split("; "))
     for claim in CLAIMS:
         assert claim.quote in page.text
 
@@ -84,7 +83,10 @@ def test_the_first_screen_counts_right() -> None:
 def test_the_tables_show_ours_beside_the_paper() -> None:
     """Made up: 20 um at A after each wear, so 40 um after two and a ratio of two."""
     evidence = Evidence.of(every_result())
-    rows = [row for _, group in numbers_table(evidence).groups for row in group]
+    table, remarks = numbers_table(evidence)
+    rows = [row for _, group in table.groups for row in group]
+    marks = {int(mark) for row in rows for mark in re.findall(r"\[(\d+)\]", row[0])}
+    assert marks == set(range(1, len(remarks) + 1))
     depth = next(
         row for row in rows if row[0].startswith("deepest wear, joint A, after the second")
     )

@@ -48,6 +48,7 @@ def render(
     claims = judged(evidence)
     failures = failures_of(results)
     first = next((found for place, found in evidence.runs.items() if place[0] == BASE), None)
+    numbers, remarks = numbers_table(evidence)
     return render_page(
         "paper.html",
         study=study,
@@ -57,7 +58,8 @@ def render(
         findings=findings(evidence, failures),
         counts=counts_table(claims),
         claims=claims,
-        numbers=numbers_table(evidence),
+        numbers=numbers,
+        remarks=remarks,
         ratios=ratios_table(evidence),
         ranges=ranges_table(evidence),
         figures=figures,

@@ -14,10 +14,11 @@ from presswear.paper.printed import WEAR, printed_at
 from presswear.paper.variants import GEOMETRIES, REFINED
 from presswear.paper.words import (
     QUANTITIES,
-    number,
+    as_printed,
     place_text,
     ratio_text,
     setting_text,
+    stage_text,
     value_with_interval,
 )
 from presswear.report.parts import Row, Table
@@ -41,7 +42,7 @@ def geometry_table(evidence: Evidence) -> Table:
         rows.append(
             (
                 f"{shown.label}, {place_text(place, quantity)} ({shown.unit})",
-                "–" if printed is None else number(printed.value, quantity),
+                "–" if printed is None else as_printed(printed.value, quantity),
                 *(
                     value_with_interval(evidence.measured(name, place, quantity), quantity)
                     for name in GEOMETRIES
@@ -74,6 +75,9 @@ def fit_table(evidence: Evidence) -> Table:
     return Table(head, (("", tuple(rows)), ("One number for all", summary)))
 
 
+_SHORT = {"depth": "deepest wear", "force": "force", "displacement": "displacement, "}
+
+
 def sensitivity_table(evidence: Evidence, failures: dict[str, str]) -> Table:
     """Each changed choice: what it makes of some results.
 
@@ -92,10 +96,11 @@ def sensitivity_table(evidence: Evidence, failures: dict[str, str]) -> Table:
         ]
         rows.append((label, *cells))
     head = tuple(
-        f"{QUANTITIES[quantity].label}, {place_text(place, quantity)}"
+        f"{_SHORT[quantity]} {place.joint}{', ' if place.joint else ''}"
+        f"{stage_text(place, quantity)}"
         for quantity, place in WATCHED
     )
-    return Table(("changed alone", *head), (("", tuple(rows)),), numeric=False)
+    return Table(("changed alone", *head), (("", tuple(rows)),))
 
 
 def stopped_table(evidence: Evidence) -> Table:

@@ -12,8 +12,8 @@ from presswear.paper.variants import BASE, SETTINGS
 from presswear.paper.verdicts import Standing, compared, ratio_standing, standing
 from presswear.paper.words import (
     QUANTITIES,
+    as_printed,
     between,
-    number,
     place_text,
     ratio_text,
     value_with_interval,
@@ -30,8 +30,9 @@ _HEAD = (
     "first cycles",
     "paper / ours",
     "",
-    "remarks",
 )
+STAGE_NOT_SAID = "the paper does not say before or after which wear; both are shown"
+STARTS_DIFFER = "our starts differ by more than their cycles explain: the interval is over starts"
 
 
 def stages_of(item: Printed) -> list[Place]:
@@ -51,36 +52,38 @@ def standings(evidence: Evidence) -> list[tuple[Printed, Standing]]:
     ]
 
 
-def numbers_table(evidence: Evidence) -> Table:
-    """Every printed number, by section."""
+def numbers_table(evidence: Evidence) -> tuple[Table, list[str]]:
+    """Every printed number, by section, and the remarks that its rows refer to by number."""
     groups: dict[str, list[Row]] = {}
+    remarks: list[str] = []
     for item in PRINTED:
-        setting = SETTINGS[item.place.setting][0]
-        group = f"Section {item.section}: {setting}"
+        group = f"Section {item.section}: {SETTINGS[item.place.setting][0]}"
         for place in stages_of(item):
-            groups.setdefault(group, []).append(_number_row(evidence, item, place))
-    return Table(_HEAD, tuple((name, tuple(rows)) for name, rows in groups.items()), numeric=False)
+            groups.setdefault(group, []).append(_number_row(evidence, item, place, remarks))
+    return Table(_HEAD, tuple((name, tuple(rows)) for name, rows in groups.items())), remarks
 
 
-def _number_row(evidence: Evidence, item: Printed, place: Place) -> Row:
+def _number_row(evidence: Evidence, item: Printed, place: Place, remarks: list[str]) -> Row:
+    """A row; remarks that are new are put behind the others."""
     shown = QUANTITIES[item.quantity]
     ours = evidence.measured(BASE, place, item.quantity)
-    remarks = [item.misprint] if item.misprint else []
+    own = [part for part in item.misprint.split("; ") if part]
     if item.stage_not_said:
-        remarks.append("stage not said in the paper")
+        own.append(STAGE_NOT_SAID)
     if ours is not None and ours.differ:
-        remarks.append("our starts differ by more than their cycles explain: interval over starts")
+        own.append(STARTS_DIFFER)
+    remarks += [remark for remark in own if remark not in remarks]
+    marks = "".join(f" [{remarks.index(remark) + 1}]" for remark in own)
     is_ratio = ours is not None and ours.value > 0.0 and item.quantity != "angle"
     return (
-        f"{shown.label}, {place_text(place, item.quantity)} ({shown.unit})",
+        f"{shown.label}, {place_text(place, item.quantity)} ({shown.unit}){marks}",
         item.figure,
-        number(item.value, item.quantity),
+        as_printed(item.value, item.quantity),
         value_with_interval(ours, item.quantity),
         between(*ours.draws, item.quantity) if ours is not None and ours.draws else "–",
         between(*ours.first, item.quantity) if ours is not None and ours.first else "–",
         readable(item.value / ours.value) if ours is not None and is_ratio else "–",
         str(standing(item, ours)),
-        "; ".join(remarks),
     )
 
 

@@ -38,12 +38,15 @@ class Judged:
     ----------
     verdicts : tuple of (str, Verdict)
         By case.
+    parts : tuple of tuple of Verdict
+        Of the claim's comparisons, by case.
     details : tuple of str
         What our runs and the paper have for each comparison, standard geometry.
     """
 
     claim: Claim
     verdicts: tuple[tuple[str, Verdict], ...]
+    parts: tuple[tuple[Verdict, ...], ...]
     details: tuple[str, ...]
 
     @property
@@ -62,9 +65,18 @@ class Judged:
             return "changes with the geometry"
         return "not decided on all three"
 
-    def rows(self) -> list[tuple[str, str, str]]:
-        """Case, verdict and its style."""
-        return [(case, str(word), STYLES[word]) for case, word in self.verdicts]
+    def rows(self) -> list[tuple[str, str, str, str]]:
+        """Case, verdict, its style, and of how many comparisons it is where they disagree."""
+        found = []
+        for (case, word), parts in zip(self.verdicts, self.parts, strict=True):
+            told = [part for part in parts if part is not Verdict.MISSING]
+            count = ""
+            if len(set(told)) > 1:
+                count = f"{sum(part is Verdict.HOLDS for part in told)} of {len(told)} hold"
+            if 0 < len(told) < len(parts):
+                count += f" ({len(parts) - len(told)} not computed)"
+            found.append((case, str(word), STYLES[word], count))
+        return found
 
 
 def judged(evidence: Evidence) -> list[Judged]:
@@ -73,11 +85,14 @@ def judged(evidence: Evidence) -> list[Judged]:
 
 
 def _judge(evidence: Evidence, claim: Claim) -> Judged:
-    verdicts = tuple(
-        (case, together(verdict(compared(evidence, case, part), part) for part in claim.parts))
+    parts = tuple(
+        tuple(verdict(compared(evidence, case, part), part) for part in claim.parts)
         for case in JUDGED_CASES
     )
-    return Judged(claim, verdicts, tuple(_detail(evidence, part) for part in claim.parts))
+    verdicts = tuple(
+        (case, together(found)) for case, found in zip(JUDGED_CASES, parts, strict=True)
+    )
+    return Judged(claim, verdicts, parts, tuple(_detail(evidence, part) for part in claim.parts))
 
 
 def _detail(evidence: Evidence, part: Comparison) -> str:
