@@ -1,0 +1,1 @@
+"""Speed against error: what each engine and integrator gives for its time."""
