@@ -264,7 +264,8 @@ class Evidence:
     def _of_maps(self, case: str, place: Place, quantity: str) -> Measured | None:
         last = place.wears - 1
         result = self.at_stage(case, place.setting, last)
-        if result is None:
+        # The wear that the last stage would cause is a single jump, no measure of one in steps.
+        if result is None or (result.scene.wears_in_steps and place.wears > result.scene.wears):
             return None
         stages = range(last, place.wears) if quantity in _LAST else range(place.wears)
         mean, draws, count = _drawn(result, place.joint, stages)

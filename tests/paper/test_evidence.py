@@ -1,6 +1,7 @@
 """Quantities of a study: each against numbers put in by hand."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -121,3 +122,28 @@ def test_every_quantity_has_words_and_can_be_measured() -> None:
     for quantity in QUANTITIES:
         joint = "" if quantity.endswith("_off") or quantity in SLIDER else "A"
         assert math.isfinite(known(evidence, quantity, 1, joint).value)
+
+
+def turning(arrays: dict[str, np.ndarray], **changes: object) -> Evidence:
+    stored = result(SETTING, [arrays])
+    conventions = replace(stored.scene.conventions, map_frame="body")
+    scene = replace(stored.scene, conventions=conventions, **changes)
+    return Evidence({("standard", SETTING): replace(stored, scene=scene)})
+
+
+def test_maps_that_turn_are_not_added_up_by_their_angles() -> None:
+    """Each surface's own deepest place counts, wherever it is; there is no common angle."""
+    arrays = one()
+    arrays["A_wear_batches"][:, 1] = np.roll(arrays["A_wear_batches"][:, 1], 30, axis=-1)
+    fixed = known(evidence_of(SETTING, arrays), "depth", 1, "A").value
+    turned = known(turning(arrays), "depth", 1, "A").value
+    assert turned == pytest.approx(20e-6, rel=0.05)
+    assert fixed == pytest.approx(10e-6, rel=0.05)
+    assert turning(arrays).measured("standard", Place(SETTING, 1, "A"), "angle") is None
+
+
+def test_a_jump_after_the_last_stage_is_no_wear_in_steps() -> None:
+    place = Place(SETTING, 1, "A")
+    assert turning(one(), wears=0).measured("standard", place, "depth") is not None
+    stepped = turning(one(), wears=0, extrapolation="steps")
+    assert stepped.measured("standard", place, "depth") is None
