@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 
@@ -80,18 +81,32 @@ def touches_of(run: Run) -> tuple[Touch, ...]:
     return tuple(sorted(found, key=lambda touch: touch.onset))
 
 
+PEAK_REACH = 3
+"""Samples on each side of the greatest that the curve through a peak takes in."""
+
+
 def peak(time: Array, value: Array) -> float:
-    """Greatest value of a sampled curve, by a parabola through the samples around it."""
+    """Greatest value of a sampled curve, by the polynomial through the samples around it."""
     if not value.size:
         return math.nan
     top = int(value.argmax())
-    if not 0 < top < value.size - 1:
+    reach = min(PEAK_REACH, top, value.size - 1 - top)
+    # Where samples nearly coincide, a polynomial through few of them is steadier.
+    while reach > 1:
+        near = time[top - reach : top + reach + 1]
+        if np.diff(near).min() > 0.02 * (near[-1] - near[0]):
+            break
+        reach -= 1
+    if reach == 0:
         return float(value[top])
-    before, after = time[top - 1] - time[top], time[top + 1] - time[top]
-    rise, fall = value[top - 1] - value[top], value[top + 1] - value[top]
-    bend = (fall / after - rise / before) / (after - before)
-    slope = rise / before - bend * before
-    return float(value[top] - slope**2 / (4.0 * bend)) if bend < 0.0 else float(value[top])
+    window = slice(top - reach, top + reach + 1)
+    # In units of half the window: the powers stay well conditioned.
+    x = 2.0 * (time[window] - time[top]) / (time[top + reach] - time[top - reach])
+    curve = Polynomial(np.linalg.solve(np.vander(x, increasing=True), value[window]))
+    turns = curve.deriv().roots()
+    turns = turns[np.isreal(turns)].real
+    inside = turns[(turns > x[reach - 1]) & (turns < x[reach + 1])]
+    return float(max(value[top], *curve(inside)))
 
 
 def trace_of(run: Run) -> Trace:

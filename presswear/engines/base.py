@@ -97,6 +97,8 @@ class DaeAccuracy:
         Baumgarte's coefficients, 1/s (equation 19).
     projected : bool
         Whether each accepted state is moved onto the constraints.
+    free_step : float or None
+        Longest step of ``dop853`` and ``dopri5``, s; None: a 500th of the plan's cycle.
     """
 
     integrator: Integrator = "dop853"
@@ -105,6 +107,7 @@ class DaeAccuracy:
     alpha: float = 20.0
     beta: float = 20.0
     projected: bool = False
+    free_step: float | None = None
 
 
 AnyAccuracy = TreeAccuracy | JointsAccuracy | DaeAccuracy

@@ -104,12 +104,16 @@ class Point:
         None where nothing could be timed.
     failure : str
         Why it failed, or nothing.
+    values : mapping of str to float
+        What else was measured, by its name with its unit: ``steps in the contact``,
+        ``contact time (s)``; empty for a failure.
     """
 
     method: Method
     errors: Mapping[str, float] = field(default_factory=dict)
     effort: Effort | None = None
     failure: str = ""
+    values: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -35,6 +35,9 @@ Array = NDArray[np.float64]
 PAPER_STEP = 1e-4
 """Integral step of the paper's Table 2, s."""
 
+LEAST_STEPS = 500
+"""Steps of an error-controlled run in a cycle, at least, where its accuracy says nothing else."""
+
 _CHUNK = 2000
 """Steps between two looks at the clock and the keyboard."""
 
@@ -100,7 +103,9 @@ def simulate(linkage: Linkage, start: Start, accuracy: DaeAccuracy, plan: Plan) 
     control["step"] = (
         (PAPER_STEP if accuracy.integrator == "rk4-paper" else accuracy.step) if fixed else 1e-6
     )
-    control["longest"] = plan.cycle / 500.0
+    control["longest"] = (
+        plan.cycle / LEAST_STEPS if accuracy.free_step is None else accuracy.free_step
+    )
     control["shortest"] = 1e-14
     control["tolerance"] = accuracy.tolerance
     control["projected"] = accuracy.projected
@@ -176,6 +181,7 @@ def simulate(linkage: Linkage, start: Start, accuracy: DaeAccuracy, plan: Plan) 
             "steps": int(control["steps"][0]),
             "steps_sent_back": int(control["rejected"][0]),
             "events": int(control["events"][0]),
+            "evaluations": int(control["evaluations"][0]),
             "constraint_error_m": float(control["position_error"][0]),
             "constraint_velocity_error_m_s": float(control["velocity_error"][0]),
             **ledger.as_dict(),

@@ -52,6 +52,7 @@ CONTROL = np.dtype(
         ("steps", np.int64),
         ("rejected", np.int64),
         ("events", np.int64),
+        ("evaluations", np.int64),  # of the accelerations
         ("position_error", np.float64),  # greatest |Phi|
         ("velocity_error", np.float64),  # greatest |dPhi/dt|
     ]
@@ -117,6 +118,7 @@ def locate(
     system: System,
     tableau: Tableau,
     book: Book,
+    control: Records,
     motion: Motion,
     t: float,
     k: int,
@@ -148,6 +150,7 @@ def locate(
             motion.trial,
             motion.scale,
         )
+        control[0].evaluations += tableau.b.shape[0]
         depth, rate = penetration_of(system, k, motion.trial)
         if abs(depth) <= EVENT_DEPTH:
             return length, True
@@ -243,6 +246,7 @@ def march_controlled(
         error = embedded_step(
             system, tableau, book.onset, t, h, motion.y, motion.slopes, motion.trial, motion.scale
         )
+        state.evaluations += tableau.b.shape[0]
         if not error <= 1.0:
             state.rejected += 1
             factor = LEAST_FACTOR
@@ -256,14 +260,16 @@ def march_controlled(
         factor = GREATEST_FACTOR if error == 0.0 else SAFETY * error**tableau.exponent
         state.step = h * min(max(factor, LEAST_FACTOR), GREATEST_FACTOR)
         if k >= 0:
-            located, found = locate(system, tableau, book, motion, t, k, h, part)
+            located, found = locate(system, tableau, book, control, motion, t, k, h, part)
             for _ in range(system.joints.shape[0]):
                 # The cubics may have seen events of two joints in the wrong order.
                 earlier, part = first_event(system, book, motion.trial, located, k)
                 if not found or earlier < 0:
                     break
                 k = earlier
-                located, found = locate(system, tableau, book, motion, t, k, located, part)
+                located, found = locate(
+                    system, tableau, book, control, motion, t, k, located, part
+                )
             if not found:
                 # The cubic through both ends saw what is not there; a shorter one sees better.
                 state.rejected += 1
@@ -291,6 +297,7 @@ def march_controlled(
             project(system, t, motion.y)
         if state.projected or k >= 0:
             rates(system, book.onset, t, motion.y, motion.slopes[0])
+            state.evaluations += 1
         else:
             copy_to(motion.slopes[0], motion.slopes[tableau.b.shape[0]])
         finish_step(system, book, control, motion, t, h)
@@ -312,6 +319,7 @@ def march_fixed(
             return DONE
         h = min(state.step, left)
         classical_step(system, book.onset, t, h, motion.y, motion.slopes, motion.trial)
+        state.evaluations += 4
         copy_to(motion.y, motion.trial)
         t = end if h >= left else t + h
         for i in range(2 * n):
