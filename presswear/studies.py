@@ -227,6 +227,8 @@ def run_study(study: Study, folder: Path, jobs: int, resume: bool, told: Told) -
                     raise RuntimeError(f"a process ended with code {worker.exitcode}")
         _listen(messages, told)
     finally:
+        # What nobody will fetch any more must not keep the program from ending.
+        tasks.cancel_join_thread()
         for worker in workers:
             if worker.is_alive():
                 worker.terminate()
