@@ -76,8 +76,8 @@ def test_the_first_screen_counts_right() -> None:
         ],
     )
     assert inside + above + below == peaks
-    assert len(findings(evidence, {})) == 4
-    assert len(findings(evidence, {"paper-step": "it blew up"})) == 5
+    assert len(findings(evidence, {})) == 5
+    assert len(findings(evidence, {"paper-step": "it blew up"})) == 6
 
 
 def test_the_tables_show_ours_beside_the_paper() -> None:

@@ -43,6 +43,7 @@ def findings(evidence: Evidence, failures: Mapping[str, str]) -> list[str]:
         _second_wear(evidence),
         _friction(evidence),
         _speed_and_joint(evidence),
+        _peaks(evidence),
         _scale(evidence),
     ]
     if PAPER_STEP in failures:
@@ -96,6 +97,26 @@ def _speed_and_joint(evidence: Evidence) -> str:
     return (
         f"Twice the speed makes the wear at A {ours} times deeper (printed: {printed}), and A "
         f"wears {joints} times deeper than C at 8π (printed: {joints_printed})."
+    )
+
+
+def _peaks(evidence: Evidence) -> str:
+    """Printed peaks by whether the surfaces were worn; those of an unsaid stage are left out."""
+    told = [
+        (item.place.wears > 0, stand)
+        for item, stand in standings(evidence)
+        if not item.stage_not_said and stand in (Standing.INSIDE, Standing.ABOVE, Standing.BELOW)
+    ]
+    new, worn = (
+        [stand for is_worn, stand in told if is_worn is wanted] for wanted in (False, True)
+    )
+    if not new or not worn:
+        return ""
+    inside = [sum(stand is Standing.INSIDE for stand in some) for some in (new, worn)]
+    return (
+        f"A peak of one cycle is one draw of many. Without wear {inside[0]} of {len(new)} printed "
+        f"peaks lie within the scatter of our single cycles; after a wear {inside[1]} of "
+        f"{len(worn)} do, and the others are higher than any but the rarest of ours."
     )
 
 
