@@ -1,0 +1,90 @@
+"""The methods whose statistics are compared, and how a method is stored."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, replace
+from typing import Any
+
+from presswear.engines.base import AnyAccuracy, DaeAccuracy, JointsAccuracy, TreeAccuracy
+from presswear.engines.dae.engine import PAPER_STEP
+from presswear.numerics import Numerics
+from presswear.precision.points import Method
+from presswear.scene import Scene
+from presswear.tree import Tree, tree_of
+
+TREE_TOLERANCES = (1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)
+CONTROLLED_TOLERANCES = (1e-5, 1e-6, 1e-7, 1e-8, 1e-9)
+EQUAL_STEPS = (5e-5, 1e-5)
+"""s."""
+INTEGRATORS = {"dop853": "DOP853", "dopri5": "DOPRI5", "rk4": "RK4", "rk4-paper": "RK4"}
+"""What people call them."""
+
+
+def tree_method(accuracy: TreeAccuracy) -> Method:
+    """The open tree at an accuracy."""
+    return Method("exudyn-tree", "DOPRI5", "tolerance", accuracy.tolerance, accuracy)
+
+
+def dae_method(accuracy: DaeAccuracy) -> Method:
+    """The in-house solver at an accuracy."""
+    name = INTEGRATORS[accuracy.integrator]
+    if not accuracy.integrator.startswith("rk4"):
+        return Method("dae", name, "tolerance", accuracy.tolerance, accuracy)
+    is_paper = accuracy.integrator == "rk4-paper"
+    step = PAPER_STEP if is_paper else accuracy.step
+    return Method("dae", name, "step (s)", step, accuracy, is_paper=is_paper)
+
+
+def ladder(scene: Scene) -> tuple[Method, ...]:
+    """Methods for statistics of a scene, each family from coarse to fine, the paper's last."""
+    numerics, period = scene.numerics, scene.mechanism.period
+    found: list[Method] = []
+    if isinstance(tree_of(scene.linkage()), Tree):
+        tree = numerics.tree(period)
+        found += [tree_method(replace(tree, tolerance=value)) for value in TREE_TOLERANCES]
+    dae = numerics.dae()
+    found += [
+        dae_method(replace(dae, integrator=name, tolerance=value))
+        for name in ("dop853", "dopri5")
+        for value in CONTROLLED_TOLERANCES
+    ]
+    found += [dae_method(replace(dae, integrator="rk4", step=value)) for value in EQUAL_STEPS]
+    found.append(dae_method(replace(dae, integrator="rk4-paper")))
+    return tuple(replace(method, is_default=is_default(method, period)) for method in found)
+
+
+def finest(scene: Scene) -> Method:
+    """The method that the others are compared with."""
+    accuracy = replace(scene.numerics.dae(), integrator="dop853", tolerance=REFERENCE_TOLERANCE)
+    return dae_method(accuracy)
+
+
+REFERENCE_TOLERANCE = CONTROLLED_TOLERANCES[-1]
+
+
+def is_default(method: Method, period: float) -> bool:
+    """Whether a scene with a cycle of a period, s, takes a method by itself for its engine."""
+    numerics = Numerics()
+    if isinstance(method.accuracy, TreeAccuracy):
+        return method.accuracy == numerics.tree(period)
+    if isinstance(method.accuracy, JointsAccuracy):
+        return method.accuracy == numerics.joints(period)
+    return method.accuracy == numerics.dae()
+
+
+_KINDS: dict[str, type[AnyAccuracy]] = {
+    "exudyn-tree": TreeAccuracy,
+    "exudyn-joints": JointsAccuracy,
+    "dae": DaeAccuracy,
+}
+
+
+def method_as_dict(method: Method) -> dict[str, Any]:
+    """A method as plain data."""
+    return asdict(method)
+
+
+def method_from_dict(data: Mapping[str, Any]) -> Method:
+    """A method from ``method_as_dict``."""
+    plain = dict(data)
+    accuracy = _KINDS[plain["engine"]](**plain.pop("accuracy"))
+    return Method(accuracy=accuracy, **plain)
