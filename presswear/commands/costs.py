@@ -14,8 +14,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from presswear.catalog import scene_named
-from presswear.commands.terminal import free_folder, progress_bar
-from presswear.errors import InputError
+from presswear.commands.terminal import free_folder, progress_bar, repeats_given
 
 if TYPE_CHECKING:
     from presswear.costs.text import TextTable
@@ -41,14 +40,8 @@ def add(commands: Any) -> None:
     costs.set_defaults(run=_costs)
 
 
-def _repeats(text: str) -> int:
-    if not (text.isascii() and text.isdigit() and 1 <= int(text) <= 1000):
-        raise InputError(f"--repeats {text}: a whole number from 1 to 1000 is expected")
-    return int(text)
-
-
 def _costs(arguments: argparse.Namespace, console: Console) -> int:
-    repeats = None if arguments.repeats is None else _repeats(arguments.repeats)
+    repeats = None if arguments.repeats is None else repeats_given(arguments.repeats)
     scene = scene_named(SCENE)
     folder = arguments.out if arguments.out is not None else free_folder("costs")
     from presswear.results import ResultFolder, provenance

@@ -31,6 +31,13 @@ def settings_given(items: list[str]) -> dict[str, str]:
     return settings
 
 
+def repeats_given(text: str) -> int:
+    """What ``--repeats`` says."""
+    if not (text.isascii() and text.isdigit() and 1 <= int(text) <= 1000):
+        raise InputError(f"--repeats {text}: a whole number from 1 to 1000 is expected")
+    return int(text)
+
+
 def free_folder(name: str) -> Path:
     """results/NAME, or the first of results/NAME-2, -3 ... that is free."""
     base = Path("results") / name

@@ -267,9 +267,7 @@ def march_controlled(
                 if not found or earlier < 0:
                     break
                 k = earlier
-                located, found = locate(
-                    system, tableau, book, control, motion, t, k, located, part
-                )
+                located, found = locate(system, tableau, book, control, motion, t, k, located, part)
             if not found:
                 # The cubic through both ends saw what is not there; a shorter one sees better.
                 state.rejected += 1

@@ -1,0 +1,75 @@
+"""``presswear precision``: speed against error of every engine and integrator.
+
+It measures and does not judge: the exit code is 0 however slow or wrong a method is.
+"""
+
+import argparse
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from presswear.catalog import scene_named
+from presswear.commands.costs import print_text_table
+from presswear.commands.terminal import free_folder, progress_bar, repeats_given, settings_given
+from presswear.settings import changed
+
+SCENE = "wear-times"
+
+
+def add(commands: Any) -> None:
+    """Add the parser of ``precision``."""
+    precision = commands.add_parser(
+        "precision",
+        help="speed against error: every engine and integrator over its steps or tolerances",
+        description="Runs every engine and integrator over its steps or tolerances and holds it "
+        "against references: the ideal press and Andrews' squeezer, one impact, and a scene with "
+        "clearance up to the horizon to which a trajectory means something; beyond it statistics "
+        "and wear. Times are medians of interleaved repeats, warm-up apart; failures stay in, and "
+        "so does the paper's setting, RK4 at 1e-4 s. Keep the machine calm meanwhile. Below 40 "
+        "minutes on two cores, with --quick below 3.",
+        epilog="example: presswear precision wear-times --quick --out results/precision-first",
+    )
+    precision.add_argument(
+        "scene", nargs="?", default=SCENE, metavar="SCENE", help=f"scene (default {SCENE})"
+    )
+    precision.add_argument("--out", type=Path, help="new folder (default results/precision-SCENE)")
+    precision.add_argument("--repeats", help="how often each method is timed (default 7, quick 5)")
+    precision.add_argument("--quick", action="store_true", help="few steps and tolerances of each")
+    precision.add_argument(
+        "--set", action="append", default=[], metavar="KEY=VALUE", help="as in presswear run"
+    )
+    precision.set_defaults(run=_precision)
+
+
+def _precision(arguments: argparse.Namespace, console: Console) -> int:
+    repeats = None if arguments.repeats is None else repeats_given(arguments.repeats)
+    scene = changed(scene_named(arguments.scene), settings_given(arguments.set))
+    folder = arguments.out or free_folder(f"precision-{scene.name}")
+    from presswear.results import ResultFolder
+
+    ResultFolder(folder, scene)  # refuses a folder that holds something
+    from presswear.precision.extent import FULL, QUICK
+    from presswear.precision.store import store
+    from presswear.precision.study import study
+    from presswear.precision.text import tables_of
+
+    extent = QUICK if arguments.quick else FULL
+    if repeats is not None:
+        extent = replace(extent, repeats=repeats)
+    with progress_bar(console) as bar:
+        task = bar.add_task("start", total=1.0)
+        found = study(
+            scene,
+            extent,
+            lambda name, part: bar.update(task, description=name, completed=part),
+        )
+    store(found, folder)
+    from presswear.report.precision import write_precision_report
+
+    write_precision_report(found, folder)
+    for table in tables_of(found):
+        print_text_table(console, table)
+    console.print(f"data, figures and report.html in {folder}", highlight=False)
+    return 0
