@@ -1,6 +1,7 @@
 """The report of a result folder: one HTML file that opens anywhere."""
 
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from presswear.figures import draw_all
@@ -25,7 +26,7 @@ from presswear.report.parts import (
     scaled,
     stage_names,
 )
-from presswear.report.wear import growth, spread, wear_rows
+from presswear.report.wear import deepest_with_interval, growth, spread, wear_rows
 from presswear.results import StoredResult, write_bytes
 from presswear.settings import SET, settings_of
 
@@ -145,15 +146,18 @@ def key_numbers(result: StoredResult) -> Table:
 def cycle_means(result: StoredResult) -> Table:
     """Means over cycles with the half widths of their 95 % intervals."""
 
-    def mean(label: str, factor: float, *path: str) -> Row:
+    def known(label: str, factor: float, value: Row, half_width: Row) -> Row:
         def text(k: int) -> str:
             found = result.statistics(k)
             return with_interval(
-                scaled(number_at(found, *path, "mean"), factor),
-                scaled(number_at(found, *path, "half_width"), factor),
+                scaled(number_at(found, *value), factor),
+                scaled(number_at(found, *half_width), factor),
             )
 
         return by_stage(result, label, text)
+
+    def mean(label: str, factor: float, *path: str) -> Row:
+        return known(label, factor, (*path, "mean"), (*path, "half_width"))
 
     slider = (
         mean("highest displacement (mm)", MILLI, "slider", "displacement_max_per_cycle_m"),
@@ -172,7 +176,19 @@ def cycle_means(result: StoredResult) -> Table:
             f"Joint {joint}",
             (
                 mean("largest normal force (N)", 1.0, "joints", joint, "force_max_per_cycle_N"),
+                mean("contacts", 1.0, "joints", joint, "contacts_per_cycle"),
                 mean("force times slip (N m)", 1.0, "joints", joint, "dose_per_cycle_Nm"),
+                known(
+                    "worn by one wear (mm³)",
+                    CUBIC_MILLIMETRES,
+                    ("joints", joint, "wear_volume_m3"),
+                    ("joints", joint, "wear_volume_half_width_m3"),
+                ),
+                by_stage(
+                    result,
+                    "deepest of one wear (µm)",
+                    partial(deepest_with_interval, result, joint),
+                ),
             ),
         )
         for joint in result.scene.clearance_joints

@@ -32,6 +32,21 @@ def wear_rows(result: StoredResult, joint: str) -> list[Row]:
     return rows
 
 
+def deepest_with_interval(result: StoredResult, joint: str, k: int) -> str:
+    """Deepest depth that one wear after a stage adds, with the ends of its interval."""
+    found = result.statistics(k).get("joints", {}).get(joint, {})
+    sides = ("bearing", "pin") if maps_turn(result) else ("both",)
+    texts = []
+    for side in sides:
+        depth = found.get(f"wear_depth_max_{side}_m")
+        ends = found.get(f"wear_depth_max_{side}_interval_m")
+        text = readable(None if depth is None else MICRONS * depth)
+        if ends is not None:
+            text += f" ({readable(MICRONS * ends[0])} to {readable(MICRONS * ends[1])})"
+        texts.append(text if len(sides) == 1 else f"{side} {text}")
+    return ", ".join(texts)
+
+
 def growth(result: StoredResult) -> Table | None:
     """How each wear was applied; None where all were single jumps."""
     if not result.grew_in_steps:
