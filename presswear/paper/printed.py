@@ -19,6 +19,7 @@ SAME_START = (
 )
 NOT_ACCELERATION = 'the text says "peak value of acceleration of slider" of a force in N'
 FIGURE_19_FOR_20 = "the text announces this figure as Fig. 19; Fig. 19 is in section 5.4.1"
+FIGURE_20_FOR_21 = "the text announces this figure as Fig. 20; Fig. 20 shows the slider"
 LOST_FACTOR = (
     "below the depth at C, while the text says that A wears more: the power of ten is probably 10⁻⁵"
 )
@@ -120,7 +121,7 @@ def _responses() -> list[Printed]:
                     Place(setting, 0, joint),
                     "force",
                     value,
-                    NOT_ACCELERATION,
+                    f"{NOT_ACCELERATION}; {FIGURE_20_FOR_21}",
                     stage_not_said=True,
                 )
             )
