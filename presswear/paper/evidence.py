@@ -292,7 +292,7 @@ class Evidence:
     def map_error(self, case: str, setting: str, joint: str, stage: int) -> float | None:
         """Standard error of the wear map of a stage, part of its rms."""
         result = self.at_stage(case, setting, stage)
-        if result is None:
+        if result is None or joint not in result.scene.clearance_joints:
             return None
         arrays = result.stages[stage]
         maps = arrays[f"{joint}_wear_batches"][:, np.newaxis]
