@@ -154,7 +154,8 @@ def test_runaway_changes_one_thing_at_a_time_and_only_what_it_says() -> None:
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["run", "runaway", "--jobs", "0"], "--jobs 0"),
+        (["run", "runaway", "--jobs", "0"], "--jobs 0: a whole number from 1 to 256"),
+        (["run", "paper", "--jobs", "two"], "--jobs two: a whole number from 1 to 256"),
         (["run", "runaway", "--resume"], "--out"),
         (["run", "wear-times", "--jobs", "2"], "for studies"),
         (["run", "runaway", "--set", "nonsense=1"], "unknown key"),

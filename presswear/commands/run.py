@@ -45,7 +45,7 @@ def add(commands: Any) -> None:
         metavar="KEY=VALUE",
         help="change one value, with its unit; repeatable (see presswear list SCENE)",
     )
-    run.add_argument("--jobs", type=int, default=1, metavar="N", help="of a study: runs at a time")
+    run.add_argument("--jobs", default="1", metavar="N", help="of a study: runs at a time")
     run.add_argument(
         "--resume", action="store_true", help="of a study: keep the finished runs in --out"
     )
@@ -84,7 +84,7 @@ def _with_options(scene: Scene, arguments: argparse.Namespace) -> Scene:
 def _run(arguments: argparse.Namespace, console: Console) -> int:
     if arguments.scene in STUDIES:
         return studies.run(arguments, console, partial(_with_options, arguments=arguments))
-    if arguments.resume or arguments.jobs != 1:
+    if arguments.resume or arguments.jobs != "1":
         raise InputError(f"--resume and --jobs are for studies: {', '.join(STUDIES)}")
     scene = _scene_from(arguments)
     folder = arguments.out if arguments.out is not None else free_folder(scene.name)

@@ -8,7 +8,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import Progress, TaskID
 
-from presswear.commands.terminal import free_folder, progress_bar
+from presswear.commands.terminal import free_folder, jobs_given, progress_bar
 from presswear.errors import InputError, RunError
 from presswear.scene import Scene
 from presswear.studies import Change, Study, Variant, load_study, run_study, waiting
@@ -86,8 +86,7 @@ class Board:
 
 def run(arguments: argparse.Namespace, console: Console, change: Callable[[Scene], Scene]) -> int:
     """Run a study into one folder, with a change that a person asked for."""
-    if arguments.jobs < 1:
-        raise InputError(f"--jobs {arguments.jobs}: allowed is 1 and more")
+    jobs = jobs_given(arguments.jobs)
     if arguments.resume and arguments.out is None:
         raise InputError("--resume needs the folder to go on with: --out DIR")
     study = _builder(arguments.scene)(change)
@@ -96,7 +95,7 @@ def run(arguments: argparse.Namespace, console: Console, change: Callable[[Scene
     try:
         with progress_bar(console) as bar:
             board = Board.of(study, bar)
-            run_study(study, folder, arguments.jobs, arguments.resume, board.tell)
+            run_study(study, folder, jobs, arguments.resume, board.tell)
     except KeyboardInterrupt:
         console.print(
             f"finished runs are kept; the same command with --out {folder} --resume goes on",

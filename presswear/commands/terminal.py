@@ -31,11 +31,21 @@ def settings_given(items: list[str]) -> dict[str, str]:
     return settings
 
 
+def count_given(option: str, text: str, most: int) -> int:
+    """A whole number from 1 that an option says."""
+    if not (text.isascii() and text.isdigit() and 1 <= int(text) <= most):
+        raise InputError(f"{option} {text}: a whole number from 1 to {most} is expected")
+    return int(text)
+
+
 def repeats_given(text: str) -> int:
     """What ``--repeats`` says."""
-    if not (text.isascii() and text.isdigit() and 1 <= int(text) <= 1000):
-        raise InputError(f"--repeats {text}: a whole number from 1 to 1000 is expected")
-    return int(text)
+    return count_given("--repeats", text, 1000)
+
+
+def jobs_given(text: str) -> int:
+    """What ``--jobs`` says."""
+    return count_given("--jobs", text, 256)
 
 
 def free_folder(name: str) -> Path:
