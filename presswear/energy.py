@@ -93,7 +93,8 @@ def made_energy(contact_loss: float, exchange: float) -> str:
         return ""
     return (
         f"the contacts made {-contact_loss:.3g} J, where the drives exchanged {exchange:.3g} J: "
-        "the worn surfaces are too steep for contact = radial; foundation can follow them"
+        "the worn surfaces are too steep for contact = radial (foundation can follow them), "
+        "or the steps are too coarse"
     )
 
 

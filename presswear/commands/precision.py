@@ -35,7 +35,7 @@ def add(commands: Any) -> None:
         "scene", nargs="?", default=SCENE, metavar="SCENE", help=f"scene (default {SCENE})"
     )
     precision.add_argument("--out", type=Path, help="new folder (default results/precision-SCENE)")
-    precision.add_argument("--repeats", help="how often each method is timed (default 7, quick 5)")
+    precision.add_argument("--repeats", help="how often each method is timed (default 5)")
     precision.add_argument("--quick", action="store_true", help="few steps and tolerances of each")
     precision.add_argument(
         "--set", action="append", default=[], metavar="KEY=VALUE", help="as in presswear run"

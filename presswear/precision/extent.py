@@ -41,4 +41,4 @@ class Extent:
 
 QUICK = Extent(quick=True, repeats=5, rungs=FEW, longest=0.05)
 """A few steps and tolerances of each family."""
-FULL = Extent(quick=False, repeats=7, rungs=ALL, longest=1.0)
+FULL = Extent(quick=False, repeats=5, rungs=ALL, longest=1.0)

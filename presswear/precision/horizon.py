@@ -176,7 +176,8 @@ def with_clearance(scene: Scene, extent: Extent, progress: Progress) -> tuple[Ta
         title=f"Clearance at {joints} up to the horizon",
         words=f"Scene {scene.name}, unworn, {horizon:.4g} s, {len(reference.touches)} touches: the "
         f"slider at the end; the worst of the first {count} touches, closing speeds and peak "
-        "forces relative; energy that is missing, part of what the drives exchanged.",
+        "forces relative, peaks read between accepted steps by a polynomial; energy that is "
+        "missing, part of what the drives exchanged.",
         linkage=linkage,
         start=start,
         plan=plan,

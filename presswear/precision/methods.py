@@ -86,12 +86,17 @@ def joints_over_steps(
     numerics : Numerics or None
         Whose own step, over a period, s, is added; None: there is none.
     """
-    for step in sorted((duration / count for count in counts), reverse=True):
+    found = []
+    for count in counts:
+        step = duration / count
         accuracy = JointsAccuracy(50, 10, free_step=step * _EXACT, newton=SMOOTH_NEWTON)
-        yield Method("exudyn-joints", TRAPEZOIDAL, STEP, step, accuracy)
+        found.append(Method("exudyn-joints", TRAPEZOIDAL, STEP, step, accuracy))
     if numerics is not None:
         own = numerics.joints(period)
-        yield Method("exudyn-joints", TRAPEZOIDAL, STEP, own.free_step, own, is_default=True)
+        found.append(
+            Method("exudyn-joints", TRAPEZOIDAL, STEP, own.free_step, own, is_default=True)
+        )
+    return sorted(found, key=lambda method: -method.value)
 
 
 def joints_over_impacts(

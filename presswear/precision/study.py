@@ -59,8 +59,8 @@ class Precision:
         return next(diagram for diagram in self.diagrams if diagram.key == key)
 
 
-_QUICK_PARTS = {"ideal": 8.0, "andrews": 3.0, "impact": 1.0, "horizon": 20.0}
-_PARTS = {"ideal": 60.0, "andrews": 50.0, "impact": 2.0, "horizon": 130.0}
+_QUICK_PARTS = {"ideal": 8.0, "andrews": 4.0, "impact": 1.0, "horizon": 15.0}
+_PARTS = {"ideal": 50.0, "andrews": 60.0, "impact": 2.0, "horizon": 320.0}
 _QUICK_BEYOND = {"statistics": 40.0, "wear": 40.0}
 _BEYOND = {"statistics": 600.0, "wear": 600.0}
 """Seconds of each part of the study, roughly: what progress goes by."""

@@ -3,7 +3,7 @@
 import math
 
 from presswear.costs.text import TextTable
-from presswear.precision.methods import TOLERANCE
+from presswear.precision.methods import IMPACT, STEP, TOLERANCE
 from presswear.precision.points import Diagram, Point
 from presswear.precision.study import Precision
 
@@ -22,6 +22,7 @@ SHOWN = {
 }
 """The quantities that a terminal has room for, and their headings."""
 _SKIPPED = {"horizon": {"slider velocity"}}
+_KNOBS = {STEP: "step", IMPACT: "steps/impact", TOLERANCE: "tol"}
 
 
 def tables_of(precision: Precision) -> list[TextTable]:
@@ -70,13 +71,19 @@ def _order_words(diagram: Diagram, family: str, name: str) -> str:
 def _row(point: Point, names: list[str]) -> tuple[str, ...]:
     method, effort = point.method, point.effort
     mark = "*" * method.is_default + "+" * method.is_paper
-    word = f"  {method.knob.partition(' (')[0]} {method.value:g} {mark}".rstrip()
+    word = f"  {_KNOBS[method.knob]} {method.value:.3g} {mark}".rstrip()
     if point.failure or effort is None:
-        return (f"{word}: {point.failure}", *("failed" for _ in names), "", "", "")
+        return (f"{word}: {point.failure}", *("" for _ in names), "", "", "failed")
     return (
         word,
         *(f"{point.errors[name]:.1e}" for name in names),
         f"{effort.steps + effort.sent_back}",
-        f"{1e3 * effort.wall:.3g}",
+        _milliseconds(effort.wall),
         f"{1e6 * effort.per_step:.1f}",
     )
+
+
+def _milliseconds(seconds: float) -> str:
+    """Three digits, never a power of ten."""
+    value = 1e3 * seconds
+    return f"{value:.0f}" if value >= 100.0 else f"{value:.3g}"
