@@ -89,7 +89,8 @@ def made_energy(contact_loss: float, exchange: float) -> str:
     contact_loss, exchange : float
         So far, J; see ``Ledger``.
     """
-    if exchange <= 0.0 or contact_loss >= -MADE * exchange:
+    # Of energies that are not numbers nothing is said: the state is broken.
+    if not (exchange > 0.0 and contact_loss < -MADE * exchange):
         return ""
     return (
         f"the contacts made {-contact_loss:.3g} J, where the drives exchanged {exchange:.3g} J: "
