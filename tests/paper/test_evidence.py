@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -124,7 +125,7 @@ def test_every_quantity_has_words_and_can_be_measured() -> None:
         assert math.isfinite(known(evidence, quantity, 1, joint).value)
 
 
-def turning(arrays: dict[str, np.ndarray], **changes: object) -> Evidence:
+def turning(arrays: dict[str, np.ndarray], **changes: Any) -> Evidence:
     stored = result(SETTING, [arrays])
     conventions = replace(stored.scene.conventions, map_frame="body")
     scene = replace(stored.scene, conventions=conventions, **changes)
