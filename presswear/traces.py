@@ -171,21 +171,12 @@ def touch_differences(reference: tuple[Touch, ...], other: tuple[Touch, ...]) ->
     return np.array(rows).reshape(-1, 3)
 
 
-def distance(one: Trace, other: Trace) -> tuple[Array, Array]:
-    """Common times, s, and how far two runs are apart then, m, each shape (n,).
-
-    The greatest difference of the slider's position and of all eccentricities.
-    """
+def parting_time(one: Trace, other: Trace, distance: float) -> float | None:
+    """Time at which slider or eccentricities first differ by a distance, m; s."""
     time = common_times(one, other)
     apart = slider_difference("", one, other).slider
     for mine, theirs in zip(one.eccentricity.T, other.eccentricity.T, strict=True):
         between = np.interp(time, one.time, mine) - np.interp(time, other.time, theirs)
         apart = np.maximum(apart, np.abs(between))
-    return time, apart
-
-
-def parting_time(one: Trace, other: Trace, bound: float) -> float | None:
-    """Time at which slider or eccentricities first differ by a bound, m; s."""
-    time, apart = distance(one, other)
-    late = np.flatnonzero(apart >= bound)
+    late = np.flatnonzero(apart >= distance)
     return float(time[late[0]]) if late.size else None

@@ -32,7 +32,7 @@ from presswear.precision.statistic import (
     statistics_of,
     step_errors,
 )
-from presswear.sampling import map_batches, map_errors
+from presswear.sampling import half_width, map_batches, map_errors
 from presswear.scene import Scene
 from presswear.starts import start_of
 
@@ -52,7 +52,7 @@ class Size:
     pairs : int
         Pairs of neighbouring starts whose distance is followed.
     duration : int
-        Over so many cycles.
+        Over so many cycles; the first over one.
     starts, cycles : int
         Of each method.
     reference : int
@@ -69,17 +69,19 @@ class Size:
     methods: Callable[[Method], bool] = lambda method: True
 
 
+_FEW = {
+    "exudyn-tree, DOPRI5": (1e-4, 1e-6),
+    "dae, DOPRI5": (1e-3, 1e-4, 1e-5, 1e-7),
+    "dae, RK4": (1e-4, 5e-5),
+}
+
+
 def _is_cheap(method: Method) -> bool:
-    """Settings that people take for statistics."""
-    if method.engine == "exudyn-tree":
-        return 9e-7 <= method.value <= 1.1e-5
-    return method.integrator != "DOP853" and method.value >= (
-        9e-8 if method.knob == "tolerance" else 2e-5
-    )
+    return method.value in _FEW.get(method.family, ())
 
 
-QUICK = Size(pairs=2, duration=1, starts=2, cycles=30, reference=2, methods=_is_cheap)
-FULL = Size(pairs=8, duration=1, starts=4, cycles=50)
+QUICK = Size(pairs=2, duration=2, starts=2, cycles=26, reference=2, methods=_is_cheap)
+FULL = Size(pairs=6, duration=3, starts=4, cycles=31)
 
 
 @dataclass(frozen=True)
@@ -181,15 +183,21 @@ class Chaos:
 
     @property
     def rate(self) -> float:
-        """Mean growth rate of the pairs, 1/s."""
-        return _mean([growth.rate for growth in self.growths])
+        """Growth rate of the first pair, from the start that scenes have, 1/s."""
+        return self.growths[0].rate if self.growths else math.nan
 
     @property
-    def divergence(self) -> float:
-        """Median time at which the pairs had parted, s; nan where most have not."""
-        found = [math.inf if g.divergence is None else g.divergence for g in self.growths]
-        middle = median(found) if found else math.nan
-        return middle if math.isfinite(middle) else math.nan
+    def divergence(self) -> float | None:
+        """Time at which the first pair had parted, s."""
+        return self.growths[0].divergence if self.growths else None
+
+    @property
+    def settled_rate(self) -> Statistic:
+        """Mean growth rate of the further pairs, lulls included, 1/s."""
+        rates = np.array([growth.overall for growth in self.growths[1:]])
+        known = rates[np.isfinite(rates)]
+        mean = float(known.mean()) if known.size else math.nan
+        return Statistic(mean, half_width(known), known.size)
 
     def honest_cycles(self, point: StatisticPoint, name: str) -> float:
         """Cycles up to which the bound of a statistic's step error is below its sampling error.
@@ -252,11 +260,6 @@ class Chaos:
             tuple(StatisticPoint.from_dict(point) for point in data["points"]),
             data["stage_cycles"],
         )
-
-
-def _mean(values: Sequence[float]) -> float:
-    known = [value for value in values if math.isfinite(value)]
-    return sum(known) / len(known) if known else math.nan
 
 
 @dataclass

@@ -5,7 +5,7 @@ starts and not an error of the steps.
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -14,21 +14,26 @@ from numpy.typing import NDArray
 
 from presswear.engines import engine_for
 from presswear.engines.base import DaeAccuracy, Plan, Run, Start
+from presswear.errors import RunError
+from presswear.linkage import Linkage
+from presswear.observe import Account
 from presswear.scene import Scene
 from presswear.starts import APART, disturbed, start_of
-from presswear.traces import distance, trace_of
 
 Array = NDArray[np.float64]
 
 TOLERANCE = 1e-13
 """Of DOP853, the in-house solver's, in all runs."""
+SAMPLES = 400
+"""Times in a cycle at which two runs are compared; both stop there, so that nothing has to be
+interpolated."""
+LEAST_STEPS = 500
+"""Steps in a cycle, at least."""
 LOW, HIGH = 3.0 * APART, 1e-5
 """Distances between which the rate is read, m: above what the start itself makes, below one
 per cent of a clearance, where the walls begin to hold the pins together."""
 PARTED = 1000.0 * APART
 """Distance at which two runs have parted, m."""
-_PARTS = 40
-"""Parts of a run: the recorded series is so much finer."""
 
 
 @dataclass(frozen=True)
@@ -38,29 +43,30 @@ class Growth:
     Attributes
     ----------
     time, distance : tuple of float
-        s; the greatest difference of the slider's position and of all eccentricities, m.
-    touches : tuple of float
-        Times at which pins touch in the first of both runs, s.
+        s; the greatest difference of the pins' places in their bearings, m.
+    touches : tuple of int
+        Touches in the first of both runs until then.
     rate : float
-        Of log distance over time, 1/s; nan where it never grew from LOW to HIGH.
+        Of log distance over time, by least squares, 1/s; nan where it never grew from LOW
+        to HIGH.
     per_touch : float
         Of log distance over touches; nan likewise.
     window : (float, float) or None
-        Between which both are read, s.
+        Between which both are fitted, s.
     divergence : float or None
         Time at which both runs have parted, s.
     """
 
     time: tuple[float, ...]
     distance: tuple[float, ...]
-    touches: tuple[float, ...]
+    touches: tuple[int, ...]
     rate: float
     per_touch: float
     window: tuple[float, float] | None
     divergence: float | None
 
     @staticmethod
-    def of(time: Array, apart: Array, touches: Sequence[float]) -> "Growth":
+    def of(time: Array, apart: Array, touches: NDArray[np.int64]) -> "Growth":
         """Fit a distance over time, each shape (n,)."""
         window = growing(time, apart)
         rate = per_touch = math.nan
@@ -68,13 +74,12 @@ class Growth:
             inside = (time >= window[0]) & (time <= window[1]) & (apart > 0.0)
             logarithm = np.log(apart[inside])
             rate = fitted_slope(time[inside], logarithm)
-            count = np.searchsorted(np.sort(touches), time[inside], side="right")
-            per_touch = fitted_slope(count.astype(float), logarithm)
+            per_touch = fitted_slope(touches[inside].astype(float), logarithm)
         late = np.flatnonzero(apart >= PARTED)
         return Growth(
             tuple(time.tolist()),
             tuple(apart.tolist()),
-            tuple(touches),
+            tuple(touches.tolist()),
             rate,
             per_touch,
             window,
@@ -86,7 +91,20 @@ class Growth:
         """Touches before both runs have parted."""
         if self.divergence is None:
             return None
-        return sum(onset <= self.divergence for onset in self.touches)
+        return self.touches[self.time.index(self.divergence)]
+
+    @property
+    def overall(self) -> float:
+        """Mean growth rate from the start until HIGH or the end, 1/s; nan for an empty one.
+
+        Lulls count, unlike in ``rate``.
+        """
+        apart = np.array(self.distance)
+        late = np.flatnonzero(apart >= HIGH)
+        last = int(late[0]) if late.size else apart.size - 1
+        if last < 0 or self.time[last] <= 0.0 or apart[last] <= 0.0:
+            return math.nan
+        return math.log(apart[last] / APART) / self.time[last]
 
     def as_dict(self) -> dict[str, Any]:
         """The growth as plain data."""
@@ -140,6 +158,42 @@ def turned_back(end: Start, start: Start) -> Start:
     return Start(position, end.velocity)
 
 
+@dataclass
+class _Sampler:
+    """Asked after each part of a run: notes where the pins are."""
+
+    places: list[Array]
+    touches: list[int]
+
+    def note(self, account: Account) -> bool:
+        """File a state; it never ends the run."""
+        states = account.book.states
+        self.places.append(np.array([states["eccentricity_x"], states["eccentricity_y"]]))
+        self.touches.append(int(account.book.tally["contacts"].sum()))
+        return False
+
+
+def sampled_run(
+    linkage: Linkage, start: Start, period: float, cycles: int, progress: Callable[[float], None]
+) -> tuple[Run, _Sampler]:
+    """A run of so many cycles that is sampled SAMPLES times in each; RunError if it fails."""
+    accuracy = DaeAccuracy("dop853", TOLERANCE, free_step=period / LEAST_STEPS)
+    sampler = _Sampler([], [])
+    plan = Plan(
+        period / SAMPLES,
+        cycles * SAMPLES,
+        recorded_cycles=1,
+        torques=False,
+        enough=sampler.note,
+        progress=progress,
+    )
+    run = engine_for(accuracy)(linkage, start, accuracy, plan)
+    if run.status == "failed":
+        raise RunError(run.message)
+    sampler.note(run.account)  # nobody asks at the end
+    return run, sampler
+
+
 def measure_growth(
     scene: Scene, cycles: int, pairs: int, progress: Callable[[str, float], None]
 ) -> tuple[Growth, ...]:
@@ -151,7 +205,7 @@ def measure_growth(
     Parameters
     ----------
     cycles : int
-        Of each run.
+        Of each run; of the first pair one, which tells whether it parts.
     progress : callable
         Told what runs and which part of all is done, 0 .. 1.
 
@@ -160,24 +214,26 @@ def measure_growth(
     RunError
         Where a run fails.
     """
-    linkage = scene.linkage()
-    accuracy = DaeAccuracy("dop853", TOLERANCE)
-    engine = engine_for(accuracy)
-    duration = cycles * scene.mechanism.period
+    linkage, period = scene.linkage(), scene.mechanism.period
     start = start_of(scene)
-    found = []
-    for pair in range(pairs):
+    lengths = [1, *(cycles for _ in range(pairs - 1))]
+    work = 2 * sum(lengths)
+    found: list[Growth] = []
+    done = 0
+    for length in lengths:
         beside = disturbed(linkage, start, APART)
         assert beside is not None, "a scene with a clearance joint has a free direction"
-        runs: list[Run] = []
+        runs: list[tuple[Run, _Sampler]] = []
         for own in (start, beside):
 
-            def told(part: float, done: int = 2 * pair + len(runs)) -> None:
-                progress("growth of a disturbance", (done + part) / (2 * pairs))
+            def told(part: float, before: int = done, length: int = length) -> None:
+                progress("growth of a disturbance", (before + length * part) / work)
 
-            plan = Plan(duration / _PARTS, _PARTS, _PARTS, torques=False, progress=told)
-            runs.append(engine(linkage, own, accuracy, plan))
-        one, other = map(trace_of, runs)
-        found.append(Growth.of(*distance(one, other), [touch.onset for touch in one.touches]))
-        start = turned_back(runs[0].end, start)
+            runs.append(sampled_run(linkage, own, period, length, told))
+            done += length
+        (first, calm), (_, moved) = runs
+        apart = np.abs(np.array(calm.places) - np.array(moved.places)).max(axis=(1, 2))
+        time = period / SAMPLES * np.arange(1, apart.size + 1)
+        found.append(Growth.of(time, apart, np.array(calm.touches)))
+        start = turned_back(first.end, start)
     return tuple(found)

@@ -11,9 +11,9 @@ from presswear.precision.points import Method
 from presswear.scene import Scene
 from presswear.tree import Tree, tree_of
 
-TREE_TOLERANCES = (1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)
-CONTROLLED_TOLERANCES = (1e-5, 1e-6, 1e-7, 1e-8, 1e-9)
-EQUAL_STEPS = (5e-5, 1e-5)
+TREE_TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
+CONTROLLED_TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)
+EQUAL_STEPS = (8e-5, 5e-5, 2e-5)
 """s."""
 INTEGRATORS = {"dop853": "DOP853", "dopri5": "DOPRI5", "rk4": "RK4", "rk4-paper": "RK4"}
 """What people call them."""

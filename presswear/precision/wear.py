@@ -21,13 +21,14 @@ from presswear.scene import CONVENTIONS, Scene
 Progress = Callable[[str, float], None]
 """Told what is being run and which part of all is done, 0 .. 1."""
 
-Group = Literal["angles", "cycles", "depth step", "contact"]
+Group = Literal["angles", "cycles", "depth step", "contact", "method"]
 
 TITLES: dict[Group, str] = {
     "angles": "angles of a wear map",
     "cycles": "cycles run for a wear",
     "depth step": "largest change of a surface in one step, part of the clearance",
     "contact": "how worn surfaces meet",
+    "method": "how the motion is integrated",
 }
 TOLERANCE = 1e-7
 """Of the in-house solver's DOPRI5, with which all runs are made; ``chaos`` says how honest
@@ -35,8 +36,8 @@ that is for wear."""
 
 
 @dataclass(frozen=True)
-class Size:
-    """How much is run.
+class Means:
+    """What is run under one set of conventions.
 
     Attributes
     ----------
@@ -53,8 +54,53 @@ class Size:
     usual: int
 
 
-QUICK = Size((90, 360, 1440), (5, 10, 20), (0.5, 1.0, 2.0), 10)
-FULL = Size((90, 180, 360, 720, 1440), (5, 10, 20, 50, 100, 200), (0.5, 1.0, 2.0), 50)
+@dataclass(frozen=True)
+class Size:
+    """How much is run.
+
+    Attributes
+    ----------
+    means : mapping of str to Means
+        By the name of the conventions.
+    methods : tuple of str
+        Keys of METHODS, under the paper's conventions.
+    """
+
+    means: Mapping[str, Means]
+    methods: tuple[str, ...]
+
+
+METHODS: dict[str, dict[str, Any]] = {
+    "RK4, 1e-4 s (paper)": {"engine": "dae", "integrator": "rk4-paper"},
+    "DOPRI5 of dae, 1e-7": {
+        "engine": "dae",
+        "integrator": "dopri5",
+        "integration_tolerance": TOLERANCE,
+    },
+    "DOP853 of dae, 1e-9": {
+        "engine": "dae",
+        "integrator": "dop853",
+        "integration_tolerance": 1e-9,
+    },
+    "Exudyn, 1e-6": {"engine": "exudyn", "tree_tolerance": 1e-6},
+}
+"""Engine and numerics by name."""
+PAPER_STEP, USUAL = tuple(METHODS)[:2]
+# A wear in steps on a foundation takes some ten times as long as one in a jump.
+QUICK = Size(
+    {
+        "paper": Means((90, 360, 1440), (5, 10, 20), (), 10),
+        "refined": Means((90, 360), (), (1.0, 2.0), 5),
+    },
+    (PAPER_STEP, USUAL),
+)
+FULL = Size(
+    {
+        "paper": Means((90, 180, 360, 720, 1440), (5, 10, 20, 50, 100, 200), (), 50),
+        "refined": Means((90, 180, 360, 720, 1440), (5, 10, 20, 50, 100), (0.5, 1.0, 2.0), 20),
+    },
+    tuple(METHODS),
+)
 
 
 @dataclass(frozen=True)
@@ -161,14 +207,14 @@ class WearStudy:
     ----------
     points : tuple of WearPoint
         By group and conventions, from coarse to fine.
-    usual : int
-        Cycles of each run where they are not what is varied.
+    usual : mapping of str to int
+        Cycles of each run where they are not what is varied, by conventions.
     method : str
         What all ran with.
     """
 
     points: tuple[WearPoint, ...]
-    usual: int
+    usual: Mapping[str, int]
     method: str
 
     def of(self, group: Group, conventions: str) -> tuple[WearPoint, ...]:
@@ -184,7 +230,7 @@ class WearStudy:
         """The study as plain data."""
         return {
             "points": [point.as_dict() for point in self.points],
-            "usual": self.usual,
+            "usual": dict(self.usual),
             "method": self.method,
         }
 
@@ -211,8 +257,10 @@ def change(here: Interval, there: Interval) -> Interval:
 def cases(scene: Scene, size: Size) -> tuple[Case, ...]:
     """Everything that is run, from coarse to fine."""
     found: list[Case] = []
-    for name, conventions in CONVENTIONS.items():
-        base = replace(quick_method(scene), conventions=conventions, cycles=size.usual, wears=1)
+    for name, means in size.means.items():
+        conventions = CONVENTIONS[name]
+        varied = replace(scene, conventions=conventions, cycles=means.usual, wears=1)
+        base = with_method(varied, USUAL)
 
         def case(
             group: Group,
@@ -224,18 +272,18 @@ def cases(scene: Scene, size: Size) -> tuple[Case, ...]:
         ) -> None:
             found.append(Case(group, name, label, value, default, changed))
 
-        for angles in size.angles:
+        for angles in means.angles:
             bearings = replace(base.bearings, angles=angles)
             own = angles == base.bearings.angles
             case("angles", f"{angles}", angles, own, replace(base, bearings=bearings))
-        for cycles in size.cycles:
+        for cycles in means.cycles:
             case(
                 "cycles", f"{cycles}", cycles, cycles == scene.cycles, replace(base, cycles=cycles)
             )
         if base.wears_in_steps:
             jump = replace(base, extrapolation="single")
             case("depth step", "single jump", 0.0, False, jump)
-            for part in sorted(size.finer, reverse=True):
+            for part in sorted(means.finer, reverse=True):
                 step = part * base.depth_step
                 changed = replace(base, depth_step=step)
                 case("depth step", f"{step:g}", step, part == 1.0, changed)
@@ -244,13 +292,17 @@ def cases(scene: Scene, size: Size) -> tuple[Case, ...]:
             own = contact == conventions.contact
             read = replace(conventions, contact=contact)
             case("contact", contact, None, own, replace(base, conventions=read))
+        if name == "paper":
+            for method in size.methods:
+                case("method", method, None, False, with_method(varied, method))
     return tuple(found)
 
 
-def quick_method(scene: Scene) -> Scene:
-    """The scene with the method of all runs."""
-    numerics = replace(scene.numerics, integrator="dopri5", integration_tolerance=TOLERANCE)
-    return replace(scene, engine="dae", numerics=numerics, starts=1)
+def with_method(scene: Scene, name: str) -> Scene:
+    """The scene, from one start, with a method of METHODS."""
+    settings = dict(METHODS[name])
+    engine = settings.pop("engine")
+    return replace(scene, engine=engine, starts=1, numerics=replace(scene.numerics, **settings))
 
 
 def joint_wears(stage: Stage) -> dict[str, JointWear]:
@@ -342,7 +394,8 @@ def vary(scene: Scene, size: Size, progress: Progress) -> WearStudy:
                 is_default=case.is_default,
             )
         )
-    return WearStudy(tuple(points), size.usual, f"dae, DOPRI5 at tolerance {TOLERANCE:g}")
+    usual = {name: means.usual for name, means in size.means.items()}
+    return WearStudy(tuple(points), usual, f"dae, DOPRI5 at tolerance {TOLERANCE:g}")
 
 
 def _work(scene: Scene) -> float:
@@ -350,7 +403,8 @@ def _work(scene: Scene) -> float:
     assert scene.cycles is not None
     if not scene.wears_in_steps:
         return 3.0 * scene.cycles
-    return scene.cycles * (4.0 + 0.05 / scene.depth_step)
+    steps = 1.0 + 0.02 / scene.depth_step
+    return scene.cycles * (1.0 + 3.0 * steps * (1.0 + scene.bearings.angles / 400.0))
 
 
 def _warm_up(wanted: Sequence[Case]) -> None:
