@@ -2,38 +2,47 @@
 code takes."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
+from presswear.crosscheck import CLOSING_BOUND, FORCE_BOUND, SLIDER_BOUND, TIME_BOUND
 from presswear.engines.base import DaeAccuracy, TreeAccuracy
 from presswear.numerics import Numerics
 from presswear.paper.variants import base_scene
 from presswear.precision.chaos import Chaos, StatisticPoint
-from presswear.precision.growth import PARTED
 from presswear.precision.ladder import dae_method, tree_method
 from presswear.precision.points import Diagram, Method, Point
-from presswear.precision.statistic import is_for_wear, together
+from presswear.precision.statistic import ONE_SIDED, is_for_wear, together
 from presswear.precision.wear import QUANTITIES, TITLES, Group, WearPoint, WearStudy, change
 from presswear.sampling import Interval
 from presswear.scene import Scene
 
-TRAJECTORIES = "trajectories up to the horizon"
-STATISTICS = "statistics of wear"
-WEAR = "wear maps"
+TRAJECTORIES = "Trajectories up to the horizon"
+STATISTICS = "Statistics of wear"
+WEAR = "Wear maps"
 
-BOUND = PARTED
-"""Error of the slider's position that trajectories may have up to the horizon, m: what a
-disturbance of 1e-9 m at the start has become there."""
+BOUNDS = {
+    "slider position": SLIDER_BOUND,
+    "touch times": TIME_BOUND,
+    "closing speeds": CLOSING_BOUND,
+    "peak forces": FORCE_BOUND,
+}
+"""Errors that trajectories may have up to the horizon: those that the cross-check allows."""
+
+WEAR_BOUND = 0.2
+"""Part by which wear may be wrong: twice the tolerance to which scenes know their maps."""
 
 RULES = {
-    TRAJECTORIES: f"the cheapest setting whose slider is wrong by at most {BOUND:g} m up to the "
-    "horizon, which is what a start moved by 1e-9 m makes of it; all finer settings of its "
-    "family have to be as good, so that none is taken for its luck",
+    TRAJECTORIES: "the cheapest setting that keeps the bounds of the cross-check up to the "
+    f"horizon: slider {SLIDER_BOUND:g} m, touch times {TIME_BOUND:g} s, closing speeds "
+    f"{CLOSING_BOUND:g} and peak forces {FORCE_BOUND:g} relative; all finer settings of its "
+    "family have to keep them too, so that none is taken for its luck",
     STATISTICS: "the cheapest setting whose step error in wear total and wear map is not seen "
     "(95 %, all statistics together) and, at the largest that the cycles allow (95 %), is below "
     "the sampling error of a stage that the scene ends by itself",
-    WEAR: "the coarsest value from which on no wear of the first one differs for certain (95 %, "
-    "all together) from that of the finest",
+    WEAR: "the coarsest value from which on no depth and no volume of the first wear differs from "
+    f"the finest's for certain (95 %, all together), or may differ by {100.0 * WEAR_BOUND:.0f} % "
+    "or more (95 %)",
 }
 """By purpose."""
 
@@ -54,6 +63,8 @@ class Recommendation:
         What the code takes, in words.
     agrees : bool or None
         Whether that is the same; None where there is nothing to compare with.
+    meets : bool or None
+        Whether what the code takes meets the rule, if at a higher price.
     detail : str
         Errors and times of both, in words.
     """
@@ -63,16 +74,19 @@ class Recommendation:
     recommended: str
     taken: str
     agrees: bool | None
+    meets: bool | None
     detail: str
 
     @property
     def verdict(self) -> str:
         """Whether the code takes it, in words."""
-        if not self.recommended:
-            return f"nothing can be recommended; the code takes {self.taken}"
         if self.agrees is None:
             return f"the code takes {self.taken}"
-        return "the code takes it" if self.agrees else f"the code takes another: {self.taken}"
+        if self.agrees:
+            return "the code takes it"
+        if self.meets:
+            return f"the code takes another that meets the rule as well: {self.taken}"
+        return f"the code takes another that does not: {self.taken}"
 
     @property
     def sentence(self) -> str:
@@ -96,37 +110,38 @@ def described(method: Method) -> str:
     return method.label.removeprefix(f"{method.engine}, ")
 
 
-def quantity_of(diagram: Diagram) -> str | None:
-    """The slider's position among a diagram's quantities: the first length."""
-    return next((name for name, unit in diagram.quantities.items() if unit == "m"), None)
+def is_good(point: Point, bounds: Mapping[str, float]) -> bool:
+    """Whether a point ran and keeps all bounds on its errors."""
+    return not point.failure and all(
+        point.errors.get(name, math.inf) <= bound for name, bound in bounds.items()
+    )
 
 
-def is_good(point: Point, quantity: str, bound: float) -> bool:
-    """Whether a point ran and its error is within a bound."""
-    return not point.failure and point.errors.get(quantity, math.inf) <= bound
-
-
-def good_points(points: Sequence[Point], quantity: str, bound: float) -> list[Point]:
-    """The points of a family, coarse to fine, from which on all are within a bound."""
+def good_points(points: Sequence[Point], bounds: Mapping[str, float]) -> list[Point]:
+    """The points of a family, coarse to fine, from which on all keep the bounds."""
     found: list[Point] = []
     for point in reversed(points):
-        if not is_good(point, quantity, bound):
+        if not is_good(point, bounds):
             break
         found.append(point)
     return [point for point in found if point.effort is not None]
 
 
 def for_trajectories(
-    diagram: Diagram, bound: float = BOUND, quantity: str | None = None
+    diagram: Diagram, bounds: Mapping[str, float] = BOUNDS
 ) -> list[Recommendation]:
-    """Of each engine in a diagram of trajectories up to the horizon."""
-    quantity = quantity or quantity_of(diagram)
-    if quantity is None:
-        return []
+    """Of each engine in a diagram of trajectories up to the horizon.
+
+    Parameters
+    ----------
+    bounds : mapping of str to float
+        By quantity; those that the diagram does not have do not count.
+    """
+    bounds = {name: bounds[name] for name in diagram.quantities if name in bounds}
     found = []
     for engine in dict.fromkeys(point.method.engine for point in diagram.points):
         families = [own for own in diagram.families().values() if own[0].method.engine == engine]
-        good = [point for own in families for point in good_points(own, quantity, bound)]
+        good = [point for own in families for point in good_points(own, bounds)]
         best = min(good, key=_wall, default=None)
         own_points = (point for own in families for point in own)
         taken = next((point for point in own_points if point.method.is_default), None)
@@ -137,9 +152,9 @@ def for_trajectories(
                 "" if best is None else described(best.method),
                 "nothing of this diagram" if taken is None else described(taken.method),
                 None if taken is None else best is not None and is_same(best.method, taken.method),
+                None if taken is None else any(point is taken for point in good),
                 "; ".join(
-                    f"{word} {_point_words(point, quantity, diagram.quantities[quantity])}"
-                    for word, point in _both(best, taken)
+                    f"{word}{_point_words(point, bounds)}" for word, point in _both(best, taken)
                 ),
             )
         )
@@ -152,16 +167,19 @@ def _wall(point: Point) -> float:
 
 def _both(best: Point | None, taken: Point | None) -> list[tuple[str, Point]]:
     """What is recommended and what is taken, once where they are the same."""
-    found = [] if best is None else [("wrong by", best)]
+    found = [] if best is None else [("", best)]
     if taken is not None and (best is None or not is_same(best.method, taken.method)):
-        found.append(("what is taken:", taken))
+        found.append(("what is taken: ", taken))
     return found
 
 
-def _point_words(point: Point, quantity: str, unit: str) -> str:
+def _point_words(point: Point, bounds: Mapping[str, float]) -> str:
+    """Time of a point, and how near it comes to the bound that is nearest."""
     if point.failure:
         return f"failed: {point.failure}"
-    return f"{point.errors.get(quantity, math.nan):.1e} {unit} in {_wall(point):.2g} s"
+    parts = {name: point.errors.get(name, math.nan) / bound for name, bound in bounds.items()}
+    nearest = max(parts, key=lambda name: parts[name])
+    return f"{1e3 * _wall(point):.3g} ms, {nearest} at {parts[nearest]:.2g} of its bound"
 
 
 def study_methods(scene: Scene) -> tuple[Method, Method]:
@@ -199,6 +217,7 @@ def for_statistics(chaos: Chaos, taken: Iterable[Method]) -> list[Recommendation
                 "" if best is None else described(best.method),
                 "nothing of its own" if own is None else described(own),
                 None if own is None else best is not None and is_same(best.method, own),
+                None if same is None else chaos.is_honest(same),
                 "; ".join(details),
             )
         )
@@ -237,11 +256,12 @@ def for_wear(wear: WearStudy) -> list[Recommendation]:
 
 def _wear_choice(group: Group, conventions: str, points: Sequence[WearPoint]) -> Recommendation:
     finest = points[-1]
-    best: WearPoint | None = None
+    good = [] if finest.failure else [finest]
     for point in reversed(points[:-1]):
-        if point.failure or finest.failure or is_changed(point, finest):
+        if point.failure or finest.failure or not is_alike(point, finest):
             break
-        best = point
+        good.append(point)
+    best = good[-1] if len(good) > 1 else None
     taken = next((point for point in points if point.is_default), None)
     last = points[-2]
     largest = largest_change(best or last, finest)
@@ -258,6 +278,7 @@ def _wear_choice(group: Group, conventions: str, points: Sequence[WearPoint]) ->
         if taken is None and group == "cycles"
         else ("another" if taken is None else taken.label),
         None if taken is None else best is not None and best.label == taken.label,
+        None if taken is None else best is not None and any(point is taken for point in good),
         detail,
     )
 
@@ -282,12 +303,22 @@ def changes(point: WearPoint, finest: WearPoint) -> dict[str, Interval]:
     return found
 
 
-def is_changed(point: WearPoint, finest: WearPoint) -> bool:
-    """Whether any first wear differs from the finest's for certain."""
-    return any(
-        moved.low is not None and moved.high is not None and not moved.low <= 0.0 <= moved.high
-        for moved in changes(point, finest).values()
+def is_alike(point: WearPoint, finest: WearPoint) -> bool:
+    """Whether no first wear differs from the finest's for certain, or may by WEAR_BOUND."""
+    found = changes(point, finest)
+    return bool(found) and all(
+        moved.low is not None
+        and moved.high is not None
+        and moved.low <= 0.0 <= moved.high
+        and largest_size(moved, len(found)) < WEAR_BOUND
+        for moved in found.values()
     )
+
+
+def largest_size(moved: Interval, count: int) -> float:
+    """Size that one of several changes does not exceed, at 95 %."""
+    assert moved.high is not None
+    return abs(moved.value) + ONE_SIDED * (moved.high - moved.value) / together(count)
 
 
 def largest_change(point: WearPoint, finest: WearPoint) -> tuple[str, Interval] | None:

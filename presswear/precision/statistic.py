@@ -35,7 +35,7 @@ DOSE, MAP, FORCE = "wear total", "wear map", "peak force"
 FOR_WEAR = (DOSE, MAP)
 """The statistics that a setting has to have right to be honest for wear."""
 _NORMAL = float(norm.ppf(0.5 + 0.5 * LEVEL))
-_ONE_SIDED = float(norm.ppf(LEVEL)) / _NORMAL
+ONE_SIDED = float(norm.ppf(LEVEL)) / _NORMAL
 """Part of a two-sided interval's half width that a one-sided one has."""
 
 
@@ -187,7 +187,7 @@ def mean_step_error(here: Statistic, there: Statistic, widening: float) -> StepE
         return StepError(value, None, None, math.inf)
     half = math.hypot(here.half_width, there.half_width)
     return StepError(
-        value, value - widening * half, value + widening * half, abs(value) + _ONE_SIDED * half
+        value, value - widening * half, value + widening * half, abs(value) + ONE_SIDED * half
     )
 
 
@@ -217,7 +217,7 @@ def map_step_error(
     assert interval.low is not None
     assert interval.high is not None
     value, up, down = interval.value, interval.high - interval.value, interval.low - interval.value
-    squares = (value, value + widening * down, value + widening * up, value + _ONE_SIDED * up)
+    squares = (value, value + widening * down, value + widening * up, value + ONE_SIDED * up)
     return StepError(*(math.sqrt(max(square, 0.0)) for square in squares))
 
 

@@ -1,9 +1,10 @@
 """The report of a study of speed against error: one HTML file."""
 
+import math
 from pathlib import Path
 
 from presswear.figures import save
-from presswear.figures.numbers import with_interval
+from presswear.figures.numbers import given, readable, with_interval
 from presswear.figures.precision import precision_drawings
 from presswear.precision.growth import HIGH, LOW, PARTED
 from presswear.precision.recommendation import RULES, Recommendation, recommend
@@ -23,7 +24,12 @@ from presswear.report.precision_tables import (
 from presswear.results import write_bytes
 from presswear.starts import APART
 
-_STYLES = {True: "good", False: "bad", None: "open"}
+
+def style_of(one: Recommendation) -> str:
+    """Class of a verdict on the page."""
+    if one.agrees:
+        return "good"
+    return "bad" if one.meets is False else "open"
 
 
 def recommendations(precision: Precision) -> tuple[Recommendation, ...]:
@@ -49,31 +55,31 @@ def headline(precision: Precision, found: tuple[Recommendation, ...]) -> str:
         )
     agreed = [one for one in found if one.agrees is not None]
     if agreed:
-        count = sum(bool(one.agrees) for one in agreed)
+        taken = sum(bool(one.agrees) for one in agreed)
+        finer = sum(bool(one.meets) and not one.agrees for one in agreed)
+        rest = len(agreed) - taken - finer
         parts.append(
-            f"Of {len(agreed)} recommendations that can be compared the code takes {count}."
+            f"Of {len(agreed)} recommendations below the code takes {taken} as they are, {finer} "
+            f"in a form that meets the rule at a higher price, and {rest} in one that does not."
         )
     failed = paper_failures(precision)
     if failed:
-        parts.append(f"The paper's setting, RK4 at 1e-4 s, fails: {failed}.")
+        parts.append(f"The paper's setting, RK4 at 1e-4 s, fails: {'; '.join(failed)}.")
     return " ".join(parts) or "There is nothing to recommend from what was run."
 
 
-def paper_failures(precision: Precision) -> str:
-    """Where the paper's setting failed, in words; may be empty."""
+def paper_failures(precision: Precision) -> list[str]:
+    """What the paper's setting failed at."""
     failed = [
-        (diagram.title, point.failure)
+        diagram.title
         for diagram in precision.diagrams
         for point in diagram.points
         if point.method.is_paper and point.failure
     ]
-    if precision.chaos is not None:
-        failed += [
-            ("statistics", point.failure)
-            for point in precision.chaos.points
-            if point.method.is_paper and point.failure
-        ]
-    return "; ".join(f"{title} ({why})" for title, why in failed)
+    chaos = precision.chaos
+    if chaos is not None and any(p.method.is_paper and p.failure for p in chaos.points):
+        failed.append("statistics of wear")
+    return failed
 
 
 def growth_sentence(precision: Precision) -> str:
@@ -84,27 +90,30 @@ def growth_sentence(precision: Precision) -> str:
     first = chaos.growths[0]
     if first.window is None:
         return (
-            f"Two runs whose starts are {APART:g} m apart stay within {HIGH:g} m over "
-            f"{first.time[-1]:.3g} s."
+            f"Two runs whose starts are {given(APART)} m apart stay within {given(HIGH)} m over "
+            f"{readable(first.time[-1])} s."
         )
     text = (
-        f"From {LOW:g} to {HIGH:g} m the distance of two runs whose starts are {APART:g} m apart "
-        f"grows by {first.rate:.3g} /s, or {first.per_touch:.2g} in the logarithm a touch"
+        f"The distance of two runs whose starts are {given(APART)} m apart grows by "
+        f"{readable(first.rate)} /s between {given(LOW)} and {given(HIGH)} m, or by "
+        f"{readable(100.0 * math.expm1(first.per_touch), 2)} % a touch"
     )
     if first.divergence is not None:
         text += (
-            f"; it is {PARTED:g} m after {first.divergence:.3g} s and "
+            f"; it is {given(PARTED)} m after {readable(first.divergence)} s and "
             f"{first.touches_to_divergence} touches"
         )
     others = chaos.growths[1:]
     if others:
         settled = chaos.settled_rate
+        rate = readable(settled.mean)
+        if settled.half_width is not None:
+            rate = with_interval(settled.mean, settled.half_width)
         parted = sum(growth.divergence is not None for growth in others)
         text += (
             f". That is while the pins, which start in the middle of their bearings, settle. Of "
             f"{len(others)} further pairs, begun later in the motion, {parted} part within "
-            f"{others[0].time[-1]:.3g} s; lulls included, they grow by "
-            f"{with_interval(settled.mean, settled.half_width)} /s"
+            f"{readable(others[0].time[-1])} s; lulls included, they grow by {rate} /s"
         )
     return f"{text}."
 
@@ -116,9 +125,7 @@ def recommendation_table(found: tuple[Recommendation, ...]) -> list[dict[str, ob
             "purpose": purpose,
             "rule": rule,
             "rows": [
-                {"one": one, "style": _STYLES[one.agrees]}
-                for one in found
-                if one.purpose == purpose
+                {"one": one, "style": style_of(one)} for one in found if one.purpose == purpose
             ],
         }
         for purpose, rule in RULES.items()

@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 
 from presswear.figures.numbers import given, readable, whole, with_interval
+from presswear.figures.precision.steps import shown_order
 from presswear.precision.chaos import Chaos, StatisticPoint
 from presswear.precision.points import Diagram, Point
 from presswear.precision.recommendation import standing
@@ -55,7 +56,7 @@ def diagram_table(diagram: Diagram) -> Table:
     )
     groups = []
     for family, points in diagram.families().items():
-        orders = (diagram.order(family, name) for name in diagram.quantities)
+        orders = (shown_order(diagram, family, name) for name in diagram.quantities)
         known = [
             f"{name} {order:.1f}"
             for name, order in zip(diagram.quantities, orders, strict=True)

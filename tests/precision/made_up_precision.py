@@ -90,7 +90,7 @@ def chaos(coarsest_honest: float = 1e-6, bound: float = 0.03) -> Chaos:
     return Chaos((growth, calm), reference, tuple(points), STAGE_CYCLES)
 
 
-def interval(value: float, part: float = 0.1) -> Interval:
+def interval(value: float, part: float = 0.05) -> Interval:
     return Interval(value, (1.0 - part) * value, (1.0 + part) * value)
 
 

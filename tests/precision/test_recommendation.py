@@ -4,11 +4,12 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import pytest
-from made_up_precision import SCENE, chaos, diagram, wear, wear_point
+from made_up_precision import SCENE, chaos, diagram, interval, wear, wear_point
 
 from presswear.paper.variants import base_scene
 from presswear.precision.points import Diagram, Method, Point
 from presswear.precision.recommendation import (
+    BOUNDS,
     RULES,
     STATISTICS,
     TRAJECTORIES,
@@ -21,7 +22,8 @@ from presswear.precision.recommendation import (
     recommend,
     study_methods,
 )
-from presswear.precision.wear import WearStudy
+from presswear.precision.wear import JointWear, WearStudy
+from presswear.sampling import Interval
 
 
 def of(found: Sequence[Recommendation], subject: str) -> Recommendation:
@@ -38,9 +40,13 @@ def changed_errors(shown: Diagram, label: str, error: float) -> Diagram:
     return replace(shown, points=points)
 
 
+def slider(bound: float) -> dict[str, float]:
+    return {"slider position": bound, "what is not in the diagram": 0.0}
+
+
 def test_cheapest_within_the_bound() -> None:
     """Errors are 100 times the tolerance: 1e-8 is the first below 1e-6 m."""
-    found = for_trajectories(diagram(), bound=1.01e-6)
+    found = for_trajectories(diagram(), slider(1.01e-6))
     tree = of(found, "exudyn-tree")
     assert tree.recommended == "DOPRI5, tolerance 1e-08"
     assert tree.agrees
@@ -48,28 +54,49 @@ def test_cheapest_within_the_bound() -> None:
     dae = of(found, "dae")
     assert dae.recommended in ("DOP853, tolerance 1e-08", "DOPRI5, tolerance 1e-08")
     assert dae.agrees is False
-    assert dae.verdict == "the code takes another: DOP853, tolerance 1e-09"
+    assert dae.meets
+    assert dae.verdict == (
+        "the code takes another that meets the rule as well: DOP853, tolerance 1e-09"
+    )
 
 
 def test_the_bound_decides() -> None:
-    found = for_trajectories(diagram(), bound=1.01e-3)
+    found = for_trajectories(diagram(), slider(1.01e-3))
     assert of(found, "exudyn-tree").recommended == "DOPRI5, tolerance 1e-05"
     assert of(found, "exudyn-tree").agrees is False
-    none = of(for_trajectories(diagram(), bound=1e-12), "exudyn-tree")
+    assert of(found, "exudyn-tree").meets
+    none = of(for_trajectories(diagram(), slider(1e-12)), "exudyn-tree")
     assert none.recommended == ""
-    assert none.verdict == "nothing can be recommended; the code takes DOPRI5, tolerance 1e-08"
+    assert none.verdict == "the code takes another that does not: DOPRI5, tolerance 1e-08"
+
+
+def test_every_bound_counts() -> None:
+    """Velocities are wrong by 50 times as much as positions."""
+    bounds = {"slider position": 1.01e-6, "slider velocity": 5.01e-6}
+    tree = of(for_trajectories(diagram(), bounds), "dae")
+    assert tree.recommended.endswith("1e-09")
+    assert "slider velocity at 1 of its bound" in tree.detail
+
+
+def test_bounds_are_those_of_the_cross_check() -> None:
+    assert BOUNDS == {
+        "slider position": 1e-6,
+        "touch times": 1e-6,
+        "closing speeds": 1e-4,
+        "peak forces": 1e-3,
+    }
 
 
 def test_a_lucky_point_is_not_recommended() -> None:
     """A coarse setting that happens to be right, with a finer one that is wrong."""
     lucky = changed_errors(diagram(), "exudyn-tree, DOPRI5, tolerance 0.0001", 1e-9)
-    assert of(for_trajectories(lucky, 1.01e-6), "exudyn-tree").recommended.endswith("1e-08")
+    assert of(for_trajectories(lucky, slider(1.01e-6)), "exudyn-tree").recommended.endswith("1e-08")
     spoilt = changed_errors(diagram(), "exudyn-tree, DOPRI5, tolerance 1e-08", 1.0)
-    assert of(for_trajectories(spoilt, 1.01e-4), "exudyn-tree").recommended == ""
+    assert of(for_trajectories(spoilt, slider(1.01e-4)), "exudyn-tree").recommended == ""
 
 
 def test_what_failed_is_not_recommended() -> None:
-    found = of(for_trajectories(diagram(), bound=1.0), "exudyn-joints")
+    found = of(for_trajectories(diagram(), slider(1.0)), "exudyn-joints")
     assert found.recommended == ""
     assert found.agrees is None
 
@@ -85,7 +112,9 @@ def test_families_of_an_engine_compete_by_time() -> None:
         return replace(point, effort=replace(point.effort, walls=walls))
 
     slow = replace(slow, points=tuple(map(slower, slow.points)))
-    assert of(for_trajectories(slow, 1.01e-6), "dae").recommended == "DOP853, tolerance 1e-08"
+    assert (
+        of(for_trajectories(slow, slider(1.01e-6)), "dae").recommended == "DOP853, tolerance 1e-08"
+    )
 
 
 def test_statistics_take_the_cheapest_honest_setting() -> None:
@@ -100,6 +129,7 @@ def test_statistics_take_the_cheapest_honest_setting() -> None:
 def test_a_dishonest_setting_of_the_code_is_told() -> None:
     found = of(for_statistics(chaos(coarsest_honest=1e-8), study_methods(SCENE)), "dae")
     assert found.recommended.endswith("1e-08")
+    assert found.meets is False
     assert "step error seen in wear total at A" in found.detail
     few = of(for_statistics(chaos(bound=1.0), study_methods(SCENE)), "dae")
     assert few.recommended == ""
@@ -133,7 +163,25 @@ def test_wear_takes_the_coarsest_that_does_not_differ() -> None:
     assert "360 differs from 1440: +300 %" in paper.detail
     steps = of(found, next(one.subject for one in found if "one step" in one.subject))
     assert steps.recommended == "0.01"
-    assert steps.verdict == "the code takes another: 0.005"
+    assert steps.verdict == "the code takes another that meets the rule as well: 0.005"
+    assert refined.meets
+    assert paper.meets is False
+
+
+def test_wear_that_is_hardly_known_is_no_reason_to_be_coarse() -> None:
+    """Intervals of 50 % hold everything, and show nothing."""
+    blurred = {joint: JointWear(interval(1e-5, 0.5), interval(1e-8, 0.5)) for joint in ("A", "C")}
+    points = tuple(
+        replace(wear_point("angles", "paper", f"{n}", n, 1.0), first=blurred) for n in (90, 360)
+    )
+    (found,) = for_wear(WearStudy(points, {}, "dae"))
+    assert found.recommended == ""
+    assert found.meets is False
+    unknown = tuple(
+        replace(point, first={"A": JointWear(Interval(1.0, None, None), interval(1.0))})
+        for point in points
+    )
+    assert for_wear(WearStudy(unknown, {}, "dae"))[0].recommended == ""
 
 
 def test_wear_does_not_trust_a_failed_finest() -> None:
@@ -163,7 +211,7 @@ def test_everything_together(whole: bool) -> None:
 
 def test_no_method_is_recommended_for_another_engine() -> None:
     methods: list[Method] = [point.method for point in diagram().points]
-    for one in for_trajectories(diagram(), 1.0):
+    for one in for_trajectories(diagram(), slider(1.0)):
         if one.recommended:
             own = [m.label for m in methods if m.engine == one.subject]
             assert f"{one.subject}, {one.recommended}" in own

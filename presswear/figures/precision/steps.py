@@ -20,6 +20,8 @@ from presswear.figures.style import WIDTH, Axes, Drawing, Sheet
 from presswear.precision.points import Diagram, Point
 
 _LEAST = 1e-17
+SMOOTH = ("ideal", "andrews")
+"""Keys of the tasks without contacts."""
 ENERGY = "energy"
 """In the names of quantities that are energy residuals."""
 
@@ -39,10 +41,22 @@ def orders(diagrams: Sequence[Diagram]) -> Drawing:
         "Error against steps, with observed orders",
         "The first quantity of each task over attempted steps. The number at a curve's end is its "
         "observed order: the slope of log error over log accepted steps, of points whose error is "
-        "ten times that of the reference or more. For methods that control their error it is that "
-        "of error against work. Grey: how well the reference is known itself.",
+        "ten times that of the reference or more; it is left out where methods that control their "
+        "error meet contacts. Grey: how well the reference is known itself.",
         sheet,
     )
+
+
+def shown_order(diagram: Diagram, family: str, name: str) -> float:
+    """Observed order, nan where it means nothing.
+
+    Around contacts a method that controls its error has none: its steps are as many as there
+    are contacts, whatever its tolerance.
+    """
+    controlled = any(p.method.knob == "tolerance" for p in diagram.families().get(family, []))
+    if controlled and diagram.key not in SMOOTH:
+        return math.nan
+    return diagram.order(family, name)
 
 
 def _legend(sheet: Sheet, diagrams: Sequence[Diagram]) -> None:
@@ -73,7 +87,7 @@ def _orders_panel(axes: Axes, diagram: Diagram, name: str) -> None:
         errors = [max(point.errors.get(name, math.nan), _LEAST) for point in curve]
         look = look_of(family)
         axes.plot(steps, errors, **look.line())
-        order = diagram.order(family, name)
+        order = shown_order(diagram, family, name)
         if curve and math.isfinite(order):
             axes.annotate(
                 f"{order:.1f}",

@@ -1,5 +1,6 @@
 """Wear against angles, cycles, depth step and contact model."""
 
+import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -35,7 +36,7 @@ def wear_convergence(wear: WearStudy) -> Drawing | None:
         return None
     usual = ", ".join(f"{count} ({name})" for name, count in wear.usual.items())
     sheet = Sheet(figsize=(WIDTH, 0.9 + 2.5 * len(QUANTITIES)), layout="constrained")
-    panels = sheet.subplots(len(QUANTITIES), len(groups), sharey="row", squeeze=False)
+    panels = sheet.subplots(len(QUANTITIES), len(groups), squeeze=False)
     for row, (name, (_, read)) in zip(panels, QUANTITIES.items(), strict=True):
         for axes, group in zip(row, groups, strict=True):
             _panel(axes, wear, group, series, read)
@@ -89,9 +90,7 @@ def _panel(
     series: Sequence[_Series],
     read: Callable[[JointWear], Interval],
 ) -> None:
-    labels = list(
-        dict.fromkeys(point.label for name, _ in series for point in wear.of(group, name))
-    )
+    labels = labels_of(wear, group, series)
     axes.axhline(1.0, color=REFERENCE, linewidth=0.7)
     for place, one in enumerate(series):
         points = wear.of(group, one[0])
@@ -120,6 +119,18 @@ def _panel(
     if len(labels) > 4:
         axes.tick_params(axis="x", rotation=45.0)
     _plain_scale(axes)
+
+
+def labels_of(wear: WearStudy, group: Group, series: Sequence[_Series]) -> list[str]:
+    """Labels of a group's values, coarse to fine, of all conventions together."""
+    values = {
+        point.label: point.value or 0.0 for name, _ in series for point in wear.of(group, name)
+    }
+    # A depth step is the coarser the larger it is, and coarsest in one jump.
+    falls = group == "depth step"
+    return sorted(
+        values, key=lambda label: -(values[label] or math.inf) if falls else values[label]
+    )
 
 
 def _top(axes: Axes) -> Any:
@@ -185,6 +196,7 @@ def contact_models(wear: WearStudy) -> Drawing | None:
                 axes.plot(value, row, **look.line(linestyle="none"))
         axes.set_xlabel(f"{name} ({shown})")
         log_labels(axes.xaxis)
+        axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     labels = [f"{p.conventions}, {p.label}, {which} wear" for p, which in rows]
     panels[0].set_yticks(range(len(rows)), labels)
     panels[0].set_ylim(len(rows) - 0.5, -0.5)
