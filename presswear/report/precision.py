@@ -12,13 +12,15 @@ from presswear.precision.study import Precision
 from presswear.report.page import Illustration, render_page
 from presswear.report.parts import Table
 from presswear.report.precision_tables import (
-    diagram_table,
+    cost_table,
+    error_table,
     failures_table,
     growth_table,
     origin_table,
     references_table,
     sampling_table,
     statistics_table,
+    wear_cost_table,
     wear_table,
 )
 from presswear.results import write_bytes
@@ -157,8 +159,13 @@ def render(
     figures: dict[str, Illustration],
 ) -> str:
     """The page as text."""
-    tasks: list[tuple[str, str, list[Illustration], Table]] = [
-        (diagram.key, diagram.title, _named(figures, diagram.key), diagram_table(diagram))
+    tasks: list[tuple[str, str, list[Illustration], list[Table]]] = [
+        (
+            diagram.key,
+            diagram.title,
+            _named(figures, diagram.key),
+            [error_table(diagram), cost_table(diagram)],
+        )
         for diagram in precision.diagrams
     ]
     chaos, wear = precision.chaos, precision.wear
@@ -178,7 +185,7 @@ def render(
         statistics_table=None if chaos is None else statistics_table(chaos),
         wear=wear,
         wear_figures=_named(figures, "wear", "contact"),
-        wear_table=None if wear is None else wear_table(wear),
+        wear_tables=[] if wear is None else [wear_table(wear), wear_cost_table(wear)],
         failures=failures_table(precision),
         references=references_table(precision.diagrams),
         origin=origin_table(precision),

@@ -1,7 +1,7 @@
 """Tables of a study of speed against error."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from presswear.figures.numbers import given, readable, whole, with_interval
 from presswear.figures.precision.steps import shown_order
@@ -36,23 +36,24 @@ def _marked(point: Point | StatisticPoint) -> str:
     return f"{name} ({', '.join(words)})" if words else name
 
 
-def diagram_table(diagram: Diagram) -> Table:
-    """Every method on a task: errors, steps, times; families with their orders."""
+_COSTS = (
+    "steps",
+    "sent back",
+    "evaluations",
+    "median (ms)",
+    "spread (ms)",
+    "µs a step",
+    "warm-up (s)",
+)
+
+
+def error_table(diagram: Diagram) -> Table:
+    """Errors of every method on a task, and what else was measured; families with their orders."""
     measured = list(dict.fromkeys(name for point in diagram.points for name in point.values))
-    costs = (
-        "steps",
-        "sent back",
-        "evaluations",
-        "median (ms)",
-        "spread (ms)",
-        "µs a step",
-        "warm-up (s)",
-    )
     head = (
-        "",
+        "error",
         *(f"{name}{f' ({unit})' if unit else ''}" for name, unit in diagram.quantities.items()),
         *measured,
-        *costs,
     )
     groups = []
     for family, points in diagram.families().items():
@@ -63,22 +64,42 @@ def diagram_table(diagram: Diagram) -> Table:
             if math.isfinite(order)
         ]
         heading = f"{family}; observed orders: {', '.join(known)}" if known else family
-        groups.append((heading, tuple(_row(diagram, point, measured) for point in points)))
+        rows = tuple(
+            _of_run(
+                point,
+                (
+                    *(error_text(point.errors.get(name)) for name in diagram.quantities),
+                    *(readable(point.values.get(name), 6) for name in measured),
+                ),
+            )
+            for point in points
+        )
+        groups.append((heading, rows))
     return Table(head, tuple(groups))
 
 
-def _row(diagram: Diagram, point: Point, measured: Sequence[str]) -> Row:
-    errors = [error_text(point.errors.get(name)) for name in diagram.quantities]
-    values = [readable(point.values.get(name), 6) for name in measured]
+def cost_table(diagram: Diagram) -> Table:
+    """Steps and times of every method on a task."""
+    groups = (
+        (family, tuple(_of_run(point, _costs(point)) for point in points))
+        for family, points in diagram.families().items()
+    )
+    return Table(("cost", *_COSTS), tuple(groups))
+
+
+def _of_run(point: Point, cells: Row) -> Row:
+    """A row of a method; one that failed has no numbers."""
+    if point.failure:
+        cells = ("failed", *("–" for _ in cells[1:]))
+    return (_marked(point), *cells)
+
+
+def _costs(point: Point) -> Row:
     effort = point.effort
-    if effort is None or point.failure:
-        first = "failed" if point.failure else "–"
-        return (_marked(point), first, *("–" for _ in [*errors[1:], *values, *range(7)]))
+    if effort is None:
+        return ("–",) * len(_COSTS)
     low, high = (1e3 * end for end in effort.spread)
     return (
-        _marked(point),
-        *errors,
-        *values,
         whole(effort.steps),
         whole(effort.sent_back),
         whole(effort.evaluations),
@@ -171,34 +192,53 @@ def _step_error(chaos: Chaos, point: StatisticPoint, name: str) -> str:
         return "–"
     value, bound = (_PERCENT * size / mean for size in (step.value, step.bound))
     sign = "" if name.startswith(MAP) else "+"
-    return f"{value:{sign}.1f} (≤ {bound:.1f}){' *' if step.is_seen else ''}".replace("-", "−")
+    text = f"{value:{sign}.1f} (≤ {bound:.1f}){' *' if step.is_seen else ''}"
+    return text.replace("-", "−").replace(" ", "\u00a0")
 
 
 def wear_table(wear: WearStudy) -> Table:
-    """Wear of every case, with times."""
+    """Wear of every case."""
     joints = wear.joints
-    factors = {"m": (MICRONS, "µm"), "m^3": (CUBIC_MILLIMETRES, "mm³")}
+    factors = {"m": "µm", "m^3": "mm³"}
     columns = [(name, joint) for name in QUANTITIES for joint in joints]
-    head = [f"{name} at {joint} ({factors[QUANTITIES[name][0]][1]})" for name, joint in columns]
-    groups = []
-    for group in TITLES:
-        for conventions in dict.fromkeys(point.conventions for point in wear.points):
-            points = wear.of(group, conventions)
-            if points:
-                rows = tuple(_wear_row(point, columns) for point in points)
-                groups.append((f"{TITLES[group]}, {conventions}", rows))
+    head = [f"{name} at {joint} ({factors[QUANTITIES[name][0]]})" for name, joint in columns]
     second = [f"second wear, deepest at {joint} (µm)" for joint in joints]
-    return Table(("", *head, *second, "steps", "cycles run", "wall time (s)"), tuple(groups))
+
+    def row(point: WearPoint) -> Row:
+        cells = [_wear_cell(point.first.get(joint), name) for name, joint in columns]
+        cells += [_wear_cell(point.second.get(joint), "deepest wear") for joint in joints]
+        if point.failure:
+            cells[0] = f"failed; {cells[0]}" if cells[0] != "–" else "failed"
+        return (_wear_label(point), *cells)
+
+    return Table(("wear", *head, *second), _wear_groups(wear, row))
 
 
-def _wear_row(point: WearPoint, columns: Sequence[tuple[str, str]]) -> Row:
-    joints = dict.fromkeys(joint for _, joint in columns)
-    cells = [_wear_cell(point.first.get(joint), name) for name, joint in columns]
-    cells += [_wear_cell(point.second.get(joint), "deepest wear") for joint in joints]
-    if point.failure:
-        cells[0] = f"failed; {cells[0]}" if cells[0] != "–" else "failed"
-    label = f"{point.label} (default)" if point.is_default else point.label
-    return (label, *cells, whole(point.steps), whole(point.cycles), readable(point.wall, 2))
+def wear_cost_table(wear: WearStudy) -> Table:
+    """What every case of wear took."""
+
+    def row(point: WearPoint) -> Row:
+        numbers = (whole(point.steps), whole(point.cycles), readable(point.wall, 2))
+        return (_wear_label(point), *numbers)
+
+    head = ("cost", "steps of the first wear", "cycles run", "wall time (s)")
+    return Table(head, _wear_groups(wear, row))
+
+
+def _wear_groups(
+    wear: WearStudy, row: Callable[[WearPoint], Row]
+) -> tuple[tuple[str, tuple[Row, ...]], ...]:
+    names = dict.fromkeys(point.conventions for point in wear.points)
+    found = (
+        (f"{title}, {name}", tuple(row(point) for point in wear.of(group, name)))
+        for group, title in TITLES.items()
+        for name in names
+    )
+    return tuple((heading, rows) for heading, rows in found if rows)
+
+
+def _wear_label(point: WearPoint) -> str:
+    return f"{point.label} (default)" if point.is_default else point.label
 
 
 def _wear_cell(found: JointWear | None, name: str) -> str:

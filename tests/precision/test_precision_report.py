@@ -15,12 +15,14 @@ from presswear.report.precision import (
     write_precision_report,
 )
 from presswear.report.precision_tables import (
-    diagram_table,
+    cost_table,
+    error_table,
     failures_table,
     growth_table,
     references_table,
     sampling_table,
     statistics_table,
+    wear_cost_table,
     wear_table,
 )
 
@@ -103,28 +105,39 @@ def test_names_are_escaped(page: str) -> None:
 
 
 def test_numbers_of_a_task() -> None:
-    table = diagram_table(diagram())
-    assert table.head[1:4] == (
+    errors, costs = error_table(diagram()), cost_table(diagram())
+    assert errors.head[1:] == (
         "slider position (m)",
         "slider velocity (m/s)",
         "energy residual / exchanged",
+        "touches",
     )
-    families = dict(table.groups)
+    for table in (errors, costs):
+        for _, rows in table.groups:
+            assert all(len(row) == len(table.head) for row in rows)
+    families = dict(errors.groups)
     assert "dae, RK4; observed orders: slider position 4.0" in {n[:46] for n in families}
-    smooth = dict(diagram_table(diagram("ideal")).groups)
+    smooth = dict(error_table(diagram("ideal")).groups)
     assert any(name.startswith("exudyn-tree, DOPRI5; observed orders: slider") for name in smooth)
-    for rows in families.values():
-        assert all(len(row) == len(table.head) for row in rows)
-    tree = next(rows for name, rows in families.items() if name.startswith("exudyn-tree"))
+    tree = families["exudyn-tree, DOPRI5"]
     default = next(row for row in tree if "default" in row[0])
-    assert default[0] == "tolerance 10⁻⁸ (default)" or default[0] == "tolerance 1·10⁻⁸ (default)"
-    cells = dict(zip(table.head, default, strict=True))
-    # 1000 steps at 20 us: median, least and greatest, with 400 sent back.
-    assert cells["slider position (m)"] == "1·10⁻⁶"
-    assert cells["touches"] == "54.0000"
+    assert default == (
+        "tolerance 1·10⁻⁸ (default)",
+        "1·10⁻⁶",
+        "5·10⁻⁵",
+        "1·10⁻⁷",
+        "54.0000",
+    )
+    # 3981 steps at 20 us: median, least and greatest, with a tenth sent back.
+    cells = dict(zip(costs.head, dict(costs.groups)["exudyn-tree, DOPRI5"][-1], strict=True))
+    assert cells["median (ms)"] == "79.6"
+    assert cells["spread (ms)"] == "71.7 to 104"
+    assert cells["steps"] == "3\u202f981"
+    assert cells["µs a step"] == "18.2"
+    assert cells["warm-up (s)"] == "2.5"
     rk4 = next(rows for name, rows in families.items() if name.startswith("dae, RK4"))
     paper = next(row for row in rk4 if "paper" in row[0])
-    assert paper[1] == "failed"
+    assert paper[1:] == ("failed", "–", "–", "–")
 
 
 def test_failures_are_listed_with_reasons() -> None:
@@ -160,7 +173,7 @@ def test_growth_and_statistics_in_numbers() -> None:
     table = statistics_table(found)
     rows = {row[0]: row for _, group in table.groups for row in group}
     assert all(len(row) == len(table.head) for row in rows.values())
-    assert rows["tolerance 1·10⁻⁵"][2] == "+10.0 (≤ 15.0) *"
+    assert rows["tolerance 1·10⁻⁵"][2].split() == ["+10.0", "(≤", "15.0)", "*"]
     assert "honest up to 44 cycles" in rows["tolerance 1·10⁻⁸"]
 
 
@@ -173,6 +186,9 @@ def test_wear_in_numbers() -> None:
     assert rows[0][1] == "40.0 (38 to 42)"
     assert any(row[0] == "360 (default)" for row in rows)
     assert any(row[1] == "failed" for row in rows)
+    costs = [row for _, group in wear_cost_table(found).groups for row in group]
+    assert costs[0] == ("90", "1", "60", "3.5")
+    assert len(costs) == len(rows)
 
 
 def test_nothing_honest_is_said_so() -> None:

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.lines import Line2D
 
+from presswear.figures.numbers import given
 from presswear.figures.precision.families import PAPER, STAR
 from presswear.figures.style import LINES, MUTED, REFERENCE, WIDTH, Axes, Drawing, Sheet
 from presswear.precision.chaos import Chaos
@@ -65,8 +66,8 @@ def growth_of_disturbance(chaos: Chaos) -> Drawing:
     return Drawing(
         "precision-growth.png",
         "Growth of a disturbance",
-        f"Greatest difference of the pins' places in their bearings between two runs of one "
-        f"method (DOP853 of dae at {TOLERANCE:g}) whose starts are {APART:g} m apart. The first "
+        "Greatest difference of the pins' places in their bearings between two runs of one method "
+        f"(DOP853 of dae at {given(TOLERANCE)}) whose starts are {given(APART)} m apart. The first "
         "pair starts as scenes do, with pins in the middle of their bearings; each further one "
         "where the last one's first run was after whole cycles.",
         sheet,
