@@ -138,6 +138,8 @@ def for_trajectories(
         By quantity; those that the diagram does not have do not count.
     """
     bounds = {name: bounds[name] for name in diagram.quantities if name in bounds}
+    if not bounds:
+        return []
     found = []
     for engine in dict.fromkeys(point.method.engine for point in diagram.points):
         families = [own for own in diagram.families().values() if own[0].method.engine == engine]

@@ -78,6 +78,10 @@ def test_every_bound_counts() -> None:
     assert "slider velocity at 1 of its bound" in tree.detail
 
 
+def test_without_a_bound_nothing_is_recommended() -> None:
+    assert for_trajectories(diagram(), {"what is not in the diagram": 1.0}) == []
+
+
 def test_bounds_are_those_of_the_cross_check() -> None:
     assert BOUNDS == {
         "slider position": 1e-6,
