@@ -16,6 +16,7 @@ from presswear.commands.terminal import free_folder, progress_bar, repeats_given
 from presswear.settings import changed
 
 SCENE = "wear-times"
+FILE = "precision.json"
 
 
 def add(commands: Any) -> None:
@@ -66,10 +67,22 @@ def _precision(arguments: argparse.Namespace, console: Console) -> int:
             lambda name, part: bar.update(task, description=name, completed=part),
         )
     store(found, folder)
-    from presswear.report.precision import write_precision_report
-
-    write_precision_report(found, folder)
     for table in tables_of(found):
         print_text_table(console, table)
-    console.print(f"data, figures and report.html in {folder}", highlight=False)
+    return report(folder, console)
+
+
+def is_precision(folder: Path) -> bool:
+    """Whether a folder holds a study of precision."""
+    return (folder / FILE).exists()
+
+
+def report(folder: Path, console: Console) -> int:
+    """Figures and report anew from a stored study."""
+    from presswear.precision.store import load
+    from presswear.report.precision import write_precision_report
+
+    answer, path = write_precision_report(load(folder), folder)
+    console.print(answer, highlight=False)
+    console.print(f"data in {folder}, report in {path}", highlight=False)
     return 0

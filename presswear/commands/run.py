@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.progress import Progress, TaskID
 
 from presswear.catalog import SCENES, STUDIES, scene_named
-from presswear.commands import studies
+from presswear.commands import precision, studies
 from presswear.commands.terminal import free_folder, progress_bar, settings_given
 from presswear.errors import InputError, RunError
 from presswear.scene import CONVENTIONS, Scene, stage_name
@@ -53,7 +53,7 @@ def add(commands: Any) -> None:
 
     report = commands.add_parser(
         "report",
-        help="figures and report anew from the folder of a run or a study",
+        help="figures and report anew from the folder of a run, a study or a precision",
         epilog="example: presswear report results/wear-times",
     )
     report.add_argument("folder", type=Path, metavar="DIR")
@@ -151,6 +151,8 @@ def _stage_line(stage: "Stage") -> str:
 def _report(arguments: argparse.Namespace, console: Console) -> int:
     if is_study(arguments.folder):
         return studies.report(arguments.folder, console)
+    if precision.is_precision(arguments.folder):
+        return precision.report(arguments.folder, console)
     from presswear.report import write_report
     from presswear.results import load
 
