@@ -81,7 +81,7 @@ def _is_cheap(method: Method) -> bool:
 
 
 QUICK = Size(pairs=2, duration=2, starts=2, cycles=26, reference=2, methods=_is_cheap)
-FULL = Size(pairs=6, duration=3, starts=4, cycles=31)
+FULL = Size(pairs=6, duration=3, starts=4, cycles=30)
 
 
 @dataclass(frozen=True)

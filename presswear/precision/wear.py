@@ -77,11 +77,6 @@ METHODS: dict[str, dict[str, Any]] = {
         "integrator": "dopri5",
         "integration_tolerance": TOLERANCE,
     },
-    "DOP853 of dae, 1e-9": {
-        "engine": "dae",
-        "integrator": "dop853",
-        "integration_tolerance": 1e-9,
-    },
     "Exudyn, 1e-6": {"engine": "exudyn", "tree_tolerance": 1e-6},
 }
 """Engine and numerics by name."""
