@@ -40,12 +40,14 @@ def ladder(scene: Scene) -> tuple[Method, ...]:
     found: list[Method] = []
     if isinstance(tree_of(scene.linkage()), Tree):
         tree = numerics.tree(period)
-        found += [tree_method(replace(tree, tolerance=value)) for value in TREE_TOLERANCES]
+        values = sorted({*TREE_TOLERANCES, Numerics().tree_tolerance}, reverse=True)
+        found += [tree_method(replace(tree, tolerance=value)) for value in values]
     dae = numerics.dae()
+    values = sorted({*CONTROLLED_TOLERANCES, Numerics().integration_tolerance}, reverse=True)
     found += [
         dae_method(replace(dae, integrator=name, tolerance=value))
         for name in ("dop853", "dopri5")
-        for value in CONTROLLED_TOLERANCES
+        for value in values
     ]
     found += [dae_method(replace(dae, integrator="rk4", step=value)) for value in EQUAL_STEPS]
     found.append(dae_method(replace(dae, integrator="rk4-paper")))

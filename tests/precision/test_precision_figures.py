@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from made_up_precision import SCENE, chaos, diagram, precision, wear
+from made_up_precision import DEFAULTS, chaos, diagram, precision, wear
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure as Sheet
 from matplotlib.lines import Line2D
@@ -16,7 +16,6 @@ from matplotlib.text import Text
 from presswear.figures.precision import precision_drawings
 from presswear.figures.precision.families import LOOKS, look_of
 from presswear.figures.style import Drawing
-from presswear.precision.ladder import ladder
 from presswear.precision.points import Diagram
 
 
@@ -106,7 +105,6 @@ def test_the_paper_has_its_mark_where_it_ran() -> None:
 
 
 def test_defaults_are_ringed(drawn: dict[str, Drawing]) -> None:
-    defaults = {m.label for m in ladder(SCENE) if m.is_default}
     points = {p.method.label: p for p in diagram().points}
     rings = [
         line
@@ -114,7 +112,7 @@ def test_defaults_are_ringed(drawn: dict[str, Drawing]) -> None:
         if line.get_gid() == "default"
     ]
     found = {float(np.ravel(ring.get_ydata())[0]) for ring in rings}
-    assert found == {points[label].errors["slider position"] for label in defaults}
+    assert found == {points[label].errors["slider position"] for label in DEFAULTS}
 
 
 def test_error_of_the_reference_is_a_line(drawn: dict[str, Drawing]) -> None:

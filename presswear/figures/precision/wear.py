@@ -156,10 +156,13 @@ def _relative(
 
 
 def _plain_scale(axes: Axes) -> None:
+    """Plain numbers, as many as fit, on a logarithmic scale around 1."""
     low, high = axes.get_ylim()
-    ticks = [0.1, 0.2, 0.3, 0.5, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2, 1.5, 2.0, 3.0, 5.0, 10.0]
     if high / low > 2.5:
-        ticks = [tick for tick in ticks if tick not in (0.8, 0.9, 1.1, 1.2)]
+        ticks = [0.1, 0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 5.0, 10.0]
+    else:
+        step = 0.1 if high / low > 1.2 else 0.02
+        ticks = [1.0 + step * k for k in range(-9, 20)]
     axes.set_yticks([tick for tick in ticks if low <= tick <= high])
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.yaxis.set_minor_formatter(NullFormatter())
