@@ -84,6 +84,8 @@ class Recommendation:
             return f"the code takes {self.taken}"
         if self.agrees:
             return "the code takes it"
+        if not self.recommended:
+            return f"the code takes {self.taken}"
         if self.meets:
             return f"the code takes another that meets the rule as well: {self.taken}"
         return f"the code takes another that does not: {self.taken}"

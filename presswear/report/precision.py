@@ -55,7 +55,8 @@ def headline(precision: Precision, found: tuple[Recommendation, ...]) -> str:
             "No setting has been shown to be honest for wear: so few cycles leave room for step "
             f"errors larger than the sampling error of a stage of {chaos.stage_cycles} cycles."
         )
-    agreed = [one for one in found if one.agrees is not None]
+    agreed = [one for one in found if one.agrees is not None and one.recommended]
+    nothing = sum(not one.recommended for one in found)
     if agreed:
         taken = sum(bool(one.agrees) for one in agreed)
         finer = sum(bool(one.meets) and not one.agrees for one in agreed)
@@ -63,6 +64,7 @@ def headline(precision: Precision, found: tuple[Recommendation, ...]) -> str:
         parts.append(
             f"Of {len(agreed)} recommendations below the code takes {taken} as they are, {finer} "
             f"in a form that meets the rule at a higher price, and {rest} in one that does not."
+            + (f" For {nothing} more nothing that was run meets the rule." if nothing else "")
         )
     failed = paper_failures(precision)
     if failed:
