@@ -63,11 +63,17 @@ def test_defaults_are_the_scenes_own(press: Diagram) -> None:
 
 
 def test_a_scenes_own_numerics_are_marked() -> None:
-    numerics = replace(SCENE.numerics, tree_tolerance=3e-7, integrator="rk4", equal_step=3e-5)
+    numerics = replace(
+        SCENE.numerics,
+        steps_per_contact=70,
+        tree_tolerance=3e-7,
+        integrator="rk4",
+        equal_step=3e-5,
+    )
     methods = contact_ladder(SHORT.rungs, numerics, 0.5, 1e-3, tree=True)
     marked = {method.label for method in methods if method.is_default}
     assert marked == {
-        "exudyn-joints, trapezoidal rule, steps in an impact 50",
+        "exudyn-joints, trapezoidal rule, steps in an impact 70",
         "exudyn-tree, DOPRI5, tolerance 3e-07",
         "dae, RK4, step 3e-05",
     }
