@@ -9,6 +9,7 @@ from presswear.paper.evidence import Measured, Place
 from presswear.paper.printed import PRINTED, Printed
 from presswear.paper.verdicts import (
     Comparison,
+    Expected,
     Standing,
     Verdict,
     difference,
@@ -79,9 +80,9 @@ def test_differences_of_angles_go_the_short_way() -> None:
     ],
 )
 def test_a_verdict_needs_the_whole_interval(
-    interval: Interval | None, expected: str, word: Verdict
+    interval: Interval | None, expected: Expected, word: Verdict
 ) -> None:
-    assert verdict(interval, Comparison("force", (B,), (A,), expected)) is word  # type: ignore[arg-type]
+    assert verdict(interval, Comparison("force", (B,), (A,), expected)) is word
 
 
 def test_differences_are_held_against_zero() -> None:

@@ -3,7 +3,8 @@
 from dataclasses import dataclass
 
 from presswear.figures.numbers import readable
-from presswear.paper.claims import CLAIMS, Claim
+from presswear.paper.claim import Claim
+from presswear.paper.claims import CLAIMS
 from presswear.paper.evidence import Evidence, Place
 from presswear.paper.variants import BASE, GEOMETRIES, REFINED
 from presswear.paper.verdicts import Comparison, Verdict, compared, together, verdict
