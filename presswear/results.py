@@ -234,15 +234,20 @@ class StoredResult:
         return any(len(self.wear_steps(k)) > 1 for k in range(len(self.stages)))
 
 
+def read_json(file: Path, missing: str) -> Any:
+    """What a JSON file holds; InputError says that it is missing, in given words, or damaged."""
+    try:
+        return json.loads(file.read_text())
+    except FileNotFoundError:
+        raise InputError(missing) from None
+    except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
+        raise InputError(f"{file} cannot be read: {error}") from None
+
+
 def load(path: Path) -> StoredResult:
     """Read a result folder; InputError says what is missing or of another schema."""
     file = path / "result.json"
-    try:
-        document = json.loads(file.read_text())
-    except FileNotFoundError:
-        raise InputError(f"{path} is no result folder: it has no result.json") from None
-    except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
-        raise InputError(f"{file} cannot be read: {error}") from None
+    document = read_json(file, f"{path} is no result folder: it has no result.json")
     schema = document.get("schema") if isinstance(document, dict) else None
     if schema not in (1, SCHEMA):
         raise InputError(f"{file} has schema {schema!r}; this version reads 1 to {SCHEMA}")

@@ -18,7 +18,7 @@ from typing import Any
 
 from presswear.campaign import Watcher, run_campaign
 from presswear.errors import InputError
-from presswear.results import ResultFolder, StoredResult, load, plain, write_bytes
+from presswear.results import ResultFolder, StoredResult, load, plain, read_json, write_bytes
 from presswear.scene import Scene
 
 Told = Callable[[str, float, str], None]
@@ -103,12 +103,7 @@ def is_study(folder: Path) -> bool:
 def load_study(folder: Path) -> Study:
     """The study of a folder; InputError says what is wrong with it."""
     file = folder / FILE
-    try:
-        data = json.loads(file.read_text())
-    except FileNotFoundError:
-        raise InputError(f"{folder} is no study's folder: it has no {FILE}") from None
-    except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
-        raise InputError(f"{file} cannot be read: {error}") from None
+    data = read_json(file, f"{folder} is no study's folder: it has no {FILE}")
     try:
         if data["schema"] != SCHEMA:
             raise InputError(f"{file} has schema {data['schema']!r}; this version reads {SCHEMA}")

@@ -15,7 +15,7 @@ from presswear.precision.ladder import method_as_dict, method_from_dict
 from presswear.precision.points import Diagram, Effort, Point
 from presswear.precision.study import Precision
 from presswear.precision.wear import WearStudy
-from presswear.results import plain, write_bytes
+from presswear.results import plain, read_json, write_bytes
 from presswear.scene import Scene
 
 SCHEMA = 1
@@ -156,12 +156,7 @@ def store(precision: Precision, folder: Path) -> None:
 def load(folder: Path) -> Precision:
     """Read a stored study back; InputError says what is missing or of another schema."""
     file = folder / FILE
-    try:
-        data = json.loads(file.read_text())
-    except FileNotFoundError:
-        raise InputError(f"{folder} holds no study of precision: it has no {FILE}") from None
-    except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
-        raise InputError(f"{file} cannot be read: {error}") from None
+    data = read_json(file, f"{folder} holds no study of precision: it has no {FILE}")
     schema = data.get("schema") if isinstance(data, dict) else None
     if schema != SCHEMA:
         raise InputError(f"{file} has schema {schema!r}; this version reads {SCHEMA}")
