@@ -1,4 +1,4 @@
-"""A study of speed against error as files: one JSON of everything, a CSV for each diagram."""
+"""A study of speed against error as files: one JSON of everything, a CSV for each table."""
 
 import csv
 import io
@@ -13,6 +13,7 @@ from presswear.precision.chaos import Chaos
 from presswear.precision.extent import Extent
 from presswear.precision.ladder import method_as_dict, method_from_dict
 from presswear.precision.points import Diagram, Effort, Point
+from presswear.precision.sheets import statistic_rows, wear_rows
 from presswear.precision.study import Precision
 from presswear.precision.wear import WearStudy
 from presswear.results import plain, read_json, write_bytes
@@ -143,14 +144,22 @@ def table_of(diagram: Diagram) -> list[list[str]]:
 
 
 def store(precision: Precision, folder: Path) -> None:
-    """Write ``precision.json`` and ``precision-KEY.csv`` into a folder, made where needed."""
+    """Write ``precision.json`` and ``precision-KEY.csv`` into a folder, made where needed.
+
+    KEY is that of a diagram, ``statistics`` or ``wear``.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     text = json.dumps(plain(document_of(precision)), indent=1, allow_nan=False)
     write_bytes(folder / FILE, text.encode())
-    for diagram in precision.diagrams:
+    tables = {diagram.key: table_of(diagram) for diagram in precision.diagrams}
+    if precision.chaos is not None:
+        tables["statistics"] = statistic_rows(precision.chaos)
+    if precision.wear is not None:
+        tables["wear"] = wear_rows(precision.wear)
+    for key, rows in tables.items():
         file = io.StringIO()
-        csv.writer(file, lineterminator="\n").writerows(table_of(diagram))
-        write_bytes(folder / f"precision-{diagram.key}.csv", file.getvalue().encode())
+        csv.writer(file, lineterminator="\n").writerows(rows)
+        write_bytes(folder / f"precision-{key}.csv", file.getvalue().encode())
 
 
 def load(folder: Path) -> Precision:

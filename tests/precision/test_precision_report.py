@@ -8,6 +8,7 @@ import pytest
 from made_up_precision import chaos, diagram, precision
 
 from presswear.precision.points import Diagram
+from presswear.precision.sheets import statistic_rows, wear_rows
 from presswear.report.precision import (
     growth_sentence,
     headline,
@@ -209,3 +210,22 @@ def test_page_of_nothing(tmp_path: Path) -> None:
     answer, path = write_precision_report(study, tmp_path)
     assert answer == "There is nothing to recommend from what was run."
     parsed(path.read_text())
+
+
+def test_statistics_and_wear_are_rows_of_equal_length() -> None:
+    study = precision()
+    assert study.chaos is not None
+    assert study.wear is not None
+    for rows in (statistic_rows(study.chaos), wear_rows(study.wear)):
+        assert len(rows) > 3
+        assert len({len(row) for row in rows}) == 1
+    told = statistic_rows(study.chaos)
+    known = [point for point in study.chaos.points if point.statistics]
+    named = [row for row in told[1:] if row[3]]
+    assert len(named) == sum(len(point.statistics) for point in known)
+    first = next(iter(known[0].statistics.values()))
+    assert float(named[0][4]) == first.mean
+    failed = [point for point in study.chaos.points if point.failure]
+    assert sum(bool(row[-1]) for row in told[1:]) >= len(failed)
+    deepest = wear_rows(study.wear)[1]
+    assert float(deepest[7]) == next(iter(study.wear.points[0].first.values())).depth.value
