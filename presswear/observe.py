@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from presswear.clearance import STATE, note_contacts, note_forces
 from presswear.compiled import Records, compiled
+from presswear.film import Film, empty_film, shutter_of, take_frame
 from presswear.joint_data import pack_joints, pack_surfaces
 from presswear.linkage import ClearanceJoint, Linkage
 from presswear.sampling import MapBatches
@@ -76,6 +77,8 @@ class Book(NamedTuple):
     series : ndarray, shape (rows, SERIES_FIXED + SERIES_JOINT joints + drives)
         Without the torques of the drives where they are not asked for.
     episodes : ndarray, shape (joints, rows, 6)
+    film, shutter : ndarray and one record of SHUTTER
+        See ``presswear.film``.
     cycle : ndarray, shape (CYCLE_FIXED + CYCLE_JOINT joints,)
         Row of the present cycle.
     depth : ndarray, shape (joints, 2, m)
@@ -101,6 +104,8 @@ class Book(NamedTuple):
     record: Records
     series: Array
     episodes: Array
+    film: Array
+    shutter: Records
     cycle: Array
     depth: Array
     doses: Array
@@ -194,6 +199,7 @@ def observe(book: Book, t: float, h: float, q: Array, v: Array, a: Array) -> Non
             if row > 0:
                 change = abs(contact.normal - series[row - 1, column + 3])
                 is_due = is_due or change > state.force_step * counts.peak_force
+    take_frame(book.film, book.shutter, book.states, t, q)
     if has_room and is_due:
         series[row, 0] = t
         series[row, 1] = displacement
@@ -277,6 +283,8 @@ class Account:
             record=record,
             series=np.zeros((rows, columns)),
             episodes=np.zeros((count, recorded_cycles * EPISODES_AT_MOST, len(EPISODE_COLUMNS))),
+            film=empty_film(len(linkage.bodies), count),
+            shutter=shutter_of(cycle),
             cycle=np.zeros(len(CYCLE_FIXED) + len(CYCLE_JOINT) * count),
             depth=np.zeros(shape),
             doses=np.zeros((count, 2)),
@@ -299,6 +307,13 @@ class Account:
     def rows(self) -> Array:
         """Series rows written so far, shape (n, SERIES_FIXED + SERIES_JOINT joints + drives)."""
         return self.book.series[: int(self.book.record["rows"][0])]
+
+    @property
+    def film(self) -> Film:
+        """Frames kept so far."""
+        book = self.book
+        rows = book.film[: int(book.shutter["frames"][0])]
+        return Film.of(rows, book.joints.size)
 
     def episodes(self, k: int) -> Array:
         """Recorded contacts of joint ``k``, shape (n, 6), columns EPISODE_COLUMNS."""

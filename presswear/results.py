@@ -1,7 +1,7 @@
 """The result folder: what is kept, in which files.
 
 ``result.json`` holds the scene, where the numbers come from and the statistics;
-``stage-K.npz`` the arrays of stage K.  Files appear whole or not at all.
+``stage-K.npz`` the arrays of stage K, ``film-K.npz`` its film.  Files appear whole or not at all.
 """
 
 import json
@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from presswear.campaign import Stage
 from presswear.deviation import deviations
 from presswear.errors import InputError
+from presswear.film import Film
 from presswear.numerics import Numerics
 from presswear.observe import SERIES_FIXED, SERIES_JOINT
 from presswear.press import Press
@@ -55,6 +56,11 @@ def write_bytes(path: Path, data: bytes) -> None:
         file.write(data)
 
     write_whole(path, write)
+
+
+def write_arrays(path: Path, arrays: Mapping[str, Array]) -> None:
+    """Write arrays by name as ``write_whole`` does."""
+    write_whole(path, lambda file: np.savez_compressed(file, allow_pickle=False, **arrays))
 
 
 def stage_arrays(scene: Scene, stage: Stage) -> dict[str, Array]:
@@ -165,21 +171,22 @@ class ResultFolder:
     def add(self, stage: Stage) -> None:
         """Store a finished stage."""
         self.path.mkdir(parents=True, exist_ok=True)
-        arrays = stage_arrays(self._scene, stage)
-        write_whole(
-            self.path / f"stage-{stage.index}.npz",
-            lambda file: np.savez_compressed(file, allow_pickle=False, **arrays),
+        ensemble = stage.ensemble
+        joints = [joint.name for joint in ensemble.linkage.clearances]
+        write_arrays(self.path / f"stage-{stage.index}.npz", stage_arrays(self._scene, stage))
+        write_arrays(
+            self.path / f"film-{stage.index}.npz", ensemble.accounts[0].film.arrays(joints)
         )
         self._document["stages"].append(
             {
                 "index": stage.index,
-                "status": stage.ensemble.status,
-                "message": stage.ensemble.failure,
+                "status": ensemble.status,
+                "message": ensemble.failure,
                 "amplification": stage.amplification,
                 "wear_steps": [step.as_dict() for step in stage.steps],
-                "simulated_s": stage.ensemble.time,
-                "wall_s": stage.ensemble.wall,
-                "diagnostics": stage.ensemble.diagnostics(),
+                "simulated_s": ensemble.time,
+                "wall_s": ensemble.wall,
+                "diagnostics": ensemble.diagnostics(),
                 "statistics": stage.statistics,
             }
         )
@@ -268,6 +275,18 @@ def _from_schema_1(scene: Mapping[str, Any]) -> dict[str, Any]:
     plain["numerics"] = {name: plain.pop(name) for name in names & plain.keys()}
     plain["mechanism"] = {"kind": Press.kind, **plain.pop("press")}
     return plain
+
+
+def load_film(result: StoredResult, stage: int) -> Film:
+    """The film of a stage; InputError where there is none or it is damaged."""
+    file = result.path / f"film-{result.document['stages'][stage]['index']}.npz"
+    if not file.exists():
+        raise InputError(f"{file} is missing: this run was stored without a film; run it again")
+    names = [joint.name for joint in result.scene.linkage({}).clearances]
+    try:
+        return Film.from_arrays(_arrays(file), names)
+    except (KeyError, ValueError) as error:
+        raise InputError(f"{file} is no film of this run: {error}") from None
 
 
 def _arrays(file: Path) -> dict[str, Array]:
