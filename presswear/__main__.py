@@ -10,10 +10,10 @@ from typing import NoReturn
 
 from rich.console import Console
 
-from presswear.commands import costs, crosscheck, precision, run, scenes, verify
+from presswear.commands import costs, crosscheck, precision, replay, run, scenes, verify
 from presswear.errors import InputError, RunError
 
-COMMANDS = (scenes, run, verify, crosscheck, costs, precision)
+COMMANDS = (scenes, run, replay, verify, crosscheck, costs, precision)
 """In the order in which help lists them."""
 
 
