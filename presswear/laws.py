@@ -13,7 +13,6 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-
 from presswear.compiled import compiled
 
 StiffnessReading = Literal["paper", "refined"]

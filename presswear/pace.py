@@ -21,11 +21,15 @@ class Watcher:
         Each finished stage, the wear after it included.
     overall : callable
         Part of the whole campaign done 0 .. 1, counted in runs as far as they are foreseen.
+    live : callable
+        Stage index, the linkage that runs and what its run has observed so far; called many
+        times a second.
     """
 
     progress: Callable[[int, float, str], None] = lambda stage, part, word: None
     stage: Callable[[Any], None] = lambda stage: None
     overall: Callable[[float], None] = lambda part: None
+    live: Callable[[int, Any, Any], None] = lambda stage, linkage, account: None
 
 
 @dataclass

@@ -56,7 +56,9 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
         check_display()
     reels = [_reel(arguments.folder, arguments.stage)]
     if arguments.compare is not None:
-        reels.append(_compared(arguments))
+        from presswear.replay.reel import alike
+
+        reels = alike([*reels, _compared(arguments)])
     if arguments.still is not None:
         return _still(arguments, console, reels, size)
     if arguments.movie is not None:
@@ -113,9 +115,11 @@ def _compared(arguments: argparse.Namespace) -> "Reel":
 
 def _time(option: str, text: str, reel: "Reel") -> float:
     """A time within a film, s; a bare number is in seconds."""
-    first, last = (float(reel.film.time[i]) for i in (0, -1))
+    first, last = reel.span
     bare = re.fullmatch(r"[0-9.eE+-]+", text.strip())
-    return float(parse_quantity(option, f"{text}s" if bare else text, Meaning("s", first, last, "", "")))
+    return float(
+        parse_quantity(option, f"{text}s" if bare else text, Meaning("s", first, last, "", ""))
+    )
 
 
 def _size(text: str) -> tuple[int, int]:
@@ -163,11 +167,11 @@ def _movie(
 
 
 def _clip(arguments: argparse.Namespace, reels: "list[Reel]") -> Any:
-    from presswear.replay.clip import clip_of, default_slowed, default_start, span
+    from presswear.replay.clip import clip_of, default_slowed, default_start
 
     first = reels[0]
     start = _given(arguments.start, "--from", first, default_start(first))
-    end = _given(arguments.end, "--to", first, min(start + first.period, span(first)[1]))
+    end = _given(arguments.end, "--to", first, min(start + first.period, first.span[1]))
     if end <= start:
         raise InputError(f"--to {end:g} s: it must be after --from, {start:g} s")
     slowed = _slowed(arguments, default_slowed(first))

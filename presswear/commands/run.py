@@ -1,6 +1,8 @@
 """``presswear run`` and ``presswear report``: a scene or a study into its result folder."""
 
 import argparse
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -19,6 +21,10 @@ from presswear.studies import is_study
 
 if TYPE_CHECKING:
     from presswear.campaign import Stage
+
+
+LIVE_SIZE = (960, 640)
+"""Of the window that shows a run, pixels."""
 
 
 def add(commands: Any) -> None:
@@ -49,6 +55,7 @@ def add(commands: Any) -> None:
     run.add_argument(
         "--resume", action="store_true", help="of a study: keep the finished runs in --out"
     )
+    run.add_argument("--live", action="store_true", help="show the press in a window while it runs")
     run.set_defaults(run=_run)
 
     report = commands.add_parser(
@@ -83,6 +90,8 @@ def _with_options(scene: Scene, arguments: argparse.Namespace) -> Scene:
 
 def _run(arguments: argparse.Namespace, console: Console) -> int:
     if arguments.scene in STUDIES:
+        if arguments.live:
+            raise InputError(f"--live is for scenes; {arguments.scene} is a study of several")
         return studies.run(arguments, console, partial(_with_options, arguments=arguments))
     if arguments.resume or arguments.jobs != "1":
         raise InputError(f"--resume and --jobs are for studies: {', '.join(STUDIES)}")
@@ -93,7 +102,7 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
     from presswear.results import ResultFolder, load
 
     store = ResultFolder(folder, scene)
-    with progress_bar(console) as bar:
+    with _window(arguments, scene) as live, progress_bar(console) as bar:
         task = bar.add_task(stage_name(0), total=1.0)
 
         def progress(stage: int, part: float, word: str) -> None:
@@ -107,7 +116,7 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
 
         try:
             overall = partial(_completed, bar, task)
-            status, message = run_campaign(scene, Watcher(progress, finished, overall))
+            status, message = run_campaign(scene, Watcher(progress, finished, overall, live))
         except KeyboardInterrupt:
             store.close("interrupted", "stopped by the user; finished stages are kept")
             raise
@@ -119,6 +128,21 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
     if status == "failed":
         raise RunError(message)
     return 0
+
+
+@contextmanager
+def _window(arguments: argparse.Namespace, scene: Scene) -> Iterator[Callable[..., None]]:
+    """What shows the run while it lasts, where that is asked for."""
+    if not arguments.live:
+        yield lambda stage, linkage, account: None
+        return
+    from presswear.replay.live import Live
+
+    live = Live(scene, LIVE_SIZE)
+    try:
+        yield live.show
+    finally:
+        live.close()
 
 
 def _completed(bar: Progress, task: TaskID, part: float) -> None:

@@ -131,7 +131,9 @@ class Plan:
     enough : callable
         Asked after each cycle; True ends the run.
     progress : callable
-        Told the part of the most cycles that is done, 0 .. 1, a few times a second.
+        Told the part of the most cycles that is done, 0 .. 1, many times a second.
+    begun : callable
+        Told the account that the run fills, before it begins.
     """
 
     cycle: float
@@ -140,6 +142,7 @@ class Plan:
     torques: bool = True
     enough: Callable[[Account], bool] = lambda account: False
     progress: Callable[[float], None] = lambda part: None
+    begun: Callable[[Account], None] = lambda account: None
 
 
 @dataclass(frozen=True)
@@ -176,9 +179,11 @@ class Run:
 
 def account_of(linkage: Linkage, start: Start, plan: Plan) -> Account:
     """The empty account of a run."""
-    return Account.of(
+    account = Account.of(
         linkage, start.position, plan.recorded_cycles, plan.cycle, torques=plan.torques
     )
+    plan.begun(account)
+    return account
 
 
 def described(linkage: Linkage, model: str) -> str:

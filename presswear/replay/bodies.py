@@ -91,7 +91,7 @@ def extent(linkage: Linkage, position: Array) -> tuple[Array, Array]:
 
 
 def body_graphics(linkage: Linkage, body: str, scale: Scale) -> list[dict[str, Any]]:
-    """A body in its own frame, with the names of its clearance joints."""
+    """A body in its own frame: joints, mass centre, names of its clearance joints."""
     ends = attachments(linkage, body)
     layer = 4 + 3 * linkage.index(body)
     fill = colour_of(linkage, body)
@@ -99,7 +99,8 @@ def body_graphics(linkage: Linkage, body: str, scale: Scale) -> list[dict[str, A
     guide = next((guide for guide in linkage.guides if guide.body == body), None)
     shapes = list(_outline(np.array([[end.x, end.y] for _, end in ends]), guide, scale))
     low, high = scale.layer(layer), scale.layer(layer + 1)
-    own = [filled(shapes[0], low, edge), filled(shapes[1], high, fill)]
+    mass_centre = filled(circle((0.0, 0.0), 0.16 * scale.bar, 12), scale.layer(39), edge)
+    own = [filled(shapes[0], low, edge), filled(shapes[1], high, fill), mass_centre]
     words = []
     bearings = {joint.bearing: k for k, joint in enumerate(linkage.clearances)}
     for name, end in ends:
@@ -142,12 +143,12 @@ def frame_graphics(linkage: Linkage, position: Array, scale: Scale) -> list[dict
 
 def _pedestal(place: Array, scale: Scale) -> list[Shape]:
     half, depth = 2.2 * scale.bar, 3.4 * scale.bar
-    foot = place - [0.0, depth]
+    foot, side = place - [0.0, depth], np.array([half, 0.0])
     shapes = [
-        filled(np.array([place, foot - [half, 0.0], foot + [half, 0.0]]), scale.layer(1), STEEL),
+        filled(np.array([place, foot - side, foot + side]), scale.layer(1), STEEL),
         filled(circle(place, 1.3 * scale.bar), scale.layer(2), STEEL),
     ]
-    return shapes + _hatched(foot - [1.3 * half, 0.0], foot + [1.3 * half, 0.0], -1.0, scale)
+    return shapes + _hatched(foot - 1.3 * side, foot + 1.3 * side, -1.0, scale)
 
 
 def _hatched(start: Array, end: Array, side: float, scale: Scale) -> list[Shape]:

@@ -8,14 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.errors import InputError
-from presswear.film import FILM_JOINT
-from presswear.replay.reel import Reel
+from presswear.film import FRAMES_PER_CYCLE
+from presswear.replay.reel import Instant, Reel
 
 Array = NDArray[np.float64]
 
 CYCLE_SECONDS = 10.0
 """Time that a cycle takes on the screen where nothing else is asked for, s."""
-_PEAK = FILM_JOINT.index("peak")
 
 
 @dataclass(frozen=True)
@@ -53,14 +52,9 @@ def played(slowed: float) -> str:
     return f"slowed {slowed:.3g} times" if slowed > 1.0 else "as fast as it is"
 
 
-def span(reel: Reel) -> tuple[float, float]:
-    """Times of the first and the last stored frame, s."""
-    return float(reel.film.time[0]), float(reel.film.time[-1])
-
-
 def default_start(reel: Reel) -> float:
     """Where a film begins: after the first cycle, in which pins settle, if there are more, s."""
-    return reel.period if span(reel)[1] >= 1.98 * reel.period else 0.0
+    return reel.period if reel.span[1] >= 1.98 * reel.period else 0.0
 
 
 def frames_at(reels: Sequence[Reel], time: float) -> tuple[int, ...]:
@@ -71,34 +65,33 @@ def frames_at(reels: Sequence[Reel], time: float) -> tuple[int, ...]:
     turns = time / reels[0].period
     found = []
     for reel in reels:
-        first, last = span(reel)
+        first, last = reel.span
         own = turns * reel.period
         # Frames are apart: the last one stands for all up to the end of its cycle.
-        slack = 2.0 * reel.period / 500.0
+        slack = 2.0 * reel.period / FRAMES_PER_CYCLE
         if not first - slack <= own <= last + slack:
             raise InputError(
-                f"time {own:g} s: the film of {reel.title}, {reel.stage}, goes from "
-                f"{first:g} s to {last:g} s"
+                f"time {own:g} s: the film of {reel.subject.title}, {reel.subject.stage}, "
+                f"goes from {first:g} s to {last:g} s"
             )
-        found.append(reel.at(own))
+        found.append(reel.frame_at(own))
     return tuple(found)
 
 
-def clip_of(
-    reels: Sequence[Reel], start: float, end: float, slowed: float, rate: float
-) -> Clip:
+def clip_of(reels: Sequence[Reel], start: float, end: float, slowed: float, rate: float) -> Clip:
     """Pictures from one time of the first reel to another, s, evenly spaced."""
-    count = max(int(round((end - start) * slowed * rate)), 1)
+    count = max(round((end - start) * slowed * rate), 1)
     times = start + np.arange(count) / (slowed * rate)
     frames = np.array([frames_at(reels, float(time)) for time in times])
     return Clip(frames, rate, slowed)
 
 
-def peaks_between(reel: Reel, before: int, frame: int) -> Array:
-    """Greatest normal force of each joint after one frame up to another, N, shape (joints,)."""
-    first = min(before + 1, frame)
-    found: Array = reel.film.joints[first : frame + 1, :, _PEAK].max(axis=0)
-    return found
+def instants(reels: Sequence[Reel], before: Sequence[int], frames: Sequence[int]) -> list[Instant]:
+    """A frame of each reel, where others were shown before."""
+    return [
+        reel.instant(int(frame), min(int(last), int(frame) - 1))
+        for reel, last, frame in zip(reels, before, frames, strict=True)
+    ]
 
 
 def default_slowed(reel: Reel) -> float:

@@ -92,7 +92,7 @@ class Enlargement:
         return (
             f"clearance, wear x{self.gap:.4g}; pin x{self.body:.3g}",
             *band,
-            f"arrow: root of force, most {self.force:.0f} N",
+            f"arrow: root of F, most {self.force:.0f} N",
         )
 
 
@@ -158,7 +158,9 @@ def mark_shapes(radius: float, width: float, z: float) -> list[Shape]:
 def play_shapes(centre: Array, joint: ClearanceJoint, factor: Enlargement, z: float) -> list[Shape]:
     """The circle that the centre of a pin can reach where nothing is worn."""
     width = 0.008 * factor.radius
-    return [ring((centre[0], centre[1]), factor.gap * joint.clearance, width, z, mixed(STEEL, INK, 0.4))]
+    return [
+        ring((centre[0], centre[1]), factor.gap * joint.clearance, width, z, mixed(STEEL, INK, 0.4))
+    ]
 
 
 def path_shapes(
@@ -217,7 +219,7 @@ def contact_shapes(
     ]
 
 
-def surfaces_angle(joint: ClearanceJoint, angle: float) -> float:
+def map_angle(joint: ClearanceJoint, angle: float) -> float:
     """Angle of a wear map in the picture: maps that are fixed in direction do not turn, rad."""
     return angle if joint.map_frame == "body" else 0.0
 
@@ -230,11 +232,3 @@ def bin_at(angle: float, count: int) -> int:
 def joint_words(name: str, row: Array, peak: float) -> str:
     """The line beside a view that changes with time."""
     return f"{name}: force {math.hypot(row[_NORMAL], row[_TANGENTIAL]):.0f} N, peak {peak:.0f} N"
-
-
-def largest_force(rows: Array) -> float:
-    """Largest force in frames of one joint, N; shape (n, 6)."""
-    found: float = np.hypot(rows[:, _NORMAL], rows[:, _TANGENTIAL]).max(initial=0.0)
-    return found
-
-

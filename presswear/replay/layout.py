@@ -56,9 +56,7 @@ class Layout:
     bar: tuple[Array, Array]
 
 
-def layout_of(
-    boxes: Sequence[tuple[Array, Array]], joints: Sequence[int], aspect: float
-) -> Layout:
+def layout_of(boxes: Sequence[tuple[Array, Array]], joints: Sequence[int], aspect: float) -> Layout:
     """Put one reel, or several side by side, into a picture.
 
     Parameters

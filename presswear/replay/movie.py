@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from presswear.errors import InputError, RunError
-from presswear.replay.clip import Clip, peaks_between
+from presswear.replay.clip import Clip, instants
 from presswear.replay.picture import Picture
 from presswear.replay.reel import Reel
 
@@ -27,17 +27,14 @@ _COLOURS = 64
 
 def still(reels: Sequence[Reel], frames: Sequence[int], size: tuple[int, int]) -> Pixels:
     """One picture, shape (height, width, 3)."""
-    picture = Picture(reels, size)
+    picture = Picture([reel.subject for reel in reels], size)
     try:
-        peaks = [peaks_between(r, f - 1, f) for r, f in zip(reels, frames, strict=True)]
-        picture.set(frames, peaks, _part(reels[0], frames[0]), "")
+        first, last = reels[0].span
+        part = (reels[0].film.time[frames[0]] - first) / (last - first)
+        picture.set(instants(reels, frames, frames), float(part), "")
         return picture.image()
     finally:
         picture.close()
-
-
-def _part(reel: Reel, frame: int) -> float:
-    return frame / max(len(reel.film.time) - 1, 1)
 
 
 def write_still(file: Path, pixels: Pixels) -> None:
@@ -51,7 +48,7 @@ _worker: dict[str, Any] = {}
 
 
 def _begin(reels: Sequence[Reel], clip: Clip, size: tuple[int, int]) -> None:
-    picture = Picture(reels, size)
+    picture = Picture([reel.subject for reel in reels], size)
     picture.container.visualizationSettings.raytracer.numberOfThreads = 1
     _worker.update(reels=reels, clip=clip, picture=picture)
 
@@ -59,12 +56,8 @@ def _begin(reels: Sequence[Reel], clip: Clip, size: tuple[int, int]) -> None:
 def _draw(number: int) -> Pixels:
     clip, reels, picture = _worker["clip"], _worker["reels"], _worker["picture"]
     frames = clip.frames[number]
-    before = clip.frames[number - 1] if number else frames - 1
-    peaks = [
-        peaks_between(reel, int(b), int(f))
-        for reel, b, f in zip(reels, before, frames, strict=True)
-    ]
-    picture.set([int(frame) for frame in frames], peaks, clip.part(number), clip.note)
+    before = clip.frames[max(number - 1, 0)]
+    picture.set(instants(reels, before, frames), clip.part(number), clip.note)
     image: Pixels = picture.image()
     return image
 
@@ -117,12 +110,12 @@ def write_movie(
 def _gif(part: Path, images: Iterator[Pixels], rate: float) -> None:
     """Pillow takes the pictures one by one; all share the palette of the first."""
     first = Image.fromarray(next(images)).quantize(_COLOURS)
-    rest = (Image.fromarray(image).quantize(palette=first, dither=0) for image in images)
+    rest = (
+        Image.fromarray(image).quantize(palette=first, dither=Image.Dither.NONE) for image in images
+    )
     # A GIF counts in hundredths of a second.
     duration = 10 * max(round(100.0 / rate), 2)
-    first.save(
-        part, format="gif", save_all=True, append_images=rest, duration=duration, loop=0
-    )
+    first.save(part, format="gif", save_all=True, append_images=rest, duration=duration, loop=0)
 
 
 def _mp4(part: Path, images: Iterator[Pixels], rate: float) -> None:

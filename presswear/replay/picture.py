@@ -12,6 +12,7 @@ import exudyn as exu
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.linkage import ClearanceJoint
 from presswear.replay.bodies import (
     INK,
     JOINTS,
@@ -27,21 +28,18 @@ from presswear.replay.joints import (
     bearing_shapes,
     contact_shapes,
     joint_words,
-    largest_force,
+    map_angle,
     mark_shapes,
     path_shapes,
     pin_shapes,
     play_shapes,
-    surfaces_angle,
 )
 from presswear.replay.layout import Layout, Panel, layout_of
-from presswear.replay.reel import Reel
-from presswear.replay.shapes import Shape, graphics, line, text
+from presswear.replay.reel import Instant, Subject, Surfaces, points_of
+from presswear.replay.shapes import Colour, Shape, graphics, line, text
 
 Array = NDArray[np.float64]
 
-PATH_FRAMES = 60
-"""Frames that the path of a pin's centre reaches back."""
 _FONT = 13.0
 """Letters in a window 640 pixels high, pixels."""
 
@@ -51,65 +49,55 @@ class _Joint:
     """An enlarged joint of one panel."""
 
     number: int
+    joint: ClearanceJoint
     centre: Array
     factor: Enlargement
-    eccentricity: Array
-    angles: Array
-    """Of bearing and pin in every frame, rad, shape (n, 2)."""
+    worn: Surfaces
+
+    @property
+    def paint(self) -> Colour:
+        return JOINTS[self.number % len(JOINTS)]
 
 
 @dataclass(frozen=True)
 class _Show:
-    """A reel in its panel."""
+    """A subject in its panel."""
 
-    reel: Reel
+    subject: Subject
     panel: Panel
     joints: tuple[_Joint, ...]
 
 
 class Picture:
-    """Reels side by side, as the renderer shows them.
+    """Subjects side by side, as the renderer shows them.
 
     Parameters
     ----------
-    reels : sequence of Reel
+    subjects : sequence of Subject
     size : tuple of int
         Width and height, pixels.
     """
 
-    def __init__(self, reels: Sequence[Reel], size: tuple[int, int]) -> None:
-        boxes = [_padded(extent(reel.linkage, reel.film.position)) for reel in reels]
-        counts = [len(reel.linkage.clearances) for reel in reels]
+    def __init__(self, subjects: Sequence[Subject], size: tuple[int, int]) -> None:
+        boxes = [_padded(extent(subject.linkage, subject.motion)) for subject in subjects]
+        counts = [len(subject.linkage.clearances) for subject in subjects]
         self.layout: Layout = layout_of(boxes, counts, size[0] / size[1])
         self._scale = Scale(
             max(float(np.hypot(*(high - low))) for low, high in boxes), _FONT * size[1] / 640.0
         )
-        self.shows = tuple(
-            self._show(reel, panel)
-            for reel, panel in zip(reels, self.layout.panels, strict=True)
-        )
+        self._shows = tuple(map(_show, subjects, self.layout.panels))
         self.container = exu.SystemContainer()
         self.system: Any = self.container.AddSystem()
-        for show in self.shows:
+        for show in self._shows:
             self._add(show)
         self._ink = self.system.AddObject({"objectType": "Ground"})
         self.system.Assemble()
         self._settings(size)
 
-    def _show(self, reel: Reel, panel: Panel) -> _Show:
-        joints = []
-        for k, joint in enumerate(reel.linkage.clearances):
-            largest = largest_force(reel.film.joints[:, k])
-            factor = Enlargement.of(joint, reel.deepest[k], largest, panel.radius)
-            angles = [reel.pose(end)[:, 2] for end in (joint.bearing, joint.pin)]
-            own = _Joint(k, panel.joints[k], factor, reel.eccentricity(k), np.column_stack(angles))
-            joints.append(own)
-        return _Show(reel, panel, tuple(joints))
-
     def _add(self, show: _Show) -> None:
-        """Frame, bodies and enlarged joints of one reel."""
-        reel, panel, scale = show.reel, show.panel, self._scale
-        still = frame_graphics(reel.linkage, reel.film.position, scale)
+        """Frame, bodies and enlarged joints of one subject."""
+        linkage, panel, scale = show.subject.linkage, show.panel, self._scale
+        still = frame_graphics(linkage, show.subject.motion, scale)
         self.system.AddObject(
             {
                 "objectType": "Ground",
@@ -117,18 +105,16 @@ class Picture:
                 "VgraphicsData": [*still],
             }
         )
-        for body in reel.linkage.bodies:
-            self._add_body(panel.offset, body_graphics(reel.linkage, body.name, scale))
+        for body in linkage.bodies:
+            self._add_body(panel.offset, body_graphics(linkage, body.name, scale))
         for own in show.joints:
-            joint = reel.linkage.clearances[own.number]
-            worn = reel.surfaces[own.number]
+            width = 0.02 * panel.radius
+            pin_radius = own.factor.body * own.joint.pin_radius
             drawn = (
-                bearing_shapes(joint, worn.bearing, own.factor, self._layers(70)),
-                mark_shapes(panel.radius, 0.02 * panel.radius, scale.layer(73)),
-                pin_shapes(joint, worn.pin, own.factor, self._layers(75)),
-                mark_shapes(
-                    own.factor.body * joint.pin_radius, 0.02 * panel.radius, scale.layer(78)
-                ),
+                bearing_shapes(own.joint, own.worn.bearing, own.factor, self._layers(70)),
+                mark_shapes(panel.radius, width, scale.layer(73)),
+                pin_shapes(own.joint, own.worn.pin, own.factor, self._layers(75)),
+                mark_shapes(pin_radius, width, scale.layer(78)),
             )
             for shapes in drawn:
                 self._add_body(own.centre, [graphics(shapes)])
@@ -138,11 +124,7 @@ class Picture:
 
     def _add_body(self, origin: Array, drawn: list[dict[str, Any]]) -> None:
         node = self.system.AddNode(
-            {
-                "nodeType": "RigidBody2D",
-                "referenceCoordinates": [*origin, 0.0],
-                "Vshow": False,
-            }
+            {"nodeType": "RigidBody2D", "referenceCoordinates": [*origin, 0.0], "Vshow": False}
         )
         self.system.AddObject(
             {
@@ -155,7 +137,7 @@ class Picture:
         )
 
     def _settings(self, size: tuple[int, int]) -> None:
-        settings = self.container.visualizationSettings
+        settings: Any = self.container.visualizationSettings
         settings.view0.window.renderWindowSize = list(size)
         settings.view0.window.showComputationInfo = False
         settings.view0.scene.drawCoordinateSystem = False
@@ -179,96 +161,83 @@ class Picture:
             0.5 * self.layout.height, [0.0, 0.0, 0.0], [*self.layout.centre, 0.0]
         )
 
-    def coordinates(self, frames: Sequence[int]) -> Array:
-        """Coordinates of all bodies of the system in one frame of each reel."""
-        parts = []
-        for show, frame in zip(self.shows, frames, strict=True):
-            parts.append(show.reel.film.position[frame])
-            for own in show.joints:
-                joint = show.reel.linkage.clearances[own.number]
-                bearing, pin = own.angles[frame]
-                moved = own.factor.gap * own.eccentricity[frame]
-                parts += [
-                    [0.0, 0.0, surfaces_angle(joint, bearing)],
-                    [0.0, 0.0, bearing],
-                    [*moved, surfaces_angle(joint, pin)],
-                    [*moved, pin],
-                ]
-        return np.concatenate(parts)
-
-    def set(self, frames: Sequence[int], peaks: Sequence[Array], part: float, note: str) -> None:
-        """Set the renderer's state to one frame of each reel.
+    def set(self, instants: Sequence[Instant], part: float, note: str) -> None:
+        """Set the renderer's state to an instant of each subject.
 
         Parameters
         ----------
-        frames : sequence of int
-        peaks : sequence of ndarray, shape (joints,)
-            Greatest force that each joint bore since the picture before, N.
         part : float
-            Where the frame is in what is played, 0 .. 1.
+            Where that is in what is played, 0 .. 1.
         note : str
             A word on how it is played.
         """
+        coordinates, ink, words = [], self._bar(part), []
+        for show, instant in zip(self._shows, instants, strict=True):
+            coordinates.append(instant.past[-1])
+            words += self._title(show, instant, note)
+            for own in show.joints:
+                bearing, pin = (
+                    points_of(show.subject.linkage, instant.past, end)
+                    for end in (own.joint.bearing, own.joint.pin)
+                )
+                coordinates += _enlarged(own, bearing[-1], pin[-1])
+                ink += self._moving(own, instant, bearing, pin)
+                words += self._joint_words(own, instant)
+        self._place(np.concatenate(coordinates), instants[0].time)
+        self.system.SetObjectParameter(self._ink, "VgraphicsData", [graphics(ink), *words])
+
+    def _place(self, coordinates: Array, time: float) -> None:
         data = self.system.systemData
-        coordinates = self.coordinates(frames)
-        time = float(self.shows[0].reel.film.time[frames[0]])
         for kind in (exu.ConfigurationType.Current, exu.ConfigurationType.Visualization):
             data.SetODE2Coordinates(coordinates, kind)
             data.SetTime(time, kind)
-        ink, words = self._bar(part), []
-        for show, frame, peak in zip(self.shows, frames, peaks, strict=True):
-            words += self._title(show, frame, note)
-            for own in show.joints:
-                ink += self._moving(show, own, frame)
-                words += self._joint_words(show, own, frame, float(peak[own.number]))
-        drawn = [graphics(ink), *words]
-        self.system.SetObjectParameter(self._ink, "VgraphicsData", drawn)
 
-    def _moving(self, show: _Show, own: _Joint, frame: int) -> list[Shape]:
-        reel, z = show.reel, self._scale.layer
-        joint = reel.linkage.clearances[own.number]
-        row = reel.film.joints[frame, own.number]
-        worn = reel.surfaces[own.number].pin
-        turned = surfaces_angle(joint, own.angles[frame, 1])
-        paint = JOINTS[own.number % len(JOINTS)]
-        way = own.eccentricity[max(frame - PATH_FRAMES, 0) : frame + 1]
+    def _moving(self, own: _Joint, instant: Instant, bearing: Array, pin: Array) -> list[Shape]:
+        """Path, contact and force of a joint; poses of bearing and pin, shape (n, 3)."""
+        z = self._scale.layer
+        eccentricity = (pin - bearing)[:, :2]
+        turned = map_angle(own.joint, float(pin[-1, 2]))
+        row = instant.joints[own.number]
         return [
-            *play_shapes(own.centre, joint, own.factor, z(85)),
-            *path_shapes(own.centre, way, own.factor, z(86), paint),
+            *play_shapes(own.centre, own.joint, own.factor, z(85)),
+            *path_shapes(own.centre, eccentricity, own.factor, z(86), own.paint),
             *contact_shapes(
-                own.centre, joint, worn, turned, own.eccentricity[frame], row, own.factor, z(88)
+                own.centre,
+                own.joint,
+                own.worn.pin,
+                turned,
+                eccentricity[-1],
+                row,
+                own.factor,
+                z(88),
             ),
         ]
 
-    def _joint_words(
-        self, show: _Show, own: _Joint, frame: int, peak: float
-    ) -> list[dict[str, Any]]:
+    def _joint_words(self, own: _Joint, instant: Instant) -> list[dict[str, Any]]:
         font, z = self._scale.font, self._scale.layer(95)
-        row = show.reel.film.joints[frame, own.number]
-        name = show.reel.linkage.clearances[own.number].name
-        corner = own.centre + [-1.45 * own.factor.radius, 1.13 * own.factor.radius]
-        paint = JOINTS[own.number % len(JOINTS)]
-        words = [text(corner, joint_words(name, row, peak), z, font, paint)]
+        row, peak = instant.joints[own.number], float(instant.peaks[own.number])
+        radius = own.factor.radius
+        above = own.centre + np.array([-1.45, 1.13]) * radius
+        below = own.centre + np.array([-1.45, -1.19]) * radius
+        words = [text(above, joint_words(own.joint.name, row, peak), z, font, own.paint)]
         for i, factor in enumerate(own.factor.words()):
-            below = own.centre - [1.45 * own.factor.radius, 1.13 * own.factor.radius]
-            below = below - [0.0, i * self._line(0.8)]
-            words.append(text(below, factor, z, 0.75 * font, INK))
+            words.append(text(below - [0.0, i * self._line(0.8)], factor, z, 0.75 * font, INK))
         return words
 
     def _line(self, size: float) -> float:
         """Height of a line of words of a part of the common size, m."""
         return 1.5 * size * _FONT / 640.0 * self.layout.height
 
-    def _title(self, show: _Show, frame: int, note: str) -> list[dict[str, Any]]:
-        reel, font, z = show.reel, self._scale.font, self._scale.layer(95)
-        turned = np.degrees(reel.angle(frame))
+    def _title(self, show: _Show, instant: Instant, note: str) -> list[dict[str, Any]]:
+        subject, font, z = show.subject, self._scale.font, self._scale.layer(95)
+        turned = 360.0 * instant.time / subject.period
         state = (
-            f"t = {reel.film.time[frame]:.4f} s   crank {turned % 360.0:5.1f} deg "
+            f"t = {instant.time:.4f} s   crank {turned % 360.0:5.1f} deg "
             f"of cycle {int(turned // 360.0) + 1}"
         )
         below = show.panel.title - [0.0, self._line(1.2)]
         return [
-            text(show.panel.title, f"{reel.title}, {reel.stage}", z, 1.15 * font, INK),
+            text(show.panel.title, f"{subject.title}, {subject.stage}", z, 1.15 * font, INK),
             text(below, f"{state}   {note}", z, font, INK),
         ]
 
@@ -297,3 +266,22 @@ def _padded(box: tuple[Array, Array]) -> tuple[Array, Array]:
     low, high = box
     margin = 0.09 * float(np.hypot(*(high - low)))
     return low - margin, high + margin
+
+
+def _show(subject: Subject, panel: Panel) -> _Show:
+    joints = []
+    for k, joint in enumerate(subject.linkage.clearances):
+        factor = Enlargement.of(joint, subject.deepest[k], subject.largest[k], panel.radius)
+        joints.append(_Joint(k, joint, panel.joints[k], factor, subject.surfaces[k]))
+    return _Show(subject, panel, tuple(joints))
+
+
+def _enlarged(own: _Joint, bearing: Array, pin: Array) -> list[Array]:
+    """Coordinates of an enlarged joint: bearing, its mark, pin, its mark."""
+    x, y = own.factor.gap * (pin - bearing)[:2]
+    angles = bearing[2], pin[2]
+    maps = [map_angle(own.joint, float(angle)) for angle in angles]
+    return [
+        np.array([0.0, 0.0, maps[0], 0.0, 0.0, angles[0]]),
+        np.array([x, y, maps[1], x, y, angles[1]]),
+    ]

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Point = Sequence[float] | Array
 Colour = tuple[float, float, float, float]
 
 _ARC = 48
@@ -53,12 +54,10 @@ def at_height(points: Array, z: float) -> Array:
     return np.column_stack([points, np.full(len(points), z)])
 
 
-def circle(centre: Sequence[float], radius: float, pieces: int = _ARC) -> Array:
+def circle(centre: Point, radius: float, pieces: int = _ARC) -> Array:
     """Points on a circle, shape (pieces, 2)."""
     angle = np.linspace(0.0, 2.0 * math.pi, pieces, endpoint=False)
-    return np.column_stack(
-        [centre[0] + radius * np.cos(angle), centre[1] + radius * np.sin(angle)]
-    )
+    return np.column_stack([centre[0] + radius * np.cos(angle), centre[1] + radius * np.sin(angle)])
 
 
 def filled(outline: Array, z: float, paint: Colour) -> Shape:
@@ -109,10 +108,10 @@ def band(inner: Array, outer: Array, z: float, paint: Colour) -> Shape:
     return Shape(at_height(np.vstack([inner, outer]), z), triangles, paint)
 
 
-def ring(centre: Sequence[float], radius: float, width: float, z: float, paint: Colour) -> Shape:
+def ring(centre: Point, radius: float, width: float, z: float, paint: Colour) -> Shape:
     """A circular line of some width."""
-    halves = (circle(centre, radius + half * width, 2 * _ARC) for half in (-0.5, 0.5))
-    return band(*halves, z, paint)
+    inner, outer = (circle(centre, radius + half * width, 2 * _ARC) for half in (-0.5, 0.5))
+    return band(inner, outer, z, paint)
 
 
 def strokes(points: Array, width: float, z: float, paints: Sequence[Colour]) -> list[Shape]:
@@ -127,7 +126,7 @@ def strokes(points: Array, width: float, z: float, paints: Sequence[Colour]) -> 
     ]
 
 
-def line(start: Sequence[float], end: Sequence[float], width: float, z: float, p: Colour) -> Shape:
+def line(start: Point, end: Point, width: float, z: float, p: Colour) -> Shape:
     """A straight line of some width."""
     return strokes(np.array([start, end], dtype=float), width, z, [p])[0]
 
@@ -148,7 +147,7 @@ def arrow(start: Array, along: Array, width: float, z: float, paint: Colour) -> 
     ]
 
 
-def box(centre: Sequence[float], size: Sequence[float], angle: float) -> Array:
+def box(centre: Point, size: Point, angle: float) -> Array:
     """Corners of a rectangle that is turned by an angle, rad; shape (4, 2)."""
     corners = 0.5 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * np.asarray(size)
     c, s = math.cos(angle), math.sin(angle)
@@ -159,9 +158,7 @@ def graphics(shapes: Iterable[Shape]) -> dict[str, Any]:
     """Shapes as one piece of Exudyn's graphics data."""
     given = list(shapes)
     starts = np.cumsum([0, *(len(shape.points) for shape in given[:-1])])
-    triangles = [
-        shape.triangles + start for shape, start in zip(given, starts, strict=True)
-    ]
+    triangles = [shape.triangles + start for shape, start in zip(given, starts, strict=True)]
     points = np.vstack([shape.points for shape in given])
     paints = np.repeat(
         [shape.colour for shape in given], [len(shape.points) for shape in given], axis=0
@@ -175,9 +172,7 @@ def graphics(shapes: Iterable[Shape]) -> dict[str, Any]:
     }
 
 
-def text(
-    place: Sequence[float], words: str, z: float, size: float, paint: Colour
-) -> dict[str, Any]:
+def text(place: Point, words: str, z: float, size: float, paint: Colour) -> dict[str, Any]:
     """Words that begin at a place, of a size in pixels."""
     return {
         "type": "Text",

@@ -10,7 +10,7 @@ import exudyn as exu
 
 from presswear.errors import RunError
 from presswear.film import FRAMES_PER_CYCLE
-from presswear.replay.clip import frames_at, peaks_between, played, span
+from presswear.replay.clip import frames_at, instants, played
 from presswear.replay.display import missing_display
 from presswear.replay.picture import Picture
 from presswear.replay.player import Player
@@ -49,7 +49,7 @@ def play(reels: Sequence[Reel], size: tuple[int, int], start: float, slowed: flo
 def begin(target: Callable[..., None], *given: Any) -> tuple[Any, Connection]:
     """Start a process with a window; what comes back tells when that has opened."""
     context = multiprocessing.get_context("spawn")
-    ours, theirs = context.Pipe(duplex=False)
+    ours, theirs = context.Pipe()
     process = context.Process(target=target, args=(theirs, *given), daemon=True)
     process.start()
     theirs.close()
@@ -133,22 +133,18 @@ def _show(
     """The process of the window."""
     first = reels[0]
     # Every reel has frames up to the crank angle at which the shortest ends.
-    last = first.period * min(span(reel)[1] / reel.period for reel in reels)
-    player = Player(span(first)[0], last, start, slowed, first.period / FRAMES_PER_CYCLE)
-    window = Window(Picture(reels, size), player.press)
+    last = first.period * min(reel.span[1] / reel.period for reel in reels)
+    player = Player(first.span[0], last, start, slowed, first.period / FRAMES_PER_CYCLE)
+    window = Window(Picture([reel.subject for reel in reels], size), player.press)
     opened.send("open")
     before = frames_at(reels, player.time)
     shown = clock.perf_counter()
     is_open = True
     while is_open:
         frames = frames_at(reels, player.time)
-        peaks = [
-            peaks_between(reel, min(b, f - 1), f)
-            for reel, b, f in zip(reels, before, frames, strict=True)
-        ]
-        before = frames
         note = played(player.slowed) if player.plays else "paused"
-        window.picture.set(frames, peaks, player.part, note)
+        window.picture.set(instants(reels, before, frames), player.part, note)
+        before = frames
         is_open = window.idle()
         part = window.clicked_part()
         if part is not None:
