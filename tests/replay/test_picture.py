@@ -100,8 +100,9 @@ def test_a_pin_that_just_touches_meets_the_bearing_in_the_picture() -> None:
     angle = (86 + 0.5) * np.pi / 180.0  # in the worn part, a bin centre
     normal = np.array([np.cos(angle), np.sin(angle)])
     row = np.array([50.0, 0.0, *normal, 0.0, 50.0])
-    reach = joint.clearance + worn.bearing[86] + worn.pin[86]
-    shapes = contact_shapes(np.zeros(2), joint, worn.pin, 0.0, reach * normal, row, factor, 0.0)
+    turned = angle - (229 + 0.5) * np.pi / 180.0  # the deepest part of the pin's groove
+    reach = joint.clearance + worn.bearing[86] + worn.pin[229]
+    shapes = contact_shapes(np.zeros(2), joint, worn.pin, turned, reach * normal, row, factor, 0.0)
     point = shapes[0].points[0, :2]
     surface = factor.body * joint.pin_radius + factor.gap * (joint.clearance + worn.bearing[86])
     assert point == pytest.approx(surface * normal, abs=1e-12)

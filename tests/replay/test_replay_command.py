@@ -103,7 +103,9 @@ def test_what_cannot_be_shown_is_refused_in_one_line(
     assert "must be after" in refused(capsys, here, "--movie", gif, "--from", "0.2", "--to", "0.1")
     assert "160 to 4096" in refused(capsys, here, "--still", png, "--size", "10x10")
     assert "there is no folder" in refused(capsys, here, "--still", str(tmp_path / "no" / "x.png"))
-    assert "is a folder" in refused(capsys, here, "--still", str(tmp_path))
+    directory = folder.parent / "directory.png"
+    directory.mkdir()
+    assert "is a folder" in refused(capsys, here, "--still", str(directory))
     assert "no result folder" in refused(capsys, str(tmp_path), "--still", png)
     assert "no result folder" in refused(
         capsys, here, "--still", png, "--compare", str(tmp_path / "nothing")
