@@ -12,11 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.account import Account
 from presswear.amplification import Sample, Worn, fastest_change
 from presswear.engines import engine_for
 from presswear.engines.base import Plan, Run
 from presswear.linkage import Linkage
-from presswear.observe import CYCLE_FIXED, CYCLE_JOINT, Account
+from presswear.observe import CYCLE_FIXED, CYCLE_JOINT
 from presswear.pace import Pace
 from presswear.sampling import (
     LEAST_SAMPLES,
@@ -110,7 +111,7 @@ class Ensemble:
 
     def sample(self) -> Sample:
         """What it says about wear."""
-        rows = np.array([row for account in self.accounts for row in account.cycles])
+        rows = np.concatenate([account.cycles for account in self.accounts])
         peaks = np.max(rows, axis=0, initial=0.0)[len(CYCLE_FIXED) :]
         joints = self.linkage.clearances
         return Sample(

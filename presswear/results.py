@@ -95,7 +95,7 @@ def stage_arrays(scene: Scene, stage: Stage) -> dict[str, Array]:
         arrays[f"{name}_wear_batches"] = stage.batches[:, k]
     arrays["wear_batch_cycles"] = stage.weights
     starts = ensemble.accounts
-    arrays["cycles"] = np.array([row for own in starts for row in own.cycles])
+    arrays["cycles"] = np.concatenate([own.cycles for own in starts])
     arrays["cycle_start"] = np.repeat(
         np.arange(float(len(starts))), [len(own.cycles) for own in starts]
     )
