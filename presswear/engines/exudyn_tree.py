@@ -229,8 +229,10 @@ def _accelerations_at_start(model: Model) -> Array:
     """Accelerations of the coordinates at t = 0, from one vanishing step of Exudyn's."""
     settings = settings_of(_INSTANT, _INSTANT)
     settings.timeIntegration.explicit.computeEndOfStepAccelerations = False
+    x, u = np.array(model.x), np.array(model.u)
     with quiet():
         model.system.SolveDynamic(settings, solverType=exu.DynamicSolverType.ExplicitEuler)
+    model.x[:], model.u[:] = x, u
     return np.array(model.u_t)
 
 
