@@ -9,6 +9,8 @@ import os
 import platform
 import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import IO
 
@@ -112,3 +114,53 @@ def holder(path: Path) -> str | None:
     except OSError:
         pass
     return None
+
+
+_LEFT = {FILE, "result.json.part"}
+"""What a run leaves that is killed as it begins."""
+
+
+def is_free(path: Path) -> bool:
+    """Whether a folder can be begun in: it is not there, or holds nothing of anybody."""
+    if not path.exists():
+        return True
+    return path.is_dir() and {item.name for item in path.iterdir()} <= _LEFT
+
+
+def make_folder(path: Path) -> bool:
+    """Create a folder; returns whether it was not there.  InputError where that cannot be."""
+    try:
+        there = path.exists()
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"--out {path}: it cannot be created: {error.strerror}") from None
+    return not there
+
+
+def take_folder(path: Path) -> FolderLock:
+    """Lock a folder; InputError where it cannot be written or somebody is at work in it."""
+    try:
+        return FolderLock.take(path)
+    except OSError as error:
+        raise InputError(f"--out {path}: it cannot be written: {error.strerror}") from None
+
+
+@contextmanager
+def only_writer(path: Path) -> Iterator[None]:
+    """Be the only one that writes into a new folder; left empty it is removed again.
+
+    Raises
+    ------
+    InputError
+        Where the folder holds something, cannot be made, or somebody is at work in it.
+    """
+    if not is_free(path):
+        raise InputError(f"--out {path}: it exists and is not empty; name a new folder")
+    is_new = make_folder(path)
+    lock = take_folder(path)
+    try:
+        yield
+    finally:
+        lock.release()
+        if is_new and path.exists() and not any(path.iterdir()):
+            path.rmdir()

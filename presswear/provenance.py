@@ -70,5 +70,7 @@ def provenance_differs(stored: Mapping[str, Any], here: Mapping[str, Any]) -> st
     # What draws the figures changes no number.
     pairs |= {name: (packages.get(name), here["packages"][name]) for name in PACKAGES[:-1]}
     return ", ".join(
-        f"{name} {there} there and {own} here" for name, (there, own) in pairs.items() if there != own
+        f"{name} {there} there and {own} here"
+        for name, (there, own) in pairs.items()
+        if there != own
     )

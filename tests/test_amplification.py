@@ -22,7 +22,8 @@ from presswear.figures import drawings
 from presswear.linkage import ClearanceJoint, Linkage
 from presswear.report import notes, render
 from presswear.report.wear import growth as growth_table
-from presswear.results import ResultFolder, load
+from presswear.result_folder import ResultFolder
+from presswear.results import load
 from presswear.scene import CONVENTIONS, Scene, stage_name
 from presswear.surface import bin_centres
 
