@@ -1,6 +1,7 @@
 """The command line: what commands there are, and how they end.
 
-Exit codes: 0 success; 1 a run that failed; 2 bad input; 130 interrupted.
+Exit codes: 0 success; 1 a run that failed; 2 bad input; 130 and 143 stopped by SIGINT and
+SIGTERM.
 """
 
 import argparse
@@ -11,6 +12,7 @@ from typing import NoReturn
 from rich.console import Console
 
 from presswear.commands import costs, crosscheck, precision, replay, run, scenes, verify
+from presswear.commands.stopping import exit_code, stoppable
 from presswear.errors import InputError, RunError
 
 COMMANDS = (scenes, run, replay, verify, crosscheck, costs, precision)
@@ -41,8 +43,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     console = Console()
     problem = Console(stderr=True, soft_wrap=True, highlight=False, markup=False)
     try:
-        arguments = _parser().parse_args(argv)
-        return int(arguments.run(arguments, console))
+        with stoppable():
+            arguments = _parser().parse_args(argv)
+            return int(arguments.run(arguments, console))
     except InputError as error:
         problem.print(f"presswear: {error}")
         return 2
@@ -52,9 +55,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     except OSError as error:
         problem.print(f"presswear: {error.strerror}: {error.filename}")
         return 1
-    except KeyboardInterrupt:
-        problem.print("presswear: interrupted; finished stages are kept")
-        return 130
+    except KeyboardInterrupt as error:
+        problem.print(f"presswear: {error if error.args else 'interrupted'}")
+        return exit_code()
 
 
 if __name__ == "__main__":

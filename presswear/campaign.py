@@ -1,18 +1,20 @@
 """The outer loop: run, amplify the wear, rebuild the surfaces, run again."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from presswear.amplification import Growth, WearStep, Worn, worn_out
-from presswear.ensemble import Ensemble, run_ensemble
+from presswear.ensemble import NOTHING, Ensemble, Underway, run_ensemble
 from presswear.linkage import Linkage
 from presswear.pace import Pace, Watcher
 from presswear.scene import Scene, stage_name
+from presswear.standing import Standing
 from presswear.statistics import stage_statistics
 
 __all__ = ["Pace", "Stage", "Watcher", "run_campaign", "run_stage"]
@@ -98,11 +100,26 @@ def run_stage(scene: Scene, index: int, worn: Worn, watcher: Watcher) -> Stage:
 
 
 def growths(
-    scene: Scene, index: int, ran: Ensemble, first: Growth, pace: Pace
+    scene: Scene,
+    index: int,
+    ran: Ensemble,
+    first: Growth,
+    pace: Pace,
+    begun: Underway,
+    keep: Callable[[Growth, Underway], None],
 ) -> Iterator[tuple[Growth, str]]:
     """The wear after a stage, step by step from its first, each with what is wrong, if anything.
 
     Ends with the represented cycles, or with the first thing that is wrong.
+
+    Parameters
+    ----------
+    first : Growth
+        The first step, or as many as have been applied already.
+    begun : Underway
+        What has run of the next step.
+    keep : callable
+        Told after each cycle of those runs where they stand.
     """
     growth = first
     while True:
@@ -116,9 +133,11 @@ def growths(
             return
         # The depths of the steps add up, their errors only as the root of the sum of squares.
         steps = len(growth.steps) / (1.0 - growth.remaining / scene.represented_cycles)
+        tolerance = scene.tolerance * math.sqrt(steps)
         ran = run_ensemble(
-            scene, growth.worn, growth.remaining, scene.tolerance * math.sqrt(steps), pace
+            scene, growth.worn, growth.remaining, tolerance, pace, begun, partial(keep, growth)
         )
+        begun = NOTHING
         if ran.failure:
             yield growth, f"after {step_name(index, growth)}: {ran.failure}"
             return
@@ -134,31 +153,61 @@ def step_name(index: int, growth: Growth) -> str:
     )
 
 
-def run_campaign(scene: Scene, watcher: Watcher) -> tuple[str, str]:
+def run_campaign(scene: Scene, watcher: Watcher, begun: Standing | None = None) -> tuple[str, str]:
     """Run every stage; returns status (``completed`` or ``failed``) and a message.
 
     Each stage goes to ``watcher.stage`` as soon as the wear after it is applied, or as far
     as that came, and is not kept.
+
+    Parameters
+    ----------
+    begun : Standing
+        Where to go on, as ``watcher.keep`` was told; None: from the start.
     """
-    worn: Worn = {}
     pace = Pace(scene, watcher)
-    for index in range(scene.wears + 1):
-        pace.begin(index)
-        ran = run_ensemble(scene, worn, scene.represented_cycles, scene.tolerance, pace)
+    at = Standing() if begun is None else begun
+    pace.restore(at.pace)
+    for index in range(at.index, scene.wears + 1):
+        worn = at.worn
+        if begun is None or pace.index != index:
+            pace.begin(index)
+
+        def keep(
+            ran: Ensemble | None,
+            growth: Growth | None,
+            underway: Underway,
+            index: int = index,
+            worn: Worn = worn,
+        ) -> None:
+            watcher.keep(Standing(index, worn, ran, growth, underway, pace.numbers()), False)
+
+        ran = at.ran or run_ensemble(
+            scene,
+            worn,
+            scene.represented_cycles,
+            scene.tolerance,
+            pace,
+            at.underway,
+            partial(keep, None, None),
+        )
         if ran.failure or index == scene.wears:
             watcher.stage(without_wear(scene, index, ran))
             if ran.failure:
                 return "failed", f"stage {index}: {ran.failure}"
             return "completed", ""
-        first = Growth.begin(scene.amplification, worn).after(scene.amplification, ran.sample())
+        amplification = scene.amplification
+        first = at.growth or Growth.begin(amplification, worn).after(amplification, ran.sample())
         growth, problem = first, ""
+        # What is underway is of the stage itself before its wear has begun.
+        underway = NOTHING if at.ran is None else at.underway
         try:
-            for reached in growths(scene, index, ran, first, pace):
+            for reached in growths(scene, index, ran, first, pace, underway, partial(keep, ran)):
                 growth, problem = reached
         finally:
             # The stage ran to its end, even where somebody stops the wear after it.
             watcher.stage(stage_of(scene, index, ran, growth.added, growth.steps))
         if problem:
             return "failed", problem
-        worn = growth.worn
+        at = Standing(index + 1, growth.worn, pace=pace.numbers())
+        watcher.keep(at, True)
     return "completed", ""

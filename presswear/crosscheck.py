@@ -28,9 +28,11 @@ from presswear.engines.base import (
     TreeAccuracy,
 )
 from presswear.errors import InputError, RunError
+from presswear.files import write_whole
 from presswear.linkage import Linkage
 from presswear.observe import CYCLE_FIXED, CYCLE_JOINT
-from presswear.results import plain, provenance, write_whole
+from presswear.provenance import provenance
+from presswear.results import plain
 from presswear.sampling import Estimate, estimate
 from presswear.scene import Scene
 from presswear.starts import disturbed, start_of

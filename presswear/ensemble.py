@@ -6,17 +6,18 @@ independent, which cycles of one run need not be.
 
 import math
 import time as clock
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.account import Account
 from presswear.amplification import Sample, Worn, fastest_change
 from presswear.engines import engine_for
-from presswear.engines.base import Plan, Run
+from presswear.engines.base import Plan, Run, account_of
 from presswear.linkage import Linkage
-from presswear.observe import CYCLE_FIXED, CYCLE_JOINT, Account
+from presswear.observe import CYCLE_FIXED, CYCLE_JOINT
 from presswear.pace import Pace
 from presswear.sampling import (
     LEAST_SAMPLES,
@@ -26,6 +27,7 @@ from presswear.sampling import (
     mean_map,
 )
 from presswear.scene import Scene
+from presswear.snapshot import Snapshot
 from presswear.starts import start_of
 
 Array = NDArray[np.float64]
@@ -110,7 +112,7 @@ class Ensemble:
 
     def sample(self) -> Sample:
         """What it says about wear."""
-        rows = np.array([row for account in self.accounts for row in account.cycles])
+        rows = np.concatenate([account.cycles for account in self.accounts])
         peaks = np.max(rows, axis=0, initial=0.0)[len(CYCLE_FIXED) :]
         joints = self.linkage.clearances
         return Sample(
@@ -122,8 +124,43 @@ class Ensemble:
         )
 
 
+@dataclass(frozen=True)
+class Underway:
+    """An ensemble that has been begun.
+
+    Attributes
+    ----------
+    runs : tuple of Run
+        Of the starts that are finished.
+    state : Snapshot or None
+        Of the run of the next one; None: it has not been begun.
+    wall : float
+        So far, s.
+    """
+
+    runs: tuple[Run, ...] = ()
+    state: Snapshot | None = None
+    wall: float = 0.0
+
+
+NOTHING = Underway()
+"""An ensemble of which nothing has run."""
+
+
+def empty_account(scene: Scene, linkage: Linkage, index: int) -> Account:
+    """The account of a start's run before it begins."""
+    plan = Plan(scene.mechanism.period, 1, torques=scene.drive_torque == "on")
+    return account_of(linkage, start_of(scene, index), plan)
+
+
 def run_ensemble(
-    scene: Scene, worn: Worn, remaining: float, tolerance: float, pace: Pace
+    scene: Scene,
+    worn: Worn,
+    remaining: float,
+    tolerance: float,
+    pace: Pace,
+    begun: Underway = NOTHING,
+    keep: Callable[[Underway], None] | None = None,
 ) -> Ensemble:
     """Run the linkage on given surfaces, with some represented cycles of a wear left.
 
@@ -132,13 +169,22 @@ def run_ensemble(
     tolerance : float
         How well the wear maps must be known from all starts together, where the scene does
         not say the cycles.
+    begun : Underway
+        What has run already.
+    keep : callable
+        Told after each cycle what has run.
     """
-    began = clock.perf_counter()
+    began = clock.perf_counter() - begun.wall
     linkage = scene.linkage(worn)
     accuracy = scene.accuracy()
     engine = engine_for(accuracy)
-    runs: list[Run] = []
-    for index in range(scene.starts):
+    runs, state = list(begun.runs), begun.state
+
+    def kept(snapshot: Snapshot) -> None:
+        assert keep is not None
+        keep(Underway(tuple(runs), snapshot, clock.perf_counter() - began))
+
+    for index in range(len(runs), scene.starts):
         watch = _Watch(scene, linkage, remaining, tolerance, pace, [r.account for r in runs])
         plan = Plan(
             scene.mechanism.period,
@@ -146,8 +192,11 @@ def run_ensemble(
             torques=scene.drive_torque == "on",
             enough=watch.is_enough,
             progress=watch.tell,
-            begun=watch.begin,
+            opened=watch.open,
+            begun=state,
+            keep=None if keep is None else kept,
         )
+        state = None
         runs.append(engine(linkage, start_of(scene, index), accuracy, plan))
         if runs[-1].status == "failed":
             break
@@ -180,7 +229,7 @@ class _Watch:
         self._word = ""
         self._account: Account | None = None
 
-    def begin(self, account: Account) -> None:
+    def open(self, account: Account) -> None:
         """The run begins to fill an account."""
         self._account = account
 

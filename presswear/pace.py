@@ -1,7 +1,7 @@
 """Who is told how far a campaign is."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,12 +24,19 @@ class Watcher:
     live : callable
         Stage index, the linkage that runs and what its run has observed so far; called many
         times a second.
+    keep : callable
+        After each cycle where the campaign stands (``Standing``), and whether it is the end
+        of a stage.
     """
 
     progress: Callable[[int, float, str], None] = lambda stage, part, word: None
     stage: Callable[[Any], None] = lambda stage: None
     overall: Callable[[float], None] = lambda part: None
     live: Callable[[int, Any, Any], None] = lambda stage, linkage, account: None
+    keep: Callable[[Any, bool], None] = lambda standing, is_stage: None
+
+
+_NUMBERS = ("index", "earlier", "done", "expected", "worn_by", "_shown", "_shown_overall")
 
 
 @dataclass
@@ -61,6 +68,15 @@ class Pace:
     def __post_init__(self) -> None:
         if math.isfinite(self.scene.amplification.limit):
             self.worn_by = math.inf
+
+    def numbers(self) -> dict[str, float]:
+        """Everything that changes, by name."""
+        return {name: getattr(self, name) for name in _NUMBERS}
+
+    def restore(self, numbers: Mapping[str, float]) -> None:
+        """Go on from ``numbers``; without any from the start."""
+        for name, value in numbers.items():
+            setattr(self, name, value)
 
     def begin(self, index: int) -> None:
         """Another stage begins."""

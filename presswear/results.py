@@ -1,21 +1,14 @@
-"""The result folder: what is kept, in which files.
+"""The result folder: what is kept, in which files, and reading it back.
 
-``result.json`` holds the scene, where the numbers come from and the statistics;
-``stage-K.npz`` the arrays of stage K, ``film-K.npz`` its film.  Files appear whole or not at all.
+``result.json`` holds the scene, where the numbers come from, the statistics and the digests
+of all files; ``stage-K.npz`` the arrays of stage K, ``film-K.npz`` its film.
 """
 
-import json
 import math
-import os
-import platform
-import subprocess
-import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from importlib.metadata import version
 from pathlib import Path
-from typing import Any, BinaryIO
-from zipfile import BadZipFile
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +16,9 @@ from numpy.typing import NDArray
 from presswear.campaign import Stage
 from presswear.deviation import deviations
 from presswear.errors import InputError
+from presswear.files import arrays_in, check_seal, read_checked, read_json
 from presswear.film import Film
+from presswear.lock import holder
 from presswear.numerics import Numerics
 from presswear.observe import SERIES_FIXED, SERIES_JOINT
 from presswear.press import Press
@@ -32,35 +27,12 @@ from presswear.surface import bin_centres
 
 Array = NDArray[np.float64]
 
-SCHEMA = 2
-PACKAGES = ("presswear", "exudyn", "numpy", "scipy", "numba", "matplotlib")
-
-
-def write_whole(path: Path, write: Callable[[BinaryIO], None]) -> None:
-    """Write a file so that it is there whole or not at all."""
-    part = path.with_name(path.name + ".part")
-    try:
-        with part.open("wb") as file:
-            write(file)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(part, path)
-    finally:
-        part.unlink(missing_ok=True)
-
-
-def write_bytes(path: Path, data: bytes) -> None:
-    """Write bytes as ``write_whole`` does."""
-
-    def write(file: BinaryIO) -> None:
-        file.write(data)
-
-    write_whole(path, write)
-
-
-def write_arrays(path: Path, arrays: Mapping[str, Array]) -> None:
-    """Write arrays by name as ``write_whole`` does."""
-    write_whole(path, lambda file: np.savez_compressed(file, allow_pickle=False, **arrays))
+FILE = "result.json"
+SCHEMA = 3
+SEALED = 3
+"""First schema with digests."""
+FINISHED = ("completed", "failed")
+"""Statuses of a run that has come to its end."""
 
 
 def stage_arrays(scene: Scene, stage: Stage) -> dict[str, Array]:
@@ -95,7 +67,7 @@ def stage_arrays(scene: Scene, stage: Stage) -> dict[str, Array]:
         arrays[f"{name}_wear_batches"] = stage.batches[:, k]
     arrays["wear_batch_cycles"] = stage.weights
     starts = ensemble.accounts
-    arrays["cycles"] = np.array([row for own in starts for row in own.cycles])
+    arrays["cycles"] = np.concatenate([own.cycles for own in starts])
     arrays["cycle_start"] = np.repeat(
         np.arange(float(len(starts))), [len(own.cycles) for own in starts]
     )
@@ -114,94 +86,6 @@ def plain(value: Any) -> Any:
     if isinstance(value, float | np.floating):
         return float(value) if math.isfinite(value) else None
     return value
-
-
-def source_revision() -> str:
-    """Revision of the source when it runs from a checkout, else ``unknown``."""
-    folder = Path(__file__).resolve().parent
-    try:
-        found = subprocess.run(
-            ["git", "-C", str(folder), "describe", "--always", "--dirty", "--abbrev=12"],
-            capture_output=True,
-            text=True,
-            timeout=5,
-            check=True,
-        )
-    except (OSError, subprocess.SubprocessError):
-        return "unknown"
-    return found.stdout.strip()
-
-
-def provenance() -> dict[str, Any]:
-    """Versions, revision and machine."""
-    return {
-        "python": platform.python_version(),
-        "packages": {name: version(name) for name in PACKAGES},
-        "revision": source_revision(),
-        "machine": f"{platform.system()} {platform.machine()}, {os.cpu_count()} cores",
-        "started": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
-    }
-
-
-class ResultFolder:
-    """A result folder being written.
-
-    Nothing is created before the first stage is finished, and the folder must not
-    hold anybody's files.
-    """
-
-    def __init__(self, path: Path, scene: Scene) -> None:
-        if path.exists() and (not path.is_dir() or any(path.iterdir())):
-            raise InputError(f"--out {path}: it exists and is not empty; name a new folder")
-        self.path = path
-        self._scene = scene
-        self._began = time.perf_counter()
-        self._document: dict[str, Any] = {
-            "schema": SCHEMA,
-            "scene": scene.as_dict(),
-            "conventions": scene.as_dict()["conventions"],
-            "engine": scene.engine,
-            "provenance": provenance(),
-            "status": "running",
-            "message": "",
-            "wall_s": 0.0,
-            "stages": [],
-        }
-
-    def add(self, stage: Stage) -> None:
-        """Store a finished stage."""
-        self.path.mkdir(parents=True, exist_ok=True)
-        ensemble = stage.ensemble
-        joints = [joint.name for joint in ensemble.linkage.clearances]
-        write_arrays(self.path / f"stage-{stage.index}.npz", stage_arrays(self._scene, stage))
-        write_arrays(
-            self.path / f"film-{stage.index}.npz", ensemble.accounts[0].film.arrays(joints)
-        )
-        self._document["stages"].append(
-            {
-                "index": stage.index,
-                "status": ensemble.status,
-                "message": ensemble.failure,
-                "amplification": stage.amplification,
-                "wear_steps": [step.as_dict() for step in stage.steps],
-                "simulated_s": ensemble.time,
-                "wall_s": ensemble.wall,
-                "diagnostics": ensemble.diagnostics(),
-                "statistics": stage.statistics,
-            }
-        )
-        self._write()
-
-    def close(self, status: str, message: str) -> None:
-        """State how the campaign ended."""
-        self._document["status"], self._document["message"] = status, message
-        if self._document["stages"]:
-            self._write()
-
-    def _write(self) -> None:
-        self._document["wall_s"] = time.perf_counter() - self._began
-        text = json.dumps(plain(self._document), indent=1, allow_nan=False)
-        write_bytes(self.path / "result.json", text.encode())
 
 
 @dataclass(frozen=True)
@@ -241,31 +125,54 @@ class StoredResult:
         return any(len(self.wear_steps(k)) > 1 for k in range(len(self.stages)))
 
 
-def read_json(file: Path, missing: str) -> Any:
-    """What a JSON file holds; InputError says that it is missing, in given words, or damaged."""
-    try:
-        return json.loads(file.read_text())
-    except FileNotFoundError:
-        raise InputError(missing) from None
-    except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
-        raise InputError(f"{file} cannot be read: {error}") from None
+def read_document(path: Path) -> dict[str, Any]:
+    """What ``result.json`` in a folder holds; InputError where it is not what was written."""
+    file = path / FILE
+    document = read_json(file, f"{path} is no result folder: it has no {FILE}")
+    schema = document.get("schema") if isinstance(document, dict) else None
+    if type(schema) is not int or not 1 <= schema <= SCHEMA:
+        raise InputError(f"{file} has schema {schema!r}; this version reads 1 to {SCHEMA}")
+    found: dict[str, Any] = document
+    # Before schema 3 there was no digest; one byte cannot hide both.
+    if schema >= SEALED or "digest" in found:
+        check_seal(read_checked(file, None), found, file)
+    return found
 
 
 def load(path: Path) -> StoredResult:
-    """Read a result folder; InputError says what is missing or of another schema."""
-    file = path / "result.json"
-    document = read_json(file, f"{path} is no result folder: it has no result.json")
-    schema = document.get("schema") if isinstance(document, dict) else None
-    if schema not in (1, SCHEMA):
-        raise InputError(f"{file} has schema {schema!r}; this version reads 1 to {SCHEMA}")
+    """Read a result folder; InputError names what is missing, cut off, altered or too new."""
+    document = read_document(path)
+    digests = document.get("files", {})
     try:
-        names = [path / f"stage-{int(entry['index'])}.npz" for entry in document["stages"]]
-        scene = _from_schema_1(document["scene"]) if schema == 1 else document["scene"]
+        names = [f"stage-{int(entry['index'])}.npz" for entry in document["stages"]]
+        stored = document["scene"]
+        scene = _from_schema_1(stored) if document["schema"] == 1 else stored
         # Before there were steps, every wear was one jump.
         scene = {"extrapolation": "single", **scene}
     except (KeyError, TypeError, ValueError) as error:
-        raise InputError(f"{file} is not whole: {error!r}") from None
-    return StoredResult(path, document, Scene.from_dict(scene), [_arrays(name) for name in names])
+        raise InputError(f"{path / FILE} is not whole: {error!r}") from None
+    read = Scene.from_dict(scene)
+    stages = [_arrays(path / name, digests.get(name)) for name in names]
+    for name in digests.keys() - set(names):
+        read_checked(path / name, digests[name])
+    return StoredResult(path, document, read, stages)
+
+
+def unfinished(path: Path, document: Mapping[str, Any]) -> str:
+    """Whether a run has not come to its end, and what is there of it, in words; or nothing."""
+    status = document["status"]
+    if status in FINISHED:
+        return ""
+    who = holder(path)
+    if who is not None:
+        how = f"{who} is at work in it"
+    else:
+        how = "interrupted" if status == "interrupted" else "killed, or stopped by an error"
+    done = len(document["stages"])
+    return (
+        f"{path} is unfinished ({how}): {done} of {document['scene']['wears'] + 1} stages are "
+        "stored"
+    )
 
 
 def _from_schema_1(scene: Mapping[str, Any]) -> dict[str, Any]:
@@ -284,15 +191,12 @@ def load_film(result: StoredResult, stage: int) -> Film:
         raise InputError(f"{file} is missing: this run was stored without a film; run it again")
     names = [joint.name for joint in result.scene.linkage({}).clearances]
     try:
-        return Film.from_arrays(_arrays(file), names)
+        digests = result.document.get("files", {})
+        return Film.from_arrays(_arrays(file, digests.get(file.name)), names)
     except (KeyError, ValueError) as error:
         raise InputError(f"{file} is no film of this run: {error}") from None
 
 
-def _arrays(file: Path) -> dict[str, Array]:
+def _arrays(file: Path, expected: str | None) -> dict[str, Array]:
     """Arrays of one stage; InputError when the file is missing or damaged."""
-    try:
-        with np.load(file, allow_pickle=False) as stored:
-            return dict(stored)
-    except (OSError, ValueError, KeyError, EOFError, BadZipFile) as error:
-        raise InputError(f"{file} cannot be read: {error}") from None
+    return arrays_in(read_checked(file, expected), file)

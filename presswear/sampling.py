@@ -10,9 +10,12 @@ means (Law and Kelton, Simulation Modeling and Analysis, section 9.5.3).  Interv
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from presswear.snapshot import Snapshot
 
 Array = NDArray[np.float64]
 
@@ -133,6 +136,20 @@ class MapBatches:
     def sampled(self) -> Array:
         """Depth of the samples, m."""
         return np.asarray(self._sums.sum(axis=0))
+
+    def snapshot(self) -> dict[str, NDArray[Any]]:
+        """All that changes, copied."""
+        return {
+            "filed": np.array([self.cycles, self.size]),
+            "startup": self._startup.copy(),
+            "sums": self._sums.copy(),
+        }
+
+    def restore(self, stored: Snapshot) -> None:
+        """Go on from a snapshot of maps of the same shape."""
+        self.cycles, self.size = (int(number) for number in stored["filed"])
+        self._startup[...] = stored["startup"]
+        self._sums[...] = stored["sums"]
 
     def batches(self) -> Array:
         """Mean depth per cycle in each full batch, shape (batches, joints, 2, m), m."""

@@ -62,6 +62,17 @@ def _settings(owner: Any, statuses: Mapping[str, str]) -> Iterator[Setting]:
             yield Setting(item.name, getattr(owner, item.name), words)
 
 
+def differences(first: Any, second: Any, key: str = "") -> list[tuple[str, Any, Any]]:
+    """Keys under which two stored scenes differ, and both values; a part by its own keys."""
+    if isinstance(first, Mapping) and isinstance(second, Mapping):
+        return [
+            found
+            for name in dict.fromkeys([*first, *second])
+            for found in differences(first.get(name), second.get(name), name)
+        ]
+    return [] if first == second else [(key, first, second)]
+
+
 def changed(scene: Scene, settings: Mapping[str, str]) -> Scene:
     """The scene with settings given as text, as on the command line.
 

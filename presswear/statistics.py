@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.account import Account
 from presswear.linkage import ClearanceJoint, Linkage
-from presswear.observe import CYCLE_FIXED, CYCLE_JOINT, Account
+from presswear.observe import CYCLE_FIXED, CYCLE_JOINT
 from presswear.sampling import Interval, half_width, map_errors, peak_of, pooled, resampled
 from presswear.surface import bin_centres
 from presswear.wear import worn_volume
@@ -49,7 +50,7 @@ def joint_statistics(
         Cycles in each batch.
     """
     first = len(CYCLE_FIXED) + len(CYCLE_JOINT) * k
-    rows = [np.array(account.cycles)[:, first : first + len(CYCLE_JOINT)] for account in accounts]
+    rows = [account.cycles[:, first : first + len(CYCLE_JOINT)] for account in accounts]
     force, dose, counted = ([own[:, c] for own in rows] for c in range(len(CYCLE_JOINT)))
     tallies = np.array([account.book.tally[k] for account in accounts])
     contacts = int(tallies["contacts"].sum())
@@ -100,10 +101,10 @@ def stage_statistics(
     maps : ndarray, shape (n, joints, 2, m)
         As for ``joint_statistics``.
     """
-    ran = [account for account in accounts if account.cycles]
+    ran = [account for account in accounts if len(account.cycles)]
     if not ran:
         return {"cycles": 0}
-    rows = [np.array(account.cycles) for account in ran]
+    rows = [account.cycles for account in ran]
     displacement, slowest, fastest, acceleration = ([own[:, c] for own in rows] for c in range(4))
     return {
         "cycles": sum(len(own) for own in rows),

@@ -18,7 +18,9 @@ from typing import Any
 
 from presswear.campaign import Watcher, run_campaign
 from presswear.errors import InputError
-from presswear.results import ResultFolder, StoredResult, load, plain, read_json, write_bytes
+from presswear.files import read_json, write_bytes
+from presswear.result_folder import ResultFolder
+from presswear.results import StoredResult, load, plain
 from presswear.scene import Scene
 
 Told = Callable[[str, float, str], None]

@@ -34,7 +34,8 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
 
 from presswear.errors import InputError
-from presswear.results import StoredResult, write_whole
+from presswear.files import write_whole
+from presswear.results import StoredResult
 
 Array = NDArray[np.float64]
 Table = Mapping[str, Array]

@@ -8,7 +8,8 @@ from pathlib import Path
 from presswear.campaign import Watcher, run_campaign
 from presswear.catalog import clearance_c
 from presswear.report import write_report
-from presswear.results import ResultFolder, load
+from presswear.result_folder import ResultFolder
+from presswear.results import load
 
 
 def main() -> None:

@@ -9,7 +9,8 @@ from pathlib import Path
 from presswear.campaign import Stage, Watcher, run_campaign
 from presswear.catalog import friction, friction_high
 from presswear.report import write_report
-from presswear.results import ResultFolder, load
+from presswear.result_folder import ResultFolder
+from presswear.results import load
 
 
 def main() -> None:

@@ -13,16 +13,17 @@ import pytest
 from numpy.typing import NDArray
 
 import presswear.ensemble
+from presswear.account import Account
 from presswear.amplification import Amplification, WearStep
 from presswear.campaign import Stage, Watcher, run_campaign, run_stage
 from presswear.catalog import slider_crank, wear_times
 from presswear.engines.base import Plan, Run, Start
 from presswear.figures import drawings
 from presswear.linkage import ClearanceJoint, Linkage
-from presswear.observe import Account
 from presswear.report import notes, render
 from presswear.report.wear import growth as growth_table
-from presswear.results import ResultFolder, load
+from presswear.result_folder import ResultFolder
+from presswear.results import load
 from presswear.scene import CONVENTIONS, Scene, stage_name
 from presswear.surface import bin_centres
 

@@ -11,7 +11,9 @@ from presswear.amplification import worn_out
 from presswear.campaign import Stage, Watcher, run_campaign
 from presswear.catalog import slider_crank, wear_times
 from presswear.errors import InputError
-from presswear.results import ResultFolder, StoredResult, load, write_whole
+from presswear.files import write_whole
+from presswear.result_folder import ResultFolder
+from presswear.results import StoredResult, load
 from presswear.scene import CONVENTIONS, Scene
 from presswear.surface import Surface
 

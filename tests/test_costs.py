@@ -21,7 +21,7 @@ from presswear.costs.timing import Timing, case_of, model_of, plan_of, time_case
 from presswear.engines import exudyn_tree
 from presswear.engines.base import DaeAccuracy, Plan
 from presswear.errors import RunError
-from presswear.results import provenance
+from presswear.provenance import provenance
 
 SHORT = Extent(
     repeats=2,

@@ -12,7 +12,8 @@ from presswear.deviation import COLUMNS, deviations, whole_cycles
 from presswear.ensemble import FEWEST, Ensemble
 from presswear.errors import InputError
 from presswear.ideal import ideal_slider
-from presswear.results import ResultFolder, load
+from presswear.result_folder import ResultFolder
+from presswear.results import load
 from presswear.scene import Scene
 from presswear.settings import changed
 from presswear.starts import APART, start_of

@@ -14,7 +14,7 @@ from presswear.__main__ import main
 from presswear.campaign import Watcher, run_campaign
 from presswear.catalog import wear_times
 from presswear.errors import InputError
-from presswear.results import ResultFolder
+from presswear.result_folder import ResultFolder
 from presswear.tables import compare_tables, read_table, unit_of, write_table
 
 finite = st.floats(allow_nan=False, allow_infinity=False)

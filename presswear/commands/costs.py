@@ -15,6 +15,7 @@ from rich.table import Table
 
 from presswear.catalog import scene_named
 from presswear.commands.terminal import free_folder, progress_bar, repeats_given
+from presswear.lock import only_writer
 
 if TYPE_CHECKING:
     from presswear.costs.text import TextTable
@@ -44,27 +45,27 @@ def _costs(arguments: argparse.Namespace, console: Console) -> int:
     repeats = None if arguments.repeats is None else repeats_given(arguments.repeats)
     scene = scene_named(SCENE)
     folder = arguments.out if arguments.out is not None else free_folder("costs")
-    from presswear.results import ResultFolder, provenance
+    from presswear.provenance import provenance
 
-    ResultFolder(folder, scene)  # refuses a folder that holds something
-    from presswear.costs.study import QUICK, Extent, store, study
-    from presswear.costs.text import markdown_of, tables_of
+    with only_writer(folder):
+        from presswear.costs.study import QUICK, Extent, store, study
+        from presswear.costs.text import markdown_of, tables_of
 
-    extent = QUICK if arguments.quick else Extent()
-    if repeats is not None:
-        extent = replace(extent, repeats=repeats)
-    with progress_bar(console) as bar:
-        task = bar.add_task("start", total=1.0)
-        found = study(
-            scene,
-            extent,
-            lambda name, part: bar.update(task, description=name, completed=part),
-        )
-    store(found, markdown_of(found, provenance()), folder)
-    for table in tables_of(found):
-        print_text_table(console, table)
-    console.print(f"tables and all times in {folder}", highlight=False)
-    return 0
+        extent = QUICK if arguments.quick else Extent()
+        if repeats is not None:
+            extent = replace(extent, repeats=repeats)
+        with progress_bar(console) as bar:
+            task = bar.add_task("start", total=1.0)
+            found = study(
+                scene,
+                extent,
+                lambda name, part: bar.update(task, description=name, completed=part),
+            )
+        store(found, markdown_of(found, provenance()), folder)
+        for table in tables_of(found):
+            print_text_table(console, table)
+        console.print(f"tables and all times in {folder}", highlight=False)
+        return 0
 
 
 def print_text_table(console: Console, table: "TextTable") -> None:

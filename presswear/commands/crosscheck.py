@@ -8,6 +8,7 @@ from rich.console import Console
 
 from presswear.catalog import scene_named
 from presswear.commands.terminal import (
+    finished_part,
     free_folder,
     print_table,
     progress_bar,
@@ -15,6 +16,7 @@ from presswear.commands.terminal import (
     verdict,
 )
 from presswear.errors import InputError
+from presswear.lock import only_writer
 from presswear.settings import changed
 
 _TABLE_TEXT = (
@@ -97,40 +99,38 @@ def _crosscheck(arguments: argparse.Namespace, console: Console) -> int:
     folder = arguments.out or free_folder(f"crosscheck-{scene.name}")
     from presswear.crosscheck import check_engines, store
     from presswear.figures.crosscheck import write_differences
-    from presswear.results import ResultFolder
 
-    ResultFolder(folder, scene)  # refuses a folder that holds something
-    with progress_bar(console) as bar:
-        task = bar.add_task("start", total=1.0)
-        outcome = check_engines(
-            scene,
-            arguments.duration,
-            lambda name, part: bar.update(task, description=name, completed=part),
+    with only_writer(folder):
+        with progress_bar(console) as bar:
+            task = bar.add_task("start", total=1.0)
+            outcome = check_engines(
+                scene,
+                arguments.duration,
+                lambda name, part: bar.update(task, description=name, completed=part),
+            )
+        store(outcome, folder)
+        write_differences(outcome, folder / "difference.png")
+        how = "where trajectories part" if outcome.parted else "the end; trajectories did not part"
+        console.print(f"compared up to {outcome.horizon:.4g} s, {how}", highlight=False)
+        _print_checks(
+            console,
+            ("difference", "bound"),
+            [
+                (check.quantity, check.unit, (check.difference, check.bound), check.passed)
+                for check in outcome.checks
+            ],
         )
-    store(outcome, folder)
-    write_differences(outcome, folder / "difference.png")
-    how = "where trajectories part" if outcome.parted else "the end; trajectories did not part"
-    console.print(f"compared up to {outcome.horizon:.4g} s, {how}", highlight=False)
-    _print_checks(
-        console,
-        ("difference", "bound"),
-        [
-            (check.quantity, check.unit, (check.difference, check.bound), check.passed)
-            for check in outcome.checks
-        ],
-    )
-    console.print(f"table and figure in {folder}", highlight=False)
-    return 0 if outcome.passed else 1
+        console.print(f"table and figure in {folder}", highlight=False)
+        return 0 if outcome.passed else 1
 
 
 def _against(arguments: argparse.Namespace, console: Console) -> int:
     if arguments.target is None:
         raise InputError("--against needs the result folder to compare with: crosscheck DIR")
-    from presswear.results import load
     from presswear.tables import TOLERANCE, compare_tables, read_table, table_of
 
     theirs = read_table(arguments.against)
-    ours = table_of(load(Path(arguments.target)), 0)
+    ours = table_of(finished_part(Path(arguments.target), console), 0)
     tolerance = TOLERANCE if arguments.tolerance is None else arguments.tolerance
     columns = compare_tables(ours, theirs, arguments.until, tolerance)
     _print_checks(
@@ -158,10 +158,9 @@ def _print_checks(
 
 
 def _export(arguments: argparse.Namespace, console: Console) -> int:
-    from presswear.results import load
     from presswear.tables import table_of, write_table
 
-    table = table_of(load(arguments.folder), arguments.stage)
+    table = table_of(finished_part(arguments.folder, console), arguments.stage)
     write_table(arguments.file, table)
     rows = table["time"].size
     console.print(f"{rows} rows of {len(table)} columns in {arguments.file}", highlight=False)

@@ -13,6 +13,7 @@ from rich.console import Console
 from presswear.catalog import scene_named
 from presswear.commands.costs import print_text_table
 from presswear.commands.terminal import free_folder, progress_bar, repeats_given, settings_given
+from presswear.lock import only_writer
 from presswear.settings import changed
 
 SCENE = "wear-times"
@@ -48,28 +49,26 @@ def _precision(arguments: argparse.Namespace, console: Console) -> int:
     repeats = None if arguments.repeats is None else repeats_given(arguments.repeats)
     scene = changed(scene_named(arguments.scene), settings_given(arguments.set))
     folder = arguments.out or free_folder(f"precision-{scene.name}")
-    from presswear.results import ResultFolder
+    with only_writer(folder):
+        from presswear.precision.extent import FULL, QUICK
+        from presswear.precision.store import store
+        from presswear.precision.study import study
+        from presswear.precision.text import tables_of
 
-    ResultFolder(folder, scene)  # refuses a folder that holds something
-    from presswear.precision.extent import FULL, QUICK
-    from presswear.precision.store import store
-    from presswear.precision.study import study
-    from presswear.precision.text import tables_of
-
-    extent = QUICK if arguments.quick else FULL
-    if repeats is not None:
-        extent = replace(extent, repeats=repeats)
-    with progress_bar(console) as bar:
-        task = bar.add_task("start", total=1.0)
-        found = study(
-            scene,
-            extent,
-            lambda name, part: bar.update(task, description=name, completed=part),
-        )
-    store(found, folder)
-    for table in tables_of(found):
-        print_text_table(console, table)
-    return report(folder, console)
+        extent = QUICK if arguments.quick else FULL
+        if repeats is not None:
+            extent = replace(extent, repeats=repeats)
+        with progress_bar(console) as bar:
+            task = bar.add_task("start", total=1.0)
+            found = study(
+                scene,
+                extent,
+                lambda name, part: bar.update(task, description=name, completed=part),
+            )
+        store(found, folder)
+        for table in tables_of(found):
+            print_text_table(console, table)
+        return report(folder, console)
 
 
 def is_precision(folder: Path) -> bool:

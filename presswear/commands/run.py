@@ -13,7 +13,14 @@ from rich.progress import Progress, TaskID
 
 from presswear.catalog import SCENES, STUDIES, scene_named
 from presswear.commands import precision, studies
-from presswear.commands.terminal import free_folder, progress_bar, settings_given
+from presswear.commands.stopping import check_stopped, go_on_with
+from presswear.commands.terminal import (
+    finished_part,
+    free_folder,
+    progress_bar,
+    seconds_given,
+    settings_given,
+)
 from presswear.errors import InputError, RunError
 from presswear.scene import CONVENTIONS, Scene, stage_name
 from presswear.settings import changed
@@ -21,6 +28,10 @@ from presswear.studies import is_study
 
 if TYPE_CHECKING:
     from presswear.campaign import Stage
+    from presswear.result_folder import ResultFolder
+
+OPTIONS = ("engine", "cycles", "wears", "tolerance")
+"""Settings that have an option of their own."""
 
 
 LIVE_SIZE = (960, 640)
@@ -53,7 +64,16 @@ def add(commands: Any) -> None:
     )
     run.add_argument("--jobs", default="1", metavar="N", help="of a study: runs at a time")
     run.add_argument(
-        "--resume", action="store_true", help="of a study: keep the finished runs in --out"
+        "--resume",
+        action="store_true",
+        help="go on with the run in --out, with the same numbers as if it had never stopped; "
+        "without other options with those that it was started with",
+    )
+    run.add_argument(
+        "--checkpoint",
+        default="60",
+        metavar="SECONDS",
+        help="time between two checkpoints within a stage (default 60; 0: after every cycle)",
     )
     run.add_argument("--live", action="store_true", help="show the press in a window while it runs")
     run.set_defaults(run=_run)
@@ -81,7 +101,7 @@ def _with_options(scene: Scene, arguments: argparse.Namespace) -> Scene:
             )
         scene = replace(scene, conventions=CONVENTIONS[arguments.conventions])
     settings = settings_given(arguments.set)
-    for key in ("engine", "cycles", "wears", "tolerance"):
+    for key in OPTIONS:
         given = getattr(arguments, key)
         if given is not None:
             settings[key] = given
@@ -93,19 +113,69 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
         if arguments.live:
             raise InputError(f"--live is for scenes; {arguments.scene} is a study of several")
         return studies.run(arguments, console, partial(_with_options, arguments=arguments))
-    if arguments.resume or arguments.jobs != "1":
-        raise InputError(f"--resume and --jobs are for studies: {', '.join(STUDIES)}")
-    scene = _scene_from(arguments)
+    if arguments.jobs != "1":
+        raise InputError(f"--jobs is for studies: {', '.join(STUDIES)}")
+    interval = seconds_given("--checkpoint", arguments.checkpoint)
+    if arguments.resume and arguments.out is None:
+        raise InputError("--resume needs the folder to go on in: --out DIR")
+    scene = _stored_scene(arguments) if _is_plain_resume(arguments) else _scene_from(arguments)
     folder = arguments.out if arguments.out is not None else free_folder(scene.name)
-    from presswear.campaign import Watcher, run_campaign
     from presswear.report import write_report
-    from presswear.results import ResultFolder, load
+    from presswear.result_folder import ResultFolder
+    from presswear.results import load
 
-    store = ResultFolder(folder, scene)
-    with _window(arguments, scene) as live, progress_bar(console) as bar:
+    with _window(arguments, scene) as show:
+        store = ResultFolder(folder, scene, interval, arguments.resume)
+        for remark in store.remarks:
+            console.print(remark, highlight=False, soft_wrap=True)
+        if store.is_finished:
+            store.release()
+            console.print(f"the run in {folder} has come to its end before", highlight=False)
+        else:
+            _run_into(store, scene, console, show)
+    status, message = store.outcome
+    report = write_report(load(folder))
+    console.print(f"results in {folder}, report in {report}", highlight=False)
+    if status == "failed":
+        raise RunError(message)
+    return 0
+
+
+def _is_plain_resume(arguments: argparse.Namespace) -> bool:
+    """Whether a run is gone on with that is there, and nothing is said about its scene."""
+    return (
+        arguments.resume
+        and not arguments.set
+        and all(getattr(arguments, key) is None for key in (*OPTIONS, "conventions"))
+        and (arguments.out / "result.json").exists()
+    )
+
+
+def _stored_scene(arguments: argparse.Namespace) -> Scene:
+    """The scene of the folder to go on in."""
+    from presswear.results import read_document
+
+    scene_named(arguments.scene)  # an unknown name is told first
+    scene = Scene.from_dict(read_document(arguments.out)["scene"])
+    if scene.name != arguments.scene:
+        raise InputError(
+            f"--out {arguments.out}: it holds a run of {scene.name}, not of {arguments.scene}"
+        )
+    return scene
+
+
+def _run_into(
+    store: "ResultFolder", scene: Scene, console: Console, show: Callable[..., None]
+) -> None:
+    """Run a campaign into its folder, from where it stands."""
+    from presswear.campaign import Watcher, run_campaign
+
+    go_on = go_on_with(scene.name, store.path)
+    with progress_bar(console) as bar:
         task = bar.add_task(stage_name(0), total=1.0)
 
         def progress(stage: int, part: float, word: str) -> None:
+            check_stopped()
             description = f"{stage_name(stage)}{': ' if word else ''}{word}"
             bar.update(task, description=description)
 
@@ -114,20 +184,21 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
             bar.console.print(_model_line(stage), highlight=False)
             bar.console.print(_stage_line(stage), highlight=False)
 
+        overall = partial(_completed, bar, task)
+        watcher = Watcher(progress, finished, overall, show, store.keep)
         try:
-            overall = partial(_completed, bar, task)
-            status, message = run_campaign(scene, Watcher(progress, finished, overall, live))
+            store.close(*run_campaign(scene, watcher, store.begun))
         except KeyboardInterrupt:
-            store.close("interrupted", "stopped by the user; finished stages are kept")
+            kept = store.interrupt()
+            raise KeyboardInterrupt(f"interrupted; kept up to {kept}; {go_on}") from None
+        except InputError:
+            store.discard()
             raise
-        store.close(status, message)
-    if not (folder / "result.json").exists():
-        raise RunError(message)
-    report = write_report(load(folder))
-    console.print(f"results in {folder}, report in {report}", highlight=False)
-    if status == "failed":
-        raise RunError(message)
-    return 0
+        except RunError as error:
+            hint = f"; {go_on}" if store.path.exists() else ""
+            raise RunError(f"{error}{hint}") from error
+        finally:
+            store.release()
 
 
 @contextmanager
@@ -178,7 +249,7 @@ def _report(arguments: argparse.Namespace, console: Console) -> int:
     if precision.is_precision(arguments.folder):
         return precision.report(arguments.folder, console)
     from presswear.report import write_report
-    from presswear.results import load
 
-    console.print(f"report in {write_report(load(arguments.folder))}", highlight=False)
+    result = finished_part(arguments.folder, console)
+    console.print(f"report in {write_report(result)}", highlight=False)
     return 0

@@ -1,6 +1,7 @@
 """What the commands share: progress, tables, folders, and settings given as text."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rich.box import SIMPLE
 from rich.console import Console
@@ -15,7 +16,15 @@ from rich.progress import (
 )
 from rich.table import Table
 
+from presswear.commands.stopping import go_on_with
 from presswear.errors import InputError
+
+if TYPE_CHECKING:
+    from presswear.results import StoredResult
+
+
+LONGEST = 86400.0
+"""Time that an option may say, s: a day."""
 
 
 def settings_given(items: list[str]) -> dict[str, str]:
@@ -46,6 +55,17 @@ def repeats_given(text: str) -> int:
 def jobs_given(text: str) -> int:
     """What ``--jobs`` says."""
     return count_given("--jobs", text, 256)
+
+
+def seconds_given(option: str, text: str) -> float:
+    """A time in seconds that an option says."""
+    try:
+        seconds = float(text)
+    except ValueError:
+        seconds = -1.0
+    if not 0.0 <= seconds <= LONGEST:
+        raise InputError(f"{option} {text}: a number of seconds from 0 to {LONGEST:g} is expected")
+    return seconds
 
 
 def free_folder(name: str) -> Path:
@@ -99,3 +119,16 @@ def print_table(
 def verdict(passed: bool) -> str:
     """Pass or miss, in rich's markup."""
     return "pass" if passed else "[bold red]MISS[/]"
+
+
+def finished_part(path: Path, console: Console) -> "StoredResult":
+    """A stored run, with a word on one that has not come to its end; something must be stored."""
+    from presswear.results import load, unfinished
+
+    result = load(path)
+    words = unfinished(path, result.document)
+    if words and not result.stages:
+        raise InputError(f"{words}; {go_on_with(result.scene.name, path)}")
+    if words:
+        console.print(f"{words}: what follows is of these", highlight=False, soft_wrap=True)
+    return result

@@ -24,8 +24,8 @@ from presswear.compiled import specialised
 from presswear.costs.replay import StageCalls, StepCalls, StepParts, replay_stages, replay_steps
 from presswear.costs.timing import Case, Progress, Timing, time_cases
 from presswear.engines import exudyn_tree
-from presswear.engines.base import Plan, TreeAccuracy, account_of
-from presswear.engines.exudyn_solve import StepLimit, Watch, post_step, quiet, settings_of
+from presswear.engines.base import TreeAccuracy, account_of
+from presswear.engines.exudyn_solve import StepLimit, Watch, post_step, quiet, set_span, settings_of
 from presswear.engines.tree_kernels import TreeSystem, accept_tree_step, stage_forces
 from presswear.errors import InputError
 from presswear.observe import Book
@@ -301,7 +301,8 @@ def idle_wall(case: Case, solver: Any, forces: bool, steps: bool) -> tuple[float
     if steps:
         model.system.SetPreStepUserFunction(lambda system, t: True)
         model.system.SetPostStepUserFunction(lambda system, t: True)
-    settings = settings_of(Plan(_IDLE_STEP * _IDLE_STEPS, 1), _IDLE_STEP, 1e-3 * _IDLE_STEP)
+    settings = settings_of(_IDLE_STEP, 1e-3 * _IDLE_STEP)
+    set_span(settings, 0.0, _IDLE_STEP * _IDLE_STEPS, _IDLE_STEP)
     settings.timeIntegration.explicit.computeEndOfStepAccelerations = False
     settings.timeIntegration.explicit.computeMassMatrixInversePerBody = False
     began = clock.perf_counter()

@@ -11,7 +11,9 @@ from presswear.costs.equal_work import EngineRow, EqualWork, equal_work
 from presswear.costs.features import FeatureTable, deepest, feature_table, wear_once
 from presswear.costs.profile import Profile, profile
 from presswear.costs.timing import Progress, Timing, case_of
-from presswear.results import plain, provenance, write_whole
+from presswear.files import write_whole
+from presswear.provenance import provenance
+from presswear.results import plain
 from presswear.scene import Scene
 
 SCHEMA = 1

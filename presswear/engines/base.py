@@ -7,9 +7,10 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.account import Account
 from presswear.compiled import Records
 from presswear.linkage import Linkage
-from presswear.observe import Account
+from presswear.snapshot import Snapshot
 from presswear.touch import STEPS
 
 Array = NDArray[np.float64]
@@ -132,8 +133,12 @@ class Plan:
         Asked after each cycle; True ends the run.
     progress : callable
         Told the part of the most cycles that is done, 0 .. 1, many times a second.
-    begun : callable
+    opened : callable
         Told the account that the run fills, before it begins.
+    begun : Snapshot or None
+        State to go on from, of a run with the same linkage, start, accuracy and plan.
+    keep : callable or None
+        Told the state after each cycle, from which another process can go on.
     """
 
     cycle: float
@@ -142,7 +147,9 @@ class Plan:
     torques: bool = True
     enough: Callable[[Account], bool] = lambda account: False
     progress: Callable[[float], None] = lambda part: None
-    begun: Callable[[Account], None] = lambda account: None
+    opened: Callable[[Account], None] = lambda account: None
+    begun: Snapshot | None = None
+    keep: Callable[[Snapshot], None] | None = None
 
 
 @dataclass(frozen=True)
@@ -182,8 +189,43 @@ def account_of(linkage: Linkage, start: Start, plan: Plan) -> Account:
     account = Account.of(
         linkage, start.position, plan.recorded_cycles, plan.cycle, torques=plan.torques
     )
-    plan.begun(account)
+    plan.opened(account)
     return account
+
+
+def run_cycles(
+    account: Account,
+    plan: Plan,
+    advance: Callable[[float], str],
+    snapshot: Callable[[], Snapshot],
+) -> tuple[Status, str]:
+    """Run cycle by cycle; returns how it ended and what went wrong, or nothing.
+
+    Every cycle begins in the same way from the state that the last one left, whether this
+    process computed that or read it: a run that was killed and goes on gives the same numbers.
+
+    Parameters
+    ----------
+    advance : callable
+        Integrates up to a time, s; returns what went wrong, or nothing.
+    snapshot : callable
+        The state of the whole run between two cycles.
+    """
+    while True:
+        done = len(account.cycles)
+        if done > 0:
+            if plan.keep is not None:
+                plan.keep(snapshot())
+            if done >= plan.cycles:
+                return "completed", ""
+            if plan.enough(account):
+                return "enough", ""
+        problem = advance(plan.cycle * (done + 1))
+        if problem:
+            return "failed", problem
+        account.end_cycle()
+        if done + 1 == plan.recorded_cycles:
+            account.stop_recording()
 
 
 def described(linkage: Linkage, model: str) -> str:

@@ -5,6 +5,7 @@ functions are pure.  The same call chooses the next step and writes it into the
 running solver; ``PostNewton`` sends back a step that ran too far past a touch.
 """
 
+import time as clock
 from typing import Any
 
 import exudyn as exu
@@ -14,26 +15,46 @@ from numpy.typing import NDArray
 from presswear.compiled import Records, specialised
 from presswear.contacts import JOINT_RATES
 from presswear.energy import Ledger, stored_energy, weight_of
-from presswear.engines.base import JointsAccuracy, Plan, Run, Start, account_of, described, listed
+from presswear.engines.base import (
+    JointsAccuracy,
+    Plan,
+    Run,
+    Start,
+    account_of,
+    described,
+    listed,
+    run_cycles,
+)
 from presswear.engines.exudyn_model import Model, assemble, left_out, reactions_of
 from presswear.engines.exudyn_solve import (
     Accept,
     Watch,
     post_step,
     settings_of,
-    share_of,
+    shares_of,
     solve,
     timed,
 )
 from presswear.engines.joint_kernels import Drives, accept_joint_step, shorter_joint_step
 from presswear.linkage import Linkage
 from presswear.observe import Book
+from presswear.snapshot import Snapshot, named, part
 
 Array = NDArray[np.float64]
 
+_STAGES = (
+    "forces_and_connectors",
+    "constraints",
+    "jacobians_and_factors",
+    "linear_solves",
+    "end_of_step",
+)
+_SUMS = ("steps", "sent_back", "newton", "jacobians", "wall", "total", *_STAGES)
+"""What is summed over the cycles of a run."""
 
-def _settings(accuracy: JointsAccuracy, plan: Plan) -> Any:
-    settings = settings_of(plan, accuracy.free_step, 0.1 * accuracy.least_step)
+
+def _settings(accuracy: JointsAccuracy) -> Any:
+    settings = settings_of(accuracy.free_step, 0.1 * accuracy.least_step)
     integration = settings.timeIntegration
     # Steps are chosen by accept_step; Exudyn must not lengthen them behind its back.
     integration.adaptiveStepRecoverySteps = 2**30
@@ -67,12 +88,9 @@ def _accept(model: Model, drives: Drives, book: Book, steps: Records) -> Accept:
     """Account for accepted steps and choose the next."""
     frame = model.frame
     kernel = specialised(accept_joint_step, frame, drives, book, steps, 0.0, 0.0)
-    last = 0.0
 
     def accept(t: float) -> float:
-        nonlocal last
-        h, last = t - last, t
-        return kernel(frame, drives, book, steps, t, h)
+        return kernel(frame, drives, book, steps, t, t - book.record["now"][0])
 
     return accept
 
@@ -84,6 +102,11 @@ class _SendBack:
         self.count = 0
         self._arguments = model.frame, book, steps
         self._kernel = specialised(shorter_joint_step, *self._arguments, 0.0)
+
+    def taken(self) -> int:
+        """How many steps were sent back since this was asked last."""
+        count, self.count = self.count, 0
+        return count
 
     def __call__(self, system: Any, t: float) -> list[float]:
         shorter = self._kernel(*self._arguments, t)
@@ -102,7 +125,7 @@ def simulate(linkage: Linkage, start: Start, accuracy: JointsAccuracy, plan: Pla
         account = account_of(linkage, start, plan)
         book = account.book
         model = assemble(linkage, start, account)
-        watch = Watch(account, plan)
+        watch = Watch(account, plan, dict.fromkeys(_SUMS, 0.0))
         send_back = _SendBack(model, book, steps)
         drives = _drives(model, linkage)
         accept = _accept(model, drives, book, steps)
@@ -111,19 +134,44 @@ def simulate(linkage: Linkage, start: Start, accuracy: JointsAccuracy, plan: Pla
             model.system.SetPostNewtonUserFunction(lambda system, t: send_back(system, t))
     energies = book.touch["energy"]
     before = stored_energy(linkage, energies, start.position, start.velocity)
-    with timed(times, "wall_solve_s"):
+    settings = _settings(accuracy)
+
+    def advance(end: float) -> str:
+        watch.begin(end)
+        model.begin(settings, watch.time, end, accuracy.free_step)
+        began = clock.perf_counter()
         message = solve(
             model.system,
-            _settings(accuracy, plan),
+            settings,
             exu.DynamicSolverType.TrapezoidalIndex2,
             watch,
             "more steps per contact may help",
         )
-    solver = model.system.sys["dynamicSolver"]
+        solver = model.system.sys["dynamicSolver"]
+        watch.add({"wall": clock.perf_counter() - began, **_wall_times(solver.timer)})
+        watch.add({"newton": solver.it.newtonStepsCount, "jacobians": solver.it.newtonJacobiCount})
+        watch.add({"sent_back": send_back.taken()})
+        return message
+
+    def snapshot() -> Snapshot:
+        return {
+            **{name: array.copy() for name, array in kept.items()},
+            **named("watch", watch.snapshot()),
+            **named("account", account.snapshot()),
+        }
+
+    kept = {**model.state(), "force": drives.force}
+    if plan.begun is not None:
+        for name, array in kept.items():
+            array[...] = plan.begun[name]
+        watch.restore(part(plan.begun, "watch"))
+        account.restore(part(plan.begun, "account"))
+    status, message = run_cycles(account, plan, advance, snapshot)
+    sums = watch.sums
     q, v = np.array(model.frame.q), np.array(model.frame.v)
     after = stored_energy(linkage, energies, q, v)
     result = Run(
-        status=watch.ended,
+        status=status,
         message=message,
         account=account,
         end=Start(q, v),
@@ -132,13 +180,14 @@ def simulate(linkage: Linkage, start: Start, accuracy: JointsAccuracy, plan: Pla
         diagnostics={
             "model": described(linkage, _model_words(model, linkage)),
             "solver": "Exudyn trapezoidal index 2, step chosen by contact state",
-            "steps": watch.steps,
-            "steps_sent_back": send_back.count,
-            "newton_iterations": int(solver.it.newtonStepsCount),
-            "jacobians": int(solver.it.newtonJacobiCount),
+            "steps": int(sums["steps"]),
+            "steps_sent_back": int(sums["sent_back"]),
+            "newton_iterations": int(sums["newton"]),
+            "jacobians": int(sums["jacobians"]),
             **times,
+            "wall_solve_s": sums["wall"],
             **Ledger.of(book.ledger, after - before).as_dict(),
-            **_wall_shares(solver.timer),
+            **shares_of(sums, _STAGES),
         },
     )
     model.container.Reset()
@@ -151,19 +200,17 @@ def _model_words(model: Model, linkage: Linkage) -> str:
     return f"{words}, {listed(omitted)} prescribed" if omitted else words
 
 
-def _wall_shares(timer: Any) -> dict[str, float]:
-    """Where the solve's time went, as parts of its wall time.
+def _wall_times(timer: Any) -> dict[str, float]:
+    """Where the time of a solve went, s; ``total`` is all of it.
 
     Forces include the Python connectors; the step's end is contact state, wear,
     recording and the choice of the next step.
     """
-    return share_of(
-        timer,
-        {
-            "forces_and_connectors": timer.ODE2RHS,
-            "constraints": timer.AERHS + timer.reactionForces,
-            "jacobians": timer.totalJacobian + timer.factorization,
-            "linear_solves": timer.newtonIncrement,
-            "end_of_step": timer.python,
-        },
-    )
+    return {
+        "total": timer.total,
+        "forces_and_connectors": timer.ODE2RHS,
+        "constraints": timer.AERHS + timer.reactionForces,
+        "jacobians_and_factors": timer.totalJacobian + timer.factorization,
+        "linear_solves": timer.newtonIncrement,
+        "end_of_step": timer.python,
+    }

@@ -17,12 +17,14 @@ import exudyn as exu
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.account import Account
 from presswear.clearance import STATE
 from presswear.compiled import Records, specialised
 from presswear.engines.base import Start
+from presswear.engines.exudyn_solve import set_span
 from presswear.engines.joint_kernels import Frame, connector_forces
 from presswear.linkage import GROUND, Attachment, Linkage
-from presswear.observe import Account, Book
+from presswear.observe import Book
 from presswear.prescribed import hinge_of, pack_cranks
 from presswear.tree import cranks_of
 
@@ -39,6 +41,25 @@ class Model:
     cranks: Records  # driven bodies that are left out
     frame: Any = None
     multipliers: Any = None
+
+    def state(self) -> dict[str, Array]:
+        """The live arrays that hold the state between two solves."""
+        frame = self.frame
+        solved = {"q": frame.solved_q, "v": frame.solved_v, "a": frame.solved_a}
+        arrays = {**solved, "multipliers": self.multipliers}
+        if frame.places.size:
+            arrays |= {"all_q": frame.q, "all_v": frame.v, "all_a": frame.a, "axes": frame.axes}
+        return {name: np.asarray(array) for name, array in arrays.items()}
+
+    def begin(self, settings: Any, time: float, end: float, longest: float) -> None:
+        """Let the next solve begin from the present state, up to the end of the cycle."""
+        data = self.system.systemData
+        initial = exu.ConfigurationType.Initial
+        data.SetODE2Coordinates(np.array(self.frame.solved_q), initial)
+        data.SetODE2Coordinates_t(np.array(self.frame.solved_v), initial)
+        data.SetODE2Coordinates_tt(np.array(self.frame.solved_a), initial)
+        data.SetAECoordinates(np.array(self.multipliers), initial)
+        set_span(settings, time, end, longest)
 
 
 def left_out(linkage: Linkage) -> frozenset[str]:

@@ -1,16 +1,20 @@
 """What every Exudyn engine shares: the callback after a step, the solve, how it ends."""
 
+import math
 import time as clock
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
 import exudyn as exu
+import numpy as np
+from numpy.typing import NDArray
 
+from presswear.account import Account
 from presswear.energy import SETTLED, made_energy
-from presswear.engines.base import Plan, Status
-from presswear.observe import Account
+from presswear.engines.base import Plan
+from presswear.snapshot import Snapshot, numbers, set_numbers
 
 END_TOLERANCE = 1e-10
 """Exudyn ends a run this close to its end time, s; a cycle is closed the same way."""
@@ -26,37 +30,64 @@ Write = Callable[[Any, float], None]
 
 @dataclass
 class Watch:
-    """Where a solve stands: cycles, progress, and why it ended."""
+    """Where a run stands, and how the solve of the present cycle ended.
+
+    Attributes
+    ----------
+    time : float
+        Of the last accepted step, s.
+    end : float
+        Of the present cycle, s.
+    sums : dict
+        Over all cycles so far: accepted steps (``steps``), and what its engine names.
+    following, proposed : float
+        Next step as the contacts allow it, and as the solver itself proposes it, s.
+    reached : bool
+        Whether the cycle ran to its end.
+    reason : str
+        Why it is to be ended, or nothing.
+    """
 
     account: Account
     plan: Plan
+    sums: dict[str, float]
     time: float = 0.0
-    cycle_end: float = 0.0
-    steps: int = -1
-    ended: Status = "completed"
+    end: float = 0.0
+    following: float = 0.0
+    proposed: float = 0.0
+    reached: bool = False
+    is_broken: bool = False
     reason: str = ""
     error: BaseException | None = None
+    iteration: Any = None
+
+    def begin(self, end: float) -> None:
+        """Another cycle begins; Exudyn makes a new solver for it."""
+        self.end, self.reached, self.iteration = end, False, None
+
+    def add(self, more: Mapping[str, float]) -> None:
+        """Add counts and times of a solve."""
+        for name, value in more.items():
+            self.sums[name] += value
 
     def is_sound(self) -> bool:
         """Whether the contacts have made no energy; False ends the run."""
         ledger = self.account.book.ledger
         if self.time > SETTLED * self.plan.cycle:
             self.reason = made_energy(float(ledger[2]), float(ledger[1]))
-        if self.reason:
-            self.ended = "failed"
         return not self.reason
 
-    def close_cycle(self) -> bool:
-        """File the present cycle; False ends the run."""
-        self.account.end_cycle()
-        done = len(self.account.cycles)
-        self.cycle_end = self.plan.cycle * (done + 1)
-        if done == self.plan.recorded_cycles:
-            self.account.stop_recording()
-        if done < self.plan.cycles and self.plan.enough(self.account):
-            self.ended = "enough"
-            return False
-        return True
+    def snapshot(self) -> dict[str, NDArray[Any]]:
+        """What the next cycle begins with."""
+        return {
+            "steps": np.array([self.time, self.following, self.proposed]),
+            "sums": numbers(self.sums),
+        }
+
+    def restore(self, stored: Snapshot) -> None:
+        """Go on from a snapshot; the sums must have the same names."""
+        self.time, self.following, self.proposed = (float(x) for x in stored["steps"])
+        set_numbers(self.sums, stored["sums"])
 
 
 def write_step(iteration: Any, step: float) -> None:
@@ -96,24 +127,30 @@ class StepLimit:
 def post_step(watch: Watch, accept: Accept, write: Write = write_step) -> Callable[..., bool]:
     """The function for Exudyn's PostStep: accounts for a step and hands on the next."""
     duration = watch.plan.cycle * watch.plan.cycles
-    watch.cycle_end = watch.plan.cycle
-    iteration: Any = None
+    account = watch.account
 
     def after(system: Any, t: float) -> bool:
-        nonlocal iteration
         try:
+            iteration = watch.iteration
             if iteration is None:
-                iteration = system.sys["dynamicSolver"].it
+                iteration = watch.iteration = system.sys["dynamicSolver"].it
+                if len(account.cycles):
+                    # Exudyn shows the state that a cycle starts from; it is accounted for.
+                    write(iteration, min(watch.following, watch.end - t))
+                    return True
+                watch.sums["steps"] -= 1.0
             following = accept(t)
             watch.time = t
-            watch.steps += 1
+            watch.sums["steps"] += 1.0
             if following != following:
-                watch.ended = "failed"
+                watch.is_broken = True
                 return False
-            if t >= watch.cycle_end - END_TOLERANCE and not watch.close_cycle():
+            if t >= watch.end - END_TOLERANCE:
+                watch.following, watch.proposed = following, iteration.currentStepSize
+                watch.reached = True
                 return False
-            write(iteration, min(following, watch.cycle_end - t))
-            if watch.steps % _PROGRESS_STEPS == 0:
+            write(iteration, min(following, watch.end - t))
+            if watch.sums["steps"] % _PROGRESS_STEPS == 0:
                 watch.plan.progress(min(t / duration, 1.0))
                 return watch.is_sound()
         except BaseException as error:  # Exudyn would wrap it: kept, raised after the solve
@@ -124,7 +161,7 @@ def post_step(watch: Watch, accept: Accept, write: Write = write_step) -> Callab
     return after
 
 
-def settings_of(plan: Plan, longest: float, shortest: float) -> Any:
+def settings_of(longest: float, shortest: float) -> Any:
     """Settings common to all solvers, with steps of a length at most, s."""
     settings = exu.SimulationSettings()
     settings.solution.file.write = False
@@ -132,14 +169,22 @@ def settings_of(plan: Plan, longest: float, shortest: float) -> Any:
     settings.show.computationTime = True  # fills the timers; the console is off
     integration = settings.timeIntegration
     integration.verboseMode = 0
-    integration.endTime = plan.cycle * plan.cycles
-    integration.numberOfSteps = max(1, int(integration.endTime / longest))
     integration.minimumStepSize = shortest
+    set_span(settings, 0.0, longest, longest)
     return settings
 
 
+def set_span(settings: Any, begin: float, end: float, longest: float) -> None:
+    """Set the time that a solve begins and ends at, s, and its longest step, s."""
+    integration = settings.timeIntegration
+    integration.startTime = begin
+    integration.endTime = end
+    # A quotient of round-off more is no step more.
+    integration.numberOfSteps = max(1, math.ceil((end - begin) / longest - 1e-6))
+
+
 def solve(system: Any, settings: Any, solver: Any, watch: Watch, remedy: str) -> str:
-    """Run Exudyn's solver; returns what went wrong, or nothing.
+    """Run Exudyn's solver up to the end of a cycle; returns what went wrong, or nothing.
 
     Parameters
     ----------
@@ -156,23 +201,25 @@ def solve(system: Any, settings: Any, solver: Any, watch: Watch, remedy: str) ->
             raise KeyboardInterrupt from None
         if not isinstance(error, exu.SolverError):
             raise
-        watch.ended = "failed"
         message = "the solver found no solution at the shortest step"
     if watch.error is not None:
         raise watch.error
-    if system.sys["dynamicSolver"].output.simulationStoppedByUser and watch.ended == "completed":
-        raise KeyboardInterrupt
-    if watch.ended != "failed":
+    if watch.reached:
         return ""
     if watch.reason:
         return f"{watch.reason} (t = {watch.time:.6g} s)"
+    if system.sys["dynamicSolver"].output.simulationStoppedByUser and not watch.is_broken:
+        raise KeyboardInterrupt
+    if not message and not watch.is_broken:
+        raise RuntimeError(f"Exudyn ended at {watch.time:.17g} s, not at {watch.end:.17g} s")
     message = message or "the state is no longer finite"
     return f"{message} (t = {watch.time:.6g} s); {remedy}"
 
 
-def share_of(timer: Any, seconds: dict[str, float]) -> dict[str, float]:
-    """Stages of a solve as parts of its wall time; ``share_other`` is the rest."""
-    shares = {f"share_{name}": spent / timer.total for name, spent in seconds.items()}
+def shares_of(sums: Mapping[str, float], names: Iterable[str]) -> dict[str, float]:
+    """Stages of all solves as parts of their wall time; ``share_other`` is the rest."""
+    total = sums["total"]
+    shares = {f"share_{name}": sums[name] / total if total > 0.0 else 0.0 for name in names}
     return {**shares, "share_other": 1.0 - sum(shares.values())}
 
 

@@ -8,6 +8,7 @@ steps, and steps end where a pin touches or leaves.
 """
 
 import math
+import time as clock
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -16,18 +17,29 @@ import exudyn as exu
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.account import Account
 from presswear.compiled import specialised
 from presswear.contacts import JOINT_RATES
 from presswear.energy import Ledger, mass_of, stored_energy, weight_of
-from presswear.engines.base import Plan, Run, Start, TreeAccuracy, account_of, described, listed
+from presswear.engines.base import (
+    Plan,
+    Run,
+    Start,
+    TreeAccuracy,
+    account_of,
+    described,
+    listed,
+    run_cycles,
+)
 from presswear.engines.exudyn_solve import (
     Accept,
     StepLimit,
     Watch,
     post_step,
     quiet,
+    set_span,
     settings_of,
-    share_of,
+    shares_of,
     solve,
     timed,
 )
@@ -42,8 +54,9 @@ from presswear.engines.tree_kernels import (
 )
 from presswear.errors import InputError
 from presswear.linkage import Guide, Linkage
-from presswear.observe import Account, Book
+from presswear.observe import Book
 from presswear.prescribed import hinge_of
+from presswear.snapshot import Snapshot, named, part
 from presswear.springs import pack_springs
 from presswear.tree import CARRIED, Tree, cranks_of, tree_of
 
@@ -58,6 +71,11 @@ _INSTANT = 1e-12
 """Length of the step that asks Exudyn for the accelerations at the start, s."""
 
 
+_STAGES = ("forces", "mass_matrix", "integrator", "end_of_step")
+_SUMS = ("steps", "sent_back", "wall", "total", *_STAGES)
+"""What is summed over the cycles of a run."""
+
+
 @dataclass
 class Model:
     """An assembled tree; the three views of its coordinates stay live during the solve."""
@@ -67,6 +85,15 @@ class Model:
     x: Any
     u: Any
     u_t: Any
+
+    def begin(self, settings: Any, watch: Watch, longest: float) -> None:
+        """Let the next solve begin from the present state, up to the end of the cycle."""
+        data = self.system.systemData
+        initial = exu.ConfigurationType.Initial
+        data.SetODE2Coordinates(np.array(self.x), initial)
+        data.SetODE2Coordinates_t(np.array(self.u), initial)
+        set_span(settings, watch.time, watch.end, longest)
+        settings.timeIntegration.initialStepSize = watch.proposed
 
 
 def _turned(angle: float) -> Array:
@@ -184,11 +211,10 @@ class _Forces:
         return force
 
 
-def _settings(accuracy: TreeAccuracy, plan: Plan) -> Any:
-    settings = settings_of(plan, accuracy.free_step, SHORTEST_STEP)
+def _settings(accuracy: TreeAccuracy) -> Any:
+    settings = settings_of(accuracy.free_step, SHORTEST_STEP)
     integration = settings.timeIntegration
     integration.automaticStepSize = True
-    integration.initialStepSize = FIRST_STEP
     integration.stepSizeMaxIncrease = 1e9  # growth is limited by next_tree_step
     # Exudyn's relative part takes the state with its sign; only an absolute one is sound.
     integration.absoluteTolerance = accuracy.tolerance
@@ -201,10 +227,12 @@ def _settings(accuracy: TreeAccuracy, plan: Plan) -> Any:
 
 def _accelerations_at_start(model: Model) -> Array:
     """Accelerations of the coordinates at t = 0, from one vanishing step of Exudyn's."""
-    settings = settings_of(Plan(_INSTANT, 1), _INSTANT, _INSTANT)
+    settings = settings_of(_INSTANT, _INSTANT)
     settings.timeIntegration.explicit.computeEndOfStepAccelerations = False
+    x, u = np.array(model.x), np.array(model.u)
     with quiet():
         model.system.SolveDynamic(settings, solverType=exu.DynamicSolverType.ExplicitEuler)
+    model.x[:], model.u[:] = x, u
     return np.array(model.u_t)
 
 
@@ -263,7 +291,7 @@ def simulate(linkage: Linkage, start: Start, accuracy: TreeAccuracy, plan: Plan)
         forces = _Forces(system, book, np.zeros(len(tree.links)))
         model = assemble(tree, linkage, start, forces.function())
         forces.x, forces.u = model.x, model.u
-        watch = Watch(account, plan)
+        watch = Watch(account, plan, dict.fromkeys(_SUMS, 0.0), proposed=FIRST_STEP)
         accept = _accept(model, system, book)
         limit = StepLimit(watch)
         model.system.SetPreStepUserFunction(lambda system, t: limit.pre_step(system, t))
@@ -277,20 +305,50 @@ def simulate(linkage: Linkage, start: Start, accuracy: TreeAccuracy, plan: Plan)
     tree_state(system, book, 0.0, model.x, model.u, np.zeros(len(tree.links)))
     book.touch["energy"] = book.states["energy"]  # of pins that start pressed in
     stored_before, momentum_before = energy()
-    with timed(times, "wall_solve_s"):
+    settings = _settings(accuracy)
+
+    def advance(end: float) -> str:
+        watch.begin(end)
+        model.begin(settings, watch, accuracy.free_step)
+        began = clock.perf_counter()
         message = solve(
             model.system,
-            _settings(accuracy, plan),
+            settings,
             exu.DynamicSolverType.DOPRI5,
             watch,
             "a smaller tree_tolerance may help",
         )
+        solver = model.system.sys["dynamicSolver"]
+        watch.add({"wall": clock.perf_counter() - began, **_wall_times(solver.timer)})
+        watch.add({"sent_back": solver.it.rejectedAutomaticStepSizeSteps})
+        return message
+
+    def snapshot() -> Snapshot:
+        return {
+            **{name: array.copy() for name, array in kept.items()},
+            **named("watch", watch.snapshot()),
+            **named("account", account.snapshot()),
+        }
+
+    kept = {
+        "x": np.asarray(model.x),
+        "u": np.asarray(model.u),
+        "expected": system.expected,
+        "pace": system.pace,
+        "state": system.state,
+    }
+    if plan.begun is not None:
+        for name, array in kept.items():
+            array[...] = plan.begun[name]
+        watch.restore(part(plan.begun, "watch"))
+        account.restore(part(plan.begun, "account"))
+    status, message = run_cycles(account, plan, advance, snapshot)
     stored_after, momentum_after = energy()
-    book.ledger[0] += momentum_after - momentum_before
-    solver = model.system.sys["dynamicSolver"]
-    pace = system.pace[0]
+    sums, pace = watch.sums, system.pace[0]
+    ledger = book.ledger.copy()
+    ledger[0] += momentum_after - momentum_before
     result = Run(
-        status=watch.ended,
+        status=status,
         message=message,
         account=account,
         end=Start(system.state[0].copy(), system.state[1].copy()),
@@ -300,14 +358,15 @@ def simulate(linkage: Linkage, start: Start, accuracy: TreeAccuracy, plan: Plan)
             "model": described(linkage, _model_words(tree, linkage)),
             "solver": f"Exudyn DOPRI5 at tolerance {accuracy.tolerance:g}, "
             "steps end on touches and separations",
-            "steps": watch.steps,
-            "steps_sent_back": int(solver.it.rejectedAutomaticStepSizeSteps),
+            "steps": int(sums["steps"]),
+            "steps_sent_back": int(sums["sent_back"]),
             "evaluations": int(pace["evaluations"]),
             "events": int(pace["events"]),
             "deepest_touch_m": float(pace["deepest_touch"]),
             **times,
-            **Ledger.of(book.ledger, stored_after - stored_before).as_dict(),
-            **_wall_shares(solver.timer),
+            "wall_solve_s": sums["wall"],
+            **Ledger.of(ledger, stored_after - stored_before).as_dict(),
+            **shares_of(sums, _STAGES),
         },
     )
     model.container.Reset()
@@ -332,18 +391,16 @@ def _warm_up(tree: Tree, linkage: Linkage, start: Start, accuracy: TreeAccuracy)
     specialised(hinge_power_integral, system)
 
 
-def _wall_shares(timer: Any) -> dict[str, float]:
-    """Where the solve's time went, as parts of its wall time.
+def _wall_times(timer: Any) -> dict[str, float]:
+    """Where the time of a solve went, s; ``total`` is all of it.
 
     Forces include the tree's own in C++ and the Python user function; the step's end is
     contact state, wear, recording and the choice of the next step.
     """
-    return share_of(
-        timer,
-        {
-            "forces": timer.ODE2RHS,
-            "mass_matrix": timer.massMatrix + timer.factorization + timer.newtonIncrement,
-            "integrator": timer.integrationFormula + timer.errorEstimator,
-            "end_of_step": timer.python,
-        },
-    )
+    return {
+        "total": timer.total,
+        "forces": timer.ODE2RHS,
+        "mass_matrix": timer.massMatrix + timer.factorization + timer.newtonIncrement,
+        "integrator": timer.integrationFormula + timer.errorEstimator,
+        "end_of_step": timer.python,
+    }

@@ -12,7 +12,8 @@ from presswear.figures.motion import centre_trajectory, contact_force, response
 from presswear.figures.style import DOTS_PER_INCH, SETTINGS, Drawing
 from presswear.figures.surfaces import worn_surfaces
 from presswear.figures.wear import wear_depth
-from presswear.results import StoredResult, write_whole
+from presswear.files import write_whole
+from presswear.results import StoredResult
 
 __all__ = ["Drawing", "Figure", "draw_all", "drawings", "save"]
 

@@ -13,7 +13,7 @@ from presswear.figures.style import (
     WIDTH,
     Sheet,
 )
-from presswear.results import write_whole
+from presswear.files import write_whole
 from presswear.traces import Array, Difference
 
 BEYOND = 1.5

@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 
+from presswear.account import Account
 from presswear.engines.base import Run
 from presswear.hard.case import Case, Finding, energy_of, engine_name, guarded, ran
 from presswear.hard.scenes import BASE
-from presswear.observe import Account
 from presswear.press import Press
 from presswear.scene import Scene
 from presswear.starts import start_of

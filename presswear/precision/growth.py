@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.account import Account
 from presswear.engines import engine_for
 from presswear.engines.base import DaeAccuracy, Plan, Run, Start
 from presswear.errors import RunError
 from presswear.linkage import Linkage
-from presswear.observe import Account
 from presswear.scene import Scene
 from presswear.starts import APART, disturbed, start_of
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from presswear.errors import InputError
+from presswear.files import read_json, write_bytes
 from presswear.precision.chaos import Chaos
 from presswear.precision.extent import Extent
 from presswear.precision.ladder import method_as_dict, method_from_dict
@@ -16,7 +17,7 @@ from presswear.precision.points import Diagram, Effort, Point
 from presswear.precision.sheets import statistic_rows, wear_rows
 from presswear.precision.study import Precision
 from presswear.precision.wear import WearStudy
-from presswear.results import plain, read_json, write_bytes
+from presswear.results import plain
 from presswear.scene import Scene
 
 SCHEMA = 1

@@ -16,7 +16,7 @@ from presswear.precision.horizon import check_clearance
 from presswear.precision.measure import measure
 from presswear.precision.points import Diagram
 from presswear.precision.wear import WearStudy
-from presswear.results import provenance
+from presswear.provenance import provenance
 from presswear.scene import Scene
 
 

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.account import Account
 from presswear.film import FILM_JOINT, Film
 from presswear.linkage import ClearanceJoint, Linkage
-from presswear.observe import Account
 from presswear.replay.picture import Picture
 from presswear.replay.reel import PATH_FRAMES, Instant, Subject, Surfaces
 from presswear.replay.window import Window, begin, check_display, wait_open

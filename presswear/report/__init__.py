@@ -6,6 +6,7 @@ from pathlib import Path
 
 from presswear.figures import draw_all
 from presswear.figures.numbers import readable, whole, with_interval
+from presswear.files import write_bytes
 from presswear.laws import delivered_restitution, lankarani_nikravesh_damping
 from presswear.quantities import Choice
 from presswear.report.origin import (
@@ -27,7 +28,7 @@ from presswear.report.parts import (
     stage_names,
 )
 from presswear.report.wear import deepest_with_interval, growth, spread, wear_rows
-from presswear.results import StoredResult, write_bytes
+from presswear.results import StoredResult
 from presswear.settings import SET, settings_of
 
 

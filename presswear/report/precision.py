@@ -6,6 +6,7 @@ from pathlib import Path
 from presswear.figures import save
 from presswear.figures.numbers import given, readable, with_interval
 from presswear.figures.precision import precision_drawings
+from presswear.files import write_bytes
 from presswear.precision.growth import HIGH, LOW, PARTED
 from presswear.precision.recommendation import RULES, Recommendation, recommend
 from presswear.precision.study import Precision
@@ -23,7 +24,6 @@ from presswear.report.precision_tables import (
     wear_cost_table,
     wear_table,
 )
-from presswear.results import write_bytes
 from presswear.starts import APART
 
 

@@ -8,9 +8,9 @@ import matplotlib
 from presswear.figures import save
 from presswear.figures.runaway import two_wears
 from presswear.figures.style import SETTINGS
+from presswear.files import write_bytes
 from presswear.report.page import Illustration, render_page
 from presswear.report.parts import Table
-from presswear.results import write_bytes
 from presswear.runaway import CYCLES, RUNAWAY, Outcome, answer, outcome_of
 from presswear.studies import Study, results_of
 

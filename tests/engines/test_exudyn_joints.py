@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from presswear.account import Account
 from presswear.catalog import ideal, wear_times
 from presswear.engines.base import JointsAccuracy, Plan, Run, Start
 from presswear.engines.exudyn_joints import simulate
@@ -25,7 +26,6 @@ from presswear.linkage import (
     Probe,
     WearLaw,
 )
-from presswear.observe import Account
 from presswear.press import GEOMETRIES, Press
 from presswear.scene import CONVENTIONS
 from presswear.starts import start_of

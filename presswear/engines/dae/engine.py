@@ -7,7 +7,15 @@ from numpy.typing import NDArray
 
 from presswear.constraints import Constraints
 from presswear.energy import SETTLED, Ledger, made_energy, stored_energy
-from presswear.engines.base import DaeAccuracy, Plan, Run, Start, Status, account_of, described
+from presswear.engines.base import (
+    DaeAccuracy,
+    Plan,
+    Run,
+    Start,
+    account_of,
+    described,
+    run_cycles,
+)
 from presswear.engines.dae.dynamics import (
     DRIVE_INTEGRALS,
     JOINT_INTEGRALS,
@@ -29,6 +37,7 @@ from presswear.engines.dae.march import (
 from presswear.engines.dae.runge_kutta import MOST_STAGES, dormand_prince_5, dormand_prince_8
 from presswear.errors import InputError
 from presswear.linkage import Linkage
+from presswear.snapshot import Snapshot, named, numbers, part, set_numbers
 
 Array = NDArray[np.float64]
 
@@ -86,6 +95,17 @@ def _reactions(system: System, constraints: Constraints) -> dict[str, tuple[floa
     return found
 
 
+def _problem(state: int, time: float, constraints: Constraints, y: Array, n: int) -> str:
+    """What went wrong where a march ended as ``state`` says, and near which joint."""
+    reason = "the state is no longer finite" if state == BROKEN else "the step vanished"
+    message = f"{reason} (t = {time:.6g} s)"
+    if state != STUCK:
+        return message
+    jacobian = constraints.evaluate(time, y[:n], y[n : 2 * n])[3]
+    singular = dependent_joint(jacobian, constraints.names, 1e-2)
+    return message + (f"; joint {singular} is near a singular position" if singular else "")
+
+
 def simulate(linkage: Linkage, start: Start, accuracy: DaeAccuracy, plan: Plan) -> Run:
     """Run a linkage from a start; see ``Plan`` and ``Run``."""
     began = clock.perf_counter()
@@ -126,40 +146,37 @@ def simulate(linkage: Linkage, start: Start, accuracy: DaeAccuracy, plan: Plan) 
         return stored_energy(linkage, book.touch["energy"], y[:n], y[n : 2 * n])
 
     energy_before = stored()
-    ended: Status = "completed"
-    message = ""
     duration = plan.cycle * plan.cycles
-    made = ""
-    for cycle in range(1, plan.cycles + 1):
+    walls = {"solve": 0.0}
+
+    def advance(end: float) -> str:
+        began = clock.perf_counter()
         state = RUNNING
         while state == RUNNING:
-            state = march(plan.cycle * cycle, _CHUNK)
+            state = march(end, _CHUNK)
             time = float(control["time"][0])
             plan.progress(min(time / duration, 1.0))
             lost = float(y[2 * n + DRIVE_INTEGRALS :: JOINT_INTEGRALS].sum())
             made = made_energy(lost, float(y[2 * n + 1])) if time > SETTLED * plan.cycle else ""
             if made:
-                break
-        if made:
-            ended, message = "failed", f"{made} (t = {time:.6g} s)"
-            break
-        if state != DONE:
-            ended = "failed"
-            reason = "the state is no longer finite" if state == BROKEN else "the step vanished"
-            time = float(control["time"][0])
-            message = f"{reason} (t = {time:.6g} s)"
-            jacobian = constraints.evaluate(time, y[:n], y[n : 2 * n])[3]
-            if state == STUCK:
-                singular = dependent_joint(jacobian, constraints.names, 1e-2)
-                message += f"; joint {singular} is near a singular position" if singular else ""
-            break
-        account.end_cycle()
-        if cycle == plan.recorded_cycles:
-            account.stop_recording()
-        if cycle < plan.cycles and plan.enough(account):
-            ended = "enough"
-            break
-    solved = clock.perf_counter()
+                return f"{made} (t = {time:.6g} s)"
+        walls["solve"] += clock.perf_counter() - began
+        return "" if state == DONE else _problem(state, time, constraints, y, n)
+
+    def snapshot() -> Snapshot:
+        return {
+            **{name: array.copy() for name, array in kept.items()},
+            "walls": numbers(walls),
+            **named("account", account.snapshot()),
+        }
+
+    kept = {"y": y, "slope": motion.slopes[0], "control": control}
+    if plan.begun is not None:
+        for name, array in kept.items():
+            array[...] = plan.begun[name]
+        set_numbers(walls, plan.begun["walls"])
+        account.restore(part(plan.begun, "account"))
+    ended, message = run_cycles(account, plan, advance, snapshot)
     losses = y[2 * n + DRIVE_INTEGRALS :].reshape(-1, JOINT_INTEGRALS).sum(axis=0)
     work, exchange = y[2 * n : 2 * n + DRIVE_INTEGRALS]
     ledger = Ledger(
@@ -186,7 +203,7 @@ def simulate(linkage: Linkage, start: Start, accuracy: DaeAccuracy, plan: Plan) 
             "constraint_velocity_error_m_s": float(control["velocity_error"][0]),
             **ledger.as_dict(),
             "wall_compile_s": ready - began,
-            "wall_solve_s": solved - ready,
+            "wall_solve_s": walls["solve"],
         },
     )
 

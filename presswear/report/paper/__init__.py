@@ -4,6 +4,7 @@ from pathlib import Path
 
 from presswear.figures import save
 from presswear.figures.paper import paper_drawings
+from presswear.files import write_bytes
 from presswear.paper.evidence import Evidence
 from presswear.paper.variants import BASE, STARTS
 from presswear.report.origin import convention_set, conventions, parameters, provenance
@@ -20,7 +21,7 @@ from presswear.report.paper.numbers import numbers_table, ranges_table, ratios_t
 from presswear.report.paper.runs import runs_table
 from presswear.report.paper.summary import counts_table, findings, headline
 from presswear.report.paper.trends import judged
-from presswear.results import StoredResult, write_bytes
+from presswear.results import StoredResult
 from presswear.studies import Study, results_of
 
 

@@ -1,0 +1,55 @@
+"""Being stopped: SIGINT, SIGTERM and SIGHUP end a command in the same way.
+
+The handler raises KeyboardInterrupt wherever the program is.  That can be a place that
+swallows it, so the command asks again whenever it tells its progress.
+"""
+
+import shlex
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import FrameType
+
+NAMES = ("SIGINT", "SIGTERM", "SIGHUP")
+_received: list[int] = []
+
+
+def _stop(number: int, frame: FrameType | None) -> None:
+    _received.append(number)
+    raise KeyboardInterrupt
+
+
+@contextmanager
+def stoppable() -> Iterator[None]:
+    """Let signals stop what is inside; those that somebody had ignored stay ignored."""
+    _received.clear()
+    before = {}
+    for name in NAMES:
+        number = getattr(signal, name, None)
+        if number is not None and signal.getsignal(number) != signal.SIG_IGN:
+            try:
+                before[number] = signal.signal(number, _stop)
+            except ValueError:  # not in the main thread: the program around decides
+                break
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def check_stopped() -> None:
+    """KeyboardInterrupt where a signal has come that nothing has answered."""
+    if _received:
+        raise KeyboardInterrupt
+
+
+def exit_code() -> int:
+    """128 and the number of the signal that came."""
+    return 128 + (_received[0] if _received else signal.SIGINT)
+
+
+def go_on_with(name: str, folder: Path) -> str:
+    """The command that goes on with a run."""
+    return f"go on with: presswear run {name} --resume --out {shlex.quote(str(folder))}"
