@@ -219,18 +219,18 @@ class Growth:
         return self.remaining <= 0.0
 
 
-def worn_out(joints: tuple[ClearanceJoint, ...], worn: Worn) -> str | None:
-    """Which surface has lost so much that there is no pin or wall left; None if none."""
+def worn_out(joints: tuple[ClearanceJoint, ...], worn: Worn) -> tuple[str, str] | None:
+    """Which joint has lost too much, and how much; None if none.
+
+    A bearing or pin that is worn deeper than the clearance is no pin in a round bearing any
+    more: a small clearance is what the whole model rests on.
+    """
     for joint in joints:
-        bearing, pin = worn[joint.name]
-        for name, surface, limit in (
-            ("bearing", bearing, joint.bearing_radius),
-            ("pin", pin, joint.pin_radius),
-        ):
+        for name, surface in zip(("bearing", "pin"), worn[joint.name], strict=True):
             deepest = float(surface.depth.max(initial=0.0))
-            if deepest >= limit:
-                return (
-                    f"the {name} of joint {joint.name} would lose {deepest:.3g} m, "
-                    f"all of its radius of {limit:.3g} m"
+            if deepest > joint.clearance:
+                return joint.name, (
+                    f"the {name} would lose {deepest:.3g} m, more than the clearance of "
+                    f"{joint.clearance:.3g} m"
                 )
     return None

@@ -16,6 +16,7 @@ from presswear.pace import Pace, Watcher
 from presswear.scene import Scene, stage_name
 from presswear.standing import Standing
 from presswear.statistics import stage_statistics
+from presswear.watch import Finding
 
 __all__ = ["Pace", "Stage", "Watcher", "run_campaign", "run_stage"]
 
@@ -46,6 +47,8 @@ class Stage:
     steps : tuple of WearStep
         How the wear was applied; empty after the last stage.
     statistics : dict
+    finding : Finding or None
+        What ended the stage, or the wear after it.
     """
 
     index: int
@@ -56,6 +59,7 @@ class Stage:
     amplification: float
     steps: tuple[WearStep, ...]
     statistics: dict[str, Any]
+    finding: Finding | None = None
 
     @property
     def linkage(self) -> Linkage:
@@ -64,7 +68,12 @@ class Stage:
 
 
 def stage_of(
-    scene: Scene, index: int, ran: Ensemble, added: Array, steps: tuple[WearStep, ...]
+    scene: Scene,
+    index: int,
+    ran: Ensemble,
+    added: Array,
+    steps: tuple[WearStep, ...],
+    finding: Finding | None,
 ) -> Stage:
     """A stage with its statistics."""
     factor = scene.amplification.factor(max(ran.cycles, 1))
@@ -80,13 +89,13 @@ def stage_of(
     statistics["energy_exchanged_J"] = diagnostics["drive_exchange_J"]
     if steps:
         factor = steps[0].factor
-    return Stage(index, ran, added, batches, weights, factor, steps, statistics)
+    return Stage(index, ran, added, batches, weights, factor, steps, statistics, finding)
 
 
 def without_wear(scene: Scene, index: int, ran: Ensemble) -> Stage:
     """A stage after which no wear is applied; tells what one would add in one jump."""
     added = ran.depth() * scene.represented_cycles
-    return stage_of(scene, index, ran, added, ())
+    return stage_of(scene, index, ran, added, (), ran.finding)
 
 
 def run_stage(scene: Scene, index: int, worn: Worn, watcher: Watcher) -> Stage:
@@ -107,7 +116,7 @@ def growths(
     pace: Pace,
     begun: Underway,
     keep: Callable[[Growth, Underway], None],
-) -> Iterator[tuple[Growth, str]]:
+) -> Iterator[tuple[Growth, Finding | None]]:
     """The wear after a stage, step by step from its first, each with what is wrong, if anything.
 
     Ends with the represented cycles, or with the first thing that is wrong.
@@ -126,9 +135,11 @@ def growths(
         gone = worn_out(ran.linkage.clearances, growth.worn)
         if gone is not None:
             where = step_name(index, growth) if len(growth.steps) > 1 else f"after stage {index}"
-            yield growth, f"{where} {gone}; fewer represented_cycles may help"
+            joint, what = gone
+            remedy = "fewer represented_cycles may help"
+            yield growth, Finding("wear", f"{where} {what}", ran.time, joint, remedy)
             return
-        yield growth, ""
+        yield growth, None
         if growth.is_complete:
             return
         # The depths of the steps add up, their errors only as the root of the sum of squares.
@@ -138,8 +149,9 @@ def growths(
             scene, growth.worn, growth.remaining, tolerance, pace, begun, partial(keep, growth)
         )
         begun = NOTHING
-        if ran.failure:
-            yield growth, f"after {step_name(index, growth)}: {ran.failure}"
+        if ran.finding:
+            what = f"after {step_name(index, growth)}: {ran.finding.what}"
+            yield growth, replace(ran.finding, what=what)
             return
         growth = growth.after(scene.amplification, ran.sample())
 
@@ -197,17 +209,18 @@ def run_campaign(scene: Scene, watcher: Watcher, begun: Standing | None = None) 
             return "completed", ""
         amplification = scene.amplification
         first = at.growth or Growth.begin(amplification, worn).after(amplification, ran.sample())
-        growth, problem = first, ""
+        growth: Growth = first
+        finding: Finding | None = None
         # What is underway is of the stage itself before its wear has begun.
         underway = NOTHING if at.ran is None else at.underway
         try:
             for reached in growths(scene, index, ran, first, pace, underway, partial(keep, ran)):
-                growth, problem = reached
+                growth, finding = reached
         finally:
             # The stage ran to its end, even where somebody stops the wear after it.
-            watcher.stage(stage_of(scene, index, ran, growth.added, growth.steps))
-        if problem:
-            return "failed", problem
+            watcher.stage(stage_of(scene, index, ran, growth.added, growth.steps, finding))
+        if finding:
+            return "failed", finding.words
         at = Standing(index + 1, growth.worn, pace=pace.numbers())
         watcher.keep(at, True)
     return "completed", ""

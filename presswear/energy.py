@@ -94,9 +94,12 @@ def made_energy(contact_loss: float, exchange: float) -> str:
         return ""
     return (
         f"the contacts made {-contact_loss:.3g} J, where the drives exchanged {exchange:.3g} J: "
-        "the worn surfaces are too steep for contact = radial (foundation can follow them), "
-        "or the steps are too coarse"
+        "the worn surfaces are too steep for contact = radial, or the steps are too coarse"
     )
+
+
+MADE_REMEDY = "contact = foundation can follow steep surfaces; else finer steps"
+"""What may help where contacts made energy."""
 
 
 @dataclass(frozen=True)

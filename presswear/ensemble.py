@@ -29,6 +29,7 @@ from presswear.sampling import (
 from presswear.scene import Scene
 from presswear.snapshot import Snapshot
 from presswear.starts import start_of
+from presswear.watch import Finding
 
 Array = NDArray[np.float64]
 
@@ -72,6 +73,11 @@ class Ensemble:
         if last.status != "failed":
             return ""
         return last.message if len(self.runs) == 1 else f"start {len(self.runs)}: {last.message}"
+
+    @property
+    def finding(self) -> Finding | None:
+        """What ended it where it failed."""
+        return self.runs[-1].finding
 
     @property
     def status(self) -> str:

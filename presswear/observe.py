@@ -177,6 +177,7 @@ def observe(book: Book, t: float, h: float, q: Array, v: Array, a: Array) -> Non
             duration = min(h, t - touch[k].onset_time)
             counts.closed_time += duration
             counts.peak_force = max(counts.peak_force, contact.normal)
+            counts.deepest = max(counts.deepest, contact.penetration)
             touch[k].peak_force = max(touch[k].peak_force, contact.normal)
             cycle[base] = max(cycle[base], contact.normal)
         cycle[base + 1] += book.doses[k, 0]

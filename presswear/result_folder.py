@@ -161,6 +161,7 @@ class ResultFolder:
                 "index": stage.index,
                 "status": ensemble.status,
                 "message": ensemble.failure,
+                "finding": stage.finding.as_dict() if stage.finding else None,
                 "amplification": stage.amplification,
                 "wear_steps": [step.as_dict() for step in stage.steps],
                 "simulated_s": ensemble.time,

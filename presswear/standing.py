@@ -11,6 +11,7 @@ from presswear.linkage import Linkage
 from presswear.scene import Scene
 from presswear.snapshot import Snapshot, named, part
 from presswear.surface import Surface
+from presswear.watch import Finding
 
 Document = Mapping[str, Any]
 
@@ -133,7 +134,7 @@ def _run(prefix: str, run: Run, arrays: dict[str, Any]) -> dict[str, Any]:
     arrays |= {f"{prefix}/q": run.end.position, f"{prefix}/v": run.end.velocity}
     return {
         "status": run.status,
-        "message": run.message,
+        "finding": run.finding.as_dict() if run.finding else None,
         "time": run.time,
         "reactions": {name: list(values) for name, values in run.reactions.items()},
         "diagnostics": run.diagnostics,
@@ -151,7 +152,7 @@ def _restored_runs(
         found.append(
             Run(
                 told["status"],
-                told["message"],
+                Finding.from_dict(told["finding"]) if told["finding"] else None,
                 account,
                 Start(own["q"], own["v"]),
                 told["time"],

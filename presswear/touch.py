@@ -48,6 +48,7 @@ TALLY = np.dtype(
         ("unresolved", np.int64),  # of fewer than LEAST_STEPS
         ("fewest_steps", np.int64),
         ("peak_force", np.float64),  # of the run so far, N
+        ("deepest", np.float64),  # penetration of the run so far, m
         ("closed_time", np.float64),  # s
     ]
 )

@@ -26,6 +26,7 @@ from presswear.result_folder import ResultFolder
 from presswear.results import load
 from presswear.scene import CONVENTIONS, Scene, stage_name
 from presswear.surface import bin_centres
+from presswear.watch import Finding
 
 Array = NDArray[np.float64]
 Law = Callable[[int, ClearanceJoint, Array], Array]
@@ -74,7 +75,7 @@ class FakeEngine:
         failed = self.runs == self.fails
         return Run(
             "failed" if failed else "completed",
-            "the solver found no step" if failed else "",
+            Finding("state", "the solver found no step", 0.1, "", "") if failed else None,
             account,
             start,
             plan.cycle * plan.cycles,

@@ -12,6 +12,7 @@ from presswear.compiled import Records
 from presswear.linkage import Linkage
 from presswear.snapshot import Snapshot
 from presswear.touch import STEPS
+from presswear.watch import Condition, Finding, examine
 
 Array = NDArray[np.float64]
 
@@ -160,8 +161,8 @@ class Run:
     ----------
     status : {"completed", "enough", "failed"}
         ``enough``: ended by the plan's question before the most cycles.
-    message : str
-        What was modelled and how, or what went wrong.
+    finding : Finding or None
+        What ended a run that failed.
     account : Account
         Everything observed.
     end : Start
@@ -176,12 +177,17 @@ class Run:
     """
 
     status: Status
-    message: str
+    finding: Finding | None
     account: Account
     end: Start
     time: float
     reactions: dict[str, tuple[float, ...]]
     diagnostics: dict[str, float | int | str] = field(default_factory=dict)
+
+    @property
+    def message(self) -> str:
+        """What went wrong, in a line, or nothing."""
+        return self.finding.words if self.finding else ""
 
 
 def account_of(linkage: Linkage, start: Start, plan: Plan) -> Account:
@@ -194,12 +200,14 @@ def account_of(linkage: Linkage, start: Start, plan: Plan) -> Account:
 
 
 def run_cycles(
+    linkage: Linkage,
     account: Account,
     plan: Plan,
-    advance: Callable[[float], str],
+    advance: Callable[[float], Finding | None],
+    condition: Callable[[], Condition],
     snapshot: Callable[[], Snapshot],
-) -> tuple[Status, str]:
-    """Run cycle by cycle; returns how it ended and what went wrong, or nothing.
+) -> tuple[Status, Finding | None]:
+    """Run cycle by cycle; returns how it ended and what went wrong, if anything.
 
     Every cycle begins in the same way from the state that the last one left, whether this
     process computed that or read it: a run that was killed and goes on gives the same numbers.
@@ -207,7 +215,9 @@ def run_cycles(
     Parameters
     ----------
     advance : callable
-        Integrates up to a time, s; returns what went wrong, or nothing.
+        Integrates up to a time, s; returns what went wrong, if anything.
+    condition : callable
+        How the run stands after a cycle, which is examined.
     snapshot : callable
         The state of the whole run between two cycles.
     """
@@ -217,12 +227,12 @@ def run_cycles(
             if plan.keep is not None:
                 plan.keep(snapshot())
             if done >= plan.cycles:
-                return "completed", ""
+                return "completed", None
             if plan.enough(account):
-                return "enough", ""
-        problem = advance(plan.cycle * (done + 1))
-        if problem:
-            return "failed", problem
+                return "enough", None
+        finding = advance(plan.cycle * (done + 1)) or examine(linkage, account, condition())
+        if finding:
+            return "failed", finding
         account.end_cycle()
         if done + 1 == plan.recorded_cycles:
             account.stop_recording()

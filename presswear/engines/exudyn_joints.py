@@ -39,8 +39,12 @@ from presswear.engines.joint_kernels import Drives, accept_joint_step, shorter_j
 from presswear.linkage import Linkage
 from presswear.observe import Book
 from presswear.snapshot import Snapshot, named, part
+from presswear.watch import Condition, Finding
 
 Array = NDArray[np.float64]
+
+REMEDY = "more steps_per_contact may help"
+"""What makes a run finer."""
 
 _STAGES = (
     "forces_and_connectors",
@@ -136,22 +140,31 @@ def simulate(linkage: Linkage, start: Start, accuracy: JointsAccuracy, plan: Pla
     before = stored_energy(linkage, energies, start.position, start.velocity)
     settings = _settings(accuracy)
 
-    def advance(end: float) -> str:
+    def advance(end: float) -> Finding | None:
         watch.begin(end)
         model.begin(settings, watch.time, end, accuracy.free_step)
         began = clock.perf_counter()
-        message = solve(
+        finding = solve(
             model.system,
             settings,
             exu.DynamicSolverType.TrapezoidalIndex2,
             watch,
-            "more steps per contact may help",
+            REMEDY,
         )
         solver = model.system.sys["dynamicSolver"]
         watch.add({"wall": clock.perf_counter() - began, **_wall_times(solver.timer)})
         watch.add({"newton": solver.it.newtonStepsCount, "jacobians": solver.it.newtonJacobiCount})
         watch.add({"sent_back": send_back.taken()})
-        return message
+        return finding
+
+    def state() -> tuple[Array, Array]:
+        return np.array(model.frame.q), np.array(model.frame.v)
+
+    def ledger() -> Ledger:
+        return Ledger.of(book.ledger, stored_energy(linkage, energies, *state()) - before)
+
+    def condition() -> Condition:
+        return Condition(watch.time, ledger(), *state(), REMEDY)
 
     def snapshot() -> Snapshot:
         return {
@@ -166,13 +179,12 @@ def simulate(linkage: Linkage, start: Start, accuracy: JointsAccuracy, plan: Pla
             array[...] = plan.begun[name]
         watch.restore(part(plan.begun, "watch"))
         account.restore(part(plan.begun, "account"))
-    status, message = run_cycles(account, plan, advance, snapshot)
+    status, finding = run_cycles(linkage, account, plan, advance, condition, snapshot)
     sums = watch.sums
-    q, v = np.array(model.frame.q), np.array(model.frame.v)
-    after = stored_energy(linkage, energies, q, v)
+    q, v = state()
     result = Run(
         status=status,
-        message=message,
+        finding=finding,
         account=account,
         end=Start(q, v),
         time=watch.time,
@@ -186,7 +198,7 @@ def simulate(linkage: Linkage, start: Start, accuracy: JointsAccuracy, plan: Pla
             "jacobians": int(sums["jacobians"]),
             **times,
             "wall_solve_s": sums["wall"],
-            **Ledger.of(book.ledger, after - before).as_dict(),
+            **ledger().as_dict(),
             **shares_of(sums, _STAGES),
         },
     )

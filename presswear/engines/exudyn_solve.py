@@ -12,9 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.account import Account
-from presswear.energy import SETTLED, made_energy
+from presswear.energy import MADE_REMEDY, SETTLED, made_energy
 from presswear.engines.base import Plan
 from presswear.snapshot import Snapshot, numbers, set_numbers
+from presswear.watch import Finding
 
 END_TOLERANCE = 1e-10
 """Exudyn ends a run this close to its end time, s; a cycle is closed the same way."""
@@ -183,8 +184,8 @@ def set_span(settings: Any, begin: float, end: float, longest: float) -> None:
     integration.numberOfSteps = max(1, math.ceil((end - begin) / longest - 1e-6))
 
 
-def solve(system: Any, settings: Any, solver: Any, watch: Watch, remedy: str) -> str:
-    """Run Exudyn's solver up to the end of a cycle; returns what went wrong, or nothing.
+def solve(system: Any, settings: Any, solver: Any, watch: Watch, remedy: str) -> Finding | None:
+    """Run Exudyn's solver up to the end of a cycle; returns what went wrong, if anything.
 
     Parameters
     ----------
@@ -205,15 +206,15 @@ def solve(system: Any, settings: Any, solver: Any, watch: Watch, remedy: str) ->
     if watch.error is not None:
         raise watch.error
     if watch.reached:
-        return ""
+        return None
     if watch.reason:
-        return f"{watch.reason} (t = {watch.time:.6g} s)"
+        return Finding("energy", watch.reason, watch.time, "", MADE_REMEDY)
     if system.sys["dynamicSolver"].output.simulationStoppedByUser and not watch.is_broken:
         raise KeyboardInterrupt
     if not message and not watch.is_broken:
         raise RuntimeError(f"Exudyn ended at {watch.time:.17g} s, not at {watch.end:.17g} s")
     message = message or "the state is no longer finite"
-    return f"{message} (t = {watch.time:.6g} s); {remedy}"
+    return Finding("state", message, watch.time, "", remedy)
 
 
 def shares_of(sums: Mapping[str, float], names: Iterable[str]) -> dict[str, float]:

@@ -59,8 +59,12 @@ from presswear.prescribed import hinge_of
 from presswear.snapshot import Snapshot, named, part
 from presswear.springs import pack_springs
 from presswear.tree import CARRIED, Tree, cranks_of, tree_of
+from presswear.watch import Condition, Finding
 
 Array = NDArray[np.float64]
+
+REMEDY = "a smaller tree_tolerance may help"
+"""What makes a run finer."""
 
 _EXUDYN: Any = exu  # its type hints do not know the arguments of its lists
 SHORTEST_STEP = 1e-13
@@ -307,21 +311,31 @@ def simulate(linkage: Linkage, start: Start, accuracy: TreeAccuracy, plan: Plan)
     stored_before, momentum_before = energy()
     settings = _settings(accuracy)
 
-    def advance(end: float) -> str:
+    def advance(end: float) -> Finding | None:
         watch.begin(end)
         model.begin(settings, watch, accuracy.free_step)
         began = clock.perf_counter()
-        message = solve(
+        finding = solve(
             model.system,
             settings,
             exu.DynamicSolverType.DOPRI5,
             watch,
-            "a smaller tree_tolerance may help",
+            REMEDY,
         )
         solver = model.system.sys["dynamicSolver"]
         watch.add({"wall": clock.perf_counter() - began, **_wall_times(solver.timer)})
         watch.add({"sent_back": solver.it.rejectedAutomaticStepSizeSteps})
-        return message
+        return finding
+
+    def ledger() -> Ledger:
+        stored, momentum = energy()
+        sums = book.ledger.copy()
+        sums[0] += momentum - momentum_before
+        return Ledger.of(sums, stored - stored_before)
+
+    def condition() -> Condition:
+        q, v = system.state[0].copy(), system.state[1].copy()
+        return Condition(watch.time, ledger(), q, v, REMEDY)
 
     def snapshot() -> Snapshot:
         return {
@@ -342,14 +356,11 @@ def simulate(linkage: Linkage, start: Start, accuracy: TreeAccuracy, plan: Plan)
             array[...] = plan.begun[name]
         watch.restore(part(plan.begun, "watch"))
         account.restore(part(plan.begun, "account"))
-    status, message = run_cycles(account, plan, advance, snapshot)
-    stored_after, momentum_after = energy()
+    status, finding = run_cycles(linkage, account, plan, advance, condition, snapshot)
     sums, pace = watch.sums, system.pace[0]
-    ledger = book.ledger.copy()
-    ledger[0] += momentum_after - momentum_before
     result = Run(
         status=status,
-        message=message,
+        finding=finding,
         account=account,
         end=Start(system.state[0].copy(), system.state[1].copy()),
         time=watch.time,
@@ -365,7 +376,7 @@ def simulate(linkage: Linkage, start: Start, accuracy: TreeAccuracy, plan: Plan)
             "deepest_touch_m": float(pace["deepest_touch"]),
             **times,
             "wall_solve_s": sums["wall"],
-            **Ledger.of(ledger, stored_after - stored_before).as_dict(),
+            **ledger().as_dict(),
             **shares_of(sums, _STAGES),
         },
     )

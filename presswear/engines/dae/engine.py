@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.constraints import Constraints
-from presswear.energy import SETTLED, Ledger, made_energy, stored_energy
+from presswear.energy import MADE_REMEDY, SETTLED, Ledger, made_energy, stored_energy
 from presswear.engines.base import (
     DaeAccuracy,
     Plan,
@@ -24,7 +24,6 @@ from presswear.engines.dae.dynamics import (
     system_of,
 )
 from presswear.engines.dae.march import (
-    BROKEN,
     CONTROL,
     DONE,
     RUNNING,
@@ -38,8 +37,12 @@ from presswear.engines.dae.runge_kutta import MOST_STAGES, dormand_prince_5, dor
 from presswear.errors import InputError
 from presswear.linkage import Linkage
 from presswear.snapshot import Snapshot, named, numbers, part, set_numbers
+from presswear.watch import Condition, Finding
 
 Array = NDArray[np.float64]
+
+REMEDY = "a smaller integration_tolerance or equal_step, or integrator=dop853, may help"
+"""What makes a run finer."""
 
 PAPER_STEP = 1e-4
 """Integral step of the paper's Table 2, s."""
@@ -95,15 +98,18 @@ def _reactions(system: System, constraints: Constraints) -> dict[str, tuple[floa
     return found
 
 
-def _problem(state: int, time: float, constraints: Constraints, y: Array, n: int) -> str:
+def _problem(state: int, time: float, constraints: Constraints, y: Array, n: int) -> Finding:
     """What went wrong where a march ended as ``state`` says, and near which joint."""
-    reason = "the state is no longer finite" if state == BROKEN else "the step vanished"
-    message = f"{reason} (t = {time:.6g} s)"
     if state != STUCK:
-        return message
+        return Finding("state", "the state is no longer finite", time, "", REMEDY)
     jacobian = constraints.evaluate(time, y[:n], y[n : 2 * n])[3]
     singular = dependent_joint(jacobian, constraints.names, 1e-2)
-    return message + (f"; joint {singular} is near a singular position" if singular else "")
+    if singular:
+        what, remedy = "the step vanished near a singular position", "other lengths of the links"
+        return Finding("state", what, time, singular, remedy)
+    return Finding(
+        "state", "the step vanished", time, "", "a larger integration_tolerance may help"
+    )
 
 
 def simulate(linkage: Linkage, start: Start, accuracy: DaeAccuracy, plan: Plan) -> Run:
@@ -149,7 +155,7 @@ def simulate(linkage: Linkage, start: Start, accuracy: DaeAccuracy, plan: Plan) 
     duration = plan.cycle * plan.cycles
     walls = {"solve": 0.0}
 
-    def advance(end: float) -> str:
+    def advance(end: float) -> Finding | None:
         began = clock.perf_counter()
         state = RUNNING
         while state == RUNNING:
@@ -159,9 +165,20 @@ def simulate(linkage: Linkage, start: Start, accuracy: DaeAccuracy, plan: Plan) 
             lost = float(y[2 * n + DRIVE_INTEGRALS :: JOINT_INTEGRALS].sum())
             made = made_energy(lost, float(y[2 * n + 1])) if time > SETTLED * plan.cycle else ""
             if made:
-                return f"{made} (t = {time:.6g} s)"
+                return Finding("energy", made, time, "", MADE_REMEDY)
         walls["solve"] += clock.perf_counter() - began
-        return "" if state == DONE else _problem(state, time, constraints, y, n)
+        return None if state == DONE else _problem(state, time, constraints, y, n)
+
+    def ledger() -> Ledger:
+        losses = y[2 * n + DRIVE_INTEGRALS :].reshape(-1, JOINT_INTEGRALS).sum(axis=0)
+        work, exchange = y[2 * n : 2 * n + DRIVE_INTEGRALS]
+        contact, friction = float(losses[0]), float(losses[1])
+        return Ledger(float(work), float(exchange), stored() - energy_before, contact, friction)
+
+    def condition() -> Condition:
+        q, v = y[:n].copy(), y[n : 2 * n].copy()
+        time = float(control["time"][0])
+        return Condition(time, ledger(), q, v, REMEDY)
 
     def snapshot() -> Snapshot:
         return {
@@ -176,16 +193,11 @@ def simulate(linkage: Linkage, start: Start, accuracy: DaeAccuracy, plan: Plan) 
             array[...] = plan.begun[name]
         set_numbers(walls, plan.begun["walls"])
         account.restore(part(plan.begun, "account"))
-    ended, message = run_cycles(account, plan, advance, snapshot)
-    losses = y[2 * n + DRIVE_INTEGRALS :].reshape(-1, JOINT_INTEGRALS).sum(axis=0)
-    work, exchange = y[2 * n : 2 * n + DRIVE_INTEGRALS]
-    ledger = Ledger(
-        float(work), float(exchange), stored() - energy_before, float(losses[0]), float(losses[1])
-    )
+    ended, finding = run_cycles(linkage, account, plan, advance, condition, snapshot)
     rates(system, book.onset, float(control["time"][0]), y, motion.slopes[0])
     return Run(
         status=ended,
-        message=message,
+        finding=finding,
         account=account,
         end=Start(y[:n].copy(), y[n : 2 * n].copy()),
         time=float(control["time"][0]),
@@ -201,7 +213,7 @@ def simulate(linkage: Linkage, start: Start, accuracy: DaeAccuracy, plan: Plan) 
             "evaluations": int(control["evaluations"][0]),
             "constraint_error_m": float(control["position_error"][0]),
             "constraint_velocity_error_m_s": float(control["velocity_error"][0]),
-            **ledger.as_dict(),
+            **ledger().as_dict(),
             "wall_compile_s": ready - began,
             "wall_solve_s": walls["solve"],
         },
