@@ -241,7 +241,8 @@ def test_failure_inside_a_wear_names_the_step_and_keeps_the_stage(campaign: Camp
     seen = campaign(replace(SCENE, depth_step=0.01), engine)
     assert seen.status == "failed"
     assert seen.message == (
-        "after step 3 of the second wear (2.4e+06 of 4e+06 cycles): the solver found no step"
+        "after step 3 of the second wear (2.4e+06 of 4e+06 cycles): the solver found no step "
+        "(t = 0.1 s)"
     )
     assert [stage.index for stage in seen.stages] == [0, 1]
     assert [len(stage.steps) for stage in seen.stages] == [5, 3]
@@ -251,25 +252,34 @@ def test_failure_inside_a_wear_names_the_step_and_keeps_the_stage(campaign: Camp
 
 def test_failure_of_a_stage_is_told_as_before(campaign: Campaign) -> None:
     seen = campaign(replace(SCENE, depth_step=0.01), FakeEngine(constant, fails=6))
-    assert (seen.status, seen.message) == ("failed", "stage 1: the solver found no step")
+    assert (seen.status, seen.message) == (
+        "failed",
+        "stage 1: the solver found no step (t = 0.1 s)",
+    )
     assert [stage.ensemble.status for stage in seen.stages] == ["completed", "failed"]
 
 
 def test_a_surface_worn_through_in_a_step_is_named(campaign: Campaign) -> None:
-    """At half the clearance a step, the pin's radius of 14.2 mm is gone with step 36."""
+    """At half the clearance a step, the third is deeper than the clearance."""
     scene = replace(SCENE, depth_step=0.5, represented_cycles=1e3 * REPRESENTED)
     engine = FakeEngine(lambda run, joint, depth: RATE * np.ones((2, 360)))
     seen = campaign(scene, engine)
     assert seen.status == "failed"
-    assert seen.message.startswith("step 36 of the first wear (1.44e+09 of 4e+09 cycles) the pin")
-    assert [len(stage.steps) for stage in seen.stages] == [36]
-    assert engine.runs == 36
+    assert seen.message.startswith(
+        "joint A: step 3 of the first wear (1.2e+08 of 4e+09 cycles) the bearing would lose"
+    )
+    assert "more than the clearance of 0.0008 m" in seen.message
+    (stage,) = seen.stages
+    assert len(stage.steps) == 3
+    assert stage.finding is not None
+    assert (stage.finding.kind, stage.finding.joint) == ("wear", "A")
+    assert engine.runs == 3
 
 
 def test_a_surface_worn_through_in_one_jump_is_told_as_before(campaign: Campaign) -> None:
     scene = replace(SCENE, extrapolation="single", represented_cycles=1e3 * REPRESENTED)
     seen = campaign(scene, FakeEngine(constant))
-    assert seen.message.startswith("after stage 0 the bearing of joint A would lose 0.04 m")
+    assert seen.message.startswith("joint A: after stage 0 the bearing would lose 0.04 m")
 
 
 def test_a_stage_outlives_an_interrupted_wear(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -119,8 +119,16 @@ def maps_turn(result: StoredResult) -> bool:
 
 
 def moving_stages(result: StoredResult) -> list[ShownStage]:
-    """The shown stages that have a motion to show; one that failed at once has none."""
-    return [stage for stage in shown_stages(result) if stage.arrays["time"].size > 1]
+    """The shown stages that have a motion to show.
+
+    One that failed has none: up to where it was ended its numbers are worth nothing.
+    """
+    failed = {entry["index"] for entry in result.document["stages"] if entry["status"] == "failed"}
+    return [
+        stage
+        for stage in shown_stages(result)
+        if stage.index not in failed and stage.arrays["time"].size > 1
+    ]
 
 
 def shown_time(result: StoredResult) -> float:
