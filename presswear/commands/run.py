@@ -103,13 +103,16 @@ def _with_options(scene: Scene, arguments: argparse.Namespace) -> Scene:
 
 def _run(arguments: argparse.Namespace, console: Console) -> int:
     if arguments.scene in STUDIES:
-        return studies.run(arguments, console, partial(_with_options, arguments=arguments))
+        change = partial(_with_options, arguments=arguments)
+        return studies.run(arguments, console, None if _is_plain(arguments) else change)
     if arguments.jobs != "1":
         raise InputError(f"--jobs is for studies: {', '.join(STUDIES)}")
     interval = seconds_given("--checkpoint", arguments.checkpoint)
     if arguments.resume and arguments.out is None:
         raise InputError("--resume needs the folder to go on in: --out DIR")
-    scene = _stored_scene(arguments) if _is_plain_resume(arguments) else _scene_from(arguments)
+    goes_on = arguments.resume and (arguments.out / "result.json").exists()
+    told = goes_on and _is_plain(arguments)
+    scene = _stored_scene(arguments) if told else _scene_from(arguments)
     folder = arguments.out if arguments.out is not None else free_folder(scene.name)
     from presswear.report import write_report
     from presswear.result_folder import ResultFolder
@@ -131,14 +134,10 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
     return 0
 
 
-def _is_plain_resume(arguments: argparse.Namespace) -> bool:
-    """Whether a run is gone on with that is there, and nothing is said about its scene."""
-    return (
-        arguments.resume
-        and not arguments.set
-        and all(getattr(arguments, key) is None for key in (*OPTIONS, "conventions"))
-        and (arguments.out / "result.json").exists()
-    )
+def _is_plain(arguments: argparse.Namespace) -> bool:
+    """Whether nothing is said about the scene but its name."""
+    options = (*OPTIONS, "conventions")
+    return not arguments.set and all(getattr(arguments, key) is None for key in options)
 
 
 def _stored_scene(arguments: argparse.Namespace) -> Scene:
