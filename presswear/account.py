@@ -164,6 +164,14 @@ class Account:
         rows = book.film[: int(book.shutter["frames"][0])]
         return Film.of(rows, book.joints.size)
 
+    @property
+    def last_frames(self) -> Film:
+        """Frames up to now: of a film that is full, the one that is taken and taken again."""
+        book = self.book
+        frames = int(book.shutter["frames"][0])
+        first = frames if frames == len(book.film) - 1 else 0
+        return Film.of(book.film[first : max(frames, first + 1)], book.joints.size)
+
     def episodes(self, k: int) -> Array:
         """Recorded contacts of joint ``k``, shape (n, 6), columns EPISODE_COLUMNS."""
         return self.book.episodes[k, : int(self.book.tally["episodes"][k])]

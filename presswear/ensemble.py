@@ -192,7 +192,8 @@ def run_ensemble(
             torques=scene.drive_torque == "on",
             enough=watch.is_enough,
             progress=watch.tell,
-            begun=state,
+            begun=watch.begin,
+            resume=state,
             keep=None if keep is None else kept,
         )
         state = None
@@ -226,6 +227,11 @@ class _Watch:
         self._fewest = FEWEST if is_first else LEAST_SAMPLES
         self._needed = float(self.most)
         self._word = ""
+        self._account: Account | None = None
+
+    def begin(self, account: Account) -> None:
+        """The run begins to fill an account."""
+        self._account = account
 
     def is_enough(self, account: Account) -> bool:
         joints = self._linkage.clearances
@@ -252,3 +258,4 @@ class _Watch:
         """Part of the most cycles that is done."""
         own = min(part * self.most / self._needed, 1.0)
         self._pace.tell((len(self._earlier) + own) / self._scene.starts, self._word)
+        self._pace.watcher.live(self._pace.index, self._linkage, self._account)

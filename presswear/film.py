@@ -100,7 +100,8 @@ class Film:
     def of(rows: Array, joints: int) -> "Film":
         """Frames from rows as ``empty_film`` has them."""
         first = rows.shape[1] - FILM_JOINT_COUNT * joints
-        return Film(rows[:, 0], rows[:, 1:first], rows[:, first:].reshape(len(rows), joints, -1))
+        own = rows[:, first:].reshape(len(rows), joints, FILM_JOINT_COUNT)
+        return Film(rows[:, 0], rows[:, 1:first], own)
 
     def arrays(self, names: Sequence[str]) -> dict[str, Array]:
         """As it is stored: ``time``, ``position`` and ``J_COLUMN`` for joints of given names."""

@@ -13,8 +13,6 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from scipy.optimize import brentq
-
 from presswear.compiled import compiled
 
 StiffnessReading = Literal["paper", "refined"]
@@ -135,6 +133,8 @@ def delivered_restitution(damping: float) -> float:
     highest = min(1.0, (1.0 - 1e-15) / damping)
     if excess(highest) > 0.0:
         return highest
+    from scipy.optimize import brentq  # slow to import
+
     return float(brentq(excess, 0.0, highest, xtol=1e-15, rtol=1e-14))
 
 

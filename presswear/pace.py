@@ -21,6 +21,9 @@ class Watcher:
         Each finished stage, the wear after it included.
     overall : callable
         Part of the whole campaign done 0 .. 1, counted in runs as far as they are foreseen.
+    live : callable
+        Stage index, the linkage that runs and what its run has observed so far; called many
+        times a second.
     keep : callable
         After each cycle where the campaign stands (``Standing``), and whether it is the end
         of a stage.
@@ -29,10 +32,12 @@ class Watcher:
     progress: Callable[[int, float, str], None] = lambda stage, part, word: None
     stage: Callable[[Any], None] = lambda stage: None
     overall: Callable[[float], None] = lambda part: None
+    live: Callable[[int, Any, Any], None] = lambda stage, linkage, account: None
     keep: Callable[[Any, bool], None] = lambda standing, is_stage: None
 
 
 _NUMBERS = ("index", "earlier", "done", "expected", "worn_by", "_shown", "_shown_overall")
+"""Of a pace: everything that changes."""
 
 
 @dataclass

@@ -14,8 +14,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import f_oneway
-from scipy.stats import t as student
 
 from presswear.snapshot import Snapshot
 
@@ -64,6 +62,8 @@ def half_width(samples: Array) -> float | None:
     if count < 2:
         return None
     spread = float(samples.std(ddof=1)) / math.sqrt(count)
+    from scipy.stats import t as student  # slow to import
+
     return float(student.ppf(0.5 + 0.5 * LEVEL, count - 1)) * spread
 
 
@@ -255,6 +255,8 @@ _ENDS = (0.5 - 0.5 * LEVEL, 0.5 + 0.5 * LEVEL)
 
 def _widening(count: int) -> float:
     """Student's quantile over that of the normal distribution, and the bias of a spread."""
+    from scipy.stats import t as student  # slow to import
+
     quantile = float(student.ppf(_ENDS[1], count - 1) / student.ppf(_ENDS[1], math.inf))
     return quantile * math.sqrt(count / (count - 1))
 
@@ -331,4 +333,6 @@ def differ(samples: Sequence[Array]) -> bool:
     groups = [some for some in samples if some.size >= LEAST_SAMPLES]
     if len(groups) < 2 or all(np.ptp(some) == 0.0 for some in groups):
         return False
+    from scipy.stats import f_oneway  # slow to import
+
     return bool(f_oneway(*groups).pvalue < 0.01)

@@ -3,7 +3,6 @@
 import math
 
 import numpy as np
-from scipy.linalg import null_space
 
 from presswear.constraints import constraints_of
 from presswear.engines.base import Start
@@ -43,6 +42,8 @@ def disturbed(linkage: Linkage, start: Start, distance: float) -> Start | None:
     """
     constraints = constraints_of(linkage)
     jacobian = constraints.evaluate(0.0, start.position, start.velocity)[3]
+    from scipy.linalg import null_space  # slow to import
+
     free = null_space(jacobian)
     if free.shape[1] == 0:
         return None

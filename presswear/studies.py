@@ -139,7 +139,7 @@ def run_variant(
         nonlocal word
         word = text
 
-    watcher = Watcher(told, store.add, lambda part: progress(part, word), store.keep)
+    watcher = Watcher(told, store.add, lambda part: progress(part, word), keep=store.keep)
     try:
         store.close(*run_campaign(scene, watcher, store.begun))
     except KeyboardInterrupt:

@@ -1,6 +1,8 @@
 """``presswear run`` and ``presswear report``: a scene or a study into its result folder."""
 
 import argparse
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -30,6 +32,10 @@ if TYPE_CHECKING:
 
 OPTIONS = ("engine", "cycles", "wears", "tolerance")
 """Settings that have an option of their own."""
+
+
+LIVE_SIZE = (960, 640)
+"""Of the window that shows a run, pixels."""
 
 
 def add(commands: Any) -> None:
@@ -69,6 +75,7 @@ def add(commands: Any) -> None:
         metavar="SECONDS",
         help="time between two checkpoints within a stage (default 60; 0: after every cycle)",
     )
+    run.add_argument("--live", action="store_true", help="show the press in a window while it runs")
     run.set_defaults(run=_run)
 
     report = commands.add_parser(
@@ -103,6 +110,8 @@ def _with_options(scene: Scene, arguments: argparse.Namespace) -> Scene:
 
 def _run(arguments: argparse.Namespace, console: Console) -> int:
     if arguments.scene in STUDIES:
+        if arguments.live:
+            raise InputError(f"--live is for scenes; {arguments.scene} is a study of several")
         change = partial(_with_options, arguments=arguments)
         return studies.run(arguments, console, None if _is_plain(arguments) else change)
     if arguments.jobs != "1":
@@ -118,14 +127,15 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
     from presswear.result_folder import ResultFolder
     from presswear.results import load
 
-    store = ResultFolder(folder, scene, interval, arguments.resume)
-    for remark in store.remarks:
-        console.print(remark, highlight=False, soft_wrap=True)
-    if store.is_finished:
-        store.release()
-        console.print(f"the run in {folder} has come to its end before", highlight=False)
-    else:
-        _run_into(store, scene, console)
+    with _window(arguments, scene) as live:
+        store = ResultFolder(folder, scene, interval, arguments.resume)
+        for remark in store.remarks:
+            console.print(remark, highlight=False, soft_wrap=True)
+        if store.is_finished:
+            store.release()
+            console.print(f"the run in {folder} has come to its end before", highlight=False)
+        else:
+            _run_into(store, scene, live, console)
     status, message = store.outcome
     report = write_report(load(folder))
     console.print(f"results in {folder}, report in {report}", highlight=False)
@@ -153,7 +163,9 @@ def _stored_scene(arguments: argparse.Namespace) -> Scene:
     return scene
 
 
-def _run_into(store: "ResultFolder", scene: Scene, console: Console) -> None:
+def _run_into(
+    store: "ResultFolder", scene: Scene, live: Callable[..., None], console: Console
+) -> None:
     """Run a campaign into its folder, from where it stands."""
     from presswear.campaign import Watcher, run_campaign
 
@@ -171,7 +183,7 @@ def _run_into(store: "ResultFolder", scene: Scene, console: Console) -> None:
             bar.console.print(_model_line(stage), highlight=False)
             bar.console.print(_stage_line(stage), highlight=False)
 
-        watcher = Watcher(progress, finished, partial(_completed, bar, task), store.keep)
+        watcher = Watcher(progress, finished, partial(_completed, bar, task), live, store.keep)
         try:
             store.close(*run_campaign(scene, watcher, store.begun))
         except KeyboardInterrupt:
@@ -185,6 +197,21 @@ def _run_into(store: "ResultFolder", scene: Scene, console: Console) -> None:
             raise RunError(f"{error}{hint}") from error
         finally:
             store.release()
+
+
+@contextmanager
+def _window(arguments: argparse.Namespace, scene: Scene) -> Iterator[Callable[..., None]]:
+    """What shows the run while it lasts, where that is asked for."""
+    if not arguments.live:
+        yield lambda stage, linkage, account: None
+        return
+    from presswear.replay.live import Live
+
+    live = Live(scene, LIVE_SIZE)
+    try:
+        yield live.show
+    finally:
+        live.close()
 
 
 def _completed(bar: Progress, task: TaskID, part: float) -> None:

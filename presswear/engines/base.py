@@ -132,8 +132,10 @@ class Plan:
     enough : callable
         Asked after each cycle; True ends the run.
     progress : callable
-        Told the part of the most cycles that is done, 0 .. 1, a few times a second.
-    begun : Snapshot or None
+        Told the part of the most cycles that is done, 0 .. 1, many times a second.
+    begun : callable
+        Told the account that the run fills, before it begins.
+    resume : Snapshot or None
         State to go on from, of a run with the same linkage, start, accuracy and plan.
     keep : callable or None
         Told the state after each cycle, from which another process can go on.
@@ -145,7 +147,8 @@ class Plan:
     torques: bool = True
     enough: Callable[[Account], bool] = lambda account: False
     progress: Callable[[float], None] = lambda part: None
-    begun: Snapshot | None = None
+    begun: Callable[[Account], None] = lambda account: None
+    resume: Snapshot | None = None
     keep: Callable[[Snapshot], None] | None = None
 
 
@@ -183,9 +186,11 @@ class Run:
 
 def account_of(linkage: Linkage, start: Start, plan: Plan) -> Account:
     """The empty account of a run."""
-    return Account.of(
+    account = Account.of(
         linkage, start.position, plan.recorded_cycles, plan.cycle, torques=plan.torques
     )
+    plan.begun(account)
+    return account
 
 
 def run_cycles(

@@ -171,11 +171,11 @@ def simulate(linkage: Linkage, start: Start, accuracy: DaeAccuracy, plan: Plan) 
         }
 
     kept = {"y": y, "slope": motion.slopes[0], "control": control}
-    if plan.begun is not None:
+    if plan.resume is not None:
         for name, array in kept.items():
-            array[...] = plan.begun[name]
-        set_numbers(walls, plan.begun["walls"])
-        account.restore(part(plan.begun, "account"))
+            array[...] = plan.resume[name]
+        set_numbers(walls, plan.resume["walls"])
+        account.restore(part(plan.resume, "account"))
     ended, message = run_cycles(account, plan, advance, snapshot)
     losses = y[2 * n + DRIVE_INTEGRALS :].reshape(-1, JOINT_INTEGRALS).sum(axis=0)
     work, exchange = y[2 * n : 2 * n + DRIVE_INTEGRALS]
