@@ -4,60 +4,64 @@ Exit codes: 0 success; 1 a run that failed; 2 bad input; 130 and 143 stopped by 
 SIGTERM.
 """
 
-import argparse
 import sys
 from collections.abc import Sequence
-from typing import NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
-from rich.console import Console
-
-from presswear.commands import costs, crosscheck, precision, replay, run, scenes, verify
 from presswear.commands.stopping import exit_code, stoppable
 from presswear.errors import InputError, RunError
 
-COMMANDS = (scenes, run, replay, verify, crosscheck, costs, precision)
-"""In the order in which help lists them."""
+if TYPE_CHECKING:
+    import argparse
 
 
-class _Parser(argparse.ArgumentParser):
-    """Errors of usage in one line, like every other."""
+def _parser() -> "argparse.ArgumentParser":
+    # Imported when a signal is answered already: it takes most of a second.
+    import argparse
 
-    def error(self, message: str) -> NoReturn:
-        raise InputError(f"{message}; see {self.prog} --help")
+    from presswear.commands import costs, crosscheck, precision, replay, run, scenes, verify
 
+    class _Parser(argparse.ArgumentParser):
+        """Errors of usage in one line, like every other."""
 
-def _parser() -> argparse.ArgumentParser:
+        def error(self, message: str) -> NoReturn:
+            raise InputError(f"{message}; see {self.prog} --help")
+
     parser = _Parser(
         prog="presswear",
         description="Press linkages with worn joints: motion, contact and wear, in Exudyn.",
         epilog="example: presswear run wear-times --cycles 5 --out results/first",
     )
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    for module in COMMANDS:
+    for module in (scenes, run, replay, verify, crosscheck, costs, precision):
         module.add(commands)
     return parser
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Entry point of ``presswear`` and ``python -m presswear``; returns the exit code."""
-    console = Console()
-    problem = Console(stderr=True, soft_wrap=True, highlight=False, markup=False)
     try:
         with stoppable():
             arguments = _parser().parse_args(argv)
-            return int(arguments.run(arguments, console))
+            from rich.console import Console
+
+            return int(arguments.run(arguments, Console()))
     except InputError as error:
-        problem.print(f"presswear: {error}")
+        _tell(str(error))
         return 2
     except RunError as error:
-        problem.print(f"presswear: {error}")
+        _tell(str(error))
         return 1
     except OSError as error:
-        problem.print(f"presswear: {error.strerror}: {error.filename}")
+        _tell(f"{error.strerror}: {error.filename}")
         return 1
     except KeyboardInterrupt as error:
-        problem.print(f"presswear: {error if error.args else 'interrupted'}")
+        _tell(str(error) if error.args else "interrupted")
         return exit_code()
+
+
+def _tell(problem: str) -> None:
+    print(f"presswear: {problem}", file=sys.stderr)
 
 
 if __name__ == "__main__":

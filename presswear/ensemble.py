@@ -198,8 +198,8 @@ def run_ensemble(
             torques=scene.drive_torque == "on",
             enough=watch.is_enough,
             progress=watch.tell,
-            opened=watch.open,
-            begun=state,
+            begun=watch.begin,
+            resume=state,
             keep=None if keep is None else kept,
         )
         state = None
@@ -235,7 +235,7 @@ class _Watch:
         self._word = ""
         self._account: Account | None = None
 
-    def open(self, account: Account) -> None:
+    def begin(self, account: Account) -> None:
         """The run begins to fill an account."""
         self._account = account
 

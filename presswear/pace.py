@@ -37,6 +37,7 @@ class Watcher:
 
 
 _NUMBERS = ("index", "earlier", "done", "expected", "worn_by", "_shown", "_shown_overall")
+"""Of a pace: everything that changes."""
 
 
 @dataclass

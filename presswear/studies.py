@@ -2,25 +2,27 @@
 
 A study's folder holds ``study.json``, which says what is to be run, and one result folder
 for each variant.  Variants run in processes of their own; one that is finished is kept
-whatever happens to the others.
+whatever happens to the others, and one that is stopped goes on from its checkpoint.
 """
 
 import json
 import multiprocessing
 import queue
-import shutil
 import signal
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from types import FrameType
 from typing import Any
 
 from presswear.campaign import Watcher, run_campaign
-from presswear.errors import InputError
+from presswear.errors import InputError, RunError
 from presswear.files import read_json, write_bytes
-from presswear.result_folder import ResultFolder
-from presswear.results import StoredResult, load, plain
+from presswear.lock import is_free, make_folder, take_folder
+from presswear.provenance import provenance, provenance_differs
+from presswear.result_folder import INTERVAL, ResultFolder
+from presswear.results import FINISHED, StoredResult, load, plain
 from presswear.scene import Scene
 
 Told = Callable[[str, float, str], None]
@@ -31,6 +33,8 @@ Change = Callable[[Scene], Scene]
 
 FILE = "study.json"
 SCHEMA = 1
+_PATIENCE = 20.0
+"""Time in which a process that is stopped writes its checkpoint, s."""
 _POLL = 0.2
 """Time between two looks at the processes, s."""
 _CYCLES_OF_MAPS = 0.06
@@ -118,60 +122,84 @@ def load_study(folder: Path) -> Study:
         raise InputError(f"{file} is not whole: {error!r}") from None
 
 
-def run_variant(path: Path, scene: Scene, progress: Callable[[float, str], None]) -> None:
-    """Run a scene into a result folder; a run that fails is a result as well."""
-    store = ResultFolder(path, scene)
+def run_variant(
+    path: Path, scene: Scene, interval: float, progress: Callable[[float, str], None]
+) -> None:
+    """Run a scene into a result folder, or go on in it; a run that fails is a result as well.
+
+    Parameters
+    ----------
+    interval : float
+        Between two checkpoints, s.
+    """
+    store = ResultFolder(path, scene, interval, resume=True)
     word = ""
 
     def told(stage: int, part: float, text: str) -> None:
         nonlocal word
         word = text
 
-    watcher = Watcher(told, store.add, lambda part: progress(part, word))
-    status, message = run_campaign(scene, watcher)
-    store.close(status, message)
+    watcher = Watcher(told, store.add, lambda part: progress(part, word), keep=store.keep)
+    try:
+        store.close(*run_campaign(scene, watcher, store.begun))
+    except KeyboardInterrupt:
+        store.interrupt()
+        raise
+    finally:
+        store.release()
 
 
-def _work(folder: Path, tasks: Any, messages: Any) -> None:
-    """What one process does: variants, until there are none left."""
+def _stop(number: int, frame: FrameType | None) -> None:
+    raise KeyboardInterrupt
+
+
+def _work(folder: Path, interval: float, tasks: Any, messages: Any) -> None:
+    """What one process does: variants, until there are none left or it is told to stop."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides
+    signal.signal(signal.SIGTERM, _stop)
+    parent = multiprocessing.parent_process()
 
     def tell(key: str, part: float, word: str) -> None:
+        if parent is not None and not parent.is_alive():
+            raise KeyboardInterrupt  # nobody waits for this any more
         # The end is told once everything is written.
         messages.put((key, min(part, 0.999), word, None))
 
-    while (task := tasks.get()) is not None:
-        key, scene = task
-        try:
-            tell(key, 0.0, "")
-            run_variant(folder / key, scene, partial(tell, key))
-            messages.put((key, 1.0, "", None))
-        except BaseException as error:
-            messages.put((key, 1.0, "", f"{type(error).__name__}: {error}"))
-            raise
+    try:
+        while (task := tasks.get()) is not None:
+            key, scene = task
+            try:
+                tell(key, 0.0, "")
+                run_variant(folder / key, scene, interval, partial(tell, key))
+                messages.put((key, 1.0, "", None))
+            except Exception as error:
+                messages.put((key, 1.0, "", f"{type(error).__name__}: {error}"))
+                raise
+    except KeyboardInterrupt:
+        messages.cancel_join_thread()
 
 
 def is_finished(path: Path) -> bool:
     """Whether a folder holds the whole result of a scene."""
-    return (path / "result.json").exists() and load(path).document["status"] in (
-        "completed",
-        "failed",
-    )
+    return (path / "result.json").exists() and load(path).document["status"] in FINISHED
 
 
 def waiting(study: Study, folder: Path, resume: bool) -> list[Variant]:
-    """The variants that have to run; what an interrupted one left behind is removed.
+    """The variants that have to run, or to go on.
 
     Raises
     ------
     InputError
-        Where the folder holds something and nothing is to be resumed, or another study.
+        Where the folder holds something and nothing is to be resumed, or another study, or one
+        begun with other versions.
     """
     if not resume:
-        if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        if not is_free(folder):
             raise InputError(
                 f"--out {folder}: it exists and is not empty; name a new one or --resume"
             )
+        return list(study.variants)
+    if is_free(folder):
         return list(study.variants)
     found = load_study(folder)
     wanted = {v.key: v.scene for v in study.variants}
@@ -182,26 +210,55 @@ def waiting(study: Study, folder: Path, resume: bool) -> list[Variant]:
                 f"--out {folder}: it holds another study ({key} differs); "
                 "give the options of the first start, or name a new folder"
             )
-    left = [v for v in study.variants if not is_finished(folder / v.key)]
-    for variant in left:
-        shutil.rmtree(folder / variant.key, ignore_errors=True)
-    return left
+    here = provenance()
+    versions = provenance_differs(read_json(folder / FILE, "").get("provenance", here), here)
+    if versions:
+        raise InputError(
+            f"--out {folder}: it was begun by another program, with which its numbers would not "
+            f"agree: {versions}"
+        )
+    return [v for v in study.variants if not is_finished(folder / v.key)]
 
 
-def run_study(study: Study, folder: Path, jobs: int, resume: bool, told: Told) -> None:
+def run_study(
+    study: Study,
+    folder: Path,
+    jobs: int,
+    resume: bool,
+    told: Told,
+    interval: float = INTERVAL,
+) -> None:
     """Run the variants of a study that are not finished, so many at a time.
+
+    Parameters
+    ----------
+    interval : float
+        Between two checkpoints of a variant, s.
 
     Raises
     ------
-    RuntimeError
+    RunError
         Where a process ended in a way of its own.
     """
     left = waiting(study, folder, resume)
-    for variant in study.variants:
-        if variant not in left:
-            told(variant.key, 1.0, "")
-    folder.mkdir(parents=True, exist_ok=True)
-    write_bytes(folder / FILE, json.dumps(plain(study.as_dict()), indent=1).encode())
+    make_folder(folder)
+    lock = take_folder(folder)
+    try:
+        if not (folder / FILE).exists():
+            stored = {**study.as_dict(), "provenance": provenance()}
+            write_bytes(folder / FILE, json.dumps(plain(stored), indent=1).encode())
+        for variant in study.variants:
+            if variant not in left:
+                told(variant.key, 1.0, "")
+        _run_variants(left, folder, jobs, interval, told)
+    finally:
+        lock.release()
+
+
+def _run_variants(
+    left: Sequence[Variant], folder: Path, jobs: int, interval: float, told: Told
+) -> None:
+    """Run variants in so many processes."""
     context = multiprocessing.get_context("spawn")
     tasks: Any = context.Queue()
     messages: Any = context.Queue()
@@ -209,7 +266,7 @@ def run_study(study: Study, folder: Path, jobs: int, resume: bool, told: Told) -
     for variant in sorted(left, key=lambda v: v.extent, reverse=True):
         tasks.put((variant.key, variant.scene))
     workers = [
-        context.Process(target=_work, args=(folder, tasks, messages), daemon=True)
+        context.Process(target=_work, args=(folder, interval, tasks, messages), daemon=True)
         for _ in range(min(jobs, len(left)))
     ]
     try:
@@ -221,7 +278,7 @@ def run_study(study: Study, folder: Path, jobs: int, resume: bool, told: Told) -
             for worker in workers:
                 if worker.exitcode not in (None, 0):
                     _listen(messages, told)
-                    raise RuntimeError(f"a process ended with code {worker.exitcode}")
+                    raise RunError(f"a process ended with code {worker.exitcode}")
         _listen(messages, told)
     finally:
         # What nobody will fetch any more must not keep the program from ending.
@@ -229,7 +286,10 @@ def run_study(study: Study, folder: Path, jobs: int, resume: bool, told: Told) -
         for worker in workers:
             if worker.is_alive():
                 worker.terminate()
-                worker.join()
+        for worker in workers:
+            if worker.pid is not None:
+                worker.join(_PATIENCE)
+                worker.kill()
 
 
 def _listen(messages: Any, told: Told) -> None:
@@ -241,7 +301,7 @@ def _listen(messages: Any, told: Told) -> None:
         except queue.Empty:
             return
         if problem is not None:
-            raise RuntimeError(f"variant {key}: {problem}")
+            raise RunError(f"variant {key}: {problem}")
         told(key, part, word)
         wait = 0.0001
 

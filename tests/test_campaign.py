@@ -149,7 +149,9 @@ def test_scenes_say_which_mechanism_they_hold(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("document", "says"),
     [
-        ({"schema": 3, "stages": []}, "schema 3; this version reads 1 to 2"),
+        ({"schema": 4, "stages": []}, "schema 4; this version reads 1 to 3"),
+        ({"schema": 0, "stages": []}, "schema 0"),
+        ({"schema": 3, "stages": []}, "checksum does not fit"),
         ({"schema": 1, "scene": {"mechanism": {}}, "stages": []}, "not whole.*press"),
         ({"schema": 1, "scene": {"press": 3}, "stages": []}, "not whole"),
         ({"schema": 1, "scene": 3, "stages": []}, "not whole"),

@@ -1,8 +1,8 @@
 """Studies: running variants, resuming, what is refused; the runaway study's reading."""
 
-import json
 import math
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -16,7 +16,9 @@ from presswear.__main__ import main
 from presswear.catalog import STUDIES, wear_times
 from presswear.errors import InputError
 from presswear.figures.runaway import two_wears
+from presswear.results import load
 from presswear.runaway import Outcome, answer, outcome_of, runaway
+from presswear.sameness import folder_differences
 from presswear.settings import changed
 from presswear.studies import (
     Study,
@@ -25,6 +27,7 @@ from presswear.studies import (
     load_study,
     results_of,
     run_study,
+    run_variant,
     waiting,
 )
 
@@ -76,17 +79,29 @@ def test_resuming_keeps_what_is_finished(ran: tuple[Path, list[tuple[str, float]
     assert (folder / "one" / "result.json").stat().st_mtime_ns == before
 
 
-def test_an_interrupted_variant_runs_again(
+def test_an_interrupted_variant_goes_on_where_it_stood(
     ran: tuple[Path, list[tuple[str, float]]], tmp_path: Path
 ) -> None:
-    folder = tmp_path / "copy"
-    run_study(small(), folder, 2, False, lambda key, part, word: None)
-    file = folder / "one" / "result.json"
-    document = json.loads(file.read_text())
-    file.write_text(json.dumps(document | {"status": "interrupted"}))
-    left = waiting(small(), folder, resume=True)
-    assert [variant.key for variant in left] == ["one"]
-    assert not file.exists()
+    folder = tmp_path / "study"
+    study = small()
+    whole, _ = ran
+    heard = 0
+
+    def interrupt(part: float, word: str) -> None:
+        nonlocal heard
+        heard += part > 0.5
+        if heard > 3:
+            raise KeyboardInterrupt
+
+    shutil.copytree(whole, folder)
+    shutil.rmtree(folder / "one")
+    with pytest.raises(KeyboardInterrupt):
+        run_variant(folder / "one", study.variants[0].scene, 0.0, interrupt)
+    assert (folder / "one" / "checkpoint.npz").exists()
+    assert [variant.key for variant in waiting(study, folder, resume=True)] == ["one"]
+    run_study(study, folder, 1, True, lambda key, part, word: None)
+    assert folder_differences(folder / "one", whole / "one") == []
+    assert "resumed" in load(folder / "one").document["provenance"]
 
 
 def test_other_runs_in_the_folder_are_refused(ran: tuple[Path, list[tuple[str, float]]]) -> None:
@@ -158,6 +173,9 @@ def test_runaway_changes_one_thing_at_a_time_and_only_what_it_says() -> None:
         (["run", "paper", "--jobs", "two"], "--jobs two: a whole number from 1 to 256"),
         (["run", "runaway", "--resume"], "--out"),
         (["run", "wear-times", "--jobs", "2"], "for studies"),
+        (["run", "wear-times", "--resume"], "--out"),
+        (["run", "wear-times", "--checkpoint", "soon"], "--checkpoint soon: a number of seconds"),
+        (["run", "runaway", "--checkpoint", "-1"], "--checkpoint -1: a number of seconds"),
         (["run", "runaway", "--set", "nonsense=1"], "unknown key"),
         (["list", "runaway"], "study"),
     ],
@@ -198,10 +216,10 @@ def test_a_study_stops_at_once_and_keeps_what_is_finished(tmp_path: Path) -> Non
         time.sleep(0.05)
     began = time.monotonic()
     os.killpg(process.pid, signal.SIGINT)
-    said, error = process.communicate(timeout=20)
+    error = process.communicate(timeout=20)[1]
     assert time.monotonic() - began < 5.0
     assert process.returncode == 130, error
-    assert "--resume" in said
+    assert f"presswear run paper --resume --out {out}" in error
     assert error.count("\n") == 1
     study = load_study(out)
     finished = [v for v in study.variants if is_finished(out / v.key)]

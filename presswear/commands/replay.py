@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 
-from presswear.commands.terminal import progress_bar
+from presswear.commands.terminal import finished_part, progress_bar
 from presswear.errors import InputError
 from presswear.quantities import Meaning, parse_quantity
 
@@ -54,11 +54,11 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
         from presswear.replay.window import check_display
 
         check_display()
-    reels = [_reel(arguments.folder, arguments.stage)]
+    reels = [_reel(arguments.folder, arguments.stage, console)]
     if arguments.compare is not None:
         from presswear.replay.reel import alike
 
-        reels = alike([*reels, _compared(arguments)])
+        reels = alike([*reels, _compared(arguments, console)])
     if arguments.still is not None:
         return _still(arguments, console, reels, size)
     if arguments.movie is not None:
@@ -87,11 +87,10 @@ def _check(arguments: argparse.Namespace) -> None:
         check_movie(arguments.movie)
 
 
-def _reel(folder: Path, stage: str | None) -> "Reel":
+def _reel(folder: Path, stage: str | None, console: Console) -> "Reel":
     from presswear.replay.reel import reel_of
-    from presswear.results import load
 
-    result = load(folder)
+    result = finished_part(folder, console)
     last = len(result.stages) - 1
     if last < 0:
         raise InputError(f"{folder} has no finished stage")
@@ -102,15 +101,15 @@ def _reel(folder: Path, stage: str | None) -> "Reel":
     return reel_of(result, int(stage))
 
 
-def _compared(arguments: argparse.Namespace) -> "Reel":
+def _compared(arguments: argparse.Namespace, console: Console) -> "Reel":
     """What stands beside the first reel."""
     what: str = arguments.compare
     if what.isascii() and what.isdigit():
-        return _reel(arguments.folder, what)
+        return _reel(arguments.folder, what, console)
     folder, colon, stage = what.rpartition(":")
     if colon and stage.isascii() and stage.isdigit():
-        return _reel(Path(folder), stage)
-    return _reel(Path(what), arguments.stage)
+        return _reel(Path(folder), stage, console)
+    return _reel(Path(what), arguments.stage, console)
 
 
 def _time(option: str, text: str, reel: "Reel") -> float:

@@ -112,19 +112,22 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
     if arguments.scene in STUDIES:
         if arguments.live:
             raise InputError(f"--live is for scenes; {arguments.scene} is a study of several")
-        return studies.run(arguments, console, partial(_with_options, arguments=arguments))
+        change = partial(_with_options, arguments=arguments)
+        return studies.run(arguments, console, None if _is_plain(arguments) else change)
     if arguments.jobs != "1":
         raise InputError(f"--jobs is for studies: {', '.join(STUDIES)}")
     interval = seconds_given("--checkpoint", arguments.checkpoint)
     if arguments.resume and arguments.out is None:
         raise InputError("--resume needs the folder to go on in: --out DIR")
-    scene = _stored_scene(arguments) if _is_plain_resume(arguments) else _scene_from(arguments)
+    goes_on = arguments.resume and (arguments.out / "result.json").exists()
+    told = goes_on and _is_plain(arguments)
+    scene = _stored_scene(arguments) if told else _scene_from(arguments)
     folder = arguments.out if arguments.out is not None else free_folder(scene.name)
     from presswear.report import write_report
     from presswear.result_folder import ResultFolder
     from presswear.results import load
 
-    with _window(arguments, scene) as show:
+    with _window(arguments, scene) as live:
         store = ResultFolder(folder, scene, interval, arguments.resume)
         for remark in store.remarks:
             console.print(remark, highlight=False, soft_wrap=True)
@@ -132,7 +135,7 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
             store.release()
             console.print(f"the run in {folder} has come to its end before", highlight=False)
         else:
-            _run_into(store, scene, console, show)
+            _run_into(store, scene, live, console)
     status, message = store.outcome
     report = write_report(load(folder))
     console.print(f"results in {folder}, report in {report}", highlight=False)
@@ -141,14 +144,10 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
     return 0
 
 
-def _is_plain_resume(arguments: argparse.Namespace) -> bool:
-    """Whether a run is gone on with that is there, and nothing is said about its scene."""
-    return (
-        arguments.resume
-        and not arguments.set
-        and all(getattr(arguments, key) is None for key in (*OPTIONS, "conventions"))
-        and (arguments.out / "result.json").exists()
-    )
+def _is_plain(arguments: argparse.Namespace) -> bool:
+    """Whether nothing is said about the scene but its name."""
+    options = (*OPTIONS, "conventions")
+    return not arguments.set and all(getattr(arguments, key) is None for key in options)
 
 
 def _stored_scene(arguments: argparse.Namespace) -> Scene:
@@ -165,7 +164,7 @@ def _stored_scene(arguments: argparse.Namespace) -> Scene:
 
 
 def _run_into(
-    store: "ResultFolder", scene: Scene, console: Console, show: Callable[..., None]
+    store: "ResultFolder", scene: Scene, live: Callable[..., None], console: Console
 ) -> None:
     """Run a campaign into its folder, from where it stands."""
     from presswear.campaign import Watcher, run_campaign
@@ -184,8 +183,7 @@ def _run_into(
             bar.console.print(_model_line(stage), highlight=False)
             bar.console.print(_stage_line(stage), highlight=False)
 
-        overall = partial(_completed, bar, task)
-        watcher = Watcher(progress, finished, overall, show, store.keep)
+        watcher = Watcher(progress, finished, partial(_completed, bar, task), live, store.keep)
         try:
             store.close(*run_campaign(scene, watcher, store.begun))
         except KeyboardInterrupt:

@@ -8,10 +8,20 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import Progress, TaskID
 
-from presswear.commands.terminal import free_folder, jobs_given, progress_bar
+from presswear.commands.stopping import check_stopped, go_on_with
+from presswear.commands.terminal import free_folder, jobs_given, progress_bar, seconds_given
 from presswear.errors import InputError, RunError
 from presswear.scene import Scene
-from presswear.studies import Change, Study, Variant, load_study, run_study, waiting
+from presswear.studies import (
+    Change,
+    Study,
+    Variant,
+    is_study,
+    load_study,
+    run_study,
+    unchanged,
+    waiting,
+)
 
 Writer = Callable[[Study, Path], tuple[str, Path]]
 """Writes a study's report into its folder; gives its answer and its path."""
@@ -65,6 +75,7 @@ class Board:
 
     def tell(self, key: str, part: float, word: str) -> None:
         """A variant has come so far."""
+        check_stopped()
         label = self.variants[key].label
         is_news = part >= 1.0 > self.parts[key]
         self.parts[key] = max(part, self.parts[key])
@@ -84,26 +95,41 @@ class Board:
         self.bar.update(self.whole, completed=done)
 
 
-def run(arguments: argparse.Namespace, console: Console, change: Callable[[Scene], Scene]) -> int:
-    """Run a study into one folder, with a change that a person asked for."""
+def run(
+    arguments: argparse.Namespace, console: Console, change: Callable[[Scene], Scene] | None
+) -> int:
+    """Run a study into one folder, with a change that a person asked for.
+
+    Parameters
+    ----------
+    change : callable or None
+        None: none was asked for, and a study that is gone on with is the one in its folder.
+    """
     jobs = jobs_given(arguments.jobs)
+    interval = seconds_given("--checkpoint", arguments.checkpoint)
     if arguments.resume and arguments.out is None:
         raise InputError("--resume needs the folder to go on with: --out DIR")
-    study = _builder(arguments.scene)(change)
+    if change is None and arguments.resume and is_study(arguments.out):
+        study = load_study(arguments.out)
+        if study.name != arguments.scene:
+            raise InputError(
+                f"--out {arguments.out}: it holds the study {study.name}, not {arguments.scene}"
+            )
+    else:
+        study = _builder(arguments.scene)(change or unchanged)
     folder = arguments.out if arguments.out is not None else free_folder(study.name)
+    go_on = go_on_with(study.name, folder)
     waiting(study, folder, arguments.resume)
     try:
         with progress_bar(console) as bar:
             board = Board.of(study, bar)
-            run_study(study, folder, jobs, arguments.resume, board.tell)
+            run_study(study, folder, jobs, arguments.resume, board.tell, interval)
     except KeyboardInterrupt:
-        console.print(
-            f"finished runs are kept; the same command with --out {folder} --resume goes on",
-            highlight=False,
-        )
-        raise
-    except RuntimeError as error:
-        raise RunError(f"{error}; finished runs are kept in {folder}") from error
+        raise KeyboardInterrupt(
+            f"interrupted; finished runs are kept, the others go on where they stood; {go_on}"
+        ) from None
+    except RunError as error:
+        raise RunError(f"{error}; {go_on}") from error
     return report(folder, console)
 
 

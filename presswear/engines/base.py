@@ -134,9 +134,9 @@ class Plan:
         Asked after each cycle; True ends the run.
     progress : callable
         Told the part of the most cycles that is done, 0 .. 1, many times a second.
-    opened : callable
+    begun : callable
         Told the account that the run fills, before it begins.
-    begun : Snapshot or None
+    resume : Snapshot or None
         State to go on from, of a run with the same linkage, start, accuracy and plan.
     keep : callable or None
         Told the state after each cycle, from which another process can go on.
@@ -148,8 +148,8 @@ class Plan:
     torques: bool = True
     enough: Callable[[Account], bool] = lambda account: False
     progress: Callable[[float], None] = lambda part: None
-    opened: Callable[[Account], None] = lambda account: None
-    begun: Snapshot | None = None
+    begun: Callable[[Account], None] = lambda account: None
+    resume: Snapshot | None = None
     keep: Callable[[Snapshot], None] | None = None
 
 
@@ -195,7 +195,7 @@ def account_of(linkage: Linkage, start: Start, plan: Plan) -> Account:
     account = Account.of(
         linkage, start.position, plan.recorded_cycles, plan.cycle, torques=plan.torques
     )
-    plan.opened(account)
+    plan.begun(account)
     return account
 
 

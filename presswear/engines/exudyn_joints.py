@@ -174,11 +174,11 @@ def simulate(linkage: Linkage, start: Start, accuracy: JointsAccuracy, plan: Pla
         }
 
     kept = {**model.state(), "force": drives.force}
-    if plan.begun is not None:
+    if plan.resume is not None:
         for name, array in kept.items():
-            array[...] = plan.begun[name]
-        watch.restore(part(plan.begun, "watch"))
-        account.restore(part(plan.begun, "account"))
+            array[...] = plan.resume[name]
+        watch.restore(part(plan.resume, "watch"))
+        account.restore(part(plan.resume, "account"))
     status, finding = run_cycles(linkage, account, plan, advance, condition, snapshot)
     sums = watch.sums
     q, v = state()

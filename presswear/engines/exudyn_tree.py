@@ -351,11 +351,11 @@ def simulate(linkage: Linkage, start: Start, accuracy: TreeAccuracy, plan: Plan)
         "pace": system.pace,
         "state": system.state,
     }
-    if plan.begun is not None:
+    if plan.resume is not None:
         for name, array in kept.items():
-            array[...] = plan.begun[name]
-        watch.restore(part(plan.begun, "watch"))
-        account.restore(part(plan.begun, "account"))
+            array[...] = plan.resume[name]
+        watch.restore(part(plan.resume, "watch"))
+        account.restore(part(plan.resume, "account"))
     status, finding = run_cycles(linkage, account, plan, advance, condition, snapshot)
     sums, pace = watch.sums, system.pace[0]
     result = Run(

@@ -188,11 +188,11 @@ def simulate(linkage: Linkage, start: Start, accuracy: DaeAccuracy, plan: Plan) 
         }
 
     kept = {"y": y, "slope": motion.slopes[0], "control": control}
-    if plan.begun is not None:
+    if plan.resume is not None:
         for name, array in kept.items():
-            array[...] = plan.begun[name]
-        set_numbers(walls, plan.begun["walls"])
-        account.restore(part(plan.begun, "account"))
+            array[...] = plan.resume[name]
+        set_numbers(walls, plan.resume["walls"])
+        account.restore(part(plan.resume, "account"))
     ended, finding = run_cycles(linkage, account, plan, advance, condition, snapshot)
     rates(system, book.onset, float(control["time"][0]), y, motion.slopes[0])
     return Run(

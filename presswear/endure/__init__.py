@@ -1,0 +1,1 @@
+"""What happens to runs on other people's machines, tried on purpose."""

@@ -1,0 +1,113 @@
+"""Runs stopped at random moments, gone on with, and held against one that was left alone."""
+
+import random
+import signal
+import tempfile
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from presswear.endure.subject import SUBJECTS, Progress, Subject
+from presswear.endure.trial import Trial
+from presswear.errors import InputError
+from presswear.lock import holder
+from presswear.sameness import folder_differences
+
+
+@dataclass
+class _Chain:
+    """One run, stopped and gone on with until it comes to its end.
+
+    Attributes
+    ----------
+    stops : int
+        How often it was stopped.
+    problems : list of str
+        What was not as it should be.
+    """
+
+    subject: Subject
+    out: Path
+    stops: int = 0
+    problems: list[str] = field(default_factory=list)
+
+    def run(self, number: signal.Signals, most: int, wait: random.Random, longest: float) -> None:
+        """Stop it at most so many times, each time after a random time up to ``longest``, s."""
+        while self.stops < most:
+            process = self.subject.start(self.out, "--resume")
+            time.sleep(wait.uniform(0.0, longest))
+            had_begun = f"process {process.pid} " in (holder(self.out) or "")
+            process.send_signal(number)
+            said, error = process.communicate()
+            if process.returncode == 0:
+                return  # it was faster
+            self.stops += 1
+            self._judge(number, process.returncode, error, had_begun)
+        code, said = self.subject.finish(self.out, "--resume")
+        if code != 0:
+            self.problems.append(f"ended with code {code}: {said.strip()[-300:]}")
+
+    def _judge(self, number: signal.Signals, code: int, error: str, had_begun: bool) -> None:
+        """Whether it stopped as it should."""
+        if number == signal.SIGKILL:
+            expected: tuple[int, ...] = (-number,)
+        else:
+            # As Python itself starts, it answers in its own way.
+            expected = (128 + number,) if had_begun else (128 + number, -number)
+        if code not in expected:
+            self.problems.append(f"stopped with code {code}: {error.strip()[-300:]}")
+        elif had_begun and number != signal.SIGKILL and error.strip().count("\n"):
+            self.problems.append(f"said more than a line: {error.strip()[-300:]}")
+
+
+def killed(
+    number: signal.Signals, count: int, seed: int, progress: Progress, subjects: int = 3
+) -> Trial:
+    """Stop runs of all engines in turn so many times in all by a signal.
+
+    Parameters
+    ----------
+    number : Signals
+        SIGKILL, SIGINT or SIGTERM.
+    seed : int
+        Of the random moments.
+    subjects : int
+        How many of the engines are tried.
+    """
+    what = f"{number.name} at a random moment, gone on with"
+    wait = random.Random(seed)
+    tried = survived = chains = 0
+    notes: list[str] = []
+    with tempfile.TemporaryDirectory() as place:
+        folder = Path(place)
+        lasts: dict[str, float] = {}
+        while tried < count:
+            subject = SUBJECTS[chains % subjects]
+            whole = folder / f"whole-{subject.engine}"
+            if subject.engine not in lasts:
+                progress(f"{what}: {subject.engine} left alone", tried / count)
+                began = time.monotonic()
+                code, said = subject.finish(whole)
+                lasts[subject.engine] = time.monotonic() - began
+                if code != 0:
+                    raise InputError(f"{subject.engine} does not run: {said.strip()}")
+            progress(f"{what}: {subject.engine}", tried / count)
+            chain = _Chain(subject, folder / f"run-{chains}")
+            chain.run(number, min(4, count - tried), wait, lasts[subject.engine])
+            problems = chain.problems
+            if not problems:
+                problems = _apart(whole, chain.out)
+            tried += chain.stops
+            survived += 0 if problems else chain.stops
+            notes += [f"{subject.engine}: {problem}" for problem in problems]
+            chains += 1
+    note = "; ".join(notes) or f"{chains} runs of {subjects} engines end equal, bit for bit"
+    return Trial(what, tried, survived, note)
+
+
+def _apart(whole: Path, out: Path) -> list[str]:
+    """What differs between two runs' folders, or why that cannot be told."""
+    try:
+        return folder_differences(whole, out)[:3]
+    except InputError as error:
+        return [str(error)]
