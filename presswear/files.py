@@ -64,10 +64,20 @@ def write_bytes(path: Path, data: bytes) -> None:
     write_whole(path, write)
 
 
-def write_arrays(path: Path, arrays: Mapping[str, NDArray[Any]]) -> str:
-    """Write arrays by name as ``write_whole`` does; returns the file's digest."""
+def write_arrays(
+    path: Path,
+    arrays: Mapping[str, NDArray[Any]],
+    pack: Callable[..., None] = np.savez_compressed,
+) -> str:
+    """Write arrays by name as ``write_whole`` does; returns the file's digest.
+
+    Parameters
+    ----------
+    pack : callable
+        ``np.savez_compressed`` or ``np.savez``.
+    """
     packed = io.BytesIO()
-    np.savez_compressed(packed, allow_pickle=False, **arrays)
+    pack(packed, allow_pickle=False, **arrays)
     write_bytes(path, packed.getvalue())
     return digest(packed.getvalue())
 

@@ -12,6 +12,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from presswear.campaign import Stage
 from presswear.checkpoint import FILE as CHECKPOINT
 from presswear.checkpoint import read_checkpoint, write_checkpoint
@@ -153,9 +155,12 @@ class ResultFolder:
         joints = [joint.name for joint in ensemble.linkage.clearances]
         arrays = stage_arrays(self._scene, stage)
         film = ensemble.accounts[0].film.arrays(joints)
+        numbers, frames = _files_of(stage.index)
         with self._writing():
-            for name, held in zip(_files_of(stage.index), (arrays, film), strict=True):
-                self._document["files"][name] = write_arrays(self.path / name, held)
+            files = self._document["files"]
+            files[numbers] = write_arrays(self.path / numbers, arrays)
+            # Compressing would take longer than all else about a film and win a tenth.
+            files[frames] = write_arrays(self.path / frames, film, np.savez)
         self._document["stages"].append(
             {
                 "index": stage.index,
