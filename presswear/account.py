@@ -179,6 +179,7 @@ class Account:
     def stop_recording(self) -> None:
         """Keep no further series rows and episodes."""
         self.book.record["room"] = 0
+        self.book.tally["full"] = True
 
     def start_cycle(self) -> None:
         """Clear the row and the maps of the present cycle."""

@@ -50,7 +50,7 @@ RECORD = np.dtype(
         ("probe_sin", np.float64),
         ("start", np.float64),  # watched coordinate at the start, m
         ("steps", np.int64),
-        ("room", np.int64),  # rows and episodes that may be written
+        ("room", np.int64),  # rows that may be written
     ]
 )
 """Where the recording stands."""

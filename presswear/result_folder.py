@@ -180,6 +180,7 @@ class ResultFolder:
     def keep(self, standing: Standing, is_stage: bool) -> None:
         """Note where the run stands, and write it down at the end of a stage or when it is due."""
         self._latest = standing
+        self._check()
         waited = time.perf_counter() - self._saved
         due = self._interval == 0.0 or waited >= max(self._interval, LEAST_WAIT * self._took)
         if is_stage or due:
@@ -236,14 +237,18 @@ class ResultFolder:
         with self._writing():
             write_bytes(self.path / FILE, sealed_json(plain(self._document)))
 
-    @contextmanager
-    def _writing(self) -> Iterator[None]:
-        """RunError where the folder is gone or cannot be written."""
+    def _check(self) -> None:
+        """RunError where the folder is gone, or is another than the one that was begun in."""
         if not self._lock.is_held():
             raise RunError(
                 f"the folder {self.path} was removed or replaced while the run was at work in it: "
                 "the run has stopped, and nothing was written elsewhere"
             )
+
+    @contextmanager
+    def _writing(self) -> Iterator[None]:
+        """RunError where the folder is gone or cannot be written."""
+        self._check()
         try:
             yield
         except OSError as error:

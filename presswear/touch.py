@@ -45,6 +45,7 @@ TALLY = np.dtype(
     [
         ("contacts", np.int64),  # completed
         ("episodes", np.int64),  # of them kept as rows
+        ("full", np.bool_),  # no further ones are kept
         ("unresolved", np.int64),  # of fewer than LEAST_STEPS
         ("fewest_steps", np.int64),
         ("peak_force", np.float64),  # of the run so far, N
@@ -285,7 +286,7 @@ def close_episode(
     if last.steps < needed:
         count.unresolved += 1
     row = count.episodes
-    if row < episodes.shape[0]:
+    if row < episodes.shape[0] and not count.full:
         episodes[row, 0] = last.onset_time
         episodes[row, 1] = t
         episodes[row, 2] = onset_speed

@@ -1,0 +1,39 @@
+"""All trials, in the order in which they are run."""
+
+import signal
+from collections.abc import Callable
+from functools import partial
+
+from presswear.endure.folders import damaged, deleted, disk_full, read_only, two_runs
+from presswear.endure.kills import killed
+from presswear.endure.memory import bounded
+from presswear.endure.subject import Progress
+from presswear.endure.trial import Trial
+
+Attempt = Callable[[Progress], Trial]
+
+SEED = 20240131
+"""Of all random moments and places."""
+
+
+def attempts(quick: bool) -> tuple[Attempt, ...]:
+    """What is tried; quickly, a few of each."""
+
+    def stopped(number: signal.Signals, often: int, rarely: int) -> Attempt:
+        count = rarely if quick else often
+        return lambda progress: killed(number, count, SEED, progress)
+
+    sizes = ("600k",) if quick else ("16k", "300k", "600k", "900k", "1200k")
+    few, many = (20, 200) if quick else (200, 2000)
+    return (
+        stopped(signal.SIGKILL, 50, 3),
+        stopped(signal.SIGINT, 20, 2),
+        stopped(signal.SIGTERM, 20, 2),
+        partial(disk_full, sizes),
+        read_only,
+        partial(deleted, 1 if quick else 5, SEED),
+        partial(two_runs, 1 if quick else 3),
+        partial(damaged, 5 if quick else 100, SEED),
+        partial(bounded, "dae", few, many),
+        *(() if quick else (partial(bounded, "exudyn-tree", few, many),)),
+    )
