@@ -32,11 +32,8 @@ FEWEST_CONTACTS = 20
 """Contacts of a joint before that is judged."""
 DRIFT = 0.01
 """Error of a constraint, part of the smallest clearance."""
-DRIFT_IDEAL = 1e-5
+DRIFT_IDEAL = 1e-4
 """The same where there is no clearance, m."""
-INDENTATION = 0.1
-"""Penetration, part of the pin's radius: Hertz' law is for indentations that are small beside
-it, and a tenth is more than any material has between a surface and what is behind it."""
 
 
 @dataclass(frozen=True)
@@ -123,11 +120,11 @@ def _state(now: Condition) -> Finding | None:
 
 def _penetration(linkage: Linkage, account: Account, now: Condition) -> Finding | None:
     for joint, tally in zip(linkage.clearances, account.book.tally, strict=True):
-        deepest, limit = float(tally["deepest"]), INDENTATION * joint.pin_radius
+        deepest, limit = float(tally["deepest"]), joint.pin_radius
         if deepest > limit:
             what = (
-                f"the pin sank {deepest:.3g} m into its bearing, limit {limit:.3g} m, a tenth of "
-                "its radius"
+                f"the pin sank {deepest:.3g} m into its bearing, more than its own radius of "
+                f"{limit:.3g} m"
             )
             remedy = f"a stiffer joint, a lower speed, or {now.remedy}"
             return Finding("penetration", what, now.time, joint.name, remedy)

@@ -93,7 +93,7 @@ def test_steps_too_long_for_the_contacts(coarse: int, ends: bool) -> None:
 
 def test_a_pin_that_sinks_in() -> None:
     def change(observed: Account, now: Condition) -> Condition:
-        observed.book.tally["deepest"][1] = 0.11 * LINKAGE.clearances[1].pin_radius
+        observed.book.tally["deepest"][1] = 1.01 * LINKAGE.clearances[1].pin_radius
         return now
 
     found = broken(change)
