@@ -87,7 +87,12 @@ class FolderLock:
 
     def is_held(self) -> bool:
         """Whether the folder is still there and still ours."""
-        return _is_same(self.path / FILE, self._file)
+        return not self._file.closed and _is_same(self.path / FILE, self._file)
+
+    @property
+    def is_released(self) -> bool:
+        """Whether it was given free."""
+        return self._file.closed
 
     def release(self) -> None:
         """Give the folder free; a second time does nothing."""

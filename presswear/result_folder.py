@@ -209,6 +209,8 @@ class ResultFolder:
 
     def interrupt(self) -> str:
         """Write down where the run stands when somebody stops it; says what is kept."""
+        if self._lock.is_released:
+            return "its end"
         self._save()
         self._document["status"] = "interrupted"
         self._document["message"] = "stopped by the user; it can be gone on with"

@@ -15,7 +15,7 @@ from presswear.results import load
 def main() -> None:
     scene = clearance_a()
     folder = ResultFolder(Path("results/clearance-a-script"), scene)
-    folder.close(*run_campaign(scene, Watcher(stage=folder.add)))
+    folder.close(*run_campaign(scene, Watcher(stage=folder.add, keep=folder.keep)))
     result = load(folder.path)
     numbers = result.statistics(0)
     peak = numbers["joints"]["A"]["force_max_N"]

@@ -27,7 +27,7 @@ def main() -> None:
                     f"{1e6 * joint['wear_depth_max_both_m']:.1f} µm deep"
                 )
 
-        folder.close(*run_campaign(scene, Watcher(stage=finished)))
+        folder.close(*run_campaign(scene, Watcher(stage=finished, keep=folder.keep)))
         print("report:", write_report(load(folder.path)))
 
 

@@ -25,7 +25,7 @@ def main() -> None:
                 f"worn volume of the next wear {1e9 * joint['wear_volume_m3']:.3g} mm^3"
             )
 
-    folder.close(*run_campaign(scene, Watcher(stage=finished)))
+    folder.close(*run_campaign(scene, Watcher(stage=finished, keep=folder.keep)))
     print("report:", write_report(load(folder.path)))
 
 

@@ -26,6 +26,7 @@ from presswear.costs.timing import Case, Progress, Timing, time_cases
 from presswear.engines import exudyn_tree
 from presswear.engines.base import TreeAccuracy, account_of
 from presswear.engines.exudyn_solve import StepLimit, Watch, post_step, quiet, set_span, settings_of
+from presswear.engines.exudyn_tree_model import assemble
 from presswear.engines.tree_kernels import TreeSystem, accept_tree_step, stage_forces
 from presswear.errors import InputError
 from presswear.observe import Book
@@ -135,7 +136,6 @@ def _replaced(**new: Any) -> Iterator[None]:
 def inside_calls(case: Case) -> tuple[_Spent, _Spent, _Spent]:
     """Run with a clock around the functions for forces, before a step and after a step."""
     force, before, after = _Spent(), _Spent(), _Spent()
-    assemble = exudyn_tree.assemble
 
     class Limit(StepLimit):
         def __init__(self, watch: Watch):
@@ -297,7 +297,7 @@ def idle_wall(case: Case, solver: Any, forces: bool, steps: bool) -> tuple[float
 
     # Exudyn takes 0 for no function.
     function: Any = count if forces else 0
-    model = exudyn_tree.assemble(tree, case.linkage, case.start, function)
+    model = assemble(tree, case.linkage, case.start, function)
     if steps:
         model.system.SetPreStepUserFunction(lambda system, t: True)
         model.system.SetPostStepUserFunction(lambda system, t: True)

@@ -53,6 +53,7 @@ def bounded(engine: str, few: int, many: int, progress: Progress) -> Trial:
     if sys.platform == "win32":
         return Trial(what, 0, 0, "not tried: this system does not tell")
     progress(what, 0.0)
+    size_of(engine, 1)  # where nothing was compiled before, the compiler needs more than a run
     first = size_of(engine, few)
     progress(what, few / many)
     second = size_of(engine, many)

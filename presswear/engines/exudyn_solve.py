@@ -196,12 +196,7 @@ def solve(system: Any, settings: Any, solver: Any, watch: Watch, remedy: str) ->
     try:
         with quiet():
             system.SolveDynamic(settings, solverType=solver)
-    except exu.ExudynError as error:
-        # An interrupt that arrives inside a connector comes wrapped.
-        if "KeyboardInterrupt" in str(error):
-            raise KeyboardInterrupt from None
-        if not isinstance(error, exu.SolverError):
-            raise
+    except exu.SolverError:
         message = "the solver found no solution at the shortest step"
     if watch.error is not None:
         raise watch.error
@@ -226,12 +221,17 @@ def shares_of(sums: Mapping[str, float], names: Iterable[str]) -> dict[str, floa
 
 @contextmanager
 def quiet() -> Iterator[None]:
-    """Keep Exudyn's banners and log files off; errors arrive as exceptions."""
+    """Keep Exudyn's banners and log files off; errors and interrupts arrive as exceptions."""
     console, log = exu.config.printToConsole, exu.special.exceptions.writeErrorsToLogFile
     exu.config.printToConsole = False
     exu.special.exceptions.writeErrorsToLogFile = False
     try:
         yield
+    except exu.ExudynError as error:
+        # An interrupt that arrives inside a user function comes wrapped.
+        if "KeyboardInterrupt" in str(error):
+            raise KeyboardInterrupt from None
+        raise
     finally:
         exu.config.printToConsole = console
         exu.special.exceptions.writeErrorsToLogFile = log

@@ -1,0 +1,140 @@
+"""Every engine goes on from a snapshot as if it had never stopped, bit for bit."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from presswear.catalog import slider_crank, wear_times
+from presswear.checkpoint import read_checkpoint, write_checkpoint
+from presswear.engines import engine_for
+from presswear.engines.base import Plan, Run
+from presswear.scene import Scene
+from presswear.settings import changed
+from presswear.snapshot import Snapshot
+from presswear.starts import start_of
+
+RECORDED = 2
+FAST = {"speed": "60rad/s"}
+COARSE = {"steps_per_contact": "20", "steps_sustained": "5"}
+
+
+@dataclass(frozen=True)
+class Case:
+    """A scene in an engine, for so many cycles."""
+
+    scene: Scene
+    cycles: int
+
+    def run(self, resume: Snapshot | None, keep: Callable[[Snapshot], None] | None) -> Run:
+        scene, accuracy = self.scene, self.scene.accuracy()
+        plan = Plan(
+            scene.mechanism.period, self.cycles, RECORDED, resume=resume, keep=keep, torques=True
+        )
+        return engine_for(accuracy)(scene.linkage(), start_of(scene), accuracy, plan)
+
+
+CASES = {
+    "open tree": Case(changed(wear_times(), {**FAST, "engine": "exudyn-tree"}), 3),
+    "in-house, order 8": Case(changed(wear_times(), {**FAST, "engine": "dae"}), 4),
+    "in-house, equal steps": Case(
+        changed(wear_times(), {**FAST, "engine": "dae", "integrator": "rk4"}), 3
+    ),
+    "bodies and joints, a crank left out": Case(
+        changed(wear_times(), {"speed": "120rad/s", "engine": "exudyn-joints", **COARSE}), 2
+    ),
+    "bodies and joints": Case(changed(slider_crank(), {"engine": "exudyn-joints", **COARSE}), 2),
+}
+
+
+def told(run: Run) -> dict[str, Any]:
+    """Everything of a run but wall times, ready to be compared bit for bit."""
+    diagnostics = {
+        key: value
+        for key, value in run.diagnostics.items()
+        if not key.startswith(("wall_", "share_"))
+    }
+    arrays = {
+        **run.account.snapshot(),
+        "end position": run.end.position,
+        "end velocity": run.end.velocity,
+    }
+    return {
+        "words": (run.status, run.message, repr(run.time), repr(run.reactions), repr(diagnostics)),
+        **{name: (array.shape, array.tobytes()) for name, array in arrays.items()},
+    }
+
+
+@pytest.mark.parametrize("name", sorted(CASES))
+def test_a_run_goes_on_bit_for_bit_after_every_cycle(name: str, tmp_path: Path) -> None:
+    case = CASES[name]
+    kept: list[dict[str, Any]] = []
+
+    def keep(snapshot: Snapshot) -> None:
+        # Through a file, as another process would have it.
+        write_checkpoint(tmp_path, {}, snapshot)
+        kept.append(dict(read_checkpoint(tmp_path)[1]))
+
+    whole = told(case.run(None, keep))
+    assert len(kept) == case.cycles
+    for snapshot in kept:
+        again = told(case.run(snapshot, None))
+        assert [key for key in whole if again[key] != whole[key]] == []
+
+
+def test_a_snapshot_does_not_change_as_the_run_goes_on() -> None:
+    """It is written down later than it is taken."""
+    case = CASES["in-house, order 8"]
+    taken: list[Snapshot] = []
+    then: list[dict[str, Any]] = []
+
+    def keep(snapshot: Snapshot) -> None:
+        taken.append(snapshot)
+        then.append({name: np.array(array) for name, array in snapshot.items()})
+
+    case.run(None, keep)
+    for now, before in zip(taken, then, strict=True):
+        for name, array in before.items():
+            assert now[name].tobytes() == array.tobytes(), name
+
+
+@pytest.mark.parametrize("name", ["y", "slope", "account/maps/startup", "account/series"])
+def test_a_last_digit_of_the_state_shows(name: str) -> None:
+    """The comparison sees a difference of one part in 1e13."""
+    case = CASES["in-house, order 8"]
+    kept: list[Snapshot] = []
+    whole = told(case.run(None, kept.append))
+    moved = {**kept[0], name: kept[0][name] * (1.0 + 1e-13)}
+    assert told(case.run(moved, None)) != whole
+
+
+def test_contacts_are_kept_of_recorded_cycles_only() -> None:
+    case = CASES["in-house, order 8"]
+    run = case.run(None, None)
+    recorded = RECORDED * case.scene.mechanism.period
+    for k in range(2):
+        episodes = run.account.episodes(k)
+        assert 0 < len(episodes) < run.account.book.tally["contacts"][k]
+        assert episodes[:, 1].max() <= recorded
+        assert run.account.rows[-1, 0] <= recorded * (1.0 + 1e-12)
+
+
+def test_a_run_that_was_enough_is_enough_again() -> None:
+    case = CASES["in-house, order 8"]
+    kept: list[Snapshot] = []
+    accuracy = case.scene.accuracy()
+    plan = Plan(
+        case.scene.mechanism.period,
+        case.cycles,
+        enough=lambda account: len(account.cycles) == 2,
+        keep=kept.append,
+    )
+    engine = engine_for(accuracy)
+    arguments = case.scene.linkage(), start_of(case.scene), accuracy
+    assert engine(*arguments, plan).status == "enough"
+    again = engine(*arguments, replace(plan, resume=kept[-1]))
+    assert again.status == "enough"
+    assert len(again.account.cycles) == 2
