@@ -11,7 +11,7 @@ from typing import NoReturn
 from rich.console import Console
 
 from presswear.commands import costs, crosscheck, precision, run, scenes, verify
-from presswear.errors import InputError, RunError
+from presswear.errors import InputError, RunError, one_line
 
 COMMANDS = (scenes, run, verify, crosscheck, costs, precision)
 """In the order in which help lists them."""
@@ -39,21 +39,25 @@ def _parser() -> argparse.ArgumentParser:
 def main(argv: Sequence[str] | None = None) -> int:
     """Entry point of ``presswear`` and ``python -m presswear``; returns the exit code."""
     console = Console()
-    problem = Console(stderr=True, soft_wrap=True, highlight=False, markup=False)
+    problem = Console(stderr=True, soft_wrap=True, highlight=False, markup=False, emoji=False)
+
+    def tell(text: str) -> None:
+        problem.print(one_line(f"presswear: {text}"))
+
     try:
         arguments = _parser().parse_args(argv)
         return int(arguments.run(arguments, console))
     except InputError as error:
-        problem.print(f"presswear: {error}")
+        tell(f"{error}")
         return 2
     except RunError as error:
-        problem.print(f"presswear: {error}")
+        tell(f"{error}")
         return 1
     except OSError as error:
-        problem.print(f"presswear: {error.strerror}: {error.filename}")
+        tell(f"{error.strerror}: {error.filename}")
         return 1
     except KeyboardInterrupt:
-        problem.print("presswear: interrupted; finished stages are kept")
+        tell("interrupted; finished stages are kept")
         return 130
 
 

@@ -141,8 +141,11 @@ class Press:
     def __post_init__(self) -> None:
         check_fields(self)
         check_fields(self.geometry)
+        if not isinstance(self.geometry.name, str):
+            raise InputError(f"name of a geometry = {self.geometry.name!r}: a text is expected")
         for side in ("side_b", "side_c", "slider_side"):
-            if getattr(self.geometry, side) not in (-1.0, 1.0):
+            value = getattr(self.geometry, side)
+            if isinstance(value, bool) or value not in (-1.0, 1.0):
                 raise InputError(
                     f"{side} = {getattr(self.geometry, side)!r}: allowed is -1 (right, below) "
                     "or 1 (left, above)"

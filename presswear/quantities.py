@@ -7,6 +7,7 @@ that the help, the error messages and the report all speak from one place.
 
 import math
 import re
+import sys
 from collections.abc import Callable, Mapping
 from dataclasses import Field, dataclass, field, fields
 from typing import Any
@@ -39,7 +40,7 @@ _EXAMPLE = {
     "s": "1ms",
 }
 
-_NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*)$")
+_NUMBER = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(.*)$")
 
 
 @dataclass(frozen=True)
@@ -75,6 +76,9 @@ class Meaning:
                 f"{name} = {value!r}: a {'whole ' if self.whole else ''}number is expected; "
                 f"allowed is {self.range_text()}"
             )
+        # Beyond all floats: a whole number that was stored may be of any length.
+        if abs(value) > sys.float_info.max:
+            value = math.copysign(math.inf, value > 0 or -1)
         fits = self.low < value <= self.high if self.open_low else self.low <= value <= self.high
         if not (math.isfinite(value) and fits):
             unit = f" {self.unit}" if self.unit else ""

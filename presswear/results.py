@@ -11,11 +11,10 @@ import platform
 import subprocess
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, BinaryIO
-from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,10 +22,10 @@ from numpy.typing import NDArray
 from presswear.campaign import Stage
 from presswear.deviation import deviations
 from presswear.errors import InputError
-from presswear.numerics import Numerics
+from presswear.migration import migrated
 from presswear.observe import SERIES_FIXED, SERIES_JOINT
-from presswear.press import Press
 from presswear.scene import Scene
+from presswear.stored import check_arrays, check_document, check_stages, read_arrays, schema_of
 from presswear.surface import bin_centres
 
 Array = NDArray[np.float64]
@@ -234,46 +233,73 @@ class StoredResult:
         return any(len(self.wear_steps(k)) > 1 for k in range(len(self.stages)))
 
 
+MOST_TEXT = 2**28
+"""Bytes of a JSON file; the largest studies have some millions."""
+
+
 def read_json(file: Path, missing: str) -> Any:
-    """What a JSON file holds; InputError says that it is missing, in given words, or damaged."""
+    """What a JSON file holds; InputError says that it is missing, in given words, or damaged.
+
+    Nothing is chosen between two values of one name, and no number is infinite: files are
+    written without either.
+    """
+    if not file.is_file():
+        raise InputError(missing)
     try:
-        return json.loads(file.read_text())
-    except FileNotFoundError:
-        raise InputError(missing) from None
-    except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
+        if file.stat().st_size > MOST_TEXT:
+            raise ValueError(f"it has more than {MOST_TEXT} bytes")
+        return json.loads(
+            file.read_text(encoding="utf-8"),
+            object_pairs_hook=_named_once,
+            parse_float=_finite,
+            parse_constant=_finite,
+        )
+    # A whole number of some thousand digits is a ValueError like any damage.
+    except (OSError, ValueError, RecursionError, MemoryError) as error:
         raise InputError(f"{file} cannot be read: {error}") from None
+
+
+def _named_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        raise ValueError("a name is there twice")
+    return found
+
+
+def _finite(text: str) -> float:
+    value = float(text)
+    if not math.isfinite(value):
+        raise ValueError(f"{text} is no finite number")
+    return value
 
 
 def load(path: Path) -> StoredResult:
-    """Read a result folder; InputError says what is missing or of another schema."""
+    """Read a result folder; InputError says what is missing, damaged or of another schema."""
     file = path / "result.json"
     document = read_json(file, f"{path} is no result folder: it has no result.json")
-    schema = document.get("schema") if isinstance(document, dict) else None
-    if schema not in (1, SCHEMA):
-        raise InputError(f"{file} has schema {schema!r}; this version reads 1 to {SCHEMA}")
+    schema = schema_of(document, file, SCHEMA)
+    check_document(document, file)
+    scene = stored_scene(document, schema, file)
+    joints = scene.clearance_joints
+    check_stages(document, joints, scene.wears, file)
+    stages = []
+    for entry in document["stages"]:
+        name = path / f"stage-{entry['index']}.npz"
+        arrays = read_arrays(name)
+        check_arrays(arrays, joints, scene.bearings.angles, name)
+        stages.append(arrays)
+    return StoredResult(path, document, scene, stages)
+
+
+def stored_scene(document: Mapping[str, Any], schema: int, file: Path) -> Scene:
+    """The scene of a document, by today's names; InputError names the file."""
     try:
-        names = [path / f"stage-{int(entry['index'])}.npz" for entry in document["stages"]]
-        scene = _from_schema_1(document["scene"]) if schema == 1 else document["scene"]
-        # Before there were steps, every wear was one jump.
-        scene = {"extrapolation": "single", **scene}
-    except (KeyError, TypeError, ValueError) as error:
-        raise InputError(f"{file} is not whole: {error!r}") from None
-    return StoredResult(path, document, Scene.from_dict(scene), [_arrays(name) for name in names])
-
-
-def _from_schema_1(scene: Mapping[str, Any]) -> dict[str, Any]:
-    """A stored scene of schema 1: its mechanism is a press, its numerics are the scene's own."""
-    plain = dict(scene)
-    names = {item.name for item in fields(Numerics)}
-    plain["numerics"] = {name: plain.pop(name) for name in names & plain.keys()}
-    plain["mechanism"] = {"kind": Press.kind, **plain.pop("press")}
-    return plain
-
-
-def _arrays(file: Path) -> dict[str, Array]:
-    """Arrays of one stage; InputError when the file is missing or damaged."""
-    try:
-        with np.load(file, allow_pickle=False) as stored:
-            return dict(stored)
-    except (OSError, ValueError, KeyError, EOFError, BadZipFile) as error:
-        raise InputError(f"{file} cannot be read: {error}") from None
+        scene = Scene.from_dict(migrated(document["scene"], schema))
+    except InputError as error:
+        raise InputError(f"{file}: {error}") from None
+    named = document.get("engine", document["scene"].get("engine"))
+    if named != document["scene"].get("engine"):
+        raise InputError(
+            f"{file}: engine {named!r} beside a scene of engine {document['scene'].get('engine')!r}"
+        )
+    return scene

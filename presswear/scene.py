@@ -1,7 +1,7 @@
 """A scene: everything a person chooses, as data that prints and stores itself."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field
 from itertools import combinations
 from typing import Any
@@ -322,23 +322,39 @@ class Scene:
 
     @staticmethod
     def from_dict(data: Mapping[str, Any]) -> "Scene":
-        """A scene from ``as_dict``; InputError names what does not fit."""
+        """A scene from ``as_dict``; InputError names what does not fit or is missing.
+
+        Nothing is filled in: a value that got lost is not today's default.
+        """
         try:
             plain = dict(data)
             mechanism = dict(plain.pop("mechanism"))
             kind = mechanism.pop("kind")
             Choice(tuple(_RESTORED), "").check("kind of mechanism", kind)
-            return Scene(
+            scene = Scene(
                 mechanism=_RESTORED[kind](mechanism),
                 bearings=Bearings(**plain.pop("bearings")),
                 conventions=Conventions(**plain.pop("conventions")),
                 numerics=Numerics(**plain.pop("numerics")),
                 **plain,
             )
+            lacking = next(_lacking(scene.as_dict(), data), None)
+            if lacking is not None:
+                raise InputError(f"this is no whole scene: {lacking!r} is missing")
+            return scene
         except InputError:
             raise
         except (KeyError, TypeError, ValueError, OverflowError) as error:
             raise InputError(f"this is not a stored scene: {error}") from None
+
+
+def _lacking(whole: Mapping[str, Any], data: Mapping[str, Any]) -> Iterator[str]:
+    """Names in nested data that other data of the same kind lack."""
+    for name, value in whole.items():
+        if name not in data:
+            yield name
+        elif isinstance(value, Mapping) and name != "statuses":
+            yield from _lacking(value, data[name])
 
 
 _ORDINALS = (

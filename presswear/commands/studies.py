@@ -8,10 +8,19 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import Progress, TaskID
 
+from presswear.catalog import STUDIES
 from presswear.commands.terminal import free_folder, jobs_given, progress_bar
 from presswear.errors import InputError, RunError
 from presswear.scene import Scene
-from presswear.studies import Change, Study, Variant, load_study, run_study, waiting
+from presswear.studies import (
+    Change,
+    Study,
+    Variant,
+    load_study,
+    run_study,
+    unchanged,
+    waiting,
+)
 
 Writer = Callable[[Study, Path], tuple[str, Path]]
 """Writes a study's report into its folder; gives its answer and its path."""
@@ -107,9 +116,23 @@ def run(arguments: argparse.Namespace, console: Console, change: Callable[[Scene
     return report(folder, console)
 
 
+def check_study(study: Study, folder: Path) -> None:
+    """InputError where a stored study is not one that this version can tell about."""
+    if study.name not in STUDIES:
+        raise InputError(f"{folder} holds the study {study.name!r}; known are {', '.join(STUDIES)}")
+    wanted = {variant.key for variant in _builder(study.name)(unchanged).variants}
+    differs = sorted(wanted ^ {variant.key for variant in study.variants})
+    if differs:
+        raise InputError(
+            f"{folder} holds the study {study.name} with other variants than this version's: "
+            f"{differs[0]!r} differs"
+        )
+
+
 def report(folder: Path, console: Console) -> int:
     """Write the report of a study's folder anew."""
     study = load_study(folder)
+    check_study(study, folder)
     answer, path = _writer(study.name)(study, folder)
     console.print(answer, highlight=False)
     console.print(f"results in {folder}, report in {path}", highlight=False)

@@ -33,7 +33,8 @@ def settings_given(items: list[str]) -> dict[str, str]:
 
 def count_given(option: str, text: str, most: int) -> int:
     """A whole number from 1 that an option says."""
-    if not (text.isascii() and text.isdigit() and 1 <= int(text) <= most):
+    few = text.isascii() and text.isdigit() and len(text) <= len(f"{most}")
+    if not (few and 1 <= int(text) <= most):
         raise InputError(f"{option} {text}: a whole number from 1 to {most} is expected")
     return int(text)
 
