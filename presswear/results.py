@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from presswear.campaign import Stage
 from presswear.deviation import deviations
 from presswear.errors import InputError
+from presswear.folders import check_new_folder
 from presswear.migration import migrated
 from presswear.observe import SERIES_FIXED, SERIES_JOINT
 from presswear.scene import Scene
@@ -144,8 +145,7 @@ class ResultFolder:
     """
 
     def __init__(self, path: Path, scene: Scene) -> None:
-        if path.exists() and (not path.is_dir() or any(path.iterdir())):
-            raise InputError(f"--out {path}: it exists and is not empty; name a new folder")
+        check_new_folder(path)
         self.path = path
         self._scene = scene
         self._began = time.perf_counter()

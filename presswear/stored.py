@@ -263,8 +263,8 @@ def _array(stream: BinaryIO, size: int, name: str) -> Array:
         shape, by_columns, kind = read(stream, max_header_size=_MOST_HEADER)
     except Exception as error:  # numpy hands on whatever Python's parser raises
         raise ValueError(f"{name} has no header of numpy's: {error}") from None
-    if kind.kind != "f" or kind.itemsize != 8:
-        raise ValueError(f"{name} holds {kind}, real numbers of 8 bytes are expected")
+    if kind.kind not in "fiu":
+        raise ValueError(f"{name} holds no real numbers but {kind}")
     if any(length < 0 for length in shape):
         raise ValueError(f"{name} has the shape {shape}")
     expected = math.prod(shape) * kind.itemsize

@@ -19,6 +19,7 @@ from typing import Any
 
 from presswear.campaign import Watcher, run_campaign
 from presswear.errors import InputError
+from presswear.folders import check_new_folder
 from presswear.migration import migrated
 from presswear.results import SCHEMA as SCENE_SCHEMA
 from presswear.results import ResultFolder, StoredResult, load, plain, read_json, write_bytes
@@ -182,10 +183,7 @@ def waiting(study: Study, folder: Path, resume: bool) -> list[Variant]:
         Where the folder holds something and nothing is to be resumed, or another study.
     """
     if not resume:
-        if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-            raise InputError(
-                f"--out {folder}: it exists and is not empty; name a new one or --resume"
-            )
+        check_new_folder(folder)
         return list(study.variants)
     found = load_study(folder)
     wanted = {v.key: v.scene for v in study.variants}

@@ -1,5 +1,7 @@
 """What the commands share: progress, tables, folders, and settings given as text."""
 
+import math
+from argparse import ArgumentTypeError
 from pathlib import Path
 
 from rich.box import SIMPLE
@@ -16,6 +18,9 @@ from rich.progress import (
 from rich.table import Table
 
 from presswear.errors import InputError
+from presswear.quantities import Meaning, parse_quantity
+
+_ANY = Meaning("", -math.inf, math.inf, "", "")
 
 
 def settings_given(items: list[str]) -> dict[str, str]:
@@ -47,6 +52,29 @@ def repeats_given(text: str) -> int:
 def jobs_given(text: str) -> int:
     """What ``--jobs`` says."""
     return count_given("--jobs", text, 256)
+
+
+def number_given(text: str) -> float:
+    """A finite number that an option says, in digits as they are typed everywhere."""
+    try:
+        value = parse_quantity("", text, _ANY)
+    except InputError:
+        raise ArgumentTypeError(f"{text!r}: a finite number is expected") from None
+    return float(value)
+
+
+def place_given(text: str) -> int:
+    """A count from 0 that an option says."""
+    if not (text.isascii() and text.isdigit() and len(text) < 10):
+        raise ArgumentTypeError(f"{text!r}: a whole number from 0 is expected")
+    return int(text)
+
+
+def folder_given(text: str) -> Path:
+    """What ``--out`` says; nothing is no name, not the folder that one is in."""
+    if not text.strip():
+        raise ArgumentTypeError("a name is expected")
+    return Path(text)
 
 
 def free_folder(name: str) -> Path:
