@@ -11,7 +11,7 @@ from rich.progress import Progress, TaskID
 
 from presswear.catalog import SCENES, STUDIES, scene_named
 from presswear.commands import precision, studies
-from presswear.commands.terminal import free_folder, progress_bar, settings_given
+from presswear.commands.terminal import folder_given, free_folder, progress_bar, settings_given
 from presswear.errors import InputError, RunError
 from presswear.scene import CONVENTIONS, Scene, stage_name
 from presswear.settings import changed
@@ -30,7 +30,7 @@ def add(commands: Any) -> None:
         "--set clearance=0.6mm --set 'speed=6pi rad/s' --set geometry=swapped",
     )
     run.add_argument("scene", help="one of: " + ", ".join((*SCENES, *STUDIES)))
-    run.add_argument("--out", type=Path, help="new result folder (default results/SCENE)")
+    run.add_argument("--out", type=folder_given, help="new result folder (default results/SCENE)")
     run.add_argument(
         "--engine", help="exudyn (default: the smallest model), exudyn-tree, exudyn-joints or dae"
     )
@@ -77,6 +77,8 @@ def _with_options(scene: Scene, arguments: argparse.Namespace) -> Scene:
     for key in ("engine", "cycles", "wears", "tolerance"):
         given = getattr(arguments, key)
         if given is not None:
+            if key in settings:
+                raise InputError(f"--{key} and --set {key} are both given: one of them is meant")
             settings[key] = given
     return changed(scene, settings)
 
