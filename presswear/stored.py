@@ -25,6 +25,8 @@ Check = Callable[[Any], bool]
 
 MOST_BYTES = 2**30
 """Bytes of all arrays of a stage; five recorded cycles take some 30 MB."""
+LARGEST_ENTRY = 1e100
+"""Of an array: a state that runs away is ended at 1e30."""
 _MOST_HEADER = 512
 _MOST_STAGES = 1000
 
@@ -301,8 +303,10 @@ def check_arrays(
         return values
 
     for name, values in arrays.items():
-        if not np.isfinite(values).all():
-            raise InputError(f"{file}: {name} holds a value that is not finite")
+        if not np.all(np.abs(values) <= LARGEST_ENTRY):
+            raise InputError(
+                f"{file}: {name} holds a value that is not finite, or beyond {LARGEST_ENTRY:g}"
+            )
     time = of("time", None)
     rows = time.size
     if rows and (time[0] < 0.0 or np.any(np.diff(time) < 0.0)):

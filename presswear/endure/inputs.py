@@ -144,8 +144,8 @@ def drawn(strategy: Any, count: int, seed: int) -> list[Any]:
         def keep(example: Any) -> None:
             found.append(example)
 
-        draw: Any = hypothesis.seed(1000 * seed + attempt)
-        draw(few(hypothesis.given(strategy)(keep)))()
+        seeded: Any = hypothesis.seed(1000 * seed + attempt)
+        seeded(few(hypothesis.given(strategy)(keep)))()  # type: ignore[no-untyped-call]
         if len(found) >= count:
             break
     return found[:count]
