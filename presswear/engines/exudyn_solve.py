@@ -64,6 +64,10 @@ def write_step(iteration: Any, step: float) -> None:
     iteration.currentStepSize = step
 
 
+class StuckError(RuntimeError):
+    """Raised inside Exudyn where it repeats a step for ever."""
+
+
 class StepLimit:
     """Limits the next step of a solver with error control.
 
@@ -154,7 +158,8 @@ def solve(system: Any, settings: Any, solver: Any, watch: Watch, remedy: str) ->
         # An interrupt that arrives inside a connector comes wrapped.
         if "KeyboardInterrupt" in str(error):
             raise KeyboardInterrupt from None
-        if not isinstance(error, exu.SolverError):
+        # So does what a user function raises.
+        if not isinstance(error, exu.SolverError) and StuckError.__name__ not in str(error):
             raise
         watch.ended = "failed"
         message = "the solver found no solution at the shortest step"
