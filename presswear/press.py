@@ -25,7 +25,7 @@ from presswear.linkage import (
     Probe,
     Revolute,
 )
-from presswear.mechanism import Motion, motion_of
+from presswear.mechanism import Motion, check_masses, motion_of
 from presswear.quantities import check_fields, named_set, quantity
 
 Array = NDArray[np.float64]
@@ -156,6 +156,8 @@ class Press:
                 f"plate 4 is no triangle: its longest side {plate[2]:g} m must be below the sum "
                 f"of the others, {plate[0] + plate[1]:g} m"
             )
+
+        check_masses({f"mass_{k}": getattr(self, f"mass_{k}") for k in range(2, 8)})
 
     @property
     def period(self) -> float:
