@@ -2,6 +2,7 @@
 
 Every quantity is drawn over its whole range, by its logarithm where that spans decades.  Links
 are drawn around a geometry that assembles, all of one scale: independent ones never would.
+Inertias are those that links of their masses and lengths can have.
 """
 
 import math
@@ -16,6 +17,7 @@ from presswear.engines import engine_for
 from presswear.engines.base import AnyAccuracy, DaeAccuracy, Plan, Run
 from presswear.errors import AssemblyError, InputError, RunError
 from presswear.hard.case import energy_of, sound
+from presswear.mechanism import HEAVIER
 from presswear.numerics import Numerics
 from presswear.press import GEOMETRIES, Press
 from presswear.quantities import Meaning, choice_of, meaning_of
@@ -30,10 +32,11 @@ _ENDS = 0.08
 """Part of all draws that take an end of their range."""
 _LEAST = 1e-9
 """Smallest value drawn from a range that begins at zero, part of its end."""
+GYRATION = (0.01, 10.0)
+"""Radius of gyration of a link, part of its length."""
 _CHANGE = 0.15
 """Standard deviation of the logarithm of a link's length."""
 _LENGTHS = ("length_", "side_b", "side_cd", "crank_length", "rod_length")
-_TURNS = ("side_b", "side_c", "slider_side")
 
 
 def _value(draw: random.Random, meaning: Meaning) -> float:
@@ -88,18 +91,41 @@ def _links(draw: random.Random, owner: Any, scale: float) -> dict[str, float]:
     }
 
 
+def _weights(
+    draw: random.Random, owner: Any, links: tuple[tuple[str, str, float], ...]
+) -> dict[str, float]:
+    """Masses that can move together, and inertias of links that fit their masses and lengths."""
+    found: dict[str, float] = {}
+    heaviest = math.exp(draw.uniform(math.log(1e-6 * HEAVIER), math.log(1e4)))
+    for item in fields(owner):
+        if "mass" in item.name:
+            found[item.name] = heaviest * HEAVIER ** -draw.random()
+    for inertia, mass, length in links:
+        least, most = GYRATION
+        part = least * (most / least) ** draw.random()
+        found[inertia] = min(max(found[mass] * (part * length) ** 2, 1e-9), 1e4)
+    return found
+
+
 def _mechanism(draw: random.Random) -> Press | SliderCrank:
     scale = math.exp(draw.uniform(math.log(0.05), math.log(20.0)))
     if draw.random() < 0.5:
         crank = SliderCrank()
-        return SliderCrank(**_drawn(draw, crank, _LENGTHS), **_links(draw, crank, scale))
+        links = _links(draw, crank, scale)
+        weights = _weights(draw, crank, (("rod_inertia", "rod_mass", links["rod_length"]),))
+        return SliderCrank(**(_drawn(draw, crank, _LENGTHS) | weights | links))
     press = Press(geometry=draw.choice(list(GEOMETRIES.values())))
     geometry = press.geometry
     moved = {"hx": scale * geometry.hx, "hy": scale * geometry.hy}
-    sides = _links(draw, geometry, scale)
-    placed = replace(geometry, name="drawn", **moved, **sides)
-    values = _drawn(draw, press, _LENGTHS)
-    return Press(geometry=placed, **values, **_links(draw, press, scale))
+    placed = replace(geometry, name="drawn", **moved, **_links(draw, geometry, scale))
+    links = _links(draw, press, scale)
+    turning = (
+        ("inertia_3", "mass_3", links["length_3"]),
+        ("inertia_4", "mass_4", placed.side_bd),
+        ("inertia_5", "mass_5", links["length_5"]),
+    )
+    values = _drawn(draw, press, _LENGTHS) | _weights(draw, press, turning) | links
+    return Press(geometry=placed, **values)
 
 
 def _numerics(draw: random.Random) -> Numerics:
