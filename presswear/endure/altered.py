@@ -9,6 +9,7 @@ import pickle
 import random
 import shutil
 import struct
+import warnings
 import zipfile
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -237,7 +238,10 @@ def no_archive(draw: random.Random, folder: Path) -> None:
     elif kind == 3:
         file.write_bytes(draw.choice((b"", b"PK\x03\x04", b"\x93NUMPY", data[4:])))
     elif kind == 4:
-        with zipfile.ZipFile(file, "a", zipfile.ZIP_DEFLATED) as archive:
+        with (
+            warnings.catch_warnings(action="ignore"),
+            zipfile.ZipFile(file, "a", zipfile.ZIP_DEFLATED) as archive,
+        ):
             archive.writestr("time.npy", _npy("{}", b""))
     else:
         file.write_bytes(bomb())

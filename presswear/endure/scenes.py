@@ -21,7 +21,7 @@ from presswear.mechanism import HEAVIER
 from presswear.numerics import Numerics
 from presswear.press import GEOMETRIES, Press
 from presswear.quantities import Meaning, choice_of, meaning_of
-from presswear.scene import Bearings, Conventions, Scene
+from presswear.scene import LEAST_RAMP, Bearings, Conventions, Scene
 from presswear.slider_crank import SliderCrank
 from presswear.starts import start_of
 
@@ -74,11 +74,10 @@ def _bearings(draw: random.Random) -> Bearings:
     """Bearings whose quantities fit together."""
     values = _drawn(draw, Bearings())
     # Values that must be in order are drawn below each other.
-    clearance, lower = 1e-9, _LEAST
-    values["clearance"] = (
-        clearance * (0.999 * values["bearing_radius"] / clearance) ** draw.random()
-    )
-    values["lower_speed"] = values["upper_speed"] * draw.choice((0.0, draw.random(), lower))
+    least, most = 1e-9, 0.999 * values["bearing_radius"]
+    values["clearance"] = least * (most / least) ** draw.random()
+    highest = max(values["upper_speed"] - LEAST_RAMP, 0.0)
+    values["lower_speed"] = highest * draw.choice((0.0, _LEAST, draw.random(), 1.0))
     return Bearings(**values)
 
 
@@ -268,15 +267,24 @@ def random_scenes(count: int, seed: int) -> Iterator[tuple[Scene, int]]:
 
 
 def valid_scenes(
-    count: int, seed: int, progress: Callable[[float], None] = lambda part: None
+    count: int,
+    seed: int,
+    progress: Callable[[float], None] = lambda part: None,
+    most: int = MOST_STEPS,
 ) -> Trial:
-    """Random scenes within all ranges, a cycle of each in both engines."""
+    """Random scenes within all ranges, a cycle of each in both engines.
+
+    Parameters
+    ----------
+    most : int
+        Steps of a run, give or take; see ``ended``.
+    """
     survived = refused = parts = 0
     worst = 0.0
     first = ""
     for place, (scene, before) in enumerate(random_scenes(count, seed)):
         refused += before
-        found = [ended(replace(scene, engine=engine)) for engine in ENGINES]
+        found = [ended(replace(scene, engine=engine), most) for engine in ENGINES]
         wrong = next((one for one in found if not one.passed), None)
         survived += wrong is None
         parts += any(one.part < 1.0 for one in found)
@@ -290,5 +298,5 @@ def valid_scenes(
         count,
         survived,
         f"{first}largest residual {worst:.1e} of the energy exchanged; {parts} in part, at "
-        f"{MOST_STEPS} steps; {refused} more did not assemble",
+        f"{most} steps; {refused} more did not assemble",
     )
