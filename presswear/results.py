@@ -167,7 +167,7 @@ class ResultFolder:
         arrays = stage_arrays(self._scene, stage)
         write_whole(
             self.path / f"stage-{stage.index}.npz",
-            lambda file: np.savez_compressed(file, allow_pickle=False, **arrays),
+            lambda file: np.savez_compressed(file, **arrays),
         )
         self._document["stages"].append(
             {

@@ -30,6 +30,9 @@ LARGEST_ENTRY = 1e100
 _MOST_HEADER = 512
 _MOST_STAGES = 1000
 
+_NOT_OURS = "allow_pickle.npy"
+"""An option that numpy before 2.1 stored as an array, where it was given."""
+
 SERIES = {"eccentricity": (2,), "penetration": (), "force": (2,), "sliding": ()}
 """Arrays of a joint with a row for each time, and the shape of a row."""
 MAPS = ("depth_bearing", "depth_pin", "wear_bearing", "wear_pin")
@@ -233,6 +236,8 @@ def read_arrays(file: Path) -> dict[str, Array]:
                 raise ValueError("a name is there twice")
             found = {}
             for member in members:
+                if member.filename == _NOT_OURS:
+                    continue
                 if member.compress_type not in (ZIP_STORED, ZIP_DEFLATED):
                     raise ValueError(f"{member.filename} is packed in an unknown way")
                 with archive.open(member) as stream:

@@ -157,7 +157,7 @@ def write_table(path: Path, table: Table) -> None:
 
     def write(file: BinaryIO) -> None:
         if kind == ".npz":
-            np.savez_compressed(file, allow_pickle=False, **table)
+            np.savez_compressed(file, **table)
             return
         # The names come first: numpy.genfromtxt takes them from the first line.
         units = ",".join(f"{name} {unit_of(name)}" for name in table)

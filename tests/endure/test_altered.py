@@ -4,6 +4,7 @@ import json
 import math
 import random
 import shutil
+import zipfile
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -156,16 +157,26 @@ def test_what_is_wrong_with_the_arrays_is_said(
     arrays = arrays_of(file)
     arrays[name] = value
     kept = {key: own for key, own in arrays.items() if own is not None}
-    np.savez(file, allow_pickle=False, **kept)
+    np.savez(file, **kept)
     with pytest.raises(InputError, match=says) as refusal:
         load(folder)
     assert "stage-1.npz" in str(refusal.value)
+
+
+def test_an_option_that_numpy_stored_as_an_array_is_no_array(tmp_path: Path) -> None:
+    folder = shutil.copytree(STORED / "schema-1", tmp_path / "copy")
+    with (
+        zipfile.ZipFile(folder / "stage-0.npz", "a") as archive,
+        archive.open("allow_pickle.npy", "w") as member,
+    ):
+        np.save(member, np.array(False))
+    assert "allow_pickle" not in load(folder).stages[0]
 
 
 def test_time_must_not_go_backwards(tmp_path: Path) -> None:
     folder = shutil.copytree(STORED / "schema-1", tmp_path / "copy")
     arrays = arrays_of(folder / "stage-0.npz")
     arrays["time"][[3, 4]] = arrays["time"][[4, 3]]
-    np.savez(folder / "stage-0.npz", allow_pickle=False, **arrays)
+    np.savez(folder / "stage-0.npz", **arrays)
     with pytest.raises(InputError, match="time goes backwards"):
         load(folder)
