@@ -175,7 +175,7 @@ def altered_array(draw: random.Random, folder: Path) -> None:
         arrays["time"] = arrays["time"][::-1]
     else:
         arrays["A_wear_bearing"] = arrays["A_wear_bearing"] - 1.0
-    np.savez_compressed(file, allow_pickle=False, **arrays)
+    np.savez_compressed(file, **arrays)
 
 
 class _Payload:
@@ -190,7 +190,7 @@ def executable_array(draw: random.Random, folder: Path) -> None:
     file = _stages(draw, folder)
     arrays = arrays_of(file)
     arrays[draw.choice(("time", "extra"))] = np.array([_Payload()], dtype=object)
-    np.savez_compressed(file, allow_pickle=True, **arrays)
+    np.savez_compressed(file, **arrays)
     if draw.random() < 0.3:
         file.write_bytes(pickle.dumps(_Payload()))
 
@@ -201,7 +201,7 @@ def other_kind(draw: random.Random, folder: Path) -> None:
     arrays = arrays_of(file)
     kinds: tuple[Any, ...] = ("U8", "S8", "complex128", "datetime64[s]", "bool", [("a", "f8")])
     arrays["time"] = np.zeros(arrays["time"].size, draw.choice(kinds))
-    np.savez_compressed(file, allow_pickle=False, **arrays)
+    np.savez_compressed(file, **arrays)
 
 
 def _npy(header: str, body: bytes) -> bytes:
