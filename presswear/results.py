@@ -57,6 +57,12 @@ def write_bytes(path: Path, data: bytes) -> None:
     write_whole(path, write)
 
 
+def save_arrays(file: BinaryIO | Path, arrays: Mapping[str, NDArray[Any]]) -> None:
+    """Write arrays by name; without options, which numpy 2.0 stores as if they were arrays."""
+    save: Callable[..., None] = np.savez_compressed
+    save(file, **arrays)
+
+
 def stage_arrays(scene: Scene, stage: Stage) -> dict[str, Array]:
     """The arrays of one stage under their contracted names; SI units.
 
@@ -167,7 +173,7 @@ class ResultFolder:
         arrays = stage_arrays(self._scene, stage)
         write_whole(
             self.path / f"stage-{stage.index}.npz",
-            lambda file: np.savez_compressed(file, **arrays),
+            lambda file: save_arrays(file, arrays),
         )
         self._document["stages"].append(
             {

@@ -33,7 +33,7 @@ from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
 
 from presswear.errors import InputError
 from presswear.folders import check_name
-from presswear.results import StoredResult, write_whole
+from presswear.results import StoredResult, save_arrays, write_whole
 from presswear.stored import read_arrays
 
 Array = NDArray[np.float64]
@@ -157,7 +157,7 @@ def write_table(path: Path, table: Table) -> None:
 
     def write(file: BinaryIO) -> None:
         if kind == ".npz":
-            np.savez_compressed(file, **table)
+            save_arrays(file, table)
             return
         # The names come first: numpy.genfromtxt takes them from the first line.
         units = ",".join(f"{name} {unit_of(name)}" for name in table)

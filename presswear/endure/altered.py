@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from presswear.catalog import wear_times
 from presswear.endure.inputs import answered, elsewhere
 from presswear.endure.trial import Trial
+from presswear.results import save_arrays
 from presswear.studies import run_variant
 
 Alteration = Callable[[random.Random, Path], None]
@@ -175,7 +176,7 @@ def altered_array(draw: random.Random, folder: Path) -> None:
         arrays["time"] = arrays["time"][::-1]
     else:
         arrays["A_wear_bearing"] = arrays["A_wear_bearing"] - 1.0
-    np.savez_compressed(file, **arrays)
+    save_arrays(file, arrays)
 
 
 class _Payload:
@@ -190,7 +191,7 @@ def executable_array(draw: random.Random, folder: Path) -> None:
     file = _stages(draw, folder)
     arrays = arrays_of(file)
     arrays[draw.choice(("time", "extra"))] = np.array([_Payload()], dtype=object)
-    np.savez_compressed(file, **arrays)
+    save_arrays(file, arrays)
     if draw.random() < 0.3:
         file.write_bytes(pickle.dumps(_Payload()))
 
@@ -201,7 +202,7 @@ def other_kind(draw: random.Random, folder: Path) -> None:
     arrays = arrays_of(file)
     kinds: tuple[Any, ...] = ("U8", "S8", "complex128", "datetime64[s]", "bool", [("a", "f8")])
     arrays["time"] = np.zeros(arrays["time"].size, draw.choice(kinds))
-    np.savez_compressed(file, **arrays)
+    save_arrays(file, arrays)
 
 
 def _npy(header: str, body: bytes) -> bytes:

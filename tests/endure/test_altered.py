@@ -22,7 +22,7 @@ from presswear.endure.altered import (
 )
 from presswear.endure.inputs import answered
 from presswear.errors import InputError
-from presswear.results import StoredResult, load
+from presswear.results import StoredResult, load, save_arrays
 
 STORED = Path(__file__).parents[1] / "stored"
 """Results that older revisions wrote; see its README."""
@@ -157,7 +157,7 @@ def test_what_is_wrong_with_the_arrays_is_said(
     arrays = arrays_of(file)
     arrays[name] = value
     kept = {key: own for key, own in arrays.items() if own is not None}
-    np.savez(file, **kept)
+    save_arrays(file, kept)
     with pytest.raises(InputError, match=says) as refusal:
         load(folder)
     assert "stage-1.npz" in str(refusal.value)
@@ -177,6 +177,6 @@ def test_time_must_not_go_backwards(tmp_path: Path) -> None:
     folder = shutil.copytree(STORED / "schema-1", tmp_path / "copy")
     arrays = arrays_of(folder / "stage-0.npz")
     arrays["time"][[3, 4]] = arrays["time"][[4, 3]]
-    np.savez(folder / "stage-0.npz", **arrays)
+    save_arrays(folder / "stage-0.npz", arrays)
     with pytest.raises(InputError, match="time goes backwards"):
         load(folder)
