@@ -33,7 +33,7 @@ BOMB = 2**31
 """Bytes that a small file promises to unpack to."""
 _DEPTH = 100_000
 """Brackets inside each other, far beyond what a parser follows."""
-_NO_LEAVES: tuple[Any, ...] = (True, False, [], {}, 10**400, -(10**400), float("nan"), float("inf"))
+NO_LEAVES: tuple[Any, ...] = (True, False, [], {}, 10**400, -(10**400), float("nan"), float("inf"))
 """What can stand nowhere in the place of a number or a text."""
 _FILLED_IN = {"statuses", "drive_torque", "starts", "extrapolation", "depth_step", "contact"}
 """Parts of a scene that older results lack, and that are known without them."""
@@ -47,12 +47,12 @@ def _edited(folder: Path, edit: Callable[[dict[str, Any]], None]) -> None:
     file.write_text(json.dumps(document))
 
 
-def _leaves(owner: Any) -> Iterator[tuple[Any, Any]]:
+def leaves(owner: Any) -> Iterator[tuple[Any, Any]]:
     """Every place of a number, text or null: what holds it, and its key there."""
     items = owner.items() if isinstance(owner, dict) else enumerate(owner)
     for key, value in items:
         if isinstance(value, dict | list):
-            yield from _leaves(value)
+            yield from leaves(value)
         else:
             yield owner, key
 
@@ -65,8 +65,8 @@ def no_leaf(draw: random.Random, folder: Path) -> None:
     """A number or text that is of no kind that fits."""
 
     def edit(document: dict[str, Any]) -> None:
-        owner, key = draw.choice(list(_leaves(document)))
-        owner[key] = draw.choice(_NO_LEAVES)
+        owner, key = draw.choice(list(leaves(document)))
+        owner[key] = draw.choice(NO_LEAVES)
 
     _edited(folder, edit)
 

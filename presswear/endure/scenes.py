@@ -91,11 +91,13 @@ def _bearings(draw: random.Random, shortest: float) -> Bearings:
 
 def _links(draw: random.Random, owner: Any, scale: float) -> dict[str, float]:
     """Lengths of links around those of a mechanism that assembles."""
-    return {
-        item.name: scale * getattr(owner, item.name) * math.exp(draw.gauss(0.0, _CHANGE))
-        for item in fields(owner)
-        if item.name.startswith(_LENGTHS) and meaning_of(item) is not None
-    }
+    found: dict[str, float] = {}
+    for item in fields(owner):
+        meaning = meaning_of(item)
+        if item.name.startswith(_LENGTHS) and meaning is not None:
+            length = scale * getattr(owner, item.name) * math.exp(draw.gauss(0.0, _CHANGE))
+            found[item.name] = min(max(length, meaning.low), meaning.high)
+    return found
 
 
 def _weights(

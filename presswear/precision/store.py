@@ -185,7 +185,7 @@ def load(folder: Path) -> Precision:
         )
     except InputError as error:
         raise InputError(f"{file}: {error}") from None
-    except (LookupError, TypeError, ValueError, AttributeError) as error:
+    except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError) as error:
         raise InputError(f"{file} is not whole: {error!r}") from None
     wrong = next(misfits(found), None)
     if wrong is None and not is_provenance(found.provenance):
