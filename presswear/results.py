@@ -303,9 +303,9 @@ def stored_scene(document: Mapping[str, Any], schema: int, file: Path) -> Scene:
         scene = Scene.from_dict(migrated(document["scene"], schema))
     except InputError as error:
         raise InputError(f"{file}: {error}") from None
-    named = document.get("engine", document["scene"].get("engine"))
-    if named != document["scene"].get("engine"):
-        raise InputError(
-            f"{file}: engine {named!r} beside a scene of engine {document['scene'].get('engine')!r}"
-        )
+    # Both are told twice, for whoever reads the file without us.
+    for key in ("engine", "conventions"):
+        inside = document["scene"].get(key)
+        if document.get(key, inside) != inside:
+            raise InputError(f"{file}: {key!r} is not what it is in 'scene', {inside!r}")
     return scene

@@ -110,7 +110,8 @@ Edit = dict[str, Any]
     [
         ("", {"schema": True}, "schema True; this version reads 1 to 2"),
         ("", {"schema": 3}, "schema 3; this version reads 1 to 2"),
-        ("", {"engine": "dae"}, "engine 'dae' beside a scene of engine 'exudyn'"),
+        ("", {"engine": "dae"}, "'engine' is not what it is in 'scene', 'exudyn'"),
+        ("", {"conventions": {}}, "'conventions' is not what it is in 'scene'"),
         ("", {"wall_s": "1"}, "'wall_s' is not what it should be: '1'"),
         ("", {"provenance": {}}, "'provenance' is not what it should be"),
         ("stages", {"index": -1}, "'index' is not what it should be: -1"),
