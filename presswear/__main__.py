@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, NoReturn
 
 from presswear.commands.stopping import exit_code, stoppable
-from presswear.errors import InputError, RunError
+from presswear.errors import InputError, RunError, one_line
 
 if TYPE_CHECKING:
     import argparse
@@ -61,7 +61,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _tell(problem: str) -> None:
-    print(f"presswear: {problem}", file=sys.stderr)
+    print(one_line(f"presswear: {problem}"), file=sys.stderr)
 
 
 if __name__ == "__main__":

@@ -26,7 +26,7 @@ _COMMENT = 64
 def sealed(arrays: Snapshot) -> bytes:
     """Arrays by name as an archive that ends with its own digest."""
     packed = io.BytesIO()
-    np.savez(packed, allow_pickle=False, **arrays)
+    np.savez(packed, **arrays)  # type: ignore[arg-type]
     # The last two bytes of an archive are the length of its comment.
     data = packed.getvalue()[:-2] + struct.pack("<H", _COMMENT)
     return data + digest(data).encode()

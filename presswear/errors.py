@@ -15,3 +15,13 @@ class AssemblyError(InputError):
 
 class RunError(RuntimeError):
     """A run that had to stop: what happened, when, and what to do about it."""
+
+
+MOST_SHOWN = 1000
+"""Characters of a message: what somebody typed or stored may be of any length."""
+
+
+def one_line(text: str) -> str:
+    """A message as one line that any terminal can show; what it cannot is written as escapes."""
+    shown = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text[: MOST_SHOWN + 1])
+    return shown if len(shown) <= MOST_SHOWN else f"{shown[: MOST_SHOWN - 3]}..."

@@ -3,6 +3,7 @@
 import hashlib
 import io
 import json
+import math
 import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -74,10 +75,11 @@ def write_arrays(
     Parameters
     ----------
     pack : callable
-        ``np.savez_compressed`` or ``np.savez``.
+        ``np.savez_compressed`` or ``np.savez``; without options, which numpy 2.0 stores as if
+        they were arrays.
     """
     packed = io.BytesIO()
-    pack(packed, allow_pickle=False, **arrays)
+    pack(packed, **arrays)
     write_bytes(path, packed.getvalue())
     return digest(packed.getvalue())
 
@@ -115,16 +117,44 @@ def arrays_in(data: bytes, path: Path) -> dict[str, NDArray[Any]]:
         raise InputError(f"{path} cannot be read: {error}") from None
 
 
+MOST_TEXT = 2**28
+"""Bytes of a JSON file; the largest studies have some millions."""
+
+
 def read_json(file: Path, missing: str) -> Any:
-    """What a JSON file holds; InputError says that it is missing, in given words, or damaged."""
+    """What a JSON file holds; InputError says that it is missing, in given words, or damaged.
+
+    Nothing is chosen between two values of one name, and no number is infinite: files are
+    written without either.
+    """
+    if not file.is_file():
+        raise InputError(missing)
     try:
-        return json.loads(file.read_bytes().decode())
-    except FileNotFoundError:
-        raise InputError(missing) from None
-    except (OSError, UnicodeDecodeError, json.JSONDecodeError) as error:
+        if file.stat().st_size > MOST_TEXT:
+            raise ValueError(f"it has more than {MOST_TEXT} bytes")
+        return json.loads(
+            file.read_text(encoding="utf-8"),
+            object_pairs_hook=_named_once,
+            parse_float=_finite,
+            parse_constant=_finite,
+        )
+    # A whole number of some thousand digits is a ValueError like any damage.
+    except (OSError, ValueError, RecursionError, MemoryError) as error:
         raise InputError(f"{file} cannot be read: {error}") from None
-    except RecursionError:
-        raise InputError(f"{file} cannot be read: it is nested too deeply") from None
+
+
+def _named_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    found = dict(pairs)
+    if len(found) < len(pairs):
+        raise ValueError("a name is there twice")
+    return found
+
+
+def _finite(text: str) -> float:
+    value = float(text)
+    if not math.isfinite(value):
+        raise ValueError(f"{text} is no finite number")
+    return value
 
 
 _NO_DIGEST = '"digest": "' + 64 * "0" + '"'

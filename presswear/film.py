@@ -112,11 +112,16 @@ class Film:
         return found
 
     @staticmethod
-    def from_arrays(stored: Mapping[str, Array], names: Sequence[str]) -> "Film":
+    def from_arrays(stored: Mapping[str, Array], bodies: int, names: Sequence[str]) -> "Film":
         """The film that ``arrays`` stored; KeyError or ValueError where it is none."""
         time, position = stored["time"], stored["position"]
+        if time.ndim != 1 or len(time) < 1 or position.shape != (len(time), 3 * bodies):
+            raise ValueError(f"frames of shape {time.shape} and {position.shape}")
         joints = np.zeros((len(time), len(names), FILM_JOINT_COUNT))
         for k, name in enumerate(names):
             for column, word in enumerate(FILM_JOINT):
                 joints[:, k, column] = stored[f"{name}_{word}"]
-        return Film(time, position, joints)
+        found = Film(time, position, joints)
+        if not all(np.isfinite(part).all() for part in (time, position, joints)):
+            raise ValueError("a value is not finite")
+        return found

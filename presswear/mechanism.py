@@ -7,6 +7,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.errors import InputError
 from presswear.linkage import Linkage
 
 Array = NDArray[np.float64]
@@ -55,6 +56,24 @@ class Mechanism(Protocol):
 
     def check_assembly(self) -> None:
         """Raise AssemblyError unless the linkage closes over the whole cycle."""
+
+
+HEAVIER = 1e6
+"""Mass of the heaviest body over that of the lightest, at most.
+
+Beyond it the accelerations of the light body are round-off of the forces on the heavy one:
+runs crawl at the shortest step, or end there.
+"""
+
+
+def check_masses(masses: Mapping[str, float]) -> None:
+    """InputError unless all bodies, kg by the names of their settings, can move together."""
+    light, heavy = min(masses, key=masses.__getitem__), max(masses, key=masses.__getitem__)
+    if masses[heavy] > HEAVIER * masses[light]:
+        raise InputError(
+            f"{heavy} = {masses[heavy]:g} kg beside {light} = {masses[light]:g} kg: allowed is "
+            f"{HEAVIER:g} times as much"
+        )
 
 
 def motion_of(

@@ -25,7 +25,7 @@ from presswear.linkage import (
     Probe,
     Revolute,
 )
-from presswear.mechanism import Motion, motion_of
+from presswear.mechanism import Motion, check_masses, motion_of
 from presswear.quantities import check_fields, named_set, quantity
 
 Array = NDArray[np.float64]
@@ -141,8 +141,11 @@ class Press:
     def __post_init__(self) -> None:
         check_fields(self)
         check_fields(self.geometry)
+        if not isinstance(self.geometry.name, str):
+            raise InputError(f"name of a geometry = {self.geometry.name!r}: a text is expected")
         for side in ("side_b", "side_c", "slider_side"):
-            if getattr(self.geometry, side) not in (-1.0, 1.0):
+            value = getattr(self.geometry, side)
+            if isinstance(value, bool) or value not in (-1.0, 1.0):
                 raise InputError(
                     f"{side} = {getattr(self.geometry, side)!r}: allowed is -1 (right, below) "
                     "or 1 (left, above)"
@@ -153,6 +156,8 @@ class Press:
                 f"plate 4 is no triangle: its longest side {plate[2]:g} m must be below the sum "
                 f"of the others, {plate[0] + plate[1]:g} m"
             )
+
+        check_masses({f"mass_{k}": getattr(self, f"mass_{k}") for k in range(2, 8)})
 
     @property
     def period(self) -> float:

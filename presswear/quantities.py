@@ -7,6 +7,7 @@ that the help, the error messages and the report all speak from one place.
 
 import math
 import re
+import sys
 from collections.abc import Callable, Mapping
 from dataclasses import Field, dataclass, field, fields
 from typing import Any
@@ -39,7 +40,13 @@ _EXAMPLE = {
     "s": "1ms",
 }
 
-_NUMBER = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*)$")
+_NUMBER = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(.*)$")
+
+
+def _exact(bound: float) -> str:
+    """A bound as text that is read back as the same number, so that it can be typed."""
+    short = f"{bound:g}"
+    return short if float(short) == bound else f"{bound!r}"
 
 
 @dataclass(frozen=True)
@@ -63,9 +70,9 @@ class Meaning:
         if math.isinf(self.high) and math.isinf(self.low):
             return f"any finite number{' in' if unit else ''}{unit}"
         if math.isinf(self.high):
-            return f"{'above' if self.open_low else 'at least'} {self.low:g}{unit}"
-        first = f"above {self.low:g} up to" if self.open_low else f"{self.low:g} to"
-        return f"{first} {self.high:g}{unit}"
+            return f"{'above' if self.open_low else 'at least'} {_exact(self.low)}{unit}"
+        first = f"above {_exact(self.low)} up to" if self.open_low else f"{_exact(self.low)} to"
+        return f"{first} {_exact(self.high)}{unit}"
 
     def check(self, name: str, value: Any) -> None:
         """Raise InputError unless the value is a finite number in range."""
@@ -75,10 +82,17 @@ class Meaning:
                 f"{name} = {value!r}: a {'whole ' if self.whole else ''}number is expected; "
                 f"allowed is {self.range_text()}"
             )
+        # Beyond all floats: a whole number that was stored may be of any length.
+        if abs(value) > sys.float_info.max:
+            value = math.inf if value > 0 else -math.inf
         fits = self.low < value <= self.high if self.open_low else self.low <= value <= self.high
         if not (math.isfinite(value) and fits):
             unit = f" {self.unit}" if self.unit else ""
-            raise InputError(f"{name} = {value:g}{unit}: allowed is {self.range_text()}")
+            shown = f"{value:g}"
+            # What is outside by a hair must not be told as what is allowed.
+            if self.low <= float(shown) <= self.high:
+                shown = f"{value!r}"
+            raise InputError(f"{name} = {shown}{unit}: allowed is {self.range_text()}")
 
 
 def quantity(

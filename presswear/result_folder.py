@@ -86,7 +86,7 @@ class ResultFolder:
                 self._write()
         except BaseException:
             self._lock.release()
-            if is_new:
+            if is_new and not any(path.iterdir()):
                 path.rmdir()
             raise
 

@@ -6,7 +6,7 @@ of all files; ``stage-K.npz`` the arrays of stage K, ``film-K.npz`` its film.
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -16,13 +16,13 @@ from numpy.typing import NDArray
 from presswear.campaign import Stage
 from presswear.deviation import deviations
 from presswear.errors import InputError
-from presswear.files import arrays_in, check_seal, read_checked, read_json
+from presswear.files import check_seal, read_checked, read_json
 from presswear.film import Film
 from presswear.lock import holder
-from presswear.numerics import Numerics
+from presswear.migration import migrated
 from presswear.observe import SERIES_FIXED, SERIES_JOINT
-from presswear.press import Press
 from presswear.scene import Scene
+from presswear.stored import check_arrays, check_document, check_stages, read_arrays, schema_of
 from presswear.surface import bin_centres
 
 Array = NDArray[np.float64]
@@ -129,9 +129,7 @@ def read_document(path: Path) -> dict[str, Any]:
     """What ``result.json`` in a folder holds; InputError where it is not what was written."""
     file = path / FILE
     document = read_json(file, f"{path} is no result folder: it has no {FILE}")
-    schema = document.get("schema") if isinstance(document, dict) else None
-    if type(schema) is not int or not 1 <= schema <= SCHEMA:
-        raise InputError(f"{file} has schema {schema!r}; this version reads 1 to {SCHEMA}")
+    schema = schema_of(document, file, SCHEMA)
     found: dict[str, Any] = document
     # Before schema 3 there was no digest; one byte cannot hide both.
     if schema >= SEALED or "digest" in found:
@@ -141,21 +139,22 @@ def read_document(path: Path) -> dict[str, Any]:
 
 def load(path: Path) -> StoredResult:
     """Read a result folder; InputError names what is missing, cut off, altered or too new."""
+    file = path / FILE
     document = read_document(path)
+    check_document(document, file)
+    scene = stored_scene(document, document["schema"], file)
+    joints = scene.clearance_joints
+    check_stages(document, joints, scene.wears, file)
     digests = document.get("files", {})
-    try:
-        names = [f"stage-{int(entry['index'])}.npz" for entry in document["stages"]]
-        stored = document["scene"]
-        scene = _from_schema_1(stored) if document["schema"] == 1 else stored
-        # Before there were steps, every wear was one jump.
-        scene = {"extrapolation": "single", **scene}
-    except (KeyError, TypeError, ValueError) as error:
-        raise InputError(f"{path / FILE} is not whole: {error!r}") from None
-    read = Scene.from_dict(scene)
-    stages = [_arrays(path / name, digests.get(name)) for name in names]
-    for name in digests.keys() - set(names):
+    stages = []
+    for entry in document["stages"]:
+        name = f"stage-{entry['index']}.npz"
+        arrays = read_arrays(path / name, digests.get(name))
+        check_arrays(arrays, joints, scene.bearings.angles, path / name)
+        stages.append(arrays)
+    for name in digests.keys() - {f"stage-{entry['index']}.npz" for entry in document["stages"]}:
         read_checked(path / name, digests[name])
-    return StoredResult(path, document, read, stages)
+    return StoredResult(path, document, scene, stages)
 
 
 def unfinished(path: Path, document: Mapping[str, Any]) -> str:
@@ -175,13 +174,18 @@ def unfinished(path: Path, document: Mapping[str, Any]) -> str:
     )
 
 
-def _from_schema_1(scene: Mapping[str, Any]) -> dict[str, Any]:
-    """A stored scene of schema 1: its mechanism is a press, its numerics are the scene's own."""
-    plain = dict(scene)
-    names = {item.name for item in fields(Numerics)}
-    plain["numerics"] = {name: plain.pop(name) for name in names & plain.keys()}
-    plain["mechanism"] = {"kind": Press.kind, **plain.pop("press")}
-    return plain
+def stored_scene(document: Mapping[str, Any], schema: int, file: Path) -> Scene:
+    """The scene of a document, by today's names; InputError names the file."""
+    try:
+        scene = Scene.from_dict(migrated(document["scene"], schema))
+    except InputError as error:
+        raise InputError(f"{file}: {error}") from None
+    # Both are told twice, for whoever reads the file without us.
+    for key in ("engine", "conventions"):
+        inside = document["scene"].get(key)
+        if document.get(key, inside) != inside:
+            raise InputError(f"{file}: {key!r} is not what it is in 'scene', {inside!r}")
+    return scene
 
 
 def load_film(result: StoredResult, stage: int) -> Film:
@@ -189,14 +193,10 @@ def load_film(result: StoredResult, stage: int) -> Film:
     file = result.path / f"film-{result.document['stages'][stage]['index']}.npz"
     if not file.exists():
         raise InputError(f"{file} is missing: this run was stored without a film; run it again")
-    names = [joint.name for joint in result.scene.linkage({}).clearances]
+    linkage = result.scene.linkage()
+    arrays = read_arrays(file, result.document.get("files", {}).get(file.name))
+    names = [joint.name for joint in linkage.clearances]
     try:
-        digests = result.document.get("files", {})
-        return Film.from_arrays(_arrays(file, digests.get(file.name)), names)
-    except (KeyError, ValueError) as error:
+        return Film.from_arrays(arrays, len(linkage.bodies), names)
+    except (LookupError, ValueError) as error:
         raise InputError(f"{file} is no film of this run: {error}") from None
-
-
-def _arrays(file: Path, expected: str | None) -> dict[str, Array]:
-    """Arrays of one stage; InputError when the file is missing or damaged."""
-    return arrays_in(read_checked(file, expected), file)

@@ -25,7 +25,7 @@ from presswear.linkage import (
     Probe,
     Revolute,
 )
-from presswear.mechanism import Motion, motion_of
+from presswear.mechanism import Motion, check_masses, motion_of
 from presswear.quantities import check_fields, quantity
 
 Array = NDArray[np.float64]
@@ -75,6 +75,7 @@ class SliderCrank:
 
     def __post_init__(self) -> None:
         check_fields(self)
+        check_masses({key: getattr(self, key) for key in ("crank_mass", "rod_mass", "slider_mass")})
 
     @property
     def period(self) -> float:

@@ -8,6 +8,7 @@ whatever happens to the others, and one that is stopped goes on from its checkpo
 import json
 import multiprocessing
 import queue
+import re
 import signal
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -20,10 +21,14 @@ from presswear.campaign import Watcher, run_campaign
 from presswear.errors import InputError, RunError
 from presswear.files import read_json, write_bytes
 from presswear.lock import is_free, make_folder, take_folder
+from presswear.migration import migrated
 from presswear.provenance import provenance, provenance_differs
 from presswear.result_folder import INTERVAL, ResultFolder
 from presswear.results import FINISHED, StoredResult, load, plain
+from presswear.results import SCHEMA as SCENE_SCHEMA
 from presswear.scene import Scene
+from presswear.stored import schema_of
+from presswear.typed import misfits
 
 Told = Callable[[str, float, str], None]
 """Key of a variant, part of it done 0 .. 1, and a word on where it stands."""
@@ -33,6 +38,7 @@ Change = Callable[[Scene], Scene]
 
 FILE = "study.json"
 SCHEMA = 1
+_KEY = re.compile(r"[A-Za-z0-9][A-Za-z0-9.+=,_-]*")
 _PATIENCE = 20.0
 """Time in which a process that is stopped writes its checkpoint, s."""
 _POLL = 0.2
@@ -110,16 +116,26 @@ def load_study(folder: Path) -> Study:
     """The study of a folder; InputError says what is wrong with it."""
     file = folder / FILE
     data = read_json(file, f"{folder} is no study's folder: it has no {FILE}")
+    schema_of(data, file, SCHEMA)
     try:
-        if data["schema"] != SCHEMA:
-            raise InputError(f"{file} has schema {data['schema']!r}; this version reads {SCHEMA}")
         variants = tuple(
-            Variant(str(v["key"]), str(v["label"]), Scene.from_dict(v["scene"]))
+            Variant(v["key"], v["label"], Scene.from_dict(migrated(v["scene"], SCENE_SCHEMA)))
             for v in data["variants"]
         )
-        return Study(str(data["name"]), str(data["title"]), str(data["question"]), variants)
-    except (KeyError, TypeError) as error:
+        study = Study(data["name"], data["title"], data["question"], variants)
+    except InputError as error:
+        raise InputError(f"{file}: {error}") from None
+    except (LookupError, TypeError) as error:
         raise InputError(f"{file} is not whole: {error!r}") from None
+    wrong = next(misfits(study), None)
+    if wrong is not None:
+        raise InputError(f"{file}: {wrong} is not what it should be")
+    keys = [variant.key for variant in variants]
+    # A key names a folder: it must not lead anywhere else.
+    strange = [key for key in keys if not _KEY.fullmatch(key) or keys.count(key) > 1]
+    if strange or not keys:
+        raise InputError(f"{file}: {strange[:1] or 'nothing'} cannot name a variant's folder")
+    return study
 
 
 def run_variant(

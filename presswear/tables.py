@@ -22,20 +22,20 @@ values separated by commas, lines that begin with ``#`` are comments.  NPZ: one
 array of one dimension per column, under its name.
 """
 
-import io
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO
-from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
 
 from presswear.errors import InputError
-from presswear.files import write_whole
+from presswear.files import write_arrays, write_whole
+from presswear.folders import check_name
 from presswear.results import StoredResult
+from presswear.stored import read_arrays
 
 Array = NDArray[np.float64]
 Table = Mapping[str, Array]
@@ -150,15 +150,17 @@ def check_table(table: Table, source: str) -> None:
 def write_table(path: Path, table: Table) -> None:
     """Write a table as ``.csv`` or ``.npz``; refuses to overwrite."""
     kind = _suffix(path)
+    check_name(path)
     if path.exists():
         raise InputError(f"{path} exists; name a new file")
     if not path.parent.is_dir():
         raise InputError(f"{path.parent} is no folder")
 
+    if kind == ".npz":
+        write_arrays(path, table)
+        return
+
     def write(file: BinaryIO) -> None:
-        if kind == ".npz":
-            np.savez_compressed(file, allow_pickle=False, **table)
-            return
         # The names come first: numpy.genfromtxt takes them from the first line.
         units = ",".join(f"{name} {unit_of(name)}" for name in table)
         file.write(f"{','.join(table)}\n# units: {units}\n".encode())
@@ -170,11 +172,8 @@ def write_table(path: Path, table: Table) -> None:
 def read_table(path: Path) -> dict[str, Array]:
     """Read and check a ``.csv`` or ``.npz`` table; InputError says what is wrong where."""
     kind = _suffix(path)
-    try:
-        content = path.read_bytes()
-    except OSError as error:
-        raise InputError(f"{path} cannot be read: {error.strerror}") from None
-    table = _from_npz(content, path) if kind == ".npz" else _from_csv(content, path)
+    check_name(path)
+    table = _from_npz(path) if kind == ".npz" else _from_csv(path)
     check_table(table, str(path))
     return table
 
@@ -186,23 +185,19 @@ def _suffix(path: Path) -> str:
     return kind
 
 
-def _from_npz(content: bytes, path: Path) -> dict[str, Array]:
-    try:
-        stored = np.load(io.BytesIO(content), allow_pickle=False)
-        arrays = dict(stored) if isinstance(stored, np.lib.npyio.NpzFile) else None
-    except (OSError, ValueError, EOFError, BadZipFile) as error:
-        raise InputError(f"{path} is no table of arrays: {error}") from None
-    if arrays is None:
-        raise InputError(f"{path} holds a single array; one per column is expected")
+def _from_npz(path: Path) -> dict[str, Array]:
+    arrays = read_arrays(path)
     for name, values in arrays.items():
-        if values.ndim != 1 or values.dtype.kind not in "fiu":
+        if values.ndim != 1:
             raise InputError(f"{path}: {name} is no array of real numbers with one dimension")
-    return {name: values.astype(float) for name, values in arrays.items()}
+    return arrays
 
 
-def _from_csv(content: bytes, path: Path) -> dict[str, Array]:
+def _from_csv(path: Path) -> dict[str, Array]:
     try:
-        lines = content.decode("utf-8-sig").splitlines()
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
+    except OSError as error:
+        raise InputError(f"{path} cannot be read: {error.strerror}") from None
     except UnicodeDecodeError as error:
         raise InputError(f"{path} is no text: {error}") from None
     names: list[str] = []

@@ -124,7 +124,21 @@ def test_a_file_appears_whole_or_not_at_all(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == [target]
 
 
-def _restored(path: Path, document: object) -> StoredResult:
+def _restored(path: Path, schema: object, scene: object) -> StoredResult:
+    """A folder without stages, read back."""
+    document = {
+        "schema": schema,
+        "scene": scene,
+        "engine": "exudyn",
+        "provenance": {
+            "packages": {},
+            **dict.fromkeys(("python", "revision", "machine", "started"), ""),
+        },
+        "status": "running",
+        "message": "",
+        "wall_s": 0.0,
+        "stages": [],
+    }
     (path / "result.json").write_text(json.dumps(document))
     return load(path)
 
@@ -135,33 +149,36 @@ def test_scenes_of_schema_1_are_presses(tmp_path: Path) -> None:
     press = data.pop("mechanism")
     assert press.pop("kind") == "press"
     del data["statuses"]
-    found = _restored(tmp_path, {"schema": 1, "scene": {**data, "press": press}, "stages": []})
+    found = _restored(tmp_path, 1, {**data, "press": press})
     assert found.scene == scene
     # What is stored is left alone.
     assert "press" in found.document["scene"]
 
 
 def test_scenes_say_which_mechanism_they_hold(tmp_path: Path) -> None:
-    document = {"schema": 2, "scene": slider_crank().as_dict(), "stages": []}
-    assert _restored(tmp_path, document).scene == slider_crank()
+    assert _restored(tmp_path, 2, slider_crank().as_dict()).scene == slider_crank()
 
 
 @pytest.mark.parametrize(
-    ("document", "says"),
+    ("schema", "scene", "says"),
     [
-        ({"schema": 4, "stages": []}, "schema 4; this version reads 1 to 3"),
-        ({"schema": 0, "stages": []}, "schema 0"),
-        ({"schema": 3, "stages": []}, "checksum does not fit"),
-        ({"schema": 1, "scene": {"mechanism": {}}, "stages": []}, "not whole.*press"),
-        ({"schema": 1, "scene": {"press": 3}, "stages": []}, "not whole"),
-        ({"schema": 1, "scene": 3, "stages": []}, "not whole"),
-        ({"schema": 2, "scene": {"press": {}}, "stages": []}, "not a stored scene.*mechanism"),
-        ({"schema": "2", "scene": {}, "stages": []}, "schema '2'"),
+        (4, {}, "schema 4; this version reads 1 to 3"),
+        (0, {}, "schema 0"),
+        ("2", {}, "schema '2'"),
+        (True, {}, "schema True"),
+        (2.0, {}, "schema 2.0"),
+        (None, {}, "schema None"),
+        (1, {"mechanism": {}}, "not a stored scene: 'kind'"),
+        (1, {"press": 3}, "not a stored scene.*mechanism"),
+        (1, 3, "'scene' is not what it should be: 3"),
+        (2, {"press": {}}, "not a stored scene.*mechanism"),
     ],
 )
-def test_other_schemas_are_refused(tmp_path: Path, document: dict[str, object], says: str) -> None:
+def test_other_schemas_are_refused(
+    tmp_path: Path, schema: object, scene: object, says: str
+) -> None:
     with pytest.raises(InputError, match=says):
-        _restored(tmp_path, document)
+        _restored(tmp_path, schema, scene)
 
 
 @pytest.mark.parametrize("text", ["", "[]", '{"schema": 99}', "{", "\x00\xff"])

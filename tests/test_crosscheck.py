@@ -168,7 +168,7 @@ def test_without_clearance_the_whole_duration_is_compared(
     [
         (["nonsense"], "nonsense"),
         (["--duration", "-1"], "--duration -1"),
-        (["--duration", "nan"], "--duration nan"),
+        (["--duration", "nan"], "--duration: 'nan'"),
         (["--duration", "long"], "long"),
         (["--until", "1"], "--until goes only with --against"),
         (["--against", "theirs.csv"], "needs the result folder"),

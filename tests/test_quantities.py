@@ -109,6 +109,8 @@ def test_an_unknown_unit_is_refused_and_the_known_are_listed(unit: str) -> None:
         ("0.3m", ""),
         ("--1", ""),
         ("0_8mm", "m"),
+        ("٣m", "m"),
+        ("１", ""),
     ],
 )
 def test_refuses(text: str, unit: str) -> None:
@@ -161,6 +163,24 @@ def test_ranges(meaning: Meaning, inside: list[str], outside: list[str], said: s
     for text in outside:
         with pytest.raises(InputError, match=f"allowed is {said}"):
             parse_quantity("key", text, meaning)
+
+
+def test_a_range_is_told_so_that_its_ends_can_be_typed() -> None:
+    meaning = Meaning("rad/s", 0.1 * math.pi, 40.0 * math.pi, "", "")
+    low, high = meaning.range_text().removesuffix(" rad/s").split(" to ")
+    for end in (low, high):
+        parse_quantity("key", f"{end} rad/s", meaning)
+
+
+def test_a_value_outside_by_a_hair_is_not_told_as_one_inside() -> None:
+    with pytest.raises(InputError, match=r"key = 0\.80000000000000\d+: allowed is 0 to 0\.8"):
+        Meaning("", 0.0, 0.8, "", "").check("key", math.nextafter(0.8, 1.0))
+
+
+def test_a_whole_number_beyond_all_floats_is_refused() -> None:
+    for number, shown in ((10**400, "inf"), (-(10**400), "-inf")):
+        with pytest.raises(InputError, match=f"key = {shown}: allowed is 1 to 5"):
+            Meaning("", 1, 5, "", "", whole=True).check("key", number)
 
 
 def test_any_finite_number_still_has_to_be_finite() -> None:

@@ -187,6 +187,34 @@ def test_friction_speeds_stay_in_order() -> None:
         changed(BASE, {"lower_speed": "1mm/s"})
 
 
+def test_the_ramp_of_friction_is_wide_enough_to_be_followed() -> None:
+    close = {"lower_speed": "0.991mm/s", "upper_speed": "1mm/s"}
+    with pytest.raises(InputError, match=r"lower_speed = .*allowed is 0 to 1e-05 m/s below"):
+        changed(BASE, close)
+    changed(BASE, {**close, "lower_speed": "0.99mm/s"})
+    with pytest.raises(InputError, match=r"upper_speed = 9e-06 m/s: allowed is 1e-05 to 1 m/s"):
+        changed(BASE, {"lower_speed": "0m/s", "upper_speed": "9e-6m/s"})
+
+
+@pytest.mark.parametrize(
+    ("scene", "heavy", "light"), [(BASE, "mass_6", "mass_3"), (OTHER, "slider_mass", "rod_mass")]
+)
+def test_masses_that_cannot_move_together_are_refused(scene: Scene, heavy: str, light: str) -> None:
+    changed(scene, {heavy: "100kg", light: "1.1e-4kg"})
+    with pytest.raises(InputError, match=f"^{heavy} = 1000 kg beside {light} = 0.0001 kg: allowed"):
+        changed(scene, {heavy: "1000kg", light: "1e-4kg"})
+
+
+def test_a_stored_scene_that_lost_a_value_is_refused() -> None:
+    """What got lost is not today's default."""
+    data = json.loads(json.dumps(BASE.as_dict()))
+    for part in ("bearings", "numerics", "conventions", "mechanism"):
+        for key in data[part]:
+            less = {**data, part: {k: v for k, v in data[part].items() if k != key}}
+            with pytest.raises(InputError, match=f"'{key}'|missing"):
+                Scene.from_dict(less)
+
+
 def test_a_press_that_does_not_assemble_is_no_scene() -> None:
     with pytest.raises(AssemblyError, match="joint B does not close"):
         changed(BASE, {"length_3": "0.1m"})

@@ -5,7 +5,6 @@ It measures and does not judge: a verdict is printed, and the exit code is 0.
 
 import argparse
 from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rich.box import SIMPLE
@@ -14,7 +13,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from presswear.catalog import scene_named
-from presswear.commands.terminal import free_folder, progress_bar, repeats_given
+from presswear.commands.terminal import folder_given, free_folder, progress_bar, repeats_given
 from presswear.lock import only_writer
 
 if TYPE_CHECKING:
@@ -33,7 +32,7 @@ def add(commands: Any) -> None:
         "of this command; keep the machine calm meanwhile. About four minutes.",
         epilog="example: presswear costs --repeats 7 --out results/costs-calm",
     )
-    costs.add_argument("--out", type=Path, help="new folder (default results/costs)")
+    costs.add_argument("--out", type=folder_given, help="new folder (default results/costs)")
     costs.add_argument("--repeats", help="how often each run is timed (default 5)")
     costs.add_argument(
         "--quick", action="store_true", help="short runs, twice each: rough, below a minute"

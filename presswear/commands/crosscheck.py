@@ -9,7 +9,10 @@ from rich.console import Console
 from presswear.catalog import scene_named
 from presswear.commands.terminal import (
     finished_part,
+    folder_given,
     free_folder,
+    number_given,
+    place_given,
     print_table,
     progress_bar,
     settings_given,
@@ -19,6 +22,8 @@ from presswear.errors import InputError
 from presswear.lock import only_writer
 from presswear.settings import changed
 
+_CYCLES = (1e-3, 100.0)
+"""Shortest and longest time over which trajectories are compared, cycles."""
 _TABLE_TEXT = (
     "Columns, in SI units: time, displacement, velocity, acceleration (of the slider), and for "
     "each clearance joint J: J_eccentricity_x, J_eccentricity_y, J_penetration, J_normal_force, "
@@ -47,23 +52,28 @@ def add(commands: Any) -> None:
     check.add_argument(
         "target", nargs="?", metavar="SCENE|DIR", help="scene (default wear-times) or result folder"
     )
-    check.add_argument("--out", type=Path, help="new folder (default results/crosscheck-SCENE)")
+    check.add_argument(
+        "--out", type=folder_given, help="new folder (default results/crosscheck-SCENE)"
+    )
     check.add_argument(
         "--set", action="append", default=[], metavar="KEY=VALUE", help="as in presswear run"
     )
     check.add_argument(
         "--duration",
-        type=float,
+        type=number_given,
         metavar="S",
         help="longest time that trajectories are compared, s (default one cycle)",
     )
     check.add_argument("--against", type=Path, metavar="FILE", help="table, .csv or .npz")
     check.add_argument(
-        "--until", type=float, metavar="S", help="last time compared, s (default: all in common)"
+        "--until",
+        type=number_given,
+        metavar="S",
+        help="last time compared, s (default: all in common)",
     )
     check.add_argument(
         "--tolerance",
-        type=float,
+        type=number_given,
         metavar="X",
         help="rms difference allowed in a column, part of its rms (default 1e-3)",
     )
@@ -78,7 +88,11 @@ def add(commands: Any) -> None:
     export.add_argument("folder", type=Path, metavar="DIR")
     export.add_argument("file", type=Path, metavar="FILE", help="new file, .csv or .npz")
     export.add_argument(
-        "--stage", type=int, default=0, metavar="K", help="0 unworn (default), 1 after a wear, ..."
+        "--stage",
+        type=place_given,
+        default=0,
+        metavar="K",
+        help="0 unworn (default), 1 after a wear, ...",
     )
     export.set_defaults(run=_export)
 
@@ -96,6 +110,13 @@ def _crosscheck(arguments: argparse.Namespace, console: Console) -> int:
     if arguments.against:
         return _against(arguments, console)
     scene = changed(scene_named(arguments.target or "wear-times"), settings_given(arguments.set))
+    period = scene.mechanism.period
+    least, most = (cycles * period for cycles in _CYCLES)
+    if arguments.duration is not None and not least <= arguments.duration <= most:
+        raise InputError(
+            f"--duration {arguments.duration:g}: allowed is {least:.3g} to {most:.3g} s, "
+            f"{_CYCLES[0]:g} to {_CYCLES[1]:g} cycles"
+        )
     folder = arguments.out or free_folder(f"crosscheck-{scene.name}")
     from presswear.crosscheck import check_engines, store
     from presswear.figures.crosscheck import write_differences

@@ -58,7 +58,7 @@ def _endure(arguments: argparse.Namespace, console: Console) -> int:
                 trial.what,
                 str(trial.tried),
                 str(trial.survived),
-                verdict(trial.survived == trial.tried) if trial.tried else "",
+                verdict(trial.passed) if trial.tried else "",
                 trial.note,
             ]
             for trial in trials

@@ -12,7 +12,13 @@ from rich.console import Console
 
 from presswear.catalog import scene_named
 from presswear.commands.costs import print_text_table
-from presswear.commands.terminal import free_folder, progress_bar, repeats_given, settings_given
+from presswear.commands.terminal import (
+    folder_given,
+    free_folder,
+    progress_bar,
+    repeats_given,
+    settings_given,
+)
 from presswear.lock import only_writer
 from presswear.settings import changed
 
@@ -36,7 +42,9 @@ def add(commands: Any) -> None:
     precision.add_argument(
         "scene", nargs="?", default=SCENE, metavar="SCENE", help=f"scene (default {SCENE})"
     )
-    precision.add_argument("--out", type=Path, help="new folder (default results/precision-SCENE)")
+    precision.add_argument(
+        "--out", type=folder_given, help="new folder (default results/precision-SCENE)"
+    )
     precision.add_argument("--repeats", help="how often each method is timed (default 5)")
     precision.add_argument("--quick", action="store_true", help="few steps and tolerances of each")
     precision.add_argument(

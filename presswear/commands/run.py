@@ -16,6 +16,7 @@ from presswear.commands import precision, studies
 from presswear.commands.stopping import check_stopped, go_on_with
 from presswear.commands.terminal import (
     finished_part,
+    folder_given,
     free_folder,
     progress_bar,
     seconds_given,
@@ -47,7 +48,7 @@ def add(commands: Any) -> None:
         "--set clearance=0.6mm --set 'speed=6pi rad/s' --set geometry=swapped",
     )
     run.add_argument("scene", help="one of: " + ", ".join((*SCENES, *STUDIES)))
-    run.add_argument("--out", type=Path, help="new result folder (default results/SCENE)")
+    run.add_argument("--out", type=folder_given, help="new result folder (default results/SCENE)")
     run.add_argument(
         "--engine", help="exudyn (default: the smallest model), exudyn-tree, exudyn-joints or dae"
     )
@@ -104,6 +105,8 @@ def _with_options(scene: Scene, arguments: argparse.Namespace) -> Scene:
     for key in OPTIONS:
         given = getattr(arguments, key)
         if given is not None:
+            if key in settings:
+                raise InputError(f"--{key} and --set {key} are both given: one of them is meant")
             settings[key] = given
     return changed(scene, settings)
 

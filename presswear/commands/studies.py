@@ -8,6 +8,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import Progress, TaskID
 
+from presswear.catalog import STUDIES
 from presswear.commands.stopping import check_stopped, go_on_with
 from presswear.commands.terminal import free_folder, jobs_given, progress_bar, seconds_given
 from presswear.errors import InputError, RunError
@@ -133,9 +134,23 @@ def run(
     return report(folder, console)
 
 
+def check_study(study: Study, folder: Path) -> None:
+    """InputError where a stored study is not one that this version can tell about."""
+    if study.name not in STUDIES:
+        raise InputError(f"{folder} holds the study {study.name!r}; known are {', '.join(STUDIES)}")
+    wanted = {variant.key for variant in _builder(study.name)(unchanged).variants}
+    differs = sorted(wanted ^ {variant.key for variant in study.variants})
+    if differs:
+        raise InputError(
+            f"{folder} holds the study {study.name} with other variants than this version's: "
+            f"{differs[0]!r} differs"
+        )
+
+
 def report(folder: Path, console: Console) -> int:
     """Write the report of a study's folder anew."""
     study = load_study(folder)
+    check_study(study, folder)
     answer, path = _writer(study.name)(study, folder)
     console.print(answer, highlight=False)
     console.print(f"results in {folder}, report in {path}", highlight=False)

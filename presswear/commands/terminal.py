@@ -1,5 +1,7 @@
 """What the commands share: progress, tables, folders, and settings given as text."""
 
+import math
+from argparse import ArgumentTypeError
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,6 +20,9 @@ from rich.table import Table
 
 from presswear.commands.stopping import go_on_with
 from presswear.errors import InputError
+from presswear.quantities import Meaning, parse_quantity
+
+_ANY = Meaning("", -math.inf, math.inf, "", "")
 
 if TYPE_CHECKING:
     from presswear.results import StoredResult
@@ -42,7 +47,8 @@ def settings_given(items: list[str]) -> dict[str, str]:
 
 def count_given(option: str, text: str, most: int) -> int:
     """A whole number from 1 that an option says."""
-    if not (text.isascii() and text.isdigit() and 1 <= int(text) <= most):
+    few = text.isascii() and text.isdigit() and len(text) <= len(f"{most}")
+    if not (few and 1 <= int(text) <= most):
         raise InputError(f"{option} {text}: a whole number from 1 to {most} is expected")
     return int(text)
 
@@ -66,6 +72,29 @@ def seconds_given(option: str, text: str) -> float:
     if not 0.0 <= seconds <= LONGEST:
         raise InputError(f"{option} {text}: a number of seconds from 0 to {LONGEST:g} is expected")
     return seconds
+
+
+def number_given(text: str) -> float:
+    """A finite number that an option says, in digits as they are typed everywhere."""
+    try:
+        value = parse_quantity("", text, _ANY)
+    except InputError:
+        raise ArgumentTypeError(f"{text!r}: a finite number is expected") from None
+    return float(value)
+
+
+def place_given(text: str) -> int:
+    """A count from 0 that an option says."""
+    if not (text.isascii() and text.isdigit() and len(text) < 10):
+        raise ArgumentTypeError(f"{text!r}: a whole number from 0 is expected")
+    return int(text)
+
+
+def folder_given(text: str) -> Path:
+    """What ``--out`` says; nothing is no name, not the folder that one is in."""
+    if not text.strip():
+        raise ArgumentTypeError("a name is expected")
+    return Path(text)
 
 
 def free_folder(name: str) -> Path:

@@ -4,9 +4,12 @@ import signal
 from collections.abc import Callable
 from functools import partial
 
+from presswear.endure.altered import altered_results
 from presswear.endure.folders import damaged, deleted, disk_full, read_only, two_runs
+from presswear.endure.inputs import bad_scenes
 from presswear.endure.kills import killed
 from presswear.endure.memory import bounded
+from presswear.endure.scenes import valid_scenes
 from presswear.endure.subject import Progress
 from presswear.endure.trial import Trial
 
@@ -23,9 +26,18 @@ def attempts(quick: bool) -> tuple[Attempt, ...]:
         count = rarely if quick else often
         return lambda progress: killed(number, count, SEED, progress)
 
+    def drawn(
+        trial: Callable[[int, int, Callable[[float], None]], Trial], word: str, count: int
+    ) -> Attempt:
+        return lambda progress: trial(count, SEED, partial(progress, word))
+
+    scenes = partial(valid_scenes, most=5000) if quick else valid_scenes
     sizes = ("600k",) if quick else ("16k", "300k", "600k", "900k", "1200k")
     few, many = (20, 200) if quick else (200, 2000)
     return (
+        drawn(bad_scenes, "bad input", 300 if quick else 5000),
+        drawn(altered_results, "altered results", 120 if quick else 3000),
+        drawn(scenes, "random scenes", 5 if quick else 300),
         stopped(signal.SIGKILL, 50, 3),
         stopped(signal.SIGINT, 20, 2),
         stopped(signal.SIGTERM, 20, 2),

@@ -96,6 +96,10 @@ def write_step(iteration: Any, step: float) -> None:
     iteration.currentStepSize = step
 
 
+class StuckError(RuntimeError):
+    """Raised inside Exudyn where it repeats a step for ever."""
+
+
 class StepLimit:
     """Limits the next step of a solver with error control.
 
@@ -196,7 +200,10 @@ def solve(system: Any, settings: Any, solver: Any, watch: Watch, remedy: str) ->
     try:
         with quiet():
             system.SolveDynamic(settings, solverType=solver)
-    except exu.SolverError:
+    except exu.ExudynError as error:
+        # What a user function raises comes wrapped.
+        if not isinstance(error, exu.SolverError) and StuckError.__name__ not in str(error):
+            raise
         message = "the solver found no solution at the shortest step"
     if watch.error is not None:
         raise watch.error

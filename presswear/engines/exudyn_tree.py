@@ -33,6 +33,7 @@ from presswear.engines.base import (
 from presswear.engines.exudyn_solve import (
     Accept,
     StepLimit,
+    StuckError,
     Watch,
     post_step,
     quiet,
@@ -68,6 +69,9 @@ SHORTEST_STEP = 1e-13
 """s."""
 FIRST_STEP = 1e-7
 """s."""
+MOST_CALLS = 7000
+"""Calls for forces without an accepted step after which there is no way on: a thousand steps
+sent back, where thirty reach the shortest.  Exudyn would repeat that one for ever."""
 _INSTANT = 1e-12
 """Length of the step that asks Exudyn for the accelerations at the start, s."""
 
@@ -102,13 +106,20 @@ def system_of(tree: Tree, linkage: Linkage, accuracy: TreeAccuracy) -> TreeSyste
 
 @dataclass
 class _Forces:
-    """The user function of the tree; knows the live state once the model is assembled."""
+    """The user function of the tree; knows the live state once the model is assembled.
+
+    Attributes
+    ----------
+    calls : int
+        Since the last accepted step.
+    """
 
     system: TreeSystem
     book: Book
     out: Array
     x: Any = None
     u: Any = None
+    calls: int = 0
 
     def function(self) -> Callable[..., Array]:
         """What Exudyn calls in every stage; its own copies of the state are not needed."""
@@ -120,6 +131,9 @@ class _Forces:
         )
 
         def force(mbs: Any, t: float, item: int, q: Any, q_t: Any) -> Array:
+            self.calls += 1
+            if self.calls > MOST_CALLS:
+                raise StuckError
             kernel(system, joints, wear, surfaces, states, t, self.x, self.u, out)
             return out
 
@@ -151,7 +165,7 @@ def _accelerations_at_start(model: Model) -> Array:
     return np.array(model.u_t)
 
 
-def _accept(model: Model, system: TreeSystem, book: Book) -> Accept:
+def _accept(model: Model, system: TreeSystem, book: Book, forces: _Forces) -> Accept:
     """Account for accepted steps and choose the next."""
     x, u, u_t = model.x, model.u, model.u_t
     at_start = _accelerations_at_start(model)
@@ -159,6 +173,7 @@ def _accept(model: Model, system: TreeSystem, book: Book) -> Accept:
     kernel = specialised(accept_tree_step, system, book, 0.0, x, u, u_t)
 
     def accept(t: float) -> float:
+        forces.calls = 0
         return kernel(system, book, t, x, u, at_start if t == 0.0 else u_t)
 
     return accept
@@ -207,7 +222,7 @@ def simulate(linkage: Linkage, start: Start, accuracy: TreeAccuracy, plan: Plan)
         model = assemble(tree, linkage, start, forces.function())
         forces.x, forces.u = model.x, model.u
         watch = Watch(account, plan, dict.fromkeys(_SUMS, 0.0), proposed=FIRST_STEP)
-        accept = _accept(model, system, book)
+        accept = _accept(model, system, book, forces)
         limit = StepLimit(watch)
         model.system.SetPreStepUserFunction(lambda system, t: limit.pre_step(system, t))
         model.system.SetPostStepUserFunction(post_step(watch, accept, limit.write))

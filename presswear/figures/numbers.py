@@ -9,6 +9,10 @@ _MOST_DECIMALS = 6
 """Decimals beyond which a mean is no longer written out to the digits of its interval."""
 
 
+_NOTHING = 1e-300
+"""Below this the powers of ten that a number is divided by have no digits left."""
+
+
 def _decimals(value: float, digits: int) -> int:
     """Decimals that leave a number its significant digits; negative left of the point."""
     return digits - 1 - math.floor(math.log10(abs(value)))
@@ -26,7 +30,7 @@ def readable(value: float | None, digits: int = 3) -> str:
     """A number with some significant digits, as powers of a thousand where very large or small."""
     if value is None or not math.isfinite(value):
         return "–"
-    if value == 0.0:
+    if abs(value) < _NOTHING:
         return "0"
     rounded = round(value, _decimals(value, digits))
     power = 0

@@ -120,14 +120,14 @@ class Growth:
             tuple(data["touches"]),
             number(data["rate"]),
             number(data["per_touch"]),
-            None if window is None else (float(window[0]), float(window[1])),
+            None if window is None else tuple(window),
             data["divergence"],
         )
 
 
 def number(value: float | None) -> float:
     """A number from JSON, which has null for nan."""
-    return math.nan if value is None else float(value)
+    return math.nan if value is None else value
 
 
 def growing(time: Array, apart: Array) -> tuple[float, float] | None:

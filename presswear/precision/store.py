@@ -10,6 +10,7 @@ from typing import Any
 
 from presswear.errors import InputError
 from presswear.files import read_json, write_bytes
+from presswear.migration import migrated
 from presswear.precision.chaos import Chaos
 from presswear.precision.extent import Extent
 from presswear.precision.ladder import method_as_dict, method_from_dict
@@ -17,8 +18,11 @@ from presswear.precision.points import Diagram, Effort, Point
 from presswear.precision.sheets import statistic_rows, wear_rows
 from presswear.precision.study import Precision
 from presswear.precision.wear import WearStudy
+from presswear.results import SCHEMA as SCENE_SCHEMA
 from presswear.results import plain
 from presswear.scene import Scene
+from presswear.stored import is_provenance, schema_of
+from presswear.typed import misfits
 
 SCHEMA = 1
 FILE = "precision.json"
@@ -167,12 +171,10 @@ def load(folder: Path) -> Precision:
     """Read a stored study back; InputError says what is missing or of another schema."""
     file = folder / FILE
     data = read_json(file, f"{folder} holds no study of precision: it has no {FILE}")
-    schema = data.get("schema") if isinstance(data, dict) else None
-    if schema != SCHEMA:
-        raise InputError(f"{file} has schema {schema!r}; this version reads {SCHEMA}")
+    schema_of(data, file, SCHEMA)
     try:
-        return Precision(
-            Scene.from_dict(data["scene"]),
+        found = Precision(
+            Scene.from_dict(migrated(data["scene"], SCENE_SCHEMA)),
             Extent.from_dict(data["extent"]),
             data["provenance"],
             data["processor"],
@@ -182,5 +184,13 @@ def load(folder: Path) -> Precision:
             None if data["chaos"] is None else Chaos.from_dict(data["chaos"]),
             None if data["wear"] is None else WearStudy.from_dict(data["wear"]),
         )
-    except (KeyError, TypeError, ValueError) as error:
+    except InputError as error:
+        raise InputError(f"{file}: {error}") from None
+    except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError) as error:
         raise InputError(f"{file} is not whole: {error!r}") from None
+    wrong = next(misfits(found), None)
+    if wrong is None and not is_provenance(found.provenance):
+        wrong = "provenance"
+    if wrong is not None:
+        raise InputError(f"{file}: {wrong} is not what it should be")
+    return found

@@ -93,11 +93,13 @@ def study(scene: Scene, extent: Extent, progress: Progress) -> Precision:
     Raises
     ------
     InputError
-        Where the scene has no clearance.
+        Where the scene has no clearance, or nothing that wears.
     RunError
         Where a reference fails.
     """
     check_clearance(scene)
+    if extent.beyond:
+        worn.check(scene, extent)
     began = clock.perf_counter()
     source, told = provenance(), _sections(extent, progress)
     diagrams = [

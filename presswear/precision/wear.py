@@ -349,7 +349,21 @@ def run_case(case: Case, progress: Callable[[float], None]) -> WearPoint:
 
 def measure(scene: Scene, extent: Extent, progress: Progress) -> WearStudy:
     """How the wear of a scene depends on its means, quick or in full; see ``vary``."""
-    return vary(scene, QUICK if extent.quick else FULL, progress)
+    return vary(scene, _size(extent), progress)
+
+
+def check(scene: Scene, extent: Extent) -> None:
+    """InputError where a scene has nothing that wears, or allows not every case.
+
+    Asked before anything else is measured, which takes half an hour.
+    """
+    if not scene.clearance_joints or scene.bearings.wear_coefficient == 0.0:
+        raise InputError(f"scene {scene.name}: nothing wears")
+    cases(scene, _size(extent))
+
+
+def _size(extent: Extent) -> Size:
+    return QUICK if extent.quick else FULL
 
 
 def vary(scene: Scene, size: Size, progress: Progress) -> WearStudy:

@@ -8,6 +8,7 @@ import pytest
 from branches import branching, placed, tree
 
 from presswear.catalog import wear_times
+from presswear.engines import exudyn_tree
 from presswear.engines.base import DaeAccuracy, Plan, Run, Start, TreeAccuracy
 from presswear.engines.dae.engine import simulate as simulate_dae
 from presswear.engines.exudyn_tree import simulate
@@ -218,3 +219,15 @@ def test_cycles_end_on_time() -> None:
     assert run.time == pytest.approx(0.05, abs=1e-9)
     assert len(run.account.cycles) == 5
     assert float(run.account.rows[-1, 0]) <= 0.02 + 1e-9
+
+
+def test_a_step_that_is_sent_back_for_ever_ends_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Exudyn itself repeats one at the shortest step without end."""
+    # Seven calls make a step: one that is sent back once counts as one sent back for ever.
+    monkeypatch.setattr(exudyn_tree, "MOST_CALLS", 10)
+    scene = wear_times()
+    run = simulate(scene.linkage(), start_of(scene), accuracy(1e-8), Plan(END, 1))
+    assert run.status == "failed"
+    assert run.message.startswith("the solver found no solution at the shortest step (t = 0.0")
+    assert 0.0 < run.time < END
+    assert np.all(np.isfinite(run.end.position))
