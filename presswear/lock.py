@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import IO
 
 from presswear.errors import InputError
+from presswear.folders import check_name, check_new_folder
 
 FILE = "lock"
 _BUSY = (errno.EACCES, errno.EAGAIN, errno.EDEADLK)
@@ -126,8 +127,13 @@ _LEFT = {FILE, "result.json.part"}
 
 
 def is_free(path: Path) -> bool:
-    """Whether a folder can be begun in: it is not there, or holds nothing of anybody."""
+    """Whether a folder can be begun in: it is not there, or holds nothing of anybody.
+
+    InputError where there can be none of this name, before anything is created.
+    """
+    check_name(path)
     if not path.exists():
+        check_new_folder(path)
         return True
     return path.is_dir() and {item.name for item in path.iterdir()} <= _LEFT
 
