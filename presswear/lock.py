@@ -138,14 +138,25 @@ def is_free(path: Path) -> bool:
     return path.is_dir() and {item.name for item in path.iterdir()} <= _LEFT
 
 
-def make_folder(path: Path) -> bool:
-    """Create a folder; returns whether it was not there.  InputError where that cannot be."""
+def make_folder(path: Path) -> tuple[Path, ...]:
+    """Create a folder; returns what was not there, innermost first.
+
+    InputError where it cannot be created.
+    """
     try:
-        there = path.exists()
+        new = tuple(folder for folder in (path, *path.parents) if not folder.exists())
         path.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError(f"--out {path}: it cannot be created: {error.strerror}") from None
-    return not there
+    return new
+
+
+def remove_empty(folders: tuple[Path, ...]) -> None:
+    """Remove folders, innermost first, up to the first that holds something."""
+    for folder in folders:
+        if not folder.exists() or any(folder.iterdir()):
+            return
+        folder.rmdir()
 
 
 def take_folder(path: Path) -> FolderLock:
@@ -167,11 +178,10 @@ def only_writer(path: Path) -> Iterator[None]:
     """
     if not is_free(path):
         raise InputError(f"--out {path}: it exists and is not empty; name a new folder")
-    is_new = make_folder(path)
+    new = make_folder(path)
     lock = take_folder(path)
     try:
         yield
     finally:
         lock.release()
-        if is_new and path.exists() and not any(path.iterdir()):
-            path.rmdir()
+        remove_empty(new)

@@ -19,7 +19,7 @@ from presswear.checkpoint import FILE as CHECKPOINT
 from presswear.checkpoint import read_checkpoint, write_checkpoint
 from presswear.errors import InputError, RunError
 from presswear.files import PART, sealed_json, write_arrays, write_bytes
-from presswear.lock import is_free, make_folder, take_folder
+from presswear.lock import is_free, make_folder, remove_empty, take_folder
 from presswear.provenance import provenance, provenance_differs
 from presswear.results import FILE, FINISHED, SCHEMA, plain, read_document, stage_arrays
 from presswear.scene import Scene
@@ -72,7 +72,7 @@ class ResultFolder:
         self._interval = interval
         self._latest: Standing | None = None
         self._took = 0.0
-        is_new = make_folder(path)
+        new = make_folder(path)
         self._lock = take_folder(path)
         if self._lock.warning:
             self.remarks.append(self._lock.warning)
@@ -86,8 +86,7 @@ class ResultFolder:
                 self._write()
         except BaseException:
             self._lock.release()
-            if is_new and not any(path.iterdir()):
-                path.rmdir()
+            remove_empty(new)
             raise
 
     @property

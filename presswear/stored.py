@@ -345,6 +345,7 @@ def _check_later(
     of: Callable[..., Array],
 ) -> None:
     """Arrays that results of older versions lack."""
+    flat = "cycles" in arrays and arrays["cycles"].ndim == 1
     count = {
         name: len(arrays[name]) if name in arrays and arrays[name].ndim else 0
         for name in ("wear_batch_cycles", "cycles", "deviation")
@@ -352,8 +353,8 @@ def _check_later(
     shapes: dict[str, tuple[int | None, ...]] = {
         "drive_torque": (rows, None),
         "wear_batch_cycles": (None,),
-        # Of a run that failed in its first cycle there is none.
-        "cycles": (None, None) if count["cycles"] else (0,),
+        # Of a run that failed in its first cycle older versions stored an empty list.
+        "cycles": (0,) if flat else (None, None),
         "cycle_start": (count["cycles"],),
         "deviation": (None, 4),
         "deviation_start": (count["deviation"],),

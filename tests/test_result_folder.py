@@ -348,7 +348,7 @@ def test_a_folder_that_cannot_be_made_is_bad_input(
     assert main(["run", "ideal", "--out", str(tmp_path / "file" / "out")]) == 2
     error = capsys.readouterr().err
     assert error.count("\n") == 1
-    assert "cannot be created" in error
+    assert "is no folder" in error
 
 
 def test_the_scene_of_these_tests_is_of_every_kind(whole: Path) -> None:

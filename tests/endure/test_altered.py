@@ -109,8 +109,8 @@ Edit = dict[str, Any]
 @pytest.mark.parametrize(
     ("part", "edit", "says"),
     [
-        ("", {"schema": True}, "schema True; this version reads 1 to 2"),
-        ("", {"schema": 3}, "schema 3; this version reads 1 to 2"),
+        ("", {"schema": True}, "schema True; this version reads 1 to 3"),
+        ("", {"schema": 4}, "schema 4; this version reads 1 to 3"),
         ("", {"engine": "dae"}, "'engine' is not what it is in 'scene', 'exudyn'"),
         ("", {"conventions": {}}, "'conventions' is not what it is in 'scene'"),
         ("", {"wall_s": "1"}, "'wall_s' is not what it should be: '1'"),
