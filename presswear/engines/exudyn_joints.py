@@ -138,7 +138,7 @@ def simulate(linkage: Linkage, start: Start, accuracy: JointsAccuracy, plan: Pla
 
     def advance(end: float) -> str:
         watch.begin(end)
-        model.begin(settings, watch.time, end, accuracy.free_step)
+        model.begin(settings, watch, accuracy.free_step)
         began = clock.perf_counter()
         message = solve(
             model.system,
