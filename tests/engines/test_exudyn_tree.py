@@ -218,3 +218,14 @@ def test_cycles_end_on_time() -> None:
     assert run.time == pytest.approx(0.05, abs=1e-9)
     assert len(run.account.cycles) == 5
     assert float(run.account.rows[-1, 0]) <= 0.02 + 1e-9
+
+
+def test_cycles_cost_no_steps_but_the_cuts_at_their_ends() -> None:
+    """Each begins with the step that the one before would have taken next."""
+    scene = wear_times()
+    whole, cut = (
+        simulate(scene.linkage(), start_of(scene), accuracy(1e-11), Plan(0.02 / n, n))
+        for n in (1, 4)
+    )
+    assert abs(int(cut.diagnostics["steps"]) - int(whole.diagnostics["steps"])) <= 4
+    assert cut.end.position == pytest.approx(whole.end.position, abs=1e-11)
