@@ -105,7 +105,17 @@ def test_run_ideal_and_report(tmp_path: Path, capsys: pytest.CaptureFixture[str]
 
 @pytest.mark.parametrize(
     "command",
-    [[], ["run"], ["list"], ["report"], ["crosscheck"], ["export"], ["verify"], ["costs"]],
+    [
+        [],
+        ["run"],
+        ["list"],
+        ["report"],
+        ["crosscheck"],
+        ["export"],
+        ["verify"],
+        ["costs"],
+        ["endure"],
+    ],
 )
 def test_every_help_has_an_example(command: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as ended:

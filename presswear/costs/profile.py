@@ -302,7 +302,7 @@ def idle_wall(case: Case, solver: Any, forces: bool, steps: bool) -> tuple[float
         model.system.SetPreStepUserFunction(lambda system, t: True)
         model.system.SetPostStepUserFunction(lambda system, t: True)
     settings = settings_of(_IDLE_STEP, 1e-3 * _IDLE_STEP)
-    set_span(settings, 0.0, _IDLE_STEP * _IDLE_STEPS, _IDLE_STEP)
+    set_span(settings, 0.0, _IDLE_STEP, _IDLE_STEPS)
     settings.timeIntegration.explicit.computeEndOfStepAccelerations = False
     settings.timeIntegration.explicit.computeMassMatrixInversePerBody = False
     began = clock.perf_counter()

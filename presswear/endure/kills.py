@@ -1,7 +1,10 @@
 """Runs stopped at random moments, gone on with, and held against one that was left alone."""
 
+import contextlib
+import math
 import random
 import signal
+import subprocess
 import tempfile
 import time
 from dataclasses import dataclass, field
@@ -31,21 +34,29 @@ class _Chain:
     stops: int = 0
     problems: list[str] = field(default_factory=list)
 
-    def run(self, number: signal.Signals, most: int, wait: random.Random, longest: float) -> None:
-        """Stop it at most so many times, each time after a random time up to ``longest``, s."""
+    def run(
+        self, number: signal.Signals, most: int, wait: random.Random, longest: float
+    ) -> float | None:
+        """Stop it at most so many times, each time after a random time up to ``longest``, s.
+
+        Returns the time that it took where it came to its end before it was stopped even once.
+        """
         while self.stops < most:
+            began = time.monotonic()
             process = self.subject.start(self.out, "--resume")
-            time.sleep(wait.uniform(0.0, longest))
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                process.wait(wait.uniform(0.0, longest))
             had_begun = f"process {process.pid} " in (holder(self.out) or "")
             process.send_signal(number)
             said, error = process.communicate()
             if process.returncode == 0:
-                return  # it was faster
+                return None if self.stops else time.monotonic() - began
             self.stops += 1
             self._judge(number, process.returncode, error, had_begun)
         code, said = self.subject.finish(self.out, "--resume")
         if code != 0:
             self.problems.append(f"ended with code {code}: {said.strip()[-300:]}")
+        return None
 
     def _judge(self, number: signal.Signals, code: int, error: str, had_begun: bool) -> None:
         """Whether it stopped as it should."""
@@ -93,7 +104,9 @@ def killed(
                     raise InputError(f"{subject.engine} does not run: {said.strip()}")
             progress(f"{what}: {subject.engine}", tried / count)
             chain = _Chain(subject, folder / f"run-{chains}")
-            chain.run(number, min(4, count - tried), wait, lasts[subject.engine])
+            took = chain.run(number, min(4, count - tried), wait, lasts[subject.engine])
+            # The one that was left alone may have waited for the compiler.
+            lasts[subject.engine] = min(lasts[subject.engine], took or math.inf)
             problems = chain.problems
             if not problems:
                 problems = _apart(whole, chain.out)

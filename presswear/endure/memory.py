@@ -35,6 +35,7 @@ def size_of(engine: str, cycles: int) -> Size:
         out = Path(place) / "out"
         command = ["run", "wear-times", "--engine", engine, "--cycles", str(cycles), "--wears", "0"]
         quick = ["--set", "speed=60rad/s", "--set", "integration_tolerance=1e-6"]
+        quick += ["--set", "tree_tolerance=1e-4"]
         done = subprocess.run(
             [sys.executable, "-c", _PROGRAM, *command, *quick, "--out", str(out)],
             capture_output=True,

@@ -142,7 +142,7 @@ def simulate(linkage: Linkage, start: Start, accuracy: JointsAccuracy, plan: Pla
 
     def advance(end: float) -> Finding | None:
         watch.begin(end)
-        model.begin(settings, watch.time, end, accuracy.free_step)
+        model.begin(settings, watch, accuracy.free_step)
         began = clock.perf_counter()
         finding = solve(
             model.system,

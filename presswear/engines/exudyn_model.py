@@ -21,7 +21,7 @@ from presswear.account import Account
 from presswear.clearance import STATE
 from presswear.compiled import Records, specialised
 from presswear.engines.base import Start
-from presswear.engines.exudyn_solve import set_span
+from presswear.engines.exudyn_solve import Watch
 from presswear.engines.joint_kernels import Frame, connector_forces
 from presswear.linkage import GROUND, Attachment, Linkage
 from presswear.observe import Book
@@ -51,7 +51,7 @@ class Model:
             arrays |= {"all_q": frame.q, "all_v": frame.v, "all_a": frame.a, "axes": frame.axes}
         return {name: np.asarray(array) for name, array in arrays.items()}
 
-    def begin(self, settings: Any, time: float, end: float, longest: float) -> None:
+    def begin(self, settings: Any, watch: Watch, longest: float) -> None:
         """Let the next solve begin from the present state, up to the end of the cycle."""
         data = self.system.systemData
         initial = exu.ConfigurationType.Initial
@@ -59,7 +59,7 @@ class Model:
         data.SetODE2Coordinates_t(np.array(self.frame.solved_v), initial)
         data.SetODE2Coordinates_tt(np.array(self.frame.solved_a), initial)
         data.SetAECoordinates(np.array(self.multipliers), initial)
-        set_span(settings, time, end, longest)
+        watch.set_span(settings, longest)
 
 
 def left_out(linkage: Linkage) -> frozenset[str]:

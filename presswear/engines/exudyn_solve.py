@@ -22,6 +22,9 @@ END_TOLERANCE = 1e-10
 
 _PROGRESS_STEPS = 512
 
+STEP_SAFETY = 0.9
+"""Exudyn's own factor behind the step that an error of DOPRI5 allows."""
+
 Accept = Callable[[float], float]
 """Called with the time of an accepted step; gives the next step, s, or NaN for a broken state."""
 
@@ -66,6 +69,15 @@ class Watch:
         """Another cycle begins; Exudyn makes a new solver for it."""
         self.end, self.reached, self.iteration = end, False, None
 
+    def set_span(self, settings: Any, longest: float) -> None:
+        """Set the time of a solve that reaches the end of the cycle, in steps up to one, s.
+
+        Exudyn does not say which step it would take behind its own end: that lies further off,
+        and PostStep ends the solve.
+        """
+        steps = math.ceil((self.end - self.time) / longest) + 2
+        set_span(settings, self.time, longest, steps)
+
     def add(self, more: Mapping[str, float]) -> None:
         """Add counts and times of a solve."""
         for name, value in more.items():
@@ -98,6 +110,15 @@ def write_step(iteration: Any, step: float) -> None:
 
 class StuckError(RuntimeError):
     """Raised inside Exudyn where it repeats a step for ever."""
+
+
+def proposed_step(iteration: Any) -> float:
+    """Step, s, that error control would take next: Exudyn itself tells only behind PostStep."""
+    error = iteration.automaticStepSizeError
+    if not error > 0.0:
+        return float(iteration.maxStepSize)
+    proposed = STEP_SAFETY * iteration.currentStepSize * error ** (-1.0 / 5.0)
+    return float(min(proposed, iteration.maxStepSize))
 
 
 class StepLimit:
@@ -151,7 +172,7 @@ def post_step(watch: Watch, accept: Accept, write: Write = write_step) -> Callab
                 watch.is_broken = True
                 return False
             if t >= watch.end - END_TOLERANCE:
-                watch.following, watch.proposed = following, iteration.currentStepSize
+                watch.following, watch.proposed = following, proposed_step(iteration)
                 watch.reached = True
                 return False
             write(iteration, min(following, watch.end - t))
@@ -175,17 +196,16 @@ def settings_of(longest: float, shortest: float) -> Any:
     integration = settings.timeIntegration
     integration.verboseMode = 0
     integration.minimumStepSize = shortest
-    set_span(settings, 0.0, longest, longest)
+    set_span(settings, 0.0, longest, 1)
     return settings
 
 
-def set_span(settings: Any, begin: float, end: float, longest: float) -> None:
-    """Set the time that a solve begins and ends at, s, and its longest step, s."""
+def set_span(settings: Any, begin: float, longest: float, steps: int) -> None:
+    """Set the time that a solve begins at, s, and its end: so many longest steps, s, behind."""
     integration = settings.timeIntegration
     integration.startTime = begin
-    integration.endTime = end
-    # A quotient of round-off more is no step more.
-    integration.numberOfSteps = max(1, math.ceil((end - begin) / longest - 1e-6))
+    integration.endTime = begin + steps * longest
+    integration.numberOfSteps = steps
 
 
 def solve(system: Any, settings: Any, solver: Any, watch: Watch, remedy: str) -> Finding | None:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.engines.base import Start
-from presswear.engines.exudyn_solve import Watch, set_span
+from presswear.engines.exudyn_solve import Watch
 from presswear.linkage import Linkage
 from presswear.tree import Tree
 
@@ -35,7 +35,7 @@ class Model:
         initial = exu.ConfigurationType.Initial
         data.SetODE2Coordinates(np.array(self.x), initial)
         data.SetODE2Coordinates_t(np.array(self.u), initial)
-        set_span(settings, watch.time, watch.end, longest)
+        watch.set_span(settings, longest)
         settings.timeIntegration.initialStepSize = watch.proposed
 
 

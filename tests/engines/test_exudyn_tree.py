@@ -231,3 +231,14 @@ def test_a_step_that_is_sent_back_for_ever_ends_the_run(monkeypatch: pytest.Monk
     assert run.message.startswith("the solver found no solution at the shortest step (t = 0.0")
     assert 0.0 < run.time < END
     assert np.all(np.isfinite(run.end.position))
+
+
+def test_cycles_cost_no_steps_but_the_cuts_at_their_ends() -> None:
+    """Each begins with the step that the one before would have taken next."""
+    scene = wear_times()
+    whole, cut = (
+        simulate(scene.linkage(), start_of(scene), accuracy(1e-11), Plan(0.02 / n, n))
+        for n in (1, 4)
+    )
+    assert abs(int(cut.diagnostics["steps"]) - int(whole.diagnostics["steps"])) <= 4
+    assert cut.end.position == pytest.approx(whole.end.position, abs=1e-11)
