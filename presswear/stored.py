@@ -119,6 +119,10 @@ _STAGE: dict[str, Check] = {
     "diagnostics": _all(_is_scalar),
     "statistics": _with(_STATISTICS, "slider", "joints", "energy_residual_J", "energy_exchanged_J"),
 }
+_is_finding = _with(
+    dict.fromkeys(("kind", "what", "joint", "remedy"), _is_text) | {"time_s": is_number}
+)
+"""Whether it is what ``watch.Finding.as_dict`` gives."""
 _PROVENANCE: dict[str, Check] = {
     "packages": _all(_is_text),
     **dict.fromkeys(("python", "revision", "machine", "started"), _is_text),
@@ -178,6 +182,12 @@ def check_document(document: Mapping[str, Any], file: Path) -> None:
         raise InputError(f"{file}: 'stages' is missing or no list of stages")
     for place, stage in enumerate(stages):
         _check_parts(stage, _STAGE, f"{file}, stage at place {place}")
+        finding = stage.get("finding")  # older versions told a message only
+        if not (finding is None or _is_finding(finding)):
+            raise InputError(
+                f"{file}, stage at place {place}: 'finding' is not what it should be: "
+                f"{_short(finding)}"
+            )
         # Stages follow each other: readers take the place for the number of wears.
         if stage["index"] != place:
             raise InputError(

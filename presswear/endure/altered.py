@@ -35,8 +35,11 @@ _DEPTH = 100_000
 """Brackets inside each other, far beyond what a parser follows."""
 NO_LEAVES: tuple[Any, ...] = (True, False, [], {}, 10**400, -(10**400), float("nan"), float("inf"))
 """What can stand nowhere in the place of a number or a text."""
-_FILLED_IN = {"statuses", "drive_torque", "starts", "extrapolation", "depth_step", "contact"}
-"""Parts of a scene that older results lack, and that are known without them."""
+_FILLED_IN = {
+    *("statuses", "drive_torque", "starts", "extrapolation", "depth_step", "contact"),
+    "finding",
+}
+"""Parts of a scene, and of a stage, that older results lack, and that are known without them."""
 _WITHOUT_CHECKSUMS = 2
 """The last schema that had none."""
 _MARK = "executed"
