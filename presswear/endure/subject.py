@@ -10,6 +10,14 @@ from pathlib import Path
 Progress = Callable[[str, float], None]
 """Told what is tried and which part of it is done, 0 .. 1."""
 
+_PROGRAM = """
+import signal, sys
+signal.signal(signal.SIGINT, signal.default_int_handler)
+from presswear.__main__ import main
+sys.exit(main(sys.argv[1:]))
+"""
+"""As ``python -m presswear``; a shell's background jobs have SIGINT ignored."""
+
 
 @dataclass(frozen=True)
 class Subject:
@@ -28,7 +36,7 @@ class Subject:
     def start(self, out: Path, *more: str) -> "subprocess.Popen[str]":
         """Start it in a process and a session of its own."""
         return subprocess.Popen(
-            [sys.executable, "-m", "presswear", "run", *self.arguments, "--out", str(out), *more],
+            [sys.executable, "-c", _PROGRAM, "run", *self.arguments, "--out", str(out), *more],
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
