@@ -31,7 +31,9 @@ UNRESOLVED = 0.5
 FEWEST_CONTACTS = 20
 """Contacts of a joint before that is judged."""
 DRIFT = 0.01
-"""Error of a constraint, part of the smallest clearance."""
+"""Error of a constraint, m or rad, part of the smallest clearance."""
+DRIFT_LEAST = 1e-7
+"""Error that harms no linkage, however small its clearance, m or rad."""
 DRIFT_IDEAL = 1e-4
 """The same where there is no clearance, m."""
 
@@ -170,7 +172,7 @@ def _constraints(linkage: Linkage, now: Condition) -> Finding | None:
     error = np.abs(constraints.evaluate(now.time, now.position, now.velocity)[0])
     worst = int(error.argmax())
     clearance = min((joint.clearance for joint in linkage.clearances), default=math.inf)
-    limit = DRIFT * clearance if clearance < math.inf else DRIFT_IDEAL
+    limit = max(DRIFT * clearance, DRIFT_LEAST) if clearance < math.inf else DRIFT_IDEAL
     if error[worst] <= limit:
         return None
     what = f"the joint has drifted apart by {error[worst]:.3g} m or rad, limit {limit:.3g}"
