@@ -8,7 +8,7 @@ import sys
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, NoReturn
 
-from presswear.commands.stopping import exit_code, stoppable
+from presswear.commands.stopping import exit_code, is_stopped, stoppable
 from presswear.errors import InputError, RunError, one_line
 
 if TYPE_CHECKING:
@@ -57,6 +57,11 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 1
     except KeyboardInterrupt as error:
         _tell(str(error) if error.args else "interrupted")
+        return exit_code()
+    except Exception:
+        if not is_stopped():
+            raise
+        _tell("interrupted")
         return exit_code()
 
 

@@ -1,6 +1,7 @@
 """The commands as a person types them."""
 
 import json
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -8,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from presswear.__main__ import main
+from presswear.commands import scenes
 
 
 @pytest.mark.parametrize(
@@ -129,3 +131,21 @@ def test_the_module_runs_as_a_command() -> None:
         [sys.executable, "-m", "presswear", "list"], capture_output=True, text=True, check=True
     )
     assert "wear-times" in found.stdout
+
+
+def test_an_interrupt_that_became_another_error_is_one(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def listed(arguments: object, console: object) -> int:
+        try:
+            signal.raise_signal(signal.SIGTERM)
+        except KeyboardInterrupt:
+            raise RuntimeError("Error calling __set_name__") from None
+        return 0
+
+    monkeypatch.setattr(scenes, "_list", listed)
+    assert main(["list"]) == 143
+    assert capsys.readouterr().err == "presswear: interrupted\n"
+    monkeypatch.setattr(scenes, "_list", lambda arguments, console: 1 // 0)
+    with pytest.raises(ZeroDivisionError):
+        main(["list"])

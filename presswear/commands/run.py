@@ -13,7 +13,7 @@ from rich.progress import Progress, TaskID
 
 from presswear.catalog import SCENES, STUDIES, scene_named
 from presswear.commands import precision, studies
-from presswear.commands.stopping import check_stopped, go_on_with
+from presswear.commands.stopping import check_stopped, go_on_with, is_stopped
 from presswear.commands.terminal import (
     finished_part,
     folder_given,
@@ -189,15 +189,17 @@ def _run_into(
         watcher = Watcher(progress, finished, partial(_completed, bar, task), live, store.keep)
         try:
             store.close(*run_campaign(scene, watcher, store.begun))
-        except KeyboardInterrupt:
-            kept = store.interrupt()
-            raise KeyboardInterrupt(f"interrupted; kept up to {kept}; {go_on}") from None
         except InputError:
             store.discard()
             raise
         except RunError as error:
             hint = f"; {go_on}" if store.path.exists() else ""
             raise RunError(f"{error}{hint}") from error
+        except BaseException as error:
+            if not isinstance(error, KeyboardInterrupt) and not is_stopped():
+                raise
+            kept = store.interrupt()
+            raise KeyboardInterrupt(f"interrupted; kept up to {kept}; {go_on}") from None
         finally:
             store.release()
 

@@ -1,7 +1,8 @@
 """Being stopped: SIGINT, SIGTERM and SIGHUP end a command in the same way.
 
 The handler raises KeyboardInterrupt wherever the program is.  That can be a place that
-swallows it, so the command asks again whenever it tells its progress.
+swallows it, so the command asks again whenever it tells its progress; or one that makes
+another error of it, as Python does inside ``__set_name__``: any error behind a signal is one.
 """
 
 import shlex
@@ -39,9 +40,14 @@ def stoppable() -> Iterator[None]:
             signal.signal(number, handler)
 
 
+def is_stopped() -> bool:
+    """Whether a signal has come."""
+    return bool(_received)
+
+
 def check_stopped() -> None:
     """KeyboardInterrupt where a signal has come that nothing has answered."""
-    if _received:
+    if is_stopped():
         raise KeyboardInterrupt
 
 
