@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from presswear.account import Account
 from presswear.constraints import constraints_of
-from presswear.energy import MADE_REMEDY, Ledger
+from presswear.energy import MADE_REMEDY, Ledger, mass_of
 from presswear.linkage import Linkage
 
 Array = NDArray[np.float64]
@@ -23,6 +23,8 @@ Kind = Literal["state", "energy", "steps", "constraints", "penetration", "wear"]
 RESIDUAL = 3e-3
 """Energy that does not add up, part of what the drives exchanged: below 1e-7 at the defaults,
 6e-6 at the coarsest steps that bodies and joints may take."""
+UNEXCHANGED = 1e-3
+"""Part of the kinetic energy that counts as exchanged at least: in a moment hardly any is."""
 MADE = 0.05
 """Energy that contacts gave back beyond what they took, part of the same: worn profiles under
 radial contact do up to 0.015, far too coarse steps 0.2 and more."""
@@ -109,7 +111,7 @@ def examine(linkage: Linkage, account: Account, now: Condition) -> Finding | Non
         _state(now)
         or _penetration(linkage, account, now)
         or _steps(linkage, account, now)
-        or _energy(now)
+        or _energy(linkage, now)
         or _constraints(linkage, now)
     )
 
@@ -145,11 +147,12 @@ def _steps(linkage: Linkage, account: Account, now: Condition) -> Finding | None
     return None
 
 
-def _energy(now: Condition) -> Finding | None:
-    residual, exchange = now.ledger.residual, now.ledger.drive_exchange
-    made = -now.ledger.contact_loss
-    if exchange <= 0.0:
+def _energy(linkage: Linkage, now: Condition) -> Finding | None:
+    residual, made = now.ledger.residual, -now.ledger.contact_loss
+    if now.ledger.drive_exchange <= 0.0:
         return None
+    kinetic = 0.5 * float(mass_of(linkage) @ now.velocity**2)
+    exchange = max(now.ledger.drive_exchange, UNEXCHANGED * kinetic)
     if abs(residual) > RESIDUAL * exchange:
         what = (
             f"{residual:.3g} J do not add up, limit {RESIDUAL * exchange:.3g} J, "

@@ -16,6 +16,9 @@ Array = NDArray[np.float64]
 CYCLE_SECONDS = 10.0
 """Time that a cycle takes on the screen where nothing else is asked for, s."""
 
+MOST_PICTURES = 20_000
+"""A quarter of an hour at 25 a second."""
+
 
 @dataclass(frozen=True)
 class Clip:
@@ -79,8 +82,16 @@ def frames_at(reels: Sequence[Reel], time: float) -> tuple[int, ...]:
 
 
 def clip_of(reels: Sequence[Reel], start: float, end: float, slowed: float, rate: float) -> Clip:
-    """Pictures from one time of the first reel to another, s, evenly spaced."""
+    """Pictures from one time of the first reel to another, s, evenly spaced.
+
+    InputError where they are more than anybody would look at.
+    """
     count = max(round((end - start) * slowed * rate), 1)
+    if count > MOST_PICTURES:
+        raise InputError(
+            f"{count} pictures, {slowed:g} times slower at {rate:g} a second: at most "
+            f"{MOST_PICTURES} are drawn; choose a smaller --slow or --rate, or a shorter time"
+        )
     times = start + np.arange(count) / (slowed * rate)
     frames = np.array([frames_at(reels, float(time)) for time in times])
     return Clip(frames, rate, slowed)

@@ -44,6 +44,11 @@ def test_a_time_outside_the_film_is_refused_by_name() -> None:
         frames_at([REEL], -0.1)
 
 
+def test_a_film_that_nobody_would_see_the_end_of_is_refused() -> None:
+    with pytest.raises(InputError, match="at most 20000 are drawn"):
+        clip_of([REEL], 0.0, PERIOD, 1e5, 25.0)
+
+
 def test_no_peak_between_two_pictures_is_missed() -> None:
     peaks = REEL.film.joints[:, :, 5]
     (instant,) = instants([REEL], [10], [20])
