@@ -20,8 +20,9 @@ def add(commands: Any) -> None:
         help="kill, starve and damage runs on purpose; exit code 1 when anything is lost",
         description="Runs of all engines are killed at random moments and gone on with, the disk "
         "fills up, folders vanish, files are damaged, runs get long. Whatever happens, what was "
-        "computed must be kept and end equal to a run that was left alone. A quarter of an hour; "
-        "with --quick two minutes.",
+        "computed must be kept and end equal to a run that was left alone. Bad input and altered "
+        "results are drawn at random, each must be refused in one line. Three quarters of an "
+        "hour; with --quick some minutes. Needs presswear[test].",
         epilog="example: presswear endure --quick --out endured.json",
     )
     endure.add_argument("--quick", action="store_true", help="a few of each")

@@ -18,6 +18,9 @@ Attempt = Callable[[Progress], Trial]
 SEED = 20240131
 """Of all random moments and places."""
 
+SCENE_STEPS = 5000
+"""Of a random scene: most do not get through a cycle in so few, some would take millions."""
+
 
 def attempts(quick: bool) -> tuple[Attempt, ...]:
     """What is tried; quickly, a few of each."""
@@ -31,7 +34,7 @@ def attempts(quick: bool) -> tuple[Attempt, ...]:
     ) -> Attempt:
         return lambda progress: trial(count, SEED, partial(progress, word))
 
-    scenes = partial(valid_scenes, most=5000) if quick else valid_scenes
+    scenes = partial(valid_scenes, most=SCENE_STEPS)
     sizes = ("600k",) if quick else ("16k", "300k", "600k", "900k", "1200k")
     few, many = (20, 200) if quick else (200, 2000)
     return (
