@@ -12,7 +12,11 @@ from typing import Any
 
 PACKAGES = ("presswear", "exudyn", "numpy", "scipy", "numba", "matplotlib")
 BINDING = ("python", "revision", "source")
-"""What must be the same for a run to go on with the same numbers, beside the packages."""
+"""What must be the same for a run to go on with the same numbers, beside the packages.
+
+The same source may be installed in one place and checked out in another, where alone git knows
+its revision: where the source is the same, so is the revision.
+"""
 
 _PACKAGE = Path(__file__).resolve().parent
 
@@ -66,6 +70,8 @@ def provenance() -> dict[str, Any]:
 def provenance_differs(stored: Mapping[str, Any], here: Mapping[str, Any]) -> str:
     """Versions or sources that differ and so make other numbers, in words, or nothing."""
     pairs = {name: (stored.get(name), here[name]) for name in BINDING}
+    if stored.get("source") == here["source"]:
+        del pairs["revision"]
     packages = stored.get("packages", {})
     # What draws the figures changes no number.
     pairs |= {name: (packages.get(name), here["packages"][name]) for name in PACKAGES[:-1]}

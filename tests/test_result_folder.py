@@ -166,7 +166,7 @@ def test_another_scene_is_refused_by_what_differs(halted: Path) -> None:
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ({"revision": "0123456789ab"}, "revision 0123456789ab there"),
+        ({"revision": "0123456789ab", "source": "x"}, "revision 0123456789ab there.*source x"),
         ({"source": "x"}, "source x there"),
         ({"python": "2.7.18"}, r"python 2\.7\.18 there"),
         ({"packages": {}}, "exudyn None there"),
@@ -178,6 +178,13 @@ def test_another_program_is_refused(change: dict[str, Any], words: str, halted: 
     (halted / "result.json").write_bytes(sealed_json(document))
     with pytest.raises(InputError, match=words):
         ResultFolder(halted, SCENE, resume=True)
+
+
+def test_the_same_source_is_the_same_program_where_git_does_not_know_it(halted: Path) -> None:
+    document = read_document(halted)
+    document["provenance"]["revision"] = "unknown"
+    (halted / "result.json").write_bytes(sealed_json(document))
+    ResultFolder(halted, SCENE, resume=True).release()
 
 
 def test_another_machine_is_told(halted: Path) -> None:
