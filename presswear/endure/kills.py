@@ -119,7 +119,9 @@ def killed(
             chains += 1
     if tried < count:
         notes.append(f"only {tried} of {count} stops in {chains} runs")
-    note = "; ".join(notes) or f"{chains} runs of {subjects} engines end equal, bit for bit"
+    note = "; ".join(notes) or (
+        f"{chains} runs of {min(chains, subjects)} engines end equal, bit for bit"
+    )
     return Trial(what, count, survived, note)
 
 
