@@ -7,26 +7,24 @@ import pytest
 
 from presswear.catalog import wear_times
 from presswear.endure.scenes import Ended, coarser, ended, random_scenes, valid_scenes
+from presswear.endure.trials import SCENE_STEPS, SEED
 from presswear.numerics import Numerics
 from presswear.press import Press
 
-STEPS = 5000
-"""Of each run in the default tests."""
-
 
 def test_random_scenes_run_in_both_engines() -> None:
-    found = valid_scenes(8, seed=1, most=STEPS)
+    found = valid_scenes(8, seed=1, most=SCENE_STEPS)
     assert found.tried == 8
     assert found.survived == 8, found.note
 
 
 @pytest.mark.slow
 def test_many_random_scenes_run_in_both_engines() -> None:
-    """All but one in a hundred do; those end with a message, at the shortest step."""
-    found = valid_scenes(300, seed=2)
+    """All but some in a hundred do; those end with a message, none with false numbers."""
+    found = valid_scenes(300, SEED, most=SCENE_STEPS)
     stopped = int(found.note.partition(" ended with a message")[0])
     assert found.survived + stopped == found.tried == 300, found.note
-    assert stopped <= 6, found.note
+    assert stopped <= 0.05 * found.tried, found.note
 
 
 def test_scenes_are_those_of_their_seed_and_differ() -> None:
