@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.account import Account
-from presswear.constraints import constraints_of
+from presswear.constraints import Constraints
 from presswear.energy import MADE_REMEDY, Ledger, mass_of
 from presswear.linkage import Linkage
 
@@ -96,6 +96,8 @@ class Condition:
     position, velocity : ndarray, shape (3 bodies,)
     remedy : str
         What makes the steps of this engine finer.
+    constraints : Constraints or None
+        What may drift; None where the coordinates leave no room for it.
     """
 
     time: float
@@ -103,6 +105,7 @@ class Condition:
     position: Array
     velocity: Array
     remedy: str
+    constraints: Constraints | None = None
 
 
 def examine(linkage: Linkage, account: Account, now: Condition) -> Finding | None:
@@ -169,8 +172,8 @@ def _energy(linkage: Linkage, now: Condition) -> Finding | None:
 
 
 def _constraints(linkage: Linkage, now: Condition) -> Finding | None:
-    constraints = constraints_of(linkage)
-    if constraints.rows == 0:
+    constraints = now.constraints
+    if constraints is None or constraints.rows == 0:
         return None
     error = np.abs(constraints.evaluate(now.time, now.position, now.velocity)[0])
     worst = int(error.argmax())

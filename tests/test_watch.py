@@ -11,6 +11,7 @@ import pytest
 from presswear.__main__ import main
 from presswear.account import Account
 from presswear.catalog import scene_named
+from presswear.constraints import constraints_of
 from presswear.energy import Ledger
 from presswear.starts import start_of
 from presswear.watch import Condition, Finding, examine
@@ -18,6 +19,7 @@ from presswear.watch import Condition, Finding, examine
 SCENE = scene_named("wear-times")
 LINKAGE = SCENE.linkage()
 START = start_of(SCENE, 0)
+MET = constraints_of(LINKAGE)
 
 
 def account() -> Account:
@@ -27,7 +29,7 @@ def account() -> Account:
 def sound() -> Condition:
     """A run that stands at its start, as it should."""
     ledger = Ledger(0.5, 5.0, 0.3, 0.05, 0.15)
-    return Condition(0.0, ledger, START.position.copy(), START.velocity.copy(), "finer steps")
+    return Condition(0.0, ledger, START.position.copy(), START.velocity.copy(), "finer steps", MET)
 
 
 def unbalanced(**energies: float) -> Condition:

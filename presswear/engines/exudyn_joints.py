@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.compiled import Records, specialised
+from presswear.constraints import constraints_of
 from presswear.contacts import JOINT_RATES
 from presswear.energy import Ledger, stored_energy, weight_of
 from presswear.engines.base import (
@@ -139,6 +140,7 @@ def simulate(linkage: Linkage, start: Start, accuracy: JointsAccuracy, plan: Pla
     energies = book.touch["energy"]
     before = stored_energy(linkage, energies, start.position, start.velocity)
     settings = _settings(accuracy)
+    constraints = constraints_of(linkage)
 
     def advance(end: float) -> Finding | None:
         watch.begin(end)
@@ -164,7 +166,7 @@ def simulate(linkage: Linkage, start: Start, accuracy: JointsAccuracy, plan: Pla
         return Ledger.of(book.ledger, stored_energy(linkage, energies, *state()) - before)
 
     def condition() -> Condition:
-        return Condition(watch.time, ledger(), *state(), REMEDY)
+        return Condition(watch.time, ledger(), *state(), REMEDY, constraints)
 
     def snapshot() -> Snapshot:
         return {

@@ -178,7 +178,7 @@ def simulate(linkage: Linkage, start: Start, accuracy: DaeAccuracy, plan: Plan) 
     def condition() -> Condition:
         q, v = y[:n].copy(), y[n : 2 * n].copy()
         time = float(control["time"][0])
-        return Condition(time, ledger(), q, v, REMEDY)
+        return Condition(time, ledger(), q, v, REMEDY, constraints)
 
     def snapshot() -> Snapshot:
         return {
