@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, NoReturn
 
 from presswear.commands.stopping import exit_code, is_stopped, stoppable
-from presswear.errors import InputError, RunError, one_line
+from presswear.tools.errors import InputError, RunError, one_line
 
 if TYPE_CHECKING:
     import argparse

@@ -5,11 +5,11 @@ Run:  python scenarios/clearance_c.py
 
 from pathlib import Path
 
-from presswear.campaign import Watcher, run_campaign
-from presswear.catalog import clearance_c
-from presswear.report import write_report
-from presswear.result_folder import ResultFolder
-from presswear.results import load
+from presswear.campaign.campaign import Watcher, run_campaign
+from presswear.results.folder import ResultFolder
+from presswear.results.results import load
+from presswear.scene.catalog import clearance_c
+from presswear.show.report import write_report
 
 
 def main() -> None:

@@ -6,11 +6,11 @@ Run:  python scenarios/friction.py
 from dataclasses import replace
 from pathlib import Path
 
-from presswear.campaign import Stage, Watcher, run_campaign
-from presswear.catalog import friction, friction_high
-from presswear.report import write_report
-from presswear.result_folder import ResultFolder
-from presswear.results import load
+from presswear.campaign.campaign import Stage, Watcher, run_campaign
+from presswear.results.folder import ResultFolder
+from presswear.results.results import load
+from presswear.scene.catalog import friction, friction_high
+from presswear.show.report import write_report
 
 
 def main() -> None:

@@ -5,8 +5,8 @@ Run:  python scenarios/ideal.py
 
 import numpy as np
 
-from presswear.campaign import Watcher, run_stage
-from presswear.catalog import ideal
+from presswear.campaign.campaign import Watcher, run_stage
+from presswear.scene.catalog import ideal
 
 
 def main() -> None:

@@ -5,9 +5,9 @@ Run:  python scenarios/runaway.py
 
 from pathlib import Path
 
-from presswear.report.runaway import write_runaway_report
-from presswear.runaway import runaway
-from presswear.studies import run_study
+from presswear.studies.runaway.report import write_runaway_report
+from presswear.studies.runaway.study import runaway
+from presswear.studies.study import run_study
 
 
 def main() -> None:

@@ -5,8 +5,8 @@ Run:  python scenarios/slider_crank.py
 
 import numpy as np
 
-from presswear.campaign import Watcher, run_stage
-from presswear.catalog import slider_crank
+from presswear.campaign.campaign import Watcher, run_stage
+from presswear.scene.catalog import slider_crank
 
 
 def main() -> None:

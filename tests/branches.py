@@ -3,9 +3,18 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage import GROUND, Attachment, Body, Drive, Guide, Linkage, Probe, Revolute
-from presswear.prescribed import place_cranks
-from presswear.tree import Tree, place_links, tree_of
+from presswear.linkage.elements import (
+    GROUND,
+    Attachment,
+    Body,
+    Drive,
+    Guide,
+    Linkage,
+    Probe,
+    Revolute,
+)
+from presswear.physics.prescribed import place_cranks
+from presswear.physics.tree import Tree, place_links, tree_of
 
 Array = NDArray[np.float64]
 

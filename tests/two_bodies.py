@@ -6,11 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.clearance import STATE, contact_of, load_of, note_contacts
-from presswear.compiled import Records
-from presswear.joint_data import Contact, Load, Pose, pack_joints, pack_surfaces
-from presswear.laws import FrictionLaw, NormalLaw
-from presswear.linkage import (
+from presswear.linkage.elements import (
     GROUND,
     Attachment,
     Body,
@@ -19,7 +15,11 @@ from presswear.linkage import (
     MapFrame,
     Probe,
 )
-from presswear.surface import Surface
+from presswear.linkage.laws import FrictionLaw, NormalLaw
+from presswear.linkage.surface import Surface
+from presswear.physics.clearance import STATE, contact_of, load_of, note_contacts
+from presswear.physics.joint_data import Contact, Load, Pose, pack_joints, pack_surfaces
+from presswear.tools.compiled import Records
 
 Array = NDArray[np.float64]
 

@@ -12,12 +12,12 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from presswear.catalog import scene_named
 from presswear.commands.terminal import folder_given, free_folder, progress_bar, repeats_given
-from presswear.lock import only_writer
+from presswear.scene.catalog import scene_named
+from presswear.tools.lock import only_writer
 
 if TYPE_CHECKING:
-    from presswear.costs.text import TextTable
+    from presswear.trials.costs.text import TextTable
 
 SCENE = "wear-times"
 
@@ -44,11 +44,11 @@ def _costs(arguments: argparse.Namespace, console: Console) -> int:
     repeats = None if arguments.repeats is None else repeats_given(arguments.repeats)
     scene = scene_named(SCENE)
     folder = arguments.out if arguments.out is not None else free_folder("costs")
-    from presswear.provenance import provenance
+    from presswear.results.provenance import provenance
 
     with only_writer(folder):
-        from presswear.costs.study import QUICK, Extent, store, study
-        from presswear.costs.text import markdown_of, tables_of
+        from presswear.trials.costs.study import QUICK, Extent, store, study
+        from presswear.trials.costs.text import markdown_of, tables_of
 
         extent = QUICK if arguments.quick else Extent()
         if repeats is not None:

@@ -6,7 +6,6 @@ from typing import Any
 
 from rich.console import Console
 
-from presswear.catalog import scene_named
 from presswear.commands.terminal import (
     finished_part,
     folder_given,
@@ -18,9 +17,10 @@ from presswear.commands.terminal import (
     settings_given,
     verdict,
 )
-from presswear.errors import InputError
-from presswear.lock import only_writer
-from presswear.settings import changed
+from presswear.scene.catalog import scene_named
+from presswear.scene.settings import changed
+from presswear.tools.errors import InputError
+from presswear.tools.lock import only_writer
 
 _CYCLES = (1e-3, 100.0)
 """Shortest and longest time over which trajectories are compared, cycles."""
@@ -118,8 +118,8 @@ def _crosscheck(arguments: argparse.Namespace, console: Console) -> int:
             f"{_CYCLES[0]:g} to {_CYCLES[1]:g} cycles"
         )
     folder = arguments.out or free_folder(f"crosscheck-{scene.name}")
-    from presswear.crosscheck import check_engines, store
-    from presswear.figures.crosscheck import write_differences
+    from presswear.trials.crosscheck.check import check_engines, store
+    from presswear.trials.crosscheck.figure import write_differences
 
     with only_writer(folder):
         with progress_bar(console) as bar:
@@ -148,7 +148,7 @@ def _crosscheck(arguments: argparse.Namespace, console: Console) -> int:
 def _against(arguments: argparse.Namespace, console: Console) -> int:
     if arguments.target is None:
         raise InputError("--against needs the result folder to compare with: crosscheck DIR")
-    from presswear.tables import TOLERANCE, compare_tables, read_table, table_of
+    from presswear.results.tables import TOLERANCE, compare_tables, read_table, table_of
 
     theirs = read_table(arguments.against)
     ours = table_of(finished_part(Path(arguments.target), console), 0)
@@ -179,7 +179,7 @@ def _print_checks(
 
 
 def _export(arguments: argparse.Namespace, console: Console) -> int:
-    from presswear.tables import table_of, write_table
+    from presswear.results.tables import table_of, write_table
 
     table = table_of(finished_part(arguments.folder, console), arguments.stage)
     write_table(arguments.file, table)

@@ -10,7 +10,7 @@ from rich.console import Console
 
 from presswear.commands.stopping import check_stopped
 from presswear.commands.terminal import print_table, progress_bar, verdict
-from presswear.errors import InputError
+from presswear.tools.errors import InputError
 
 
 def add(commands: Any) -> None:
@@ -34,10 +34,10 @@ def _endure(arguments: argparse.Namespace, console: Console) -> int:
     out: Path | None = arguments.out
     if out is not None and (out.exists() or not out.parent.is_dir()):
         raise InputError(f"--out {out}: a new file in a folder that exists is expected")
-    from presswear.endure.trial import Trial
-    from presswear.endure.trials import attempts
-    from presswear.files import write_bytes
-    from presswear.provenance import provenance
+    from presswear.results.provenance import provenance
+    from presswear.tools.files import write_bytes
+    from presswear.trials.endure.trial import Trial
+    from presswear.trials.endure.trials import attempts
 
     trials: list[Trial] = []
     tried = attempts(arguments.quick)

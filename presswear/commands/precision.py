@@ -10,7 +10,6 @@ from typing import Any
 
 from rich.console import Console
 
-from presswear.catalog import scene_named
 from presswear.commands.costs import print_text_table
 from presswear.commands.terminal import (
     folder_given,
@@ -19,8 +18,9 @@ from presswear.commands.terminal import (
     repeats_given,
     settings_given,
 )
-from presswear.lock import only_writer
-from presswear.settings import changed
+from presswear.scene.catalog import scene_named
+from presswear.scene.settings import changed
+from presswear.tools.lock import only_writer
 
 SCENE = "wear-times"
 FILE = "precision.json"
@@ -58,10 +58,10 @@ def _precision(arguments: argparse.Namespace, console: Console) -> int:
     scene = changed(scene_named(arguments.scene), settings_given(arguments.set))
     folder = arguments.out or free_folder(f"precision-{scene.name}")
     with only_writer(folder):
-        from presswear.precision.extent import FULL, QUICK
-        from presswear.precision.store import store
-        from presswear.precision.study import study
-        from presswear.precision.text import tables_of
+        from presswear.trials.precision.extent import FULL, QUICK
+        from presswear.trials.precision.store import store
+        from presswear.trials.precision.study import study
+        from presswear.trials.precision.text import tables_of
 
         extent = QUICK if arguments.quick else FULL
         if repeats is not None:
@@ -86,8 +86,8 @@ def is_precision(folder: Path) -> bool:
 
 def report(folder: Path, console: Console) -> int:
     """Figures and report anew from a stored study."""
-    from presswear.precision.store import load
-    from presswear.report.precision import write_precision_report
+    from presswear.trials.precision.report import write_precision_report
+    from presswear.trials.precision.store import load
 
     answer, path = write_precision_report(load(folder), folder)
     console.print(answer, highlight=False)

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Console
 
 from presswear.commands.terminal import finished_part, progress_bar
-from presswear.errors import InputError
-from presswear.quantities import Meaning, parse_quantity
+from presswear.tools.errors import InputError
+from presswear.tools.quantities import Meaning, parse_quantity
 
 if TYPE_CHECKING:
-    from presswear.replay.reel import Reel
+    from presswear.show.replay.reel import Reel
 
 _SIZES = (160, 4096)
 """Least and greatest width or height, pixels."""
@@ -51,12 +51,12 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
     size = _size(arguments.size)
     _check(arguments)
     if arguments.still is None and arguments.movie is None:
-        from presswear.replay.window import check_display
+        from presswear.show.replay.window import check_display
 
         check_display()
     reels = [_reel(arguments.folder, arguments.stage, console)]
     if arguments.compare is not None:
-        from presswear.replay.reel import alike
+        from presswear.show.replay.reel import alike
 
         reels = alike([*reels, _compared(arguments, console)])
     if arguments.still is not None:
@@ -82,13 +82,13 @@ def _check(arguments: argparse.Namespace) -> None:
         if not file.parent.is_dir():
             raise InputError(f"{file}: there is no folder {file.parent}")
     if arguments.movie is not None:
-        from presswear.replay.movie import check_movie
+        from presswear.show.replay.movie import check_movie
 
         check_movie(arguments.movie)
 
 
 def _reel(folder: Path, stage: str | None, console: Console) -> "Reel":
-    from presswear.replay.reel import reel_of
+    from presswear.show.replay.reel import reel_of
 
     result = finished_part(folder, console)
     last = len(result.stages) - 1
@@ -132,8 +132,8 @@ def _size(text: str) -> tuple[int, int]:
 def _still(
     arguments: argparse.Namespace, console: Console, reels: "list[Reel]", size: tuple[int, int]
 ) -> int:
-    from presswear.replay.clip import default_start, frames_at
-    from presswear.replay.movie import still, write_still
+    from presswear.show.replay.clip import default_start, frames_at
+    from presswear.show.replay.movie import still, write_still
 
     at = arguments.at
     time = default_start(reels[0]) if at is None else _time("--at", at, reels[0])
@@ -145,7 +145,7 @@ def _still(
 def _movie(
     arguments: argparse.Namespace, console: Console, reels: "list[Reel]", size: tuple[int, int]
 ) -> int:
-    from presswear.replay.movie import pictures, write_movie
+    from presswear.show.replay.movie import pictures, write_movie
 
     clip = _clip(arguments, reels)
     count = len(clip.frames)
@@ -166,7 +166,7 @@ def _movie(
 
 
 def _clip(arguments: argparse.Namespace, reels: "list[Reel]") -> Any:
-    from presswear.replay.clip import clip_of, default_slowed, default_start
+    from presswear.show.replay.clip import clip_of, default_slowed, default_start
 
     first = reels[0]
     start = _given(arguments.start, "--from", first, default_start(first))
@@ -189,8 +189,8 @@ def _given(text: str | None, option: str, reel: "Reel", otherwise: float) -> flo
 
 
 def _window(arguments: argparse.Namespace, reels: "list[Reel]", size: tuple[int, int]) -> int:
-    from presswear.replay.clip import default_slowed, default_start
-    from presswear.replay.window import play
+    from presswear.show.replay.clip import default_slowed, default_start
+    from presswear.show.replay.window import play
 
     first = reels[0]
     start = _given(arguments.start, "--from", first, default_start(first))

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Console
 from rich.progress import Progress, TaskID
 
-from presswear.catalog import SCENES, STUDIES, scene_named
 from presswear.commands import precision, studies
 from presswear.commands.stopping import check_stopped, go_on_with, is_stopped
 from presswear.commands.terminal import (
@@ -22,14 +21,15 @@ from presswear.commands.terminal import (
     seconds_given,
     settings_given,
 )
-from presswear.errors import InputError, RunError
-from presswear.scene import CONVENTIONS, Scene, stage_name
-from presswear.settings import changed
-from presswear.studies import is_study
+from presswear.scene.catalog import SCENES, STUDIES, scene_named
+from presswear.scene.scene import CONVENTIONS, Scene, stage_name
+from presswear.scene.settings import changed
+from presswear.studies.study import is_study
+from presswear.tools.errors import InputError, RunError
 
 if TYPE_CHECKING:
-    from presswear.campaign import Stage
-    from presswear.result_folder import ResultFolder
+    from presswear.campaign.campaign import Stage
+    from presswear.results.folder import ResultFolder
 
 OPTIONS = ("engine", "cycles", "wears", "tolerance")
 """Settings that have an option of their own."""
@@ -126,9 +126,9 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
     told = goes_on and _is_plain(arguments)
     scene = _stored_scene(arguments) if told else _scene_from(arguments)
     folder = arguments.out if arguments.out is not None else free_folder(scene.name)
-    from presswear.report import write_report
-    from presswear.result_folder import ResultFolder
-    from presswear.results import load
+    from presswear.results.folder import ResultFolder
+    from presswear.results.results import load
+    from presswear.show.report import write_report
 
     with _window(arguments, scene) as live:
         store = ResultFolder(folder, scene, interval, arguments.resume)
@@ -155,7 +155,7 @@ def _is_plain(arguments: argparse.Namespace) -> bool:
 
 def _stored_scene(arguments: argparse.Namespace) -> Scene:
     """The scene of the folder to go on in."""
-    from presswear.results import read_document
+    from presswear.results.results import read_document
 
     scene_named(arguments.scene)  # an unknown name is told first
     scene = Scene.from_dict(read_document(arguments.out)["scene"])
@@ -170,7 +170,7 @@ def _run_into(
     store: "ResultFolder", scene: Scene, live: Callable[..., None], console: Console
 ) -> None:
     """Run a campaign into its folder, from where it stands."""
-    from presswear.campaign import Watcher, run_campaign
+    from presswear.campaign.campaign import Watcher, run_campaign
 
     go_on = go_on_with(scene.name, store.path)
     with progress_bar(console) as bar:
@@ -210,7 +210,7 @@ def _window(arguments: argparse.Namespace, scene: Scene) -> Iterator[Callable[..
     if not arguments.live:
         yield lambda stage, linkage, account: None
         return
-    from presswear.replay.live import Live
+    from presswear.show.replay.live import Live
 
     live = Live(scene, LIVE_SIZE)
     try:
@@ -251,7 +251,7 @@ def _report(arguments: argparse.Namespace, console: Console) -> int:
         return studies.report(arguments.folder, console)
     if precision.is_precision(arguments.folder):
         return precision.report(arguments.folder, console)
-    from presswear.report import write_report
+    from presswear.show.report import write_report
 
     result = finished_part(arguments.folder, console)
     console.print(f"report in {write_report(result)}", highlight=False)

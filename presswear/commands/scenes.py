@@ -5,8 +5,8 @@ from typing import Any
 
 from rich.console import Console
 
-from presswear.catalog import SCENES, STUDIES, scene_named
-from presswear.settings import settings_of
+from presswear.scene.catalog import SCENES, STUDIES, scene_named
+from presswear.scene.settings import settings_of
 
 
 def add(commands: Any) -> None:

@@ -8,12 +8,11 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import Progress, TaskID
 
-from presswear.catalog import STUDIES
 from presswear.commands.stopping import check_stopped, go_on_with
 from presswear.commands.terminal import free_folder, jobs_given, progress_bar, seconds_given
-from presswear.errors import InputError, RunError
-from presswear.scene import Scene
-from presswear.studies import (
+from presswear.scene.catalog import STUDIES
+from presswear.scene.scene import Scene
+from presswear.studies.study import (
     Change,
     Study,
     Variant,
@@ -23,6 +22,7 @@ from presswear.studies import (
     unchanged,
     waiting,
 )
+from presswear.tools.errors import InputError, RunError
 
 Writer = Callable[[Study, Path], tuple[str, Path]]
 """Writes a study's report into its folder; gives its answer and its path."""
@@ -31,10 +31,10 @@ Writer = Callable[[Study, Path], tuple[str, Path]]
 def _builder(name: str) -> Callable[[Change], Study]:
     """What makes a study of a name; imported only when wanted."""
     if name == "paper":
-        from presswear.paper.variants import paper
+        from presswear.studies.paper.variants import paper
 
         return paper
-    from presswear.runaway import runaway
+    from presswear.studies.runaway.study import runaway
 
     return runaway
 
@@ -42,10 +42,10 @@ def _builder(name: str) -> Callable[[Change], Study]:
 def _writer(name: str) -> Writer:
     """What writes the report of a study of a name."""
     if name == "paper":
-        from presswear.report.paper import write_paper_report
+        from presswear.studies.paper.report import write_paper_report
 
         return write_paper_report
-    from presswear.report.runaway import write_runaway_report
+    from presswear.studies.runaway.report import write_runaway_report
 
     return write_runaway_report
 

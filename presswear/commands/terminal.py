@@ -19,13 +19,13 @@ from rich.progress import (
 from rich.table import Table
 
 from presswear.commands.stopping import go_on_with
-from presswear.errors import InputError
-from presswear.quantities import Meaning, parse_quantity
+from presswear.tools.errors import InputError
+from presswear.tools.quantities import Meaning, parse_quantity
 
 _ANY = Meaning("", -math.inf, math.inf, "", "")
 
 if TYPE_CHECKING:
-    from presswear.results import StoredResult
+    from presswear.results.results import StoredResult
 
 
 LONGEST = 86400.0
@@ -152,7 +152,7 @@ def verdict(passed: bool) -> str:
 
 def finished_part(path: Path, console: Console) -> "StoredResult":
     """A stored run, with a word on one that has not come to its end; something must be stored."""
-    from presswear.results import load, unfinished
+    from presswear.results.results import load, unfinished
 
     result = load(path)
     words = unfinished(path, result.document)

@@ -7,7 +7,7 @@ from rich.console import Console
 from rich.markup import escape
 
 from presswear.commands.terminal import print_table, progress_bar, verdict
-from presswear.errors import InputError
+from presswear.tools.errors import InputError
 
 
 def add(commands: Any) -> None:
@@ -32,7 +32,7 @@ def _verify(arguments: argparse.Namespace, console: Console) -> int:
         return _hard(console, long=arguments.long)
     if arguments.long:
         raise InputError("--long goes only with --hard; see presswear verify --help")
-    from presswear.verify import verify
+    from presswear.trials.verify.verify import verify
 
     with progress_bar(console) as bar:
         task = bar.add_task("verify", total=1.0)
@@ -60,8 +60,8 @@ def _verify(arguments: argparse.Namespace, console: Console) -> int:
 
 def _hard(console: Console, *, long: bool) -> int:
     """Run the hard cases, print what came of them; 1 on a miss."""
-    from presswear.hard import hard_cases
-    from presswear.hard.case import Outcome, outcomes
+    from presswear.trials.hard import hard_cases
+    from presswear.trials.hard.case import Outcome, outcomes
 
     cases = [case for case in hard_cases() if long or not case.long]
     found: list[Outcome] = []

@@ -7,17 +7,14 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.account import Account
-from presswear.compiled import Records
-from presswear.linkage import Linkage
-from presswear.snapshot import Snapshot
-from presswear.touch import STEPS
-from presswear.watch import Condition, Finding, examine
+from presswear.linkage.elements import Linkage
+from presswear.record.recorder import Account
+from presswear.record.soundness import Condition, Finding, examine
+from presswear.tools.snapshot import Snapshot
 
 Array = NDArray[np.float64]
 
 Status = Literal["completed", "enough", "failed"]
-Integrator = Literal["dop853", "dopri5", "rk4", "rk4-paper"]
 
 
 @dataclass(frozen=True)
@@ -26,94 +23,6 @@ class Start:
 
     position: Array
     velocity: Array
-
-
-@dataclass(frozen=True)
-class JointsAccuracy:
-    """How finely an implicit fixed-order run is stepped.
-
-    Attributes
-    ----------
-    steps_per_contact : int
-        Steps in one impact.
-    steps_sustained : int
-        Steps in half a period of a pin that rests on its bearing; its steps grow up
-        to this as its error allows.
-    free_step : float
-        Longest step in free flight, s.
-    newton : float
-        Relative and absolute tolerance of Newton's method; above 1e-9 its noise in the
-        accelerations shortens the steps of a resting pin.
-    least_step : float
-        Shortest step, s.
-    """
-
-    steps_per_contact: int
-    steps_sustained: int
-    free_step: float
-    newton: float = 1e-9
-    least_step: float = 1e-9
-
-    def packed(self) -> Records:
-        """As the kernels see it: one record of STEPS."""
-        steps = np.zeros(1, STEPS)
-        steps["free"] = self.free_step
-        steps["per_contact"] = self.steps_per_contact
-        steps["sustained"] = self.steps_sustained
-        steps["least"] = self.least_step
-        return steps
-
-
-@dataclass(frozen=True)
-class TreeAccuracy:
-    """How an open tree is integrated.
-
-    Attributes
-    ----------
-    tolerance : float
-        Error allowed in a step: root mean square over the coordinates, rad or m, and
-        their rates, rad/s or m/s.
-    free_step : float
-        Longest step, s.
-    """
-
-    tolerance: float
-    free_step: float
-
-
-@dataclass(frozen=True)
-class DaeAccuracy:
-    """How the in-house solver integrates.
-
-    Attributes
-    ----------
-    integrator : {"dop853", "dopri5", "rk4", "rk4-paper"}
-        Error-controlled of order 8 or 5 with located touches; classical of order 4
-        with equal steps; the same with the paper's 1e-4 s.
-    tolerance : float
-        Of ``dop853`` and ``dopri5``: per step, times 1 mm or mrad in positions and times
-        1 m/s + |v| in velocities.
-    step : float
-        Of ``rk4``, s.
-    alpha, beta : float
-        Baumgarte's coefficients, 1/s (equation 19).
-    projected : bool
-        Whether each accepted state is moved onto the constraints.
-    free_step : float or None
-        Longest step of ``dop853`` and ``dopri5``, s; None: a 500th of the plan's cycle.
-    """
-
-    integrator: Integrator = "dop853"
-    tolerance: float = 1e-9
-    step: float = 1e-5
-    alpha: float = 20.0
-    beta: float = 20.0
-    projected: bool = False
-    free_step: float | None = None
-
-
-AnyAccuracy = TreeAccuracy | JointsAccuracy | DaeAccuracy
-"""Each belongs to one engine."""
 
 
 @dataclass(frozen=True)

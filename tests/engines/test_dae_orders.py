@@ -6,15 +6,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from presswear import references
-from presswear.catalog import ideal
-from presswear.engines.base import DaeAccuracy, JointsAccuracy, Plan, Start
+from presswear.campaign.starts import start_of
+from presswear.engines.base import Plan, Start
 from presswear.engines.dae.engine import simulate
-from presswear.engines.exudyn_joints import simulate as simulate_exudyn
-from presswear.linkage import GROUND, Attachment, Body, Linkage, Probe, Spring
-from presswear.press import GEOMETRIES, Press
-from presswear.starts import start_of
-from presswear.verify import order_of
+from presswear.engines.exudyn_joints.engine import simulate as simulate_exudyn
+from presswear.engines.settings import ExudynJoints, InHouse
+from presswear.linkage.elements import GROUND, Attachment, Body, Linkage, Probe, Spring
+from presswear.linkage.press import GEOMETRIES, Press
+from presswear.scene.catalog import ideal
+from presswear.trials.verify import references
+from presswear.trials.verify.verify import order_of
 
 FREQUENCY, AMPLITUDE, DURATION = 1000.0, 0.01, 0.5
 
@@ -41,7 +42,7 @@ def oscillator() -> Linkage:
     )
 
 
-def oscillator_error(accuracy: DaeAccuracy) -> tuple[float, int]:
+def oscillator_error(accuracy: InHouse) -> tuple[float, int]:
     """Error at the end, in amplitudes, and steps made."""
     start = Start(np.array([AMPLITUDE, 0.0, 0.0]), np.zeros(3))
     run = simulate(oscillator(), start, accuracy, Plan(DURATION, 1, recorded_cycles=1))
@@ -55,7 +56,7 @@ def oscillator_error(accuracy: DaeAccuracy) -> tuple[float, int]:
 
 def test_rk4_is_of_fourth_order_on_an_oscillator() -> None:
     steps = [DURATION / n for n in (5000, 10000, 20000)]
-    errors = [oscillator_error(DaeAccuracy("rk4", step=step))[0] for step in steps]
+    errors = [oscillator_error(InHouse("rk4", equal_step=step))[0] for step in steps]
     assert 3.9 < order_of(steps, errors) < 4.1
 
 
@@ -63,11 +64,11 @@ def test_rk4_is_of_fourth_order_on_andrews() -> None:
     """Against the same equations solved to round-off: the reference ends at 1.4e-9."""
     plan = Plan(references.ANDREWS_DURATION, 1, recorded_cycles=1)
     linkage, start = references.andrews(), references.andrews_start()
-    exact = simulate(linkage, start, DaeAccuracy(tolerance=1e-12), plan).end.position
+    exact = simulate(linkage, start, InHouse(integration_tolerance=1e-12), plan).end.position
     steps = [references.ANDREWS_DURATION / n for n in (750, 1500, 3000)]
     errors = []
     for step in steps:
-        end = simulate(linkage, start, DaeAccuracy("rk4", step=step), plan).end
+        end = simulate(linkage, start, InHouse("rk4", equal_step=step), plan).end
         errors.append(float(np.abs(end.position[2::3] - exact[2::3]).max()))
     assert 3.8 < order_of(steps, errors) < 4.2
 
@@ -80,7 +81,7 @@ def test_rk4_is_of_fourth_order_on_the_ideal_press(geometry: str) -> None:
     steps = [period / n for n in (100, 200, 400, 800)]
     errors = []
     for step in steps:
-        accuracy = DaeAccuracy("rk4", step=step)
+        accuracy = InHouse("rk4", equal_step=step)
         run = simulate(scene.linkage(), start_of(scene), accuracy, Plan(period, 1))
         errors.append(float(np.abs(run.end.position - exact.position[0]).max()))
     assert 3.8 < order_of(steps, errors) < 4.2
@@ -89,7 +90,7 @@ def test_rk4_is_of_fourth_order_on_the_ideal_press(geometry: str) -> None:
 def test_dop853_is_of_eighth_order_and_follows_its_tolerance() -> None:
     """The error goes with the tolerance, and with the eighth power of the mean step."""
     tolerances = [1e-8, 1e-9, 1e-10, 1e-11]
-    found = [oscillator_error(DaeAccuracy(tolerance=tolerance)) for tolerance in tolerances]
+    found = [oscillator_error(InHouse(integration_tolerance=tolerance)) for tolerance in tolerances]
     errors = [error for error, _ in found]
     assert 0.85 < order_of(tolerances, errors) < 1.1
     assert 7.3 < order_of([DURATION / steps for _, steps in found], errors) < 8.7
@@ -102,7 +103,7 @@ def test_exudyn_is_of_second_order_on_the_ideal_press() -> None:
     steps = [period / n for n in (500, 1000, 2000)]
     errors = []
     for step in steps:
-        accuracy = JointsAccuracy(50, 10, free_step=step * (1.0 - 1e-9), newton=1e-12)
+        accuracy = ExudynJoints(50, 10, free_step=step * (1.0 - 1e-9), newton=1e-12)
         run = simulate_exudyn(scene.linkage(), start_of(scene), accuracy, Plan(period, 1))
         errors.append(float(np.abs(run.end.position - exact).max()))
     assert 1.9 < order_of(steps, errors) < 2.1
@@ -114,7 +115,7 @@ def test_exudyn_is_of_second_order_on_an_oscillator() -> None:
     steps = [1e-4, 5e-5, 2.5e-5]
     errors = []
     for step in steps:
-        accuracy = JointsAccuracy(50, 10, free_step=step * (1.0 - 1e-9), newton=1e-12)
+        accuracy = ExudynJoints(50, 10, free_step=step * (1.0 - 1e-9), newton=1e-12)
         plan = Plan(duration, 1, recorded_cycles=1)
         end = simulate_exudyn(oscillator(), start, accuracy, plan).end
         errors.append(abs(end.position[0] / AMPLITUDE - math.cos(FREQUENCY * duration)))

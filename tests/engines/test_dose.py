@@ -5,12 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from presswear import references
-from presswear.engines.base import DaeAccuracy, JointsAccuracy, Plan, Run, Start
+from presswear.engines.base import Plan, Run, Start
 from presswear.engines.dae.engine import simulate as simulate_dae
-from presswear.engines.exudyn_joints import simulate as simulate_exudyn
-from presswear.linkage import WearLaw
-from presswear.observe import CYCLE_FIXED
+from presswear.engines.exudyn_joints.engine import simulate as simulate_exudyn
+from presswear.engines.settings import ExudynJoints, InHouse
+from presswear.linkage.elements import WearLaw
+from presswear.record.observe import CYCLE_FIXED
+from presswear.trials.verify import references
 
 SPIN = 30.0
 """Of the pin, rad/s: without friction it slides at R_j SPIN throughout the impact."""
@@ -38,9 +39,9 @@ def test_dose_is_impulse_times_sliding(engine: str, error: float) -> None:
     linkage = replace(impact.linkage, clearances=(worn,))
     plan = Plan(0.005, 1)
     if engine == "dae":
-        run = simulate_dae(linkage, start, DaeAccuracy(tolerance=1e-11), plan)
+        run = simulate_dae(linkage, start, InHouse(integration_tolerance=1e-11), plan)
     else:
-        run = simulate_exudyn(linkage, start, JointsAccuracy(50, 10, 2e-5), plan)
+        run = simulate_exudyn(linkage, start, ExudynJoints(50, 10, free_step=2e-5), plan)
     assert run.account.book.tally["contacts"][0] == 1
     dose, impulse = _dose_and_impulse(run, impact)
     joint = impact.linkage.clearances[0]

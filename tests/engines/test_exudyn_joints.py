@@ -7,18 +7,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from presswear.account import Account
-from presswear.catalog import ideal, wear_times
-from presswear.engines.base import JointsAccuracy, Plan, Run, Start
-from presswear.engines.exudyn_joints import simulate
-from presswear.laws import (
-    FrictionLaw,
-    NormalLaw,
-    delivered_restitution,
-    greatest_penetration,
-    lankarani_nikravesh_damping,
-)
-from presswear.linkage import (
+from presswear.campaign.starts import start_of
+from presswear.engines.base import Plan, Run, Start
+from presswear.engines.exudyn_joints.engine import simulate
+from presswear.engines.settings import ExudynJoints
+from presswear.linkage.elements import (
     Attachment,
     Body,
     ClearanceJoint,
@@ -26,9 +19,17 @@ from presswear.linkage import (
     Probe,
     WearLaw,
 )
-from presswear.press import GEOMETRIES, Press
-from presswear.scene import CONVENTIONS
-from presswear.starts import start_of
+from presswear.linkage.laws import (
+    FrictionLaw,
+    NormalLaw,
+    delivered_restitution,
+    greatest_penetration,
+    lankarani_nikravesh_damping,
+)
+from presswear.linkage.press import GEOMETRIES, Press
+from presswear.record.recorder import Account
+from presswear.scene.catalog import ideal, wear_times
+from presswear.scene.scene import CONVENTIONS
 
 CLEARANCE = 0.8e-3
 STIFFNESS = 1.25e10
@@ -73,7 +74,7 @@ def at(ring: tuple[float, ...], shaft: tuple[float, ...]) -> Start:
 
 
 def run_pair(linkage: Linkage, start: Start, duration: float, steps: int = 50) -> Run:
-    accuracy = JointsAccuracy(steps, 10, free_step=2e-5, newton=1e-10)
+    accuracy = ExudynJoints(steps, 10, free_step=2e-5, newton=1e-10)
     return simulate(linkage, start, accuracy, Plan(duration, 1))
 
 
@@ -149,7 +150,7 @@ def test_onset_speed_at_the_working_step_under_acceleration() -> None:
     arm, spin = 0.05, 40.0
     linkage = free_pair(pin=(arm, 0.0))
     start = at((arm, 0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0, spin))
-    run = simulate(linkage, start, JointsAccuracy(50, 10, free_step=5e-5), Plan(0.001, 1))
+    run = simulate(linkage, start, ExudynJoints(50, 10, free_step=5e-5), Plan(0.001, 1))
     # |e| is the chord 2 arm sin(spin t / 2).
     half = math.asin(CLEARANCE / (2.0 * arm))
     onset, _, closing = run.account.episodes(0)[0, :3]
@@ -164,7 +165,7 @@ def test_ideal_press_follows_the_closed_form(geometry: str) -> None:
     run = simulate(
         scene.linkage(),
         start_of(scene),
-        scene.numerics.joints(scene.mechanism.period),
+        scene.numerics.joints.over(scene.mechanism.period),
         Plan(scene.mechanism.period, 1),
     )
     rows = run.account.rows
@@ -188,7 +189,7 @@ def press_runs() -> dict[str, Run]:
         runs[name] = simulate(
             scene.linkage(),
             start_of(scene),
-            scene.numerics.joints(scene.mechanism.period),
+            scene.numerics.joints.over(scene.mechanism.period),
             Plan(scene.mechanism.period / 3.0, 1),
         )
     return runs
@@ -234,7 +235,7 @@ def test_cycles_end_on_time_and_enough_stops() -> None:
         return len(account.cycles) == 2
 
     period = scene.mechanism.period
-    coarse = replace(scene.numerics.joints(scene.mechanism.period), free_step=period / 300.0)
+    coarse = replace(scene.numerics.joints.over(scene.mechanism.period), free_step=period / 300.0)
     run = simulate(scene.linkage(), start_of(scene), coarse, Plan(period, 5, enough=enough))
     assert run.status == "enough"
     assert asked == [1, 2]
@@ -258,6 +259,6 @@ def test_errors_and_interrupts_in_callbacks_arrive_as_they_are() -> None:
         simulate(
             scene.linkage(),
             start_of(scene),
-            scene.numerics.joints(scene.mechanism.period),
+            scene.numerics.joints.over(scene.mechanism.period),
             Plan(scene.mechanism.period, 1, progress=interrupt),
         )

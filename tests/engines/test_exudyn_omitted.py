@@ -5,29 +5,30 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from presswear.catalog import wear_times
-from presswear.engines.base import DaeAccuracy, Plan, Run
+from presswear.campaign.starts import start_of
+from presswear.engines.base import Plan, Run
 from presswear.engines.dae.engine import simulate as simulate_dae
-from presswear.engines.exudyn_joints import simulate
-from presswear.engines.exudyn_model import left_out
-from presswear.linkage import Attachment, Spring
-from presswear.starts import start_of
+from presswear.engines.exudyn_joints.engine import simulate
+from presswear.engines.exudyn_joints.model import left_out
+from presswear.engines.settings import InHouse
+from presswear.linkage.elements import Attachment, Spring
+from presswear.scene.catalog import wear_times
 
 
 def both(joints: str) -> tuple[Run, Run]:
     scene = replace(wear_times(), joints=joints)
     linkage, start, plan = scene.linkage(), start_of(scene), Plan(0.03, 1)
-    accuracy = scene.numerics.joints(scene.mechanism.period)
+    accuracy = scene.numerics.joints.over(scene.mechanism.period)
     fine = replace(
         accuracy,
         steps_per_contact=200,
         steps_sustained=40,
-        free_step=accuracy.free_step / 4,
+        free_step=accuracy.longest(0.0) / 4,
         newton=1e-11,
     )
     return (
         simulate(linkage, start, fine, plan),
-        simulate_dae(linkage, start, DaeAccuracy(tolerance=1e-11), plan),
+        simulate_dae(linkage, start, InHouse(integration_tolerance=1e-11), plan),
     )
 
 

@@ -7,23 +7,24 @@ import numpy as np
 import pytest
 from branches import branching, placed, tree
 
-from presswear.catalog import wear_times
+from presswear.campaign.starts import start_of
 from presswear.engines import exudyn_tree
-from presswear.engines.base import DaeAccuracy, Plan, Run, Start, TreeAccuracy
+from presswear.engines.base import Plan, Run, Start
 from presswear.engines.dae.engine import simulate as simulate_dae
-from presswear.engines.exudyn_tree import simulate
-from presswear.errors import InputError
-from presswear.linkage import Attachment, Linkage, Load, Slip, Spring
-from presswear.scene import CONVENTIONS, Scene
-from presswear.starts import start_of
-from presswear.surface import Surface
+from presswear.engines.exudyn_tree.engine import simulate
+from presswear.engines.settings import ExudynTree, InHouse
+from presswear.linkage.elements import Attachment, Linkage, Load, Slip, Spring
+from presswear.linkage.surface import Surface
+from presswear.scene.catalog import wear_times
+from presswear.scene.scene import CONVENTIONS, Scene
+from presswear.tools.errors import InputError
 
 END = 0.05
 TIGHT = 1e-10
 
 
-def accuracy(tolerance: float) -> TreeAccuracy:
-    return TreeAccuracy(tolerance, 1e-3)
+def accuracy(tolerance: float) -> ExudynTree:
+    return ExudynTree(tolerance, 1e-3)
 
 
 def both(scene: Scene, linkage: Linkage, tolerance: float, end: float = END) -> tuple[Run, Run]:
@@ -32,7 +33,7 @@ def both(scene: Scene, linkage: Linkage, tolerance: float, end: float = END) -> 
     start = start_of(scene)
     return (
         simulate(linkage, start, accuracy(tolerance), plan),
-        simulate_dae(linkage, start, DaeAccuracy(tolerance=1e-12), plan),
+        simulate_dae(linkage, start, InHouse(integration_tolerance=1e-12), plan),
     )
 
 
@@ -177,7 +178,7 @@ def test_a_tree_without_contacts_with_springs_loads_and_an_inclined_guide() -> N
     q, v, _, _ = placed(found, 5, 0.0, x, np.array([1.0, -2.0, 0.3, 4.0]))
     start, plan = Start(q, v), Plan(0.2, 1)
     ours = simulate(linkage, start, accuracy(1e-11), plan)
-    reference = simulate_dae(linkage, start, DaeAccuracy(tolerance=1e-12), plan)
+    reference = simulate_dae(linkage, start, InHouse(integration_tolerance=1e-12), plan)
     assert ours.end.position == pytest.approx(reference.end.position, abs=1e-8)
     assert ours.end.velocity == pytest.approx(reference.end.velocity, abs=1e-7)
     for name, expected in reference.reactions.items():

@@ -8,14 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from presswear.catalog import slider_crank, wear_times
-from presswear.checkpoint import read_checkpoint, write_checkpoint
-from presswear.engines import engine_for
+from presswear.campaign.starts import start_of
 from presswear.engines.base import Plan, Run
-from presswear.scene import Scene
-from presswear.settings import changed
-from presswear.snapshot import Snapshot
-from presswear.starts import start_of
+from presswear.results.checkpoint import read_checkpoint, write_checkpoint
+from presswear.scene.catalog import slider_crank, wear_times
+from presswear.scene.scene import Scene
+from presswear.scene.settings import changed
+from presswear.tools.snapshot import Snapshot
 
 RECORDED = 2
 FAST = {"speed": "60rad/s"}
@@ -30,11 +29,11 @@ class Case:
     cycles: int
 
     def run(self, resume: Snapshot | None, keep: Callable[[Snapshot], None] | None) -> Run:
-        scene, accuracy = self.scene, self.scene.accuracy()
+        scene, accuracy = self.scene, self.scene.solver.over(self.scene.mechanism.period)
         plan = Plan(
             scene.mechanism.period, self.cycles, RECORDED, resume=resume, keep=keep, torques=True
         )
-        return engine_for(accuracy)(scene.linkage(), start_of(scene), accuracy, plan)
+        return accuracy.simulate(scene.linkage(), start_of(scene), plan)
 
 
 CASES = {
@@ -125,16 +124,15 @@ def test_contacts_are_kept_of_recorded_cycles_only() -> None:
 def test_a_run_that_was_enough_is_enough_again() -> None:
     case = CASES["in-house, order 8"]
     kept: list[Snapshot] = []
-    accuracy = case.scene.accuracy()
+    accuracy = case.scene.solver.over(case.scene.mechanism.period)
     plan = Plan(
         case.scene.mechanism.period,
         case.cycles,
         enough=lambda account: len(account.cycles) == 2,
         keep=kept.append,
     )
-    engine = engine_for(accuracy)
-    arguments = case.scene.linkage(), start_of(case.scene), accuracy
-    assert engine(*arguments, plan).status == "enough"
-    again = engine(*arguments, replace(plan, resume=kept[-1]))
+    arguments = case.scene.linkage(), start_of(case.scene)
+    assert accuracy.simulate(*arguments, plan).status == "enough"
+    again = accuracy.simulate(*arguments, replace(plan, resume=kept[-1]))
     assert again.status == "enough"
     assert len(again.account.cycles) == 2

@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from presswear import references
-from presswear.constraints import constraints_of
-from presswear.engines.base import DaeAccuracy, Plan
+from presswear.engines.base import Plan
 from presswear.engines.dae.dynamics import rates, system_of
 from presswear.engines.dae.engine import simulate
-from presswear.verify import ANDREWS_STEPS, andrews_with_exudyn, order_of
+from presswear.engines.settings import InHouse
+from presswear.physics.constraints import constraints_of
+from presswear.trials.verify import references
+from presswear.trials.verify.verify import ANDREWS_STEPS, andrews_with_exudyn, order_of
 
 ANGLES = np.array(references.ANDREWS_ANGLES)
 RATES = np.array(references.ANDREWS_RATES)
@@ -51,7 +52,7 @@ def test_dae_reaches_the_reference(projected: bool) -> None:
     integrator: it is the reference's.
     """
     plan = Plan(references.ANDREWS_DURATION, 1, recorded_cycles=1)
-    accuracy = DaeAccuracy(projected=projected)
+    accuracy = InHouse(projection="on" if projected else "off")
     run = simulate(references.andrews(), references.andrews_start(), accuracy, plan)
     angles = references.andrews_angles(run.end.position)
     assert np.abs(angles - ANGLES).max() < 1e-8
@@ -64,7 +65,7 @@ def test_energy_is_the_work_of_the_moment() -> None:
     """Kinetic and spring energy gained = 0.033 N m times the crank's turn."""
     plan = Plan(references.ANDREWS_DURATION, 1, recorded_cycles=1)
     linkage, start = references.andrews(), references.andrews_start()
-    end = simulate(linkage, start, DaeAccuracy(), plan).end
+    end = simulate(linkage, start, InHouse(), plan).end
     spring = linkage.springs[0]
 
     def stored(position: NDArray[np.float64]) -> float:

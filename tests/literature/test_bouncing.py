@@ -5,12 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from presswear import references
-from presswear.engines.base import DaeAccuracy, JointsAccuracy, Plan, Start
+from presswear.engines.base import Plan, Start
 from presswear.engines.dae.engine import simulate as simulate_dae
-from presswear.engines.exudyn_joints import simulate as simulate_exudyn
-from presswear.laws import delivered_restitution, greatest_penetration, lankarani_nikravesh_damping
-from presswear.verify import (
+from presswear.engines.exudyn_joints.engine import simulate as simulate_exudyn
+from presswear.engines.settings import ExudynJoints, InHouse
+from presswear.linkage.laws import (
+    delivered_restitution,
+    greatest_penetration,
+    lankarani_nikravesh_damping,
+)
+from presswear.trials.verify import references
+from presswear.trials.verify.verify import (
     TIGHT,
     bounced,
     deepest_penetration,
@@ -27,7 +32,7 @@ PLAN = Plan(0.005, 1)
 @pytest.mark.parametrize(("nominal", "expected"), references.DELIVERED.items())
 def test_dae_delivers_the_closed_form(nominal: float, expected: float, tolerance: float) -> None:
     impact = references.Impact(nominal)
-    run = simulate_dae(impact.linkage, impact.start, DaeAccuracy(tolerance=tolerance), PLAN)
+    run = simulate_dae(impact.linkage, impact.start, InHouse(integration_tolerance=tolerance), PLAN)
     assert delivered(run, impact.speed) == pytest.approx(expected, abs=1e-8)
     final = run.end.velocity[3] - run.end.velocity[0]
     assert -final / impact.speed == pytest.approx(expected, abs=1e-8)
@@ -38,7 +43,7 @@ def test_a_run_that_starts_on_the_touch_does_not_miss_it() -> None:
     position = impact.start.position.copy()
     position[3] = impact.linkage.clearances[0].clearance
     start = Start(position, impact.start.velocity)
-    run = simulate_dae(impact.linkage, start, DaeAccuracy(tolerance=1e-11), PLAN)
+    run = simulate_dae(impact.linkage, start, InHouse(integration_tolerance=1e-11), PLAN)
     final = run.end.velocity[3] - run.end.velocity[0]
     assert -final / impact.speed == pytest.approx(references.DELIVERED[0.9], abs=1e-8)
 
@@ -47,7 +52,7 @@ def test_a_run_that_starts_on_the_touch_does_not_miss_it() -> None:
 def test_exudyn_delivers_the_closed_form(nominal: float, steps: int) -> None:
     """To 1e-4; below a nominal 0.9 that takes more than the default of 50 steps."""
     impact = references.Impact(nominal)
-    accuracy = JointsAccuracy(steps, 10, free_step=2e-5, newton=1e-10)
+    accuracy = ExudynJoints(steps, 10, free_step=2e-5, newton=1e-10)
     run = simulate_exudyn(impact.linkage, impact.start, accuracy, PLAN)
     expected = references.DELIVERED[nominal]
     assert delivered(run, impact.speed) == pytest.approx(expected, abs=1e-4)
@@ -59,7 +64,7 @@ def test_exudyn_delivers_to_second_order_in_the_step() -> None:
     parts = (50, 100, 200, 400)
     errors = []
     for steps in parts:
-        accuracy = JointsAccuracy(steps, 10, free_step=2e-5, newton=1e-12)
+        accuracy = ExudynJoints(steps, 10, free_step=2e-5, newton=1e-12)
         run = simulate_exudyn(impact.linkage, impact.start, accuracy, PLAN)
         errors.append(abs(delivered(run, impact.speed) - exact))
     assert order_of([1.0 / steps for steps in parts], errors) == pytest.approx(2.0, abs=0.2)
@@ -88,7 +93,7 @@ def test_depth_is_the_closed_form(nominal: float) -> None:
 def test_default_tolerance_leaves_little() -> None:
     """At 1e-9 the restitution is right to 5e-8."""
     impact = references.Impact(0.9)
-    run = simulate_dae(impact.linkage, impact.start, DaeAccuracy(), PLAN)
+    run = simulate_dae(impact.linkage, impact.start, InHouse(), PLAN)
     assert delivered(run, impact.speed) == pytest.approx(references.DELIVERED[0.9], abs=5e-8)
 
 

@@ -9,10 +9,11 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from presswear import references
-from presswear.engines.base import DaeAccuracy, Plan, Run
+from presswear.engines.base import Plan, Run
 from presswear.engines.dae.engine import simulate
-from presswear.verify import FRICTION, GRAVITY, creep, slowed, turning_points
+from presswear.engines.settings import InHouse
+from presswear.trials.verify import references
+from presswear.trials.verify.verify import FRICTION, GRAVITY, creep, slowed, turning_points
 
 INTERVAL = references.SDND100_INTERVAL
 EXTREMA = references.SDND100_EXTREMA
@@ -22,7 +23,7 @@ def released(upper: float, intervals: float = 4.5) -> Run:
     """SDND100 from its release, for so many intervals."""
     linkage, start = references.sdnd100(upper)
     plan = Plan(intervals * INTERVAL, 1, recorded_cycles=1)
-    return simulate(linkage, start, DaeAccuracy(tolerance=1e-11), plan)
+    return simulate(linkage, start, InHouse(integration_tolerance=1e-11), plan)
 
 
 @pytest.mark.parametrize("upper", [1e-5, 1e-6])

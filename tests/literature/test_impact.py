@@ -8,12 +8,12 @@ import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from presswear.laws import (
+from presswear.linkage.laws import (
     delivered_restitution,
     greatest_penetration,
     lankarani_nikravesh_damping,
-    normal_force,
 )
+from presswear.physics.laws import normal_force
 
 # Law, nominal restitution, damping factor chi, restitution delivered.
 DELIVERED = [

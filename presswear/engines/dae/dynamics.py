@@ -11,16 +11,16 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.clearance import STATE, note_contacts
-from presswear.compiled import Records, compiled, copy_to
-from presswear.constraints import DRIVE, Constraints, constraint_rows, constraints_of
-from presswear.contacts import JOINT_RATES, add_contacts
-from presswear.energy import mass_of, weight_of
-from presswear.joint_data import pack_joints, pack_surfaces
-from presswear.linkage import Linkage
-from presswear.multipliers import Elimination, solve_multipliers, work_out
-from presswear.springs import pack_springs, spring_forces
-from presswear.wear import pack_wear
+from presswear.linkage.elements import Linkage
+from presswear.physics.clearance import STATE, note_contacts
+from presswear.physics.constraints import DRIVE, Constraints, constraint_rows, constraints_of
+from presswear.physics.contacts import JOINT_RATES, add_contacts
+from presswear.physics.energy import mass_of, weight_of
+from presswear.physics.joint_data import pack_joints, pack_surfaces
+from presswear.physics.multipliers import Elimination, solve_multipliers, work_out
+from presswear.physics.springs import pack_springs, spring_forces
+from presswear.physics.wear import pack_wear
+from presswear.tools.compiled import Records, compiled, copy_to
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]

@@ -5,17 +5,7 @@ import time as clock
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.constraints import Constraints
-from presswear.energy import MADE_REMEDY, SETTLED, Ledger, made_energy, stored_energy
-from presswear.engines.base import (
-    DaeAccuracy,
-    Plan,
-    Run,
-    Start,
-    account_of,
-    described,
-    run_cycles,
-)
+from presswear.engines.base import Plan, Run, Start, account_of, described, run_cycles
 from presswear.engines.dae.dynamics import (
     DRIVE_INTEGRALS,
     JOINT_INTEGRALS,
@@ -34,21 +24,18 @@ from presswear.engines.dae.march import (
     note_torques,
 )
 from presswear.engines.dae.runge_kutta import MOST_STAGES, dormand_prince_5, dormand_prince_8
-from presswear.errors import InputError
-from presswear.linkage import Linkage
-from presswear.snapshot import Snapshot, named, numbers, part, set_numbers
-from presswear.watch import Condition, Finding
+from presswear.engines.settings import InHouse
+from presswear.linkage.elements import Linkage
+from presswear.physics.constraints import Constraints
+from presswear.physics.energy import MADE_REMEDY, SETTLED, Ledger, made_energy, stored_energy
+from presswear.record.soundness import Condition, Finding
+from presswear.tools.errors import InputError
+from presswear.tools.snapshot import Snapshot, named, numbers, part, set_numbers
 
 Array = NDArray[np.float64]
 
 REMEDY = "a smaller integration_tolerance or equal_step, or integrator=dop853, may help"
 """What makes a run finer."""
-
-PAPER_STEP = 1e-4
-"""Integral step of the paper's Table 2, s."""
-
-LEAST_STEPS = 500
-"""Steps of an error-controlled run in a cycle, at least, where its accuracy says nothing else."""
 
 _CHUNK = 2000
 """Steps between two looks at the clock and the keyboard."""
@@ -112,7 +99,7 @@ def _problem(state: int, time: float, constraints: Constraints, y: Array, n: int
     )
 
 
-def simulate(linkage: Linkage, start: Start, accuracy: DaeAccuracy, plan: Plan) -> Run:
+def simulate(linkage: Linkage, start: Start, accuracy: InHouse, plan: Plan) -> Run:
     """Run a linkage from a start; see ``Plan`` and ``Run``."""
     began = clock.perf_counter()
     system, constraints = system_of(linkage, accuracy.alpha, accuracy.beta)
@@ -125,16 +112,12 @@ def simulate(linkage: Linkage, start: Start, accuracy: DaeAccuracy, plan: Plan) 
     y[:n], y[n : 2 * n] = start.position, start.velocity
     motion = Motion(y, np.zeros(size), np.zeros((MOST_STAGES + 1, size)), np.ones(2 * n))
     control = np.zeros(1, CONTROL)
-    fixed = accuracy.integrator.startswith("rk4")
-    control["step"] = (
-        (PAPER_STEP if accuracy.integrator == "rk4-paper" else accuracy.step) if fixed else 1e-6
-    )
-    control["longest"] = (
-        plan.cycle / LEAST_STEPS if accuracy.free_step is None else accuracy.free_step
-    )
+    fixed = accuracy.has_equal_steps
+    control["step"] = accuracy.step if fixed else 1e-6
+    control["longest"] = accuracy.longest(plan.cycle)
     control["shortest"] = 1e-14
-    control["tolerance"] = accuracy.tolerance
-    control["projected"] = accuracy.projected
+    control["tolerance"] = accuracy.integration_tolerance
+    control["projected"] = accuracy.projection == "on"
     tableau = dormand_prince_5() if accuracy.integrator == "dopri5" else dormand_prince_8()
     rates(system, book.onset, 0.0, y, motion.slopes[0])
     note_torques(system, book)
@@ -220,13 +203,11 @@ def simulate(linkage: Linkage, start: Start, accuracy: DaeAccuracy, plan: Plan) 
     )
 
 
-def _solver_words(accuracy: DaeAccuracy) -> str:
-    if not accuracy.integrator.startswith("rk4"):
-        words = (
-            f"{accuracy.integrator.upper()} at tolerance {accuracy.tolerance:g}, touches located"
-        )
+def _solver_words(accuracy: InHouse) -> str:
+    if accuracy.has_equal_steps:
+        words = f"RK4 at equal steps of {accuracy.step:g} s"
     else:
-        step = PAPER_STEP if accuracy.integrator == "rk4-paper" else accuracy.step
-        words = f"RK4 at equal steps of {step:g} s"
-    held = ", projected" if accuracy.projected else ""
+        tolerance = accuracy.integration_tolerance
+        words = f"{accuracy.integrator.upper()} at tolerance {tolerance:g}, touches located"
+    held = ", projected" if accuracy.projection == "on" else ""
     return f"{words}, Baumgarte {accuracy.alpha:g}/{accuracy.beta:g}{held}"

@@ -10,9 +10,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.clearance import contact_of, note_contacts, note_forces
-from presswear.compiled import Records, compiled, copy_to
-from presswear.constraints import DRIVE
 from presswear.engines.dae.dynamics import (
     DRIVE_INTEGRALS,
     JOINT_INTEGRALS,
@@ -25,8 +22,9 @@ from presswear.engines.dae.runge_kutta import (
     classical_step,
     embedded_step,
 )
-from presswear.observe import Book, observe, settle_state
-from presswear.touch import (
+from presswear.physics.clearance import contact_of, note_contacts, note_forces
+from presswear.physics.constraints import DRIVE
+from presswear.physics.touchdown import (
     LEAST_STEPS,
     close_episode,
     contact_step,
@@ -36,6 +34,8 @@ from presswear.touch import (
     skim_step,
     step_in_impact,
 )
+from presswear.record.observe import Book, observe, settle_state
+from presswear.tools.compiled import Records, compiled, copy_to
 
 Array = NDArray[np.float64]
 

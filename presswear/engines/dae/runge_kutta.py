@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import DOP853, RK45
 
-from presswear.compiled import compiled, copy_to
 from presswear.engines.dae.dynamics import System, rates
+from presswear.tools.compiled import compiled, copy_to
 
 Array = NDArray[np.float64]
 

@@ -1,0 +1,1 @@
+"""The outer loop: starts, statistics, wear applied, checkpoints."""

@@ -1,0 +1,265 @@
+"""One linkage run from several starts: draws of a chaotic motion, put together.
+
+Starts differ by a hair's breadth.  Within a cycle or two that makes the runs
+independent, which cycles of one run need not be.
+"""
+
+import math
+import time as clock
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.campaign.amplification import Amplification, Sample, Worn, fastest_change
+from presswear.campaign.pace import Pace
+from presswear.campaign.starts import start_of
+from presswear.engines.base import Plan, Run, account_of
+from presswear.linkage.elements import Linkage
+from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
+from presswear.record.recorder import Account
+from presswear.record.sampling import (
+    LEAST_SAMPLES,
+    STARTUP_CYCLES,
+    map_batches,
+    map_errors,
+    mean_map,
+)
+from presswear.record.soundness import Finding
+from presswear.scene.scene import Scene
+from presswear.tools.snapshot import Snapshot
+
+Array = NDArray[np.float64]
+
+FEWEST = 16
+"""Samples of all starts before a stage may end because its maps are known: fewer agree by luck."""
+
+_LARGEST = ("deepest_touch_m", "constraint_error_m", "constraint_velocity_error_m_s")
+"""Diagnostics of which the largest counts, not the sum."""
+
+
+@dataclass(frozen=True)
+class Ensemble:
+    """A linkage that ran, from one start or several.
+
+    Attributes
+    ----------
+    runs : tuple of Run
+        By start; a failed one is the last.
+    wall : float
+        s.
+    """
+
+    linkage: Linkage
+    runs: tuple[Run, ...]
+    wall: float
+
+    @property
+    def accounts(self) -> tuple[Account, ...]:
+        """What the runs observed."""
+        return tuple(run.account for run in self.runs)
+
+    @property
+    def cycles(self) -> int:
+        """Cycles finished, of all runs."""
+        return sum(len(account.cycles) for account in self.accounts)
+
+    @property
+    def failure(self) -> str:
+        """Why it failed, or nothing."""
+        last = self.runs[-1]
+        if last.status != "failed":
+            return ""
+        return last.message if len(self.runs) == 1 else f"start {len(self.runs)}: {last.message}"
+
+    @property
+    def finding(self) -> Finding | None:
+        """What ended it where it failed."""
+        return self.runs[-1].finding
+
+    @property
+    def status(self) -> str:
+        """``failed``, ``enough`` where the maps were known early, or ``completed``."""
+        if self.failure:
+            return "failed"
+        return "enough" if any(run.status == "enough" for run in self.runs) else "completed"
+
+    @property
+    def time(self) -> float:
+        """Simulated time of all runs, s."""
+        return sum(run.time for run in self.runs)
+
+    def depth(self) -> Array:
+        """Mean depth that one cycle adds, shape (joints, 2, m), m."""
+        return mean_map([account.maps for account in self.accounts])
+
+    def batches(self) -> tuple[Array, Array]:
+        """Wear maps by batches of cycles, and the cycles in each; see ``map_batches``."""
+        return map_batches([account.maps for account in self.accounts])
+
+    def diagnostics(self) -> dict[str, float | int | str]:
+        """What the solver says: words of the first run, numbers of all."""
+        found = dict(self.runs[0].diagnostics)
+        for run in self.runs[1:]:
+            for key, value in run.diagnostics.items():
+                before = found[key]
+                if isinstance(value, str) or isinstance(before, str):
+                    continue
+                found[key] = max(before, value) if key in _LARGEST else before + value
+        # Signed residuals of several runs would cancel.
+        found["energy_residual_J"] = sum(
+            abs(float(run.diagnostics["energy_residual_J"])) for run in self.runs
+        )
+        if len(self.runs) > 1:
+            found["starts"] = len(self.runs)
+        return found
+
+    def sample(self) -> Sample:
+        """What it says about wear."""
+        rows = np.concatenate([account.cycles for account in self.accounts])
+        peaks = np.max(rows, axis=0, initial=0.0)[len(CYCLE_FIXED) :]
+        joints = self.linkage.clearances
+        return Sample(
+            joints,
+            max(self.cycles, 1),
+            self.depth(),
+            {joint.name: float(peaks[k * len(CYCLE_JOINT)]) for k, joint in enumerate(joints)},
+            self.wall,
+        )
+
+
+@dataclass(frozen=True)
+class Underway:
+    """An ensemble that has been begun.
+
+    Attributes
+    ----------
+    runs : tuple of Run
+        Of the starts that are finished.
+    state : Snapshot or None
+        Of the run of the next one; None: it has not been begun.
+    wall : float
+        So far, s.
+    """
+
+    runs: tuple[Run, ...] = ()
+    state: Snapshot | None = None
+    wall: float = 0.0
+
+
+NOTHING = Underway()
+"""An ensemble of which nothing has run."""
+
+
+def empty_account(scene: Scene, linkage: Linkage, index: int) -> Account:
+    """The account of a start's run before it begins."""
+    plan = Plan(scene.mechanism.period, 1, torques=scene.drive_torque == "on")
+    return account_of(linkage, start_of(scene, index), plan)
+
+
+def run_ensemble(
+    scene: Scene,
+    worn: Worn,
+    remaining: float,
+    tolerance: float,
+    pace: Pace,
+    begun: Underway = NOTHING,
+    keep: Callable[[Underway], None] | None = None,
+) -> Ensemble:
+    """Run the linkage on given surfaces, with some represented cycles of a wear left.
+
+    Parameters
+    ----------
+    tolerance : float
+        How well the wear maps must be known from all starts together, where the scene does
+        not say the cycles.
+    begun : Underway
+        What has run already.
+    keep : callable
+        Told after each cycle what has run.
+    """
+    began = clock.perf_counter() - begun.wall
+    linkage = scene.linkage(worn)
+    engine = scene.solver
+    runs, state = list(begun.runs), begun.state
+
+    def kept(snapshot: Snapshot) -> None:
+        assert keep is not None
+        keep(Underway(tuple(runs), snapshot, clock.perf_counter() - began))
+
+    for index in range(len(runs), scene.starts):
+        watch = _Watch(scene, linkage, remaining, tolerance, pace, [r.account for r in runs])
+        plan = Plan(
+            scene.mechanism.period,
+            watch.most,
+            torques=scene.drive_torque == "on",
+            enough=watch.is_enough,
+            progress=watch.tell,
+            begun=watch.begin,
+            resume=state,
+            keep=None if keep is None else kept,
+        )
+        state = None
+        runs.append(engine.simulate(linkage, start_of(scene, index), plan))
+        if runs[-1].status == "failed":
+            break
+    pace.done += 1
+    return Ensemble(linkage, tuple(runs), clock.perf_counter() - began)
+
+
+class _Watch:
+    """Decides after each cycle whether a run is long enough, and tells how far it is."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        linkage: Linkage,
+        remaining: float,
+        tolerance: float,
+        pace: Pace,
+        earlier: Sequence[Account],
+    ) -> None:
+        self._scene, self._linkage, self._remaining = scene, linkage, remaining
+        self._pace, self._earlier = pace, earlier
+        # Each start adds its part: after k of n the error is that of k n-ths of the cycles.
+        self._share = (len(earlier) + 1) / scene.starts
+        self._tolerance = tolerance / math.sqrt(self._share)
+        self.most = scene.cycles or max(scene.most_cycles // scene.starts, 1)
+        # Luck in a later step of a wear is made good by the other steps.
+        is_first = remaining >= scene.represented_cycles
+        self._fewest = FEWEST if is_first else LEAST_SAMPLES
+        self._needed = float(self.most)
+        self._word = ""
+        self._account: Account | None = None
+
+    def begin(self, account: Account) -> None:
+        """The run begins to fill an account."""
+        self._account = account
+
+    def is_enough(self, account: Account) -> bool:
+        joints = self._linkage.clearances
+        if not joints:
+            return False
+        maps = [*(earlier.maps for earlier in self._earlier), account.maps]
+        pace, amplification = self._pace, Amplification.of(self._scene)
+        pace.expect(amplification.steps(fastest_change(joints, mean_map(maps)), self._remaining))
+        done = len(account.cycles)
+        samples = sum(run.samples for run in maps)
+        if done < STARTUP_CYCLES + LEAST_SAMPLES or samples < self._fewest * self._share:
+            return False
+        error = float(map_errors(*map_batches(maps)).max())
+        start = f"start {len(maps)}, " if self._scene.starts > 1 else ""
+        self._word = f"{start}cycle {done}, wear maps known to {100.0 * error:.0f} %"
+        if self._scene.cycles is not None:
+            return False
+        # The error falls with the square root of the number of cycles.
+        lacking = samples * ((error / self._tolerance) ** 2 - 1.0)
+        self._needed = min(float(self.most), done + max(lacking, 1.0))
+        return error <= self._tolerance
+
+    def tell(self, part: float) -> None:
+        """Part of the most cycles that is done."""
+        own = min(part * self.most / self._needed, 1.0)
+        self._pace.tell((len(self._earlier) + own) / self._scene.starts, self._word)
+        self._pace.watcher.live(self._pace.index, self._linkage, self._account)

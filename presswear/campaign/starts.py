@@ -1,0 +1,58 @@
+"""Where runs start: the ideal mechanism, or a hair's breadth beside it."""
+
+import math
+
+import numpy as np
+
+from presswear.engines.base import Start
+from presswear.linkage.elements import Linkage
+from presswear.physics.constraints import constraints_of
+from presswear.scene.scene import Scene
+
+APART = 1e-9
+"""How far one start is from the next, m; grown to the size of a clearance in a cycle or two."""
+
+
+def start_of(scene: Scene, index: int = 0) -> Start:
+    """Pins centred in their bearings, positions and velocities of the ideal mechanism.
+
+    Parameters
+    ----------
+    index : int
+        Of several starts, each beside the other by APART.
+    """
+    motion = scene.mechanism.ideal_motion(np.zeros(1))
+    start = Start(motion.position[0], motion.velocity[0])
+    if index == 0:
+        return start
+    moved = disturbed(scene.linkage(), start, index * APART)
+    assert moved is not None, "a scene with several starts has a clearance joint"
+    return moved
+
+
+def disturbed(linkage: Linkage, start: Start, distance: float) -> Start | None:
+    """The start moved along a direction that the joints leave free; None if there is none.
+
+    Of the free directions the one that moves the slider most is taken.
+
+    Parameters
+    ----------
+    distance : float
+        Change of the coordinate that changes most, m or rad.
+    """
+    constraints = constraints_of(linkage)
+    jacobian = constraints.evaluate(0.0, start.position, start.velocity)[3]
+    from scipy.linalg import null_space  # slow to import
+
+    free = null_space(jacobian)
+    if free.shape[1] == 0:
+        return None
+    probe = 3 * linkage.index(linkage.probe.body)
+    along = [math.cos(linkage.probe.direction), math.sin(linkage.probe.direction)]
+    weights = np.array(along) @ free[probe : probe + 2]
+    moved = free @ weights if np.linalg.norm(weights) > 1e-6 else free[:, 0]
+    position = start.position + distance * moved / np.abs(moved).max()
+    # The step along the tangent leaves the constraints by less than round-off;
+    # velocities have to follow the turned tangent.
+    _, error, _, jacobian = constraints.evaluate(0.0, position, start.velocity)
+    return Start(position, start.velocity - np.linalg.pinv(jacobian) @ error)

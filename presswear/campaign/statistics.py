@@ -1,0 +1,124 @@
+"""Numbers of a stage, ready for ``result.json``.
+
+Peaks of a whole run are one draw of a chaotic motion; beside them stand means over cycles
+and the intervals of ``sampling``.
+"""
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.linkage.elements import ClearanceJoint, Linkage
+from presswear.linkage.surface import bin_centres
+from presswear.physics.wear import worn_volume
+from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
+from presswear.record.recorder import Account
+from presswear.record.sampling import Interval, half_width, map_errors, peak_of, pooled, resampled
+
+Array = NDArray[np.float64]
+
+
+def ends(interval: Interval, factor: float = 1.0) -> list[float] | None:
+    """Both ends of an interval in another unit; None where it has none."""
+    if interval.low is None or interval.high is None:
+        return None
+    return [factor * interval.low, factor * interval.high]
+
+
+def joint_statistics(
+    joint: ClearanceJoint,
+    k: int,
+    accounts: Sequence[Account],
+    added: Array,
+    maps: Array,
+    weights: Array,
+) -> dict[str, Any]:
+    """Numbers of one clearance joint.
+
+    Parameters
+    ----------
+    accounts : sequence of Account
+        Of each start.
+    added : ndarray, shape (2, m)
+        Depth of one wear, bearing and pin, m.
+    maps : ndarray, shape (n, 2, m)
+        The same by batches of cycles, of which it is the mean; none: no intervals.
+    weights : ndarray, shape (n,)
+        Cycles in each batch.
+    """
+    first = len(CYCLE_FIXED) + len(CYCLE_JOINT) * k
+    rows = [account.cycles[:, first : first + len(CYCLE_JOINT)] for account in accounts]
+    force, dose, counted = ([own[:, c] for own in rows] for c in range(len(CYCLE_JOINT)))
+    tallies = np.array([account.book.tally[k] for account in accounts])
+    contacts = int(tallies["contacts"].sum())
+    fewest = int(tallies["fewest_steps"].min()) if contacts else None
+    time = sum(account.last_time for account in accounts)
+    numbers: dict[str, Any] = {
+        "force_max_N": float(max(own.max() for own in force)),
+        "force_max_per_cycle_N": _mean(force),
+        "contacts": contacts,
+        "contacts_per_cycle": _mean([np.diff(own, prepend=0.0) for own in counted]),
+        "unresolved_contacts": int(tallies["unresolved"].sum()),
+        "fewest_steps_in_a_contact": fewest,
+        "part_of_time_in_contact": float(tallies["closed_time"].sum()) / time,
+        "dose_per_cycle_Nm": _mean(dose),
+        "wear_volume_m3": worn_volume(joint, added),
+        "wear_volume_half_width_m3": half_width(np.array([worn_volume(joint, m) for m in maps])),
+        "wear_map_error": float(map_errors(maps[:, np.newaxis], weights)[0]),
+    }
+    sides: dict[str, list[int]] = {"bearing": [0], "pin": [1]}
+    if joint.map_frame == "fixed":
+        sides["both"] = [0, 1]
+    degrees = np.degrees(bin_centres(added.shape[1]))
+    for name, some in sides.items():
+        depth = added[some].sum(axis=0)
+        numbers[f"wear_depth_max_{name}_m"] = float(depth.max())
+        numbers[f"wear_depth_max_{name}_deg"] = float(degrees[int(depth.argmax())])
+        if len(maps):
+            draws = resampled(maps[:, some].sum(axis=1), weights)
+            peak = peak_of(depth, draws, len(maps))
+            numbers[f"wear_depth_max_{name}_interval_m"] = ends(peak.depth)
+            numbers[f"wear_depth_max_{name}_interval_deg"] = ends(peak.angle, np.degrees(1.0))
+    return numbers
+
+
+def _mean(runs: Sequence[Array]) -> dict[str, Any]:
+    """Mean over the cycles of all starts with its interval."""
+    return asdict(pooled(runs)[0])
+
+
+def stage_statistics(
+    linkage: Linkage, accounts: Sequence[Account], added: Array, maps: Array, weights: Array
+) -> dict[str, Any]:
+    """Numbers of one stage.
+
+    Parameters
+    ----------
+    added : ndarray, shape (joints, 2, m)
+    maps : ndarray, shape (n, joints, 2, m)
+        As for ``joint_statistics``.
+    """
+    ran = [account for account in accounts if len(account.cycles)]
+    if not ran:
+        return {"cycles": 0}
+    rows = [account.cycles for account in ran]
+    displacement, slowest, fastest, acceleration = ([own[:, c] for own in rows] for c in range(4))
+    return {
+        "cycles": sum(len(own) for own in rows),
+        "slider": {
+            "displacement_max_m": float(max(own.max() for own in displacement)),
+            "velocity_min_m_s": float(min(own.min() for own in slowest)),
+            "velocity_max_m_s": float(max(own.max() for own in fastest)),
+            "acceleration_max_m_s2": float(max(own.max() for own in acceleration)),
+            "displacement_max_per_cycle_m": _mean(displacement),
+            "velocity_max_per_cycle_m_s": _mean(fastest),
+            "acceleration_max_per_cycle_m_s2": _mean(acceleration),
+        },
+        "joints": {
+            joint.name: joint_statistics(joint, k, ran, added[k], maps[:, k], weights)
+            for k, joint in enumerate(linkage.clearances)
+        },
+    }

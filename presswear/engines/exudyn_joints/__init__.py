@@ -1,0 +1,1 @@
+"""Exudyn with bodies and joints, implicit: any linkage."""

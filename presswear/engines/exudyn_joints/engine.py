@@ -1,0 +1,233 @@
+"""Exudyn with bodies and joints, implicit: any linkage.
+
+Contact state changes only between accepted steps, in ``PostStep``; the user
+functions are pure.  The same call chooses the next step and writes it into the
+running solver; ``PostNewton`` sends back a step that ran too far past a touch.
+"""
+
+import time as clock
+from typing import Any
+
+import exudyn as exu
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.engines.base import Plan, Run, Start, account_of, described, listed, run_cycles
+from presswear.engines.exudyn import (
+    Accept,
+    Watch,
+    post_step,
+    settings_of,
+    shares_of,
+    solve,
+    timed,
+)
+from presswear.engines.exudyn_joints.kernels import Drives, accept_joint_step, shorter_joint_step
+from presswear.engines.exudyn_joints.model import Model, assemble, left_out, reactions_of
+from presswear.engines.settings import ExudynJoints
+from presswear.linkage.elements import Linkage
+from presswear.physics.constraints import constraints_of
+from presswear.physics.contacts import JOINT_RATES
+from presswear.physics.energy import Ledger, stored_energy, weight_of
+from presswear.physics.touchdown import STEPS
+from presswear.record.observe import Book
+from presswear.record.soundness import Condition, Finding
+from presswear.tools.compiled import Records, specialised
+from presswear.tools.snapshot import Snapshot, named, part
+
+Array = NDArray[np.float64]
+
+REMEDY = "more steps_per_contact may help"
+"""What makes a run finer."""
+
+_STAGES = (
+    "forces_and_connectors",
+    "constraints",
+    "jacobians_and_factors",
+    "linear_solves",
+    "end_of_step",
+)
+_SUMS = ("steps", "sent_back", "newton", "jacobians", "wall", "total", *_STAGES)
+"""What is summed over the cycles of a run."""
+
+
+def _settings(accuracy: ExudynJoints, cycle: float) -> Any:
+    settings = settings_of(accuracy.longest(cycle), 0.1 * accuracy.least_step)
+    integration = settings.timeIntegration
+    # Steps are chosen by accept_step; Exudyn must not lengthen them behind its back.
+    integration.adaptiveStepRecoverySteps = 2**30
+    integration.newton.relativeTolerance = accuracy.newton
+    integration.newton.absoluteTolerance = accuracy.newton
+    integration.newton.modifiedNewtonContractivity = 0.01
+    return settings
+
+
+def pack_steps(accuracy: ExudynJoints, cycle: float) -> Records:
+    """Step lengths in a cycle of a duration, s, as the kernels see them: one record of STEPS."""
+    steps = np.zeros(1, STEPS)
+    steps["free"] = accuracy.longest(cycle)
+    steps["per_contact"] = accuracy.steps_per_contact
+    steps["sustained"] = accuracy.steps_sustained
+    steps["least"] = accuracy.least_step
+    return steps
+
+
+def _drives(model: Model, linkage: Linkage) -> Drives:
+    """Where the torques of the drives come from."""
+    number = model.system.systemData.GetObjectLTGAE
+    count = 3 * len(linkage.bodies)
+    return Drives(
+        multiplier=np.array(
+            [
+                number(model.joints[drive.name])[0] if drive.name in model.joints else -1
+                for drive in linkage.drives
+            ],
+            dtype=np.int64,
+        ),
+        speed=np.array([drive.speed for drive in linkage.drives], dtype=np.float64),
+        multipliers=model.multipliers,
+        weight=weight_of(linkage),
+        force=np.zeros(count),
+        rates=np.zeros(JOINT_RATES * len(linkage.clearances)),
+    )
+
+
+def _accept(model: Model, drives: Drives, book: Book, steps: Records) -> Accept:
+    """Account for accepted steps and choose the next."""
+    frame = model.frame
+    kernel = specialised(accept_joint_step, frame, drives, book, steps, 0.0, 0.0)
+
+    def accept(t: float) -> float:
+        return kernel(frame, drives, book, steps, t, t - book.record["now"][0])
+
+    return accept
+
+
+class _SendBack:
+    """The function for PostNewton: repeats a step that ran too far past a touch."""
+
+    def __init__(self, model: Model, book: Book, steps: Records):
+        self.count = 0
+        self._arguments = model.frame, book, steps
+        self._kernel = specialised(shorter_joint_step, *self._arguments, 0.0)
+
+    def taken(self) -> int:
+        """How many steps were sent back since this was asked last."""
+        count, self.count = self.count, 0
+        return count
+
+    def __call__(self, system: Any, t: float) -> list[float]:
+        shorter = self._kernel(*self._arguments, t)
+        if shorter < 0.0:
+            return [0.0, -1.0]
+        self.count += 1
+        return [2.0, shorter]
+
+
+def simulate(linkage: Linkage, start: Start, accuracy: ExudynJoints, plan: Plan) -> Run:
+    """Run a linkage from a start; see ``Plan`` and ``Run``."""
+    steps = pack_steps(accuracy, plan.cycle)
+    times: dict[str, float] = {}
+    # Compiling, or loading what was compiled, is part of building the model.
+    with timed(times, "wall_build_s"):
+        account = account_of(linkage, start, plan)
+        book = account.book
+        model = assemble(linkage, start, account)
+        watch = Watch(account, plan, dict.fromkeys(_SUMS, 0.0))
+        send_back = _SendBack(model, book, steps)
+        drives = _drives(model, linkage)
+        accept = _accept(model, drives, book, steps)
+        model.system.SetPostStepUserFunction(post_step(watch, accept))
+        if linkage.clearances:
+            model.system.SetPostNewtonUserFunction(lambda system, t: send_back(system, t))
+    energies = book.touch["energy"]
+    before = stored_energy(linkage, energies, start.position, start.velocity)
+    settings = _settings(accuracy, plan.cycle)
+    constraints = constraints_of(linkage)
+
+    def advance(end: float) -> Finding | None:
+        watch.begin(end)
+        model.begin(settings, watch, accuracy.longest(plan.cycle))
+        began = clock.perf_counter()
+        finding = solve(
+            model.system,
+            settings,
+            exu.DynamicSolverType.TrapezoidalIndex2,
+            watch,
+            REMEDY,
+        )
+        solver = model.system.sys["dynamicSolver"]
+        watch.add({"wall": clock.perf_counter() - began, **_wall_times(solver.timer)})
+        watch.add({"newton": solver.it.newtonStepsCount, "jacobians": solver.it.newtonJacobiCount})
+        watch.add({"sent_back": send_back.taken()})
+        return finding
+
+    def state() -> tuple[Array, Array]:
+        return np.array(model.frame.q), np.array(model.frame.v)
+
+    def ledger() -> Ledger:
+        return Ledger.of(book.ledger, stored_energy(linkage, energies, *state()) - before)
+
+    def condition() -> Condition:
+        return Condition(watch.time, ledger(), *state(), REMEDY, constraints)
+
+    def snapshot() -> Snapshot:
+        return {
+            **{name: array.copy() for name, array in kept.items()},
+            **named("watch", watch.snapshot()),
+            **named("account", account.snapshot()),
+        }
+
+    kept = {**model.state(), "force": drives.force}
+    if plan.resume is not None:
+        for name, array in kept.items():
+            array[...] = plan.resume[name]
+        watch.restore(part(plan.resume, "watch"))
+        account.restore(part(plan.resume, "account"))
+    status, finding = run_cycles(linkage, account, plan, advance, condition, snapshot)
+    sums = watch.sums
+    q, v = state()
+    result = Run(
+        status=status,
+        finding=finding,
+        account=account,
+        end=Start(q, v),
+        time=watch.time,
+        reactions=reactions_of(model, linkage, book.torque, drives.force),
+        diagnostics={
+            "model": described(linkage, _model_words(model, linkage)),
+            "solver": "Exudyn trapezoidal index 2, step chosen by contact state",
+            "steps": int(sums["steps"]),
+            "steps_sent_back": int(sums["sent_back"]),
+            "newton_iterations": int(sums["newton"]),
+            "jacobians": int(sums["jacobians"]),
+            **times,
+            "wall_solve_s": sums["wall"],
+            **ledger().as_dict(),
+            **shares_of(sums, _STAGES),
+        },
+    )
+    model.container.Reset()
+    return result
+
+
+def _model_words(model: Model, linkage: Linkage) -> str:
+    omitted = sorted(left_out(linkage))
+    words = f"{len(linkage.bodies) - len(omitted)} bodies, {len(model.joints)} joints and drives"
+    return f"{words}, {listed(omitted)} prescribed" if omitted else words
+
+
+def _wall_times(timer: Any) -> dict[str, float]:
+    """Where the time of a solve went, s; ``total`` is all of it.
+
+    Forces include the Python connectors; the step's end is contact state, wear,
+    recording and the choice of the next step.
+    """
+    return {
+        "total": timer.total,
+        "forces_and_connectors": timer.ODE2RHS,
+        "constraints": timer.AERHS + timer.reactionForces,
+        "jacobians_and_factors": timer.totalJacobian + timer.factorization,
+        "linear_solves": timer.newtonIncrement,
+        "end_of_step": timer.python,
+    }

@@ -1,0 +1,164 @@
+"""Compiled part of the model with bodies and joints: connector forces, accepted steps."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.engines.stepping import accept_step
+from presswear.physics.clearance import load_of, note_contacts
+from presswear.physics.contacts import add_contacts
+from presswear.physics.prescribed import drive_torque, place_cranks
+from presswear.physics.touchdown import shorter_step
+from presswear.record.observe import Book
+from presswear.tools.compiled import Records, compiled, copy_to
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+
+
+class Frame(NamedTuple):
+    """Coordinates of all bodies from those that Exudyn solves for.
+
+    Where every body is one of Exudyn's, ``q``, ``v`` and ``a`` are its own live arrays
+    and nothing has to be copied: ``places`` and ``cranks`` are empty.
+
+    Attributes
+    ----------
+    solved_q, solved_v, solved_a : ndarray
+        Exudyn's live coordinates, rates and accelerations.
+    places : ndarray of int
+        Where each of them belongs in q.
+    cranks : records of CRANK
+        Driven bodies that are left out.
+    q, v, a, axes : ndarray, shape (3 bodies,)
+    """
+
+    solved_q: Array
+    solved_v: Array
+    solved_a: Array
+    places: Indices
+    cranks: Records
+    q: Array
+    v: Array
+    a: Array
+    axes: Array
+
+
+@compiled
+def refresh(frame: Frame, t: float) -> None:
+    """Bring the coordinates of all bodies up to Exudyn's present state."""
+    if frame.places.shape[0] == 0:
+        return
+    for i in range(frame.places.shape[0]):
+        place = frame.places[i]
+        frame.q[place] = frame.solved_q[i]
+        frame.v[place] = frame.solved_v[i]
+        frame.a[place] = frame.solved_a[i]
+    place_cranks(frame.cranks, t, frame.q, frame.v, frame.a, frame.axes)
+
+
+@compiled
+def connector_forces(
+    frame: Frame,
+    joints: Records,
+    slots: Indices,
+    onset: Array,
+    surfaces: Array,
+    states: Records,
+    t: float,
+    out: Array,
+) -> None:
+    """Generalized forces of all clearance joints on the bodies of the connector.
+
+    Parameters
+    ----------
+    slots : ndarray of int, shape (joints, 2)
+        Where the forces on bearing and pin belong in ``out``; -1 for a body that Exudyn
+        does not solve for.
+    states : records of STATE
+        Working space.
+    out : ndarray, shape (3 bodies of the connector,)
+    """
+    refresh(frame, t)
+    for i in range(out.shape[0]):
+        out[i] = 0.0
+    note_contacts(joints, surfaces, states, frame.q, frame.v)
+    for k in range(joints.shape[0]):
+        load = load_of(joints[k], onset[k], states[k])
+        if load.normal == 0.0:
+            continue
+        i = slots[k, 0]
+        if i >= 0:
+            out[i] -= load.x
+            out[i + 1] -= load.y
+            out[i + 2] += load.bearing_moment
+        i = slots[k, 1]
+        if i >= 0:
+            out[i] += load.x
+            out[i + 1] += load.y
+            out[i + 2] += load.pin_moment
+
+
+class Drives(NamedTuple):
+    """Where the torques of the drives come from.
+
+    Attributes
+    ----------
+    multiplier : ndarray of int, shape (drives,)
+        Index of each drive's Lagrange multiplier; -1 for a crank that is left out.
+    speed : ndarray, shape (drives,)
+        rad/s.
+    multipliers : ndarray
+        Exudyn's live multipliers; the torque of a drive is minus its own.
+    weight, force : ndarray, shape (3 bodies,)
+        Constant generalized forces, and working space.
+    rates : ndarray, shape (JOINT_RATES joints,)
+        Working space.
+    """
+
+    multiplier: Indices
+    speed: Array
+    multipliers: Array
+    weight: Array
+    force: Array
+    rates: Array
+
+
+@compiled
+def drive_power(frame: Frame, drives: Drives, book: Book) -> float:
+    """Fill the torques of the drives, with contacts noted; returns their power, W."""
+    if frame.cranks.shape[0] > 0:
+        copy_to(drives.force, drives.weight)
+        add_contacts(book.joints, book.wear, book.onset, book.states, drives.force, drives.rates)
+    power = 0.0
+    crank = 0
+    for i in range(drives.speed.shape[0]):
+        if drives.multiplier[i] >= 0:
+            torque = -drives.multipliers[drives.multiplier[i]]
+        else:
+            torque = drive_torque(frame.cranks[crank], frame.q, drives.force)
+            crank += 1
+        book.torque[i] = torque
+        power += torque * drives.speed[i]
+    return power
+
+
+@compiled
+def accept_joint_step(
+    frame: Frame, drives: Drives, book: Book, steps: Records, t: float, h: float
+) -> float:
+    """Account for an accepted step and choose the next; see ``accept_step``."""
+    refresh(frame, t)
+    note_contacts(book.joints, book.surfaces, book.states, frame.q, frame.v)
+    power = drive_power(frame, drives, book)
+    return accept_step(book, steps, power, t, h, frame.q, frame.v, frame.a)
+
+
+@compiled
+def shorter_joint_step(frame: Frame, book: Book, steps: Records, t: float) -> float:
+    """Step with which a trial step has to be repeated; see ``shorter_step``."""
+    refresh(frame, t)
+    return shorter_step(
+        book.joints, book.onset, book.touch, steps, book.surfaces, t, frame.q, frame.v
+    )

@@ -1,0 +1,1 @@
+"""Exudyn with an open tree in minimal coordinates, explicit and error-controlled."""

@@ -1,0 +1,336 @@
+"""Exudyn with an open tree in minimal coordinates, explicit and error-controlled.
+
+For linkages in which the clearance joints cut every loop.  The tree's inertia,
+gyroscopic terms and the integration (DOPRI5) are Exudyn's; its Python user function
+hands the live state to one compiled kernel, which gives the forces of all contacts,
+weights and moving hinges at once.  Contact state changes only between accepted
+steps, and steps end where a pin touches or leaves.
+"""
+
+import time as clock
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import exudyn as exu
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.engines.base import Plan, Run, Start, account_of, described, listed, run_cycles
+from presswear.engines.exudyn import (
+    Accept,
+    StepLimit,
+    StuckError,
+    Watch,
+    post_step,
+    quiet,
+    settings_of,
+    shares_of,
+    solve,
+    timed,
+)
+from presswear.engines.exudyn_tree.kernels import (
+    PACE,
+    STAGES,
+    TreeSystem,
+    accept_tree_step,
+    hinge_power_integral,
+    stage_forces,
+    tree_state,
+)
+from presswear.engines.exudyn_tree.model import Model, assemble
+from presswear.engines.settings import ExudynTree
+from presswear.linkage.elements import Guide, Linkage
+from presswear.linkage.topology import cranks_of, hinge_of
+from presswear.physics.contacts import JOINT_RATES
+from presswear.physics.energy import Ledger, mass_of, stored_energy, weight_of
+from presswear.physics.springs import pack_springs
+from presswear.physics.tree import CARRIED, Tree, tree_of
+from presswear.record.observe import Book
+from presswear.record.recorder import Account
+from presswear.record.soundness import Condition, Finding
+from presswear.tools.compiled import specialised
+from presswear.tools.errors import InputError
+from presswear.tools.snapshot import Snapshot, named, part
+
+Array = NDArray[np.float64]
+
+REMEDY = "a smaller tree_tolerance may help"
+"""What makes a run finer."""
+SHORTEST_STEP = 1e-13
+"""s."""
+FIRST_STEP = 1e-7
+"""s."""
+MOST_CALLS = 7000
+"""Calls for forces without an accepted step after which there is no way on: a thousand steps
+sent back, where thirty reach the shortest.  Exudyn would repeat that one for ever."""
+_INSTANT = 1e-12
+"""Length of the step that asks Exudyn for the accelerations at the start, s."""
+
+
+_STAGES = ("forces", "mass_matrix", "integrator", "end_of_step")
+_SUMS = ("steps", "sent_back", "wall", "total", *_STAGES)
+"""What is summed over the cycles of a run."""
+
+
+def system_of(tree: Tree, linkage: Linkage, longest: float) -> TreeSystem:
+    """Pack a tree for the kernels; ``longest`` is its longest step, s."""
+    count, joints = 3 * len(linkage.bodies), len(linkage.clearances)
+    pace = np.zeros(1, PACE)
+    pace["longest"] = longest
+    pace["shortest"] = SHORTEST_STEP
+    pace["reach"] = pace["asked"] = FIRST_STEP
+    pace["noted"] = np.nan
+    return TreeSystem(
+        links=tree.links,
+        cranks=tree.cranks,
+        springs=pack_springs(linkage),
+        mass=mass_of(linkage),
+        weight=weight_of(linkage),
+        expected=np.zeros(joints),
+        pace=pace,
+        stages=np.zeros((STAGES, 1 + JOINT_RATES * joints)),
+        state=np.zeros((5, count)),
+        carried=np.zeros((len(tree.links), CARRIED)),
+        balance=np.zeros(len(tree.links)),
+    )
+
+
+@dataclass
+class _Forces:
+    """The user function of the tree; knows the live state once the model is assembled.
+
+    Attributes
+    ----------
+    calls : int
+        Since the last accepted step.
+    """
+
+    system: TreeSystem
+    book: Book
+    out: Array
+    x: Any = None
+    u: Any = None
+    calls: int = 0
+
+    def function(self) -> Callable[..., Array]:
+        """What Exudyn calls in every stage; its own copies of the state are not needed."""
+        system, out = self.system, self.out
+        book = self.book
+        joints, wear, surfaces, states = book.joints, book.wear, book.surfaces, book.states
+        kernel = specialised(
+            stage_forces, system, joints, wear, surfaces, states, 0.0, out, out, out
+        )
+
+        def force(mbs: Any, t: float, item: int, q: Any, q_t: Any) -> Array:
+            self.calls += 1
+            if self.calls > MOST_CALLS:
+                raise StuckError
+            kernel(system, joints, wear, surfaces, states, t, self.x, self.u, out)
+            return out
+
+        return force
+
+
+def _settings(accuracy: ExudynTree, longest: float) -> Any:
+    settings = settings_of(longest, SHORTEST_STEP)
+    integration = settings.timeIntegration
+    integration.automaticStepSize = True
+    integration.stepSizeMaxIncrease = 1e9  # growth is limited by next_tree_step
+    # Exudyn's relative part takes the state with its sign; only an absolute one is sound.
+    integration.absoluteTolerance = accuracy.tree_tolerance
+    integration.relativeTolerance = 0.0
+    # The seventh stage of DOPRI5 already is the acceleration at the end of the step.
+    integration.explicit.computeEndOfStepAccelerations = False
+    integration.explicit.computeMassMatrixInversePerBody = False
+    return settings
+
+
+def _accelerations_at_start(model: Model) -> Array:
+    """Accelerations of the coordinates at t = 0, from one vanishing step of Exudyn's."""
+    settings = settings_of(_INSTANT, _INSTANT)
+    settings.timeIntegration.explicit.computeEndOfStepAccelerations = False
+    x, u = np.array(model.x), np.array(model.u)
+    with quiet():
+        model.system.SolveDynamic(settings, solverType=exu.DynamicSolverType.ExplicitEuler)
+    model.x[:], model.u[:] = x, u
+    return np.array(model.u_t)
+
+
+def _accept(model: Model, system: TreeSystem, book: Book, forces: _Forces) -> Accept:
+    """Account for accepted steps and choose the next."""
+    x, u, u_t = model.x, model.u, model.u_t
+    at_start = _accelerations_at_start(model)
+    system.pace["evaluations"] = 0
+    kernel = specialised(accept_tree_step, system, book, 0.0, x, u, u_t)
+
+    def accept(t: float) -> float:
+        forces.calls = 0
+        return kernel(system, book, t, x, u, at_start if t == 0.0 else u_t)
+
+    return accept
+
+
+def reactions_of(tree: Tree, linkage: Linkage, force: Array, torque: Array) -> dict[str, Any]:
+    """Reactions of all joints, see ``Run``, from what each body bears (``tree_state``)."""
+    found: dict[str, tuple[float, ...]] = {}
+    for link, name, joint in zip(tree.links, tree.names, tree.joints, strict=True):
+        b = link["body"]
+        if isinstance(joint, Guide):
+            normal = -link["sine"] * force[b] + link["cosine"] * force[b + 1]
+            found[joint.name] = (-float(normal), -float(force[b + 2]))
+            continue
+        sign = -1.0 if joint.first.body == name else 1.0
+        found[joint.name] = (sign * float(force[b]), sign * float(force[b + 1]))
+    for i, drive in enumerate(linkage.drives):
+        hinge = hinge_of(linkage, drive.body)
+        b = 3 * linkage.index(drive.body)
+        if hinge is not None:
+            sign = -1.0 if hinge.first.body == drive.body else 1.0
+            found[hinge.name] = (sign * float(force[b]), sign * float(force[b + 1]))
+        found[drive.name] = (float(torque[i]),)
+    return found
+
+
+def simulate(linkage: Linkage, start: Start, accuracy: ExudynTree, plan: Plan) -> Run:
+    """Run a linkage from a start; see ``Plan`` and ``Run``.
+
+    Raises
+    ------
+    InputError
+        Where the linkage is no open tree.
+    """
+    tree = tree_of(linkage)
+    if isinstance(tree, str):
+        raise InputError(f"engine exudyn-tree needs a linkage without closed loops: {tree}")
+    longest = accuracy.longest(plan.cycle)
+    times: dict[str, float] = {}
+    with timed(times, "wall_compile_s"):
+        _warm_up(tree, linkage, start)
+    with timed(times, "wall_build_s"):
+        account = account_of(linkage, start, plan)
+        book = account.book
+        system = system_of(tree, linkage, longest)
+        forces = _Forces(system, book, np.zeros(len(tree.links)))
+        model = assemble(tree, linkage, start, forces.function())
+        forces.x, forces.u = model.x, model.u
+        watch = Watch(account, plan, dict.fromkeys(_SUMS, 0.0), proposed=FIRST_STEP)
+        accept = _accept(model, system, book, forces)
+        limit = StepLimit(watch)
+        model.system.SetPreStepUserFunction(lambda system, t: limit.pre_step(system, t))
+        model.system.SetPostStepUserFunction(post_step(watch, accept, limit.write))
+
+    def energy() -> tuple[float, float]:
+        q, v = system.state[0], system.state[1]
+        stored = stored_energy(linkage, book.touch["energy"], q, v)
+        return stored, hinge_power_integral(system)
+
+    tree_state(system, book, 0.0, model.x, model.u, np.zeros(len(tree.links)))
+    book.touch["energy"] = book.states["energy"]  # of pins that start pressed in
+    stored_before, momentum_before = energy()
+    settings = _settings(accuracy, longest)
+
+    def advance(end: float) -> Finding | None:
+        watch.begin(end)
+        model.begin(settings, watch, longest)
+        began = clock.perf_counter()
+        finding = solve(
+            model.system,
+            settings,
+            exu.DynamicSolverType.DOPRI5,
+            watch,
+            REMEDY,
+        )
+        solver = model.system.sys["dynamicSolver"]
+        watch.add({"wall": clock.perf_counter() - began, **_wall_times(solver.timer)})
+        watch.add({"sent_back": solver.it.rejectedAutomaticStepSizeSteps})
+        return finding
+
+    def ledger() -> Ledger:
+        stored, momentum = energy()
+        sums = book.ledger.copy()
+        sums[0] += momentum - momentum_before
+        return Ledger.of(sums, stored - stored_before)
+
+    def condition() -> Condition:
+        q, v = system.state[0].copy(), system.state[1].copy()
+        return Condition(watch.time, ledger(), q, v, REMEDY)
+
+    def snapshot() -> Snapshot:
+        return {
+            **{name: array.copy() for name, array in kept.items()},
+            **named("watch", watch.snapshot()),
+            **named("account", account.snapshot()),
+        }
+
+    kept = {
+        "x": np.asarray(model.x),
+        "u": np.asarray(model.u),
+        "expected": system.expected,
+        "pace": system.pace,
+        "state": system.state,
+    }
+    if plan.resume is not None:
+        for name, array in kept.items():
+            array[...] = plan.resume[name]
+        watch.restore(part(plan.resume, "watch"))
+        account.restore(part(plan.resume, "account"))
+    status, finding = run_cycles(linkage, account, plan, advance, condition, snapshot)
+    sums, pace = watch.sums, system.pace[0]
+    result = Run(
+        status=status,
+        finding=finding,
+        account=account,
+        end=Start(system.state[0].copy(), system.state[1].copy()),
+        time=watch.time,
+        reactions=reactions_of(tree, linkage, system.state[3], book.torque),
+        diagnostics={
+            "model": described(linkage, _model_words(tree, linkage)),
+            "solver": f"Exudyn DOPRI5 at tolerance {accuracy.tree_tolerance:g}, "
+            "steps end on touches and separations",
+            "steps": int(sums["steps"]),
+            "steps_sent_back": int(sums["sent_back"]),
+            "evaluations": int(pace["evaluations"]),
+            "events": int(pace["events"]),
+            "deepest_touch_m": float(pace["deepest_touch"]),
+            **times,
+            "wall_solve_s": sums["wall"],
+            **ledger().as_dict(),
+            **shares_of(sums, _STAGES),
+        },
+    )
+    model.container.Reset()
+    return result
+
+
+def _model_words(tree: Tree, linkage: Linkage) -> str:
+    words = f"open tree of {len(tree.links)} coordinates ({listed(tree.names)})"
+    known = sorted(cranks_of(linkage))
+    return f"{words}, {listed(known)} prescribed" if known else words
+
+
+def _warm_up(tree: Tree, linkage: Linkage, start: Start) -> None:
+    """Compile every kernel, or load it from the cache, on a state thrown away."""
+    book = Account.of(linkage, start.position, 1, 1.0).book
+    system = system_of(tree, linkage, 1.0)
+    x = np.zeros(len(tree.links))
+    arguments = book.joints, book.wear, book.surfaces, book.states
+    specialised(stage_forces, system, *arguments, 0.0, x, x, x)
+    specialised(accept_tree_step, system, book, 0.0, x, x, x)
+    specialised(tree_state, system, book, 0.0, x, x, x)
+    specialised(hinge_power_integral, system)
+
+
+def _wall_times(timer: Any) -> dict[str, float]:
+    """Where the time of a solve went, s; ``total`` is all of it.
+
+    Forces include the tree's own in C++ and the Python user function; the step's end is
+    contact state, wear, recording and the choice of the next step.
+    """
+    return {
+        "total": timer.total,
+        "forces": timer.ODE2RHS,
+        "mass_matrix": timer.massMatrix + timer.factorization + timer.newtonIncrement,
+        "integrator": timer.integrationFormula + timer.errorEstimator,
+        "end_of_step": timer.python,
+    }

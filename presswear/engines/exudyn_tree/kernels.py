@@ -1,0 +1,327 @@
+"""Compiled part of the open tree: forces of a stage, and one call per accepted step.
+
+Exudyn's DOPRI5 evaluates seven stages a step, the last in the state that the step
+ends in.  Each leaves its powers in a row, so that work, losses and doses of wear are
+integrated with the weights of the method and at its order.
+
+The law of force changes where a pin touches or leaves.  Steps end there: the moment
+is predicted from penetration, rate, acceleration and its change, a first step goes
+as near as the prediction can be trusted, a second one ends just behind.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import RK45
+
+from presswear.engines.stepping import all_finite
+from presswear.physics.clearance import note_contacts, penetration_acceleration
+from presswear.physics.contacts import JOINT_RATES, add_contacts
+from presswear.physics.prescribed import drive_torque, forced_power, place_cranks
+from presswear.physics.springs import spring_forces
+from presswear.physics.touchdown import IMPACT_PARTS, contact_step, skim_step, step_in_impact
+from presswear.physics.tree import accelerate_links, carry_branches, gather_forces, place_links
+from presswear.record.observe import Book, observe, settle_state
+from presswear.tools.compiled import Records, compiled, copy_to
+
+Array = NDArray[np.float64]
+
+WEIGHTS = np.append(RK45.B, 0.0)
+"""Weights of the seven stages of DOPRI5."""
+STAGES = WEIGHTS.size
+
+GROWTH = 5.0
+"""A step is at most so many times the one before."""
+LEAST_STEPS = 5
+"""A contact of fewer steps counts as unresolved: its peak could be missed.  An impact gets
+IMPACT_PARTS; a bump of a worn surface can cut a touch short that began like one, and
+there the error control decides."""
+LANDING_DEPTH = 1e-11
+"""A step that ends on a touch or separation goes this far behind it, m."""
+LANDING_PART = 1e-3
+"""... but no further than this part of the contact's duration."""
+UNKNOWN_DOUBT = 0.05
+"""Part of a predicted time that is in doubt while the change of acceleration is unknown."""
+
+PACE = np.dtype(
+    [
+        ("longest", np.float64),  # step, s
+        ("shortest", np.float64),  # s
+        ("reach", np.float64),  # last step that was not cut short, s
+        ("asked", np.float64),  # limit that was set to the step, s
+        ("cut", np.bool_),  # whether that was an event's
+        ("smooth", np.bool_),  # no joint has touched or left in the last step
+        ("evaluations", np.int64),
+        ("noted", np.float64),  # time of the state whose contacts are noted, s
+        ("events", np.int64),
+        ("deepest_touch", np.float64),  # penetration of the first state in a touch, m
+    ]
+)
+"""Where the choice of steps stands."""
+
+
+class TreeSystem(NamedTuple):
+    """An open tree as the kernels see it, with working space.
+
+    Attributes
+    ----------
+    links, cranks, springs : records
+    mass, weight : ndarray, shape (3 bodies,)
+    expected : ndarray, shape (joints,)
+        Closing speed that the next step uses: latched, or predicted while open, m/s.
+    pace : one record of PACE
+    stages : ndarray, shape (STAGES, 1 + JOINT_RATES joints)
+        Powers of the stages of a step: drives (see ``stage_forces``), then the joints'.
+    state : ndarray, shape (5, 3 bodies)
+        q, v, a and generalized forces of all bodies, and their axes: cosine and sine of
+        a body's angle in the places of its x and y.
+    carried : ndarray, shape (links, CARRIED)
+    balance : ndarray, shape (links,)
+    """
+
+    links: Records
+    cranks: Records
+    springs: Records
+    mass: Array
+    weight: Array
+    expected: Array
+    pace: Records
+    stages: Array
+    state: Array
+    carried: Array
+    balance: Array
+
+
+@compiled
+def stage_forces(
+    system: TreeSystem,
+    joints: Records,
+    wear: Records,
+    surfaces: Array,
+    states: Records,
+    t: float,
+    x: Array,
+    u: Array,
+    out: Array,
+) -> None:
+    """Forces on the coordinates of the tree in a stage, without those of inertia.
+
+    The drives' power is that against the forces on their cranks: what is applied
+    there, and dP/dt - F of each branch times the velocity of its hinge.  The part
+    dP/dt . v is the end value of P . v less the integral of P . a; the end values are
+    added after the run, so that no acceleration is needed here.
+    """
+    q, v, a, force, axes = system.state
+    place_cranks(system.cranks, t, q, v, a, axes)
+    place_links(system.links, x, u, q, v, axes)
+    copy_to(force, system.weight)
+    spring_forces(system.springs, q, v, force)
+    pace = system.pace[0]
+    stage = pace.evaluations % STAGES
+    row = system.stages[stage]
+    pace.evaluations += 1
+    # The first stage is in the state that the last step ended in.
+    if stage > 0 or t != pace.noted:
+        note_contacts(joints, surfaces, states, q, v)
+        pace.noted = t
+    add_contacts(joints, wear, system.expected, states, force, row[1:])
+    carry_branches(system.links, v, a, axes, system.carried)
+    power = -forced_power(system.cranks, v, force)
+    for i in range(system.links.shape[0]):
+        link = system.links[i]
+        b = link.body
+        ax = link.mass * system.carried[i, 2]
+        ay = link.mass * system.carried[i, 3]
+        power -= force[b] * system.carried[i, 0] + force[b + 1] * system.carried[i, 1]
+        power -= v[b] * ax + v[b + 1] * ay
+        force[b] -= ax
+        force[b + 1] -= ay
+    row[0] = power
+    gather_forces(system.links, q, axes, force, out)
+
+
+@compiled
+def hinge_power_integral(system: TreeSystem) -> float:
+    """Momentum of each branch times the velocity of its hinge, summed, J: see ``stage_forces``."""
+    _, v, a, _, axes = system.state
+    carry_branches(system.links, v, a, axes, system.carried)
+    total = 0.0
+    for i in range(system.links.shape[0]):
+        b = system.links[i].body
+        along = v[b] * system.carried[i, 0] + v[b + 1] * system.carried[i, 1]
+        total += system.links[i].mass * along
+    return total
+
+
+@compiled
+def time_to_event(p: float, r: float, a: float, j: float) -> tuple[float, float]:
+    """Time, s, at which a quantity below zero reaches it, and how far that is in doubt.
+
+    Parameters
+    ----------
+    p, r, a, j : float
+        Value and three time derivatives; the doubt is what the third one changes.
+
+    Returns
+    -------
+    tuple
+        Infinite where it is not reached.
+    """
+    root = r * r - 2.0 * a * p
+    if root < 0.0:
+        return math.inf, 0.0
+    denominator = r + math.sqrt(root)
+    if denominator <= 0.0:
+        return math.inf, 0.0
+    first = -2.0 * p / denominator
+    arrival = first
+    for _ in range(2):
+        slope = r + arrival * (a + 0.5 * j * arrival)
+        if slope <= 0.0:
+            return first, first
+        change = -(p + arrival * (r + arrival * (0.5 * a + j * arrival / 6.0))) / slope
+        arrival = min(max(arrival + change, 0.5 * first), 2.0 * first)
+    return arrival, abs(arrival - first)
+
+
+@compiled
+def step_to_events(book: Book, system: TreeSystem, h: float) -> float:
+    """Step, s, no longer than ``h``, that does not run past the next change of law.
+
+    Leaves the closing speeds that the stages of that step use in ``expected``.
+    """
+    pace = system.pace[0]
+    q, v, a, _, _ = system.state
+    for k in range(book.joints.shape[0]):
+        joint = book.joints[k]
+        last = book.touch[k]
+        closed = book.onset[k] > 0.0
+        acceleration = penetration_acceleration(
+            book.joints, k, book.surfaces, book.states[k].place, q, v, a
+        )
+        jerk = (acceleration - last.acceleration) / last.step if last.step > 0.0 else 0.0
+        last.acceleration = acceleration
+        if closed and last.steps == 1 and last.rate > 0.0 and acceleration < 0.0:
+            last.longest_step = 2.0 * last.rate / -acceleration / IMPACT_PARTS
+            h = min(h, last.longest_step)
+        system.expected[k] = book.onset[k]
+        sign = -1.0 if closed else 1.0
+        jerk = sign * jerk if pace.smooth else 0.0
+        p, r, a_n = sign * last.penetration, sign * last.rate, sign * acceleration
+        if p >= 0.0:
+            continue
+        arrival, doubt = time_to_event(p, r, a_n, jerk)
+        if not arrival < 2.0 * h:
+            continue
+        speed = r + arrival * (a_n + 0.5 * jerk * arrival)
+        if not closed:
+            system.expected[k] = max(speed, 0.0)
+        if arrival > h or not speed > 0.0:
+            continue
+        if not pace.smooth:
+            doubt = max(doubt, UNKNOWN_DOUBT * arrival)
+        if doubt * speed <= LANDING_DEPTH:
+            whole = contact_step(
+                joint.stiffness, joint.exponent, last.effective_mass, 0.0, speed, 1.0
+            )
+            h = min(h, arrival + min(LANDING_DEPTH / speed, LANDING_PART * whole))
+        else:
+            h = min(h, max(arrival - 2.0 * doubt, 0.5 * arrival))
+    return max(h, pace.shortest)
+
+
+@compiled
+def sum_stages(book: Book, system: TreeSystem, h: float) -> None:
+    """Doses and energies of a step of length ``h`` from the powers of its stages."""
+    ledger = book.ledger
+    count = book.joints.shape[0]
+    book.doses[:] = 0.0
+    for j in range(STAGES):
+        weight = h * WEIGHTS[j]
+        row = system.stages[j]
+        ledger[0] += weight * row[0]
+        for k in range(count):
+            base = 1 + JOINT_RATES * k
+            ledger[2] += weight * row[base]
+            ledger[3] += weight * row[base + 1]
+            book.doses[k, 0] += weight * row[base + 2]
+            book.doses[k, 1] += weight * row[base + 3]
+    for k in range(count):
+        # One weight is negative: a step at the end of a touch may sum to less than nothing.
+        book.doses[k, 0] = max(book.doses[k, 0], 0.0)
+        book.doses[k, 1] = max(book.doses[k, 1], 0.0)
+
+
+@compiled
+def tree_state(system: TreeSystem, book: Book, t: float, x: Array, u: Array, u_t: Array) -> float:
+    """Place all bodies with rates and accelerations; returns the power of the drives, W.
+
+    Leaves the drives' torques in the book, and in the forces of each body what it and
+    all that hangs from it bear.
+    """
+    q, v, a, force, axes = system.state
+    place_cranks(system.cranks, t, q, v, a, axes)
+    place_links(system.links, x, u, q, v, axes)
+    accelerate_links(system.links, u_t, v, axes, a)
+    copy_to(force, system.weight)
+    spring_forces(system.springs, q, v, force)
+    rates = system.stages[0, 1:]
+    if t != system.pace[0].noted:
+        note_contacts(book.joints, book.surfaces, book.states, q, v)
+        system.pace[0].noted = t
+    add_contacts(book.joints, book.wear, system.expected, book.states, force, rates)
+    for c in range(force.shape[0]):
+        force[c] -= system.mass[c] * a[c]
+    gather_forces(system.links, q, axes, force, system.balance)
+    power = 0.0
+    for i in range(system.cranks.shape[0]):
+        book.torque[i] = drive_torque(system.cranks[i], q, force)
+        power += book.torque[i] * system.cranks[i].speed
+    return power
+
+
+@compiled
+def next_tree_step(book: Book, system: TreeSystem, h: float, events: int) -> float:
+    """Limit of the next step, s, after one of length ``h``; the error control may go below it."""
+    pace = system.pace[0]
+    if not (pace.cut and h >= 0.999 * pace.asked):
+        # A step cut short says little: what was reached before it still holds.
+        pace.reach = max(h, pace.shortest)
+    for k in range(book.joints.shape[0]):
+        if book.onset[k] > 0.0 and book.touch[k].steps == 1:
+            pace.deepest_touch = max(pace.deepest_touch, book.touch[k].penetration)
+    pace.events += events
+    pace.smooth = events == 0
+    limit = min(
+        step_in_impact(book.joints, book.onset, book.touch, GROWTH * pace.reach),
+        skim_step(book.joints, book.touch, book.surfaces, pace.longest),
+    )
+    pace.asked = step_to_events(book, system, limit)
+    pace.cut = pace.asked < limit
+    return pace.asked
+
+
+@compiled
+def accept_tree_step(
+    system: TreeSystem, book: Book, t: float, x: Array, u: Array, u_t: Array
+) -> float:
+    """Account for an accepted step and choose the next, s; NaN for a broken state.
+
+    Parameters
+    ----------
+    u_t : ndarray, shape (links,)
+        Accelerations of the tree's coordinates in the state.
+    """
+    if not all_finite(x, u) or not all_finite(u, u_t):
+        return math.nan
+    h = t - book.record[0].now
+    sum_stages(book, system, h)
+    power = tree_state(system, book, t, x, u, u_t)
+    book.ledger[1] += 0.5 * h * (abs(book.ledger[4]) + abs(power))
+    book.ledger[4] = power
+    q, v, a, _, _ = system.state
+    events = settle_state(book, t, LEAST_STEPS)
+    observe(book, t, h, q, v, a)
+    return next_tree_step(book, system, h, events)

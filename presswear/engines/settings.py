@@ -1,0 +1,204 @@
+"""The engines as objects: how finely each integrates, and how it is run.
+
+Chosen from ``presswear precision``: the coarsest that keep the bounds of the cross-check up to
+the horizon (slider to 1e-6 m, touches to 1e-6 s); for the open tree and the in-house solver a
+decade finer, which costs them a fifth.  The in-house solver takes order 8, at twice the price
+of order 5, because it checks Exudyn's DOPRI5.
+
+Ranges are checked where a scene takes the settings; trials go beyond them on purpose.  What an
+engine needs to run is imported when it runs.
+"""
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, ClassVar, Literal, Self
+
+from presswear.tools.quantities import choice, quantity
+
+if TYPE_CHECKING:
+    from presswear.engines.base import Plan, Run, Start
+    from presswear.linkage.elements import Linkage
+
+Integrator = Literal["dop853", "dopri5", "rk4", "rk4-paper"]
+
+LEAST_STEPS = 500
+"""Steps of an error-controlled engine in a cycle without contact."""
+PAPER_STEP = 1e-4
+"""Integral step of the paper's Table 2, s."""
+
+
+@dataclass(frozen=True)
+class ExudynTree:
+    """Exudyn with an open tree in minimal coordinates, explicit and error-controlled.
+
+    Attributes
+    ----------
+    tree_tolerance : float
+        Error allowed in a step: root mean square over the coordinates, rad or m, and
+        their rates, rad/s or m/s.
+    free_step : float or None
+        Longest step, s; None: a 500th of the plan's cycle.
+    """
+
+    word: ClassVar[str] = "exudyn-tree"
+
+    tree_tolerance: float = quantity(
+        1e-8,
+        "",
+        1e-13,
+        1e-3,
+        "chosen",
+        "of exudyn-tree: error of a step, rad or m and rad/s or m/s",
+    )
+    free_step: float | None = None
+
+    def longest(self, cycle: float) -> float:
+        """Longest step in a cycle of a duration, s."""
+        return cycle / LEAST_STEPS if self.free_step is None else self.free_step
+
+    def over(self, cycle: float) -> Self:
+        """The same with the longest step of a cycle of a duration, s, whatever is run."""
+        return replace(self, free_step=self.longest(cycle))
+
+    def simulate(self, linkage: "Linkage", start: "Start", plan: "Plan") -> "Run":
+        """Run a linkage from a start; InputError where it is no open tree."""
+        from presswear.engines.exudyn_tree.engine import simulate
+
+        return simulate(linkage, start, self, plan)
+
+
+@dataclass(frozen=True)
+class ExudynJoints:
+    """Exudyn with bodies and joints, implicit: any linkage.
+
+    Attributes
+    ----------
+    steps_per_contact : int
+        Steps in one impact.
+    steps_sustained : int
+        Steps in half a period of a pin that rests on its bearing; its steps grow up
+        to this as its error allows.
+    free_steps : int
+        Steps in a cycle of free flight, at least.
+    free_step : float or None
+        Longest step in free flight, s; None: as ``free_steps`` says.
+    newton : float
+        Relative and absolute tolerance of Newton's method; above 1e-9 its noise in the
+        accelerations shortens the steps of a resting pin.
+    least_step : float
+        Shortest step, s.
+    """
+
+    word: ClassVar[str] = "exudyn-joints"
+
+    steps_per_contact: int = quantity(
+        200, "", 20, 10_000, "chosen", "of exudyn-joints: steps in one impact", whole=True
+    )
+    steps_sustained: int = quantity(
+        10,
+        "",
+        5,
+        10_000,
+        "chosen",
+        "of exudyn-joints: least steps in half a period of a pin at rest on its bearing",
+        whole=True,
+    )
+    free_steps: int = quantity(
+        10_000,
+        "",
+        1000,
+        10_000_000,
+        "chosen",
+        "of exudyn-joints: least steps in a cycle",
+        whole=True,
+    )
+    free_step: float | None = None
+    newton: float = 1e-9
+    least_step: float = 1e-9
+
+    def longest(self, cycle: float) -> float:
+        """Longest step in a cycle of a duration, s."""
+        return cycle / self.free_steps if self.free_step is None else self.free_step
+
+    def over(self, cycle: float) -> Self:
+        """The same with the longest step of a cycle of a duration, s, whatever is run."""
+        return replace(self, free_step=self.longest(cycle))
+
+    def simulate(self, linkage: "Linkage", start: "Start", plan: "Plan") -> "Run":
+        """Run a linkage from a start."""
+        from presswear.engines.exudyn_joints.engine import simulate
+
+        return simulate(linkage, start, self, plan)
+
+
+@dataclass(frozen=True)
+class InHouse:
+    """Lagrange multipliers in Cartesian coordinates, with touches located.
+
+    Attributes
+    ----------
+    integrator : {"dop853", "dopri5", "rk4", "rk4-paper"}
+        Error-controlled of order 8 or 5 with located touches; classical of order 4
+        with equal steps; the same with the paper's 1e-4 s.
+    integration_tolerance : float
+        Of ``dop853`` and ``dopri5``: per step, times 1 mm or mrad in positions and times
+        1 m/s + |v| in velocities.
+    equal_step : float
+        Of ``rk4``, s.
+    projection : {"off", "on"}
+        Whether each accepted state is moved onto the constraints.
+    alpha, beta : float
+        Baumgarte's coefficients, 1/s (equation 19).
+    free_step : float or None
+        Longest step of ``dop853`` and ``dopri5``, s; None: a 500th of the plan's cycle.
+    """
+
+    word: ClassVar[str] = "dae"
+
+    integrator: Integrator = choice(
+        "dop853",
+        ("dop853", "dopri5", "rk4", "rk4-paper"),
+        "of dae: order 8 or 5 with located touches, 4 at equal steps, the paper's 1e-4 s",
+    )
+    integration_tolerance: float = quantity(
+        1e-9,
+        "",
+        1e-14,
+        1e-3,
+        "chosen",
+        "of dae with dop853 and dopri5: error of a step, times 1 mm and 1 m/s + speed",
+    )
+    equal_step: float = quantity(1e-5, "s", 1e-9, 1e-2, "chosen", "of dae with rk4: its step")
+    projection: str = choice(
+        "off", ("off", "on"), "of dae: whether each state is moved onto the constraints"
+    )
+    alpha: float = 20.0
+    beta: float = 20.0
+    free_step: float | None = None
+
+    @property
+    def has_equal_steps(self) -> bool:
+        """Whether steps are equal, without control of their error."""
+        return self.integrator.startswith("rk4")
+
+    @property
+    def step(self) -> float:
+        """The equal step, s."""
+        return PAPER_STEP if self.integrator == "rk4-paper" else self.equal_step
+
+    def longest(self, cycle: float) -> float:
+        """Longest step in a cycle of a duration, s."""
+        return cycle / LEAST_STEPS if self.free_step is None else self.free_step
+
+    def over(self, cycle: float) -> Self:
+        """The same with the longest step of a cycle of a duration, s, whatever is run."""
+        return replace(self, free_step=self.longest(cycle))
+
+    def simulate(self, linkage: "Linkage", start: "Start", plan: "Plan") -> "Run":
+        """Run a linkage from a start; InputError where the start violates a joint."""
+        from presswear.engines.dae.engine import simulate
+
+        return simulate(linkage, start, self, plan)
+
+
+Engine = ExudynTree | ExudynJoints | InHouse
+"""What solves the motion, with its settings."""

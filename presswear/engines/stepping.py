@@ -1,0 +1,83 @@
+"""One compiled call per accepted step of a fixed-order integrator."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.physics.energy import loss_powers
+from presswear.physics.touchdown import LEAST_STEPS, next_step
+from presswear.physics.wear import dose_rates
+from presswear.record.observe import Book, observe, settle_state
+from presswear.tools.compiled import Records, compiled
+
+Array = NDArray[np.float64]
+
+
+@compiled
+def all_finite(q: Array, v: Array) -> bool:
+    """Whether a state holds no infinity and no NaN."""
+    total = 0.0
+    for i in range(q.shape[0]):
+        total += q[i] - q[i] + (v[i] - v[i])
+    return total == 0.0
+
+
+@compiled
+def sum_step(book: Book, drive_power: float, t: float, h: float) -> None:
+    """Doses of wear of a step, and its share of the energy ledger.
+
+    Doses are taken from the state at the step's end: over a whole contact that is the
+    trapezoidal rule, since the force is zero at both ends.  A step that began open
+    carries force only since the touch.  Powers are summed by the trapezoidal rule.
+    """
+    contact_power = 0.0
+    friction_power = 0.0
+    for k in range(book.joints.shape[0]):
+        contact = book.states[k]
+        work, pressure = dose_rates(book.wear[k], book.joints[k], contact, contact.normal)
+        duration = min(h, t - book.touch[k].onset_time)
+        book.doses[k, 0] = work * duration
+        book.doses[k, 1] = pressure * duration
+        lost, rubbed = loss_powers(contact, contact.normal, contact.tangential)
+        contact_power += lost
+        friction_power += rubbed
+    ledger = book.ledger
+    half = 0.5 * h
+    ledger[0] += half * (ledger[4] + drive_power)
+    ledger[1] += half * (abs(ledger[4]) + abs(drive_power))
+    ledger[2] += half * (ledger[5] + contact_power)
+    ledger[3] += half * (ledger[6] + friction_power)
+    ledger[4] = drive_power
+    ledger[5] = contact_power
+    ledger[6] = friction_power
+
+
+@compiled
+def accept_step(
+    book: Book,
+    steps: Records,
+    power: float,
+    t: float,
+    h: float,
+    q: Array,
+    v: Array,
+    a: Array,
+) -> float:
+    """Settle contact, account for the step and choose the next; NaN for a broken state.
+
+    The contacts of the state are noted in the book.
+
+    Parameters
+    ----------
+    power : float
+        Of the drives in the state, W; their torques are in the book.
+    """
+    if not all_finite(q, v):
+        return math.nan
+    settle_state(book, t, LEAST_STEPS)
+    sum_step(book, power, t, h)
+    observe(book, t, h, q, v, a)
+    return next_step(
+        book.joints, book.onset, book.touch, steps, book.surfaces, book.states, q, v, a
+    )

@@ -1,0 +1,74 @@
+"""Linear springs with dampers as generalized forces on the bodies."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.linkage.elements import GROUND, Linkage
+from presswear.physics.constraints import lever
+from presswear.tools.compiled import Records, compiled
+
+Array = NDArray[np.float64]
+
+SPRING = np.dtype(
+    [
+        ("first", np.int64),
+        ("second", np.int64),
+        ("x1", np.float64),
+        ("y1", np.float64),
+        ("x2", np.float64),
+        ("y2", np.float64),
+        ("stiffness", np.float64),
+        ("damping", np.float64),
+        ("length", np.float64),
+    ]
+)
+"""A spring as the kernels see it."""
+
+
+@compiled
+def spring_forces(springs: Records, q: Array, v: Array, force: Array) -> None:
+    """Add the forces of the springs to the generalized forces."""
+    for i in range(springs.shape[0]):
+        spring = springs[i]
+        x1, y1 = lever(spring.first, spring.x1, spring.y1, q)
+        x2, y2 = lever(spring.second, spring.x2, spring.y2, q)
+        dx, dy, dvx, dvy = x2 - x1, y2 - y1, 0.0, 0.0
+        if spring.first >= 0:
+            dx -= q[spring.first]
+            dy -= q[spring.first + 1]
+            dvx -= v[spring.first] - v[spring.first + 2] * y1
+            dvy -= v[spring.first + 1] + v[spring.first + 2] * x1
+        if spring.second >= 0:
+            dx += q[spring.second]
+            dy += q[spring.second + 1]
+            dvx += v[spring.second] - v[spring.second + 2] * y2
+            dvy += v[spring.second + 1] + v[spring.second + 2] * x2
+        length = math.sqrt(dx * dx + dy * dy)
+        rate = (dx * dvx + dy * dvy) / length
+        pull = spring.stiffness * (length - spring.length) + spring.damping * rate
+        fx = pull * dx / length
+        fy = pull * dy / length
+        if spring.first >= 0:
+            force[spring.first] += fx
+            force[spring.first + 1] += fy
+            force[spring.first + 2] += x1 * fy - y1 * fx
+        if spring.second >= 0:
+            force[spring.second] -= fx
+            force[spring.second + 1] -= fy
+            force[spring.second + 2] -= x2 * fy - y2 * fx
+
+
+def pack_springs(linkage: Linkage) -> Records:
+    """The springs of a linkage as records of SPRING."""
+    springs = np.zeros(len(linkage.springs), SPRING)
+    for record, spring in zip(springs, linkage.springs, strict=True):
+        for end, point in (("1", spring.first), ("2", spring.second)):
+            record["first" if end == "1" else "second"] = (
+                -1 if point.body == GROUND else 3 * linkage.index(point.body)
+            )
+            record["x" + end], record["y" + end] = point.x, point.y
+        record["stiffness"], record["damping"] = spring.stiffness, spring.damping
+        record["length"] = spring.length
+    return springs

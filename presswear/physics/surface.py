@@ -1,0 +1,87 @@
+"""Worn surfaces as the kernels see them; see ``presswear.linkage.surface``."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.linkage.surface import Surface
+from presswear.tools.compiled import compiled
+
+Array = NDArray[np.float64]
+
+BEARING, PIN = 0, 5
+"""First of the rows that the kernels keep of a surface: see ``packed_rows``."""
+SLOPE, SQUARE, CUBE, LEAST = 1, 2, 3, 4
+"""Rows behind the depth."""
+ROWS = 10
+"""Of a bearing and its pin."""
+
+
+@compiled
+def piece(
+    depth: Array, slope: Array, angle: float
+) -> tuple[float, float, float, float, float, float]:
+    """The cubic that holds an angle: its place s in 0 .. 1, the bin width, rad, and the
+    coefficients c0 .. c3 of c0 + s (c1 + s (c2 + s c3)), m.
+    """
+    count = depth.shape[0]
+    width = 2.0 * math.pi / count
+    position = angle / width - 0.5
+    left = math.floor(position)
+    k = left % count
+    j = k + 1 if k + 1 < count else 0
+    rise = depth[j] - depth[k]
+    a = slope[k] * width
+    b = slope[j] * width
+    return position - left, width, depth[k], a, 3.0 * rise - 2.0 * a - b, a + b - 2.0 * rise
+
+
+@compiled
+def profile(depth: Array, slope: Array, angle: float) -> tuple[float, float]:
+    """Depth h, m, and dh/dangle, m/rad, of a map at any angle, rad.
+
+    Parameters
+    ----------
+    depth, slope : ndarray, shape (m,)
+        Values and derivatives at the bin centres; empty for an unworn surface.
+    """
+    if depth.shape[0] == 0:
+        return 0.0, 0.0
+    s, width, c0, c1, c2, c3 = piece(depth, slope, angle)
+    return c0 + s * (c1 + s * (c2 + s * c3)), (c1 + s * (2.0 * c2 + s * 3.0 * c3)) / width
+
+
+@compiled
+def curvature(depth: Array, slope: Array, angle: float) -> float:
+    """Second derivative of a map's depth, m/rad^2; it jumps at the bin centres."""
+    if depth.shape[0] == 0:
+        return 0.0
+    s, width, _, _, c2, c3 = piece(depth, slope, angle)
+    return (2.0 * c2 + 6.0 * s * c3) / (width * width)
+
+
+@compiled
+def bin_of(angle: float, count: int) -> int:
+    """Index of the bin that holds an angle, rad."""
+    return math.floor(angle * count / (2.0 * math.pi)) % count
+
+
+def packed_rows(surface: Surface, count: int) -> Array:
+    """A surface as the kernels see it, shape (5, m).
+
+    Depth and slope at the bin centres; coefficients of x^2 and x^3 of the cubic behind
+    each centre, m/rad^2 and m/rad^3; its least depth.
+    """
+    rows = np.zeros((5, count))
+    if surface.is_worn:
+        depth, slope = surface.depth, surface.slope
+        width = 2.0 * math.pi / count
+        following, following_slope = np.roll(depth, -1), np.roll(slope, -1)
+        secant = (following - depth) / width
+        rows[0], rows[SLOPE] = depth, slope
+        rows[SQUARE] = (3.0 * secant - 2.0 * slope - following_slope) / width
+        rows[CUBE] = (slope + following_slope - 2.0 * secant) / width**2
+        # Monotone between the centres.
+        rows[LEAST] = np.minimum(depth, following)
+    return rows

@@ -1,0 +1,440 @@
+"""Touch and separation: contact state per accepted step, onset speed, step length.
+
+The force law needs the closing speed at first touch.  Taken from the first
+penetrated state it is wrong by parts in a thousand; here the penetration between
+two accepted states is the cubic through both values and both rates, and its root
+is the moment of touch.
+
+Steps are chosen before they are made.  In free flight the time to the next touch
+is predicted and the step ends just behind it; in contact a step is a set part of
+the time that the contact will last.
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.physics.clearance import contact_of, penetration_acceleration
+from presswear.physics.joint_data import Contact
+from presswear.tools.compiled import Records, compiled
+
+Array = NDArray[np.float64]
+
+TOUCH = np.dtype(
+    [
+        ("time", np.float64),  # of the last accepted state, s
+        ("penetration", np.float64),
+        ("rate", np.float64),
+        ("onset_time", np.float64),  # of the present touch, s
+        ("steps", np.int64),  # accepted in the present touch
+        ("started_closed", np.bool_),  # the run began inside this touch
+        ("peak_force", np.float64),
+        ("longest_step", np.float64),  # allowed by the expected duration of the touch
+        ("acceleration", np.float64),  # of the penetration at the last accepted state, m/s^2
+        ("step", np.float64),  # that led to it, s
+        ("sweep", np.float64),  # speed at which the contact runs over the wear maps, rad/s
+        ("effective_mass", np.float64),  # lower bound, kg
+        ("energy", np.float64),  # elastic, J
+        ("relief", np.float64),  # greatest difference of depth on the worn surfaces, m
+    ]
+)
+"""What is remembered of each joint between accepted steps."""
+
+TALLY = np.dtype(
+    [
+        ("contacts", np.int64),  # completed
+        ("episodes", np.int64),  # of them kept as rows
+        ("full", np.bool_),  # no further ones are kept
+        ("unresolved", np.int64),  # of fewer than LEAST_STEPS
+        ("fewest_steps", np.int64),
+        ("peak_force", np.float64),  # of the run so far, N
+        ("deepest", np.float64),  # penetration of the run so far, m
+        ("closed_time", np.float64),  # s
+    ]
+)
+"""Counts of one joint."""
+
+STEPS = np.dtype(
+    [
+        ("free", np.float64),  # longest step in free flight, s
+        ("per_contact", np.float64),  # steps in one impact
+        ("sustained", np.float64),  # steps in half a period of a pin at rest on its bearing
+        ("least", np.float64),  # shortest step, s
+    ]
+)
+"""Step lengths of a fixed-order integrator."""
+
+POSITION_NOISE = 1e-14
+"""Round-off of a penetration, some times over, m."""
+
+LEAST_STEPS = 20
+"""Steps that every contact gets, unless it is shorter than so many shortest steps."""
+
+LANDING = 0.02
+"""A step towards a touch ends this part of a contact step behind it."""
+
+FLIGHT_STEPS_PER_BIN = 4.0
+"""Steps in which a pin that skims a worn surface crosses one bin of its map."""
+
+IMPACT_PARTS = 15
+"""Steps of an error-controlled method in one impact, at least: enough to show its peak."""
+
+SKIM_STEPS = 2.0
+"""Steps of an error-controlled method in which a pin crosses one bin of a worn map, at least."""
+
+OVERSHOOT = 0.2
+"""A step that ends more than this part of a contact step behind a touch is redone."""
+
+
+@compiled
+def hermite(p0: float, r0: float, p1: float, r1: float, h: float, s: float) -> tuple[float, float]:
+    """Value and time derivative at s in 0 .. 1 of the cubic through two states."""
+    a = r0 * h
+    b = r1 * h
+    rise = p1 - p0
+    curve = 3.0 * rise - 2.0 * a - b
+    twist = a + b - 2.0 * rise
+    value = p0 + s * (a + s * (curve + s * twist))
+    # By how much the mean rate differs from that of a parabola; over a very short step
+    # nothing but the round-off of the positions.
+    bend = 6.0 * rise - 3.0 * (a + b)
+    if abs(bend) < POSITION_NOISE:
+        bend = 0.0
+    return value, r0 + s * (r1 - r0) + s * (1.0 - s) * bend / h
+
+
+@compiled
+def crossing(p0: float, r0: float, p1: float, r1: float, h: float) -> float:
+    """Part s of a step at which the penetration first becomes positive; 2 if it does not.
+
+    A touch that has ended again within the step is found where the cubic shows it.
+    """
+    a = r0 * h
+    b = r1 * h
+    rise = p1 - p0
+    quadratic = 3.0 * (a + b - 2.0 * rise)
+    linear = 2.0 * (3.0 * rise - 2.0 * a - b)
+    # Between its turning points (roots of quadratic s^2 + linear s + a) the cubic is
+    # monotone: the first piece that rises from open to closed holds the touch.
+    first = second = 1.0
+    discriminant = linear * linear - 4.0 * quadratic * a
+    if discriminant >= 0.0:
+        half = -0.5 * (linear + math.copysign(math.sqrt(discriminant), linear))
+        one = half / quadratic if quadratic != 0.0 else 1.0
+        other = a / half if half != 0.0 else 1.0
+        first = min(max(min(one, other), 0.0), 1.0)
+        second = min(max(max(one, other), 0.0), 1.0)
+    low = 0.0
+    for high in (first, second, 1.0):
+        value = p1 if high == 1.0 else hermite(p0, r0, p1, r1, h, high)[0]
+        if value > 0.0:
+            break
+        low = high
+    else:
+        return 2.0
+    for _ in range(55):
+        middle = 0.5 * (low + high)
+        if hermite(p0, r0, p1, r1, h, middle)[0] > 0.0:
+            high = middle
+        else:
+            low = middle
+    return high
+
+
+@compiled
+def contact_step(
+    stiffness: float, exponent: float, mass: float, penetration: float, rate: float, parts: float
+) -> float:
+    """Step, s, that divides a contact into equal parts.
+
+    The duration is half a period of the oscillation at the deepest penetration
+    that the present energy allows: pi sqrt(8/15) = 2.29 delta_max / v at the touch
+    of an elastic Hertz impact, which lasts 2.94 delta_max / v.
+    """
+    if math.isinf(mass):
+        return math.inf
+    depth = max(penetration, 0.0)
+    energy = 0.5 * mass * rate * rate + stiffness * depth ** (exponent + 1.0) / (exponent + 1.0)
+    reach = ((exponent + 1.0) * energy / stiffness) ** (1.0 / (exponent + 1.0))
+    if reach <= 0.0:
+        return math.inf
+    tangent = exponent * stiffness * reach ** (exponent - 1.0)
+    return math.pi * math.sqrt(mass / tangent) / parts
+
+
+@compiled
+def step_in_contact(last: Records, steps: Records, part: float, acceleration: float) -> float:
+    """Next step, s, while a joint is closed.
+
+    An impact is divided into equal parts.  A pin that has come to rest on its
+    bearing oscillates less than the deepest possible penetration suggests: there
+    the step grows until its error, h^2 / 12 times the change of acceleration for
+    the trapezoidal rule, is the part of the penetration that the equal parts of
+    an impact would make, but no further than ``sustained`` parts.
+    """
+    parts = steps.per_contact
+    if last.steps <= 1:
+        # A touch that the surrounding motion pulls open again may be far shorter
+        # than an impact.
+        if last.rate > 0.0 and acceleration < 0.0:
+            last.longest_step = min(last.longest_step, 2.0 * last.rate / -acceleration / parts)
+    elif last.steps > parts:
+        last.longest_step *= 1.2
+        error = last.step * last.step / 12.0 * abs(acceleration - last.acceleration)
+        allowed = last.penetration * (math.pi / parts) ** 3 / 12.0
+        growth = 0.9 * (allowed / error) ** (1.0 / 3.0) if error > 0.0 else 1.3
+        calm = last.step * min(max(growth, 0.5), 1.3)
+        part = min(max(calm, part), part * max(parts / steps.sustained, 1.0))
+    return min(part, last.longest_step)
+
+
+@compiled
+def late_touch(joint: Records, last: Records, steps: Records, contact: Contact, h: float) -> float:
+    """Step, s, that ends just behind a touch which the trial state is too far past; else -1."""
+    s = crossing(last.penetration, last.rate, contact.penetration, contact.rate, h)
+    if s > 1.0:
+        return -1.0
+    closing = hermite(last.penetration, last.rate, contact.penetration, contact.rate, h, s)[1]
+    part = contact_step(
+        joint.stiffness, joint.exponent, last.effective_mass, 0.0, closing, steps.per_contact
+    )
+    behind = min(LANDING * part, 0.1 * h)
+    if contact.penetration > 0.0:
+        if (1.0 - s) * h <= OVERSHOOT * part:
+            return -1.0
+    elif contact.rate < 0.0:
+        # Touched and gone: land while the pin is still in, well before its deepest point.
+        behind = min(behind, 0.1 * (1.0 - s) * h * closing / (closing - contact.rate))
+    return max(s * h + behind, steps.least)
+
+
+@compiled
+def early_separation(last: Records, steps: Records, contact: Contact, h: float) -> float:
+    """Step, s, that still divides a touch finely which the trial state has ended; else -1.
+
+    A pin that skims a bump can leave sooner than the state at its touch let expect.
+    The shorter step holds for the rest of the touch.
+    """
+    missing = LEAST_STEPS - last.steps
+    if contact.penetration > 0.0 or missing <= 0 or last.started_closed:
+        return -1.0
+    s = crossing(-last.penetration, -last.rate, -contact.penetration, -contact.rate, h)
+    wanted = max(min(s, 1.0) * h / (missing + 1), steps.least)
+    if wanted > 0.7 * h:
+        return -1.0
+    last.longest_step = wanted
+    return wanted
+
+
+@compiled
+def shorter_step(
+    joints: Records,
+    onset: Array,
+    touch: Records,
+    steps: Records,
+    surfaces: Array,
+    t: float,
+    q: Array,
+    v: Array,
+) -> float:
+    """Step, s, with which a trial step has to be repeated; -1 if it is acceptable."""
+    shortest = -1.0
+    for k in range(joints.shape[0]):
+        last = touch[k]
+        h = t - last.time
+        if h <= steps[0].least:
+            continue
+        contact = contact_of(joints, k, surfaces, q, v)[0]
+        if onset[k] > 0.0:
+            wanted = early_separation(last, steps[0], contact, h)
+        else:
+            wanted = late_touch(joints[k], last, steps[0], contact, h)
+        if wanted > 0.0 and (shortest < 0.0 or wanted < shortest):
+            shortest = wanted
+    return shortest
+
+
+@compiled
+def open_episode(last: Records, onset_time: float, started_closed: bool) -> None:
+    """Begin the record of a touch."""
+    last.onset_time = onset_time
+    last.started_closed = started_closed
+    last.steps = 0
+    last.peak_force = 0.0
+    last.longest_step = math.inf
+
+
+@compiled
+def close_episode(
+    last: Records,
+    count: Records,
+    episodes: Array,
+    onset_speed: float,
+    t: float,
+    rate: float,
+    needed: int,
+) -> None:
+    """End the record of a touch; one of fewer than ``needed`` steps counts as unresolved.
+
+    A touch in which the run began is no whole contact and is not counted.
+    """
+    if last.started_closed:
+        return
+    count.contacts += 1
+    count.fewest_steps = min(count.fewest_steps, last.steps)
+    if last.steps < needed:
+        count.unresolved += 1
+    row = count.episodes
+    if row < episodes.shape[0] and not count.full:
+        episodes[row, 0] = last.onset_time
+        episodes[row, 1] = t
+        episodes[row, 2] = onset_speed
+        episodes[row, 3] = rate
+        episodes[row, 4] = last.peak_force
+        episodes[row, 5] = last.steps
+        count.episodes += 1
+
+
+@compiled
+def remember(last: Records, joint: Records, state: Records, t: float) -> None:
+    """Keep what the next step needs of an accepted state."""
+    turns = joint.map_turns
+    last.step = t - last.time
+    last.time = t
+    last.penetration = state.penetration
+    last.rate = state.rate
+    last.energy = state.energy
+    last.sweep = max(
+        abs(state.turning - turns * state.bearing_spin), abs(state.turning - turns * state.pin_spin)
+    )
+
+
+@compiled
+def settle(
+    joints: Records,
+    onset: Array,
+    touch: Records,
+    tally: Records,
+    episodes: Array,
+    states: Records,
+    t: float,
+    needed: int = LEAST_STEPS,
+) -> int:
+    """Bring the contact state up to accepted states of the joints: latch touches, close episodes.
+
+    A contact of fewer than ``needed`` steps counts as unresolved.  Returns the number of
+    joints that have touched or separated.
+    """
+    events = 0
+    for k in range(joints.shape[0]):
+        last = touch[k]
+        contact = states[k]
+        if onset[k] == 0.0 and contact.penetration > 0.0:
+            h = t - last.time
+            started_closed = last.penetration > 0.0 or h <= 0.0
+            touched, closing = t, contact.rate
+            if not started_closed:
+                s = crossing(last.penetration, last.rate, contact.penetration, contact.rate, h)
+                touched = last.time + s * h
+                closing = hermite(
+                    last.penetration, last.rate, contact.penetration, contact.rate, h, s
+                )[1]
+            # A joint counts as closed while its onset speed is not zero.
+            onset[k] = max(closing, 1e-300)
+            open_episode(last, touched, started_closed)
+            events += 1
+        elif onset[k] > 0.0 and contact.penetration <= 0.0:
+            close_episode(last, tally[k], episodes[k], onset[k], t, contact.rate, needed)
+            onset[k] = 0.0
+            events += 1
+        if onset[k] > 0.0:
+            last.steps += 1
+        remember(last, joints[k], contact, t)
+    return events
+
+
+@compiled
+def step_in_impact(joints: Records, onset: Array, touch: Records, longest: float) -> float:
+    """Step limit, s, of an error-controlled method from joints that touched a moment ago.
+
+    A touch that the surrounding motion pulls open again may be far shorter than an
+    impact; its ``longest_step`` tells how short.
+    """
+    for k in range(joints.shape[0]):
+        if onset[k] > 0.0 and touch[k].steps < 2 * IMPACT_PARTS:
+            joint = joints[k]
+            mass = touch[k].effective_mass
+            part = contact_step(joint.stiffness, joint.exponent, mass, 0.0, onset[k], IMPACT_PARTS)
+            longest = min(longest, part, touch[k].longest_step)
+    return longest
+
+
+@compiled
+def skim_step(joints: Records, touch: Records, surfaces: Array, longest: float) -> float:
+    """Step limit, s, of an error-controlled method from the bumps that a pin runs over.
+
+    Its error estimate sees a bump only where a stage happens to fall on it.
+    """
+    if surfaces.shape[2] == 0:
+        return longest
+    for k in range(joints.shape[0]):
+        last = touch[k]
+        if last.sweep > 0.0 and last.penetration > -last.relief:
+            bins = 2.0 * math.pi / surfaces.shape[2] / last.sweep
+            longest = min(longest, bins / SKIM_STEPS)
+    return longest
+
+
+@compiled
+def next_step(
+    joints: Records,
+    onset: Array,
+    touch: Records,
+    steps: Records,
+    surfaces: Array,
+    states: Records,
+    q: Array,
+    v: Array,
+    a: Array,
+) -> float:
+    """Length of the next step, s, from the state just settled."""
+    chosen = steps[0].free
+    for k in range(joints.shape[0]):
+        joint = joints[k]
+        last = touch[k]
+        depth = last.penetration
+        rate = last.rate
+        part = contact_step(
+            joint.stiffness, joint.exponent, last.effective_mass, depth, rate, steps[0].per_contact
+        )
+        acceleration = penetration_acceleration(joints, k, surfaces, states[k].place, q, v, a)
+        if surfaces.shape[2] > 0 and last.sweep > 0.0 and depth > -last.relief:
+            # A bump of the profile is a contact of its own and gets as many steps.
+            bins = 2.0 * math.pi / surfaces.shape[2] / last.sweep
+            share = 0.5 * steps[0].per_contact if onset[k] > 0.0 else FLIGHT_STEPS_PER_BIN
+            chosen = min(chosen, max(bins / share, steps[0].least))
+        if onset[k] > 0.0:
+            wanted = step_in_contact(last, steps[0], part, acceleration)
+            chosen = min(chosen, max(wanted, steps[0].least))
+            last.acceleration = acceleration
+            continue
+        # Free flight: the time at which the present motion closes the gap.
+        root = rate * rate - 2.0 * acceleration * depth
+        if root >= 0.0:
+            denominator = rate + math.sqrt(root)
+            arrival = -2.0 * depth / denominator if denominator > 0.0 else -1.0
+            if 0.0 <= arrival < chosen:
+                closing = rate + acceleration * arrival
+                part = contact_step(
+                    joint.stiffness,
+                    joint.exponent,
+                    last.effective_mass,
+                    0.0,
+                    closing,
+                    steps[0].per_contact,
+                )
+                chosen = min(
+                    chosen, max(arrival + min(LANDING * part, steps[0].free), steps[0].least)
+                )
+    return chosen

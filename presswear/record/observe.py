@@ -1,0 +1,208 @@
+"""What the kernels keep of a run, step by step: series, episodes, peaks and wear.
+
+Memory does not grow with the number of cycles: series and episodes are kept for
+the first cycles only; everything else is one row a cycle or a running sum.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.physics.clearance import note_forces
+from presswear.physics.touchdown import settle
+from presswear.physics.wear import deposit_in_bin, deposit_over_arc
+from presswear.record.film import take_frame
+from presswear.tools.compiled import Records, compiled
+
+Array = NDArray[np.float64]
+
+SERIES_FIXED = 4
+"""Columns of a series row before the joints: time, displacement, velocity, acceleration."""
+SERIES_JOINT = 6
+"""Columns per joint: e_x, e_y, penetration, normal and tangential force, sliding speed."""
+EPISODE_COLUMNS = ("onset", "end", "closing_speed", "release_speed", "peak_force", "steps")
+CYCLE_FIXED = ("displacement_max", "velocity_min", "velocity_max", "acceleration_max", "steps")
+CYCLE_JOINT = ("force_max", "dose", "contacts")
+CYCLE_FIXED_COUNT = len(CYCLE_FIXED)
+CYCLE_JOINT_COUNT = len(CYCLE_JOINT)
+
+ROWS_AT_LEAST = 2000
+"""Series rows in one cycle without contact."""
+ROWS_AT_MOST = 40_000
+"""Room for series rows, per recorded cycle."""
+EPISODES_AT_MOST = 5000
+"""Room for episodes, per joint and recorded cycle."""
+FORCE_STEP = 0.02
+"""A row is written when a force has changed by this part of its peak so far."""
+PRESSURE_POINTS = 8192
+"""Room for the pressure distribution over one contact arc."""
+
+RECORD = np.dtype(
+    [
+        ("rows", np.int64),  # series rows written
+        ("last_time", np.float64),  # of the last row, s
+        ("now", np.float64),  # of the last accepted state, s
+        ("interval", np.float64),  # longest time between two rows, s
+        ("force_step", np.float64),  # change of a force, part of its peak, that makes a row
+        ("probe", np.int64),  # index of the watched body's x in q
+        ("probe_cos", np.float64),
+        ("probe_sin", np.float64),
+        ("start", np.float64),  # watched coordinate at the start, m
+        ("steps", np.int64),
+        ("room", np.int64),  # rows that may be written
+    ]
+)
+"""Where the recording stands."""
+
+
+class Book(NamedTuple):
+    """The arrays that the kernels fill during one run.
+
+    Attributes
+    ----------
+    joints, wear : records of JOINT and WEAR
+    surfaces : ndarray, shape (joints, ROWS, m)
+    states : records of STATE
+        Contacts and forces of the last accepted state.
+    onset : ndarray, shape (joints,)
+        Latched closing speeds, 0 where open, m/s.
+    touch, tally : records of TOUCH and TALLY
+    record : one record of RECORD
+    series : ndarray, shape (rows, SERIES_FIXED + SERIES_JOINT joints + drives)
+        Without the torques of the drives where they are not asked for.
+    episodes : ndarray, shape (joints, rows, 6)
+    film, shutter : ndarray and one record of SHUTTER
+        See ``presswear.record.film``.
+    cycle : ndarray, shape (CYCLE_FIXED + CYCLE_JOINT joints,)
+        Row of the present cycle.
+    depth : ndarray, shape (joints, 2, m)
+        Depth that the present cycle added to bearing and pin, m.
+    doses : ndarray, shape (joints, 2)
+        F_n ds, N m, and p ds, N/m, of the last step.
+    pressure : ndarray
+        Working space of one contact arc.
+    torque : ndarray, shape (drives,)
+        Torques of the drives in the present state, N m.
+    ledger : ndarray, shape (7,)
+        Of engines that sum powers by steps: drive work, its absolute value, contact
+        loss, friction loss, J; then the last powers of drives, contact, friction, W.
+    """
+
+    joints: Records
+    wear: Records
+    surfaces: Array
+    states: Records
+    onset: Array
+    touch: Records
+    tally: Records
+    record: Records
+    series: Array
+    episodes: Array
+    film: Array
+    shutter: Records
+    cycle: Array
+    depth: Array
+    doses: Array
+    pressure: Array
+    torque: Array
+    ledger: Array
+
+
+@compiled
+def deposit(book: Book, k: int) -> None:
+    """Add the wear of the last step's doses to the maps of joint ``k``."""
+    law = book.wear[k]
+    joint = book.joints[k]
+    contact = book.states[k]
+    bearing_angle = contact.bearing_angle
+    pin_angle = contact.pin_angle
+    if law.over_arc:
+        deposit_over_arc(
+            book.depth[k],
+            law,
+            joint,
+            book.surfaces[k],
+            contact,
+            bearing_angle,
+            pin_angle,
+            book.doses[k, 0],
+            book.pressure,
+        )
+    else:
+        deposit_in_bin(
+            book.depth[k], law, joint, contact, bearing_angle, pin_angle, book.doses[k, 1]
+        )
+
+
+@compiled
+def settle_state(book: Book, t: float, needed: int) -> int:
+    """Settle an accepted state whose contacts are noted; see ``settle``."""
+    events = settle(
+        book.joints, book.onset, book.touch, book.tally, book.episodes, book.states, t, needed
+    )
+    note_forces(book.joints, book.onset, book.states)
+    return events
+
+
+@compiled
+def observe(book: Book, t: float, h: float, q: Array, v: Array, a: Array) -> None:
+    """Account for one accepted step of length ``h``, s, that ended in the given state.
+
+    The state's contacts are in the book, settled.
+    """
+    joints, touch, tally, series = book.joints, book.touch, book.tally, book.series
+    cycle = book.cycle
+    state = book.record[0]
+    count = joints.shape[0]
+    i = state.probe
+    displacement = state.probe_cos * q[i] + state.probe_sin * q[i + 1] - state.start
+    velocity = state.probe_cos * v[i] + state.probe_sin * v[i + 1]
+    acceleration = state.probe_cos * a[i] + state.probe_sin * a[i + 1]
+    cycle[0] = max(cycle[0], displacement)
+    cycle[1] = min(cycle[1], velocity)
+    cycle[2] = max(cycle[2], velocity)
+    cycle[3] = max(cycle[3], abs(acceleration))
+    cycle[4] += 1
+    state.steps += 1
+    state.now = t
+    row = state.rows
+    has_room = row < min(state.room, series.shape[0])
+    is_due = row == 0 or t - state.last_time >= state.interval
+    for k in range(count):
+        contact = book.states[k]
+        counts = tally[k]
+        base = CYCLE_FIXED_COUNT + CYCLE_JOINT_COUNT * k
+        if contact.normal > 0.0:
+            duration = min(h, t - touch[k].onset_time)
+            counts.closed_time += duration
+            counts.peak_force = max(counts.peak_force, contact.normal)
+            counts.deepest = max(counts.deepest, contact.penetration)
+            touch[k].peak_force = max(touch[k].peak_force, contact.normal)
+            cycle[base] = max(cycle[base], contact.normal)
+        cycle[base + 1] += book.doses[k, 0]
+        if book.doses[k, 0] > 0.0 and book.wear[k].coefficient > 0.0:
+            deposit(book, k)
+        cycle[base + 2] = counts.contacts
+        if has_room:
+            column = SERIES_FIXED + SERIES_JOINT * k
+            series[row, column] = contact.eccentricity_x
+            series[row, column + 1] = contact.eccentricity_y
+            series[row, column + 2] = contact.penetration
+            series[row, column + 3] = contact.normal
+            series[row, column + 4] = contact.tangential
+            series[row, column + 5] = contact.sliding
+            if row > 0:
+                change = abs(contact.normal - series[row - 1, column + 3])
+                is_due = is_due or change > state.force_step * counts.peak_force
+    take_frame(book.film, book.shutter, book.states, t, q)
+    if has_room and is_due:
+        series[row, 0] = t
+        series[row, 1] = displacement
+        series[row, 2] = velocity
+        series[row, 3] = acceleration
+        first = SERIES_FIXED + SERIES_JOINT * count
+        for column in range(first, series.shape[1]):
+            series[row, column] = book.torque[column - first]
+        state.rows += 1
+        state.last_time = t

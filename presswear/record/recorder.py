@@ -1,0 +1,262 @@
+"""The account of a run: what was observed, cycle by cycle, and as a snapshot of named arrays.
+
+Memory does not grow with the number of cycles: series and episodes are kept for
+the first cycles only; everything else is one row a cycle or a running sum.
+"""
+
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.linkage.elements import ClearanceJoint, Linkage
+from presswear.physics.clearance import STATE, note_contacts
+from presswear.physics.joint_data import pack_joints, pack_surfaces
+from presswear.physics.touchdown import LEAST_STEPS, TALLY, TOUCH
+from presswear.physics.wear import pack_wear
+from presswear.record.film import Film, empty_film, shutter_of
+from presswear.record.observe import (
+    CYCLE_FIXED,
+    CYCLE_JOINT,
+    EPISODE_COLUMNS,
+    EPISODES_AT_MOST,
+    FORCE_STEP,
+    PRESSURE_POINTS,
+    RECORD,
+    ROWS_AT_LEAST,
+    ROWS_AT_MOST,
+    SERIES_FIXED,
+    SERIES_JOINT,
+    Book,
+    observe,
+    settle_state,
+)
+from presswear.record.sampling import MapBatches
+from presswear.tools.snapshot import Snapshot, named, part
+
+Array = NDArray[np.float64]
+
+_SMALL = (
+    "states",
+    "onset",
+    "touch",
+    "tally",
+    "record",
+    "shutter",
+    "cycle",
+    "depth",
+    "doses",
+    "torque",
+    "ledger",
+)
+"""Arrays of a book that change as a whole."""
+
+
+@dataclass
+class Account:
+    """What one run has observed so far; made anew for every run.
+
+    Attributes
+    ----------
+    book : Book
+        What the kernels fill.
+    maps : MapBatches
+        Depth that the finished cycles added to bearing and pin, m.
+    """
+
+    book: Book
+    maps: MapBatches
+    _rows: Array = field(init=False)
+    _finished: int = field(default=0, init=False)
+
+    def __post_init__(self) -> None:
+        self._rows = np.zeros((0, self.book.cycle.size))
+
+    @staticmethod
+    def of(
+        linkage: Linkage,
+        position: Array,
+        recorded_cycles: int,
+        cycle: float,
+        torques: bool = True,
+    ) -> "Account":
+        """An empty account for a linkage that starts in a position.
+
+        Parameters
+        ----------
+        position : ndarray, shape (3 bodies,)
+        recorded_cycles : int
+            Cycles whose series and episodes are kept.
+        cycle : float
+            Duration of one cycle, s.
+        torques : bool
+            Whether series hold the torques of the drives.
+        """
+        joints = pack_joints(linkage)
+        count = joints.size
+        angles = max((j.wear.angles for j in linkage.clearances if j.wear), default=1)
+        touch = np.zeros(count, TOUCH)
+        touch["effective_mass"] = [effective_mass(linkage, k) for k in range(count)]
+        touch["relief"] = [relief(joint) for joint in linkage.clearances]
+        tally = np.zeros(count, TALLY)
+        tally["fewest_steps"] = np.iinfo(np.int64).max
+        record = np.zeros(1, RECORD)
+        record["room"] = np.iinfo(np.int64).max
+        record["interval"] = cycle / ROWS_AT_LEAST
+        record["force_step"] = FORCE_STEP
+        record["probe"] = 3 * linkage.index(linkage.probe.body)
+        record["probe_cos"] = math.cos(linkage.probe.direction)
+        record["probe_sin"] = math.sin(linkage.probe.direction)
+        record["start"] = (
+            record["probe_cos"] * position[record["probe"]]
+            + record["probe_sin"] * position[record["probe"] + 1]
+        )
+        rows = recorded_cycles * (ROWS_AT_MOST if count else 2 * ROWS_AT_LEAST)
+        columns = SERIES_FIXED + SERIES_JOINT * count + len(linkage.drives) * torques
+        shape = (count, 2, angles)
+        book = Book(
+            joints=joints,
+            wear=pack_wear(linkage),
+            surfaces=pack_surfaces(linkage),
+            states=np.zeros(count, STATE),
+            onset=np.zeros(count),
+            touch=touch,
+            tally=tally,
+            record=record,
+            series=np.zeros((rows, columns)),
+            episodes=np.zeros((count, recorded_cycles * EPISODES_AT_MOST, len(EPISODE_COLUMNS))),
+            film=empty_film(len(linkage.bodies), count),
+            shutter=shutter_of(cycle),
+            cycle=np.zeros(len(CYCLE_FIXED) + len(CYCLE_JOINT) * count),
+            depth=np.zeros(shape),
+            doses=np.zeros((count, 2)),
+            pressure=np.zeros(PRESSURE_POINTS),
+            torque=np.zeros(len(linkage.drives)),
+            ledger=np.zeros(7),
+        )
+        account = Account(book, MapBatches(shape))
+        account.start_cycle()
+        return account
+
+    def begin(self, q: Array, v: Array, a: Array) -> None:
+        """Settle contact in the initial state and write the first row of the series."""
+        book = self.book
+        note_contacts(book.joints, book.surfaces, book.states, q, v)
+        settle_state(book, 0.0, LEAST_STEPS)
+        observe(book, 0.0, 0.0, q, v, a)
+
+    @property
+    def cycles(self) -> Array:
+        """One row per finished cycle, columns CYCLE_FIXED and CYCLE_JOINT."""
+        return self._rows[: self._finished]
+
+    @property
+    def rows(self) -> Array:
+        """Series rows written so far, shape (n, SERIES_FIXED + SERIES_JOINT joints + drives)."""
+        return self.book.series[: int(self.book.record["rows"][0])]
+
+    @property
+    def film(self) -> Film:
+        """Frames kept so far."""
+        book = self.book
+        rows = book.film[: int(book.shutter["frames"][0])]
+        return Film.of(rows, book.joints.size)
+
+    @property
+    def last_frames(self) -> Film:
+        """Frames up to now: of a film that is full, the one that is taken and taken again."""
+        book = self.book
+        frames = int(book.shutter["frames"][0])
+        first = frames if frames == len(book.film) - 1 else 0
+        return Film.of(book.film[first : max(frames, first + 1)], book.joints.size)
+
+    def episodes(self, k: int) -> Array:
+        """Recorded contacts of joint ``k``, shape (n, 6), columns EPISODE_COLUMNS."""
+        return self.book.episodes[k, : int(self.book.tally["episodes"][k])]
+
+    def stop_recording(self) -> None:
+        """Keep no further series rows and episodes."""
+        self.book.record["room"] = 0
+        self.book.tally["full"] = True
+
+    def start_cycle(self) -> None:
+        """Clear the row and the maps of the present cycle."""
+        self.book.cycle[:] = 0.0
+        self.book.cycle[0] = self.book.cycle[2] = -math.inf
+        self.book.cycle[1] = math.inf
+        self.book.depth[:] = 0.0
+
+    @property
+    def last_time(self) -> float:
+        """Time of the last accepted state, s."""
+        return float(self.book.record["now"][0])
+
+    def end_cycle(self) -> None:
+        """File the present cycle and start the next."""
+        if self._finished == len(self._rows):
+            # A new array each time it is full: views of the old one stay what they are.
+            more = np.zeros((max(2 * self._finished, 64), self.book.cycle.size))
+            more[: self._finished] = self.cycles
+            self._rows = more
+        self._rows[self._finished] = self.book.cycle
+        self._finished += 1
+        self.maps.add(self.book.depth)
+        self.start_cycle()
+
+    def snapshot(self) -> dict[str, NDArray[Any]]:
+        """Everything that is not in the linkage, the start and the plan.
+
+        Rows of series, episodes, film and cycles are views: once written they stay.
+        """
+        book = self.book
+        frames = int(book.shutter["frames"][0])
+        return {
+            **{name: getattr(book, name).copy() for name in _SMALL},
+            "series": self.rows,
+            **{f"episodes_{k}": self.episodes(k) for k in range(book.joints.size)},
+            "film": book.film[:frames],
+            "frame": book.film[frames].copy(),
+            "cycles": self.cycles,
+            **named("maps", self.maps.snapshot()),
+        }
+
+    def restore(self, stored: Snapshot) -> None:
+        """Go on from a snapshot of an account of the same linkage, start and plan."""
+        book = self.book
+        for name in _SMALL:
+            getattr(book, name)[...] = stored[name]
+        book.series[: len(stored["series"])] = stored["series"]
+        for k in range(book.joints.size):
+            book.episodes[k, : len(stored[f"episodes_{k}"])] = stored[f"episodes_{k}"]
+        frames = len(stored["film"])
+        book.film[:frames] = stored["film"]
+        book.film[frames] = stored["frame"]
+        self._rows = np.array(stored["cycles"])
+        self._finished = len(self._rows)
+        self.maps.restore(part(stored, "maps"))
+
+
+def relief(joint: ClearanceJoint) -> float:
+    """Greatest difference of depth that a pin can meet on the worn surfaces, m."""
+    return sum(
+        float(np.ptp(surface.depth)) if surface.is_worn else 0.0
+        for surface in (joint.bearing_surface, joint.pin_surface)
+    )
+
+
+def effective_mass(linkage: Linkage, k: int) -> float:
+    """Lower bound of the mass that meets in clearance joint ``k``, kg.
+
+    Both bodies taken as free: 1/m = sum of 1/m + r^2/I.  Constraints only add mass.
+    A driven body and the frame do not give way.
+    """
+    joint = linkage.clearances[k]
+    driven = {drive.body for drive in linkage.drives}
+    mobility = 0.0
+    for end in (joint.bearing, joint.pin):
+        for body in linkage.bodies:
+            if body.name == end.body and body.name not in driven:
+                mobility += 1.0 / body.mass + (end.x**2 + end.y**2) / body.inertia
+    return 1.0 / mobility if mobility > 0.0 else math.inf

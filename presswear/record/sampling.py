@@ -1,0 +1,338 @@
+"""Cycles as samples of a chaotic motion: means, wear maps and peaks with their intervals.
+
+Beyond some twenty impacts the motion is chaotic and one run is one draw.  Cycles behind a
+start-up part are the samples.  Where there are many they are put together in batches of
+neighbours, so that what one cycle hands on to the next is counted once: the method of batch
+means (Law and Kelton, Simulation Modeling and Analysis, section 9.5.3).  Intervals are of
+95 %.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.tools.snapshot import Snapshot
+
+Array = NDArray[np.float64]
+
+STARTUP_CYCLES = 1
+"""Cycles at the start that are no samples, where at least LEAST_SAMPLES others remain."""
+LEAST_SAMPLES = 3
+MOST_BATCHES = 32
+"""When there would be more batches, neighbours become one."""
+LEVEL = 0.95
+RESAMPLES = 1000
+"""Draws of a bootstrap: an end of an interval scatters by about 5 % of its width."""
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """Mean over cycles with the half width of its interval (None: too few cycles)."""
+
+    mean: float
+    half_width: float | None
+    cycles: int
+
+
+def after_startup(rows: Array) -> Array:
+    """The rows, one a cycle, that are samples."""
+    return rows[STARTUP_CYCLES:] if len(rows) >= STARTUP_CYCLES + LEAST_SAMPLES else rows
+
+
+def batched(samples: Array) -> Array:
+    """Means of at most MOST_BATCHES batches of equal size, shape (batches, ...).
+
+    What does not fill a batch is left out, at the start.
+    """
+    size = -(-len(samples) // MOST_BATCHES)
+    if size <= 1:
+        return samples
+    count = len(samples) // size
+    whole = samples[len(samples) - count * size :]
+    return np.asarray(whole.reshape(count, size, *samples.shape[1:]).mean(axis=1))
+
+
+def half_width(samples: Array) -> float | None:
+    """Half width of Student's interval of a mean; None for fewer than two samples."""
+    count = len(samples)
+    if count < 2:
+        return None
+    spread = float(samples.std(ddof=1)) / math.sqrt(count)
+    from scipy.stats import t as student  # slow to import
+
+    return float(student.ppf(0.5 + 0.5 * LEVEL, count - 1)) * spread
+
+
+def estimate(rows: Array) -> Estimate:
+    """Mean and interval of one number a cycle, shape (cycles,), start-up included."""
+    samples = after_startup(rows)
+    mean = float(samples.mean()) if samples.size else math.nan
+    return Estimate(mean, half_width(batched(samples)), samples.size)
+
+
+def _no_maps() -> Array:
+    return np.zeros(0)
+
+
+@dataclass
+class MapBatches:
+    """Wear maps of a run, summed over batches of neighbouring cycles.
+
+    Memory does not grow with the number of cycles.
+
+    Attributes
+    ----------
+    shape : tuple of int
+        (joints, 2, m).
+    cycles : int
+        Cycles filed, start-up included.
+    size : int
+        Cycles in a full batch.
+    """
+
+    shape: tuple[int, ...]
+    cycles: int = 0
+    size: int = 1
+    _startup: Array = field(default_factory=_no_maps)
+    _sums: Array = field(default_factory=_no_maps)
+
+    def __post_init__(self) -> None:
+        self._startup = np.zeros(self.shape)
+        self._sums = np.zeros((MOST_BATCHES, *self.shape))
+
+    def add(self, depth: Array) -> None:
+        """File the depth that one cycle added, m."""
+        self.cycles += 1
+        if self.cycles <= STARTUP_CYCLES:
+            self._startup += depth
+            return
+        behind = self.cycles - STARTUP_CYCLES - 1
+        if behind == MOST_BATCHES * self.size:
+            half = MOST_BATCHES // 2
+            self._sums[:half] = self._sums[0::2] + self._sums[1::2]
+            self._sums[half:] = 0.0
+            self.size *= 2
+        self._sums[behind // self.size] += depth
+
+    @property
+    def total(self) -> Array:
+        """Depth of all cycles, m."""
+        return np.asarray(self._startup + self._sums.sum(axis=0))
+
+    @property
+    def _has_samples(self) -> bool:
+        return self.cycles >= STARTUP_CYCLES + LEAST_SAMPLES
+
+    @property
+    def samples(self) -> int:
+        """Cycles behind the start-up; 0 where they are too few to leave that out."""
+        return self.cycles - STARTUP_CYCLES if self._has_samples else 0
+
+    @property
+    def sampled(self) -> Array:
+        """Depth of the samples, m."""
+        return np.asarray(self._sums.sum(axis=0))
+
+    def snapshot(self) -> dict[str, NDArray[Any]]:
+        """All that changes, copied."""
+        return {
+            "filed": np.array([self.cycles, self.size]),
+            "startup": self._startup.copy(),
+            "sums": self._sums.copy(),
+        }
+
+    def restore(self, stored: Snapshot) -> None:
+        """Go on from a snapshot of maps of the same shape."""
+        self.cycles, self.size = (int(number) for number in stored["filed"])
+        self._startup[...] = stored["startup"]
+        self._sums[...] = stored["sums"]
+
+    def batches(self) -> Array:
+        """Mean depth per cycle in each full batch, shape (batches, joints, 2, m), m."""
+        count = self.samples // self.size
+        return np.asarray(self._sums[:count] / self.size)
+
+
+def mean_map(runs: Sequence[MapBatches]) -> Array:
+    """Mean depth that one cycle adds, m: of all samples, or of all cycles where few ran."""
+    samples = sum(run.samples for run in runs)
+    if samples == 0:
+        depth = np.sum([run.total for run in runs], axis=0)
+        return np.asarray(depth / max(sum(run.cycles for run in runs), 1))
+    depth = np.sum([run.sampled for run in runs if run.samples], axis=0)
+    return np.asarray(depth / samples)
+
+
+def map_batches(runs: Sequence[MapBatches]) -> tuple[Array, Array]:
+    """Batches of all runs, shape (n, joints, 2, m), m, and the cycles in each, (n,)."""
+    maps = np.concatenate([run.batches() for run in runs])
+    weights = np.concatenate([np.full(len(run.batches()), float(run.size)) for run in runs])
+    return maps, weights
+
+
+def map_errors(maps: Array, weights: Array) -> Array:
+    """Standard error of each joint's mean map as part of its rms, shape (joints,).
+
+    Infinite where there are too few samples.
+
+    Parameters
+    ----------
+    maps : ndarray, shape (n, joints, 2, m)
+        By batches.
+    weights : ndarray, shape (n,)
+        Cycles in each; the variance of a batch goes as one over them.
+    """
+    if len(maps) < LEAST_SAMPLES:
+        return np.full(maps.shape[1], math.inf)
+    share = weights / weights.sum()
+    mean = np.tensordot(share, maps, 1)
+    variance = np.tensordot(share, (maps - mean) ** 2, 1) / (len(maps) - 1)
+    size, noise = (np.sum(part, axis=(1, 2)) for part in (mean**2, variance))
+    return np.where(size > 0.0, np.sqrt(noise / np.where(size > 0.0, size, 1.0)), 0.0)
+
+
+@dataclass(frozen=True)
+class Interval:
+    """A number with the ends of its interval (None: too few samples)."""
+
+    value: float
+    low: float | None
+    high: float | None
+
+
+@dataclass(frozen=True)
+class Peak:
+    """The deepest place of a wear map: depth, m, and angle, rad.
+
+    The ends of the angle's interval are continuous with the angle itself: they may lie below
+    0 or above 2 pi.
+    """
+
+    depth: Interval
+    angle: Interval
+
+
+def resampled(maps: Array, weights: Array, seed: int = 1) -> Array:
+    """Bootstrap of a weighted mean over maps, shape (RESAMPLES, m); a seed gives its draws.
+
+    Parameters
+    ----------
+    maps : ndarray, shape (n, m)
+    weights : ndarray, shape (n,)
+        Cycles in each.
+    """
+    count = len(maps)
+    generator = np.random.default_rng(seed)
+    picked = generator.multinomial(count, np.full(count, 1.0 / count), RESAMPLES) * weights
+    return np.asarray(picked @ maps / picked.sum(axis=1, keepdims=True))
+
+
+def basic_interval(value: float, draws: Array, count: int) -> Interval:
+    """Interval of a statistic from what it is in bootstrap draws, shape (RESAMPLES,).
+
+    What is biased by noise, such as the deepest of many bins, is biased again by as much in
+    the draws: the interval is turned about the estimate ("basic" bootstrap, Davison and
+    Hinkley, Bootstrap Methods and their Application, section 2.4).  It is widened as
+    Student's is.
+
+    Parameters
+    ----------
+    count : int
+        Samples that the draws are from.
+    """
+    if count < LEAST_SAMPLES:
+        return Interval(value, None, None)
+    ends = value - _widening(count) * (np.quantile(draws, _ENDS[::-1]) - value)
+    return Interval(value, float(ends[0]), float(ends[1]))
+
+
+_ENDS = (0.5 - 0.5 * LEVEL, 0.5 + 0.5 * LEVEL)
+
+
+def _widening(count: int) -> float:
+    """Student's quantile over that of the normal distribution, and the bias of a spread."""
+    from scipy.stats import t as student  # slow to import
+
+    quantile = float(student.ppf(_ENDS[1], count - 1) / student.ppf(_ENDS[1], math.inf))
+    return quantile * math.sqrt(count / (count - 1))
+
+
+def turned_interval(place: int, places: NDArray[np.int64], bins: int, count: int) -> Interval:
+    """Interval of the angle, rad, of a bin from where it is in bootstrap draws."""
+    angle = 2.0 * math.pi * (place + 0.5) / bins
+    if count < LEAST_SAMPLES:
+        return Interval(angle, None, None)
+    moved = (places - place + bins // 2) % bins - bins // 2
+    left, right = _widening(count) * np.quantile(moved, _ENDS)
+    # No place is known better than its bin.
+    width = 2.0 * math.pi / bins
+    return Interval(
+        angle, angle + width * min(float(left), -0.5), angle + width * max(float(right), 0.5)
+    )
+
+
+def pointwise_interval(mean: Array, draws: Array, count: int) -> tuple[Array, Array]:
+    """Ends of the interval of each place of a mean map from its draws.
+
+    Parameters
+    ----------
+    mean : ndarray, shape (m,)
+    draws : ndarray, shape (RESAMPLES, m)
+    count : int
+        Maps that the draws are from; of one the ends are the mean.
+    """
+    if count < 2:
+        return mean, mean
+    low, high = mean + _widening(count) * (np.quantile(draws, _ENDS, axis=0) - mean)
+    return low, high
+
+
+def peak_of(mean: Array, draws: Array, count: int) -> Peak:
+    """The deepest place of a mean wear map.
+
+    Parameters
+    ----------
+    mean : ndarray, shape (m,)
+        Depth at the bin centres, m.
+    draws : ndarray, shape (RESAMPLES, m)
+        Of ``resampled``.
+    count : int
+        Maps that the draws are from.
+    """
+    place = int(mean.argmax())
+    depth = basic_interval(float(mean[place]), draws.max(axis=1), count)
+    if depth.low is not None:
+        depth = Interval(depth.value, max(depth.low, 0.0), depth.high)
+    return Peak(depth, turned_interval(place, draws.argmax(axis=1), mean.size, count))
+
+
+def pooled(runs: Sequence[Array]) -> tuple[Estimate, bool]:
+    """Mean over the cycles of several runs, start-up left out, and whether the runs differ.
+
+    Runs whose means differ by more than their cycles explain (one-way analysis of variance,
+    1 %) are single samples themselves: their interval is that of the runs.
+
+    Parameters
+    ----------
+    runs : sequence of ndarray, shape (cycles,)
+    """
+    samples = [after_startup(rows) for rows in runs]
+    everything = np.concatenate(samples)
+    mean = float(everything.mean()) if everything.size else math.nan
+    apart = differ(samples)
+    parts = [some.mean(keepdims=True) if apart else batched(some) for some in samples]
+    return Estimate(mean, half_width(np.concatenate(parts)), everything.size), apart
+
+
+def differ(samples: Sequence[Array]) -> bool:
+    """Whether some groups of samples have means that differ (analysis of variance, 1 %)."""
+    groups = [some for some in samples if some.size >= LEAST_SAMPLES]
+    if len(groups) < 2 or all(np.ptp(some) == 0.0 for some in groups):
+        return False
+    from scipy.stats import f_oneway  # slow to import
+
+    return bool(f_oneway(*groups).pvalue < 0.01)

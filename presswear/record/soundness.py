@@ -1,0 +1,185 @@
+"""The watch on every run: what makes its numbers worthless, when, where, and what may help.
+
+Each limit lies far beyond what a sound run shows and before what would be nonsense, so
+that a run ends where one is passed.
+"""
+
+import math
+from dataclasses import asdict, dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.linkage.elements import Linkage
+from presswear.physics.constraints import Constraints
+from presswear.physics.energy import MADE_REMEDY, Ledger, mass_of
+from presswear.record.recorder import Account
+
+Array = NDArray[np.float64]
+
+Kind = Literal["state", "energy", "steps", "constraints", "penetration", "wear"]
+
+RESIDUAL = 3e-3
+"""Energy that does not add up, part of what the drives exchanged: below 1e-7 at the defaults,
+6e-6 at the coarsest steps that bodies and joints may take."""
+UNEXCHANGED = 1e-3
+"""Part of the kinetic energy that counts as exchanged at least: in a moment hardly any is."""
+MADE = 0.05
+"""Energy that contacts gave back beyond what they took, part of the same: worn profiles under
+radial contact do up to 0.015, far too coarse steps 0.2 and more."""
+UNRESOLVED = 0.5
+"""Contacts of fewer than LEAST_STEPS steps, part of all: grazing touches are a few in a hundred."""
+FEWEST_CONTACTS = 20
+"""Contacts of a joint before that is judged."""
+DRIFT = 0.01
+"""Error of a constraint, m or rad, part of the smallest clearance."""
+DRIFT_LEAST = 1e-7
+"""Error that harms no linkage, however small its clearance, m or rad."""
+DRIFT_IDEAL = 1e-4
+"""The same where there is no clearance, m."""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Something that ends a run.
+
+    Attributes
+    ----------
+    kind : Kind
+    what : str
+        With values and limits.
+    time : float
+        Since the run began, s.
+    joint : str
+        Where, or nothing where no single joint can be blamed.
+    remedy : str
+        What may help.
+    """
+
+    kind: Kind
+    what: str
+    time: float
+    joint: str
+    remedy: str
+
+    @property
+    def words(self) -> str:
+        """In a line."""
+        where = f"joint {self.joint}: " if self.joint else ""
+        remedy = f"; {self.remedy}" if self.remedy else ""
+        return f"{where}{self.what} (t = {self.time:.6g} s){remedy}"
+
+    def as_dict(self) -> dict[str, Any]:
+        """Ready for ``result.json``."""
+        found = asdict(self)
+        found["time_s"] = found.pop("time")
+        return found
+
+    @staticmethod
+    def from_dict(stored: dict[str, Any]) -> "Finding":
+        """What ``as_dict`` gave."""
+        plain = dict(stored)
+        return Finding(time=plain.pop("time_s"), **plain)
+
+
+@dataclass(frozen=True)
+class Condition:
+    """How a run stands after a cycle.
+
+    Attributes
+    ----------
+    time : float
+        s.
+    ledger : Ledger
+        Energies since the run began.
+    position, velocity : ndarray, shape (3 bodies,)
+    remedy : str
+        What makes the steps of this engine finer.
+    constraints : Constraints or None
+        What may drift; None where the coordinates leave no room for it.
+    """
+
+    time: float
+    ledger: Ledger
+    position: Array
+    velocity: Array
+    remedy: str
+    constraints: Constraints | None = None
+
+
+def examine(linkage: Linkage, account: Account, now: Condition) -> Finding | None:
+    """The first thing that makes a run worthless after a cycle, if any."""
+    return (
+        _state(now)
+        or _penetration(linkage, account, now)
+        or _steps(linkage, account, now)
+        or _energy(linkage, now)
+        or _constraints(linkage, now)
+    )
+
+
+def _state(now: Condition) -> Finding | None:
+    if np.isfinite(now.position).all() and np.isfinite(now.velocity).all():
+        return None
+    return Finding("state", "the state is no longer finite", now.time, "", now.remedy)
+
+
+def _penetration(linkage: Linkage, account: Account, now: Condition) -> Finding | None:
+    for joint, tally in zip(linkage.clearances, account.book.tally, strict=True):
+        deepest, limit = float(tally["deepest"]), joint.pin_radius
+        if deepest > limit:
+            what = (
+                f"the pin sank {deepest:.3g} m into its bearing, more than its own radius of "
+                f"{limit:.3g} m"
+            )
+            remedy = f"a stiffer joint, a lower speed, or {now.remedy}"
+            return Finding("penetration", what, now.time, joint.name, remedy)
+    return None
+
+
+def _steps(linkage: Linkage, account: Account, now: Condition) -> Finding | None:
+    for joint, tally in zip(linkage.clearances, account.book.tally, strict=True):
+        contacts, coarse = int(tally["contacts"]), int(tally["unresolved"])
+        if contacts >= FEWEST_CONTACTS and coarse > UNRESOLVED * contacts:
+            what = (
+                f"the steps are too long for the contacts: {coarse} of {contacts} had too few, "
+                f"the least {int(tally['fewest_steps'])}"
+            )
+            return Finding("steps", what, now.time, joint.name, now.remedy)
+    return None
+
+
+def _energy(linkage: Linkage, now: Condition) -> Finding | None:
+    residual, made = now.ledger.residual, -now.ledger.contact_loss
+    if now.ledger.drive_exchange <= 0.0:
+        return None
+    kinetic = 0.5 * float(mass_of(linkage) @ now.velocity**2)
+    exchange = max(now.ledger.drive_exchange, UNEXCHANGED * kinetic)
+    if abs(residual) > RESIDUAL * exchange:
+        what = (
+            f"{residual:.3g} J do not add up, limit {RESIDUAL * exchange:.3g} J, "
+            f"{100.0 * RESIDUAL:g} % of the energy exchanged"
+        )
+        return Finding("energy", what, now.time, "", now.remedy)
+    if made > MADE * exchange:
+        what = (
+            f"the contacts made {made:.3g} J, limit {MADE * exchange:.3g} J, "
+            f"{100.0 * MADE:g} % of the energy exchanged"
+        )
+        return Finding("energy", what, now.time, "", f"{MADE_REMEDY}: {now.remedy}")
+    return None
+
+
+def _constraints(linkage: Linkage, now: Condition) -> Finding | None:
+    constraints = now.constraints
+    if constraints is None or constraints.rows == 0:
+        return None
+    error = np.abs(constraints.evaluate(now.time, now.position, now.velocity)[0])
+    worst = int(error.argmax())
+    clearance = min((joint.clearance for joint in linkage.clearances), default=math.inf)
+    limit = max(DRIFT * clearance, DRIFT_LEAST) if clearance < math.inf else DRIFT_IDEAL
+    if error[worst] <= limit:
+        return None
+    what = f"the joint has drifted apart by {error[worst]:.3g} m or rad, limit {limit:.3g}"
+    return Finding("constraints", what, now.time, constraints.names[worst], now.remedy)

@@ -1,0 +1,82 @@
+"""Where numbers come from: versions, source and machine."""
+
+import hashlib
+import os
+import platform
+import subprocess
+import time
+from collections.abc import Mapping
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+PACKAGES = ("presswear", "exudyn", "numpy", "scipy", "numba", "matplotlib")
+BINDING = ("python", "revision", "source")
+"""What must be the same for a run to go on with the same numbers, beside the packages.
+
+The same source may be installed in one place and checked out in another, where alone git knows
+its revision: where the source is the same, so is the revision.
+"""
+
+_PACKAGE = Path(__file__).resolve().parents[1]
+
+
+def source_revision() -> str:
+    """Revision of the source when it runs from a checkout, else ``unknown``."""
+    try:
+        found = subprocess.run(
+            ["git", "-C", str(_PACKAGE), "describe", "--always", "--dirty", "--abbrev=12"],
+            capture_output=True,
+            text=True,
+            timeout=5,
+            check=True,
+        )
+    except (OSError, subprocess.SubprocessError):
+        return "unknown"
+    return found.stdout.strip()
+
+
+def source_digest() -> str:
+    """Digest of the package's modules: tells two changes of one revision apart."""
+    found = hashlib.sha256()
+    for path in sorted(_PACKAGE.rglob("*.py")):
+        found.update(path.relative_to(_PACKAGE).as_posix().encode())
+        found.update(path.read_bytes())
+    return found.hexdigest()[:16]
+
+
+def now() -> str:
+    """Date and time of day, UTC."""
+    return time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
+
+
+def machine() -> str:
+    """System, architecture and cores."""
+    return f"{platform.system()} {platform.machine()}, {os.cpu_count()} cores"
+
+
+def provenance() -> dict[str, Any]:
+    """Versions, revision and machine."""
+    return {
+        "python": platform.python_version(),
+        "packages": {name: version(name) for name in PACKAGES},
+        "revision": source_revision(),
+        "source": source_digest(),
+        "machine": machine(),
+        "started": now(),
+    }
+
+
+def provenance_differs(stored: Mapping[str, Any], here: Mapping[str, Any]) -> str:
+    """Versions or sources that differ and so make other numbers, in words, or nothing."""
+    pairs = {name: (stored.get(name), here[name]) for name in BINDING}
+    if stored.get("source") == here["source"]:
+        del pairs["revision"]
+    packages = stored.get("packages", {})
+    # What draws the figures changes no number.
+    pairs |= {name: (packages.get(name), here["packages"][name]) for name in PACKAGES[:-1]}
+    return ", ".join(
+        f"{name} {there} there and {own} here"
+        for name, (there, own) in pairs.items()
+        if there != own
+    )

@@ -1,0 +1,287 @@
+"""The exchange table: a run as CSV or NPZ, ours for others and others' for us.
+
+One column per quantity, one row per time, SI units:
+
+====================  =======  ====================================================
+column                unit     meaning
+====================  =======  ====================================================
+time                  s        strictly increasing, from the start of the run
+displacement          m        of the slider, from where it starts
+velocity              m/s      of the slider
+acceleration          m/s^2    of the slider
+J_eccentricity_x, _y  m        pin centre minus bearing centre of joint J, global
+J_penetration         m        of the pin into the bearing, negative while open
+J_normal_force        N        between pin and bearing, 0 while open
+J_tangential_force    N        friction, with the sign of our contact model
+J_sliding             m/s      tangential speed at the contact
+====================  =======  ====================================================
+
+J is the name of a clearance joint, such as A or C.  A table needs ``time`` and at
+least one other column; their order is free.  CSV: a header line with the names,
+values separated by commas, lines that begin with ``#`` are comments.  NPZ: one
+array of one dimension per column, under its name.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import BinaryIO
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
+
+from presswear.tools.errors import InputError
+from presswear.tools.files import write_arrays, write_whole
+from presswear.tools.folders import check_name
+from presswear.results.results import StoredResult
+from presswear.results.stored import read_arrays
+
+Array = NDArray[np.float64]
+Table = Mapping[str, Array]
+"""Columns by name, all of one length."""
+
+UNITS = {"time": "s", "displacement": "m", "velocity": "m/s", "acceleration": "m/s^2"}
+JOINT_UNITS = {
+    "eccentricity_x": "m",
+    "eccentricity_y": "m",
+    "penetration": "m",
+    "normal_force": "N",
+    "tangential_force": "N",
+    "sliding": "m/s",
+}
+TOLERANCE = 1e-3
+"""Root mean square difference allowed, part of the root mean square of our column."""
+
+
+@dataclass(frozen=True)
+class ColumnDifference:
+    """How far a column of theirs is from ours.
+
+    Attributes
+    ----------
+    greatest, rms : float
+        In the unit of the column.
+    bound : float
+        Of ``rms``.
+    """
+
+    column: str
+    unit: str
+    greatest: float
+    rms: float
+    bound: float
+
+    @property
+    def passed(self) -> bool:
+        """Whether the difference is within the bound."""
+        return self.rms <= self.bound
+
+
+def unit_of(column: str) -> str:
+    """Unit of a column; InputError for a name that is none."""
+    if column in UNITS:
+        return UNITS[column]
+    joint, _, quantity = column.partition("_")
+    if not joint or quantity not in JOINT_UNITS:
+        known = ", ".join([*UNITS, *(f"J_{name}" for name in JOINT_UNITS)])
+        raise InputError(f"unknown column {column!r}; known are {known}, J a joint such as A")
+    return JOINT_UNITS[quantity]
+
+
+def table_of(result: StoredResult, stage: int) -> dict[str, Array]:
+    """The recorded series of a stage; InputError if there is no such stage or series."""
+    indices = [int(entry["index"]) for entry in result.document["stages"]]
+    if stage not in indices:
+        held = ", ".join(map(str, indices)) or "none"
+        raise InputError(f"{result.path} has no stage {stage}; it has {held}")
+    arrays = result.stages[indices.index(stage)]
+    try:
+        columns = {"time": arrays["time"]}
+        for place, name in enumerate(("displacement", "velocity", "acceleration")):
+            columns[name] = arrays["slider"][:, place]
+        for joint in result.scene.clearance_joints:
+            eccentricity, force = arrays[f"{joint}_eccentricity"], arrays[f"{joint}_force"]
+            values = (
+                eccentricity[:, 0],
+                eccentricity[:, 1],
+                arrays[f"{joint}_penetration"],
+                force[:, 0],
+                force[:, 1],
+                arrays[f"{joint}_sliding"],
+            )
+            columns |= {
+                f"{joint}_{name}": value for name, value in zip(JOINT_UNITS, values, strict=True)
+            }
+    except (KeyError, IndexError) as error:
+        raise InputError(f"stage {stage} of {result.path} is not whole: {error}") from None
+    return columns
+
+
+def check_table(table: Table, source: str) -> None:
+    """InputError naming the source unless a table can be compared."""
+    for name in table:
+        try:
+            unit_of(name)
+        except InputError as error:
+            raise InputError(f"{source}: {error}") from None
+    if "time" not in table or len(table) < 2:
+        missing = "time" if "time" not in table else "any column beside time"
+        raise InputError(f"{source} lacks {missing}; it has {', '.join(table) or 'no column'}")
+    rows = table["time"].size
+    if rows == 0:
+        raise InputError(f"{source} has no rows")
+    for name, values in table.items():
+        if values.size != rows:
+            raise InputError(f"{source}: {name} has {values.size} values, time has {rows}")
+        wrong = np.flatnonzero(~np.isfinite(values))
+        if wrong.size:
+            raise InputError(
+                f"{source}: {name} is {values[wrong[0]]} in row {wrong[0] + 1}; "
+                "a finite number is expected"
+            )
+    late = np.flatnonzero(np.diff(table["time"]) <= 0.0)
+    if late.size:
+        raise InputError(
+            f"{source}: time does not increase from row {late[0] + 1} to row {late[0] + 2}"
+        )
+
+
+def write_table(path: Path, table: Table) -> None:
+    """Write a table as ``.csv`` or ``.npz``; refuses to overwrite."""
+    kind = _suffix(path)
+    check_name(path)
+    if path.exists():
+        raise InputError(f"{path} exists; name a new file")
+    if not path.parent.is_dir():
+        raise InputError(f"{path.parent} is no folder")
+
+    if kind == ".npz":
+        write_arrays(path, table)
+        return
+
+    def write(file: BinaryIO) -> None:
+        # The names come first: numpy.genfromtxt takes them from the first line.
+        units = ",".join(f"{name} {unit_of(name)}" for name in table)
+        file.write(f"{','.join(table)}\n# units: {units}\n".encode())
+        np.savetxt(file, np.column_stack(list(table.values())), fmt="%.17g", delimiter=",")
+
+    write_whole(path, write)
+
+
+def read_table(path: Path) -> dict[str, Array]:
+    """Read and check a ``.csv`` or ``.npz`` table; InputError says what is wrong where."""
+    kind = _suffix(path)
+    check_name(path)
+    table = _from_npz(path) if kind == ".npz" else _from_csv(path)
+    check_table(table, str(path))
+    return table
+
+
+def _suffix(path: Path) -> str:
+    kind = path.suffix.lower()
+    if kind not in (".csv", ".npz"):
+        raise InputError(f"{path}: a name that ends in .csv or .npz is expected")
+    return kind
+
+
+def _from_npz(path: Path) -> dict[str, Array]:
+    arrays = read_arrays(path)
+    for name, values in arrays.items():
+        if values.ndim != 1:
+            raise InputError(f"{path}: {name} is no array of real numbers with one dimension")
+    return arrays
+
+
+def _from_csv(path: Path) -> dict[str, Array]:
+    try:
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
+    except OSError as error:
+        raise InputError(f"{path} cannot be read: {error.strerror}") from None
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path} is no text: {error}") from None
+    names: list[str] = []
+    rows: list[list[float]] = []
+    for number, line in enumerate(lines, start=1):
+        if not line.strip() or line.lstrip().startswith("#"):
+            continue
+        words = [word.strip() for word in line.split(",")]
+        if not names:
+            names = [word.strip('"') for word in words]
+            if len(set(names)) < len(names):
+                raise InputError(f"{path}: a column is named twice in {', '.join(names)}")
+            continue
+        if len(words) != len(names):
+            raise InputError(f"{path}, line {number}: {len(words)} values for {len(names)} columns")
+        rows.append(_numbers(words, names, f"{path}, line {number}"))
+    values = np.array(rows, dtype=float).reshape(len(rows), len(names))
+    return {name: values[:, place].copy() for place, name in enumerate(names)}
+
+
+def _numbers(words: list[str], names: list[str], place: str) -> list[float]:
+    values = []
+    for word, name in zip(words, names, strict=True):
+        try:
+            values.append(float(word))
+        except ValueError:
+            raise InputError(f"{place}: {name} is {word!r}; a number is expected") from None
+    return values
+
+
+def compare_tables(
+    ours: Table, theirs: Table, until: float | None, tolerance: float
+) -> list[ColumnDifference]:
+    """Differences column by column at their times that lie within our record.
+
+    The displacement between our rows is the cubic through displacements and
+    velocities, the velocity its derivative; other columns are monotone cubics.
+
+    Parameters
+    ----------
+    until : float or None
+        Last time compared, s; None: the whole overlap.
+    tolerance : float
+        Bound of the rms difference, part of the rms of our column.
+    """
+    time = ours["time"]
+    if time.size < 2:
+        raise InputError("the run holds no motion to compare with")
+    unknown = [name for name in theirs if name not in ours]
+    if unknown:
+        raise InputError(f"column {unknown[0]!r} is not in the run; it has {', '.join(ours)}")
+    last = float(time[-1]) if until is None else min(until, float(time[-1]))
+    common = (theirs["time"] >= time[0]) & (theirs["time"] <= last)
+    if not common.any():
+        raise InputError(
+            f"no overlap: the run is compared from {time[0]:g} to {last:g} s, the table goes "
+            f"from {theirs['time'][0]:g} to {theirs['time'][-1]:g} s"
+        )
+    wanted = theirs["time"][common]
+    found = []
+    for name, values in theirs.items():
+        if name == "time":
+            continue
+        mine = _interpolated(ours, name, wanted)
+        apart = values[common] - mine
+        found.append(
+            ColumnDifference(
+                name,
+                unit_of(name),
+                float(np.abs(apart).max()),
+                _rms(apart),
+                tolerance * _rms(mine),
+            )
+        )
+    return found
+
+
+def _interpolated(ours: Table, name: str, wanted: Array) -> Array:
+    time = ours["time"]
+    if name in ("displacement", "velocity"):
+        cubic = CubicHermiteSpline(time, ours["displacement"], ours["velocity"])
+        return np.asarray((cubic if name == "displacement" else cubic.derivative())(wanted))
+    return np.asarray(PchipInterpolator(time, ours[name])(wanted))
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2)))

@@ -1,0 +1,1 @@
+"""Everything that a person chooses, and the named scenes."""

@@ -1,0 +1,406 @@
+"""A scene: everything a person chooses, as data that prints and stores itself."""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import asdict, dataclass, field, fields, replace
+from itertools import combinations
+from typing import Any
+
+from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
+from presswear.linkage.elements import (
+    ClearanceJoint,
+    Footprint,
+    Linkage,
+    MapFrame,
+    Revolute,
+    Slip,
+    SurfaceContact,
+    WearLaw,
+)
+from presswear.linkage.laws import (
+    FrictionLaw,
+    NormalLaw,
+    StiffnessReading,
+    hertz_stiffness,
+    lankarani_nikravesh_damping,
+)
+from presswear.linkage.mechanism import Mechanism
+from presswear.linkage.press import Press
+from presswear.linkage.slider_crank import SliderCrank
+from presswear.linkage.surface import Surface
+from presswear.linkage.topology import branches_of
+from presswear.tools.errors import InputError
+from presswear.tools.quantities import Choice, check_fields, choice, quantity
+
+
+@dataclass(frozen=True)
+class Conventions:
+    """How the paper's wear model is read; each choice stands alone."""
+
+    stiffness: StiffnessReading = choice(
+        "paper", ("paper", "refined"), "K with R_i + R_j as printed, or R_i - R_j"
+    )
+    slip: Slip = choice(
+        "angle", ("angle", "sliding"), "ds = (R_j + delta) |d phi| (eq. 24), or |v_t| dt"
+    )
+    map_frame: MapFrame = choice(
+        "fixed", ("fixed", "body"), "wear maps fixed in direction, or turning with their bodies"
+    )
+    footprint: Footprint = choice(
+        "bin", ("bin", "arc"), "wear into the one bin of the contact, or over the contact arc"
+    )
+    contact: SurfaceContact = choice(
+        "radial",
+        ("radial", "foundation"),
+        "worn surfaces meet where e points, or over all of the arc on an elastic foundation",
+    )
+
+
+CONVENTIONS: dict[str, Conventions] = {
+    "paper": Conventions(),
+    "refined": Conventions("refined", "sliding", "body", "arc", "foundation"),
+}
+"""The two named sets; every choice can be made alone."""
+
+
+LEAST_RAMP = 1e-5
+"""Least width of the ramp of friction, m/s.
+
+A pin that sticks creeps inside the ramp, in steps that shorten with it: at this width a cycle
+of the press with c_f = 0.8 takes half a million steps, at 1e-6 m/s ten times as many.
+"""
+
+
+@dataclass(frozen=True)
+class Bearings:
+    """The clearance joints of a scene: both alike."""
+
+    clearance: float = quantity(0.8e-3, "m", 1e-9, 1.0, "paper, per study", "c = R_i - R_j")
+    bearing_radius: float = quantity(0.015, "m", 1e-4, 1.0, "paper", "R_i")
+    width: float = quantity(
+        0.02, "m", 0.0, 1.0, "assumed", "axial width b; only K_d / b matters", open_low=True
+    )
+    youngs_modulus: float = quantity(200e9, "Pa", 1e9, 1e12, "paper", "E of pin and bearing")
+    poisson_ratio: float = quantity(0.3, "", 0.0, 0.5, "paper", "nu of pin and bearing")
+    restitution: float = quantity(0.9, "", 0.05, 1.0, "paper", "nominal restitution ce")
+    exponent: float = quantity(1.5, "", 1.0, 2.5, "paper", "n of the normal force")
+    friction: float = quantity(0.02, "", 0.0, 0.8, "paper, per study", "friction coefficient c_f")
+    lower_speed: float = quantity(1e-4, "m/s", 0.0, 1.0, "paper", "v_0: no friction below")
+    upper_speed: float = quantity(1e-3, "m/s", LEAST_RAMP, 1.0, "paper", "v_1: full friction above")
+    wear_coefficient: float = quantity(
+        1.2e-15, "1/Pa", 0.0, 1e-9, "assumed, one number for all scenes", "K_d"
+    )
+    bearing_share: float = quantity(
+        0.5, "", 0.0, 1.0, "paper", "part of the wear depth that the bearing loses"
+    )
+    angles: int = quantity(360, "", 16, 100_000, "assumed", "bins of a wear map", whole=True)
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        if self.clearance >= self.bearing_radius:
+            raise InputError(
+                f"clearance = {self.clearance:g} m: allowed is 1e-9 m up to below the bearing "
+                f"radius, {self.bearing_radius:g} m"
+            )
+        if not self.upper_speed - self.lower_speed >= 0.999 * LEAST_RAMP:
+            raise InputError(
+                f"lower_speed = {self.lower_speed:g} m/s: allowed is 0 to {LEAST_RAMP:g} m/s below "
+                f"upper_speed, {self.upper_speed:g} m/s"
+            )
+
+    def joint(
+        self,
+        revolute: Revolute,
+        conventions: Conventions,
+        worn: tuple[Surface, Surface],
+        wear: bool,
+    ) -> ClearanceJoint:
+        """A revolute joint opened: bearing on its first end, pin on its second."""
+        stiffness = hertz_stiffness(
+            self.bearing_radius,
+            self.bearing_radius - self.clearance,
+            self.youngs_modulus,
+            self.poisson_ratio,
+            conventions.stiffness,
+        )
+        law = WearLaw(
+            self.wear_coefficient,
+            conventions.slip,
+            conventions.footprint,
+            self.bearing_share,
+            self.angles,
+        )
+        return ClearanceJoint(
+            revolute.name,
+            revolute.first,
+            revolute.second,
+            self.bearing_radius,
+            self.clearance,
+            self.width,
+            NormalLaw(stiffness, self.exponent, lankarani_nikravesh_damping(self.restitution)),
+            FrictionLaw(self.friction, self.lower_speed, self.upper_speed),
+            law if wear else None,
+            conventions.map_frame,
+            conventions.contact,
+            *worn,
+        )
+
+
+_RESTORED: Mapping[str, Callable[[Mapping[str, Any]], Press | SliderCrank]] = {
+    Press.kind: Press.from_dict,
+    SliderCrank.kind: SliderCrank.from_dict,
+}
+"""What makes a stored mechanism anew, by its kind."""
+
+
+ENGINES = ("exudyn", ExudynTree.word, ExudynJoints.word, InHouse.word)
+
+
+@dataclass(frozen=True)
+class Numerics:
+    """The engines, each with its settings; a run uses one of them."""
+
+    tree: ExudynTree = field(default_factory=ExudynTree)
+    joints: ExudynJoints = field(default_factory=ExudynJoints)
+    dae: InHouse = field(default_factory=InHouse)
+
+    def __post_init__(self) -> None:
+        for item in fields(self):
+            check_fields(getattr(self, item.name))
+
+    def of(self, engine: Engine) -> "Numerics":
+        """The same with the settings of one engine."""
+        place = {ExudynTree: "tree", ExudynJoints: "joints", InHouse: "dae"}[type(engine)]
+        engines = {item.name: getattr(self, item.name) for item in fields(self)}
+        return Numerics(**{**engines, place: engine})
+
+    def having(self, **settings: Any) -> "Numerics":
+        """The same with some settings changed, by their own names."""
+        changed = {}
+        for item in fields(self):
+            engine = getattr(self, item.name)
+            own = {key: settings.pop(key) for key in asdict(engine).keys() & settings.keys()}
+            changed[item.name] = replace(engine, **own)
+        if settings:
+            raise TypeError(f"no engine has a setting {', '.join(settings)}")
+        return Numerics(**changed)
+
+
+def joint_words(mechanism: Mechanism) -> dict[str, tuple[str, ...]]:
+    """The choices of joints with clearance: every combination by its letters, and ``none``."""
+    names = mechanism.openable
+    chosen = [some for count in range(len(names)) for some in combinations(names, count + 1)]
+    return {"".join(some): some for some in chosen} | {"none": ()}
+
+
+def _words(scene: "Scene") -> tuple[str, ...]:
+    return tuple(joint_words(scene.mechanism))
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A study of a mechanism; see the fields' own texts for units and ranges.
+
+    Attributes
+    ----------
+    statuses : mapping of str to str
+        Where values come from, by key, where it is not what their fields say.
+    """
+
+    name: str
+    title: str
+    mechanism: Press | SliderCrank = field(default_factory=Press)
+    bearings: Bearings = field(default_factory=Bearings)
+    conventions: Conventions = field(default_factory=Conventions)
+    numerics: Numerics = field(default_factory=Numerics)
+    joints: str = choice("AC", _words, "which joints have clearance")
+    engine: str = choice(
+        "exudyn",
+        ENGINES,
+        "what solves the motion; exudyn takes the open tree where there is one, or the joints",
+    )
+    drive_torque: str = choice("off", ("off", "on"), "whether drive torques are stored")
+    wears: int = quantity(
+        2, "", 0, 20, "paper, per study", "how often the joints are worn", whole=True
+    )
+    cycles: int | None = quantity(
+        None,
+        "",
+        1,
+        100_000,
+        "chosen",
+        "cycles of each stage and start; none given: until the maps are known",
+        whole=True,
+    )
+    tolerance: float = quantity(
+        0.1, "", 1e-3, 1.0, "chosen", "how well the wear maps must be known, part of their rms"
+    )
+    most_cycles: int = quantity(
+        200, "", 1, 100_000, "paper", "cycles of a stage at most without --cycles", whole=True
+    )
+    represented_cycles: float = quantity(
+        4e6,
+        "",
+        1.0,
+        1e12,
+        "paper",
+        "cycles that one wear stands for: 200 x 20,000, which the paper calls 2 million",
+    )
+    extrapolation: str = choice(
+        "conventions",
+        ("conventions", "single", "steps"),
+        "how a wear is applied: in a single jump, as the paper does, in steps with a run between "
+        "them, or in steps only where the footprint is an arc",
+    )
+    depth_step: float = quantity(
+        0.005,
+        "",
+        1e-4,
+        1.0,
+        "chosen",
+        "in steps: largest change of a surface in one, part of the clearance",
+    )
+    starts: int = quantity(
+        1,
+        "",
+        1,
+        100,
+        "chosen",
+        "starts 1e-9 m apart, from each of which every stage runs: several draws of the motion",
+        whole=True,
+    )
+    statuses: Mapping[str, str] = field(default_factory=dict, hash=False)
+
+    def __post_init__(self) -> None:
+        for name in ("name", "title"):
+            if not isinstance(getattr(self, name), str):
+                raise InputError(f"{name} = {getattr(self, name)!r}: a text is expected")
+        for key, status in dict(self.statuses).items():
+            if not (isinstance(key, str) and isinstance(status, str)):
+                raise InputError(f"status {status!r} of {key!r}: texts are expected")
+        check_fields(self)
+        check_fields(self.conventions)
+        if self.conventions.contact == "foundation" and self.bearings.exponent != 1.5:
+            raise InputError(
+                f"exponent = {self.bearings.exponent:g}: with contact = 'foundation', which is "
+                "linear and gives the exponent 1.5 of a round joint, allowed is 1.5"
+            )
+        if self.starts > 1 and not self.clearance_joints:
+            raise InputError(f"starts = {self.starts}: without a clearance joint allowed is 1")
+        self.mechanism.check_assembly()
+        reason = branches_of(self.linkage()) if self.engine == ExudynTree.word else ""
+        if isinstance(reason, str) and reason:
+            others = ", ".join(name for name in ENGINES if name != ExudynTree.word)
+            raise InputError(
+                f"engine = {ExudynTree.word!r}: a linkage without loops is needed, but {reason}; "
+                f"allowed here is one of {others}"
+            )
+
+    @property
+    def clearance_joints(self) -> tuple[str, ...]:
+        """Names of the joints with clearance."""
+        return joint_words(self.mechanism)[self.joints]
+
+    @property
+    def wears_in_steps(self) -> bool:
+        """Whether a wear is applied in steps.
+
+        By the conventions where the scene leaves it to them: a profile whose depth depends on
+        the width of its bins has no step that is small enough.
+        """
+        if self.extrapolation == "conventions":
+            return self.conventions.footprint == "arc"
+        return self.extrapolation == "steps"
+
+    def linkage(self, worn: Mapping[str, tuple[Surface, Surface]] | None = None) -> Linkage:
+        """The linkage of a stage; ``worn`` gives bearing and pin surface by joint name."""
+        ideal = self.mechanism.linkage()
+        surfaces = worn or {}
+        opened = tuple(
+            self.bearings.joint(
+                joint,
+                self.conventions,
+                surfaces.get(joint.name, (Surface(), Surface())),
+                wear=self.bearings.wear_coefficient > 0.0,
+            )
+            for joint in ideal.revolutes
+            if joint.name in self.clearance_joints
+        )
+        return ideal.opened(opened)
+
+    @property
+    def solver(self) -> Engine:
+        """The engine that runs: for ``exudyn`` the smallest model that the linkage allows."""
+        numerics = self.numerics
+        if self.engine == "exudyn":
+            is_tree = not isinstance(branches_of(self.linkage()), str)
+            return numerics.tree if is_tree else numerics.joints
+        named = {engine.word: engine for engine in (numerics.tree, numerics.joints, numerics.dae)}
+        return named[self.engine]
+
+    def as_dict(self) -> dict[str, Any]:
+        """The scene as plain data, SI units, radians; its mechanism says of which kind it is."""
+        plain = asdict(self)
+        return plain | {"mechanism": {"kind": self.mechanism.kind, **plain["mechanism"]}}
+
+    @staticmethod
+    def from_dict(data: Mapping[str, Any]) -> "Scene":
+        """A scene from ``as_dict``; InputError names what does not fit or is missing.
+
+        Nothing is filled in: a value that got lost is not today's default.
+        """
+        try:
+            plain = dict(data)
+            mechanism = dict(plain.pop("mechanism"))
+            kind = mechanism.pop("kind")
+            Choice(tuple(_RESTORED), "").check("kind of mechanism", kind)
+            scene = Scene(
+                mechanism=_RESTORED[kind](mechanism),
+                bearings=Bearings(**plain.pop("bearings")),
+                conventions=Conventions(**plain.pop("conventions")),
+                numerics=_numerics(dict(plain.pop("numerics"))),
+                **plain,
+            )
+            lacking = next(_lacking(scene.as_dict(), data), None)
+            if lacking is not None:
+                raise InputError(f"this is no whole scene: {lacking!r} is missing")
+            return scene
+        except InputError:
+            raise
+        except (KeyError, TypeError, ValueError, OverflowError) as error:
+            raise InputError(f"this is not a stored scene: {error}") from None
+
+
+def _numerics(stored: Mapping[str, Any]) -> Numerics:
+    """The engines from their settings as plain data."""
+    kinds = {item.name: type(getattr(Numerics(), item.name)) for item in fields(Numerics)}
+    return Numerics(**{name: kinds[name](**settings) for name, settings in stored.items()})
+
+
+def _lacking(whole: Mapping[str, Any], data: Mapping[str, Any]) -> Iterator[str]:
+    """Names in nested data that other data of the same kind lack."""
+    for name, value in whole.items():
+        if name not in data:
+            yield name
+        elif isinstance(value, Mapping) and name != "statuses":
+            yield from _lacking(value, data[name])
+
+
+_ORDINALS = (
+    "first",
+    "second",
+    "third",
+    "fourth",
+    "fifth",
+    "sixth",
+    "seventh",
+    "eighth",
+    "ninth",
+    "tenth",
+)
+
+
+def stage_name(index: int) -> str:
+    """Name of a stage: ``no wear``, ``first wear``, ..."""
+    if index == 0:
+        return "no wear"
+    return f"{_ORDINALS[index - 1]} wear" if index <= len(_ORDINALS) else f"wear {index}"

@@ -1,0 +1,115 @@
+"""What a person can change in a scene: keys, values, and text that changes them.
+
+Keys are the names of the fields of a scene and its parts, without the parts' names.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import Field, dataclass, fields, is_dataclass, replace
+from typing import Any
+
+from presswear.scene.scene import Scene
+from presswear.tools.errors import InputError
+from presswear.tools.quantities import (
+    Choice,
+    Meaning,
+    choice_of,
+    meaning_of,
+    parse_quantity,
+    sets_of,
+)
+
+SET = "set by the user"
+"""Status of a value that was changed."""
+
+
+@dataclass(frozen=True)
+class Setting:
+    """One thing that ``--set`` can change."""
+
+    key: str
+    value: Any
+    meaning: Meaning | Choice
+
+    def described(self) -> str:
+        """Value, range and text in one line."""
+        if isinstance(self.meaning, Choice):
+            return f"{self.value}  ({' | '.join(self.meaning.words)})  {self.meaning.text}"
+        unit = f" {self.meaning.unit}" if self.meaning.unit else ""
+        value = "none" if self.value is None else f"{self.value:.6g}{unit}"
+        return f"{value}  ({self.meaning.range_text()}; {self.meaning.status})  {self.meaning.text}"
+
+
+def settings_of(scene: Scene) -> Iterator[Setting]:
+    """Everything that ``--set`` can change, with its present value."""
+    return _settings(scene, scene.statuses)
+
+
+def _settings(owner: Any, statuses: Mapping[str, str]) -> Iterator[Setting]:
+    """The parts of an owner first, then its own values."""
+    for item in fields(owner):
+        value = getattr(owner, item.name)
+        sets = sets_of(item)
+        if sets is not None:
+            yield Setting(item.name, value.name, sets.choice)
+        if is_dataclass(value):
+            yield from _settings(value, statuses)
+    for item in fields(owner):
+        meaning, words = meaning_of(item), choice_of(item, owner)
+        if meaning is not None:
+            status = statuses.get(item.name, meaning.status)
+            yield Setting(item.name, getattr(owner, item.name), replace(meaning, status=status))
+        elif words is not None:
+            yield Setting(item.name, getattr(owner, item.name), words)
+
+
+def differences(first: Any, second: Any, key: str = "") -> list[tuple[str, Any, Any]]:
+    """Keys under which two stored scenes differ, and both values; a part by its own keys."""
+    if isinstance(first, Mapping) and isinstance(second, Mapping):
+        return [
+            found
+            for name in dict.fromkeys([*first, *second])
+            for found in differences(first.get(name), second.get(name), name)
+        ]
+    return [] if first == second else [(key, first, second)]
+
+
+def changed(scene: Scene, settings: Mapping[str, str]) -> Scene:
+    """The scene with settings given as text, as on the command line.
+
+    A named set (``geometry``) is taken first, so that single values can be set on top.
+    """
+    known = {setting.key for setting in settings_of(scene)}
+    for key in settings:
+        if key not in known:
+            raise InputError(f"unknown key {key!r}; known are {', '.join(sorted(known))}")
+    statuses = {**scene.statuses, **dict.fromkeys(settings, SET)}
+    return replace(scene, statuses=statuses, **_updates(scene, settings))
+
+
+def _updates(owner: Any, settings: Mapping[str, str]) -> dict[str, Any]:
+    """New values of the fields of an owner that settings change."""
+    updates: dict[str, Any] = {}
+    for item in fields(owner):
+        value, text = getattr(owner, item.name), settings.get(item.name)
+        if is_dataclass(value):
+            updates[item.name] = _part(item, value, settings)
+        elif text is not None:
+            words, meaning = choice_of(item, owner), meaning_of(item)
+            if words is not None:
+                words.check(item.name, text)
+                updates[item.name] = text
+            elif meaning is not None:
+                updates[item.name] = parse_quantity(item.name, text, meaning)
+    return updates
+
+
+def _part(item: Field[Any], value: Any, settings: Mapping[str, str]) -> Any:
+    """A part of an owner, taken by its name where it has one, with its own fields changed."""
+    sets = sets_of(item)
+    if sets is not None and item.name in settings:
+        sets.choice.check(item.name, settings[item.name])
+        value = sets.sets[settings[item.name]]
+    updates = _updates(value, settings)
+    if sets is not None and updates:
+        updates["name"] = f"{value.name}, changed"
+    return replace(value, **updates)

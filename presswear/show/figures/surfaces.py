@@ -1,0 +1,240 @@
+"""Figures of the worn surfaces: outlines with enlarged wear, and true profiles."""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.lines import Line2D
+from matplotlib.projections.polar import PolarAxes
+from matplotlib.ticker import FuncFormatter
+
+from presswear.linkage.surface import Surface
+from presswear.results.results import StoredResult
+from presswear.show.figures.style import (
+    MICRONS,
+    REFERENCE,
+    SIDES,
+    WIDTH,
+    Array,
+    Axes,
+    Drawing,
+    Sheet,
+    ShownStage,
+    length_scale,
+    maps_turn,
+    round_down,
+    shown_stages,
+)
+from presswear.tools.numbers import readable
+
+_DRAWN_DEPTH = 0.25
+"""Largest wear depth in an outline, part of the bearing radius."""
+_MATERIAL = "0.91"
+_NEW: dict[str, Any] = {"color": REFERENCE, "linewidth": 0.8, "linestyle": "dotted"}
+
+# Places in inches, because the scales of the profiles follow from their sizes.
+_HEIGHT = 4.3
+_OUTLINE = (0.42, 0.62, 2.75, 2.75)
+_PROFILES = {"bearing": (4.0, 2.45, 2.85, 1.3), "pin": (4.0, 0.5, 2.85, 1.3)}
+_OUTWARDS = {"bearing": 1.0, "pin": -1.0}
+"""Where wear moves the surface."""
+
+
+@dataclass(frozen=True)
+class _View:
+    """The part of one surface that is enlarged.
+
+    Attributes
+    ----------
+    centre, half : float
+        Middle and half width, rad.
+    radius : float
+        Of the new surface, m.
+    steeper : float
+        Radial scale over the scale along the surface.
+    """
+
+    side: str
+    centre: float
+    half: float
+    radius: float
+    steeper: float
+
+    @property
+    def span(self) -> float:
+        """Radial range of the drawing, m."""
+        return _radial_range(self.side, self.half, self.radius) / self.steeper
+
+
+def _radial_range(side: str, half: float, radius: float) -> float:
+    """Radial range, m, of a profile drawn to one scale in both directions."""
+    _, _, width, height = _PROFILES[side]
+    return 2.0 * half * radius * height / width
+
+
+def worn_surfaces(result: StoredResult) -> list[Drawing]:
+    """Outline of pin and worn bearing, and an enlargement, of each worn joint."""
+    found = []
+    for joint in result.scene.clearance_joints:
+        worn = [
+            stage
+            for stage in shown_stages(result)
+            if any(np.any(stage.depth(joint, side) > 0.0) for side in SIDES)
+        ]
+        if worn:
+            found.append(worn_surface(result, joint, worn))
+    return found
+
+
+def worn_surface(result: StoredResult, joint: str, stages: list[ShownStage]) -> Drawing:
+    """Outline and enlargement of one joint.
+
+    Parameters
+    ----------
+    result : StoredResult
+        Whose bearings the joint has.
+    stages : list of ShownStage
+        With the depths to draw, the surface of the last in grey.
+    """
+    bearings = result.scene.bearings
+    views = _views(result, joint, stages)
+    deepest = max(float(stage.depth(joint, side).max()) for stage in stages for side in SIDES)
+    enlarged = max(1.0, round_down(_DRAWN_DEPTH * bearings.bearing_radius / deepest))
+    sheet = Sheet(figsize=(WIDTH, _HEIGHT))
+    outline = PolarAxes(sheet, _place(_OUTLINE))
+    sheet.add_axes(outline)
+    _draw_outline(outline, joint, stages, enlarged, views)
+    for side, view in views.items():
+        axes = sheet.add_axes(_place(_PROFILES[side]))
+        _draw_profile(axes, joint, stages, view)
+        where = f"angle on the {side}" if maps_turn(result) else "direction of contact"
+        axes.set_xlabel(f"{where} (degrees)")
+    _write(sheet, 0.12, _HEIGHT - 0.2, f"joint {joint}", ha="left", fontweight="bold")
+    middle = _OUTLINE[0] + 0.5 * _OUTLINE[2]
+    _write(sheet, middle, 0.15, f"wear {_times(enlarged)}, clearance to scale")
+    handles = [Line2D([], [], label="no wear", **_NEW)]
+    handles += [
+        Line2D([], [], color=stage.colour, linestyle=stage.dashes, label=stage.label)
+        for stage in stages
+    ]
+    sheet.legend(
+        handles=handles,
+        loc="upper right",
+        ncols=len(handles),
+        columnspacing=1.2,
+        borderaxespad=0.2,
+    )
+    factor, unit = length_scale(deepest)
+    caption = (
+        f"Pin and bearing of joint {joint}. Left: outlines with the wear depth "
+        f"{_times(enlarged)}; the thick line marks the part shown on the right. Right: "
+        "the true surfaces around the deepest wear, bearing above and pin below, the "
+        f"{1e3 * bearings.clearance:g} mm of clearance between them left out. Deepest wear of "
+        f"one surface: {readable(deepest * factor)} {unit}."
+    )
+    if maps_turn(result):
+        caption += " Angles are on each body; the two parts shown need not face each other."
+    return Drawing(f"worn-surface-{joint}.png", f"Worn surfaces at {joint}", caption, sheet)
+
+
+def _times(factor: float) -> str:
+    return "to scale" if factor == 1.0 else f"enlarged {readable(factor, 1)} times"
+
+
+def _place(inches: tuple[float, float, float, float]) -> tuple[float, float, float, float]:
+    left, bottom, width, height = inches
+    return left / WIDTH, bottom / _HEIGHT, width / WIDTH, height / _HEIGHT
+
+
+def _write(
+    sheet: Sheet, x: float, y: float, text: str, ha: str = "center", fontweight: str = "normal"
+) -> None:
+    """Text at a place in inches."""
+    sheet.text(x / WIDTH, y / _HEIGHT, text, ha=ha, va="center", fontweight=fontweight)
+
+
+def _views(result: StoredResult, joint: str, stages: list[ShownStage]) -> dict[str, _View]:
+    """The part of each surface to enlarge; the same part of both in fixed directions."""
+    angle = stages[-1].arrays["angle"]
+    depth = {side: stages[-1].depth(joint, side) for side in SIDES}
+    looked_at = (
+        depth if maps_turn(result) else dict.fromkeys(SIDES, depth["bearing"] + depth["pin"])
+    )
+    bearings = result.scene.bearings
+    views = {}
+    for side, radius in (
+        ("bearing", bearings.bearing_radius),
+        ("pin", bearings.bearing_radius - bearings.clearance),
+    ):
+        shown = [depth[side]] if maps_turn(result) else list(depth.values())
+        deepest = max(float(one.max()) for one in shown)
+        half = _half_width(angle, looked_at[side])
+        # The smaller surface sets the scale, or rounding could part two equal views.
+        most = _radial_range(side, half, bearings.bearing_radius - bearings.clearance)
+        steeper = max(1.0, round_down(most / (1.12 * deepest))) if deepest > 0.0 else 1.0
+        centre = float(angle[int(looked_at[side].argmax())])
+        views[side] = _View(side, centre, half, radius, steeper)
+    return views
+
+
+def _half_width(angle: Array, depth: Array) -> float:
+    """Half width, rad, that holds every depth above a tenth of the deepest; 10 to 60 degrees."""
+    centre = angle[int(depth.argmax())]
+    away = np.abs((angle - centre + math.pi) % (2.0 * math.pi) - math.pi)
+    reach = math.degrees(float(away[depth >= 0.1 * depth.max()].max()))
+    return math.radians(min(max(5.0 * math.ceil(1.2 * reach / 5.0), 10.0), 60.0))
+
+
+def _draw_outline(
+    axes: PolarAxes,
+    joint: str,
+    stages: list[ShownStage],
+    enlarged: float,
+    views: dict[str, _View],
+) -> None:
+    rim = (1.0 + 1.2 * _DRAWN_DEPTH) * views["bearing"].radius
+    far_edge = {"bearing": rim, "pin": 0.0}
+    around = np.linspace(0.0, 2.0 * math.pi, 361)
+    for side, view in views.items():
+        for stage in stages:
+            angle, depth = stage.arrays["angle"], stage.depth(joint, side)
+            angle = np.append(angle, angle[0] + 2.0 * math.pi)
+            surface = view.radius + _OUTWARDS[side] * enlarged * np.append(depth, depth[0])
+            if stage is stages[-1]:
+                axes.fill_between(angle, surface, far_edge[side], color=_MATERIAL, linewidth=0.0)
+            axes.plot(angle, surface, color=stage.colour, linestyle=stage.dashes, linewidth=1.0)
+        axes.plot(around, np.full_like(around, view.radius), **_NEW)
+        sector = np.linspace(view.centre - view.half, view.centre + view.half, 50)
+        marked = rim if side == "bearing" else 0.62 * view.radius
+        axes.plot(sector, np.full_like(sector, marked), color=REFERENCE, linewidth=2.0)
+    axes.set_rlim(0.0, 1.02 * rim)
+    axes.set_rticks([])
+    axes.set_thetagrids(range(0, 360, 45))
+    axes.grid(visible=False)
+    axes.spines["polar"].set_visible(False)
+    axes.text(0.0, 0.0, "pin", ha="center", va="center")
+    # Above or below the pin, whichever is farther from the wear.
+    away = -math.copysign(0.5 * math.pi, math.sin(views["bearing"].centre))
+    axes.text(away, 0.5 * (views["bearing"].radius + rim), "bearing", ha="center", va="center")
+
+
+def _draw_profile(axes: Axes, joint: str, stages: list[ShownStage], view: _View) -> None:
+    angle = np.linspace(view.centre - view.half, view.centre + view.half, 1200)
+    degrees = np.degrees(angle)
+    outwards = _OUTWARDS[view.side]
+    range_shown = outwards * MICRONS * view.span
+    for stage in stages:
+        position = MICRONS * outwards * Surface(stage.depth(joint, view.side))(angle)
+        if stage is stages[-1]:
+            axes.fill_between(degrees, position, range_shown, color=_MATERIAL, linewidth=0.0)
+        axes.plot(degrees, position, color=stage.colour, linestyle=stage.dashes, linewidth=1.0)
+    axes.axhline(0.0, **_NEW)
+    axes.grid(visible=False)
+    axes.set_ylim(*sorted((-0.1 * range_shown, 0.9 * range_shown)))
+    axes.set_xlim(degrees[0], degrees[-1])
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value % 360.0:g}"))
+    symbol = "R_i" if view.side == "bearing" else "R_j"
+    axes.set_ylabel(f"{view.side}, $r - {symbol}$ (µm)")
+    steeper = "the same as" if view.steeper == 1.0 else f"{readable(view.steeper, 1)} times"
+    axes.set_title(f"radial scale {steeper} that along the surface", fontsize=8.0)

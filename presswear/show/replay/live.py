@@ -1,0 +1,162 @@
+"""The press in a window while it runs.
+
+The window is a process of its own and is sent frames only when it has shown the last ones:
+a window that hangs or is closed does not keep the run from going on.
+"""
+
+import time as clock
+from dataclasses import dataclass
+from multiprocessing.connection import Connection
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.linkage.elements import ClearanceJoint, Linkage
+from presswear.record.film import FILM_JOINT, Film
+from presswear.record.recorder import Account
+from presswear.scene.scene import Scene, stage_name
+from presswear.show.replay.picture import Picture
+from presswear.show.replay.reel import PATH_FRAMES, Instant, Subject, Surfaces
+from presswear.show.replay.window import Window, begin, check_display, wait_open
+
+Array = NDArray[np.float64]
+
+_INTERVAL = 0.04
+"""Least time between two pictures, s."""
+_LARGEST = 500.0
+"""Force whose arrow has the full length, N: what is to come is not known."""
+_RECENT = 10
+"""Frames of which the greatest force is told."""
+_PEAK = FILM_JOINT.index("peak")
+
+
+@dataclass(frozen=True)
+class _Frames:
+    """The last frames of a run, the present one at the end."""
+
+    film: Film
+    part: float
+
+
+class Live:
+    """A window that shows a run of a scene.
+
+    Raises
+    ------
+    RunError
+        Where no window can be opened.
+    """
+
+    def __init__(self, scene: Scene, size: tuple[int, int]) -> None:
+        check_display()
+        self._scene = scene
+        times = np.linspace(0.0, scene.mechanism.period, 181)
+        self._motion = scene.mechanism.ideal_motion(times).position
+        linkage = scene.linkage()
+        self._linkage: Linkage | None = None
+        self._window: Connection | None
+        self._process, self._window = begin(_show, size, self._subject(0, linkage))
+        wait_open(self._process, self._window)
+        self._is_ready = True
+        self._sent = 0.0
+
+    def show(self, stage: int, linkage: Linkage, account: Account) -> None:
+        """Show how a run stands, if the window is there and has shown what it was sent."""
+        now = clock.perf_counter()
+        if now - self._sent < _INTERVAL or not self._can_send():
+            return
+        if linkage is not self._linkage:
+            self._linkage = linkage
+            self._send(self._subject(stage, linkage))
+        film = account.last_frames
+        last = Film(*(part[-PATH_FRAMES:] for part in (film.time, film.position, film.joints)))
+        self._send(_Frames(last, float(film.time[-1] / self._scene.mechanism.period) % 1.0))
+        self._is_ready = False
+        self._sent = now
+
+    def _subject(self, stage: int, linkage: Linkage) -> Subject:
+        worn = tuple(_surfaces(joint) for joint in linkage.clearances)
+        return Subject(
+            title=self._scene.name,
+            stage=f"{stage_name(stage)}, running",
+            linkage=linkage,
+            period=self._scene.mechanism.period,
+            surfaces=worn,
+            deepest=tuple(surface.deepest for surface in worn),
+            largest=tuple(_LARGEST for _ in worn),
+            motion=self._motion,
+        )
+
+    def _can_send(self) -> bool:
+        if self._window is None:
+            return False
+        try:
+            while self._window.poll():
+                self._window.recv()
+                self._is_ready = True
+        except (EOFError, OSError):
+            self._window = None
+            return False
+        return self._is_ready
+
+    def _send(self, what: Subject | _Frames) -> None:
+        try:
+            if self._window is not None:
+                self._window.send(what)
+        except OSError:
+            self._window = None
+
+    def close(self) -> None:
+        """Close the window."""
+        if self._window is not None:
+            self._window.close()
+        self._process.join(2.0)
+        if self._process.is_alive():
+            self._process.kill()
+
+
+def _surfaces(joint: ClearanceJoint) -> Surfaces:
+    bearing, pin = (
+        surface.depth if surface.is_worn else np.zeros(1)
+        for surface in (joint.bearing_surface, joint.pin_surface)
+    )
+    return Surfaces(bearing, pin)
+
+
+def _show(run: Any, size: tuple[int, int], subject: Subject) -> None:
+    """The process of the window."""
+    picture, window = _opened(subject, size)
+    run.send("open")
+    is_open = True
+    try:
+        while is_open:
+            if run.poll():
+                told = run.recv()
+                if isinstance(told, Subject):
+                    window.close()
+                    picture, window = _opened(told, size)
+                else:
+                    picture.set([_instant(told.film)], told.part, "")
+                    run.send("shown")
+            is_open = window.idle()
+    except (EOFError, OSError):
+        pass  # the run is over
+    window.close()
+
+
+def _opened(subject: Subject, size: tuple[int, int]) -> tuple[Picture, Window]:
+    picture = Picture([subject], size)
+    joints = np.zeros((len(subject.linkage.clearances), len(FILM_JOINT)))
+    picture.set([Instant(0.0, subject.motion[:1], joints, joints[:, 0])], 0.0, "")
+    return picture, Window(picture, lambda key: False)
+
+
+def _instant(film: Film) -> Instant:
+    recent = film.joints[-_RECENT:, :, _PEAK]
+    return Instant(
+        time=float(film.time[-1]),
+        past=film.position,
+        joints=film.joints[-1],
+        peaks=np.max(recent, axis=0),
+    )

@@ -1,0 +1,157 @@
+"""Stills and films from the renderer, without a display."""
+
+import multiprocessing
+import os
+import shutil
+import subprocess
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from presswear.show.replay.clip import Clip, instants
+from presswear.show.replay.picture import Picture
+from presswear.show.replay.reel import Reel
+from presswear.tools.errors import InputError, RunError
+
+Pixels = NDArray[np.uint8]
+
+MOVIES = (".mp4", ".gif")
+_COLOURS = 64
+"""Of a GIF: flat colours need few."""
+
+
+def still(reels: Sequence[Reel], frames: Sequence[int], size: tuple[int, int]) -> Pixels:
+    """One picture, shape (height, width, 3)."""
+    picture = Picture([reel.subject for reel in reels], size)
+    try:
+        first, last = reels[0].span
+        part = (reels[0].film.time[frames[0]] - first) / (last - first)
+        picture.set(instants(reels, frames, frames), float(part), "")
+        return picture.image()
+    finally:
+        picture.close()
+
+
+def write_still(file: Path, pixels: Pixels) -> None:
+    """A picture as PNG, whole or not at all."""
+    with _whole(file) as part:
+        Image.fromarray(pixels).save(part, format="png")
+
+
+_worker: dict[str, Any] = {}
+"""What a worker process draws with."""
+
+
+def _begin(reels: Sequence[Reel], clip: Clip, size: tuple[int, int]) -> None:
+    picture = Picture([reel.subject for reel in reels], size)
+    picture.container.visualizationSettings.raytracer.numberOfThreads = 1
+    _worker.update(reels=reels, clip=clip, picture=picture)
+
+
+def _draw(number: int) -> Pixels:
+    clip, reels, picture = _worker["clip"], _worker["reels"], _worker["picture"]
+    frames = clip.frames[number]
+    before = clip.frames[max(number - 1, 0)]
+    picture.set(instants(reels, before, frames), clip.part(number), clip.note)
+    image: Pixels = picture.image()
+    return image
+
+
+def pictures(reels: Sequence[Reel], clip: Clip, size: tuple[int, int]) -> Iterator[Pixels]:
+    """All pictures of a clip in order, drawn by as many processes as there are cores."""
+    context = multiprocessing.get_context("spawn")
+    jobs = min(os.cpu_count() or 1, len(clip.frames))
+    with context.Pool(jobs, _begin, (reels, clip, size)) as pool:
+        yield from pool.imap(_draw, range(len(clip.frames)))
+
+
+def check_movie(file: Path) -> None:
+    """InputError unless a film can be written under such a name here."""
+    if file.suffix.lower() not in MOVIES:
+        raise InputError(f"--movie {file}: a name that ends in .mp4 or .gif is expected")
+    if file.suffix.lower() == ".mp4" and shutil.which("ffmpeg") is None:
+        raise InputError(
+            f"--movie {file}: .mp4 needs ffmpeg, which is not installed; .gif works without"
+        )
+
+
+def write_movie(
+    file: Path,
+    images: Iterator[Pixels],
+    count: int,
+    rate: float,
+    progress: Callable[[float], None] = lambda part: None,
+) -> None:
+    """Pictures as a film, whole or not at all.
+
+    Parameters
+    ----------
+    count : int
+        Of the pictures, for the progress.
+    rate : float
+        Pictures a second.
+    """
+
+    def told() -> Iterator[Pixels]:
+        for number, image in enumerate(images):
+            yield image
+            progress((number + 1) / count)
+
+    with _whole(file) as part:
+        encode = _gif if file.suffix.lower() == ".gif" else _mp4
+        encode(part, told(), rate)
+
+
+def _gif(part: Path, images: Iterator[Pixels], rate: float) -> None:
+    """Pillow takes the pictures one by one; all share the palette of the first."""
+    first = Image.fromarray(next(images)).quantize(_COLOURS)
+    rest = (
+        Image.fromarray(image).quantize(palette=first, dither=Image.Dither.NONE) for image in images
+    )
+    # A GIF counts in hundredths of a second.
+    duration = 10 * max(round(100.0 / rate), 2)
+    first.save(part, format="gif", save_all=True, append_images=rest, duration=duration, loop=0)
+
+
+def _mp4(part: Path, images: Iterator[Pixels], rate: float) -> None:
+    image = next(images)
+    height, width = image.shape[:2]
+    command = [
+        *("ffmpeg", "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24"),
+        *("-s", f"{width}x{height}", "-r", f"{rate:g}", "-i", "-"),
+        # Players expect even sizes and this way of storing colours.
+        *("-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p"),
+        *("-movflags", "+faststart", "-f", "mp4", str(part)),
+    ]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as encoder:
+        assert encoder.stdin is not None
+        assert encoder.stderr is not None
+        try:
+            encoder.stdin.write(image.tobytes())
+            for image in images:
+                encoder.stdin.write(image.tobytes())
+            encoder.stdin.close()
+        except BrokenPipeError:
+            pass  # the encoder says why
+        except BaseException:
+            encoder.kill()
+            raise
+        said = encoder.stderr.read().decode(errors="replace").strip().splitlines()
+    if encoder.returncode != 0:
+        raise RunError(f"ffmpeg could not write the film: {said[-1] if said else 'no reason'}")
+
+
+@contextmanager
+def _whole(file: Path) -> Iterator[Path]:
+    """A name to write to that becomes the file's only when all went well."""
+    part = file.with_name(file.name + ".part")
+    try:
+        yield part
+        os.replace(part, file)
+    finally:
+        part.unlink(missing_ok=True)

@@ -1,0 +1,155 @@
+"""The window: a process of its own, so that nothing that happens to it harms anybody else."""
+
+import multiprocessing
+import time as clock
+from collections.abc import Callable, Sequence
+from multiprocessing.connection import Connection
+from typing import Any
+
+import exudyn as exu
+
+from presswear.record.film import FRAMES_PER_CYCLE
+from presswear.show.replay.clip import frames_at, instants, played
+from presswear.show.replay.display import missing_display
+from presswear.show.replay.picture import Picture
+from presswear.show.replay.player import Player
+from presswear.show.replay.reel import Reel
+from presswear.tools.errors import RunError
+
+WITHOUT_WINDOW = "--movie FILE.mp4 makes a film and --still FILE.png --at T a picture without one"
+_OPENS_WITHIN = 30.0
+"""Time in which a window must have opened, s."""
+_TICK = 0.02
+"""Time that is left to the window between two pictures, s."""
+_BAR_REACH = 0.03
+"""Distance from the bar at which a click still means it, part of the picture's height."""
+
+
+def check_display() -> None:
+    """RunError where no window can be opened."""
+    reason = missing_display()
+    if reason:
+        raise RunError(f"no window can be opened here: {reason}; {WITHOUT_WINDOW}")
+
+
+def play(reels: Sequence[Reel], size: tuple[int, int], start: float, slowed: float) -> None:
+    """Play reels in a window until it is closed; RunError where it cannot be opened."""
+    check_display()
+    process, opened = begin(_show, reels, size, start, slowed)
+    try:
+        wait_open(process, opened)
+        process.join()
+    finally:
+        if process.is_alive():
+            process.kill()
+    if process.exitcode != 0:
+        raise RunError(f"the window ended by itself (exit code {process.exitcode})")
+
+
+def begin(target: Callable[..., None], *given: Any) -> tuple[Any, Connection]:
+    """Start a process with a window; what comes back tells when that has opened."""
+    context = multiprocessing.get_context("spawn")
+    ours, theirs = context.Pipe()
+    process = context.Process(target=target, args=(theirs, *given), daemon=True)
+    process.start()
+    theirs.close()
+    return process, ours
+
+
+def wait_open(process: Any, opened: Connection) -> None:
+    """Wait until a window has opened; RunError where it has not."""
+    if opened.poll(_OPENS_WITHIN):
+        try:
+            opened.recv()
+            return
+        except EOFError:  # the process has ended
+            process.join(1.0)
+            why = f"Exudyn's renderer could not start (exit code {process.exitcode})"
+    else:
+        process.kill()
+        why = f"Exudyn's renderer did not start within {_OPENS_WITHIN:g} s"
+    raise RunError(f"no window can be opened here: {why}; {WITHOUT_WINDOW}")
+
+
+class Window:
+    """Exudyn's window with a picture in it."""
+
+    def __init__(self, picture: Picture, press: Callable[[int], bool]) -> None:
+        self.picture = picture
+        self._renderer: Any = picture.container.renderer
+        settings = picture.container.visualizationSettings
+        # The window's thread could not call Python; with one thread keys arrive in ``idle``.
+        settings.general.useMultiThreadedRendering = False
+        settings.general.showHelpOnStartup = 0
+        settings.openGL.multiSampling = 4
+        settings.view0.window.lockModelView = True
+        settings.interactive.ignoreKeys = True
+        settings.interactive.advanced.selectionHighlights = False
+        settings.interactive.keyPressUserFunction = self._key
+        self._press = press
+        self._quits = False
+        self._renderer.Start()
+        picture.look()
+
+    def _key(self, key: int, action: int, mods: int) -> bool:
+        if action == 0:  # released
+            return False
+        if key == ord("Q"):
+            self._quits = True
+            return True
+        return self._press(key)
+
+    def idle(self) -> bool:
+        """Show the picture as set and let keys and mouse act; False once the window is closed."""
+        self._renderer.SendRedrawSignal()
+        self._renderer.DoIdleTasks(_TICK, False)
+        return bool(
+            not self._quits
+            and self._renderer.IsActive()
+            and not self.picture.system.GetRenderEngineStopFlag()
+        )
+
+    def clicked_part(self) -> float | None:
+        """The part of the bar of time, 0 .. 1, that was clicked at, if any."""
+        item = self._renderer.GetItemSelection(True)
+        if item[1] == exu.ItemType._None:
+            return None
+        x, y = self._renderer.GetMouseCoordinates(True)
+        layout = self.picture.layout
+        start, end = layout.bar
+        if abs(y - start[1]) > _BAR_REACH * layout.height:
+            return None
+        return float(min(max((x - start[0]) / (end[0] - start[0]), 0.0), 1.0))
+
+    def close(self) -> None:
+        """Close it."""
+        self._renderer.Stop()
+        self.picture.close()
+
+
+def _show(
+    opened: Any, reels: Sequence[Reel], size: tuple[int, int], start: float, slowed: float
+) -> None:
+    """The process of the window."""
+    first = reels[0]
+    # Every reel has frames up to the crank angle at which the shortest ends.
+    last = first.period * min(reel.span[1] / reel.period for reel in reels)
+    player = Player(first.span[0], last, start, slowed, first.period / FRAMES_PER_CYCLE)
+    window = Window(Picture([reel.subject for reel in reels], size), player.press)
+    opened.send("open")
+    before = frames_at(reels, player.time)
+    shown = clock.perf_counter()
+    is_open = True
+    while is_open:
+        frames = frames_at(reels, player.time)
+        note = played(player.slowed) if player.plays else "paused"
+        window.picture.set(instants(reels, before, frames), player.part, note)
+        before = frames
+        is_open = window.idle()
+        part = window.clicked_part()
+        if part is not None:
+            player.jump(player.first + part * (player.last - player.first))
+        now = clock.perf_counter()
+        player.advance(now - shown)
+        shown = now
+    window.close()

@@ -1,0 +1,94 @@
+"""Tables of where the numbers come from: parameters, conventions, versions, solver."""
+
+from dataclasses import fields
+
+from presswear.results.results import StoredResult
+from presswear.scene.scene import CONVENTIONS, Conventions
+from presswear.scene.settings import Setting, settings_of
+from presswear.show.report.parts import Table, stage_names
+from presswear.tools.numbers import given, readable, whole
+from presswear.tools.quantities import Choice
+
+
+def _value(setting: Setting) -> str:
+    if setting.value is None:
+        return "none"
+    return given(setting.value) if isinstance(setting.value, int | float) else str(setting.value)
+
+
+def _origin(setting: Setting) -> tuple[str, str]:
+    """Unit and status of a setting; a choice has its allowed words instead."""
+    meaning = setting.meaning
+    if isinstance(meaning, Choice):
+        return "", f"one of {', '.join(meaning.words)}"
+    return meaning.unit.replace("^2", "²"), meaning.status
+
+
+def parameters(result: StoredResult) -> Table:
+    """Every value that a person can set, but the conventions."""
+    apart = {item.name for item in fields(Conventions)}
+    rows = tuple(
+        (setting.key, _value(setting), *_origin(setting), setting.meaning.text)
+        for setting in settings_of(result.scene)
+        if setting.key not in apart
+    )
+    return Table(("key", "value", "unit", "status", "meaning"), (("", rows),), numeric=False)
+
+
+def convention_set(chosen: Conventions) -> str:
+    """Name of a set of conventions."""
+    for name, preset in CONVENTIONS.items():
+        if chosen == preset:
+            return f"the “{name}” set"
+    return "a set of its own"
+
+
+def conventions(result: StoredResult) -> Table:
+    """Each convention, its choice and what it decides."""
+    apart = {item.name for item in fields(Conventions)}
+    rows = tuple(
+        (setting.key, _value(setting), " or ".join(setting.meaning.words), setting.meaning.text)
+        for setting in settings_of(result.scene)
+        if setting.key in apart and isinstance(setting.meaning, Choice)
+    )
+    head = ("convention", "chosen", "can be", "which means, in that order")
+    return Table(head, (("", rows),), numeric=False)
+
+
+def provenance(result: StoredResult) -> Table:
+    """Where the numbers come from."""
+    document = result.document
+    origin = document["provenance"]
+    packages = ", ".join(f"{name} {number}" for name, number in origin["packages"].items())
+    rows = (
+        ("engine", document["engine"]),
+        ("source revision", origin["revision"]),
+        ("packages", packages),
+        ("Python", origin["python"]),
+        ("machine", origin["machine"]),
+        ("started", origin["started"]),
+        ("wall time", f"{readable(document['wall_s'])} s"),
+        ("schema of the result", str(document["schema"])),
+    )
+    return Table(("", ""), (("", rows),), numeric=False)
+
+
+def diagnostics(result: StoredResult) -> Table:
+    """What the solver says of each stage."""
+    stages = [stage["diagnostics"] for stage in result.document["stages"]]
+    keys = dict.fromkeys(key for stage in stages for key in stage if key != "model")
+    rows = tuple(
+        (_spelled(key), *(_diagnostic(stage.get(key)) for stage in stages)) for key in keys
+    )
+    return Table(("", *stage_names(result)), (("", rows),))
+
+
+def _spelled(key: str) -> str:
+    words = key.replace("_", " ")
+    return f"{words[:-2]} (s)" if key.endswith("_s") else words
+
+
+def _diagnostic(value: float | int | str | None) -> str:
+    if isinstance(value, str):
+        return value
+    return whole(value) if isinstance(value, int) else readable(value)

@@ -1,0 +1,186 @@
+"""Figures 8, 11 and 14: wear depth over angle."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.ticker import MultipleLocator
+
+from presswear.show.figures.style import (
+    MICRONS,
+    REFERENCE,
+    WIDTH,
+    Axes,
+    Drawing,
+    Sheet,
+    maps_turn,
+)
+from presswear.studies.paper.evidence import Evidence, WearMap
+from presswear.studies.paper.figures.lines import (
+    JOINTS,
+    Line,
+    counted,
+    printed_in,
+)
+from presswear.studies.paper.printed import RANGES, Printed, PrintedRange, printed_at
+from presswear.studies.paper.variants import BASE
+from presswear.tools.numbers import readable
+
+_LINEAR_RATIO = 20.0
+"""Ratio of the largest to the smallest peak up to which one linear scale shows both."""
+_TITLES = {
+    8: "Wear depth after the first and the second wear",
+    11: "Wear depth after the first wear at two friction coefficients",
+    14: "Wear depth after the first wear at two speeds",
+}
+
+
+@dataclass(frozen=True)
+class _Curve:
+    """A wear map with what the paper prints of its deepest place.
+
+    Attributes
+    ----------
+    turns : bool
+        Whether its angles are on the bodies.
+    """
+
+    line: Line
+    map: WearMap
+    depth: Printed | None
+    angle: Printed | None
+    turns: bool
+
+
+def depths(evidence: Evidence, number: int, lines: tuple[Line, ...]) -> Drawing | None:
+    """Depth of pin and bearing together over the direction of contact, at A and at C."""
+    panels = {joint: _curves(evidence, joint, lines) for joint in JOINTS}
+    panels = {joint: curves for joint, curves in panels.items() if curves}
+    if not panels:
+        return None
+    ranges = [one for one in RANGES if one.figure.rstrip("abc") == str(number)]
+    sheet = Sheet(figsize=(WIDTH, 0.8 + 2.5 * len(panels)), layout="constrained")
+    grid = sheet.subplots(len(panels), 1, squeeze=False)
+    everything = [curve for curves in panels.values() for curve in curves]
+    where = "angle on each body" if everything[0].turns else "direction of contact"
+    for axes, (joint, curves) in zip(grid.flat, panels.items(), strict=True):
+        _draw(axes, curves)
+        for one in ranges:
+            if one.joint == joint:
+                _draw_range(axes, one)
+        axes.set_xlabel(f"{where} (degrees)")
+        axes.set_ylabel("depth, bearing + pin (µm)")
+        axes.set_title(f"{'ab'[JOINTS.index(joint)]}  joint {joint}", loc="left", fontweight="bold")
+    drawn = {curve.line: curve.line.handle(curve.line.wear_name) for curve in everything}
+    handles: list[Line2D | Patch] = list(drawn.values())
+    handles.append(
+        Line2D([], [], color=REFERENCE, label="printed, deepest", **_MARK | {"linestyle": "none"})
+    )
+    if ranges:
+        handles.append(Patch(color=_RANGE_COLOUR, label="printed, mainly worn"))
+    sheet.legend(handles=handles, loc="outside upper center", ncols=len(handles))
+    known = [evidence.measured(BASE, c.line.at(j), "depth") for j, cs in panels.items() for c in cs]
+    caption = (
+        "Depth that pin and bearing lose together, all wears so far added up, over the direction "
+        f"in which they touch. Lines: mean over {counted(known)}; bands: 95 % interval of that "
+        "mean at each angle by itself. Diamonds: deepest wear and its angle as the paper prints "
+        "them."
+    )
+    if ranges:
+        caption += " Grey bars: where the paper says that the joint is mainly worn."
+    if any(axes.get_yscale() == "log" for axes in grid.flat):
+        caption += " The scale is logarithmic where peaks differ much; lower depths are cut."
+    doubts = dict.fromkeys(one.misprint for one in printed_in(number) if one.misprint)
+    if doubts:
+        caption += f" *: {'; '.join(doubts)}."
+    return Drawing(f"fig-{number:02d}.png", f"Fig. {number} {_TITLES[number]}", caption, sheet)
+
+
+def _curves(evidence: Evidence, joint: str, lines: Sequence[Line]) -> list[_Curve]:
+    found = []
+    for line in lines:
+        result = evidence.at_stage(BASE, line.setting, line.wears - 1)
+        # A person may have closed a joint in all runs.
+        if result is None or joint not in result.scene.clearance_joints:
+            continue
+        known = evidence.wear_map(BASE, line.setting, joint, line.wears)
+        if known is not None and np.any(known.mean > 0.0):
+            place = line.at(joint)
+            depth, angle = printed_at(place, "depth"), printed_at(place, "angle")
+            found.append(_Curve(line, known, depth, angle, maps_turn(result)))
+    return found
+
+
+_MARK: dict[str, Any] = {
+    "marker": "D",
+    "markersize": 5.5,
+    "markerfacecolor": "white",
+    "markeredgewidth": 1.2,
+}
+_RANGE_COLOUR = "0.7"
+
+
+def _draw(axes: Axes, curves: Sequence[_Curve]) -> None:
+    peaks = [MICRONS * float(curve.map.mean.max()) for curve in curves]
+    marked = [MICRONS * curve.depth.value for curve in curves if curve.depth is not None]
+    least, most = min(peaks + marked), max(peaks + marked)
+    logarithmic = most > _LINEAR_RATIO * least
+    floor = min(least / 3.0, min(peaks) / 100.0) if logarithmic else 0.0
+    for curve in curves:
+        degrees = np.degrees(curve.map.angle)
+        # A band that ends at nothing has no lower end on a logarithmic scale.
+        low, high = (np.maximum(MICRONS * end, floor) for end in (curve.map.low, curve.map.high))
+        axes.fill_between(degrees, low, high, color=curve.line.colour, alpha=0.2, linewidth=0.0)
+        axes.plot(
+            degrees,
+            MICRONS * curve.map.mean,
+            color=curve.line.colour,
+            linestyle=curve.line.dashes,
+            linewidth=1.2,
+        )
+    axes.set_xlim(0.0, 360.0)
+    axes.xaxis.set_major_locator(MultipleLocator(60.0))
+    if logarithmic:
+        axes.set_yscale("log", nonpositive="mask")
+        axes.set_ylim(floor, 3.0 * most)
+    else:
+        highest = max(float(curve.map.high.max()) for curve in curves)
+        axes.set_ylim(0.0, 1.2 * max(most, MICRONS * highest))
+    for curve in curves:
+        _mark(axes, curve)
+
+
+def _mark(axes: Axes, curve: _Curve) -> None:
+    """The printed deepest place."""
+    if curve.depth is None or curve.angle is None:
+        return
+    at = (np.degrees(curve.angle.value), MICRONS * curve.depth.value)
+    axes.plot(*at, color=curve.line.colour, gid="printed", **_MARK)
+    text = f"{readable(at[1], 4)} µm{'*' if curve.depth.misprint else ''}"
+    axes.annotate(
+        text,
+        at,
+        xytext=(6.0, 0.0),
+        textcoords="offset points",
+        ha="left",
+        va="center",
+        color="0.25",
+        fontsize=8.0,
+        bbox={"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 0.5},
+    )
+
+
+def _draw_range(axes: Axes, printed: PrintedRange) -> None:
+    """Where the paper says that a joint is worn, along the upper edge."""
+    for arc in printed.arcs:
+        axes.plot(
+            np.degrees(arc),
+            (0.985, 0.985),
+            transform=axes.get_xaxis_transform(),
+            color=_RANGE_COLOUR,
+            linewidth=4.0,
+            solid_capstyle="butt",
+        )

@@ -1,0 +1,1 @@
+"""Does the second wear run away?  One reading changed at a time."""

@@ -1,0 +1,1 @@
+"""What knows nothing of mechanics: errors, quantities, files, locks, compiling, numbers as text."""

@@ -1,0 +1,93 @@
+"""Just-in-time compilation with a cache that is never half stale.
+
+Numba keys a cached function by its own source file only: a kernel edited in
+``laws.py`` would leave the compiled callers in ``clearance.py`` untouched.  All
+compiled code of this package therefore lives in a cache folder named after a
+digest of every source file that holds kernels; any edit starts a new folder.
+"""
+
+import hashlib
+import os
+import tempfile
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any, TypeVar, cast
+
+import numba
+import numpy as np
+from numba import config
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+F = TypeVar("F", bound=Callable[..., Any])
+
+Records = Any
+"""A structured numpy array whose elements the kernels read as ``records[k].name``.
+
+Numba knows their fields, a type checker does not.
+"""
+
+_NUMBA: Any = numba  # its type hints leave out what is used here
+_PACKAGE = Path(__file__).resolve().parents[1]
+
+
+def _source_digest() -> str:
+    """Digest of every module of the package that compiles something."""
+    digest = hashlib.sha256(numba.__version__.encode())
+    for path in sorted(_PACKAGE.rglob("*.py")):
+        source = path.read_bytes()
+        if b"compiled import" in source or path.name == "compiled.py":
+            digest.update(path.relative_to(_PACKAGE).as_posix().encode())
+            digest.update(source)
+    return digest.hexdigest()[:16]
+
+
+@cache
+def _cache_is_usable() -> bool:
+    """Point numba at the folder of this source; False where none can be written."""
+    base = os.environ.get("XDG_CACHE_HOME") or os.path.join(Path.home(), ".cache")
+    folder = Path(base) / "presswear" / _source_digest()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError:
+        return False
+    vars(config)["CACHE_DIR"] = str(folder)
+    return True
+
+
+def compiled(function: F) -> F:
+    """Compile a kernel (numba, nopython).
+
+    No kernel allocates: every array belongs to its caller.  Numba's reference counting
+    is therefore switched off; it took half of the time of these small functions.  A
+    kernel that does allocate is refused by the compiler.
+
+    Kernels of this package keep their compiled code between processes; a kernel
+    defined elsewhere is outside the digest and is compiled anew each time.
+    """
+    of_package = _PACKAGE in Path(function.__code__.co_filename).resolve().parents
+    compiler = _NUMBA.njit(cache=of_package and _cache_is_usable(), error_model="numpy", _nrt=False)
+    return cast(F, compiler(function))
+
+
+def specialised(kernel: F, *arguments: Any) -> F:
+    """The compiled function for arguments of these types, compiled or loaded if need be.
+
+    Numba's dispatcher looks up the types of all arguments in every call; with a dozen
+    records and arrays that takes longer than a small kernel itself.  This is for
+    functions that a solver calls a million times with the same arrays.
+    """
+    dispatcher = cast(Any, kernel)
+    types = tuple(_NUMBA.typeof(argument) for argument in arguments)
+    dispatcher.compile(types)
+    return cast(F, dispatcher.overloads[types].entry_point)
+
+
+@compiled
+def copy_to(target: Array, source: Array) -> None:
+    """Copy numbers; ``target[:] = source`` would allocate in case the two overlap."""
+    for i in range(target.shape[0]):
+        target[i] = source[i]

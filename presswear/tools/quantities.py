@@ -1,0 +1,215 @@
+"""Physical quantities: what a field means, its unit and range, and how it is typed.
+
+Every number that a person may set is a dataclass field made by ``quantity``; the
+field carries its unit, range, where the value comes from and a description, so
+that the help, the error messages and the report all speak from one place.
+"""
+
+import math
+import re
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import Field, dataclass, field, fields
+from typing import Any
+
+from presswear.tools.errors import InputError
+
+_UNITS: dict[str, dict[str, float]] = {
+    "m": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6},
+    "rad/s": {"rad/s": 1.0, "deg/s": math.pi / 180.0, "rpm": math.pi / 30.0},
+    "rad": {"rad": 1.0, "deg": math.pi / 180.0},
+    "kg": {"kg": 1.0, "g": 1e-3},
+    "kg m^2": {"kg m^2": 1.0, "kg m2": 1.0, "kgm^2": 1.0, "kgm2": 1.0},
+    "Pa": {"Pa": 1.0, "MPa": 1e6, "GPa": 1e9},
+    "1/Pa": {"1/Pa": 1.0, "/Pa": 1.0},
+    "m/s": {"m/s": 1.0, "mm/s": 1e-3},
+    "m/s^2": {"m/s^2": 1.0, "m/s2": 1.0},
+    "s": {"s": 1.0, "ms": 1e-3, "us": 1e-6},
+}
+
+_EXAMPLE = {
+    "m": "0.8mm",
+    "rad/s": "3.5pi rad/s",
+    "rad": "30deg",
+    "kg": "0.1kg",
+    "kg m^2": "1e-3kg m^2",
+    "Pa": "200GPa",
+    "1/Pa": "1.2e-15/Pa",
+    "m/s": "1mm/s",
+    "m/s^2": "9.81m/s^2",
+    "s": "1ms",
+}
+
+_NUMBER = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(.*)$")
+
+
+def _exact(bound: float) -> str:
+    """A bound as text that is read back as the same number, so that it can be typed."""
+    short = f"{bound:g}"
+    return short if float(short) == bound else f"{bound!r}"
+
+
+@dataclass(frozen=True)
+class Meaning:
+    """What a quantity is: unit (empty for a pure number), range, origin, text.
+
+    The range includes its ends unless ``open_low`` excludes the lower one.
+    """
+
+    unit: str
+    low: float
+    high: float
+    status: str
+    text: str
+    open_low: bool = False
+    whole: bool = False
+
+    def range_text(self) -> str:
+        """The allowed range as a person reads it, with the unit."""
+        unit = f" {self.unit}" if self.unit else ""
+        if math.isinf(self.high) and math.isinf(self.low):
+            return f"any finite number{' in' if unit else ''}{unit}"
+        if math.isinf(self.high):
+            return f"{'above' if self.open_low else 'at least'} {_exact(self.low)}{unit}"
+        first = f"above {_exact(self.low)} up to" if self.open_low else f"{_exact(self.low)} to"
+        return f"{first} {_exact(self.high)}{unit}"
+
+    def check(self, name: str, value: Any) -> None:
+        """Raise InputError unless the value is a finite number in range."""
+        kind = int if self.whole else (int, float)
+        if not isinstance(value, kind) or isinstance(value, bool):
+            raise InputError(
+                f"{name} = {value!r}: a {'whole ' if self.whole else ''}number is expected; "
+                f"allowed is {self.range_text()}"
+            )
+        # Beyond all floats: a whole number that was stored may be of any length.
+        if abs(value) > sys.float_info.max:
+            value = math.inf if value > 0 else -math.inf
+        fits = self.low < value <= self.high if self.open_low else self.low <= value <= self.high
+        if not (math.isfinite(value) and fits):
+            unit = f" {self.unit}" if self.unit else ""
+            shown = f"{value:g}"
+            # What is outside by a hair must not be told as what is allowed.
+            if self.low <= float(shown) <= self.high:
+                shown = f"{value!r}"
+            raise InputError(f"{name} = {shown}{unit}: allowed is {self.range_text()}")
+
+
+def quantity(
+    default: float | int | None,
+    unit: str,
+    low: float,
+    high: float,
+    status: str,
+    text: str,
+    *,
+    open_low: bool = False,
+    whole: bool = False,
+) -> Any:
+    """A dataclass field that carries its meaning; a default of None may stay None."""
+    meaning = Meaning(unit, low, high, status, text, open_low, whole)
+    return field(default=default, metadata={"meaning": meaning})
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A named choice: the allowed words and what they decide."""
+
+    words: tuple[str, ...]
+    text: str
+
+    def check(self, name: str, value: str) -> None:
+        """Raise InputError unless the value is one of the words."""
+        if value not in self.words:
+            raise InputError(f"{name} = {value!r}: allowed is one of {', '.join(self.words)}")
+
+
+def choice(
+    default: str, words: tuple[str, ...] | Callable[[Any], tuple[str, ...]], text: str
+) -> Any:
+    """A dataclass field that takes one of a few words, which may depend on its owner."""
+    return field(default=default, metadata={"choice": (words, text)})
+
+
+def choice_of(item: Field[Any], owner: Any) -> Choice | None:
+    """The choice that a field made by ``choice`` offers its owner; None for any other field."""
+    if "choice" not in item.metadata:
+        return None
+    words, text = item.metadata["choice"]
+    return Choice(words(owner) if callable(words) else words, text)
+
+
+@dataclass(frozen=True)
+class NamedSets:
+    """Sets of values that can be taken by name and then changed one by one."""
+
+    sets: Mapping[str, Any]
+    text: str
+
+    @property
+    def choice(self) -> Choice:
+        """The names as a choice."""
+        return Choice(tuple(self.sets), self.text)
+
+
+def named_set(default: str, sets: Mapping[str, Any], text: str) -> Any:
+    """A dataclass field that holds one of some dataclass instances with a field ``name``."""
+    return field(default=sets[default], metadata={"sets": NamedSets(sets, text)})
+
+
+def sets_of(item: Field[Any]) -> NamedSets | None:
+    """The sets of a field made by ``named_set``; None for any other field."""
+    found = item.metadata.get("sets")
+    return found if isinstance(found, NamedSets) else None
+
+
+def check_fields(owner: Any) -> None:
+    """Check every quantity and choice of a dataclass instance."""
+    for item in fields(owner):
+        value = getattr(owner, item.name)
+        meaning, words = meaning_of(item), choice_of(item, owner)
+        if meaning is not None and not (value is None and item.default is None):
+            meaning.check(item.name, value)
+        if words is not None:
+            words.check(item.name, value)
+
+
+def meaning_of(item: Field[Any]) -> Meaning | None:
+    """The meaning of a field made by ``quantity``; None for any other field."""
+    found = item.metadata.get("meaning")
+    return found if isinstance(found, Meaning) else None
+
+
+def parse_quantity(name: str, text: str, meaning: Meaning) -> float | int:
+    """Read a value with its unit and check its range.
+
+    A quantity with a dimension needs its unit: 0.8 could be metres or millimetres,
+    and a silent guess is worse than a question.
+    """
+    unit = meaning.unit
+    example = f", for instance {name}={_EXAMPLE[unit]!r}" if unit else ""
+    match = _NUMBER.match(text)
+    if match is None:
+        raise InputError(
+            f"{name} = {text!r} is not a number{' with a unit' if unit else ''}{example}; "
+            f"allowed is {meaning.range_text()}"
+        )
+    value = float(match[1])
+    rest = re.sub(r"[\s*_]+", " ", match[2]).strip()
+    if rest.startswith("pi") and unit in ("rad", "rad/s"):
+        value, rest = value * math.pi, rest[2:].strip()
+    if not unit:
+        if rest:
+            raise InputError(f"{name} = {text!r}: a pure number, without unit, is expected")
+    elif not rest:
+        raise InputError(
+            f"{name} = {text!r} has no unit{example}; allowed is {meaning.range_text()}"
+        )
+    elif rest not in _UNITS[unit]:
+        known = ", ".join(_UNITS[unit])
+        raise InputError(f"{name} = {text!r}: unknown unit {rest!r}; known are {known}")
+    else:
+        value *= _UNITS[unit][rest]
+    number: float | int = int(value) if meaning.whole and value.is_integer() else value
+    meaning.check(name, number)
+    return number

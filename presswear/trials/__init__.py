@@ -1,0 +1,1 @@
+"""What holds the program against the truth; imported by nothing but its commands."""

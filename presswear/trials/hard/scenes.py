@@ -1,0 +1,343 @@
+"""Hard cases of the press: laws and sizes at the ends of their ranges, worn profiles, toggles."""
+
+import math
+import re
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.campaign.amplification import Worn
+from presswear.campaign.starts import start_of
+from presswear.engines.base import Run, Start
+from presswear.linkage.press import Press
+from presswear.linkage.slider_crank import SliderCrank
+from presswear.linkage.surface import Surface, bin_centres
+from presswear.scene.catalog import slider_crank, wear_times
+from presswear.scene.scene import CONVENTIONS, Scene
+from presswear.tools.errors import InputError
+from presswear.trials.hard.case import PATIENCE, Case, Finding, energy_of, engine_name, guarded, ran
+
+Array = NDArray[np.float64]
+
+BASE = replace(wear_times(), wears=0)
+"""The press with clearance at A and C."""
+CLEARANCES = (1e-3, 1e-4, 1e-5, 1e-6)
+"""Of the approach to the ideal joint, m."""
+LEAST_CLEARANCE = 1e-9
+"""The smallest that a scene allows, m."""
+APPROACH = 0.1
+"""How long the press runs in it, s: half of a stroke and fifty touches."""
+BINS = 360
+RADIAL_ENERGY = 1e-4
+"""Energy that may be missing on worn surfaces that meet radially, part of that exchanged.
+
+A force along e over a sloping profile makes energy of its own, 2e-3 to 4e-2 of what the
+drives exchange on these profiles (the ledger's contact loss is below zero), in blows of
+1e4 N and more on the walls, whose rounding is all that the error control sees.
+"""
+MADE = 0.5
+"""Energy that radial contact may make, part of what the drives exchange.
+
+Beyond that the law drives the press as much as the drives do, and the run means nothing.
+"""
+WORN_PATIENCE = 20.0
+"""Wall time after which a run on worn surfaces counts as hung, s; others take up to 8."""
+
+
+def bearings(**changes: Any) -> Scene:
+    """The press with other bearings."""
+    return replace(BASE, bearings=replace(BASE.bearings, **changes))
+
+
+def turning(speed: float) -> Scene:
+    """The press at a crank speed, rad/s."""
+    return replace(BASE, mechanism=Press(speed=speed))
+
+
+def run_scene(
+    scene: Scene,
+    duration: float = 0.0,
+    start: Start | None = None,
+    worn: Worn | None = None,
+    patience: float = PATIENCE,
+) -> Run:
+    """A cycle of a scene, or some seconds, by its engine."""
+    plan = guarded(duration or scene.mechanism.period, patience=patience)
+    return ran(
+        scene.linkage(worn),
+        start or start_of(scene),
+        scene.solver.over(scene.mechanism.period),
+        plan,
+    )
+
+
+def balanced(
+    scene: Scene, duration: float = 0.0, start: Start | None = None, worn: Worn | None = None
+) -> Iterator[Finding]:
+    """Runs, and its energy adds up."""
+    run = run_scene(scene, duration, start, worn)
+    yield energy_of(run, engine_name(scene.solver.over(scene.mechanism.period)))
+
+
+def in_both(
+    name: str,
+    hard: str,
+    scene: Scene,
+    duration: float = 0.0,
+    start: Start | None = None,
+    worn: Worn | None = None,
+) -> Iterator[Case]:
+    """A scene under both engines."""
+    for engine in ("exudyn", "dae"):
+        chosen = replace(scene, engine=engine)
+        findings = partial(balanced, chosen, duration, start, worn)
+        yield Case(name, hard, chosen.solver.word, findings)
+
+
+def law_cases() -> Iterator[Case]:
+    """Laws, sizes and speeds at the ends of their ranges."""
+    for value in (0.05, 1.0):
+        hard = "damping as strong as the law allows" if value < 1.0 else "nothing calms the pins"
+        yield from in_both(f"ce = {value:g}", hard, bearings(restitution=value))
+    yield from in_both("c_f = 0", "no friction", bearings(friction=0.0))
+    yield from in_both("c_f = 0.8", "friction turns the pin back", bearings(friction=0.8))
+    calm = bearings(restitution=1.0, friction=0.0)
+    yield from in_both("ce = 1 and c_f = 0", "nothing is lost", calm)
+    for modulus in (1e9, 1e12):
+        name = f"E = {1e-9 * modulus:g} GPa"
+        hard = "deep contacts" if modulus < 1e10 else "short contacts"
+        yield from in_both(name, hard, bearings(youngs_modulus=modulus))
+    yield from in_both("c = 5 mm", "hard blows", bearings(clearance=5e-3))
+    for clearance in (1e-6, 1e-9):
+        hard = "penetration exceeds the clearance" if clearance < 1e-8 else "touches follow fast"
+        yield from in_both(f"c = {clearance:g} m", hard, bearings(clearance=clearance), APPROACH)
+    yield from in_both("speed 0.1 pi", "a cycle of 20 s, pins at rest", turning(0.1 * math.pi))
+    yield from in_both("speed 40 pi", "blows of 10 kN", turning(40.0 * math.pi))
+    for joint in "AC":
+        alone = replace(BASE, joints=joint)
+        yield from in_both(f"clearance at {joint} alone", "closed loops", alone)
+
+
+def slider_distance(scene: Scene, clearance: float) -> float:
+    """Greatest distance of the slider from that of the ideal press, m."""
+    tight = replace(scene, bearings=replace(scene.bearings, clearance=clearance))
+    rows = run_scene(tight, APPROACH).account.rows
+    motion = tight.mechanism.ideal_motion(rows[:, 0])
+    linkage = tight.linkage()
+    x = 3 * linkage.index(linkage.probe.body)
+    direction = np.array([math.cos(linkage.probe.direction), math.sin(linkage.probe.direction)])
+    ideal = (motion.position[:, x : x + 2] - start_of(tight).position[x : x + 2]) @ direction
+    return float(np.abs(rows[:, 1] - ideal).max())
+
+
+def approach(scene: Scene) -> Iterator[Finding]:
+    """The distance from the ideal press falls at first order in the clearance.
+
+    What is left without clearance, a micrometre, is what the contacts give way.
+    """
+    least = slider_distance(scene, LEAST_CLEARANCE)
+    distances = [slider_distance(scene, clearance) for clearance in CLEARANCES]
+    gone = np.array(distances) - least
+    order = float(np.polyfit(np.log(CLEARANCES), np.log(gone), 1)[0])
+    yield Finding("distance left at c = 1 nm (m)", least, 2e-6)
+    yield Finding("order of the distance from the ideal press in c, less 1", order - 1.0, 0.1)
+    yield Finding("distance / c at c = 1 um", distances[-1] / CLEARANCES[-1], 10.0)
+
+
+def approach_cases() -> Iterator[Case]:
+    """Clearance towards nothing."""
+    hard = "the ideal joint is a limit, and a stiff one"
+    for engine in ("exudyn", "dae"):
+        scene = replace(BASE, engine=engine)
+        yield Case("c -> 0", hard, scene.solver.word, partial(approach, scene))
+
+
+def profiles() -> dict[str, tuple[str, Surface, Surface]]:
+    """Worn surfaces, bearing and pin, by name, and what is hard about them."""
+    angle, number = bin_centres(BINS), np.arange(BINS)
+    new = Surface()
+    step = Surface(np.where(angle > 1.5, 3e-5, 0.0))
+    return {
+        "step": ("an edge on each surface", step, step),
+        "notch": (
+            "twelve notches of one degree, narrower than the arc",
+            Surface(np.where(number % 30 == 0, 1e-4, 0.0)),
+            new,
+        ),
+        "deeper than c": (
+            "1 mm of wear in a clearance of 0.8 mm",
+            Surface(5e-4 * (1.0 + np.cos(angle - 1.5))),
+            new,
+        ),
+        "all deeper than c": ("the clearance is more than doubled", Surface(1e-3 + 0 * angle), new),
+    }
+
+
+def on_worn(scene: Scene, worn: Worn) -> Iterator[Finding]:
+    """Runs on worn surfaces, and its energy adds up."""
+    run = run_scene(scene, worn=worn, patience=WORN_PATIENCE)
+    found = energy_of(run, engine_name(scene.solver.over(scene.mechanism.period)))
+    if scene.conventions.contact != "radial":
+        yield found
+        return
+    yield replace(found, bound=RADIAL_ENERGY)
+    exchanged = float(run.diagnostics["drive_exchange_J"])
+    made = max(-float(run.diagnostics["contact_loss_J"]), 0.0) / exchanged
+    yield Finding("energy that the radial law made / exchanged", made, MADE)
+
+
+STEEP = ("deeper than c", "radial")
+"""Profile and law that end with a refusal."""
+
+
+def profile_cases() -> Iterator[Case]:
+    """Worn profiles under both laws of contact."""
+    for name, (hard, bearing, pin) in profiles().items():
+        for conventions, law in (("paper", "radial"), ("refined", "foundation")):
+            worn = dict.fromkeys("AC", (bearing, pin))
+            for engine in ("exudyn", "dae"):
+                scene = replace(BASE, conventions=CONVENTIONS[conventions], engine=engine)
+                # A radial force over so steep a wall makes energy without end.
+                refusal = "made .* too steep" if (name, law) == STEEP else ""
+                findings = partial(on_worn, scene, worn)
+                yield Case(f"{name}, {law}", hard, scene.solver.word, findings, refusal)
+
+
+def displaced(scene: Scene, penetration: float, closing: float = 0.0) -> Start:
+    """Both pins at a penetration, m: rod 3 turned about B, rod 5 about E.
+
+    Parameters
+    ----------
+    closing : float
+        Added rate of penetration of both, m/s.
+    """
+    start, linkage = start_of(scene), scene.linkage()
+    q, v = start.position.copy(), start.velocity.copy()
+    reach = scene.bearings.clearance + penetration
+    press = scene.mechanism
+    assert isinstance(press, Press)
+    for body, length in (("rod 3", press.length_3), ("rod 5", press.length_5)):
+        i = 3 * linkage.index(body)
+        half, angle, spin = 0.5 * length, q[i + 2], v[i + 2]
+        held = q[i : i + 2] - half * _axis(angle)
+        held_rate = v[i : i + 2] - half * spin * _axis(angle + 0.5 * math.pi)
+        angle += 2.0 * math.asin(0.5 * reach / length)
+        spin += closing / length
+        q[i : i + 2] = held + half * _axis(angle)
+        v[i : i + 2] = held_rate + half * spin * _axis(angle + 0.5 * math.pi)
+        q[i + 2], v[i + 2] = angle, spin
+    return Start(q, v)
+
+
+def _axis(angle: float) -> Array:
+    return np.array([math.cos(angle), math.sin(angle)])
+
+
+def met_together(scene: Scene, speed: float) -> Iterator[Finding]:
+    """Both joints touch within a picosecond, each at its closing speed."""
+    run = run_scene(scene, start=displaced(scene, -1e-9, speed))
+    one, other = (run.account.episodes(k)[0] for k in range(2))
+    yield Finding("time between the two touches (s)", float(one[0] - other[0]), 1e-12)
+    worst = max(abs(float(row[2]) / speed - 1.0) for row in (one, other))
+    yield Finding("closing speed over that of the start, less 1", worst, 1e-5)
+    yield energy_of(run, engine_name(scene.solver.over(scene.mechanism.period)))
+
+
+def start_cases() -> Iterator[Case]:
+    """Starts in contact and on the point of it."""
+    for penetration in (1e-6, 1e-12):
+        yield from in_both(
+            f"start in contact, {penetration:g} m deep",
+            "no touch tells the closing speed",
+            BASE,
+            start=displaced(BASE, penetration),
+        )
+    for engine in ("exudyn", "dae"):
+        scene = replace(BASE, engine=engine)
+        hard = "two events in one step"
+        yield Case(
+            "both joints touch at once", hard, scene.solver.word, partial(met_together, scene, 0.1)
+        )
+
+
+def closest_to_dead_point() -> Press:
+    """The press with the shortest rod 5 that is not refused: almost across its guide once."""
+    short, long = 0.05, Press().length_5
+    for _ in range(40):
+        middle = 0.5 * (short + long)
+        try:
+            Press(length_5=middle).check_assembly()
+            long = middle
+        except InputError:
+            short = middle
+    return Press(length_5=long)
+
+
+def toggle_cases() -> Iterator[Case]:
+    """Positions in which two links are stretched."""
+    hard = "rod 5 comes within 0.6 degrees of its dead point"
+    scene = replace(BASE, mechanism=closest_to_dead_point())
+    yield from in_both("toggle, as near as allowed", hard, scene)
+    flat = replace(slider_crank(), mechanism=SliderCrank(rod_length=0.05001, crank_length=0.05))
+    yield from in_both("rod as long as the crank", "the rod stands upright", flat)
+
+
+def refused(make: Scene, **changes: Any) -> Iterator[Finding]:
+    """Makes a scene that must be refused."""
+    replace(make, bearings=replace(make.bearings, **changes))
+    yield Finding("was not refused", math.nan, 0.0)
+
+
+def unassembled(press: Press | SliderCrank) -> Iterator[Finding]:
+    """Makes a scene of a mechanism that must be refused."""
+    replace(BASE, mechanism=press)
+    yield Finding("was not refused", math.nan, 0.0)
+
+
+def too_fast(speed: float) -> Iterator[Finding]:
+    """Makes a press of a speed, rad/s, that must be refused."""
+    Press(speed=speed)
+    yield Finding("was not refused", math.nan, 0.0)
+
+
+def refusal_cases() -> Iterator[Case]:
+    """What lies beyond the ranges is refused by name, value and range."""
+    beyond = {
+        "restitution": (0.04, 1.01, math.nan),
+        "friction": (-0.1, 0.81),
+        "clearance": (0.0, 0.015),
+        "youngs_modulus": (0.9e9, 1.1e12, math.inf),
+    }
+    for key, values in beyond.items():
+        for value in values:
+            pattern = re.escape(f"{key} = {value:g}") + ".*allowed is"
+            findings = partial(refused, BASE, **{key: value})
+            yield Case(f"{key} = {value:g}", "beyond its range", "any", findings, pattern)
+    for speed in (0.09 * math.pi, 41.0 * math.pi):
+        pattern = re.escape(f"speed = {speed:g} rad/s: allowed is")
+        yield Case(
+            f"speed {speed / math.pi:g} pi",
+            "beyond its range",
+            "any",
+            partial(too_fast, speed),
+            pattern,
+        )
+    shorter = replace(closest_to_dead_point(), length_5=closest_to_dead_point().length_5 - 1e-5)
+    yield Case(
+        "toggle, one step nearer",
+        "a dead point",
+        "any",
+        partial(unassembled, shorter),
+        "crank angle .* joint E does not close or is at a dead point",
+    )
+
+
+def scene_cases() -> Iterator[Case]:
+    """All of them."""
+    for cases in (law_cases, approach_cases, profile_cases, start_cases, toggle_cases):
+        yield from cases()
+    yield from refusal_cases()

@@ -1,0 +1,101 @@
+"""How fast neighbouring starts part."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.lines import Line2D
+
+from presswear.campaign.starts import APART
+from presswear.show.figures.style import LINES, MUTED, REFERENCE, WIDTH, Axes, Drawing, Sheet
+from presswear.tools.numbers import given
+from presswear.trials.precision.chaos import Chaos
+from presswear.trials.precision.figures.families import PAPER, STAR
+from presswear.trials.precision.growth import HIGH, LOW, PARTED, TOLERANCE, Growth
+
+_SMALLEST = 1e-12
+"""m."""
+
+
+def growth_of_disturbance(chaos: Chaos) -> Drawing:
+    """Distance of each pair over time, with the bounds of the fit and the touches."""
+    sheet = Sheet(figsize=(WIDTH, 3.6), layout="constrained")
+    axes = sheet.subplots()
+    axes.set_yscale("log")
+    for place, growth in enumerate(chaos.growths):
+        colour, dashes = ("0.65", "solid") if place else LINES[0]
+        width = 0.7 if place else 1.3
+        apart = np.maximum(growth.distance, _SMALLEST)
+        axes.plot(growth.time, apart, color=colour, linestyle=dashes, linewidth=width)
+    first = next(iter(chaos.growths), None)
+    if first is not None:
+        _fit(axes, first)
+        touched = np.diff(first.touches, prepend=0) > 0
+        axes.plot(
+            np.array(first.time)[touched],
+            np.full(np.count_nonzero(touched), 0.02),
+            transform=axes.get_xaxis_transform(),
+            linestyle="none",
+            marker="|",
+            markersize=6.0,
+            color=REFERENCE,
+        )
+    for bound, word in ((LOW, "from"), (HIGH, "to")):
+        axes.axhline(bound, color=MUTED, linewidth=0.8, linestyle=(0.0, (2.0, 2.0)))
+        axes.annotate(
+            f"fitted {word}",
+            (0.998, bound),
+            xycoords=("axes fraction", "data"),
+            ha="right",
+            va="bottom",
+            color="0.3",
+        )
+    axes.axhline(PARTED, color=REFERENCE, linewidth=0.8)
+    axes.annotate(
+        "parted", (0.998, PARTED), xycoords=("axes fraction", "data"), ha="right", va="bottom"
+    )
+    paper = next((p for p in chaos.points if p.method.is_paper and p.failure), None)
+    if paper is not None:
+        top = axes.get_xaxis_transform()
+        axes.plot(paper.simulated, 0.94, transform=top, gid="paper", **STAR)
+    axes.set_xlabel("time (s)")
+    axes.set_ylabel("distance of two runs (m)")
+    axes.margins(x=0.01)
+    sheet.legend(
+        handles=_handles(chaos.growths, paper is not None), loc="outside upper left", ncols=2
+    )
+    return Drawing(
+        "precision-growth.png",
+        "Growth of a disturbance",
+        "Greatest difference of the pins' places in their bearings between two runs of one method "
+        f"(DOP853 of dae at {given(TOLERANCE)}) whose starts are {given(APART)} m apart. The first "
+        "pair starts as scenes do, with pins in the middle of their bearings; each further one "
+        "where the last one's first run was after whole cycles.",
+        sheet,
+    )
+
+
+def _handles(growths: Sequence[Growth], with_paper: bool) -> list[Line2D]:
+    colour, dashes = LINES[0]
+    handles = [Line2D([], [], color=colour, linestyle=dashes, linewidth=1.3, label="first pair")]
+    if growths and growths[0].window is not None:
+        handles.append(Line2D([], [], color=LINES[1][0], linestyle=LINES[1][1], label="fit to it"))
+    if len(growths) > 1:
+        handles.append(Line2D([], [], color="0.65", linewidth=0.7, label="further pairs"))
+    handles.append(
+        Line2D([], [], linestyle="none", marker="|", color=REFERENCE, label="touches of the first")
+    )
+    if with_paper:
+        handles.append(Line2D([], [], label=f"{PAPER}: failed by then", **STAR))
+    return handles
+
+
+def _fit(axes: Axes, growth: Growth) -> None:
+    """The fitted exponential between its bounds."""
+    if growth.window is None:
+        return
+    time, apart = np.array(growth.time), np.array(growth.distance)
+    inside = (time >= growth.window[0]) & (time <= growth.window[1]) & (apart > 0.0)
+    middle = float(np.log(apart[inside]).mean())
+    line = np.exp(middle + growth.rate * (time[inside] - time[inside].mean()))
+    colour, dashes = LINES[1]
+    axes.plot(time[inside], line, color=colour, linestyle=dashes, linewidth=1.6)

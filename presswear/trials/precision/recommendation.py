@@ -1,0 +1,352 @@
+"""What to take: the cheapest setting that is good enough, by a stated rule, and what the
+code takes."""
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+from presswear.engines.settings import ExudynTree, InHouse
+from presswear.record.sampling import Interval
+from presswear.scene.scene import Numerics, Scene
+from presswear.studies.paper.variants import base_scene
+from presswear.trials.crosscheck.check import CLOSING_BOUND, FORCE_BOUND, SLIDER_BOUND, TIME_BOUND
+from presswear.trials.precision.chaos import Chaos, StatisticPoint
+from presswear.trials.precision.ladder import dae_method, tree_method
+from presswear.trials.precision.points import Diagram, Method, Point
+from presswear.trials.precision.statistic import ONE_SIDED, is_for_wear, together
+from presswear.trials.precision.wear import QUANTITIES, TITLES, Group, WearPoint, WearStudy, change
+
+TRAJECTORIES = "Trajectories up to the horizon"
+STATISTICS = "Statistics of wear"
+WEAR = "Wear maps"
+
+BOUNDS = {
+    "slider position": SLIDER_BOUND,
+    "touch times": TIME_BOUND,
+    "closing speeds": CLOSING_BOUND,
+    "peak forces": FORCE_BOUND,
+}
+"""Errors that trajectories may have up to the horizon: those that the cross-check allows."""
+
+WEAR_BOUND = 0.2
+"""Part by which wear may be wrong: twice the tolerance to which scenes know their maps."""
+
+RULES = {
+    TRAJECTORIES: "the cheapest setting that keeps the bounds of the cross-check up to the "
+    f"horizon: slider {SLIDER_BOUND:g} m, touch times {TIME_BOUND:g} s, closing speeds "
+    f"{CLOSING_BOUND:g} and peak forces {FORCE_BOUND:g} relative; all finer settings of its "
+    "family have to keep them too, so that none is taken for its luck",
+    STATISTICS: "the cheapest setting whose step error in wear total and wear map is not seen "
+    "(95 %, all statistics together) and, at the largest that the cycles allow (95 %), is below "
+    "the sampling error of a stage that the scene ends by itself",
+    WEAR: "the coarsest value from which on no depth and no volume of the first wear differs from "
+    f"the finest's for certain (95 %, all together), or may differ by {100.0 * WEAR_BOUND:.0f} % "
+    "or more (95 %)",
+}
+"""By purpose."""
+
+
+@dataclass(frozen=True)
+class Recommendation:
+    """What to take for a purpose.
+
+    Attributes
+    ----------
+    purpose : str
+        A key of RULES.
+    subject : str
+        The engine, or what is chosen for wear maps.
+    recommended : str
+        In words; empty where nothing meets the rule.
+    taken : str
+        What the code takes, in words.
+    agrees : bool or None
+        Whether that is the same; None where there is nothing to compare with.
+    meets : bool or None
+        Whether what the code takes meets the rule, if at a higher price.
+    detail : str
+        Errors and times of both, in words.
+    """
+
+    purpose: str
+    subject: str
+    recommended: str
+    taken: str
+    agrees: bool | None
+    meets: bool | None
+    detail: str
+
+    @property
+    def verdict(self) -> str:
+        """Whether the code takes it, in words."""
+        if self.agrees is None:
+            return f"the code takes {self.taken}"
+        if self.agrees:
+            return "the code takes it"
+        if not self.recommended:
+            return f"the code takes {self.taken}"
+        if self.meets:
+            return f"the code takes another that meets the rule as well: {self.taken}"
+        return f"the code takes another that does not: {self.taken}"
+
+    @property
+    def sentence(self) -> str:
+        """All of it in a sentence."""
+        what = self.recommended or "none"
+        detail = f" ({self.detail})" if self.detail else ""
+        return f"{self.subject}: {what}{detail}; {self.verdict}."
+
+
+def is_same(one: Method, other: Method) -> bool:
+    """Whether two methods are one setting of one engine."""
+    return (one.engine, one.integrator, one.knob) == (
+        other.engine,
+        other.integrator,
+        other.knob,
+    ) and math.isclose(one.value, other.value, rel_tol=1e-6)
+
+
+def described(method: Method) -> str:
+    """A method without its engine."""
+    return method.label.removeprefix(f"{method.engine}, ")
+
+
+def is_good(point: Point, bounds: Mapping[str, float]) -> bool:
+    """Whether a point ran and keeps all bounds on its errors."""
+    return not point.failure and all(
+        point.errors.get(name, math.inf) <= bound for name, bound in bounds.items()
+    )
+
+
+def good_points(points: Sequence[Point], bounds: Mapping[str, float]) -> list[Point]:
+    """The points of a family, coarse to fine, from which on all keep the bounds."""
+    found: list[Point] = []
+    for point in reversed(points):
+        if not is_good(point, bounds):
+            break
+        found.append(point)
+    return [point for point in found if point.effort is not None]
+
+
+def for_trajectories(
+    diagram: Diagram, bounds: Mapping[str, float] = BOUNDS
+) -> list[Recommendation]:
+    """Of each engine in a diagram of trajectories up to the horizon.
+
+    Parameters
+    ----------
+    bounds : mapping of str to float
+        By quantity; those that the diagram does not have do not count.
+    """
+    bounds = {name: bounds[name] for name in diagram.quantities if name in bounds}
+    if not bounds:
+        return []
+    found = []
+    for engine in dict.fromkeys(point.method.engine for point in diagram.points):
+        families = [own for own in diagram.families().values() if own[0].method.engine == engine]
+        good = [point for own in families for point in good_points(own, bounds)]
+        best = min(good, key=_wall, default=None)
+        own_points = (point for own in families for point in own)
+        taken = next((point for point in own_points if point.method.is_default), None)
+        found.append(
+            Recommendation(
+                TRAJECTORIES,
+                engine,
+                "" if best is None else described(best.method),
+                "nothing of this diagram" if taken is None else described(taken.method),
+                None if taken is None else best is not None and is_same(best.method, taken.method),
+                None if taken is None else any(point is taken for point in good),
+                "; ".join(
+                    f"{word}{_point_words(point, bounds)}" for word, point in _both(best, taken)
+                ),
+            )
+        )
+    return found
+
+
+def _wall(point: Point) -> float:
+    return math.inf if point.effort is None else point.effort.wall
+
+
+def _both(best: Point | None, taken: Point | None) -> list[tuple[str, Point]]:
+    """What is recommended and what is taken, once where they are the same."""
+    found = [] if best is None else [("", best)]
+    if taken is not None and (best is None or not is_same(best.method, taken.method)):
+        found.append(("what is taken: ", taken))
+    return found
+
+
+def _point_words(point: Point, bounds: Mapping[str, float]) -> str:
+    """Time of a point, and how near it comes to the bound that is nearest."""
+    if point.failure:
+        return f"failed: {point.failure}"
+    parts = {name: point.errors.get(name, math.nan) / bound for name, bound in bounds.items()}
+    nearest = max(parts, key=lambda name: parts[name])
+    return f"{1e3 * _wall(point):.3g} ms, {nearest} at {parts[nearest]:.2g} of its bound"
+
+
+def study_methods(scene: Scene) -> tuple[Method, Method]:
+    """What the study of the paper takes for statistics: of the open tree, of dae."""
+    numerics: Numerics = base_scene("wear-times").numerics
+    tree: ExudynTree = numerics.tree.over(scene.mechanism.period)
+    dae: InHouse = numerics.dae
+    return tree_method(tree), dae_method(dae)
+
+
+def for_statistics(chaos: Chaos, taken: Iterable[Method]) -> list[Recommendation]:
+    """Of each engine with a ladder of statistics.
+
+    Parameters
+    ----------
+    taken : iterable of Method
+        What the code takes, one an engine.
+    """
+    by_engine = {method.engine: method for method in taken}
+    found = []
+    for engine in dict.fromkeys(point.method.engine for point in chaos.points):
+        points = [point for point in chaos.points if point.method.engine == engine]
+        best = chaos.cheapest(points)
+        own = by_engine.get(engine)
+        same = next((p for p in points if own is not None and is_same(p.method, own)), None)
+        details = []
+        if best is not None:
+            details.append(f"{best.cost:.2g} s for a simulated second")
+        if same is not None and (best is None or same is not best):
+            details.append(f"what is taken: {same.cost:.2g} s, {standing(chaos, same)}")
+        found.append(
+            Recommendation(
+                STATISTICS,
+                engine,
+                "" if best is None else described(best.method),
+                "nothing of its own" if own is None else described(own),
+                None if own is None else best is not None and is_same(best.method, own),
+                None if same is None else chaos.is_honest(same),
+                "; ".join(details),
+            )
+        )
+    return found
+
+
+def standing(chaos: Chaos, point: StatisticPoint) -> str:
+    """Whether a setting is honest for wear, and if not, why, in words."""
+    if point.failure:
+        return f"failed: {point.failure}"
+    wear = [name for name in chaos.names if is_for_wear(name)]
+    seen = [name for name in wear if point.step_errors[name].is_seen]
+    if seen:
+        return f"step error seen in {', '.join(seen)}"
+    short = [name for name in wear if not chaos.honest_cycles(point, name) >= chaos.stage_cycles]
+    if short:
+        return f"no step error seen, but too few cycles to exclude one in {', '.join(short)}"
+    fewest = min(chaos.honest_cycles(point, name) for name in wear)
+    return "honest" if math.isinf(fewest) else f"honest up to {fewest:.0f} cycles"
+
+
+GROUPS: tuple[Group, ...] = ("angles", "cycles", "depth step")
+"""What has a finest value."""
+
+
+def for_wear(wear: WearStudy) -> list[Recommendation]:
+    """Of each numerical choice of wear maps, under each set of conventions."""
+    found = []
+    for group in GROUPS:
+        for conventions in dict.fromkeys(point.conventions for point in wear.points):
+            points = wear.of(group, conventions)
+            if len(points) > 1:
+                found.append(_wear_choice(group, conventions, points))
+    return found
+
+
+def _wear_choice(group: Group, conventions: str, points: Sequence[WearPoint]) -> Recommendation:
+    finest = points[-1]
+    good = [] if finest.failure else [finest]
+    for point in reversed(points[:-1]):
+        if point.failure or finest.failure or not is_alike(point, finest):
+            break
+        good.append(point)
+    best = good[-1] if len(good) > 1 else None
+    taken = next((point for point in points if point.is_default), None)
+    last = points[-2]
+    largest = largest_change(best or last, finest)
+    detail = ""
+    if largest is not None:
+        name, moved = largest
+        word = "largest change from" if best is not None else f"{last.label} differs from"
+        detail = f"{word} {finest.label}: {100.0 * moved.value:+.0f} % in {name}"
+    return Recommendation(
+        WEAR,
+        f"{TITLES[group]}, {conventions} conventions",
+        "" if best is None else best.label,
+        "as many as the wear maps' tolerance takes"
+        if taken is None and group == "cycles"
+        else ("another" if taken is None else taken.label),
+        None if taken is None else best is not None and best.label == taken.label,
+        None if taken is None else best is not None and any(point is taken for point in good),
+        detail,
+    )
+
+
+def changes(point: WearPoint, finest: WearPoint) -> dict[str, Interval]:
+    """Relative change of each first wear from the finest's, 95 % for all together."""
+    wanted = [
+        (joint, name) for joint in finest.first if joint in point.first for name in QUANTITIES
+    ]
+    found = {}
+    for joint, name in wanted:
+        read = QUANTITIES[name][1]
+        moved = change(read(point.first[joint]), read(finest.first[joint]))
+        if moved.low is not None and moved.high is not None:
+            widening = together(len(wanted))
+            moved = Interval(
+                moved.value,
+                moved.value - widening * (moved.value - moved.low),
+                moved.value + widening * (moved.high - moved.value),
+            )
+        found[f"{name} at {joint}"] = moved
+    return found
+
+
+def is_alike(point: WearPoint, finest: WearPoint) -> bool:
+    """Whether no first wear differs from the finest's for certain, or may by WEAR_BOUND."""
+    found = changes(point, finest)
+    return bool(found) and all(
+        moved.low is not None
+        and moved.high is not None
+        and moved.low <= 0.0 <= moved.high
+        and largest_size(moved, len(found)) < WEAR_BOUND
+        for moved in found.values()
+    )
+
+
+def largest_size(moved: Interval, count: int) -> float:
+    """Size that one of several changes does not exceed, at 95 %."""
+    assert moved.high is not None
+    return abs(moved.value) + ONE_SIDED * (moved.high - moved.value) / together(count)
+
+
+def largest_change(point: WearPoint, finest: WearPoint) -> tuple[str, Interval] | None:
+    """The quantity that changes most, and by how much."""
+    found = {k: v for k, v in changes(point, finest).items() if math.isfinite(v.value)}
+    return max(found.items(), key=lambda item: abs(item[1].value), default=None)
+
+
+def recommend(
+    scene: Scene,
+    diagrams: Iterable[Diagram],
+    chaos: Chaos | None,
+    wear: WearStudy | None,
+) -> tuple[Recommendation, ...]:
+    """All recommendations that the results allow."""
+    found: list[Recommendation] = []
+    for diagram in diagrams:
+        if diagram.key == HORIZON:
+            found += for_trajectories(diagram)
+    if chaos is not None:
+        found += for_statistics(chaos, study_methods(scene))
+    if wear is not None:
+        found += for_wear(wear)
+    return tuple(found)
+
+
+HORIZON = "horizon"
+"""Key of the diagram of trajectories."""

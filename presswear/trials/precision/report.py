@@ -1,0 +1,194 @@
+"""The report of a study of speed against error: one HTML file."""
+
+import math
+from pathlib import Path
+
+from presswear.campaign.starts import APART
+from presswear.show.figures import save
+from presswear.show.report.page import Illustration, render_page
+from presswear.show.report.parts import Table
+from presswear.tools.files import write_bytes
+from presswear.tools.numbers import given, readable, with_interval
+from presswear.trials.precision.figures import precision_drawings
+from presswear.trials.precision.growth import HIGH, LOW, PARTED
+from presswear.trials.precision.recommendation import RULES, Recommendation, recommend
+from presswear.trials.precision.study import Precision
+from presswear.trials.precision.tables import (
+    cost_table,
+    error_table,
+    failures_table,
+    growth_table,
+    origin_table,
+    references_table,
+    sampling_table,
+    statistics_table,
+    wear_cost_table,
+    wear_table,
+)
+
+
+def style_of(one: Recommendation) -> str:
+    """Class of a verdict on the page."""
+    if one.agrees:
+        return "good"
+    return "bad" if one.meets is False else "open"
+
+
+def recommendations(precision: Precision) -> tuple[Recommendation, ...]:
+    """What to take, from everything that the study has."""
+    return recommend(precision.scene, precision.diagrams, precision.chaos, precision.wear)
+
+
+def headline(precision: Precision, found: tuple[Recommendation, ...]) -> str:
+    """The answer in a few sentences."""
+    parts = []
+    chaos = precision.chaos
+    best = None if chaos is None else chaos.cheapest()
+    if chaos is not None and best is not None:
+        parts.append(
+            f"The cheapest setting that is honest for wear is {best.method.label}: "
+            f"{best.cost:.2g} s for a simulated second, with every step error below the sampling "
+            f"error of a stage of {chaos.stage_cycles} cycles."
+        )
+    elif chaos is not None:
+        parts.append(
+            "No setting has been shown to be honest for wear: so few cycles leave room for step "
+            f"errors larger than the sampling error of a stage of {chaos.stage_cycles} cycles."
+        )
+    agreed = [one for one in found if one.agrees is not None and one.recommended]
+    nothing = sum(not one.recommended for one in found)
+    if agreed:
+        taken = sum(bool(one.agrees) for one in agreed)
+        finer = sum(bool(one.meets) and not one.agrees for one in agreed)
+        rest = len(agreed) - taken - finer
+        parts.append(
+            f"Of {len(agreed)} recommendations below the code takes {taken} as they are, {finer} "
+            f"in a form that meets the rule at a higher price, and {rest} in one that does not."
+            + (f" For {nothing} more nothing that was run meets the rule." if nothing else "")
+        )
+    failed = paper_failures(precision)
+    if failed:
+        parts.append(f"The paper's setting, RK4 at 1e-4 s, fails: {'; '.join(failed)}.")
+    return " ".join(parts) or "There is nothing to recommend from what was run."
+
+
+def paper_failures(precision: Precision) -> list[str]:
+    """What the paper's setting failed at."""
+    failed = [
+        diagram.title
+        for diagram in precision.diagrams
+        for point in diagram.points
+        if point.method.is_paper and point.failure
+    ]
+    chaos = precision.chaos
+    if chaos is not None and any(p.method.is_paper and p.failure for p in chaos.points):
+        failed.append("statistics of wear")
+    return failed
+
+
+def growth_sentence(precision: Precision) -> str:
+    """Growth rate and divergence time, in a sentence."""
+    chaos = precision.chaos
+    if chaos is None or not chaos.growths:
+        return ""
+    first = chaos.growths[0]
+    if first.window is None:
+        return (
+            f"Two runs whose starts are {given(APART)} m apart stay within {given(HIGH)} m over "
+            f"{readable(first.time[-1])} s."
+        )
+    text = (
+        f"The distance of two runs whose starts are {given(APART)} m apart grows by "
+        f"{readable(first.rate)} /s between {given(LOW)} and {given(HIGH)} m, or by "
+        f"{readable(100.0 * math.expm1(first.per_touch), 2)} % a touch"
+    )
+    if first.divergence is not None:
+        text += (
+            f"; it is {given(PARTED)} m after {readable(first.divergence)} s and "
+            f"{first.touches_to_divergence} touches"
+        )
+    others = chaos.growths[1:]
+    if others:
+        settled = chaos.settled_rate
+        rate = readable(settled.mean)
+        if settled.half_width is not None:
+            rate = with_interval(settled.mean, settled.half_width)
+        parted = sum(growth.divergence is not None for growth in others)
+        text += (
+            f". That is while the pins, which start in the middle of their bearings, settle. Of "
+            f"{len(others)} further pairs, begun later in the motion, {parted} part within "
+            f"{readable(others[0].time[-1])} s; lulls included, they grow by {rate} /s"
+        )
+    return f"{text}."
+
+
+def recommendation_table(found: tuple[Recommendation, ...]) -> list[dict[str, object]]:
+    """Recommendations by purpose, with the rule and the rows."""
+    return [
+        {
+            "purpose": purpose,
+            "rule": rule,
+            "rows": [
+                {"one": one, "style": style_of(one)} for one in found if one.purpose == purpose
+            ],
+        }
+        for purpose, rule in RULES.items()
+        if any(one.purpose == purpose for one in found)
+    ]
+
+
+def write_precision_report(precision: Precision, folder: Path) -> tuple[str, Path]:
+    """Write ``report.html`` and the figures into a folder; returns the answer and the path."""
+    figures = {
+        drawing.file: Illustration.of(save(drawing, folder / "figures"), folder / "figures")
+        for drawing in precision_drawings(precision)
+    }
+    found = recommendations(precision)
+    answer = headline(precision, found)
+    path = folder / "report.html"
+    write_bytes(path, render(precision, found, figures).encode())
+    return answer, path
+
+
+def _named(figures: dict[str, Illustration], *names: str) -> list[Illustration]:
+    files = [f"precision-{name}.png" for name in names]
+    return [figures[file] for file in files if file in figures]
+
+
+def render(
+    precision: Precision,
+    found: tuple[Recommendation, ...],
+    figures: dict[str, Illustration],
+) -> str:
+    """The page as text."""
+    tasks: list[tuple[str, str, list[Illustration], list[Table]]] = [
+        (
+            diagram.key,
+            diagram.title,
+            _named(figures, diagram.key),
+            [error_table(diagram), cost_table(diagram)],
+        )
+        for diagram in precision.diagrams
+    ]
+    chaos, wear = precision.chaos, precision.wear
+    return render_page(
+        "precision.html",
+        scene=precision.scene,
+        quick=precision.extent.quick,
+        headline=headline(precision, found),
+        growth=growth_sentence(precision),
+        purposes=recommendation_table(found),
+        tasks=tasks,
+        together=_named(figures, "orders", "energy"),
+        chaos=chaos,
+        chaos_figures=_named(figures, "growth", "statistics"),
+        growth_table=None if chaos is None else growth_table(chaos),
+        sampling_table=None if chaos is None else sampling_table(chaos),
+        statistics_table=None if chaos is None else statistics_table(chaos),
+        wear=wear,
+        wear_figures=_named(figures, "wear", "contact"),
+        wear_tables=[] if wear is None else [wear_table(wear), wear_cost_table(wear)],
+        failures=failures_table(precision),
+        references=references_table(precision.diagrams),
+        origin=origin_table(precision),
+    )

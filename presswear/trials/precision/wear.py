@@ -1,0 +1,424 @@
+"""Wear against what it is computed with: angles, cycles, amplification, contact model.
+
+Each is varied alone from the scene, under both sets of conventions; everything else, the
+method included, stays as it is.
+"""
+
+import math
+import time as clock
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
+from typing import Any, Literal
+
+from presswear.campaign.campaign import Stage, Watcher, run_campaign
+from presswear.linkage.elements import SurfaceContact
+from presswear.record.sampling import Interval
+from presswear.scene.scene import CONVENTIONS, Scene
+from presswear.tools.errors import InputError, RunError
+from presswear.trials.precision.extent import Extent
+from presswear.trials.precision.growth import number
+
+Progress = Callable[[str, float], None]
+"""Told what is being run and which part of all is done, 0 .. 1."""
+
+Group = Literal["angles", "cycles", "depth step", "contact", "method"]
+
+TITLES: dict[Group, str] = {
+    "angles": "angles of a wear map",
+    "cycles": "cycles run for a wear",
+    "depth step": "largest change of a surface in one step, part of the clearance",
+    "contact": "how worn surfaces meet",
+    "method": "how the motion is integrated",
+}
+TOLERANCE = 1e-7
+"""Of the in-house solver's DOPRI5, with which all runs are made; ``chaos`` says how honest
+that is for wear."""
+
+
+@dataclass(frozen=True)
+class Means:
+    """What is run under one set of conventions.
+
+    Attributes
+    ----------
+    angles, cycles : tuple of int
+    finer : tuple of float
+        Depth steps, parts of the scene's.
+    usual : int
+        Cycles of each run where they are not what is varied.
+    """
+
+    angles: tuple[int, ...]
+    cycles: tuple[int, ...]
+    finer: tuple[float, ...]
+    usual: int
+
+
+@dataclass(frozen=True)
+class Size:
+    """How much is run.
+
+    Attributes
+    ----------
+    means : mapping of str to Means
+        By the name of the conventions.
+    methods : tuple of str
+        Keys of METHODS, under the paper's conventions.
+    """
+
+    means: Mapping[str, Means]
+    methods: tuple[str, ...]
+
+
+METHODS: dict[str, dict[str, Any]] = {
+    "RK4, 1e-4 s (paper)": {"engine": "dae", "integrator": "rk4-paper"},
+    "DOPRI5 of dae, 1e-7": {
+        "engine": "dae",
+        "integrator": "dopri5",
+        "integration_tolerance": TOLERANCE,
+    },
+    "Exudyn, 1e-6": {"engine": "exudyn", "tree_tolerance": 1e-6},
+}
+"""Engine and numerics by name."""
+PAPER_STEP, USUAL = tuple(METHODS)[:2]
+# A wear in steps on a foundation takes some ten times as long as one in a jump.
+QUICK = Size(
+    {
+        "paper": Means((90, 360, 1440), (5, 10, 20), (), 10),
+        "refined": Means((90, 360), (), (1.0, 2.0), 5),
+    },
+    (PAPER_STEP, USUAL),
+)
+FULL = Size(
+    {
+        "paper": Means((90, 180, 360, 720, 1440), (5, 10, 20, 50, 100, 200), (), 50),
+        "refined": Means((90, 180, 360, 720, 1440), (5, 10, 20, 50, 100), (0.5, 1.0, 2.0), 20),
+    },
+    tuple(METHODS),
+)
+
+
+@dataclass(frozen=True)
+class Case:
+    """One way of computing the wear of a scene.
+
+    Attributes
+    ----------
+    group : str
+        What is varied.
+    conventions : str
+        Name of the set.
+    label : str
+    value : float or None
+        Of what is varied, where it is a number; 0: no step is too large, a single jump.
+    is_default : bool
+        Whether the scene takes it by itself.
+    """
+
+    group: Group
+    conventions: str
+    label: str
+    value: float | None
+    is_default: bool
+    scene: Scene
+
+
+@dataclass(frozen=True)
+class JointWear:
+    """What one wear takes off a joint.
+
+    Attributes
+    ----------
+    depth : Interval
+        Deepest place of bearing or pin, whichever is deeper, m.
+    volume : Interval
+        Of both, m^3.
+    """
+
+    depth: Interval
+    volume: Interval
+
+
+QUANTITIES: dict[str, tuple[str, Callable[[JointWear], Interval]]] = {
+    "deepest wear": ("m", lambda wear: wear.depth),
+    "worn volume": ("m^3", lambda wear: wear.volume),
+}
+"""Unit, and where it is, by name."""
+
+
+@dataclass(frozen=True)
+class WearPoint:
+    """What a case gave.
+
+    Attributes
+    ----------
+    first, second : mapping of str to JointWear
+        By joint: the first wear as the case applies it, and what a second one would take
+        off in a single jump; empty where it was not reached.
+    steps : int
+        In which the first wear was applied.
+    cycles : int
+        Run in all.
+    wall : float
+        s, warm-up apart.
+    failure : str
+        Why it failed, or nothing.
+    """
+
+    group: Group
+    conventions: str
+    label: str
+    value: float | None
+    is_default: bool
+    first: Mapping[str, JointWear] = field(default_factory=dict)
+    second: Mapping[str, JointWear] = field(default_factory=dict)
+    steps: int = 0
+    cycles: int = 0
+    wall: float = math.nan
+    failure: str = ""
+
+    def as_dict(self) -> dict[str, Any]:
+        """The point as plain data."""
+        return asdict(self)
+
+    @staticmethod
+    def from_dict(data: Mapping[str, Any]) -> "WearPoint":
+        """A point from ``as_dict``."""
+        wears = {
+            name: {
+                joint: JointWear(Interval(**wear["depth"]), Interval(**wear["volume"]))
+                for joint, wear in data[name].items()
+            }
+            for name in ("first", "second")
+        }
+        return WearPoint(**{**data, **wears, "wall": number(data["wall"])})
+
+
+@dataclass(frozen=True)
+class WearStudy:
+    """How the wear of a scene depends on what it is computed with.
+
+    Attributes
+    ----------
+    points : tuple of WearPoint
+        By group and conventions, from coarse to fine.
+    usual : mapping of str to int
+        Cycles of each run where they are not what is varied, by conventions.
+    method : str
+        What all ran with.
+    """
+
+    points: tuple[WearPoint, ...]
+    usual: Mapping[str, int]
+    method: str
+
+    def of(self, group: Group, conventions: str) -> tuple[WearPoint, ...]:
+        """The points that vary one thing under one set of conventions."""
+        return tuple(p for p in self.points if p.group == group and p.conventions == conventions)
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Names of the joints that wear."""
+        return tuple(dict.fromkeys(joint for point in self.points for joint in point.first))
+
+    def as_dict(self) -> dict[str, Any]:
+        """The study as plain data."""
+        return {
+            "points": [point.as_dict() for point in self.points],
+            "usual": dict(self.usual),
+            "method": self.method,
+        }
+
+    @staticmethod
+    def from_dict(data: Mapping[str, Any]) -> "WearStudy":
+        """A study from ``as_dict``."""
+        points = tuple(WearPoint.from_dict(point) for point in data["points"])
+        return WearStudy(points, data["usual"], data["method"])
+
+
+def change(here: Interval, there: Interval) -> Interval:
+    """Relative difference of two independent numbers, with its interval."""
+    if there.value == 0.0:
+        return Interval(math.nan, None, None)
+    ratio = here.value / there.value
+    ends = [part for one in (here, there) for part in (one.low, one.high)]
+    if None in ends or here.value == 0.0:
+        return Interval(ratio - 1.0, None, None)
+    widths = [0.5 * ((one.high or 0.0) - (one.low or 0.0)) / one.value for one in (here, there)]
+    half = abs(ratio) * math.hypot(*widths)
+    return Interval(ratio - 1.0, ratio - 1.0 - half, ratio - 1.0 + half)
+
+
+def cases(scene: Scene, size: Size) -> tuple[Case, ...]:
+    """Everything that is run, from coarse to fine."""
+    found: list[Case] = []
+    for name, means in size.means.items():
+        conventions = CONVENTIONS[name]
+        varied = replace(scene, conventions=conventions, cycles=means.usual, wears=1)
+        base = with_method(varied, USUAL)
+
+        def case(
+            group: Group,
+            label: str,
+            value: float | None,
+            default: bool,
+            changed: Scene,
+            name: str = name,
+        ) -> None:
+            found.append(Case(group, name, label, value, default, changed))
+
+        for angles in means.angles:
+            bearings = replace(base.bearings, angles=angles)
+            own = angles == base.bearings.angles
+            case("angles", f"{angles}", angles, own, replace(base, bearings=bearings))
+        for cycles in means.cycles:
+            case(
+                "cycles", f"{cycles}", cycles, cycles == scene.cycles, replace(base, cycles=cycles)
+            )
+        if base.wears_in_steps:
+            jump = replace(base, extrapolation="single")
+            case("depth step", "single jump", 0.0, False, jump)
+            for part in sorted(means.finer, reverse=True):
+                step = part * base.depth_step
+                changed = replace(base, depth_step=step)
+                case("depth step", f"{step:g}", step, part == 1.0, changed)
+        contacts: tuple[SurfaceContact, ...] = ("radial", "foundation")
+        for contact in contacts:
+            own = contact == conventions.contact
+            read = replace(conventions, contact=contact)
+            case("contact", contact, None, own, replace(base, conventions=read))
+        if name == "paper":
+            for method in size.methods:
+                case("method", method, None, False, with_method(varied, method))
+    return tuple(found)
+
+
+def with_method(scene: Scene, name: str) -> Scene:
+    """The scene, from one start, with a method of METHODS."""
+    settings = dict(METHODS[name])
+    engine = settings.pop("engine")
+    return replace(scene, engine=engine, starts=1, numerics=scene.numerics.having(**settings))
+
+
+def joint_wears(stage: Stage) -> dict[str, JointWear]:
+    """What the wear after a stage takes off each joint."""
+    found = {}
+    for name, numbers in stage.statistics.get("joints", {}).items():
+        side = max(("bearing", "pin"), key=lambda own: numbers[f"wear_depth_max_{own}_m"])
+        ends = numbers.get(f"wear_depth_max_{side}_interval_m") or (None, None)
+        volume, half = numbers["wear_volume_m3"], numbers["wear_volume_half_width_m3"]
+        found[name] = JointWear(
+            Interval(numbers[f"wear_depth_max_{side}_m"], ends[0], ends[1]),
+            Interval(
+                volume,
+                None if half is None else volume - half,
+                None if half is None else volume + half,
+            ),
+        )
+    return found
+
+
+def run_case(case: Case, progress: Callable[[float], None]) -> WearPoint:
+    """Run a case; one that fails is a point as well."""
+    stages: list[Stage] = []
+    began = clock.perf_counter()
+    try:
+        status, message = run_campaign(case.scene, Watcher(stage=stages.append, overall=progress))
+    except (InputError, RunError) as error:
+        status, message = "failed", str(error)
+    wall = clock.perf_counter() - began
+    wears = [joint_wears(stage) for stage in stages if not stage.ensemble.failure]
+    # A first wear that was not applied to its end is none.
+    whole = wears[: len(wears) if status != "failed" or len(stages) > 1 else 0]
+    steps = stages[0].steps if stages else ()
+    cycles = sum(stage.ensemble.cycles for stage in stages) + sum(s.cycles for s in steps[1:])
+    return WearPoint(
+        case.group,
+        case.conventions,
+        case.label,
+        case.value,
+        case.is_default,
+        whole[0] if whole else {},
+        whole[1] if len(whole) > 1 else {},
+        len(steps),
+        cycles,
+        wall,
+        message if status == "failed" else "",
+    )
+
+
+def measure(scene: Scene, extent: Extent, progress: Progress) -> WearStudy:
+    """How the wear of a scene depends on its means, quick or in full; see ``vary``."""
+    return vary(scene, _size(extent), progress)
+
+
+def check(scene: Scene, extent: Extent) -> None:
+    """InputError where a scene has nothing that wears, or allows not every case.
+
+    Asked before anything else is measured, which takes half an hour.
+    """
+    if not scene.clearance_joints or scene.bearings.wear_coefficient == 0.0:
+        raise InputError(f"scene {scene.name}: nothing wears")
+    cases(scene, _size(extent))
+
+
+def _size(extent: Extent) -> Size:
+    return QUICK if extent.quick else FULL
+
+
+def vary(scene: Scene, size: Size, progress: Progress) -> WearStudy:
+    """Run every case; what several groups have in common runs once.
+
+    Raises
+    ------
+    InputError
+        Where the scene has nothing that wears.
+    """
+    if not scene.clearance_joints or scene.bearings.wear_coefficient == 0.0:
+        raise InputError(f"scene {scene.name}: nothing wears")
+    wanted = cases(scene, size)
+    _warm_up(wanted)
+    expected = [_work(case.scene) for case in wanted]
+    total = sum(expected)
+    known: list[tuple[Scene, WearPoint]] = []
+    points = []
+    for done, case in enumerate(wanted):
+        word = f"{case.conventions}, {case.group} {case.label}"
+        before, own = sum(expected[:done]), expected[done]
+
+        def told(part: float, word: str = word, before: float = before, own: float = own) -> None:
+            progress(word, (before + own * part) / total)
+
+        told(0.0)
+        found = next((point for ran, point in known if ran == case.scene), None)
+        if found is None:
+            found = run_case(case, told)
+            known.append((case.scene, found))
+        points.append(
+            replace(
+                found,
+                group=case.group,
+                label=case.label,
+                value=case.value,
+                is_default=case.is_default,
+            )
+        )
+    usual = {name: means.usual for name, means in size.means.items()}
+    return WearStudy(tuple(points), usual, f"dae, DOPRI5 at tolerance {TOLERANCE:g}")
+
+
+def _work(scene: Scene) -> float:
+    """Work of a case, roughly, in cycles on round surfaces."""
+    assert scene.cycles is not None
+    if not scene.wears_in_steps:
+        return 3.0 * scene.cycles
+    steps = 1.0 + 0.02 / scene.depth_step
+    return scene.cycles * (1.0 + 3.0 * steps * (1.0 + scene.bearings.angles / 400.0))
+
+
+def _warm_up(wanted: Sequence[Case]) -> None:
+    """Compile everything that is timed later."""
+    for conventions in dict.fromkeys(case.conventions for case in wanted):
+        case = next(case for case in wanted if case.conventions == conventions)
+        scene = replace(case.scene, cycles=1, extrapolation="single")
+        run_case(replace(case, scene=scene), lambda part: None)

@@ -1,0 +1,1 @@
+"""The engines against references that nobody here wrote."""

@@ -1,0 +1,373 @@
+"""Reference problems that nobody here solved first: mechanisms, values and their source.
+
+Each is a ``Linkage`` with a start, so that the engines run it as they run a press.
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.engines.base import Start
+from presswear.linkage.elements import (
+    GROUND,
+    Attachment,
+    Body,
+    ClearanceJoint,
+    Linkage,
+    Load,
+    Probe,
+    Revolute,
+    Spring,
+)
+from presswear.linkage.laws import (
+    FrictionLaw,
+    NormalLaw,
+    greatest_penetration,
+    lankarani_nikravesh_damping,
+)
+
+Array = NDArray[np.float64]
+
+# Andrews' squeezer: IVP test set (andrews.f, Mazzia and Magherini, University of Bari),
+# after Giles 1978 and Manning 1981; IFToMM library of benchmarks A03.  Angles in the
+# order beta, Theta, gamma, Phi, delta, Omega, epsilon.
+ANDREWS_DURATION = 0.03
+ANDREWS_START = (
+    -0.0617138900142764496,
+    0.0,
+    0.455279819163070380,
+    0.222668390165885885,
+    0.487364979543842550,
+    -0.222668390165885885,
+    1.23054744454982119,
+)
+"""Angles at t = 0, rad; at rest."""
+ANDREWS_ANGLES = (
+    15.81077119629904,
+    -15.75637105984298,
+    0.04082224013073101,
+    -0.5347301163226948,
+    0.5244099658805304,
+    0.5347301163226948,
+    1.048080741042263,
+)
+"""Angles at t = 0.03 s, rad (PSIDE in double precision)."""
+ANDREWS_RATES = (
+    1139.920302151208,
+    -1424.379294994111,
+    11.03291221937134,
+    19.29337464421385,
+    0.5735699284790808,
+    -19.29337464421385,
+    0.3231791658026955,
+)
+"""Angular rates at t = 0.03 s, rad/s."""
+
+# Lengths of andrews.f, m, under its names.
+_D, _DA, _E, _EA = 28e-3, 115e-4, 2e-2, 1421e-5
+_RR, _RA, _SS, _SA, _SB, _SC, _SD = 7e-3, 92e-5, 35e-3, 1874e-5, 1043e-5, 18e-3, 2e-2
+_TA, _TB, _U, _UA, _UB = 2308e-5, 916e-5, 4e-2, 1228e-5, 449e-5
+_ZF, _ZT, _FA = 2e-2, 4e-2, 1421e-5
+_A, _B, _C = (-0.06934, -0.00227), (-0.03635, 0.03273), (0.014, 0.072)
+_C0, _L0, _MOMENT = 4530.0, 7785e-5, 33e-3
+
+# The pins of each body in its own frame, whose x axis has the angle of ``_TURNS``.
+_PINS = {
+    "K1": {"O": (-_RA, 0.0), "P": (_RR - _RA, 0.0)},
+    "K2": {"P": (_DA, 0.0), "Q": (_DA - _D, 0.0)},
+    "K3": {"B": (-_SB, _SA), "Q": (-_SB, _SA - _SS), "D": (_SD - _SB, _SA - _SC)},
+    "K4": {"Q": (0.0, -_EA), "E": (0.0, _E - _EA)},
+    "K5": {"A": (-_TA, _TB), "E": (_ZT - _TA, _TB)},
+    "K6": {"Q": (_FA, 0.0), "H": (_FA - _ZF, 0.0)},
+    "K7": {"A": (_UB, _UA), "H": (_UB, _UA - _U)},
+}
+
+_HUNG = {"K1": "O", "K2": "P", "K3": "B", "K5": "A", "K7": "A", "K4": "E", "K6": "H"}
+"""A pin of each body whose place the frame or the bodies before it fix."""
+
+_TURNS = np.array(
+    [
+        [1, 0, 0, 0, 0, 0, 0],
+        [1, 1, 0, 0, 0, 0, 0],
+        [0, 0, 1, 0, 0, 0, 0],
+        [0, 0, 0, 1, 1, 0, 0],
+        [0, 0, 0, 0, 1, 0, 0],
+        [0, 0, 0, 0, 0, 1, 1],
+        [0, 0, 0, 0, 0, 0, 1],
+    ],
+    dtype=float,
+)
+"""Angles of the seven bodies from the seven angles of the reference."""
+
+
+def andrews() -> Linkage:
+    """Andrews' squeezer: seven bodies, ten pins, one spring, one moment, no gravity."""
+
+    def pin(body: str, name: str) -> Attachment:
+        return Attachment(body, *_PINS[body][name])
+
+    def on_frame(place: tuple[float, float]) -> Attachment:
+        return Attachment(GROUND, *place)
+
+    return Linkage(
+        name="Andrews' squeezer",
+        bodies=(
+            Body("K1", 0.04325, 2.194e-6),
+            Body("K2", 0.00365, 4.410e-7),
+            Body("K3", 0.02373, 5.255e-6),
+            Body("K4", 0.00706, 5.667e-7),
+            Body("K5", 0.07050, 1.169e-5),
+            Body("K6", 0.00706, 5.667e-7),
+            Body("K7", 0.05498, 1.912e-5),
+        ),
+        revolutes=(
+            Revolute("O", pin("K1", "O"), on_frame((0.0, 0.0))),
+            Revolute("P", pin("K1", "P"), pin("K2", "P")),
+            Revolute("Q 3", pin("K2", "Q"), pin("K3", "Q")),
+            Revolute("Q 4", pin("K2", "Q"), pin("K4", "Q")),
+            Revolute("Q 6", pin("K2", "Q"), pin("K6", "Q")),
+            Revolute("B", pin("K3", "B"), on_frame(_B)),
+            Revolute("A 5", pin("K5", "A"), on_frame(_A)),
+            Revolute("A 7", pin("K7", "A"), on_frame(_A)),
+            Revolute("E", pin("K4", "E"), pin("K5", "E")),
+            Revolute("H", pin("K6", "H"), pin("K7", "H")),
+        ),
+        guides=(),
+        drives=(),
+        clearances=(),
+        probe=Probe("K3", 0.0),
+        gravity=0.0,
+        springs=(Spring("spring", pin("K3", "D"), on_frame(_C), _C0, _L0),),
+        loads=(Load("K1", moment=_MOMENT),),
+    )
+
+
+def andrews_start() -> Start:
+    """Mass centres and angles of the bodies at rest at the angles ``ANDREWS_START``."""
+    angles = _TURNS @ np.array(ANDREWS_START)
+    places: dict[str, tuple[float, float]] = {"O": (0.0, 0.0), "A": _A, "B": _B}
+    position = np.zeros(21)
+    for body, held in _HUNG.items():
+        i = int(body[1]) - 1
+        cosine, sine = math.cos(angles[i]), math.sin(angles[i])
+
+        def turned(point: tuple[float, float], c: float = cosine, s: float = sine) -> Array:
+            return np.array([c * point[0] - s * point[1], s * point[0] + c * point[1]])
+
+        centre = np.array(places[held]) - turned(_PINS[body][held])
+        for name, point in _PINS[body].items():
+            place = centre + turned(point)
+            places.setdefault(name, (float(place[0]), float(place[1])))
+        position[3 * i : 3 * i + 3] = centre[0], centre[1], angles[i]
+    return Start(position, np.zeros(21))
+
+
+def andrews_angles(coordinates: Array) -> Array:
+    """The seven angles of the reference, or their rates, from those of all bodies."""
+    return np.linalg.solve(_TURNS, np.asarray(coordinates)[2::3])
+
+
+# Free impact: F = K delta^n (1 + chi delta_dot / v); see ``presswear.linkage.laws``.
+HERTZ_DURATION = 2.9432751843
+"""Duration of an elastic Hertz impact over delta_max / v: twice the integral of
+dx / sqrt(1 - x^(5/2)) from 0 to 1, which is 0.8 B(2/5, 1/2)."""
+DELIVERED = {0.9: 0.9131766778, 0.8: 0.8471022798, 0.5: 0.7252411140}
+"""Restitution that Lankarani and Nikravesh's law delivers, by the nominal value:
+(1 + e') chi = ln((1 + chi) / (1 - chi e')) with chi = 0.75 (1 - e^2)."""
+
+
+@dataclass(frozen=True)
+class Impact:
+    """One central impact of a free pin on its free bearing.
+
+    Attributes
+    ----------
+    nominal : float
+        Restitution that is put into Lankarani and Nikravesh's law.
+    stiffness : float
+        K, N/m^1.5.
+    speed : float
+        Closing speed, m/s.
+    clearance : float
+        m.
+    """
+
+    nominal: float
+    stiffness: float = 1.25e10
+    speed: float = 0.25
+    clearance: float = 0.8e-3
+
+    @property
+    def linkage(self) -> Linkage:
+        """A ring of 0.3 kg and a shaft of 0.1 kg, no constraint."""
+        joint = ClearanceJoint(
+            "J",
+            Attachment("ring", 0.0, 0.0),
+            Attachment("shaft", 0.0, 0.0),
+            bearing_radius=0.015,
+            clearance=self.clearance,
+            width=0.02,
+            normal=NormalLaw(self.stiffness, 1.5, lankarani_nikravesh_damping(self.nominal)),
+        )
+        bodies = (Body("ring", 0.3, 4e-4), Body("shaft", 0.1, 1e-4))
+        return Linkage("free impact", bodies, (), (), (), (joint,), Probe("shaft", 0.0), 0.0)
+
+    @property
+    def start(self) -> Start:
+        """The shaft in the middle of the ring, moving along x."""
+        return Start(np.zeros(6), np.array([0.0, 0.0, 0.0, self.speed, 0.0, 0.0]))
+
+    @property
+    def deepest(self) -> float:
+        """Greatest penetration, m."""
+        damping = lankarani_nikravesh_damping(self.nominal)
+        return greatest_penetration(0.3 * 0.1 / 0.4, self.speed, self.stiffness, 1.5, damping)
+
+    @property
+    def elastic_duration(self) -> float:
+        """Duration of the same impact without damping, s."""
+        deepest = greatest_penetration(0.3 * 0.1 / 0.4, self.speed, self.stiffness, 1.5, 0.0)
+        return HERTZ_DURATION * deepest / self.speed
+
+
+# Mass on a spring with dry friction: code_aster V5.01.100, test SDND100.
+SDND100_EXTREMA = (0.85e-3, -0.65e-3, 0.45e-3, -0.25e-3, 0.05e-3)
+"""Turning points, m."""
+SDND100_INTERVAL = math.pi / 100.0
+"""Time between two of them, s."""
+SDND100_STIFFNESS, SDND100_GRAVITY, SDND100_FRICTION = 1e4, 10.0, 0.1
+
+_FLOOR_CLEARANCE = 1e4
+_FLOOR_STIFFNESS = 1e5
+
+
+def _floor(friction: FrictionLaw) -> ClearanceJoint:
+    """A bearing of 10 km on the frame: the slope changes by 1e-4 in a metre."""
+    return ClearanceJoint(
+        "floor",
+        bearing=Attachment(GROUND, 0.0, _FLOOR_CLEARANCE),
+        pin=Attachment("block", 0.0, 0.0),
+        bearing_radius=_FLOOR_CLEARANCE + 0.01,
+        clearance=_FLOOR_CLEARANCE,
+        width=0.02,
+        normal=NormalLaw(_FLOOR_STIFFNESS),
+        friction=friction,
+    )
+
+
+def _block_at(x: float, weight: float) -> Array:
+    """A block on the floor, pressed in as far as its weight, N, presses it."""
+    sunk = (weight / _FLOOR_STIFFNESS) ** (2.0 / 3.0)
+    reach = _FLOOR_CLEARANCE + sunk
+    # Of the two equal terms only the difference counts.
+    return np.array([x, x * x / (reach + math.sqrt(reach**2 - x * x)) - sunk, 0.0])
+
+
+def block(pull: float, press: float, friction: FrictionLaw, speed: float) -> tuple[Linkage, Start]:
+    """A block of 1 kg on a floor, too heavy to turn, and its start at x = 0.
+
+    Parameters
+    ----------
+    pull, press : float
+        Constant forces along the floor and into it, N.
+    speed : float
+        At the start, m/s.
+    """
+    linkage = Linkage(
+        "block on a floor",
+        (Body("block", 1.0, 1e12),),
+        (),
+        (),
+        (),
+        (_floor(friction),),
+        Probe("block", 0.0),
+        gravity=0.0,
+        loads=(Load("block", x=pull, y=-press),),
+    )
+    return linkage, Start(_block_at(0.0, press), np.array([speed, 0.0, 0.0]))
+
+
+def sdnd100(upper: float) -> tuple[Linkage, Start]:
+    """The mass, its spring of 1 km and its release; friction is full above ``upper``, m/s."""
+    friction = FrictionLaw(SDND100_FRICTION, 0.0, upper)
+    linkage, rest = block(0.0, SDND100_GRAVITY, friction, 0.0)
+    spring = Spring(
+        "spring",
+        Attachment(GROUND, -1e3, float(rest.position[1])),
+        Attachment("block", 0.0, 0.0),
+        SDND100_STIFFNESS,
+        1e3,
+    )
+    release = Start(_block_at(SDND100_EXTREMA[0], SDND100_GRAVITY), np.zeros(3))
+    return replace(linkage, name="SDND100", springs=(spring,)), release
+
+
+def creep_speed(friction: FrictionLaw, slope: float) -> float:
+    """Speed, m/s, at which a block creeps down an incline of tangent ``slope``.
+
+    The ramp gives mu c_d = tan(theta), so v = v0 + (v1 - v0) tan(theta) / mu.
+    """
+    return friction.lower + (friction.upper - friction.lower) * slope / friction.coefficient
+
+
+def slowed_speed(friction: FrictionLaw, speed: float, gravity: float, time: float) -> float:
+    """Speed, m/s, of a block that slows on the flat, started above v1.
+
+    V - mu g t down to v1, from there v0 + (v1 - v0) exp(-mu g t / (v1 - v0)).
+    """
+    slowing = friction.coefficient * gravity
+    late = time - (speed - friction.upper) / slowing
+    if late <= 0.0:
+        return speed - slowing * time
+    width = friction.upper - friction.lower
+    return friction.lower + width * math.exp(-slowing * late / width)
+
+
+@dataclass(frozen=True)
+class Ball:
+    """A ball thrown up from the floor of a large bearing on the frame.
+
+    Attributes
+    ----------
+    nominal : float
+        Restitution put into Lankarani and Nikravesh's law.
+    stiffness : float
+        K, N/m^1.5; what gravity does during contact falls with the contact time, K^(-2/5).
+    speed : float
+        At the start, upwards, m/s; the ball stays below the middle of the bearing.
+    """
+
+    nominal: float
+    stiffness: float = 1e14
+    speed: float = 3.0
+    gravity: float = 9.81
+
+    @property
+    def linkage(self) -> Linkage:
+        """A pin of 0.1 kg in a bearing with a clearance of 1 m."""
+        joint = ClearanceJoint(
+            "floor",
+            bearing=Attachment(GROUND, 0.0, 0.0),
+            pin=Attachment("ball", 0.0, 0.0),
+            bearing_radius=1.05,
+            clearance=1.0,
+            width=0.02,
+            normal=NormalLaw(self.stiffness, 1.5, lankarani_nikravesh_damping(self.nominal)),
+        )
+        return Linkage(
+            "bouncing ball",
+            (Body("ball", 0.1, 1e-4),),
+            (),
+            (),
+            (),
+            (joint,),
+            Probe("ball", math.pi / 2.0),
+            self.gravity,
+        )
+
+    @property
+    def start(self) -> Start:
+        """On the floor, moving up."""
+        return Start(np.array([0.0, -1.0, 0.0]), np.array([0.0, self.speed, 0.0]))

@@ -1,0 +1,300 @@
+"""Both engines against references that nobody here wrote: what is reached, what is not."""
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicHermiteSpline
+
+from presswear.engines.base import Plan, Run, Start
+from presswear.engines.dae.engine import simulate as simulate_dae
+from presswear.engines.exudyn_joints.engine import simulate as simulate_exudyn
+from presswear.engines.settings import ExudynJoints, InHouse
+from presswear.linkage.elements import Linkage
+from presswear.linkage.laws import FrictionLaw
+from presswear.tools.errors import RunError
+from presswear.trials.verify import references
+
+Array = NDArray[np.float64]
+
+TIGHT = InHouse(integration_tolerance=1e-11)
+"""Tolerance of the impacts; 1e-9, the default, leaves 2e-8 in the restitution."""
+NEWTON = 1e-12
+"""Of Exudyn on smooth motion: at 1e-9 and above it hides the order of the integrator."""
+ANDREWS_STEPS = (1e-5, 5e-6, 2.5e-6)
+"""Steps of Exudyn on Andrews' squeezer, s."""
+EXUDYN_STEPS_PER_CONTACT = {0.9: 50, 0.8: 100, 0.5: 100}
+"""By nominal restitution: at the default of 50 the two lower ones miss 1e-4."""
+SHARP = 1e-6
+"""Speed above which friction is full in SDND100, m/s: 0.001 of the greatest."""
+FRICTION = FrictionLaw(0.1, 1e-4, 1e-3)
+"""Of the block on incline and flat."""
+GRAVITY = 9.81
+SLOPE = 0.05
+BOUNCES = 20
+
+
+@dataclass(frozen=True)
+class Row:
+    """One comparison.
+
+    Attributes
+    ----------
+    name : str
+        Problem, engine and unit.
+    reference, ours : float
+    bound : float
+        Greatest error that passes; errors are absolute, in the unit of the name.
+    """
+
+    name: str
+    reference: float
+    ours: float
+    bound: float
+
+    @property
+    def error(self) -> float:
+        """Distance from the reference."""
+        return abs(self.ours - self.reference)
+
+    @property
+    def passed(self) -> bool:
+        """Whether the error is within the bound; never for what is not a number."""
+        return self.error <= self.bound
+
+
+def _worst(name: str, reference: Sequence[float], ours: Array, bound: float) -> Row:
+    """The component that is furthest off."""
+    i = int(np.argmax(np.abs(ours - np.array(reference))))
+    return Row(name, float(reference[i]), float(ours[i]), bound)
+
+
+def _finished(run: Run) -> Run:
+    if run.status == "failed":
+        raise RunError(run.message)
+    return run
+
+
+def order_of(steps: Sequence[float], errors: Sequence[float]) -> float:
+    """Observed order: slope of log error over log step, by least squares."""
+    return float(np.polyfit(np.log(steps), np.log(errors), 1)[0])
+
+
+def andrews_with_exudyn(step: float) -> Array:
+    """The seven angles at the end, rad, with equal steps, s."""
+    # A step one part in 1e9 shorter keeps round-off from making them one fewer.
+    accuracy = ExudynJoints(50, 10, free_step=step * (1.0 - 1e-9), newton=NEWTON)
+    plan = Plan(references.ANDREWS_DURATION, 1, recorded_cycles=1)
+    run = simulate_exudyn(references.andrews(), references.andrews_start(), accuracy, plan)
+    return references.andrews_angles(_finished(run).end.position)
+
+
+def andrews_rows() -> Iterator[Row]:
+    """Andrews' squeezer at t = 0.03 s."""
+    plan = Plan(references.ANDREWS_DURATION, 1, recorded_cycles=1)
+    run = simulate_dae(references.andrews(), references.andrews_start(), InHouse(), plan)
+    end = _finished(run).end
+    angles = references.andrews_angles(end.position)
+    rates = references.andrews_angles(end.velocity)
+    yield _worst("Andrews, dae: worst angle (rad)", references.ANDREWS_ANGLES, angles, 1e-8)
+    yield _worst("Andrews, dae: worst rate (rad/s)", references.ANDREWS_RATES, rates, 1e-5)
+    found = [andrews_with_exudyn(step) for step in ANDREWS_STEPS]
+    name = f"Andrews, Exudyn, {1e6 * ANDREWS_STEPS[-1]:g} us: worst angle (rad)"
+    finest = _worst(name, references.ANDREWS_ANGLES, found[-1], 1e-5)
+    yield finest
+    errors = [float(np.abs(a - np.array(references.ANDREWS_ANGLES)).max()) for a in found]
+    yield Row("Andrews, Exudyn: order", 2.0, order_of(ANDREWS_STEPS, errors), 0.1)
+
+
+def delivered(run: Run, speed: float) -> float:
+    """Restitution of the first contact of a run that met at ``speed``, m/s."""
+    return -float(first_contact(run)[3]) / speed
+
+
+def first_contact(run: Run) -> Array:
+    """Row of the first contact, columns ``EPISODE_COLUMNS``; RunError if there is none."""
+    episodes = _finished(run).account.episodes(0)
+    if not len(episodes):
+        raise RunError("a contact that must happen was not seen")
+    first: Array = episodes[0]
+    return first
+
+
+def deepest_penetration(run: Run, speed: float) -> float:
+    """Greatest penetration of a free ``Impact``, m, between the recorded rows too."""
+    rows = _finished(run).account.rows
+    # The momentum of ring, 0.3 kg, and shaft, 0.1 kg, is the shaft's at the start.
+    rate = rows[:, 2] - (speed - rows[:, 2]) / 3.0
+    course = CubicHermiteSpline(rows[:, 0], rows[:, 6], rate)
+    return float(course(course.derivative().roots(extrapolate=False)).max())
+
+
+def impact_rows() -> Iterator[Row]:
+    """One free central impact."""
+    plan = Plan(0.005, 1)
+    for nominal, expected in references.DELIVERED.items():
+        impact = references.Impact(nominal)
+        run = simulate_dae(impact.linkage, impact.start, TIGHT, plan)
+        ours = delivered(run, impact.speed)
+        yield Row(f"restitution, nominal {nominal}, dae", expected, ours, 1e-8)
+        steps = EXUDYN_STEPS_PER_CONTACT[nominal]
+        accuracy = ExudynJoints(steps, 10, free_step=2e-5, newton=1e-10)
+        run = simulate_exudyn(impact.linkage, impact.start, accuracy, plan)
+        name = f"restitution, nominal {nominal}, Exudyn, {steps} steps"
+        yield Row(name, expected, delivered(run, impact.speed), 1e-4)
+    impact = references.Impact(0.9, clearance=1e-5)
+    run = simulate_dae(impact.linkage, impact.start, TIGHT, Plan(2.2e-4, 1))
+    part = deepest_penetration(run, impact.speed) / impact.deepest
+    yield Row("penetration over closed form, dae", 1.0, part, 1e-8)
+    impact = references.Impact(1.0)
+    run = simulate_dae(impact.linkage, impact.start, TIGHT, plan)
+    onset, end = first_contact(run)[:2]
+    unit = impact.deepest / impact.speed
+    lasted = float(end - onset) / unit
+    yield Row("Hertz: duration (delta_max/v), dae", references.HERTZ_DURATION, lasted, 1e-8)
+
+
+def turning_points(run: Run, begin: float) -> tuple[Array, Array]:
+    """Times, s, and places, m, at which the watched motion turns round.
+
+    Continued from the last row before each turn: friction changes sign there, so
+    that nothing smooth leads across.
+
+    Parameters
+    ----------
+    begin : float
+        Watched coordinate at the start, m.
+    """
+    rows = _finished(run).account.rows
+    before = np.flatnonzero(rows[:-1, 2] * rows[1:, 2] < 0.0)
+    t, x, v, a = rows[before, :4].T
+    left = -v / a
+    return t + left, begin + x + left * (v + 0.5 * a * left)
+
+
+def friction_rows() -> Iterator[Row]:
+    """Dry friction in a mechanism, with ``dae``."""
+    linkage, start = references.sdnd100(SHARP)
+    duration = 4.5 * references.SDND100_INTERVAL
+    run = simulate_dae(linkage, start, TIGHT, Plan(duration, 1, recorded_cycles=1))
+    times, places = turning_points(run, references.SDND100_EXTREMA[0])
+    turns = len(references.SDND100_EXTREMA) - 1
+    if len(times) != turns:
+        raise RunError(f"SDND100 turned round {len(times)} times instead of {turns}")
+    millimetres = [1e3 * x for x in references.SDND100_EXTREMA[1:]]
+    yield _worst("SDND100, dae: worst turning point (mm)", millimetres, 1e3 * places, 1e-5)
+    expected = [references.SDND100_INTERVAL * (k + 1) for k in range(turns)]
+    yield _worst("SDND100, dae: its time (s)", expected, times, 1e-5)
+    rest = 1e3 * float(run.end.position[0])
+    yield Row("SDND100, dae: sticks at (mm)", 1e3 * references.SDND100_EXTREMA[-1], rest, 1e-4)
+    expected_creep = references.creep_speed(FRICTION, SLOPE)
+    yield Row("creep on an incline (mm/s)", 1e3 * expected_creep, 1e3 * creep(SLOPE), 1e-6)
+    for time in (0.005, 0.011):
+        expected_speed = 1e3 * references.slowed_speed(FRICTION, 0.01, GRAVITY, time)
+        name = f"slowing on the flat, {1e3 * time:g} ms (mm/s)"
+        yield Row(name, expected_speed, 1e3 * slowed(0.01, time), 1e-6)
+
+
+def slowed(speed: float, time: float) -> float:
+    """Speed, m/s, of a block on the flat after a time, s, with ``dae``."""
+    return _slid(*references.block(0.0, GRAVITY, FRICTION, speed), time)
+
+
+def creep(slope: float) -> float:
+    """Speed, m/s, of a block on an incline after 0.2 s, with ``dae``.
+
+    The approach decays with mu g cos(theta) / (v1 - v0), 1090 per second.
+    """
+    angle = math.atan(slope)
+    pull, press = GRAVITY * math.sin(angle), GRAVITY * math.cos(angle)
+    return _slid(*references.block(pull, press, FRICTION, 0.005), 0.2)
+
+
+def _slid(linkage: Linkage, start: Start, time: float) -> float:
+    run = simulate_dae(linkage, start, TIGHT, Plan(time, 1, recorded_cycles=1))
+    return float(_finished(run).end.velocity[0])
+
+
+@dataclass(frozen=True)
+class Bounces:
+    """Flights between bounces, s, rebound speeds, m/s, and contact times, s."""
+
+    flights: Array
+    rebounds: Array
+    contacts: Array
+
+
+def bounced(ball: references.Ball, duration: float) -> Bounces:
+    """What a ball did for a time, s, with ``dae``."""
+    run = simulate_dae(ball.linkage, ball.start, TIGHT, Plan(duration, 1, recorded_cycles=1))
+    first_contact(run)
+    episodes = run.account.episodes(0)
+    left = np.concatenate([[0.0], episodes[:-1, 1]])
+    return Bounces(episodes[:, 0] - left, -episodes[:, 3], episodes[:, 1] - episodes[:, 0])
+
+
+def stiff_limit(values: Sequence[float], ratio: float) -> float:
+    """What a quantity tends to as contacts get short, from its values at two stiffnesses.
+
+    Gravity acts during contact too; its effect goes with the contact time, K^(-2/5).
+
+    Parameters
+    ----------
+    ratio : float
+        Of the second stiffness to the first, above 1.
+    """
+    stiff, stiffer = values
+    return stiffer + (stiffer - stiff) / (ratio**0.4 - 1.0)
+
+
+def bouncing_rows() -> Iterator[Row]:
+    """A ball that comes to rest: twenty bounces, the rest as a geometric series."""
+    restitution = references.DELIVERED[0.9]
+    stiffer = references.Ball(0.9)
+    stiff = replace(stiffer, stiffness=0.1 * stiffer.stiffness)
+    series = 2.0 / stiffer.gravity / (1.0 - restitution)
+    totals, rebounds = [], []
+    for ball in (stiff, stiffer):
+        seen = bounced(ball, 6.0)
+        if len(seen.rebounds) < BOUNCES:
+            raise RunError(f"the ball bounced {len(seen.rebounds)} times, not {BOUNCES}")
+        last = float(seen.rebounds[BOUNCES - 1])
+        totals.append(float(seen.flights[:BOUNCES].sum()) + series * last)
+        rebounds.append(last)
+    speed = stiffer.speed
+    total, rebound = stiff_limit(totals, 10.0), stiff_limit(rebounds, 10.0)
+    yield Row("bouncing ball, dae: total time (s)", series * speed, total, 1e-6)
+    expected = speed * restitution**BOUNCES
+    yield Row(f"bouncing ball, dae: rebound {BOUNCES} (m/s)", expected, rebound, 1e-6)
+
+
+GROUPS: dict[str, Callable[[], Iterator[Row]]] = {
+    "Andrews' squeezer": andrews_rows,
+    "impact": impact_rows,
+    "friction": friction_rows,
+    "bouncing ball": bouncing_rows,
+}
+"""The reference problems by name."""
+
+
+def verify(progress: Callable[[str, float], None] = lambda name, part: None) -> list[Row]:
+    """Run every reference problem.
+
+    Parameters
+    ----------
+    progress : callable
+        Told the problem at hand and the part, 0 .. 1, that is done.
+
+    Raises
+    ------
+    RunError
+        A run failed, so that there is nothing to compare.
+    """
+    rows: list[Row] = []
+    for done, (name, group) in enumerate(GROUPS.items()):
+        progress(name, done / len(GROUPS))
+        rows.extend(group())
+    progress("done", 1.0)
+    return rows

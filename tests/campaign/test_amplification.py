@@ -1,0 +1,448 @@
+"""Wear in steps: laws of wear in closed form under an engine that does nothing else."""
+
+import json
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from presswear.campaign.amplification import Amplification, WearStep
+from presswear.campaign.campaign import Stage, Watcher, run_campaign, run_stage
+from presswear.engines.base import Plan, Run, Start
+from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
+from presswear.linkage.elements import ClearanceJoint, Linkage
+from presswear.linkage.surface import bin_centres
+from presswear.record.recorder import Account
+from presswear.record.soundness import Finding
+from presswear.results.folder import ResultFolder
+from presswear.results.results import load
+from presswear.scene.catalog import slider_crank, wear_times
+from presswear.scene.scene import CONVENTIONS, Scene, stage_name
+from presswear.show.figures import drawings
+from presswear.show.report import notes, render
+from presswear.show.report.wear import growth as growth_table
+
+Array = NDArray[np.float64]
+Law = Callable[[int, ClearanceJoint, Array], Array]
+"""Number of the run, joint, its depth, shape (2, m): depth of one cycle, m."""
+
+CLEARANCE = 0.8e-3
+CYCLES = 5
+REPRESENTED = 4e6
+RATE = 0.05 * CLEARANCE / REPRESENTED
+"""Depth of one cycle where it is deepest: a wear of a twentieth of the clearance, m."""
+
+SCENE = replace(
+    wear_times(), cycles=CYCLES, wears=2, represented_cycles=REPRESENTED, extrapolation="steps"
+)
+SHAPE = np.stack([np.exp(np.cos(bin_centres(360)) - 1.0), 0.3 + 0.2 * np.sin(bin_centres(360))])
+"""Of wear over bearing and pin; its largest value is that of the bearing, near 1."""
+
+
+def depth_of(joint: ClearanceJoint) -> Array:
+    surfaces = (joint.bearing_surface, joint.pin_surface)
+    return np.stack([s.depth if s.depth.size else np.zeros(360) for s in surfaces])
+
+
+@dataclass
+class FakeEngine:
+    """Wears as a law says; runs are numbered from 1, and one of them may go wrong."""
+
+    law: Law
+    fails: int = 0
+    stopped: int = 0
+    runs: int = 0
+
+    def __call__(self, linkage: Linkage, start: Start, plan: Plan) -> Run:
+        self.runs += 1
+        account = Account.of(linkage, start.position, 1, plan.cycle, torques=False)
+        account.book.record["now"] = plan.cycle * plan.cycles
+        for cycle in range(plan.cycles):
+            plan.progress((cycle + 0.5) / plan.cycles)
+            if self.runs == self.stopped and cycle == 1:
+                raise KeyboardInterrupt
+            account.book.cycle[:] = 100.0 * self.runs
+            for k, joint in enumerate(linkage.clearances):
+                account.book.depth[k] = self.law(self.runs, joint, depth_of(joint))
+            account.end_cycle()
+            plan.enough(account)
+        failed = self.runs == self.fails
+        return Run(
+            "failed" if failed else "completed",
+            Finding("state", "the solver found no step", 0.1, "", "") if failed else None,
+            account,
+            start,
+            plan.cycle * plan.cycles,
+            {},
+            {"model": "none", "energy_residual_J": 0.0, "drive_exchange_J": 0.0, "steps": 1},
+        )
+
+
+def constant(run: int, joint: ClearanceJoint, depth: Array) -> Array:
+    return RATE * SHAPE * (1.0 if joint.name == "A" else 0.4)
+
+
+def uneven(run: int, joint: ClearanceJoint, depth: Array) -> Array:
+    """Rates that come and go from run to run, as in a chaotic motion."""
+    return constant(run, joint, depth) * (1.0, 0.3, 2.7, 0.9)[run % 4]
+
+
+def exponential(run: int, joint: ClearanceJoint, depth: Array) -> Array:
+    """dh/dN = a + b h: grows to a (exp(b N) - 1) / b."""
+    return RATE * SHAPE + depth / REPRESENTED
+
+
+@dataclass
+class Seen:
+    """What a watcher was told."""
+
+    stages: list[Stage] = field(default_factory=list)
+    parts: list[tuple[int, float, str]] = field(default_factory=list)
+    overall: list[float] = field(default_factory=list)
+    status: str = ""
+    message: str = ""
+
+    def watcher(self) -> Watcher:
+        return Watcher(
+            progress=lambda stage, part, word: self.parts.append((stage, part, word)),
+            stage=self.stages.append,
+            overall=self.overall.append,
+        )
+
+    @property
+    def steps(self) -> list[WearStep]:
+        return [step for stage in self.stages for step in stage.steps]
+
+
+def use(engine: FakeEngine, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let a fake engine run in place of any."""
+    for kind in (ExudynTree, ExudynJoints, InHouse):
+        monkeypatch.setattr(kind, "simulate", lambda self, *given: engine(*given))
+
+
+Campaign = Callable[[Scene, FakeEngine], Seen]
+
+
+@pytest.fixture
+def campaign(monkeypatch: pytest.MonkeyPatch) -> Campaign:
+    """Runs a campaign with a fake engine."""
+
+    def run(scene: Scene, engine: FakeEngine) -> Seen:
+        use(engine, monkeypatch)
+        seen = Seen()
+        seen.status, seen.message = run_campaign(scene, seen.watcher())
+        return seen
+
+    return run
+
+
+@pytest.mark.parametrize("limit", [1e-3, 0.0033, 0.01, 0.02, 1.0])
+def test_a_constant_rate_is_exact_with_any_limit(campaign: Campaign, limit: float) -> None:
+    seen = campaign(replace(SCENE, depth_step=limit), FakeEngine(constant))
+    assert seen.status == "completed"
+    for joint in seen.stages[2].linkage.clearances:
+        expected = 2.0 * REPRESENTED * constant(0, joint, np.zeros(0))
+        np.testing.assert_allclose(depth_of(joint), expected, rtol=1e-12)
+    for stage in seen.stages[:2]:
+        assert len(stage.steps) == math.ceil(0.05 / limit - 1e-9)
+        for k, joint in enumerate(stage.linkage.clearances):
+            expected = REPRESENTED * constant(0, joint, np.zeros(0))
+            np.testing.assert_allclose(stage.added[k], expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize("law", [constant, uneven, exponential])
+@pytest.mark.parametrize("limit", [0.004, 0.01])
+def test_no_step_exceeds_its_limit(campaign: Campaign, law: Law, limit: float) -> None:
+    """Between consecutive runs no profile changes by more, and no more steps than that asks for."""
+    surfaces: list[list[Array]] = []
+
+    def spied(run: int, joint: ClearanceJoint, depth: Array) -> Array:
+        if joint.name == "A":
+            surfaces.append([depth])
+        return law(run, joint, depth)
+
+    seen = campaign(replace(SCENE, depth_step=limit), FakeEngine(spied))
+    depths = [surfaces[run * CYCLES][0] for run in range(len(surfaces) // CYCLES)]
+    changes = [np.max(b - a) / CLEARANCE for a, b in pairwise(depths)]
+    assert max(changes) <= limit * (1.0 + 1e-8)
+    np.testing.assert_allclose([step.change for step in seen.steps], changes, rtol=1e-9)
+    # Equal shares of what remains: a step may be below the limit by as much as one in n.
+    assert np.mean(changes) > 0.75 * limit
+
+
+@pytest.mark.parametrize("law", [constant, uneven, exponential])
+def test_the_represented_cycles_are_used_up(campaign: Campaign, law: Law) -> None:
+    seen = campaign(replace(SCENE, depth_step=0.0037), FakeEngine(law))
+    for stage in seen.stages[:2]:
+        assert len(stage.steps) > 5
+        total = math.fsum(step.represented_cycles for step in stage.steps)
+        assert total == pytest.approx(REPRESENTED, rel=1e-14)
+        for step in stage.steps:
+            assert step.represented_cycles > 0.0
+            assert step.factor == step.represented_cycles / step.cycles
+
+
+def test_single_jumps_are_those_of_the_paper(campaign: Campaign) -> None:
+    """To the last bit: depth of the cycles times represented cycles over cycles."""
+    engine = FakeEngine(uneven)
+    seen = campaign(replace(SCENE, extrapolation="single", cycles=7), engine)
+    assert engine.runs == 3
+    worn = np.zeros((2, 2, 360))
+    for stage in seen.stages:
+        assert np.array_equal([depth_of(j) for j in stage.linkage.clearances], worn)
+        assert stage.amplification == REPRESENTED / 7
+        assert np.array_equal(stage.added, stage.ensemble.depth() * REPRESENTED)
+        worn = worn + stage.added
+    assert [len(stage.steps) for stage in seen.stages] == [1, 1, 0]
+
+
+def test_halving_the_step_halves_the_error(campaign: Campaign) -> None:
+    """A rate that grows with depth; the steps are explicit Euler steps in represented cycles."""
+    exact = RATE * REPRESENTED * SHAPE * (math.exp(2.0) - 1.0)
+    errors = []
+    for limit in (0.004, 0.002, 0.001):
+        seen = campaign(replace(SCENE, depth_step=limit), FakeEngine(exponential))
+        errors.append(np.max(np.abs(depth_of(seen.stages[2].linkage.clearances[0]) - exact)))
+    assert errors[0] < 0.1 * exact.max()
+    np.testing.assert_allclose(np.divide(errors[:-1], errors[1:]), 2.0, rtol=0.06)
+
+
+def test_a_stage_runs_on_the_sum_of_the_steps_before_it(campaign: Campaign) -> None:
+    seen = campaign(replace(SCENE, depth_step=0.006), FakeEngine(exponential))
+    for before, after in pairwise(seen.stages):
+        for k, joint in enumerate(before.linkage.clearances):
+            there = depth_of(after.linkage.clearances[k])
+            np.testing.assert_allclose(there, depth_of(joint) + before.added[k], rtol=1e-12)
+            deepest = before.steps[-1].deepest[joint.name]
+            assert [deepest["bearing"], deepest["pin"]] == list(there.max(axis=1))
+            volume = before.statistics["joints"][joint.name]["wear_volume_m3"]
+            area = 0.02 * 0.015 * 2.0 * math.pi / 360
+            assert volume == pytest.approx(area * before.added[k].sum(), rel=1e-12)
+
+
+def test_nothing_runs_for_the_wear_after_the_last_stage(campaign: Campaign) -> None:
+    engine = FakeEngine(constant)
+    seen = campaign(replace(SCENE, depth_step=0.01), engine)
+    assert engine.runs == 5 + 5 + 1
+    last = seen.stages[-1]
+    assert last.steps == ()
+    np.testing.assert_allclose(last.added[0], REPRESENTED * RATE * SHAPE, rtol=1e-12)
+
+
+def test_a_surface_that_does_not_wear_takes_one_step(campaign: Campaign) -> None:
+    engine = FakeEngine(lambda run, joint, depth: 0.0 * SHAPE)
+    campaign(replace(SCENE, depth_step=1e-4), engine)
+    assert engine.runs == 3
+
+
+def test_failure_inside_a_wear_names_the_step_and_keeps_the_stage(campaign: Campaign) -> None:
+    """Stage 0, steps 2 to 5 of its wear, stage 1, then the run after step 3 of the second wear."""
+    engine = FakeEngine(constant, fails=9)
+    seen = campaign(replace(SCENE, depth_step=0.01), engine)
+    assert seen.status == "failed"
+    assert seen.message == (
+        "after step 3 of the second wear (2.4e+06 of 4e+06 cycles): the solver found no step "
+        "(t = 0.1 s)"
+    )
+    assert [stage.index for stage in seen.stages] == [0, 1]
+    assert [len(stage.steps) for stage in seen.stages] == [5, 3]
+    np.testing.assert_allclose(seen.stages[1].added[0], 0.6 * REPRESENTED * RATE * SHAPE)
+    assert seen.stages[1].ensemble.status == "completed"
+
+
+def test_failure_of_a_stage_is_told_as_before(campaign: Campaign) -> None:
+    seen = campaign(replace(SCENE, depth_step=0.01), FakeEngine(constant, fails=6))
+    assert (seen.status, seen.message) == (
+        "failed",
+        "stage 1: the solver found no step (t = 0.1 s)",
+    )
+    assert [stage.ensemble.status for stage in seen.stages] == ["completed", "failed"]
+
+
+def test_a_surface_worn_through_in_a_step_is_named(campaign: Campaign) -> None:
+    """At half the clearance a step, the third is deeper than the clearance."""
+    scene = replace(SCENE, depth_step=0.5, represented_cycles=1e3 * REPRESENTED)
+    engine = FakeEngine(lambda run, joint, depth: RATE * np.ones((2, 360)))
+    seen = campaign(scene, engine)
+    assert seen.status == "failed"
+    assert seen.message.startswith(
+        "joint A: step 3 of the first wear (1.2e+08 of 4e+09 cycles) the bearing would lose"
+    )
+    assert "more than the clearance of 0.0008 m" in seen.message
+    (stage,) = seen.stages
+    assert len(stage.steps) == 3
+    assert stage.finding is not None
+    assert (stage.finding.kind, stage.finding.joint) == ("wear", "A")
+    assert engine.runs == 3
+
+
+def test_a_surface_worn_through_in_one_jump_is_told_as_before(campaign: Campaign) -> None:
+    scene = replace(SCENE, extrapolation="single", represented_cycles=1e3 * REPRESENTED)
+    seen = campaign(scene, FakeEngine(constant))
+    assert seen.message.startswith("joint A: after stage 0 the bearing would lose 0.04 m")
+
+
+def test_a_stage_outlives_an_interrupted_wear(monkeypatch: pytest.MonkeyPatch) -> None:
+    engine = FakeEngine(constant, stopped=4)
+    use(engine, monkeypatch)
+    seen = Seen()
+    with pytest.raises(KeyboardInterrupt):
+        run_campaign(replace(SCENE, depth_step=0.01), seen.watcher())
+    assert [(stage.index, len(stage.steps)) for stage in seen.stages] == [(0, 3)]
+
+
+@pytest.mark.parametrize("law", [constant, uneven, exponential])
+def test_progress_never_falls_and_names_the_step(campaign: Campaign, law: Law) -> None:
+    seen = campaign(replace(SCENE, depth_step=0.005), FakeEngine(law))
+    for index in range(3):
+        parts = [part for stage, part, _ in seen.parts if stage == index]
+        assert parts == sorted(parts)
+        assert parts[-1] > 0.85
+    assert seen.overall == sorted(seen.overall)
+    assert seen.overall[-1] > 0.95
+    words = [word for stage, _, word in seen.parts if stage == 1]
+    assert any(word.startswith("step 3 of about ") and "second wear" in word for word in words)
+
+
+def test_progress_counts_runs(campaign: Campaign) -> None:
+    """Ten runs each in two wears and one at the end, of five cycles each, at a steady rate."""
+    seen = campaign(replace(SCENE, depth_step=0.005), FakeEngine(constant))
+    expected = (np.arange(21 * CYCLES) + 0.5) / (21 * CYCLES)
+    # Nothing is foreseen before the first cycle has ended.
+    assert seen.overall[0] == 0.0
+    np.testing.assert_allclose(seen.overall[1:], expected[1:], rtol=1e-12)
+
+
+def test_progress_of_single_jumps_is_that_of_the_runs(campaign: Campaign) -> None:
+    seen = campaign(replace(SCENE, extrapolation="single"), FakeEngine(uneven))
+    expected = (np.arange(3 * CYCLES) + 0.5) / CYCLES
+    np.testing.assert_allclose([stage + part for stage, part, _ in seen.parts], expected)
+    np.testing.assert_allclose(seen.overall, expected / 3.0)
+    assert not [word for _, _, word in seen.parts if "step" in word]
+
+
+def test_a_stage_alone_is_not_worn(monkeypatch: pytest.MonkeyPatch) -> None:
+    engine = FakeEngine(constant)
+    use(engine, monkeypatch)
+    seen = Seen()
+    stage = run_stage(replace(SCENE, depth_step=0.001), 0, {}, seen.watcher())
+    assert (engine.runs, stage.steps, seen.stages) == (1, (), [stage])
+    assert not [word for _, _, word in seen.parts if "step" in word]
+
+
+@pytest.mark.parametrize(
+    ("conventions", "extrapolation", "limit"),
+    [
+        ("paper", "conventions", math.inf),
+        ("refined", "conventions", 0.02),
+        ("paper", "steps", 0.02),
+        ("refined", "single", math.inf),
+    ],
+)
+def test_conventions_decide_unless_the_scene_does(
+    conventions: str, extrapolation: str, limit: float
+) -> None:
+    scene = replace(
+        wear_times(),
+        conventions=CONVENTIONS[conventions],
+        extrapolation=extrapolation,
+        depth_step=0.02,
+    )
+    assert Amplification.of(scene) == Amplification(4e6, limit)
+
+
+def test_amplification_is_of_the_cycles_run() -> None:
+    assert Amplification(4e6).factor(200) == 20_000.0
+    assert Amplification.of(wear_times()).factor(200) == 20_000.0
+    assert Amplification.of(slider_crank()).limit == slider_crank().depth_step
+
+
+LIMIT = 0.015
+"""Of the steps of the press, part of the clearance."""
+
+
+@pytest.fixture(scope="module")
+def real(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """One fast cycle of the press in the in-house solver, worn once in steps, stored."""
+    scene = wear_times()
+    scene = replace(
+        scene,
+        mechanism=replace(scene.mechanism, speed=60.0),
+        conventions=CONVENTIONS["refined"],
+        engine="dae",
+        cycles=1,
+        wears=1,
+        represented_cycles=1e6,
+        depth_step=LIMIT,
+    )
+    path = tmp_path_factory.mktemp("result") / "steps"
+    folder = ResultFolder(path, scene)
+    folder.close(*run_campaign(scene, Watcher(stage=folder.add)))
+    return path
+
+
+def test_the_press_wears_in_steps(real: Path) -> None:
+    result = load(real)
+    assert result.document["status"] == "completed"
+    steps = result.wear_steps(0)
+    assert len(steps) >= 3
+    assert result.wear_steps(1) == []
+    assert sum(step["represented_cycles"] for step in steps) == pytest.approx(1e6, rel=1e-13)
+    assert all(0.0 < step["largest_change_of_clearance"] <= LIMIT * (1 + 1e-8) for step in steps)
+    for joint in "AC":
+        for side in ("bearing", "pin"):
+            before, after = (stages[f"{joint}_depth_{side}"] for stages in result.stages)
+            np.testing.assert_allclose(after - before, result.stages[0][f"{joint}_wear_{side}"])
+            deepest = [step["deepest_m"][joint][side] for step in steps]
+            assert deepest == sorted(deepest)
+            assert deepest[-1] == after.max()
+    # Of the run that each step multiplies, the first of which is the stage's.
+    peak = result.statistics(0)["joints"]["A"]["force_max_N"]
+    assert steps[0]["force_max_N"]["A"] == peak
+    assert len({step["force_max_N"]["A"] for step in steps}) == len(steps)
+
+
+def test_growth_is_a_table_and_a_figure(real: Path) -> None:
+    result = load(real)
+    table = growth_table(result)
+    assert table is not None
+    rows = {row[0]: row[1:] for _, group in table.groups for row in group}
+    assert rows["steps"] == (str(len(result.wear_steps(0))),)
+    assert float(rows["largest change in a step (% of the clearance)"][0]) <= 100.0 * LIMIT
+    assert "deepest then, pin (µm)" in rows
+    found = {drawing.file: drawing for drawing in drawings(result)}
+    panels = found["wear-growth.png"].sheet.get_axes()
+    assert [axes.get_xlabel() for axes in panels] == ["represented cycles (million)"] * 2
+    assert [axes.get_ylabel() for axes in panels] == ["deepest wear (µm)"] * 2
+    for axes, joint in zip(panels, "AC", strict=True):
+        for line, side in zip(axes.get_lines(), ("bearing", "pin"), strict=False):
+            x, y = (np.asarray(data, dtype=float) for data in line.get_data())
+            assert x[-1] == pytest.approx(1.0)
+            assert y[0] == 0.0
+            deepest = result.stages[1][f"{joint}_depth_{side}"].max()
+            assert y[-1] == pytest.approx(1e6 * deepest)
+    assert "in a single jump" in found["wear-depth.png"].caption
+    assert any("in steps with a run after each" in text for text in notes(result))
+    assert "how the wear was applied" in render(result, [])
+
+
+def test_results_from_before_the_steps_were_single_jumps(real: Path, tmp_path: Path) -> None:
+    stored: dict[str, Any] = load(real).document
+    scene = {key: value for key, value in stored["scene"].items() if key != "extrapolation"}
+    stages = [{k: v for k, v in one.items() if k != "wear_steps"} for one in stored["stages"]]
+    for name in ("stage-0.npz", "stage-1.npz"):
+        (tmp_path / name).write_bytes((real / name).read_bytes())
+    document = {**stored, "schema": 2, "scene": scene, "stages": stages}
+    del document["digest"], document["files"]
+    (tmp_path / "result.json").write_text(json.dumps(document))
+    old = load(tmp_path)
+    assert old.scene.extrapolation == "single"
+    assert growth_table(old) is None
+    assert "wear-growth.png" not in {drawing.file for drawing in drawings(old)}
+    assert stage_name(1) in render(old, [])

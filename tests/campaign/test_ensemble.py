@@ -1,0 +1,134 @@
+"""Several starts: they part, are pooled, end early together and are stored apart."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from presswear.campaign.campaign import Stage, Watcher, run_campaign, run_stage
+from presswear.campaign.deviation import COLUMNS, deviations, whole_cycles
+from presswear.campaign.ensemble import FEWEST, Ensemble
+from presswear.campaign.starts import APART, start_of
+from presswear.results.folder import ResultFolder
+from presswear.results.results import load
+from presswear.scene.catalog import ideal, wear_times
+from presswear.scene.ideal import ideal_slider
+from presswear.scene.scene import Scene
+from presswear.scene.settings import changed
+from presswear.tools.errors import InputError
+
+QUICK = changed(
+    replace(wear_times(), wears=0),
+    {"engine": "dae", "integrator": "dopri5", "integration_tolerance": "1e-6"},
+)
+
+
+@pytest.fixture(scope="module")
+def two() -> Stage:
+    """Two starts of six cycles each."""
+    return run_stage(replace(QUICK, starts=2, cycles=6), 0, {}, Watcher())
+
+
+def test_starts_are_a_hair_apart_and_part(two: Stage) -> None:
+    first, second = (start_of(QUICK, index) for index in (0, 1))
+    assert np.abs(second.position - first.position).max() == pytest.approx(APART)
+    one, other = (np.array(account.cycles) for account in two.ensemble.accounts)
+    assert one.shape == other.shape
+    # The peak force at A of the sixth cycle has nothing in common.
+    assert abs(one[5, 5] - other[5, 5]) > 1e-3 * one[5, 5]
+
+
+def test_statistics_are_of_all_starts(two: Stage) -> None:
+    rows = [np.array(account.cycles) for account in two.ensemble.accounts]
+    force = two.statistics["joints"]["A"]
+    assert two.statistics["cycles"] == 12
+    assert force["force_max_N"] == max(own[:, 5].max() for own in rows)
+    expected = np.concatenate([own[1:, 5] for own in rows])
+    assert force["force_max_per_cycle_N"]["mean"] == pytest.approx(expected.mean())
+    assert force["force_max_per_cycle_N"]["cycles"] == 10
+    assert force["contacts"] == sum(int(own[-1, 7]) for own in rows)
+    assert len(two.batches) == 10
+    assert two.batches.mean(axis=0) == pytest.approx(two.added, abs=1e-12)
+    low, high = force["wear_depth_max_both_interval_m"]
+    assert low < force["wear_depth_max_both_m"] < high
+
+
+def test_rows_are_stored_with_their_start(two: Stage, tmp_path: Path) -> None:
+    scene = replace(QUICK, starts=2, cycles=6)
+    folder = ResultFolder(tmp_path / "out", scene)
+    folder.add(two)
+    folder.close("completed", "")
+    stored = load(tmp_path / "out")
+    arrays = stored.stages[0]
+    assert arrays["cycle_start"].tolist() == [0.0] * 6 + [1.0] * 6
+    assert arrays["cycles"].shape[0] == 12
+    assert np.allclose(arrays["wear_batch_cycles"], 1.0)
+    assert arrays["deviation"].shape == (10, len(COLUMNS))
+    assert arrays["deviation_start"].tolist() == [0.0] * 5 + [1.0] * 5
+    assert np.all((arrays["A_flight"] >= 0.0) & (arrays["A_flight"] < 1.0))
+    assert stored.scene.starts == 2
+
+
+def ends_early(starts: int, tolerance: float) -> Ensemble:
+    scene = replace(QUICK, starts=starts, cycles=None, tolerance=tolerance)
+    return run_stage(scene, 0, {}, Watcher()).ensemble
+
+
+def test_a_stage_ends_when_all_starts_together_know_the_maps() -> None:
+    ensemble = ends_early(3, 0.12)
+    maps, weights = ensemble.batches()
+    assert len(ensemble.runs) == 3
+    assert ensemble.status == "enough"
+    assert weights.sum() >= FEWEST
+    mean = np.average(maps, axis=0, weights=weights)
+    noise = maps.var(axis=0, ddof=1) / len(maps)
+    error = np.sqrt(noise.sum(axis=(1, 2)) / (mean**2).sum(axis=(1, 2)))
+    assert error.max() <= 0.12
+    assert max(len(account.cycles) for account in ensemble.accounts) < 20
+
+
+def test_no_stage_runs_longer_than_the_most_cycles() -> None:
+    scene = replace(QUICK, starts=3, cycles=None, tolerance=1e-3, most_cycles=13)
+    ensemble = run_stage(scene, 0, {}, Watcher()).ensemble
+    assert [len(account.cycles) for account in ensemble.accounts] == [4, 4, 4]
+    assert ensemble.status == "completed"
+
+
+def test_progress_goes_through_all_starts() -> None:
+    parts: list[float] = []
+    scene = replace(QUICK, starts=3, cycles=1)
+    run_campaign(scene, Watcher(overall=parts.append))
+    assert parts == sorted(parts)
+    assert parts[0] < 0.1
+    assert parts[-1] > 0.95
+
+
+def test_starts_need_a_clearance_joint() -> None:
+    with pytest.raises(InputError, match=r"starts = 2: .* allowed is 1"):
+        changed(ideal(), {"starts": "2"})
+
+
+def delayed(scene: Scene, delay: float) -> Ensemble:
+    """An ensemble whose recorded slider follows the ideal one late."""
+    ensemble = run_stage(replace(scene, cycles=2), 0, {}, Watcher()).ensemble
+    rows = ensemble.accounts[0].rows
+    rows[:, 1:4] = ideal_slider(scene, rows[:, 0] - delay)
+    return ensemble
+
+
+def test_a_late_slider_lags_by_its_delay() -> None:
+    late = 1e-4
+    found = deviations(QUICK, delayed(QUICK, late))["deviation"]
+    assert found[:, COLUMNS.index("lag")] == pytest.approx(late, rel=2e-3)
+    exact = deviations(QUICK, delayed(QUICK, 0.0))["deviation"]
+    assert np.abs(exact[:, :3]).max() < 1e-12
+    ideal_stroke = np.ptp(ideal_slider(QUICK, np.linspace(0.0, QUICK.mechanism.period, 4001))[:, 0])
+    assert exact[:, COLUMNS.index("stroke")] == pytest.approx(ideal_stroke, rel=1e-5)
+
+
+def test_whole_cycles_leave_out_what_is_begun() -> None:
+    time = np.linspace(0.0, 2.5, 251)
+    found = whole_cycles(time, 1.0)
+    assert [(rows.start, rows.stop) for rows in found] == [(0, 100), (100, 200)]
+    assert whole_cycles(np.zeros(0), 1.0) == []

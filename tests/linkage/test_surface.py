@@ -1,0 +1,236 @@
+"""Worn surfaces: a smooth periodic profile that stays between its neighbours."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from numpy.typing import NDArray
+
+from presswear.linkage.surface import Surface, bin_centres, monotone_slopes
+from presswear.physics.surface import bin_of, curvature, profile
+
+Array = NDArray[np.float64]
+
+TURN = 2.0 * math.pi
+ROUND_OFF = 8 * np.finfo(float).eps
+
+# Depths of a worn press span decades; zeros make flats and steps.
+depth_values = st.just(0.0) | st.floats(1e-12, 1e-2)
+depths = st.integers(1, 40).flatmap(lambda m: arrays(np.float64, m, elements=depth_values))
+angles = st.floats(-50.0, 50.0)
+
+
+def _scale(surface: Surface) -> float:
+    return float(surface.depth.max(initial=0.0))
+
+
+@given(depths)
+def test_passes_through_the_bin_centres(depth: Array) -> None:
+    surface = Surface(depth)
+    at_centres = surface(bin_centres(depth.size))
+    # A centre is a rounded angle: its position within the bin is off by an ulp of the turn.
+    tolerance = _scale(surface) * depth.size * ROUND_OFF
+    np.testing.assert_allclose(at_centres, depth, rtol=0.0, atol=tolerance)
+    slopes = [profile(surface.depth, surface.slope, float(a))[1] for a in bin_centres(depth.size)]
+    steepest = _scale(surface) * depth.size / TURN
+    tolerance = steepest * 12.0 * depth.size * ROUND_OFF
+    np.testing.assert_allclose(slopes, surface.slope, rtol=0.0, atol=tolerance)
+
+
+@given(depths)
+def test_value_and_slope_are_continuous_across_every_knot_and_the_seam(depth: Array) -> None:
+    surface = Surface(depth)
+    knots = np.concatenate([bin_centres(depth.size), [0.0, TURN, -TURN]])
+    step = 1e-9
+    steepest = 3.0 * _scale(surface) * depth.size / TURN
+    sharpest = 12.0 * _scale(surface) * (depth.size / TURN) ** 2
+    for knot in knots:
+        before, slope_before = profile(surface.depth, surface.slope, float(knot) - step)
+        after, slope_after = profile(surface.depth, surface.slope, float(knot) + step)
+        # Lipschitz bounds of a cubic with these slopes; a jump would be larger by 1e6.
+        assert abs(after - before) <= 2.0 * step * steepest + _scale(surface) * ROUND_OFF
+        noise = steepest * depth.size * 1e-13
+        assert abs(slope_after - slope_before) <= 2.0 * step * sharpest + noise
+
+
+@given(depths, angles)
+def test_stays_between_its_neighbours(depth: Array, angle: float) -> None:
+    surface = Surface(depth)
+    value, _ = profile(surface.depth, surface.slope, angle)
+    left = math.floor(angle * depth.size / TURN - 0.5)
+    # On a knot, rounding may place the angle in either interval.
+    near = [depth[(left + k) % depth.size] for k in (-1, 0, 1, 2)]
+    position = angle * depth.size / TURN - 0.5
+    if min(position - left, left + 1 - position) > 1e-9:
+        near = near[1:3]
+    rounding = ROUND_OFF * max(near)
+    assert min(near) - rounding <= value <= max(near) + rounding
+
+
+@given(depths, st.floats(-20.0, 20.0), st.integers(-5, 5))
+def test_is_periodic(depth: Array, angle: float, turns: int) -> None:
+    surface = Surface(depth)
+    value, slope = profile(surface.depth, surface.slope, angle)
+    again, slope_again = profile(surface.depth, surface.slope, angle + turns * TURN)
+    # The angle itself is rounded to an ulp of 50.
+    moved = 2e-14
+    steepest = 3.0 * _scale(surface) * depth.size / TURN
+    sharpest = 12.0 * _scale(surface) * (depth.size / TURN) ** 2
+    assert abs(again - value) <= moved * steepest + 4.0 * ROUND_OFF * _scale(surface)
+    assert abs(slope_again - slope) <= moved * sharpest * 10.0 + 40.0 * ROUND_OFF * steepest
+
+
+@given(depths, st.floats(0.0, TURN))
+def test_slope_is_the_derivative(depth: Array, angle: float) -> None:
+    surface = Surface(depth)
+    step = 1e-6
+    ahead = profile(surface.depth, surface.slope, angle + step)[0]
+    behind = profile(surface.depth, surface.slope, angle - step)[0]
+    # Across a knot the curvature jumps: error up to step times the curvature.
+    sharpest = 12.0 * _scale(surface) * (depth.size / TURN) ** 2
+    noise = 4.0 * ROUND_OFF * _scale(surface) * depth.size / step
+    assert profile(surface.depth, surface.slope, angle)[1] == pytest.approx(
+        (ahead - behind) / (2.0 * step), abs=step * sharpest + noise
+    )
+
+
+def test_slope_is_the_derivative_inside_an_interval_to_second_order() -> None:
+    surface = Surface(np.array([0.0, 1e-6, 3e-6, 2e-6, 2e-6, 5e-6, 1e-6, 0.5e-6]))
+    step = 1e-4
+    for angle in bin_centres(8) + 0.3:
+        ahead, behind = (
+            profile(surface.depth, surface.slope, float(angle) + d)[0] for d in (step, -step)
+        )
+        # Third derivative below 12 * 5e-6 / (TURN / 8)^3 = 1.3e-4: error below 2e-13.
+        slope = profile(surface.depth, surface.slope, float(angle))[1]
+        assert slope == pytest.approx((ahead - behind) / (2.0 * step), abs=1e-12)
+
+
+def test_curvature_is_the_derivative_of_the_slope_inside_an_interval() -> None:
+    surface = Surface(np.array([0.0, 1e-6, 3e-6, 2e-6, 2e-6, 5e-6, 1e-6, 0.5e-6]))
+    step = 1e-3
+    for angle in np.concatenate([bin_centres(8) + 0.3, bin_centres(8) - 0.1]):
+        ahead, behind = (
+            profile(surface.depth, surface.slope, float(angle) + d)[1] for d in (step, -step)
+        )
+        # The slope is a parabola there: a central difference has no truncation error.
+        curved = curvature(surface.depth, surface.slope, float(angle))
+        assert curved == pytest.approx((ahead - behind) / (2.0 * step), abs=1e-17 / step)
+    assert curvature(np.zeros(0), np.zeros(0), 1.0) == 0.0
+
+
+def test_slope_is_zero_at_an_extremum_and_harmonic_on_a_rise() -> None:
+    depth = np.array([0.0, 1.0, 3.0, 3.0, 0.0, 0.0])
+    width = TURN / 6.0
+    # Secants 1 and 2 per bin: harmonic mean 4/3.
+    expected = np.array([0.0, 4.0 / 3.0, 0.0, 0.0, 0.0, 0.0]) / width
+    np.testing.assert_allclose(monotone_slopes(depth), expected, rtol=1e-14)
+
+
+def test_halfway_up_a_step_by_hand() -> None:
+    # Halfway up a symmetric step between flats: half the height, slope 3/2 per bin.
+    surface = Surface(np.array([0.0, 0.0, 2.0, 2.0]))
+    value, slope = profile(surface.depth, surface.slope, math.pi)
+    assert value == pytest.approx(1.0, rel=1e-14)
+    assert slope == pytest.approx(1.5 * 2.0 / (0.5 * math.pi), rel=1e-14)
+
+
+def test_tiny_depths_keep_their_shape() -> None:
+    depth = np.array([0.0, 1.0, 3.0, 3.5, 0.0])
+    tiny = monotone_slopes(depth * 1e-140)
+    np.testing.assert_allclose(tiny * 1e140, monotone_slopes(depth), rtol=1e-12)
+
+
+def test_unworn_surface_has_no_depth() -> None:
+    surface = Surface()
+    assert not surface.is_worn
+    assert profile(surface.depth, surface.slope, 1.234) == (0.0, 0.0)
+    np.testing.assert_array_equal(surface(np.array([0.0, 7.0])), [0.0, 0.0])
+    assert not Surface(np.zeros(16)).is_worn
+    assert Surface(np.array([0.0, 1e-15])).is_worn
+
+
+@pytest.mark.parametrize(
+    ("angle", "count", "index"),
+    [
+        (0.0, 4, 0),
+        (0.1, 4, 0),
+        (1.6, 4, 1),
+        (-0.1, 4, 3),
+        (-1e-300, 4, 3),
+        (TURN - 1e-9, 4, 3),
+        (TURN + 0.1, 4, 0),
+        (-TURN - 0.1, 4, 3),
+        (1000.0 * TURN + 2.0, 4, 1),
+        (-1000.0 * TURN + 2.0, 4, 1),
+        (3.0, 1, 0),
+        (0.0174, 360, 0),
+        (0.0175, 360, 1),
+    ],
+)
+def test_bin_of(angle: float, count: int, index: int) -> None:
+    assert bin_of(angle, count) == index
+
+
+@given(st.floats(-1e6, 1e6), st.integers(1, 100_000))
+@example(-5e-324, 360)
+def test_bin_of_is_always_an_index(angle: float, count: int) -> None:
+    assert 0 <= bin_of(angle, count) < count
+
+
+@given(st.integers(1, 5000))
+def test_a_bin_holds_its_centre(count: int) -> None:
+    centres = bin_centres(count)
+    assert [bin_of(float(a), count) for a in centres[:: max(1, count // 50)]] == list(
+        range(0, count, max(1, count // 50))
+    )
+
+
+def test_wear_adds_up() -> None:
+    first = Surface().worn_by(np.array([1e-6, 0.0, 2e-6]))
+    second = first.worn_by(np.array([0.0, 1e-6, 1e-6]))
+    np.testing.assert_allclose(second.depth, [1e-6, 1e-6, 3e-6])
+    np.testing.assert_allclose(first.depth, [1e-6, 0.0, 2e-6])
+
+
+def test_arrays_are_read_only_copies() -> None:
+    given_depth = np.array([1e-6, 2e-6, 0.0])
+    surface = Surface(given_depth)
+    given_depth[:] = 5.0
+    np.testing.assert_array_equal(surface.depth, [1e-6, 2e-6, 0.0])
+    for stored in (surface.depth, surface.slope):
+        with pytest.raises(ValueError, match="read-only"):
+            stored[0] = 1.0
+    added = np.array([1e-6])
+    worn = Surface().worn_by(added)
+    added[0] = 7.0
+    assert worn.depth[0] == 1e-6
+
+
+@pytest.mark.parametrize(
+    "bad",
+    [
+        np.zeros((2, 3)),
+        np.array(1.0),
+        np.array([0.0, math.nan]),
+        np.array([math.inf, 0.0]),
+    ],
+)
+def test_refuses_what_is_no_profile(bad: Array) -> None:
+    with pytest.raises(ValueError, match="one-dimensional array of finite numbers"):
+        Surface(bad)
+
+
+def test_refuses_wear_on_another_grid() -> None:
+    with pytest.raises(ValueError, match="cannot be added"):
+        Surface(np.zeros(5)).worn_by(np.ones(4))
+
+
+def test_surfaces_can_be_compared() -> None:
+    """A linkage is data; comparing two must not fail on the arrays inside."""
+    assert Surface(np.array([1.0, 2.0])) == Surface(np.array([1.0, 2.0]))
+    assert Surface(np.array([1.0, 2.0])) != Surface(np.array([1.0, 3.0]))
+    assert Surface() == Surface()

@@ -1,0 +1,272 @@
+"""The elastic foundation: quadrature, its potential, convergence over the angles."""
+
+import math
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+from two_bodies import JOINT, Pair, joint_load
+
+from presswear.linkage.elements import ClearanceJoint
+from presswear.linkage.surface import Surface, bin_centres
+from presswear.physics.clearance import contact_of, penetration_acceleration
+from presswear.physics.foundation import Bed, foundation_stiffness, press
+from presswear.physics.surface import BEARING, CUBE, PIN, ROWS, SLOPE, SQUARE, packed_rows
+
+Array = NDArray[np.float64]
+
+C = 8e-4
+BINS = 360
+
+
+def rough(seed: int, bins: int = BINS) -> Surface:
+    """A map without any smoothness from bin to bin, up to 20 um deep."""
+    return Surface(2e-5 * np.random.default_rng(seed).random(bins))
+
+
+def groove(width: float, depth: float, bins: int = BINS, at: float = 1.5) -> Surface:
+    """A smooth groove."""
+    return Surface(depth * np.exp(-(((bin_centres(bins) - at) / width) ** 2)))
+
+
+def bed(bearing: Surface, pin: Surface, eccentricity: float, *places: float) -> Bed:
+    count = max(bearing.depth.size, pin.depth.size)
+    surfaces = np.vstack([packed_rows(bearing, count), packed_rows(pin, count)])
+    assert surfaces.shape[0] == ROWS
+    least = sum(float(s.depth.min()) if s.is_worn else 0.0 for s in (bearing, pin))
+    return press(surfaces, eccentricity, C, least, *places)
+
+
+def directly(bearing: Surface, pin: Surface, eccentricity: float, *places: float) -> Array:
+    """Greatest overlap and sums of a bed by the rectangle rule on a fine grid."""
+    s = np.linspace(-0.6, 0.6, 400_001)
+    slope_at = 1e-7
+    h = bearing(places[0] + s)
+    overlap = eccentricity * np.cos(s) - C - h - pin(places[1] + s)
+    rise = (bearing(places[0] + s + slope_at) - bearing(places[0] + s - slope_at)) / (2 * slope_at)
+    p = np.maximum(overlap, 0.0)
+    width = s[1] - s[0]
+    return np.array(
+        [
+            overlap.max(),
+            (p * np.cos(s)).sum() * width,
+            (p * np.sin(s)).sum() * width,
+            (p * rise).sum() * width,
+            (p * p).sum() * width,
+        ]
+    )
+
+
+@pytest.mark.parametrize("above", [5e-6, 1e-7, -1e-6])
+@pytest.mark.parametrize(
+    ("bearing", "pin"),
+    [
+        (groove(0.3, 2e-5), groove(0.05, 1e-5, at=1.6)),
+        (groove(0.3, 2e-5), Surface()),
+        (rough(1), rough(2)),
+        (groove(0.02, 3e-4), Surface()),  # deeper than the pin can follow
+        (Surface(np.where(bin_centres(BINS) > 1.5, 3e-5, 0.0)), rough(3)),  # a step
+    ],
+    ids=["smooth", "bearing only", "rough", "notch", "step"],
+)
+def test_sums_are_the_integrals(bearing: Surface, pin: Surface, above: float) -> None:
+    places = (1.52, 1.71)
+    here = float(bearing(np.array(places[:1]))[0] if bearing.is_worn else 0.0)
+    here += float(pin(np.array(places[1:]))[0] if pin.is_worn else 0.0)
+    empty = Surface(np.zeros(BINS))
+    args = (bearing, pin if pin.is_worn else empty, C + here + above, *places)
+    found, expected = bed(*args), directly(*args)
+    assert found.overlap == pytest.approx(expected[0], abs=1e-12)
+    sums = [found.along, found.across, found.slope, found.square]
+    # The grid's own error: kinks of p inside a step of 3e-6 rad.
+    scales = [found.along + 1e-16, found.along + 1e-16, 2e-3 * found.along + 1e-18]
+    for ours, theirs, scale in zip(sums[:3], expected[1:4], scales, strict=True):
+        assert ours == pytest.approx(theirs, abs=2e-6 * scale)
+    assert found.square == pytest.approx(expected[4], rel=1e-6, abs=1e-24)
+
+
+@pytest.mark.parametrize("penetration", [1e-7, 1e-6, 5e-6])
+def test_a_round_joint_gives_back_the_normal_law(penetration: float) -> None:
+    """K delta^1.5 with an error of 0.65 delta / c: the arc's curvature."""
+    flat = Surface(np.zeros(BINS))
+    force = foundation_stiffness(1e10, C) * bed(flat, flat, C + penetration, 0.3, 0.9).along
+    ratio = force / (1e10 * penetration**1.5)
+    assert ratio == pytest.approx(1.0 - 0.65 * penetration / C, abs=0.03 * penetration / C)
+
+
+def worn(bearing: Surface, pin: Surface) -> Pair:
+    """Two free bodies in contact, both turning."""
+    joint = replace(
+        JOINT, bearing_surface=bearing, pin_surface=pin, map_frame="body", contact="foundation"
+    )
+    count = max(bearing.depth.size, pin.depth.size)
+    direction = 1.1
+    rates = np.array([0.3, -0.2, 4.0, 0.1, 0.25, -7.0])
+    q = np.array([0.0, 0.0, 0.2, 0.0, 0.0, -0.4])
+    pair = Pair(joint, q, rates)
+    # The pin is put where it overlaps by some micrometres.
+    low, high = 0.0, 2.0 * joint.clearance
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        pair = Pair(joint, at(joint, q, middle, direction), rates)
+        depth = pair.contact()[0].penetration
+        low, high = (middle, high) if depth < 4e-6 else (low, middle)
+    assert count > 0
+    return pair
+
+
+def at(joint: ClearanceJoint, q: Array, eccentricity: float, direction: float) -> Array:
+    """Coordinates with the pin's centre at a place seen from the bearing's."""
+    pair = Pair(joint, q, np.zeros(6))
+    contact = pair.contact()[0]
+    moved = q.copy()
+    moved[3] += eccentricity * math.cos(direction) - contact.eccentricity_x
+    moved[4] += eccentricity * math.sin(direction) - contact.eccentricity_y
+    return moved
+
+
+@given(seed=st.integers(0, 10_000), bins=st.sampled_from([16, 90, 360, 720]))
+def test_forces_are_the_gradient_of_the_energy(seed: int, bins: int) -> None:
+    bearing = Surface(1e-5 * np.random.default_rng(seed).random(bins))
+    pair = worn(bearing, groove(0.5, 8e-6, bins))
+    calm = replace_rates(pair)
+    # With no damping, at rest, nothing but the elastic force is left.
+    load = joint_load(calm.joints, 0, np.array([1.0]), calm.surfaces, calm.q, calm.v)
+    force = np.array([-load.x, -load.y, load.bearing_moment, load.x, load.y, load.pin_moment])
+    for i in range(6):
+        h = 1e-10 if i % 3 < 2 else 1e-8
+        energies = []
+        for sign in (1.0, -1.0):
+            q = calm.q.copy()
+            q[i] += sign * h
+            energies.append(contact_of(calm.joints, 0, calm.surfaces, q, calm.v)[0].energy)
+        slope = -(energies[0] - energies[1]) / (2.0 * h)
+        scale = abs(load.normal) * (1.0 if i % 3 < 2 else 0.02)
+        assert force[i] == pytest.approx(slope, abs=3e-6 * scale)
+
+
+def replace_rates(pair: Pair) -> Pair:
+    """The same pair at rest, without friction and damping."""
+    joint = replace(
+        pair.joint,
+        normal=replace(pair.joint.normal, damping=0.0),
+        friction=replace(pair.joint.friction, coefficient=0.0),
+    )
+    return Pair(joint, pair.q, np.zeros(6))
+
+
+@given(seed=st.integers(0, 10_000))
+def test_angular_momentum_is_exact(seed: int) -> None:
+    pair = worn(Surface(1e-5 * np.random.default_rng(seed).random(90)), groove(0.5, 8e-6, 90))
+    load = pair.load(0.3)
+    assert load.normal > 0.0
+    moment = pair.q[3] * load.y - pair.q[4] * load.x - pair.q[0] * load.y + pair.q[1] * load.x
+    total = moment + load.pin_moment + load.bearing_moment
+    assert total == pytest.approx(0.0, abs=1e-14 * load.normal)
+
+
+def test_rates_of_the_overlap_are_its_derivatives() -> None:
+    pair = worn(groove(0.3, 2e-5), groove(0.2, 1e-5))
+    acceleration = np.array([3.0, -20.0, 400.0, 50.0, 10.0, -300.0])
+    contact = pair.contact()[0]
+    h = 1e-7
+
+    def overlap(time: float) -> float:
+        q = pair.q + pair.v * time + 0.5 * acceleration * time**2
+        return contact_of(pair.joints, 0, pair.surfaces, q, pair.v)[0].penetration
+
+    assert contact.rate == pytest.approx((overlap(h) - overlap(-h)) / (2.0 * h), rel=1e-6)
+    h = 5e-7
+    second = (overlap(h) - 2.0 * overlap(0.0) + overlap(-h)) / h**2
+    formula = penetration_acceleration(
+        pair.joints, 0, pair.surfaces, contact.place, pair.q, pair.v, acceleration
+    )
+    assert formula == pytest.approx(second, rel=1e-3)
+
+
+def test_the_closing_rate_is_that_of_the_energy() -> None:
+    pair = worn(groove(0.3, 2e-5), groove(0.2, 1e-5))
+    contact = pair.contact()[0]
+    h = 1e-8
+    energies = [
+        contact_of(pair.joints, 0, pair.surfaces, pair.q + s * h * pair.v, pair.v)[0].energy
+        for s in (1.0, -1.0)
+    ]
+    rate = (energies[0] - energies[1]) / (2.0 * h)
+    assert contact.elastic * contact.closing == pytest.approx(rate, rel=1e-6)
+
+
+@pytest.mark.parametrize("turn", [0.0, math.pi / BINS, 1e-9, -1e-9])
+def test_force_is_continuous_over_every_stored_angle_and_the_seam(turn: float) -> None:
+    """Steps of a hundredth of a bin change force and its slope by what the slope says."""
+    bearing, pin = rough(5), rough(6)
+    step = 2.0 * math.pi / BINS / 100.0
+    angles = turn + step * np.arange(-150, 150)  # about the seam at 0
+    force = np.array([bed(bearing, pin, C + 4e-5, a, 0.7 + a).along for a in angles])
+    first = np.diff(force) / step
+    second = np.diff(first)
+    assert np.abs(np.diff(force)).max() < 0.2 * force.mean()
+    # A jump of the force would be a peak of its slope as high as the force over one step.
+    assert np.abs(first).max() * step < 0.05 * force.mean()
+    assert np.abs(second).max() < 0.2 * np.abs(first).max()
+
+
+def test_a_narrow_notch_is_bridged() -> None:
+    notch = Surface(np.where(np.abs(bin_centres(BINS) - 1.5) < 0.01, 5e-4, 0.0))
+    flat = Surface(np.zeros(BINS))
+    over, beside = bed(notch, flat, C + 5e-6, 1.5, 0.0), bed(flat, flat, C + 5e-6, 1.5, 0.0)
+    assert 0.0 < over.overlap < beside.overlap
+    assert 0.5 * beside.along < over.along < beside.along
+
+
+def test_results_converge_as_angles_are_added() -> None:
+    """Second order in the bin's width for a smooth profile."""
+
+    def force(bins: int) -> float:
+        angle = bin_centres(bins)
+        bearing = Surface(1e-5 * (1.0 + np.sin(2.0 * angle)))
+        pin = Surface(5e-6 * (1.0 + np.cos(5.0 * angle)))
+        return bed(bearing, pin, C + 3.2e-5, 0.9, 2.3).along
+
+    exact = force(23040)
+    errors = [abs(force(bins) / exact - 1.0) for bins in (90, 180, 360, 720, 1440)]
+    assert errors[2] < 2e-3
+    for coarse, fine in pairwise(errors):
+        assert fine < 0.45 * coarse
+
+
+def on_a_grid(surfaces: Array, eccentricity: float, *places: float) -> tuple[float, float]:
+    """Greatest overlap, and the integral of p cos(s) by the rectangle rule."""
+    count = surfaces.shape[1]
+    width = 2.0 * math.pi / count
+    s = np.linspace(-1.5, 1.5, 300_001)
+    overlap = eccentricity * np.cos(s) - C
+    for first, place in ((BEARING, places[0]), (PIN, places[1])):
+        position = (place + s) / width - 0.5
+        k = np.floor(position).astype(int)
+        x = (position - k) * width
+        rows = surfaces[first : first + 5, k % count]
+        overlap -= rows[0] + x * (rows[SLOPE] + x * (rows[SQUARE] + x * rows[CUBE]))
+    along = (np.maximum(overlap, 0.0) * np.cos(s)).sum() * (s[1] - s[0])
+    return float(overlap.max()), float(along)
+
+
+@given(seed=st.integers(0, 10_000), above=st.floats(0.0, 2e-5))
+@example(seed=626, above=3e-6)
+@example(seed=1790, above=3e-6)
+def test_no_patch_hides_between_two_nodes(seed: int, above: float) -> None:
+    """On coarse rough maps the overlap can rise and fall twice inside one segment."""
+    random = np.random.default_rng(seed)
+    bearing, pin = Surface(3e-5 * random.random(24)), Surface(3e-5 * random.random(24))
+    surfaces = np.vstack([packed_rows(bearing, 24), packed_rows(pin, 24)])
+    places = (float(random.uniform(0.0, 6.0)), float(random.uniform(0.0, 6.0)))
+    eccentricity = C + 1e-6 + above - bed(bearing, pin, C, *places).overlap
+    found = bed(bearing, pin, eccentricity, *places)
+    assert found.along > 0.0
+    overlap, along = on_a_grid(surfaces, eccentricity, *places)
+    assert found.overlap == pytest.approx(overlap, abs=1e-12)
+    assert found.along == pytest.approx(along, rel=2e-4, abs=1e-12)

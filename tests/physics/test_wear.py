@@ -1,0 +1,293 @@
+"""Archard wear: area, slip, where the depth goes and how much volume it is."""
+
+import math
+from dataclasses import replace
+from decimal import Decimal, localcontext
+from typing import Literal
+
+import numpy as np
+import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+from two_bodies import JOINT, Pair, placed, worn_joint
+
+from presswear.linkage.elements import ClearanceJoint, WearLaw
+from presswear.linkage.surface import Surface, bin_centres
+from presswear.physics.surface import bin_of
+from presswear.physics.wear import (
+    ARC_SAMPLES,
+    contact_area,
+    deposit_in_bin,
+    deposit_over_arc,
+    dose_rates,
+    pack_wear,
+    slip_speed,
+    worn_volume,
+)
+
+Array = NDArray[np.float64]
+Footprint = Literal["bin", "arc"]
+
+COEFFICIENT = 1.2e-15
+TURN = 2.0 * math.pi
+SLIDING = np.array([0.1, -0.2, 3.0, 0.2, 0.1, -7.0])
+WORKSPACE = 8192
+
+
+def _law(footprint: Footprint, share: float = 0.5) -> WearLaw:
+    return WearLaw(COEFFICIENT, "sliding", footprint, share)
+
+
+def _deposited(pair: Pair, count: int, dose: float) -> Array:
+    """Depths that a dose F_n ds adds to empty maps of bearing and pin, shape (2, count)."""
+    contact, bearing, pin = pair.contact()
+    law = pack_wear(pair.linkage)[0]
+    depth = np.zeros((2, count))
+    if law["over_arc"]:
+        deposit_over_arc(
+            depth,
+            law,
+            pair.joints[0],
+            pair.surfaces[0],
+            contact,
+            bearing.angle,
+            pin.angle,
+            dose,
+            np.zeros(WORKSPACE),
+        )
+    else:
+        # The force that makes the dose at the contact's own slip.
+        slip = slip_speed(bool(law["slip_by_angle"]), JOINT.pin_radius, contact)
+        work, pressure = dose_rates(law, pair.joints[0], contact, dose / slip)
+        assert work == pytest.approx(dose, rel=1e-14)
+        deposit_in_bin(depth, law, pair.joints[0], contact, bearing.angle, pin.angle, pressure)
+    return depth
+
+
+def _area_as_printed(e: Decimal, bearing: Decimal, pin: Decimal, width: Decimal) -> Decimal:
+    """Equations 25 to 27 to fifty digits: A = 2 b R_i sin(pi - beta)."""
+    with localcontext() as context:
+        context.prec = 50
+        cosine = (e**2 + pin**2 - bearing**2) / (2 * e * pin)
+        return 2 * width * bearing * (1 - cosine**2).sqrt()
+
+
+@given(
+    st.floats(1e-14, 1e-4),
+    st.floats(5e-5, 1e-3),
+    st.floats(0.005, 0.03),
+    st.floats(0.001, 0.1),
+)
+def test_area_is_equations_25_to_27(
+    penetration: float, clearance: float, radius: float, width: float
+) -> None:
+    bearing, pin = Decimal(radius), Decimal(radius) - Decimal(clearance)
+    exact_penetration = Decimal(penetration)
+    e = bearing - pin + exact_penetration
+    printed = _area_as_printed(e, bearing, pin, Decimal(width))
+    # The kernel gets e and R_j as rounded numbers; nothing cancels after that.
+    given_area = contact_area(penetration, float(e), radius, float(pin), width)
+    assert given_area == pytest.approx(float(printed), rel=1e-14)
+
+
+def test_area_by_hand() -> None:
+    # A right triangle: R_i = 5, R_j = 4, e = 3 has beta = 90 degrees, A = 2 b R_i.
+    assert contact_area(2.0, 3.0, 5.0, 4.0, 0.5) == pytest.approx(5.0, rel=1e-14)
+    # e = 2, R_j = 4, R_i = 5: cos beta = -5/16.
+    sine = math.sqrt(1.0 - (5.0 / 16.0) ** 2)
+    assert contact_area(1.0, 2.0, 5.0, 4.0, 0.5) == pytest.approx(5.0 * sine, rel=1e-14)
+
+
+def test_slip_by_angle_and_by_sliding() -> None:
+    contact = placed(JOINT, 1e-5, 0.8, rates=SLIDING).contact()[0]
+    by_angle = (JOINT.pin_radius + 1e-5) * abs(contact.turning)
+    assert slip_speed(True, JOINT.pin_radius, contact) == pytest.approx(by_angle, rel=1e-9)
+    assert slip_speed(False, JOINT.pin_radius, contact) == abs(contact.sliding)
+    assert by_angle > 0.0
+
+
+@pytest.mark.parametrize("worn", [False, True])
+@pytest.mark.parametrize("frame", ["fixed", "body"])
+@pytest.mark.parametrize("count", [16, 360, 997])
+def test_one_bin_gets_all_of_equation_29(frame: str, worn: bool, count: int) -> None:
+    turning = frame == "body"
+    joint = worn_joint("body" if turning else "fixed")
+    if not worn:
+        joint = replace(joint, bearing_surface=Surface(), pin_surface=Surface())
+    joint = replace(joint, wear=_law("bin", 0.3))
+    direction, angles, dose = 2.5, (0.4, -2.1), 7.0
+    pair = placed(joint, 2e-6, direction, angles=angles, rates=SLIDING)
+    contact = pair.contact()[0]
+    places = [np.array([direction - turning * angle]) for angle in angles]
+    bearing = Decimal(joint.bearing_radius) + Decimal(float(joint.bearing_surface(places[0])[0]))
+    pin = Decimal(joint.pin_radius) - Decimal(float(joint.pin_surface(places[1])[0]))
+    # The same penetration as the kernel saw: the position carries round-off of 1e-16 m.
+    e = bearing - pin + Decimal(contact.penetration)
+    area = float(_area_as_printed(e, bearing, pin, Decimal(joint.width)))
+    total = COEFFICIENT * dose / area
+    depth = _deposited(pair, count, dose)
+    expected = np.zeros((2, count))
+    expected[0, int(float(places[0][0]) % TURN * count / TURN)] = 0.3 * total
+    expected[1, int(float(places[1][0]) % TURN * count / TURN)] = 0.7 * total
+    np.testing.assert_allclose(depth, expected, rtol=1e-12)
+
+
+def test_bins_accumulate() -> None:
+    pair = placed(replace(JOINT, wear=_law("bin")), 2e-6, 0.3)
+    contact, bearing, pin = pair.contact()
+    law = pack_wear(pair.linkage)[0]
+    depth = np.zeros((2, 16))
+    for _ in range(3):
+        deposit_in_bin(depth, law, pair.joints[0], contact, bearing.angle, pin.angle, 2e9)
+    # K_d times 6e9 N/m is 7.2e-6 m, half of it on each surface.
+    np.testing.assert_allclose(depth.max(axis=1), [3.6e-6, 3.6e-6], rtol=1e-14)
+    assert np.count_nonzero(depth) == 2
+
+
+def test_dose_rates_follow_the_law_of_slip() -> None:
+    pair = placed(replace(JOINT, wear=WearLaw(1e-15, "angle", "bin")), 1e-5, 0.8, rates=SLIDING)
+    contact = pair.contact()[0]
+    law = pack_wear(pair.linkage)[0]
+    work, pressure = dose_rates(law, pair.joints[0], contact, 50.0)
+    by_angle = (JOINT.pin_radius + contact.penetration) * abs(contact.turning)
+    assert work == pytest.approx(50.0 * by_angle, rel=1e-14)
+    area = contact_area(1e-5, JOINT.clearance + 1e-5, 0.015, JOINT.pin_radius, 0.02)
+    assert pressure == pytest.approx(work / area, rel=1e-9)
+    assert dose_rates(law, pair.joints[0], contact, 0.0) == (0.0, 0.0)
+    law["slip_by_angle"] = False
+    work, _ = dose_rates(law, pair.joints[0], contact, 50.0)
+    assert work == pytest.approx(50.0 * abs(contact.sliding), rel=1e-14)
+    open_one = placed(pair.joint, -1e-6, 0.8, rates=SLIDING)
+    assert dose_rates(law, open_one.joints[0], open_one.contact()[0], 0.0) == (0.0, 0.0)
+
+
+wearing_joints = st.sampled_from(
+    [JOINT, worn_joint("fixed"), worn_joint("body"), worn_joint("body", 360, 3e-3)]
+)
+
+
+@given(
+    wearing_joints,
+    st.integers(16, 5000),
+    st.floats(-14.0, -4.0).map(lambda x: 10.0**x),
+    st.floats(-math.pi, math.pi),
+    st.floats(0.0, 1.0),
+    st.floats(1e-12, 1e6),
+)
+@example(JOINT, 16, 1e-14, 0.0, 0.5, 1.0)
+@example(JOINT, 5000, 1e-4, math.pi, 1.0, 1.0)
+@example(worn_joint("fixed"), 360, 1e-16, 0.1, 0.5, 1.0)
+def test_volume_identity(
+    joint: ClearanceJoint,
+    count: int,
+    penetration: float,
+    direction: float,
+    share: float,
+    dose: float,
+) -> None:
+    wearing = replace(joint, wear=_law("arc", share))
+    pair = placed(wearing, penetration, direction)
+    depth = _deposited(pair, count, dose)
+    assert depth.min() >= 0.0
+    # Sum over bins of depth times bin area is K_d times force times slip, at any bin count.
+    assert worn_volume(wearing, depth) == pytest.approx(COEFFICIENT * dose, rel=1e-12)
+    bin_area = wearing.width * wearing.bearing_radius * TURN / count
+    for side, part in ((0, share), (1, 1.0 - share)):
+        volume = float(depth[side].sum()) * bin_area
+        assert volume == pytest.approx(part * COEFFICIENT * dose, rel=1e-12)
+
+
+@given(st.integers(8, 2000), st.integers(0, 10_000), st.floats(1e-8, 1e-4))
+def test_arc_is_symmetric_about_the_contact(half: int, place: int, penetration: float) -> None:
+    count = 2 * half
+    centre = place % count
+    # The contact on the edge between two bins: what lies left of it equals what lies right.
+    joint = replace(JOINT, map_frame="fixed", wear=_law("arc"))
+    pair = placed(joint, penetration, centre * TURN / count)
+    depth = np.roll(_deposited(pair, count, 1.0)[0], half - centre)
+    mirrored = depth[::-1]
+    # A sample within round-off of an edge may fall to either side of it.
+    sample = depth.sum() / ARC_SAMPLES
+    edges = np.cumsum(depth), np.cumsum(mirrored)
+    assert np.max(np.abs(edges[0] - edges[1])) <= sample
+    assert depth[:half].sum() == pytest.approx(depth[half:].sum(), rel=1e-10)
+
+
+@pytest.mark.parametrize("angles", [(0.0, 0.0), (0.4, -2.1), (5.0, 9.0)])
+def test_arc_lies_where_its_map_lives(angles: tuple[float, float]) -> None:
+    for frame in ("fixed", "body"):
+        turning = frame == "body"
+        joint = replace(JOINT, map_frame="body" if turning else "fixed", wear=_law("arc"))
+        depth = _deposited(placed(joint, 2e-6, 1.1, angles=angles), 720, 1.0)
+        for side in range(2):
+            phases = np.exp(1j * bin_centres(720))
+            centre = np.angle(np.sum(depth[side] * phases))
+            expected = 1.1 - turning * angles[side]
+            # The arc spans 0.14 rad, some sixteen bins; its mean is known to a bin.
+            assert abs(np.angle(np.exp(1j * (centre - expected)))) < TURN / 720
+
+
+@pytest.mark.parametrize("count", [48, 96, 200, 360])
+@pytest.mark.parametrize("penetration", [1e-6, 1e-5, 1e-4])
+def test_arc_is_the_parabola_of_a_round_joint(count: int, penetration: float) -> None:
+    joint = replace(JOINT, map_frame="fixed", wear=_law("arc", 1.0))
+    direction, dose = 0.777, 3.0
+    depth = _deposited(placed(joint, penetration, direction), count, dose)[0]
+    e = joint.clearance + penetration
+    reach = math.acos(joint.clearance / e)
+
+    def held(angle: Array) -> Array:
+        """Integral of the overlap e cos x - c from -reach."""
+        x = np.clip(angle, -reach, reach)
+        return np.asarray(e * (np.sin(x) + math.sin(reach)) - joint.clearance * (x + reach))
+
+    edges = np.arange(count + 1) * TURN / count - direction
+    # Bins wrap: this contact is far from the seam on either side.
+    parts = np.diff(held(edges)) / held(np.array(reach))
+    bin_area = joint.width * joint.bearing_radius * TURN / count
+    analytic = COEFFICIENT * dose * parts / bin_area
+    # A sample stands for 1/16 of the half arc; at each edge of a bin up to half of one
+    # may be counted on the other side.
+    sample = penetration * reach / ARC_SAMPLES / held(np.array(reach)) / bin_area
+    misplaced = 1.02 * float(sample) * COEFFICIENT * dose
+    assert np.max(np.abs(depth - analytic)) <= misplaced
+    assert depth[bin_of(direction + 1.1 * reach + TURN / count, count)] == 0.0
+
+
+def test_arc_bridges_a_groove_deeper_than_itself() -> None:
+    """A narrow groove under the contact takes no wear while the pin rests beside it."""
+    bins = 360
+    groove = np.zeros(bins)
+    groove[100:103] = 5e-4
+    joint = replace(
+        JOINT, map_frame="fixed", bearing_surface=Surface(groove), wear=_law("arc", 1.0)
+    )
+    pair = placed(joint, 1e-5, float(bin_centres(bins)[96]))
+    depth = _deposited(pair, bins, 1.0)[0]
+    assert depth[96] > 0.0
+    assert depth[100:103].max() == 0.0
+
+
+@given(st.floats(-1e-6, 0.0), st.integers(16, 5000))
+def test_wear_of_a_step_that_ends_open_is_not_lost(gap: float, count: int) -> None:
+    pair = placed(replace(JOINT, map_frame="fixed", wear=_law("arc")), gap, 1.0)
+    depth = _deposited(pair, count, 2.0)
+    assert worn_volume(JOINT, depth) == pytest.approx(COEFFICIENT * 2.0, rel=1e-12)
+    assert depth[0, bin_of(1.0, count)] + depth[0, bin_of(1.0 + 1e-6, count)] > 0.0
+
+
+def test_uniform_wear_has_the_volume_of_a_sleeve() -> None:
+    depth = np.full((2, 77), 1e-6)
+    sleeve = 2.0 * TURN * 0.015 * 0.02 * 1e-6
+    assert worn_volume(JOINT, depth) == pytest.approx(sleeve, rel=1e-14)
+
+
+def test_packed_law_holds_every_value() -> None:
+    law = WearLaw(3e-15, "angle", "bin", 0.2)
+    record = pack_wear(placed(replace(JOINT, wear=law), 0.0, 0.0).linkage)[0]
+    assert tuple(record) == (3e-15, 0.2, True, False)
+    law = WearLaw(3e-15, "sliding", "arc", 0.2)
+    record = pack_wear(placed(replace(JOINT, wear=law), 0.0, 0.0).linkage)[0]
+    assert tuple(record) == (3e-15, 0.2, False, True)
+    assert pack_wear(placed(JOINT, 0.0, 0.0).linkage)[0]["coefficient"] == 0.0

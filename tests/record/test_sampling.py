@@ -1,0 +1,172 @@
+"""Cycles as samples: means, batches, wear maps, bootstrap intervals and what they cover."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from presswear.record.sampling import (
+    LEAST_SAMPLES,
+    MOST_BATCHES,
+    STARTUP_CYCLES,
+    MapBatches,
+    batched,
+    differ,
+    estimate,
+    half_width,
+    map_batches,
+    map_errors,
+    mean_map,
+    peak_of,
+    pooled,
+    resampled,
+)
+
+
+def test_interval_of_a_mean_over_cycles() -> None:
+    """Student's interval of 2, 4, 6 after the start-up cycle: 4 +- 4.303 * 2 / sqrt(3)."""
+    found = estimate(np.array([100.0, 2.0, 4.0, 6.0]))
+    assert found.mean == 4.0
+    assert found.half_width == pytest.approx(4.30265 * 2.0 / 3.0**0.5, rel=1e-5)
+    assert estimate(np.array([1.0])).half_width is None
+    # Too few to leave one out.
+    assert estimate(np.array([1.0, 3.0])).mean == 2.0
+
+
+@given(st.integers(1, 500))
+def test_batches_are_equal_and_nearly_all_samples(count: int) -> None:
+    samples = np.arange(count, dtype=float)
+    found = batched(samples)
+    size = -(-count // MOST_BATCHES)
+    assert len(found) == count // size <= MOST_BATCHES
+    assert np.allclose(np.diff(found), size)
+    assert found[-1] == pytest.approx(samples[-size:].mean())
+
+
+def test_batches_see_what_neighbours_share() -> None:
+    """Of an autoregressive series a plain interval is too narrow; that of batches is not."""
+    generator = np.random.default_rng(3)
+    phi, count, draws = 0.8, 1600, 300
+    inside = {"plain": 0, "batched": 0}
+    for _ in range(draws):
+        series = np.zeros(count)
+        for i in range(1, count):
+            series[i] = phi * series[i - 1] + generator.normal()
+        for name, samples in (("plain", series), ("batched", batched(series))):
+            half = half_width(samples)
+            assert half is not None
+            inside[name] += abs(series.mean()) <= half
+    assert inside["plain"] / draws < 0.7
+    assert inside["batched"] / draws > 0.9
+
+
+@given(st.integers(1, 200), st.integers(0, 2**31))
+def test_map_batches_keep_sums_means_and_scatter(count: int, seed: int) -> None:
+    maps = np.random.default_rng(seed).gamma(1.0, size=(count, 2, 2, 5))
+    found = MapBatches((2, 2, 5))
+    for depth in maps:
+        found.add(depth)
+    assert np.allclose(found.total, maps.sum(axis=0))
+    if count < STARTUP_CYCLES + LEAST_SAMPLES:
+        assert np.allclose(mean_map([found]), maps.mean(axis=0))
+        assert np.all(np.isinf(map_errors(*map_batches([found]))))
+        return
+    samples = maps[STARTUP_CYCLES:]
+    assert np.allclose(mean_map([found]), samples.mean(axis=0))
+    whole = len(samples) // found.size
+    expected = samples[: whole * found.size].reshape(whole, found.size, 2, 2, 5).mean(axis=1)
+    assert np.allclose(found.batches(), expected)
+    assert whole <= MOST_BATCHES
+    noise = (expected.var(axis=0, ddof=1) / whole).sum(axis=(1, 2))
+    size = (expected.mean(axis=0) ** 2).sum(axis=(1, 2))
+    assert np.allclose(map_errors(*map_batches([found])), np.sqrt(noise / size))
+
+
+def test_maps_of_several_starts_are_pooled_by_their_cycles() -> None:
+    generator = np.random.default_rng(4)
+    runs, samples = [], []
+    for count in (12, 80):
+        maps = generator.gamma(2.0, size=(count, 1, 2, 6))
+        run = MapBatches((1, 2, 6))
+        for depth in maps:
+            run.add(depth)
+        runs.append(run)
+        samples.append(maps[STARTUP_CYCLES:])
+    assert np.allclose(mean_map(runs), np.concatenate(samples).mean(axis=0))
+    batches, weights = map_batches(runs)
+    assert weights.tolist() == [1.0] * 11 + [4.0] * 19
+    plain = np.concatenate(samples).std(axis=0, ddof=1) / np.sqrt(90)
+    expected = np.sqrt((plain**2).sum() / (mean_map(runs) ** 2).sum())
+    assert map_errors(batches, weights)[0] == pytest.approx(expected, rel=0.25)
+
+
+def test_a_map_without_wear_has_no_error() -> None:
+    found = MapBatches((1, 2, 4))
+    for _ in range(6):
+        found.add(np.zeros((1, 2, 4)))
+    assert map_errors(*map_batches([found]))[0] == 0.0
+
+
+@pytest.mark.parametrize(("count", "width"), [(6, 10.0), (20, 10.0), (20, 40.0)])
+def test_intervals_of_the_deepest_place_cover_it(count: int, width: float) -> None:
+    """The deepest of noisy bins is too deep on average; the interval must know that."""
+    generator = np.random.default_rng(7)
+    truth = np.exp(-0.5 * ((np.arange(360) - 90.0) / width) ** 2)
+    draws, deep, turned, bias = 200, 0, 0, 0.0
+    for _ in range(draws):
+        scale = 1.0 + 0.3 * generator.standard_normal((count, 1))
+        maps = truth * scale * generator.gamma(11.0, 1.0 / 11.0, (count, 360))
+        peak = peak_of(maps.mean(axis=0), resampled(maps, np.ones(count)), count)
+        assert peak.depth.low is not None
+        assert peak.depth.high is not None
+        assert peak.angle.low is not None
+        assert peak.angle.high is not None
+        deep += peak.depth.low <= 1.0 <= peak.depth.high
+        turned += peak.angle.low <= math.radians(90.5) + 1e-9 <= peak.angle.high + 2e-9
+        bias += (peak.depth.value - 1.0) / draws
+    assert bias > 0.03
+    assert deep / draws > 0.9
+    assert turned / draws > 0.9
+
+
+def test_an_angle_near_zero_keeps_its_interval_together() -> None:
+    generator = np.random.default_rng(5)
+    around = (np.arange(360) + 180) % 360 - 180
+    maps = np.exp(-0.5 * (around / 5.0) ** 2) * generator.gamma(4.0, 0.25, (12, 360))
+    angle = peak_of(maps.mean(axis=0), resampled(maps, np.ones(12)), 12).angle
+    assert angle.low is not None
+    assert angle.high is not None
+    assert 0.0 < angle.high - angle.low < math.radians(40.0)
+    assert angle.low < angle.value < angle.high
+
+
+def test_resampling_weighs_by_cycles() -> None:
+    """A map that stands for nine cycles counts nine times as much as one of one."""
+    maps = np.array([[0.0], [1.0]])
+    draws = resampled(maps, np.array([1.0, 9.0]))
+    assert set(np.round(np.unique(draws), 12)) == {0.0, 0.9, 1.0}
+
+
+def test_runs_that_differ_are_single_samples() -> None:
+    generator = np.random.default_rng(0)
+    alike = [generator.normal(10.0, 1.0, 30) for _ in range(3)]
+    apart = [generator.normal(mean, 1.0, 30) for mean in (8.0, 10.0, 12.0)]
+    together, are_apart = pooled(alike)
+    assert not are_apart
+    assert together.cycles == 87
+    assert together.half_width is not None
+    assert together.half_width < 0.5
+    wide, are_apart = pooled(apart)
+    assert are_apart
+    assert wide.half_width is not None
+    assert wide.half_width == pytest.approx(
+        half_width(np.array([rows[1:].mean() for rows in apart])) or 0.0
+    )
+    assert wide.half_width > 2.0
+
+
+def test_constant_groups_do_not_differ() -> None:
+    assert not differ([np.ones(5), np.ones(5)])
+    assert not differ([np.arange(5.0)])

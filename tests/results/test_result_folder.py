@@ -1,0 +1,365 @@
+"""Runs that are stopped, gone on with, refused and starved: nothing is lost, all is named."""
+
+import errno
+import json
+import os
+import shutil
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from presswear.__main__ import main
+from presswear.campaign.campaign import Watcher, run_campaign
+from presswear.campaign.standing import Standing
+from presswear.results.checkpoint import read_checkpoint, write_checkpoint
+from presswear.results.folder import INTERVAL, LEAST_WAIT, ResultFolder
+from presswear.results.results import load, read_document, unfinished
+from presswear.results.sameness import folder_differences
+from presswear.scene.catalog import wear_times
+from presswear.scene.scene import CONVENTIONS, Scene
+from presswear.scene.settings import changed
+from presswear.tools.errors import InputError, RunError
+from presswear.tools.files import sealed_json
+from presswear.tools.lock import FolderLock
+
+SCENE = changed(
+    replace(
+        wear_times(),
+        conventions=CONVENTIONS["refined"],
+        cycles=2,
+        starts=2,
+        wears=1,
+        represented_cycles=2e4,
+        depth_step=0.0007,
+    ),
+    {
+        "speed": "60rad/s",
+        "engine": "dae",
+        "integrator": "dopri5",
+        "integration_tolerance": "1e-5",
+        "angles": "90",
+    },
+)
+"""Two starts of two cycles, a wear in steps, and again: every kind of place to stop at."""
+
+
+class Stop(BaseException):
+    """As a signal would."""
+
+
+def run(
+    path: Path, resume: bool = False, stop: Callable[[Standing, bool], None] = lambda at, end: None
+) -> ResultFolder:
+    """Run the scene into a folder with a checkpoint after every cycle."""
+    folder = ResultFolder(path, SCENE, 0.0, resume)
+
+    def keep(standing: Standing, is_stage: bool) -> None:
+        folder.keep(standing, is_stage)
+        stop(standing, is_stage)
+
+    try:
+        folder.close(*run_campaign(SCENE, Watcher(stage=folder.add, keep=keep), folder.begun))
+    finally:
+        folder.release()
+    return folder
+
+
+def stop_at(place: int) -> Callable[[Standing, bool], None]:
+    """Stop when the campaign is told for the n-th time where it stands."""
+    count = 0
+
+    def stop(standing: Standing, is_stage: bool) -> None:
+        nonlocal count
+        count += 1
+        if count == place:
+            raise Stop
+
+    return stop
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A run that was left alone."""
+    path = tmp_path_factory.mktemp("whole") / "out"
+    run(path)
+    return path
+
+
+@pytest.fixture(scope="module")
+def stopped(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A run that was stopped in the middle of a wear in steps."""
+    path = tmp_path_factory.mktemp("stopped") / "out"
+    with pytest.raises(Stop):
+        run(path, stop=stop_at(7))
+    return path
+
+
+@pytest.fixture
+def halted(stopped: Path, tmp_path: Path) -> Path:
+    """A copy of it."""
+    return Path(shutil.copytree(stopped, tmp_path / "halted"))
+
+
+def test_a_campaign_goes_on_from_wherever_it_stood(whole: Path, tmp_path: Path) -> None:
+    """Stopped again and again, each time one place further: every place is one to go on from."""
+    steps = load(whole).wear_steps(0)
+    assert len(steps) > 1
+    path = tmp_path / "out"
+    places = 0
+    while True:
+        # The first place is the one that it goes on from.
+        try:
+            run(path, resume=True, stop=stop_at(1 if places == 0 else 2))
+        except Stop:
+            places += 1
+            continue
+        break
+    # Two cycles of two starts for each step and the last stage, and the end of the stage.
+    assert places >= 4 * (len(steps) + 1)
+    assert folder_differences(whole, path) == []
+    assert len(load(path).document["provenance"]["resumed"]) == places
+    assert not (path / "checkpoint.npz").exists()
+    assert not (path / "lock").exists()
+
+
+def test_what_differs_is_named(whole: Path, tmp_path: Path) -> None:
+    other = tmp_path / "other"
+    shutil.copytree(whole, other)
+    document = read_document(other)
+    document["stages"][1]["statistics"]["cycles"] = 5
+    del document["files"]["film-1.npz"]
+    document["wall_s"] = 1e9
+    (other / "result.json").write_bytes(sealed_json(document))
+    assert folder_differences(whole, other) == [
+        "result.json: stages 1: statistics: cycles: 4 and 5",
+        "film-1.npz is in one only",
+    ]
+    arrays = dict(load(other).stages[0])
+    arrays["slider"][-1, 0] *= 1.0 + 1e-15
+    from presswear.tools.files import write_arrays
+
+    document["files"]["stage-0.npz"] = write_arrays(other / "stage-0.npz", arrays)
+    (other / "result.json").write_bytes(sealed_json(document))
+    assert "stage-0.npz: slider differs" in folder_differences(whole, other)
+
+
+def test_stopping_stores_the_stage_and_where_the_run_stands(halted: Path) -> None:
+    document = read_document(halted)
+    assert [stage["index"] for stage in document["stages"]] == [0]
+    told, arrays = read_checkpoint(halted)
+    assert told["index"] == 0
+    assert told["growth"]["steps"]
+    assert Standing.restored(SCENE, told, arrays).words().startswith("stage 0, step 2 of the wear")
+
+
+def test_another_scene_is_refused_by_what_differs(halted: Path) -> None:
+    before = {file.name: file.read_bytes() for file in halted.iterdir()}
+    scene = replace(SCENE, cycles=3, bearings=replace(SCENE.bearings, friction=0.3))
+    with pytest.raises(InputError, match=r"friction is 0\.02 there and 0\.3 here.*cycles is 2"):
+        ResultFolder(halted, scene, resume=True)
+    assert {file.name: file.read_bytes() for file in halted.iterdir()} == before
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"revision": "0123456789ab", "source": "x"}, "revision 0123456789ab there.*source x"),
+        ({"source": "x"}, "source x there"),
+        ({"python": "2.7.18"}, r"python 2\.7\.18 there"),
+        ({"packages": {}}, "exudyn None there"),
+    ],
+)
+def test_another_program_is_refused(change: dict[str, Any], words: str, halted: Path) -> None:
+    document = read_document(halted)
+    document["provenance"].update(change)
+    (halted / "result.json").write_bytes(sealed_json(document))
+    with pytest.raises(InputError, match=words):
+        ResultFolder(halted, SCENE, resume=True)
+
+
+def test_the_same_source_is_the_same_program_where_git_does_not_know_it(halted: Path) -> None:
+    document = read_document(halted)
+    document["provenance"]["revision"] = "unknown"
+    (halted / "result.json").write_bytes(sealed_json(document))
+    ResultFolder(halted, SCENE, resume=True).release()
+
+
+def test_another_machine_is_told(halted: Path) -> None:
+    document = read_document(halted)
+    document["provenance"]["machine"] = "another"
+    (halted / "result.json").write_bytes(sealed_json(document))
+    folder = ResultFolder(halted, SCENE, resume=True)
+    folder.release()
+    assert any("begun on another" in remark for remark in folder.remarks)
+
+
+def test_a_checkpoint_of_another_run_is_refused(halted: Path) -> None:
+    told, arrays = read_checkpoint(halted)
+    write_checkpoint(halted, {**told, "started": "2001-01-01T00:00:00Z"}, arrays)
+    with pytest.raises(InputError, match="belongs to another run"):
+        ResultFolder(halted, SCENE, resume=True)
+
+
+def test_a_damaged_checkpoint_is_named_and_left(halted: Path) -> None:
+    file = halted / "checkpoint.npz"
+    data = file.read_bytes()
+    file.write_bytes(data[:-1])
+    with pytest.raises(InputError, match=r"checkpoint\.npz is cut off or altered"):
+        ResultFolder(halted, SCENE, resume=True)
+    assert file.read_bytes() == data[:-1]
+
+
+def test_damaged_results_are_named(whole: Path, tmp_path: Path) -> None:
+    for name in ("stage-1.npz", "film-0.npz"):
+        path = tmp_path / name
+        shutil.copytree(whole, path)
+        data = bytearray((path / name).read_bytes())
+        data[len(data) // 2] ^= 4
+        (path / name).write_bytes(data)
+        with pytest.raises(InputError, match=f"{name} is cut off or altered"):
+            load(path)
+        (path / name).unlink()
+        with pytest.raises(InputError, match=f"{name} is missing"):
+            load(path)
+
+
+def test_a_run_in_a_folder_is_not_disturbed(tmp_path: Path) -> None:
+    first = ResultFolder(tmp_path / "out", SCENE)
+    for resume in (False, True):
+        with pytest.raises(InputError, match="is at work in it" if resume else "not empty"):
+            ResultFolder(tmp_path / "out", SCENE, resume=resume)
+    assert "is at work in it" in unfinished(first.path, read_document(first.path))
+    first.discard()
+    assert not (tmp_path / "out").exists()
+
+
+def test_others_files_are_never_touched(tmp_path: Path) -> None:
+    (tmp_path / "precious").write_text("mine")
+    for resume, words in ((False, "not empty"), (True, "no run to go on with")):
+        with pytest.raises(InputError, match=words):
+            ResultFolder(tmp_path, SCENE, resume=resume)
+    assert [item.name for item in tmp_path.iterdir()] == ["precious"]
+
+
+@pytest.mark.parametrize(
+    "place", [4, pytest.param(1, marks=pytest.mark.slow), pytest.param(9, marks=pytest.mark.slow)]
+)
+def test_a_full_disk_ends_the_run_with_one_line(
+    place: int, whole: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sync, calls = os.fsync, 0
+
+    def full(descriptor: int) -> None:
+        nonlocal calls
+        calls += 1
+        if calls > 2 * place:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        sync(descriptor)
+
+    path = tmp_path / "out"
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "fsync", full)
+        with pytest.raises(RunError, match=r"cannot be written: No space left on device; the run"):
+            run(path)
+    assert not list(path.glob("*.part"))
+    run(path, resume=True)
+    assert folder_differences(whole, path) == []
+
+
+def test_a_folder_that_is_gone_ends_the_run(tmp_path: Path) -> None:
+    path = tmp_path / "out"
+    with pytest.raises(RunError, match=f"{path} was removed or replaced"):
+        run(path, stop=lambda standing, is_stage: shutil.rmtree(path, ignore_errors=True))
+    assert not path.exists()
+
+
+def test_checkpoints_are_written_when_due(
+    halted: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """At the interval, and no sooner than a hundred times what the last one took."""
+    standing = Standing.restored(SCENE, *read_checkpoint(halted))
+    now = 0.0
+    monkeypatch.setattr("time.perf_counter", lambda: now)
+    folder = ResultFolder(tmp_path / "out", SCENE)
+    file = tmp_path / "out" / "checkpoint.npz"
+
+    def is_written(is_stage: bool = False) -> bool:
+        file.unlink(missing_ok=True)
+        folder.keep(standing, is_stage)
+        return file.exists()
+
+    now = 0.9 * INTERVAL
+    assert not is_written()
+    assert is_written(is_stage=True)
+    now += 0.9 * INTERVAL
+    assert not is_written()
+    now += 0.2 * INTERVAL
+    assert is_written()
+    vars(folder)["_took"] = 2.0 * INTERVAL / LEAST_WAIT
+    now += 1.5 * INTERVAL
+    assert not is_written()
+    now += 0.6 * INTERVAL
+    assert is_written()
+    folder.release()
+
+
+def test_commands_work_on_what_is_there_and_say_so(
+    halted: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["export", str(halted), str(tmp_path / "table.csv")]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert "is unfinished (killed, or stopped by an error): 1 of 2 stages are stored" in said
+    lock = FolderLock.take(halted)
+    assert main(["export", str(halted), str(tmp_path / "again.csv")]) == 0
+    assert f"process {os.getpid()} on" in capsys.readouterr().out
+    lock.release()
+
+
+def test_a_run_without_a_finished_stage_is_nothing_to_report(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "out"
+    with pytest.raises(Stop):
+        run(path, stop=stop_at(1))
+    assert main(["report", str(path)]) == 2
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1
+    assert f"go on with: presswear run wear-times --resume --out {path}" in error
+
+
+def test_the_command_goes_on_and_ends_as_if_never_stopped(
+    halted: Path, whole: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    wrong = ["run", "friction", "--resume", "--out", str(halted)]
+    assert main(wrong) == 2
+    assert "it holds a run of wear-times, not of friction" in capsys.readouterr().err
+    assert main(["run", "wear-times", "--cycles", "3", "--resume", "--out", str(halted)]) == 2
+    assert "cycles is 2 there and 3 here" in capsys.readouterr().err
+    assert main(["run", "wear-times", "--resume", "--out", str(halted)]) == 0
+    assert "going on after stage 0, step 2" in capsys.readouterr().out
+    assert folder_differences(whole, halted) == []
+    before = (halted / "result.json").read_bytes()
+    assert main(["run", "wear-times", "--resume", "--out", str(halted)]) == 0
+    assert "has come to its end before" in capsys.readouterr().out
+    assert (halted / "result.json").read_bytes() == before
+    assert json.loads(before)["status"] == "completed"
+
+
+def test_a_folder_that_cannot_be_made_is_bad_input(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "file").touch()
+    assert main(["run", "ideal", "--out", str(tmp_path / "file" / "out")]) == 2
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1
+    assert "is no folder" in error
+
+
+def test_the_scene_of_these_tests_is_of_every_kind(whole: Path) -> None:
+    scene: Scene = load(whole).scene
+    assert scene == SCENE
+    assert scene.starts > 1
+    assert scene.wears_in_steps

@@ -1,0 +1,230 @@
+"""Tables that go to other programs and come back."""
+
+import io
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from presswear.__main__ import main
+from presswear.campaign.campaign import Watcher, run_campaign
+from presswear.results.folder import ResultFolder
+from presswear.results.tables import compare_tables, read_table, unit_of, write_table
+from presswear.scene.catalog import wear_times
+from presswear.tools.errors import InputError
+
+finite = st.floats(allow_nan=False, allow_infinity=False)
+
+
+@st.composite
+def tables(draw: st.DrawFn) -> dict[str, np.ndarray]:
+    rows = draw(st.integers(1, 20))
+    time = draw(st.lists(finite, min_size=rows, max_size=rows, unique=True))
+    names = draw(
+        st.lists(
+            st.sampled_from(["displacement", "acceleration", "A_sliding", "B 2_eccentricity_x"]),
+            min_size=1,
+            unique=True,
+        )
+    )
+    columns = {name: draw(arrays(float, rows, elements=finite)) for name in names}
+    return {"time": np.sort(time), **columns}
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".npz"])
+@given(table=tables())
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_what_is_written_is_read_to_the_last_bit(
+    suffix: str, table: dict[str, np.ndarray], tmp_path: Path
+) -> None:
+    path = tmp_path / f"table{suffix}"
+    write_table(path, table)
+    found = read_table(path)
+    path.unlink()
+    assert list(found) == list(table)
+    for name, values in table.items():
+        assert found[name].tobytes() == values.tobytes()
+
+
+def test_numpy_reads_the_names_and_skips_the_units(tmp_path: Path) -> None:
+    path = tmp_path / "table.csv"
+    write_table(path, {"time": np.array([0.0, 0.1]), "A_normal_force": np.array([1.0, 2.0])})
+    assert path.read_text().splitlines()[1] == "# units: time s,A_normal_force N"
+    found = np.genfromtxt(path, delimiter=",", names=True)
+    assert found.dtype.names == ("time", "A_normal_force")
+    np.testing.assert_array_equal(found["A_normal_force"], [1.0, 2.0])
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", ("lacks time",)),
+        ("velocity\n1\n", ("lacks time",)),
+        ("time\n1\n", ("beside time",)),
+        ("time,colour\n0,1\n", ("colour", "J_penetration")),
+        ("time,_sliding\n0,1\n", ("_sliding",)),
+        ("time,velocity,velocity\n0,1,1\n", ("named twice",)),
+        ("time,velocity\n", ("no rows",)),
+        ("time,velocity\n0,1\n1\n", ("line 3", "1 values for 2")),
+        ("time,velocity\n0,1\n# note\n1,fast\n", ("line 4", "velocity", "fast")),
+        ("time,velocity\n0,1\n1,nan\n", ("velocity", "nan", "row 2")),
+        ("time,velocity\n0,1\n1,inf\n", ("velocity", "inf")),
+        ("time,velocity\n0,1\n2,1\n2,1\n", ("time does not increase", "row 2", "row 3")),
+    ],
+)
+def test_a_wrong_table_is_refused_in_one_line(
+    text: str, words: tuple[str, ...], tmp_path: Path
+) -> None:
+    path = tmp_path / "theirs.csv"
+    path.write_text(text)
+    with pytest.raises(InputError) as refused:
+        read_table(path)
+    for word in ("theirs.csv", *words):
+        assert word in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def _npz(**columns: object) -> bytes:
+    file = io.BytesIO()
+    np.savez(
+        file, allow_pickle=True, **{name: np.asarray(values) for name, values in columns.items()}
+    )
+    return file.getvalue()
+
+
+def _npy() -> bytes:
+    file = io.BytesIO()
+    np.save(file, np.zeros(3))
+    return file.getvalue()
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"",
+        b"no archive",
+        b"PK\x03\x04 cut off",
+        _npy(),
+        _npz(time=[0.0, 1.0], velocity=[[0.0], [1.0]]),
+        _npz(time=[0.0, 1.0], velocity=["slow", "fast"]),
+        _npz(time=[0.0, 1.0], velocity=[{}, {}]),
+        _npz(time=[0.0, 1.0], velocity=[1j, 2j]),
+        _npz(time=[0.0, 1.0], velocity=[0.0, 1.0, 2.0]),
+    ],
+)
+def test_a_wrong_archive_is_refused(content: bytes, tmp_path: Path) -> None:
+    path = tmp_path / "theirs.npz"
+    path.write_bytes(content)
+    with pytest.raises(InputError, match=r"theirs\.npz"):
+        read_table(path)
+
+
+def test_every_column_has_a_unit() -> None:
+    assert unit_of("acceleration") == "m/s^2"
+    assert unit_of("C_tangential_force") == "N"
+    with pytest.raises(InputError, match="slider"):
+        unit_of("slider")
+
+
+def test_ours_is_interpolated_at_their_times() -> None:
+    time = np.linspace(0.0, 1.0, 101)
+    ours = {"time": time, "displacement": np.sin(time), "velocity": np.cos(time)}
+    between = np.linspace(0.005, 2.0, 333)
+    theirs = {"time": between, "velocity": np.cos(between), "displacement": np.sin(between)}
+    for found in compare_tables(ours, theirs, None, 1e-3):
+        assert 0.0 < found.greatest < 1e-6
+        assert found.passed
+    theirs["displacement"] = theirs["displacement"] + 0.01
+    (velocity, displacement) = compare_tables(ours, theirs, 0.5, 1e-3)
+    assert velocity.passed
+    assert not displacement.passed
+    assert displacement.rms == pytest.approx(0.01, rel=1e-6)
+    rms = np.sqrt(np.mean(np.sin(between[between <= 0.5]) ** 2))
+    assert displacement.bound == pytest.approx(1e-3 * rms, rel=1e-6)
+
+
+def test_a_table_that_does_not_belong_to_the_run_is_refused() -> None:
+    ours = {"time": np.array([0.0, 1.0]), "displacement": np.zeros(2), "velocity": np.zeros(2)}
+    with pytest.raises(InputError, match="no overlap"):
+        compare_tables(ours, {"time": np.array([2.0]), "velocity": np.zeros(1)}, None, 1e-3)
+    with pytest.raises(InputError, match="B_sliding"):
+        compare_tables(ours, {"time": np.array([0.5]), "B_sliding": np.zeros(1)}, None, 1e-3)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """One fast cycle of the in-house solver, worn once."""
+    scene = wear_times()
+    scene = replace(
+        scene, mechanism=replace(scene.mechanism, speed=60.0), engine="dae", cycles=1, wears=0
+    )
+    path = tmp_path_factory.mktemp("result") / "run"
+    store = ResultFolder(path, scene)
+    store.close(*run_campaign(scene, Watcher(stage=store.add)))
+    return path
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".npz"])
+def test_an_exported_run_agrees_with_itself(
+    suffix: str, folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / f"run{suffix}"
+    assert main(["export", str(folder), str(file)]) == 0
+    table = read_table(file)
+    with np.load(folder / "stage-0.npz") as stored:
+        np.testing.assert_array_equal(table["velocity"], stored["slider"][:, 1])
+        np.testing.assert_array_equal(table["C_eccentricity_y"], stored["C_eccentricity"][:, 1])
+        np.testing.assert_array_equal(table["A_tangential_force"], stored["A_force"][:, 1])
+    assert len(table) == 16
+    command = ["crosscheck", str(folder), "--against", str(file), "--tolerance", "1e-12"]
+    assert main(command) == 0
+    assert "MISS" not in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("name", ["displacement", "A_normal_force", "C_eccentricity_x"])
+def test_one_per_cent_in_one_column_is_noticed(
+    name: str, folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "run.npz"
+    assert main(["export", str(folder), str(file)]) == 0
+    table = read_table(file)
+    table[name] = 1.01 * table[name]
+    theirs = tmp_path / "theirs.csv"
+    write_table(theirs, table)
+    capsys.readouterr()
+    assert main(["crosscheck", str(folder), "--against", str(theirs)]) == 1
+    missed = [line for line in capsys.readouterr().out.splitlines() if "MISS" in line]
+    assert [line.split()[0] for line in missed] == [name]
+    assert main(["crosscheck", str(folder), "--against", str(theirs), "--tolerance", "0.02"]) == 0
+
+
+@pytest.mark.parametrize(
+    ("file", "more", "word"),
+    [
+        ("run.csv", (), "exists"),
+        ("run.txt", (), ".csv or .npz"),
+        ("nowhere/run.csv", (), "no folder"),
+        ("new.csv", ("--stage", "7"), "no stage 7"),
+        ("new.csv", ("--stage", "one"), "one"),
+    ],
+)
+def test_export_refuses_in_one_line(
+    file: str,
+    more: tuple[str, ...],
+    word: str,
+    folder: Path,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    kept = tmp_path / "run.csv"
+    kept.write_text("mine")
+    assert main(["export", str(folder), str(tmp_path / file), *more]) == 2
+    shown = capsys.readouterr()
+    assert word in shown.err
+    assert shown.err.count("\n") == 1
+    assert kept.read_text() == "mine"
+    assert list(tmp_path.iterdir()) == [kept]

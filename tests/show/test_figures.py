@@ -1,0 +1,285 @@
+"""Figures of small made-up results."""
+
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+import pytest
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure as Sheet
+
+from presswear.linkage.surface import bin_centres
+from presswear.results.results import StoredResult
+from presswear.scene.catalog import wear_times
+from presswear.scene.ideal import ideal_slider
+from presswear.scene.scene import CONVENTIONS, Scene, stage_name
+from presswear.show.figures import Drawing, draw_all, drawings
+from presswear.show.figures.motion import centre_trajectory, response
+from presswear.show.figures.style import length_scale, round_down
+from presswear.show.figures.surfaces import worn_surfaces
+from presswear.show.figures.wear import wear_depth
+from presswear.tools.numbers import given, readable, whole, with_interval
+
+BINS = 72
+UNIT = re.compile(r"\((m|mm|µm|nm|s|N|m/s|m/s²|degrees)\)")
+
+
+def made_up(
+    scene: Scene, stages: int, status: str = "completed", message: str = ""
+) -> StoredResult:
+    """A result as a run of the scene would leave it, from formulas; stage depth grows."""
+    time = np.linspace(0.0, 2.0 * scene.mechanism.period, 400)
+    angle = bin_centres(BINS)
+    listed, arrays = [], []
+    for k in range(stages):
+        stage = {
+            "time": time,
+            "slider": ideal_slider(scene, time) * (1.0 + 0.01 * (k + 1)),
+            "angle": angle,
+        }
+        joints = {}
+        for joint in scene.clearance_joints:
+            turn = 6.0 * np.pi * time / time[-1]
+            stage[f"{joint}_eccentricity"] = 8e-4 * np.column_stack([np.cos(turn), np.sin(turn)])
+            stage[f"{joint}_force"] = np.column_stack([100.0 * np.cos(turn) ** 8, 0.0 * turn])
+            one = 5e-6 * np.exp(-((angle - np.radians(92.5)) ** 2) / 0.1)
+            for side in ("bearing", "pin"):
+                stage[f"{joint}_depth_{side}"] = k * one
+                stage[f"{joint}_wear_{side}"] = one
+            each = {"mean": 80.0, "half_width": 12.0, "cycles": 2}
+            joints[joint] = {
+                "force_max_N": 100.0 + k,
+                "force_max_per_cycle_N": each,
+                "dose_per_cycle_Nm": each | {"half_width": None},
+                "contacts": 1234,
+                "fewest_steps_in_a_contact": 50,
+                "part_of_time_in_contact": 0.5,
+                "wear_volume_m3": 3e-9,
+                "wear_map_error": 0.1,
+            }
+        each = {"mean": 0.107, "half_width": 0.001, "cycles": 2}
+        slider = {
+            "displacement_max_m": 0.10731,
+            "velocity_min_m_s": -0.9,
+            "velocity_max_m_s": 1.0,
+            "acceleration_max_m_s2": 1221.0,
+            "displacement_max_per_cycle_m": each,
+            "velocity_max_per_cycle_m_s": each,
+            "acceleration_max_per_cycle_m_s2": each,
+        }
+        arrays.append(stage)
+        listed.append(
+            {
+                "index": k,
+                "status": status if k == stages - 1 else "completed",
+                "message": message if k == stages - 1 else "",
+                "amplification": 2e6,
+                "simulated_s": float(time[-1]),
+                "wall_s": 1.0,
+                "diagnostics": {"model": "6 bodies, 2 drives", "steps": 4000},
+                "statistics": {"cycles": 2, "slider": slider, "joints": joints},
+            }
+        )
+    document = {
+        "schema": 2,
+        "engine": scene.engine,
+        "provenance": {
+            "python": "3.12.0",
+            "packages": {"presswear": "0.1.0"},
+            "revision": "0123456789ab",
+            "machine": "a machine",
+            "started": "2024-01-01T00:00:00Z",
+        },
+        "status": status,
+        "message": message,
+        "wall_s": 3.0,
+        "stages": listed,
+    }
+    return StoredResult(Path("nowhere"), document, scene, arrays)
+
+
+BOTH = replace(wear_times(), cycles=2)
+ONE = replace(BOTH, joints="C")
+BODY = replace(BOTH, conventions=CONVENTIONS["refined"])
+BODY_A = replace(BODY, joints="A")
+IDEAL = replace(BOTH, joints="none", wears=0)
+MOTION = ["response.png", "contact-force.png", "centre-trajectory.png"]
+
+
+@pytest.mark.parametrize(
+    ("scene", "stages", "files"),
+    [
+        (BOTH, 2, ["wear-depth.png", "worn-surface-A.png", "worn-surface-C.png", *MOTION]),
+        (BODY_A, 2, ["wear-depth.png", "worn-surface-A.png", *MOTION]),
+        (ONE, 1, ["wear-depth.png", *MOTION]),
+        (IDEAL, 1, ["response.png"]),
+    ],
+    ids=["both joints", "maps on bodies", "one joint, one stage", "ideal"],
+)
+def test_draws_what_makes_sense(
+    scene: Scene, stages: int, files: list[str], tmp_path: Path
+) -> None:
+    figures = draw_all(made_up(scene, stages), tmp_path / "figures")
+    assert [figure.file for figure in figures] == files
+    assert sorted(p.name for p in (tmp_path / "figures").iterdir()) == sorted(files)
+    for figure in figures:
+        assert (tmp_path / "figures" / figure.file).read_bytes().startswith(b"\x89PNG")
+        assert figure.title
+        assert figure.caption.endswith(".")
+
+
+def sheet_of(draw: Callable[[StoredResult], list[Drawing]], result: StoredResult) -> Sheet:
+    """The first sheet of one kind of figure."""
+    return draw(result)[0].sheet
+
+
+def labels(axes: Axes) -> list[str]:
+    return [label for label in (axes.get_xlabel(), axes.get_ylabel()) if label]
+
+
+def legend_of(sheet: Sheet) -> list[str]:
+    return [text.get_text() for legend in sheet.legends for text in legend.get_texts()]
+
+
+@pytest.mark.parametrize("scene", [BOTH, BODY], ids=["fixed maps", "maps on bodies"])
+def test_every_axis_label_has_a_unit(scene: Scene) -> None:
+    for drawing in drawings(made_up(scene, 2)):
+        found = [label for axes in drawing.sheet.axes for label in labels(axes)]
+        assert found
+        assert all(UNIT.search(label) for label in found), found
+
+
+def test_wear_that_did_not_happen_is_named_so() -> None:
+    assert legend_of(sheet_of(wear_depth, made_up(BOTH, 3))) == [
+        "first wear",
+        "second wear",
+        "third wear, not run",
+    ]
+
+
+def test_failed_stage_says_nothing_of_further_wear() -> None:
+    sheet = sheet_of(wear_depth, made_up(BOTH, 2, status="failed"))
+    assert legend_of(sheet) == ["first wear"]
+
+
+def test_depth_is_the_cumulative_total_in_microns() -> None:
+    result = made_up(BOTH, 3)
+    first, second, further = sheet_of(wear_depth, result).axes[0].get_lines()
+    expected = 2e6 * result.stages[1]["A_depth_bearing"]
+    np.testing.assert_allclose(np.asarray(first.get_ydata()), expected)
+    np.testing.assert_allclose(np.asarray(second.get_ydata()), 2.0 * expected)
+    np.testing.assert_allclose(np.asarray(further.get_ydata()), 3.0 * expected)
+
+
+def test_very_different_depths_share_a_logarithmic_scale() -> None:
+    result = made_up(BOTH, 3)
+    result.stages[2]["A_depth_pin"] = 1e3 * result.stages[2]["A_depth_pin"]
+    at_a, at_c = sheet_of(wear_depth, result).axes
+    assert (at_a.get_yscale(), at_c.get_yscale()) == ("log", "linear")
+
+
+@pytest.mark.parametrize("scene", [BOTH, BODY], ids=["fixed maps", "maps on bodies"])
+def test_profile_is_drawn_to_the_stated_scale(scene: Scene) -> None:
+    sheet = sheet_of(worn_surfaces, made_up(scene, 3))
+    bearings = scene.bearings
+    radii = (bearings.bearing_radius, bearings.bearing_radius - bearings.clearance)
+    for axes, radius in zip(sheet.axes[1:], radii, strict=True):
+        (low, high), (left, right) = axes.get_ylim(), axes.get_xlim()
+        box = axes.get_position()
+        width, height = sheet.get_size_inches()
+        radial = box.height * height / (1e-6 * (high - low))
+        along = box.width * width / (np.radians(right - left) * radius)
+        stated = re.search(r"radial scale ([\d\u202f]+) times", axes.get_title())
+        assert stated is not None
+        assert radial / along == pytest.approx(float(stated[1].replace("\u202f", "")))
+        depths = np.concatenate([np.asarray(line.get_ydata()) for line in axes.get_lines()])
+        assert low <= depths.min()
+        assert depths.max() <= high
+
+
+def test_ideal_slider_is_the_closed_form() -> None:
+    press = BOTH.mechanism
+    slider = ideal_slider(BOTH, np.linspace(0.0, press.period, 2001))
+    assert slider[0, 0] == 0.0
+    assert slider[:, 0].max() == pytest.approx(0.1061, abs=1e-4)
+    assert slider[:, 1].min() == pytest.approx(-0.889, abs=1e-3)
+    assert slider[:, 2].min() == pytest.approx(-20.0, abs=0.1)
+
+
+def test_unworn_surfaces_are_not_called_worn() -> None:
+    """What the path's caption says of surfaces that turn is of worn ones only."""
+    unworn, worn = (centre_trajectory(made_up(BODY, stages))[0].caption for stages in (1, 2))
+    assert "Worn surfaces turn" not in unworn
+    assert "Worn surfaces turn" in worn
+
+
+def test_many_stages_are_thinned_out() -> None:
+    result = made_up(BOTH, 9)
+    assert len(sheet_of(centre_trajectory, result).axes) == 2 * 5
+    assert legend_of(sheet_of(response, result))[-1] == "eighth wear"
+
+
+def test_stage_without_motion_is_left_out() -> None:
+    result = made_up(BOTH, 2, status="failed")
+    last = result.stages[1]
+    for name in ("time", "slider", "A_force", "C_force", "A_eccentricity", "C_eccentricity"):
+        last[name] = last[name][:1]
+    assert legend_of(sheet_of(response, result)) == ["ideal", "no wear"]
+
+
+def test_settings_of_matplotlib_are_left_alone() -> None:
+    before = dict(matplotlib.rcParams)
+    list(drawings(made_up(IDEAL, 1)))
+    assert dict(matplotlib.rcParams) == before
+
+
+def test_stage_names() -> None:
+    assert [stage_name(k) for k in (0, 1, 10, 11)] == [
+        "no wear",
+        "first wear",
+        "tenth wear",
+        "wear 11",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("value", "expected"), [(1.0, 1.0), (1.99, 1.0), (4.9, 2.0), (0.07, 0.05), (730.0, 500.0)]
+)
+def test_round_down(value: float, expected: float) -> None:
+    assert round_down(value) == pytest.approx(expected)
+
+
+def test_length_scale_reads_naturally() -> None:
+    assert length_scale(1.2e-5) == (1e6, "µm")
+    assert length_scale(0.0015) == (1e3, "mm")
+    assert length_scale(0.0)[1] == "pm"
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (0.0, "0"),
+        (1369.2, "1\u202f370"),
+        (-0.9448, "−0.945"),
+        (999.9, "1\u202f000"),
+        (2.5e-9, "2.50·10⁻⁹"),
+        (12.34e6, "12.3·10⁶"),
+        (None, "–"),
+        (float("nan"), "–"),
+    ],
+)
+def test_readable(value: float | None, text: str) -> None:
+    assert readable(value) == text
+
+
+def test_numbers_with_company() -> None:
+    assert with_interval(107.1912, 0.2693) == "107.19\u00a0± 0.27"
+    assert with_interval(730.59, 1393.5) == "700\u00a0± 1\u202f400"
+    assert with_interval(3.0, None) == "3.00 (too few cycles)"
+    assert with_interval(None, None) == "–"
+    assert with_interval(5.0, 0.0) == "5.000\u00a0± 0"
+    assert (whole(258195), whole(None)) == ("258\u202f195", "–")
+    assert (given(2e11), given(0.0243)) == ("2·10¹¹", "0.0243")

@@ -1,0 +1,168 @@
+"""The report page of small made-up results."""
+
+import re
+from dataclasses import replace
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+from test_figures import BODY, BOTH, IDEAL, ONE, made_up
+
+from presswear.results.results import StoredResult
+from presswear.scene.catalog import slider_crank
+from presswear.scene.scene import CONVENTIONS, Conventions
+from presswear.scene.settings import settings_of
+from presswear.show.figures import drawings
+from presswear.show.report import notes, render, write_report
+
+
+class Page(HTMLParser):
+    """Elements, attribute values and text of a page."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.tags: list[str] = []
+        self.links: list[str] = []
+        self.words: list[str] = []
+        self.rows: list[list[str]] = []
+        self.in_row = False
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append(tag)
+        self.links += [value or "" for name, value in attrs if name in ("src", "href", "srcset")]
+        if tag == "tr":
+            self.rows.append([])
+            self.in_row = True
+
+    def handle_endtag(self, tag: str) -> None:
+        if tag == "tr":
+            self.in_row = False
+
+    def handle_data(self, data: str) -> None:
+        if data.strip():
+            self.words.append(data.strip())
+            if self.in_row:
+                self.rows[-1].append(data.strip())
+
+    def row(self, label: str) -> list[str]:
+        return next(row for row in self.rows if row and row[0] == label)
+
+    @property
+    def text(self) -> str:
+        return " ".join(self.words)
+
+
+def page_of(result: StoredResult) -> Page:
+    return Page(render(result, []))
+
+
+def test_one_file_without_references(tmp_path: Path) -> None:
+    result = replace(made_up(ONE, 2), path=tmp_path)
+    path = write_report(result)
+    assert path == tmp_path / "report.html"
+    text = path.read_text()
+    page = Page(text)
+    assert len(page.links) == len(list((tmp_path / "figures").iterdir())) == 5
+    assert all(link.startswith("data:image/png;base64,") for link in page.links)
+    own = re.sub(r"data:image/png;base64,[A-Za-z0-9+/=]+", "", text)
+    assert not re.search(r"http|url\(|@import|<script|<link", own)
+
+
+def test_hostile_title_is_text() -> None:
+    title = "<script>alert('x')</script> & \"more\""
+    text = render(made_up(replace(BOTH, title=title), 1), [])
+    assert "script" not in Page(text).tags
+    assert title in Page(text).words
+
+
+def test_failed_status_is_shown_with_its_message() -> None:
+    message = "stage 1: Newton's method found no solution <at all>"
+    page = page_of(made_up(BOTH, 2, "failed", message))
+    assert f"Failed: {message}" in page.words
+    assert page.row("first wear")[1] == f"failed: {message}"
+
+
+def test_stage_that_failed_at_once_leaves_dashes() -> None:
+    result = made_up(BOTH, 2, "failed", "no step")
+    result.document["stages"][1]["statistics"] = {"cycles": 0}
+    page = page_of(result)
+    assert page.row("largest acceleration (m/s²)")[1:] == ["1\u202f220", "–"]
+    assert page.row("largest normal force (N)")[1:] == ["100", "–"]
+
+
+def test_unfinished_status() -> None:
+    assert "Unfinished: 1 of 3 stages stored" in page_of(made_up(BOTH, 1, "running")).text
+
+
+def test_key_numbers() -> None:
+    page = page_of(made_up(BOTH, 3))
+    assert page.row("highest displacement (mm)")[1:] == ["107.3"] * 3
+    assert page.row("deepest wear it ran on, bearing + pin (µm)")[1:] == [
+        "0",
+        "10.0\u00a0at\u00a092.5°",
+        "20.0\u00a0at\u00a092.5°",
+    ]
+    assert page.row("one more wear: volume (mm³)")[1:] == ["3.00"] * 3
+    assert page.row("time in contact (%)")[1:] == ["50.0"] * 3
+
+
+def test_bodies_keep_their_own_depths() -> None:
+    page = page_of(made_up(BODY, 2))
+    assert page.row("deepest wear it ran on, pin (µm)")[1:] == ["0", "5.00\u00a0at\u00a092.5°"]
+
+
+def test_says_how_far_to_trust_it() -> None:
+    text = page_of(made_up(BOTH, 2)).text
+    assert "Beyond some tens of impacts the motion is chaotic; a peak is one draw" in text
+    assert "chosen, not the paper's" in text
+    assert "80\u00a0± 12" in text
+
+
+def test_radial_contact_on_worn_surfaces_is_warned_of() -> None:
+    assert "met radially" in page_of(made_up(BOTH, 2)).text
+    assert "met radially" not in page_of(made_up(BOTH, 1)).text
+    assert "met radially" not in page_of(made_up(BODY, 2)).text
+
+
+def test_ideal_press_is_not_called_chaotic() -> None:
+    text = page_of(made_up(IDEAL, 1)).text
+    assert "chaotic" not in text
+    assert "chosen, not the paper's" in text
+
+
+@pytest.mark.parametrize("joints", ["B", "none"])
+def test_a_slider_crank_is_no_press_of_the_paper(joints: str) -> None:
+    result = made_up(replace(slider_crank(), joints=joints), 1)
+    sentences = [*notes(result), *(drawing.caption for drawing in drawings(result))]
+    assert any("from memory and not checked against a page" in text for text in sentences)
+    assert not [text for text in sentences if re.search(r"\b(press|paper|crank 2)\b", text)]
+    table = next(text for text in sentences if "Chosen or assumed are gravity, " in text)
+    assert ", clearance," not in table
+    assert ", friction," in table
+
+
+def test_every_setting_is_listed_with_its_origin() -> None:
+    page = page_of(made_up(BOTH, 1))
+    listed = {(row[0], row[-1]) for row in page.rows if row}
+    assert {(setting.key, setting.meaning.text) for setting in settings_of(BOTH)} <= listed
+    assert page.row("clearance")[1:4] == ["0.0008", "m", "paper, per study"]
+
+
+@pytest.mark.parametrize(
+    ("conventions", "name"),
+    [
+        (CONVENTIONS["paper"], "the “paper” set"),
+        (CONVENTIONS["refined"], "the “refined” set"),
+        (replace(CONVENTIONS["paper"], slip="sliding"), "a set of its own"),
+    ],
+)
+def test_conventions_are_named(conventions: Conventions, name: str) -> None:
+    scene = replace(BOTH, conventions=conventions)
+    assert name in page_of(made_up(scene, 1)).text
+
+
+def test_provenance() -> None:
+    page = page_of(made_up(BOTH, 1))
+    assert page.row("source revision")[1] == "0123456789ab"
+    assert page.row("steps")[1:] == ["4\u202f000"]

@@ -1,0 +1,150 @@
+"""Quantities of a study: each against numbers put in by hand."""
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from invented import BINS, CYCLES, every_result, evidence_of, result, stage
+
+from presswear.studies.paper.evidence import Evidence, Measured, Place
+from presswear.studies.paper.words import QUANTITIES
+
+SETTING = "wear-times"
+EVEN = {"A": 200.0, "C": 100.0}
+SLIDER = ("displacement", "velocity", "acceleration", "lag", "stroke")
+
+
+def one(wears: int = 0, seed: int = 1, **numbers: object) -> dict[str, np.ndarray]:
+    return stage(SETTING, wears, seed, **numbers)
+
+
+def known(evidence: Evidence, quantity: str, wears: int = 0, joint: str = "") -> Measured:
+    found = evidence.measured("standard", Place(SETTING, wears, joint), quantity)
+    assert found is not None
+    return found
+
+
+def test_a_peak_is_the_mean_over_cycles_behind_the_first_of_each_start() -> None:
+    arrays = one(force=[EVEN] * 3)
+    found = known(evidence_of(SETTING, arrays), "force", joint="A")
+    samples = arrays["cycles"].reshape(3, CYCLES, -1)[:, 1:, 5]
+    assert found.value == pytest.approx(samples.mean())
+    assert (found.samples, found.starts, found.differ) == (3 * (CYCLES - 1), 3, False)
+    assert found.low is not None
+    assert found.high is not None
+    assert found.low < 200.0 < found.high
+    assert found.draws is not None
+    assert found.draws[0] < 170.0
+    assert found.draws[1] > 230.0
+
+
+def test_contacts_are_counted_by_cycle_and_start_and_given_by_second() -> None:
+    evidence = evidence_of(SETTING, one(force=[EVEN] * 2))
+    period = evidence.runs["standard", SETTING].scene.mechanism.period
+    assert known(evidence, "contact_rate", joint="C").value == pytest.approx(7.0 / period)
+
+
+def test_recorded_cycles_are_read_by_their_columns() -> None:
+    evidence = evidence_of(SETTING, one())
+    values = [known(evidence, name).value for name in ("displacement_off", "velocity_off", "lag")]
+    assert values == pytest.approx([3e-4, 0.02, 1e-4])
+    assert known(evidence, "stroke").value == pytest.approx(0.1071)
+    assert known(evidence, "flight", joint="A").value == pytest.approx(0.1)
+
+
+def test_depths_add_up_over_wears() -> None:
+    evidence = evidence_of(
+        SETTING,
+        one(0, 1, peak={"A": 20e-6, "C": 8e-6}),
+        one(1, 6, peak={"A": 30e-6, "C": 4e-6}),
+    )
+
+    def value(quantity: str, wears: int, joint: str = "A") -> float:
+        return known(evidence, quantity, wears, joint).value
+
+    assert value("depth", 1) == pytest.approx(20e-6, rel=0.05)
+    assert value("depth", 2) == pytest.approx(50e-6, rel=0.05)
+    assert value("added_depth", 2) == pytest.approx(30e-6, rel=0.05)
+    assert value("depth", 2, "C") == pytest.approx(12e-6, rel=0.05)
+    assert value("angle", 1) == pytest.approx(2.0 * math.pi * 18.5 / BINS)
+    # A bell of standard deviation 4 bins is at least a twentieth deep within 2.45 of those.
+    assert value("range", 1) == pytest.approx(2.0 * math.pi * 19 / BINS, rel=0.06)
+    drawn = evidence.wear_map("standard", SETTING, "A", 2)
+    assert drawn is not None
+    assert drawn.mean.max() == pytest.approx(value("depth", 2))
+    assert np.all((drawn.low <= drawn.mean) & (drawn.mean <= drawn.high))
+
+
+def test_the_error_of_a_map_falls_with_the_starts() -> None:
+    for starts, tolerance in ((1, 0.5), (4, 0.3), (16, 0.15)):
+        evidence = evidence_of(SETTING, one(force=[EVEN] * starts))
+        expected = 0.05 / math.sqrt(starts * (CYCLES - 1))
+        error = evidence.map_error("standard", SETTING, "A", 0)
+        assert error == pytest.approx(expected, rel=tolerance)
+
+
+def test_starts_that_differ_widen_the_interval() -> None:
+    apart = [{"A": mean, "C": 100.0} for mean in (150.0, 200.0, 250.0)]
+    narrow = known(evidence_of(SETTING, one(force=[EVEN] * 3)), "force", joint="A")
+    wide = known(evidence_of(SETTING, one(force=apart)), "force", joint="A")
+    assert wide.differ
+    assert wide.high is not None
+    assert narrow.high is not None
+    assert wide.high - wide.value > 10.0 * (narrow.high - narrow.value)
+
+
+def test_a_wear_of_few_cycles_has_a_value_and_no_interval() -> None:
+    arrays = one()
+    arrays["A_wear_batches"] = arrays["A_wear_batches"][:0]
+    arrays["wear_batch_cycles"] = np.zeros(0)
+    evidence = evidence_of(SETTING, arrays)
+    found = known(evidence, "depth", 1, "A")
+    assert found.value == pytest.approx(20e-6, rel=0.05)
+    assert found.low is None
+    assert evidence.map_error("standard", SETTING, "A", 0) is None
+
+
+def test_what_did_not_run_is_missing() -> None:
+    evidence = evidence_of(SETTING, one())
+    assert evidence.measured("standard", Place(SETTING, 1, "A"), "force") is None
+    assert evidence.measured("standard", Place(SETTING, 2, "A"), "depth") is None
+    assert evidence.measured("standard", Place(SETTING, 0, "A"), "depth") is None
+    assert evidence.measured("swapped", Place(SETTING, 0, "A"), "force") is None
+    broken = result(SETTING, [one()], status="failed")
+    broken.document["stages"][0]["status"] = "failed"
+    none = Evidence({("standard", SETTING): broken})
+    assert none.measured("standard", Place(SETTING, 0, "A"), "force") is None
+
+
+def test_every_quantity_has_words_and_can_be_measured() -> None:
+    evidence = Evidence.of(every_result())
+    for quantity in QUANTITIES:
+        joint = "" if quantity.endswith("_off") or quantity in SLIDER else "A"
+        assert math.isfinite(known(evidence, quantity, 1, joint).value)
+
+
+def turning(arrays: dict[str, np.ndarray], **changes: Any) -> Evidence:
+    stored = result(SETTING, [arrays])
+    conventions = replace(stored.scene.conventions, map_frame="body")
+    scene = replace(stored.scene, conventions=conventions, **changes)
+    return Evidence({("standard", SETTING): replace(stored, scene=scene)})
+
+
+def test_maps_that_turn_are_not_added_up_by_their_angles() -> None:
+    """Each surface's own deepest place counts, wherever it is; there is no common angle."""
+    arrays = one()
+    arrays["A_wear_batches"][:, 1] = np.roll(arrays["A_wear_batches"][:, 1], 30, axis=-1)
+    fixed = known(evidence_of(SETTING, arrays), "depth", 1, "A").value
+    turned = known(turning(arrays), "depth", 1, "A").value
+    assert turned == pytest.approx(20e-6, rel=0.05)
+    assert fixed == pytest.approx(10e-6, rel=0.05)
+    assert turning(arrays).measured("standard", Place(SETTING, 1, "A"), "angle") is None
+
+
+def test_a_jump_after_the_last_stage_is_no_wear_in_steps() -> None:
+    place = Place(SETTING, 1, "A")
+    assert turning(one(), wears=0).measured("standard", place, "depth") is not None
+    stepped = turning(one(), wears=0, extrapolation="steps")
+    assert stepped.measured("standard", place, "depth") is None

@@ -1,0 +1,146 @@
+"""The page of the study ``paper``: all numbers, all claims, one file, and what is missing."""
+
+import re
+from dataclasses import replace
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+from invented import every_result
+
+from presswear.__main__ import main
+from presswear.show.figures import Drawing
+from presswear.show.report.page import Illustration
+from presswear.studies.paper.claims import CLAIMS
+from presswear.studies.paper.evidence import Evidence
+from presswear.studies.paper.figures import paper_drawings
+from presswear.studies.paper.printed import PRINTED
+from presswear.studies.paper.report import render
+from presswear.studies.paper.report.numbers import numbers_table, ranges_table, ratios_table
+from presswear.studies.paper.report.summary import findings, headline
+from presswear.studies.paper.report.trends import judged
+from presswear.studies.paper.variants import paper
+from presswear.studies.paper.words import as_printed
+
+
+class Words(HTMLParser):
+    """Text and links of a page."""
+
+    def __init__(self, page: str) -> None:
+        super().__init__()
+        self.words: list[str] = []
+        self.links: list[str] = []
+        self.feed(page)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.links += [value or "" for name, value in attrs if name in ("src", "href", "srcset")]
+
+    def handle_data(self, data: str) -> None:
+        self.words.append(data)
+
+    @property
+    def text(self) -> str:
+        return re.sub(r"\s+", " ", " ".join(self.words))
+
+
+@pytest.fixture(scope="module")
+def page() -> Words:
+    results = every_result()
+    return Words(render(paper(), results, Evidence.of(results), []))
+
+
+def test_every_printed_number_and_claim_is_on_the_page(page: Words) -> None:
+    for item in PRINTED:
+        assert re.sub(r"\s+", " ", as_printed(item.value, item.quantity)) in page.text
+        assert all(part in page.text for part in item.misprint.split("; "))
+    for claim in CLAIMS:
+        assert claim.quote in page.text
+
+
+def test_the_page_needs_no_network(page: Words) -> None:
+    assert page.links
+    assert all(link.startswith("#") for link in page.links)
+
+
+def test_the_first_screen_counts_right() -> None:
+    evidence = Evidence.of(every_result())
+    claims = judged(evidence)
+    text = headline(evidence, claims)
+    held, part, failed, rest = map(
+        int,
+        re.findall(r"(\d+) hold, (\d+) hold in part, (\d+) do not hold and (\d+) cannot", text)[0],
+    )
+    assert held + part + failed + rest == len(claims) == len(CLAIMS)
+    peaks = int(re.findall(r"Of (\d+) printed peaks", text)[0])
+    inside, above, below = map(
+        int,
+        re.findall(r"cycles of ours, (\d+) lie within their scatter, (\d+) above and (\d+)", text)[
+            0
+        ],
+    )
+    assert inside + above + below == peaks
+    assert len(findings(evidence, {})) == 5
+    assert len(findings(evidence, {"paper-step": "it blew up"})) == 6
+
+
+def test_the_tables_show_ours_beside_the_paper() -> None:
+    """Made up: 20 um at A after each wear, so 40 um after two and a ratio of two."""
+    evidence = Evidence.of(every_result())
+    table, remarks = numbers_table(evidence)
+    rows = [row for _, group in table.groups for row in group]
+    marks = {int(mark) for row in rows for mark in re.findall(r"\[(\d+)\]", row[0])}
+    assert marks == set(range(1, len(remarks) + 1))
+    depth = next(
+        row for row in rows if row[0].startswith("deepest wear, joint A, after the second")
+    )
+    assert float(depth[3].split()[0]) == pytest.approx(40.0, rel=0.03)
+    assert float(depth[6].split()[0]) == pytest.approx(1178.0 / 40.0, rel=0.03)
+    ((_, ratios),) = ratios_table(evidence).groups
+    assert float(ratios[0][2].split()[0]) == pytest.approx(2.0, rel=0.03)
+    assert len(ratios) == 12
+    ((_, ranges),) = ranges_table(evidence).groups
+    assert len(ranges) == 4
+
+
+def test_a_study_that_was_interrupted_says_what_is_missing() -> None:
+    results = every_result(stages=1)
+    some = dict(list(results.items())[:2])
+    text = Words(render(paper(), some, Evidence.of(some), [])).text
+    assert f"{len(paper().variants) - 2} of {len(paper().variants)} runs are missing" in text
+    assert "not computed" in text
+    empty = Words(render(paper(), {}, Evidence.of({}), [])).text
+    assert "Nothing ran far enough to be drawn" in empty
+
+
+def test_a_joint_without_clearance_is_left_out() -> None:
+    """A person may have closed joint C in all runs: its rows stay, empty."""
+    results = {
+        key: replace(found, scene=replace(found.scene, joints="A"))
+        for key, found in every_result().items()
+    }
+    evidence = Evidence.of(results)
+    text = Words(
+        render(paper(), results, evidence, list(map(drawn, paper_drawings(evidence))))
+    ).text
+    assert "not computed" in text
+    rows = [row for _, group in numbers_table(evidence)[0].groups for row in group]
+    assert all((row[3] == "–") == ("joint C" in row[0]) for row in rows)
+
+
+def drawn(drawing: Drawing) -> Illustration:
+    return Illustration(drawing.title, drawing.caption, "")
+
+
+@pytest.mark.slow
+def test_the_whole_study_runs_and_is_reported(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Two cycles of everything: too few for any verdict, enough for every path."""
+    out = tmp_path / "paper"
+    command = ["run", "paper", "--engine", "dae", "--cycles", "2", "--set", "most_cycles=2"]
+    assert main([*command, "--jobs", "2", "--out", str(out)]) == 0
+    assert "report in" in capsys.readouterr().out
+    text = (out / "report.html").read_text()
+    assert text.count("<figure>") == 18
+    assert len(list((out / "figures").iterdir())) == 18
+    assert main(["report", str(out)]) == 0

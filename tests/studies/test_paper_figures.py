@@ -1,0 +1,214 @@
+"""Counterparts of the paper's figures, of a small made-up study."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+import matplotlib
+import numpy as np
+import pytest
+from matplotlib.figure import Figure as Sheet
+from matplotlib.lines import Line2D
+from test_figures import UNIT, labels, made_up
+
+from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
+from presswear.results.results import StoredResult
+from presswear.show.figures import Drawing
+from presswear.show.figures.style import SETTINGS
+from presswear.studies.paper.evidence import Evidence
+from presswear.studies.paper.figures import paper_drawings
+from presswear.studies.paper.printed import PRINTED
+from presswear.studies.paper.variants import BASE, base_scene, variant_key
+
+NUMBERS = range(8, 26)
+STAGES = {
+    "wear-times": 3,
+    "friction-0.05": 2,
+    "friction-0.1": 2,
+    "speed-4pi": 2,
+    "speed-8pi": 2,
+}
+STARTS, CYCLES = 2, 6
+
+
+def run(setting: str, stages: int, **settings: Any) -> StoredResult:
+    """A run whose peaks and maps scatter from cycle to cycle."""
+    scene = replace(base_scene(setting), cycles=CYCLES, **settings)
+    result = made_up(scene, stages)
+    joints = scene.clearance_joints
+    generator = np.random.default_rng(0)
+    for k, arrays in enumerate(result.stages):
+        scatter = 1.0 + 0.1 * generator.standard_normal((STARTS * CYCLES, 1))
+        columns = len(CYCLE_FIXED) + len(CYCLE_JOINT) * len(joints)
+        arrays["cycles"] = (k + 1.0) * scatter * np.arange(1.0, columns + 1.0)
+        arrays["cycle_start"] = np.repeat(np.arange(float(STARTS)), CYCLES)
+        arrays["wear_batch_cycles"] = np.ones(STARTS * CYCLES)
+        for joint in joints:
+            each = np.array([arrays[f"{joint}_wear_bearing"], arrays[f"{joint}_wear_pin"]])
+            arrays[f"{joint}_wear_batches"] = scatter[:, :, np.newaxis] * each
+    return result
+
+
+def study(stages: dict[str, int], **settings: Any) -> Evidence:
+    """Some settings, each with so many stages."""
+    return Evidence.of(
+        {
+            variant_key(BASE, setting): run(setting, count, **settings)
+            for setting, count in stages.items()
+        }
+    )
+
+
+@pytest.fixture(scope="module")
+def evidence() -> Evidence:
+    return study(STAGES)
+
+
+@pytest.fixture(scope="module")
+def drawn(evidence: Evidence) -> dict[int, Drawing]:
+    return by_number(evidence)
+
+
+def by_number(evidence: Evidence) -> dict[int, Drawing]:
+    drawings = list(paper_drawings(evidence))
+    found = {int(drawing.title.split()[1]): drawing for drawing in drawings}
+    assert len(found) == len(drawings)
+    return found
+
+
+def lines_of(sheet: Sheet, gid: str) -> Iterator[Line2D]:
+    """Lines that are marked as one kind."""
+    return (line for axes in sheet.axes for line in axes.get_lines() if line.get_gid() == gid)
+
+
+def test_every_figure_is_drawn_once_in_order(drawn: dict[int, Drawing]) -> None:
+    assert list(drawn) == list(NUMBERS)
+    for number, drawing in drawn.items():
+        assert drawing.file == f"fig-{number:02d}.png"
+        assert drawing.title.startswith(f"Fig. {number} ")
+        assert drawing.caption.endswith(".")
+        width, height = drawing.sheet.get_size_inches()
+        assert (width, height <= 9.6) == (7.0, True)
+
+
+def test_every_axis_label_has_a_unit(drawn: dict[int, Drawing]) -> None:
+    for drawing in drawn.values():
+        found = [label for axes in drawing.sheet.axes for label in labels(axes)]
+        assert found
+        assert all(UNIT.search(label) for label in found), found
+
+
+@pytest.mark.parametrize("number", [8, 11, 14, 17, 18, 20, 21, 23, 24])
+def test_printed_values_are_marked_where_they_are(drawn: dict[int, Drawing], number: int) -> None:
+    marked = sorted(
+        (float(np.ravel(line.get_xdata())[0]), float(np.ravel(line.get_ydata())[0]))
+        for line in lines_of(drawn[number].sheet, "printed")
+    )
+    own = [one for one in PRINTED if one.figure.rstrip("abc") == str(number)]
+    if number < 17:
+        angles = [float(np.degrees(one.value)) for one in own if one.quantity == "angle"]
+        depths = [1e6 * one.value for one in own if one.quantity == "depth"]
+        np.testing.assert_allclose(marked, sorted(zip(angles, depths, strict=True)))
+    else:
+        np.testing.assert_allclose([x for x, _ in marked], sorted(one.value for one in own))
+
+
+def test_peaks_are_those_of_the_evidence(drawn: dict[int, Drawing], evidence: Evidence) -> None:
+    """Figure 18: the mean of each stage at each joint."""
+    expected = []
+    for joint in "AC":
+        for stage in range(3):
+            place = next(
+                one.place
+                for one in PRINTED
+                if one.figure.startswith("18") and one.place.joint == joint
+            )
+            known = evidence.measured(BASE, replace(place, wears=stage), "force")
+            assert known is not None
+            expected.append(known.value)
+    means = [float(np.ravel(line.get_xdata())[0]) for line in lines_of(drawn[18].sheet, "mean")]
+    np.testing.assert_allclose(means, expected)
+
+
+def test_peaks_of_the_shown_cycle_are_marked(drawn: dict[int, Drawing], evidence: Evidence) -> None:
+    """Figure 17: of every step of the first cycle."""
+    marked = [float(np.ravel(line.get_xdata())[0]) for line in lines_of(drawn[17].sheet, "shown")]
+    stages = evidence.runs[BASE, "wear-times"].stages
+    names = ("displacement_max", "velocity_max", "acceleration_max")
+    expected = [arrays["cycles"][0, CYCLE_FIXED.index(n)] for n in names for arrays in stages]
+    np.testing.assert_allclose(marked, expected)
+
+
+def test_depth_is_the_mean_map(drawn: dict[int, Drawing], evidence: Evidence) -> None:
+    for axes, joint in zip(drawn[8].sheet.axes, "AC", strict=True):
+        curves = [line for line in axes.get_lines() if len(np.ravel(line.get_xdata())) > 2]
+        for wears, line in enumerate(curves, start=1):
+            known = evidence.wear_map(BASE, "wear-times", joint, wears)
+            assert known is not None
+            np.testing.assert_allclose(np.asarray(line.get_ydata()), 1e6 * known.mean)
+        assert len(curves) == 2
+
+
+def test_doubtful_print_is_starred(drawn: dict[int, Drawing]) -> None:
+    texts = [text.get_text() for text in drawn[8].sheet.axes[0].texts]
+    assert texts == ["1.221 µm*", "1\u202f178 µm"]
+    assert "*: below the depth at C" in drawn[8].caption
+    assert "*" not in drawn[11].caption
+
+
+@pytest.mark.parametrize(("column", "period"), [(0, 0.5), (1, 0.25)])
+def test_one_cycle_is_shown(drawn: dict[int, Drawing], column: int, period: float) -> None:
+    """Figure 23: both speeds over a cycle of their own."""
+    axes = drawn[23].sheet.axes[column]
+    assert axes.get_xlim() == pytest.approx((0.0, period))
+    for line in axes.get_lines():
+        end = float(np.ravel(line.get_xdata())[-1])
+        assert 0.98 * period <= end <= period * (1.0 + 1e-9)
+
+
+def test_surfaces_are_those_after_the_wear(drawn: dict[int, Drawing]) -> None:
+    """Also where no stage ran on them: figure 9 ends with the second wear."""
+    without_last = by_number(study({"wear-times": 2}))
+    assert without_last[9].caption == drawn[9].caption
+
+
+@pytest.mark.parametrize(
+    ("stages", "missing"),
+    [
+        ({"wear-times": 3}, set(range(11, 17)) | set(range(20, 26))),
+        ({"wear-times": 1, "friction-0.1": 2}, {14, 15, 16, 23, 24, 25}),
+        ({"friction-0.05": 1, "speed-8pi": 2}, {8, 9, 10, 17, 18, 19}),
+        ({}, set(NUMBERS)),
+    ],
+    ids=["one setting", "one wear", "others", "nothing"],
+)
+def test_missing_runs_leave_the_rest(stages: dict[str, int], missing: set[int]) -> None:
+    found = by_number(study(stages))
+    assert set(NUMBERS) - set(found) == missing
+    with matplotlib.rc_context(SETTINGS):
+        for number in set(found) & {19, 21, 23}:
+            found[number].sheet.draw_without_rendering()
+
+
+def test_failed_stage_is_not_shown(drawn: dict[int, Drawing]) -> None:
+    runs = study({"wear-times": 3})
+    result = runs.runs[BASE, "wear-times"]
+    result.document["stages"][2]["status"] = "failed"
+    result.stages[2]["time"] = result.stages[2]["time"][:1]
+    found = by_number(runs)
+    assert len(found[19].sheet.axes) == 4
+    assert len(drawn[19].sheet.axes) == 6
+
+
+def test_closed_joint_is_left_out() -> None:
+    found = by_number(study({"wear-times": 3}, joints="A"))
+    assert 10 not in found
+    assert len(found[8].sheet.axes) == 1
+    assert len(found[19].sheet.axes) == 3
+    assert set(by_number(study({"wear-times": 1}, joints="none", wears=0))) == {17}
+
+
+def test_settings_of_matplotlib_are_left_alone(evidence: Evidence) -> None:
+    before = dict(matplotlib.rcParams)
+    next(paper_drawings(evidence))
+    assert dict(matplotlib.rcParams) == before

@@ -1,0 +1,255 @@
+"""Typed values: units, ranges and what is refused."""
+
+import math
+from dataclasses import dataclass, fields, replace
+
+import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from presswear.tools.errors import InputError
+from presswear.tools.quantities import (
+    Meaning,
+    check_fields,
+    choice,
+    choice_of,
+    meaning_of,
+    parse_quantity,
+    quantity,
+)
+
+UNITS = ["m", "rad/s", "rad", "kg", "kg m^2", "Pa", "1/Pa", "m/s", "m/s^2", "s"]
+
+
+def _any(unit: str) -> Meaning:
+    return Meaning(unit, -math.inf, math.inf, "", "")
+
+
+def _read(text: str, unit: str, *, whole: bool = False) -> float:
+    return parse_quantity("key", text, replace(_any(unit), whole=whole))
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "value"),
+    [
+        ("0.8mm", "m", 0.8e-3),
+        ("0.8 mm", "m", 0.8e-3),
+        ("  .8mm ", "m", 0.8e-3),
+        ("+8.e-4 m", "m", 8e-4),
+        ("800um", "m", 8e-4),
+        ("800 µm", "m", 8e-4),
+        ("2cm", "m", 0.02),
+        ("-3m", "m", -3.0),
+        ("1E3 m", "m", 1e3),
+        ("11 rad/s", "rad/s", 11.0),
+        ("3.5pi rad/s", "rad/s", 3.5 * math.pi),
+        ("3.5 pi rad/s", "rad/s", 3.5 * math.pi),
+        ("3.5*pi rad/s", "rad/s", 3.5 * math.pi),
+        ("60rpm", "rad/s", 2.0 * math.pi),
+        ("180deg/s", "rad/s", math.pi),
+        ("30deg", "rad", math.pi / 6.0),
+        ("0.5pi rad", "rad", 0.5 * math.pi),
+        ("200GPa", "Pa", 200e9),
+        ("5 MPa", "Pa", 5e6),
+        ("7Pa", "Pa", 7.0),
+        ("1.2e-15/Pa", "1/Pa", 1.2e-15),
+        ("1.2e-15 1/Pa", "1/Pa", 1.2e-15),
+        ("24.3g", "kg", 0.0243),
+        ("0.1 kg", "kg", 0.1),
+        ("1e-3kg m^2", "kg m^2", 1e-3),
+        ("1e-3 kg*m^2", "kg m^2", 1e-3),
+        ("1e-3 kgm2", "kg m^2", 1e-3),
+        ("1mm/s", "m/s", 1e-3),
+        ("9.81 m/s^2", "m/s^2", 9.81),
+        ("9.81m/s2", "m/s^2", 9.81),
+        ("3ms", "s", 3e-3),
+        ("3 us", "s", 3e-6),
+        ("0.3", "", 0.3),
+        ("-1e-3", "", -1e-3),
+    ],
+)
+def test_reads(text: str, unit: str, value: float) -> None:
+    assert _read(text, unit) == pytest.approx(value, rel=1e-15)
+
+
+@pytest.mark.parametrize("unit", UNITS)
+def test_a_number_without_its_unit_is_refused_with_an_example_that_works(unit: str) -> None:
+    with pytest.raises(InputError, match="has no unit") as refusal:
+        _read("1.5", unit)
+    example_text = str(refusal.value).split("key='")[1].split("'")[0]
+    assert math.isfinite(_read(example_text, unit))
+
+
+@pytest.mark.parametrize("unit", UNITS)
+def test_an_unknown_unit_is_refused_and_the_known_are_listed(unit: str) -> None:
+    with pytest.raises(InputError, match="unknown unit 'furlong'; known are"):
+        _read("1.5 furlong", unit)
+
+
+@pytest.mark.parametrize(
+    ("text", "unit"),
+    [
+        ("1 kg", "m"),
+        ("1 Mm", "m"),
+        ("1 MM", "m"),
+        ("1 mPa", "Pa"),
+        ("3pi", "rad/s"),
+        ("2pi m", "m"),
+        ("1,5mm", "m"),
+        ("1.5", "m"),
+        ("0x10m", "m"),
+        ("nan", ""),
+        ("inf", ""),
+        ("1e999", ""),
+        ("-1e999 m", "m"),
+        ("", "m"),
+        ("mm", "m"),
+        ("1 2", ""),
+        ("1mm\n2mm", "m"),
+        ("0.3m", ""),
+        ("--1", ""),
+        ("0_8mm", "m"),
+        ("٣m", "m"),
+        ("１", ""),
+    ],
+)
+def test_refuses(text: str, unit: str) -> None:
+    with pytest.raises(InputError, match=r"^key = ") as refusal:
+        _read(text, unit)
+    assert "\n" not in str(refusal.value)
+
+
+def test_a_unit_torn_apart_is_no_unit() -> None:
+    """0.8 m m is not 0.8 mm."""
+    with pytest.raises(InputError, match="unknown unit"):
+        _read("0.8m m", "m")
+
+
+@pytest.mark.parametrize("text", ["3", "3.0", "3e0", " 3 "])
+def test_whole_numbers(text: str) -> None:
+    value = _read(text, "", whole=True)
+    assert value == 3
+    assert isinstance(value, int)
+
+
+@pytest.mark.parametrize("text", ["3.5", "1e999", "-1e-9"])
+def test_parts_are_no_whole_numbers(text: str) -> None:
+    with pytest.raises(InputError, match="a whole number is expected"):
+        _read(text, "", whole=True)
+
+
+@pytest.mark.parametrize(
+    ("meaning", "inside", "outside", "said"),
+    [
+        (Meaning("m", 0.0, 1.0, "", ""), ["0m", "1m"], ["-1um", "1.1m"], "0 to 1 m"),
+        (
+            Meaning("m", 0.0, 1.0, "", "", open_low=True),
+            ["1e-300m", "1m"],
+            ["0m", "-0m", "2m"],
+            "above 0 up to 1 m",
+        ),
+        (Meaning("", 2.0, math.inf, "", ""), ["2", "1e300"], ["1.999"], "at least 2"),
+        (
+            Meaning("s", 0.0, math.inf, "", "", open_low=True),
+            ["1us"],
+            ["0s"],
+            "above 0 s",
+        ),
+    ],
+)
+def test_ranges(meaning: Meaning, inside: list[str], outside: list[str], said: str) -> None:
+    for text in inside:
+        parse_quantity("key", text, meaning)
+    for text in outside:
+        with pytest.raises(InputError, match=f"allowed is {said}"):
+            parse_quantity("key", text, meaning)
+
+
+def test_a_range_is_told_so_that_its_ends_can_be_typed() -> None:
+    meaning = Meaning("rad/s", 0.1 * math.pi, 40.0 * math.pi, "", "")
+    low, high = meaning.range_text().removesuffix(" rad/s").split(" to ")
+    for end in (low, high):
+        parse_quantity("key", f"{end} rad/s", meaning)
+
+
+def test_a_value_outside_by_a_hair_is_not_told_as_one_inside() -> None:
+    with pytest.raises(InputError, match=r"key = 0\.80000000000000\d+: allowed is 0 to 0\.8"):
+        Meaning("", 0.0, 0.8, "", "").check("key", math.nextafter(0.8, 1.0))
+
+
+def test_a_whole_number_beyond_all_floats_is_refused() -> None:
+    for number, shown in ((10**400, "inf"), (-(10**400), "-inf")):
+        with pytest.raises(InputError, match=f"key = {shown}: allowed is 1 to 5"):
+            Meaning("", 1, 5, "", "", whole=True).check("key", number)
+
+
+def test_any_finite_number_still_has_to_be_finite() -> None:
+    assert _any("").range_text() == "any finite number"
+    assert _any("m").range_text() == "any finite number in m"
+    for value in (math.nan, math.inf, -math.inf):
+        with pytest.raises(InputError, match="any finite number"):
+            _any("m").check("key", value)
+
+
+texts = st.text(max_size=30) | st.from_regex(
+    r"[+-]?[0-9]{0,5}(\.[0-9]*)?(e[+-]?[0-9]{1,4})? ?(mm|m|pi|rad/s|kg|%|\s)?", fullmatch=True
+)
+
+
+@given(texts, st.sampled_from(["", *UNITS]), st.booleans())
+@example("٣m", "m", False)
+@example("1\u2028m", "m", False)
+@example("1e400m", "m", True)
+@example("9" * 400, "", True)
+@example("1m\n", "m", False)
+@example("²", "", False)
+def test_any_text_is_read_or_refused_in_one_line(text: str, unit: str, whole: bool) -> None:
+    meaning = Meaning(unit, -1e3, 1e9, "", "")
+    refusal = ""
+    try:
+        value = parse_quantity("key", text, replace(meaning, whole=whole))
+    except InputError as error:
+        refusal = str(error)
+    if refusal:
+        assert refusal.startswith("key = ")
+        assert len(refusal.splitlines()) == 1
+    else:
+        assert -1e3 <= value <= 1e9
+        assert isinstance(value, int) == whole
+
+
+@given(st.floats(allow_nan=False, allow_infinity=False), st.sampled_from(UNITS))
+def test_a_number_as_python_prints_it_is_read_exactly(value: float, unit: str) -> None:
+    plain = "/Pa" if unit == "1/Pa" else unit
+    assert _read(f"{value!r} {plain}", unit) == value
+
+
+@dataclass(frozen=True)
+class _Owner:
+    plain: int = 1
+    length: float = quantity(0.5, "m", 0.0, 1.0, "assumed", "a length")
+    count: int | None = quantity(None, "", 1, 5, "chosen", "a count")
+    word: str = choice("one", ("one", "two"), "a word")
+
+
+def test_fields_carry_their_meaning() -> None:
+    plain, length, count, word = fields(_Owner)
+    assert meaning_of(plain) is None
+    assert choice_of(plain, _Owner()) is None
+    assert meaning_of(length) == Meaning("m", 0.0, 1.0, "assumed", "a length")
+    assert meaning_of(count) is not None
+    assert meaning_of(word) is None
+    found = choice_of(word, _Owner())
+    assert found is not None
+    assert found.words == ("one", "two")
+
+
+def test_check_fields_names_the_field() -> None:
+    check_fields(_Owner())
+    check_fields(_Owner(count=5))
+    with pytest.raises(InputError, match=r"length = 2 m: allowed is 0 to 1 m"):
+        check_fields(_Owner(length=2.0))
+    with pytest.raises(InputError, match="count = 6"):
+        check_fields(_Owner(count=6))
+    with pytest.raises(InputError, match="word = 'three': allowed is one of one, two"):
+        check_fields(_Owner(word="three"))

@@ -1,0 +1,163 @@
+"""A study of speed against error whose numbers are made up, as exactly as a test needs."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from presswear.engines.settings import ExudynJoints
+from presswear.record.sampling import Interval
+from presswear.scene.catalog import wear_times
+from presswear.trials.precision.chaos import Chaos, StatisticPoint
+from presswear.trials.precision.extent import QUICK
+from presswear.trials.precision.growth import Growth
+from presswear.trials.precision.ladder import finest, ladder
+from presswear.trials.precision.points import Diagram, Effort, Method, Point
+from presswear.trials.precision.statistic import Statistic, StepError
+from presswear.trials.precision.study import Precision
+from presswear.trials.precision.wear import JointWear, WearPoint, WearStudy
+
+SCENE = wear_times()
+NAMES = tuple(
+    f"{kind} at {joint}" for kind in ("wear total", "wear map", "peak force") for joint in "AC"
+)
+STAGE_CYCLES = 16
+DEFAULTS = ("exudyn-tree, DOPRI5, tolerance 1e-08", "dae, DOP853, tolerance 1e-09")
+"""Taken by default here, whatever the code takes."""
+METHODS = tuple(replace(method, is_default=method.label in DEFAULTS) for method in ladder(SCENE))
+
+
+def effort(wall: float, steps: int) -> Effort:
+    walls = tuple(wall * factor for factor in (0.9, 1.0, 1.3))
+    return Effort(walls, 2.5, 0.14, steps, steps // 10, 7 * steps)
+
+
+def diagram(key: str = "horizon", constant: float = 1.0) -> Diagram:
+    """Methods of the real ladder whose error is that of their tolerance or step to the fourth."""
+    points = []
+    for method in METHODS:
+        if method.is_paper:
+            points.append(Point(method, failure="the state is no longer finite (t = 0.02 s)"))
+            continue
+        is_step = method.knob.startswith("step")
+        error = constant * (1e15 * method.value**4 if is_step else 100.0 * method.value)
+        steps = round(1.0 / method.value if is_step else 100.0 * method.value**-0.2)
+        errors = {
+            "slider position": error,
+            "slider velocity": 50.0 * error,
+            "energy residual / exchanged": error / 10.0,
+        }
+        points.append(Point(method, errors, effort(2e-5 * steps, steps), values={"touches": 54.0}))
+    for count in (20, 50):
+        accuracy = ExudynJoints(count, 10, free_step=1e-4)
+        method = Method("exudyn-joints", "trapezoidal rule", "steps in an impact", count, accuracy)
+        points.append(Point(method, failure="3 of the first 10 touches missing"))
+    return Diagram(
+        key,
+        f"Task <{key}>",
+        "Something that runs & ends.",
+        {"slider position": "m", "slider velocity": "m/s", "energy residual / exchanged": ""},
+        "a run at 1e-13",
+        {"slider position": 1e-8, "slider velocity": 1e-6},
+        tuple(points),
+    )
+
+
+def statistic_point(method: Method, bias: float, bound: float, cost: float) -> StatisticPoint:
+    """Every statistic has the mean 1 and the same difference."""
+    if method.is_paper:
+        return StatisticPoint(method, failure="start 1: the state is no longer finite")
+    seen = bias - 0.03 > 0.0
+    step = StepError(bias, 0.01 if seen else -0.03, bias + 0.03, bound)
+    return StatisticPoint(
+        method,
+        (0.9 * cost, cost, 1.1 * cost),
+        2.0,
+        100.0,
+        10_000,
+        {name: Statistic(1.0 + bias, 0.02, 100) for name in NAMES},
+        dict.fromkeys(NAMES, step),
+    )
+
+
+def chaos(coarsest_honest: float = 1e-6, bound: float = 0.03) -> Chaos:
+    """Settings coarser than one tolerance are biased by a tenth, finer ones are honest."""
+    reference = statistic_point(finest(SCENE), 0.0, 0.0, 0.3)
+    points = []
+    for method in METHODS:
+        fine = method.value <= 1.001 * coarsest_honest and method.knob == "tolerance"
+        cost = 0.05 * method.value**-0.1
+        points.append(statistic_point(method, 0.0 if fine else 0.1, bound if fine else 0.15, cost))
+    time = np.linspace(0.0, 0.57, 400)
+    apart = np.minimum(1e-9 * np.exp(77.0 * np.maximum(time - 0.05, 0.0)), 1e-3)
+    touches = np.floor(200.0 * time).astype(np.int64)
+    growth = Growth.of(time, apart, touches)
+    calm = Growth.of(time, np.full_like(time, 2e-9), touches)
+    return Chaos((growth, calm), reference, tuple(points), STAGE_CYCLES)
+
+
+def interval(value: float, part: float = 0.05) -> Interval:
+    return Interval(value, (1.0 - part) * value, (1.0 + part) * value)
+
+
+def joint_wears(depth: float, volume: float) -> dict[str, JointWear]:
+    return {
+        joint: JointWear(interval(1e-6 * depth * factor), interval(1e-9 * volume * factor))
+        for joint, factor in (("A", 1.0), ("C", 0.3))
+    }
+
+
+def wear_point(
+    group: str, conventions: str, label: str, value: float | None, depth: float
+) -> WearPoint:
+    return WearPoint(
+        group,  # type: ignore[arg-type]
+        conventions,
+        label,
+        value,
+        label in ("360", "0.005"),
+        joint_wears(depth, 10.0),
+        joint_wears(1.2 * depth, 11.0),
+        1,
+        60,
+        3.5,
+    )
+
+
+def wear() -> WearStudy:
+    """Depths of the paper's conventions go with the angles, those of the refined do not."""
+    points = []
+    for conventions in ("paper", "refined"):
+        for angles in (90, 360, 1440):
+            depth = 10.0 if conventions == "refined" else 3600.0 / angles
+            points.append(wear_point("angles", conventions, f"{angles}", angles, depth))
+        for cycles in (5, 50, 200):
+            depth = 10.0 + 20.0 / cycles
+            points.append(wear_point("cycles", conventions, f"{cycles}", cycles, depth))
+    for step, label in ((0.0, "single jump"), (0.01, "0.01"), (0.005, "0.005"), (0.0025, "0.0025")):
+        depth = 30.0 if step == 0.0 else 10.0
+        points.append(wear_point("depth step", "refined", label, step, depth))
+    points.append(wear_point("contact", "paper", "radial", None, 10.0))
+    points.append(
+        WearPoint("contact", "paper", "foundation", None, False, failure="stage 1: it blew up")
+    )
+    return WearStudy(tuple(points), {"paper": 50, "refined": 20}, "dae, DOPRI5 at tolerance 1e-07")
+
+
+def precision(whole: bool = True) -> Precision:
+    return Precision(
+        SCENE,
+        QUICK,
+        {
+            "packages": {"presswear": "0.1.0", "exudyn": "1.13.6"},
+            "python": "3.11.0",
+            "revision": "abc",
+            "machine": "Linux, 2 cores",
+            "started": "2024-01-01T00:00:00Z",
+        },
+        "A processor <with> & name",
+        100.0,
+        0.1411,
+        (diagram("ideal", 1e-3), diagram("horizon")),
+        chaos() if whole else None,
+        wear() if whole else None,
+    )

@@ -1,0 +1,150 @@
+"""The study as a whole: complete, stored and read back, and what the command line makes of it."""
+
+import csv
+import json
+from pathlib import Path
+
+import pytest
+from short_study import SHORT
+
+from presswear.__main__ import main
+from presswear.scene.catalog import scene_named
+from presswear.trials.precision import extent as extents
+from presswear.trials.precision.store import load, store
+from presswear.trials.precision.study import Precision, study
+from presswear.trials.precision.text import tables_of
+
+KEYS = ["ideal", "andrews", "impact", "horizon"]
+
+
+@pytest.fixture(scope="module")
+def told() -> list[tuple[str, float]]:
+    return []
+
+
+@pytest.fixture(scope="module")
+def found(told: list[tuple[str, float]]) -> Precision:
+    return study(scene_named("wear-times"), SHORT, lambda name, part: told.append((name, part)))
+
+
+def test_every_diagram_is_there_with_the_papers_setting(found: Precision) -> None:
+    assert [diagram.key for diagram in found.diagrams] == KEYS
+    for diagram in found.diagrams:
+        assert sum(point.method.is_paper for point in diagram.points) == 1
+        assert any(point.method.is_default for point in diagram.points)
+        assert set(diagram.reference_errors) == set(diagram.quantities)
+        for point in diagram.points:
+            assert bool(point.failure) == (point.effort is None)
+            assert set(point.errors) == (set() if point.failure else set(diagram.quantities))
+    assert found.chaos is None
+    assert found.processor
+    assert found.provenance["packages"]["exudyn"]
+
+
+def test_progress_rises_to_its_end(found: Precision, told: list[tuple[str, float]]) -> None:
+    parts = [part for _, part in told]
+    assert parts == sorted(parts)
+    assert 0.0 <= parts[0] < 0.01
+    assert parts[-1] == 1.0
+    sections = list(dict.fromkeys(name.partition(":")[0] for name, _ in told))
+    assert sections == [*KEYS, "done"]
+
+
+def test_what_is_stored_is_read_back_equal(found: Precision, tmp_path: Path) -> None:
+    store(found, tmp_path / "out")
+    assert load(tmp_path / "out") == found
+
+
+def test_tables_hold_every_point(found: Precision, tmp_path: Path) -> None:
+    store(found, tmp_path)
+    for diagram in found.diagrams:
+        with (tmp_path / f"precision-{diagram.key}.csv").open() as file:
+            rows = list(csv.DictReader(file))
+        assert len(rows) == len(diagram.points)
+        for row, point in zip(rows, diagram.points, strict=True):
+            assert row["family"] == point.method.family
+            assert float(row["value"]) == point.method.value
+            assert row["failure"] == point.failure
+            assert row["is_paper"] == str(point.method.is_paper).lower()
+            if point.effort is not None:
+                assert float(row["wall median (s)"]) == point.effort.wall
+                assert int(row["steps"]) == point.effort.steps
+            for name, unit in diagram.quantities.items():
+                text = row[f"{name} error{f' ({unit})' if unit else ''}"]
+                assert (float(text) if text else None) == point.errors.get(name)
+
+
+def test_the_printed_tables_are_complete(found: Precision) -> None:
+    for table, diagram in zip(tables_of(found), found.diagrams, strict=True):
+        assert len(table.rows) == len(diagram.points) + len(diagram.families())
+        for row in table.rows:
+            assert len(row) == len(table.texts) + len(table.numbers)
+    press = tables_of(found)[-1]
+    failed = [row for row in press.rows if "do not add up" in row[0]]
+    assert len(failed) == 1
+    assert "+" in failed[0][0]
+    assert any("order 2.0" in row[0] for row in tables_of(found)[0].rows)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (None, "holds no study"),
+        ("{", "cannot be read"),
+        ('{"schema": 7}', "has schema 7"),
+        ('{"schema": 1}', "is not whole"),
+    ],
+)
+def test_a_broken_study_is_one_clear_line(tmp_path: Path, text: str | None, words: str) -> None:
+    if text is not None:
+        (tmp_path / "precision.json").write_text(text)
+    with pytest.raises(ValueError, match=words):
+        load(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["nothing"], "unknown scene 'nothing'"),
+        (["ideal"], "no clearance"),
+        (["--repeats", "0"], "a whole number from 1 to 1000"),
+        (["--repeats", "two"], "a whole number from 1 to 1000"),
+        (["--set", "speed=fast"], "speed"),
+        (["--fast"], "unrecognized arguments"),
+    ],
+)
+def test_bad_input_is_one_line(
+    arguments: list[str], words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["precision", *arguments, "--out", str(tmp_path / "new")]) == 2
+    shown = capsys.readouterr().err
+    assert words in shown
+    assert shown.count("\n") == 1
+    assert not (tmp_path / "new").exists()
+
+
+def test_a_folder_that_holds_something_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "mine.txt").write_text("mine")
+    assert main(["precision", "--out", str(tmp_path)]) == 2
+    assert "not empty" in capsys.readouterr().err
+
+
+def test_help_has_an_example(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main(["precision", "--help"])
+    assert "example: presswear precision" in " ".join(capsys.readouterr().out.split())
+
+
+def test_json_is_strict(found: Precision, tmp_path: Path) -> None:
+    store(found, tmp_path)
+    text = (tmp_path / "precision.json").read_text()
+
+    def refuse(word: str) -> None:
+        raise AssertionError(word)
+
+    data = json.loads(text, parse_constant=refuse)
+    assert data["horizon_s"] == SHORT.longest
+    assert extents.QUICK.repeats >= 5
+    assert extents.FULL.repeats >= 5

@@ -1,0 +1,61 @@
+"""A stored study of precision that was damaged: refused in one line."""
+
+import json
+import random
+from pathlib import Path
+from typing import Any
+
+import pytest
+from made_up_precision import precision
+
+from presswear.tools.errors import InputError
+from presswear.trials.endure.altered import NO_LEAVES, leaves
+from presswear.trials.endure.inputs import answered
+from presswear.trials.precision.store import FILE, load, store
+
+
+@pytest.fixture(scope="module")
+def document(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    folder = tmp_path_factory.mktemp("precision")
+    store(precision(), folder)
+    found = json.loads((folder / FILE).read_text())
+    assert isinstance(found, dict)
+    return found
+
+
+DERIVED = ("orders", "family", "wall_median_s", "wall_per_step_s")
+"""Written for other programs; not read back."""
+
+
+def _read(owner: Any) -> Any:
+    """The document without what is not read back."""
+    if isinstance(owner, dict):
+        return {key: _read(value) for key, value in owner.items() if key not in DERIVED}
+    return [_read(value) for value in owner] if isinstance(owner, list) else owner
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_no_leaf_of_another_kind_is_read(
+    tmp_path: Path, document: dict[str, Any], seed: int
+) -> None:
+    draw = random.Random(seed)
+    altered = json.loads(json.dumps(_read(document)))
+    # A truth is no number, but in its place another one is.
+    places = [(o, key) for o, key in leaves(altered) if not isinstance(o[key], bool)]
+    owner, key = draw.choice(places)
+    owner[key] = draw.choice(NO_LEAVES)
+    found = answered(["report", str(_written(tmp_path, altered))])
+    assert found.is_refusal, f"{key} = {owner[key]!r}: {found.problem}"
+
+
+def test_parts_that_are_missing_are_refused(tmp_path: Path, document: dict[str, Any]) -> None:
+    assert load(_written(tmp_path, _read(document))).scene == precision().scene
+    for key in document:
+        altered = {name: value for name, value in document.items() if name != key}
+        with pytest.raises(InputError, match=FILE):
+            load(_written(tmp_path, altered))
+
+
+def _written(folder: Path, document: object) -> Path:
+    (folder / FILE).write_text(json.dumps(document))
+    return folder

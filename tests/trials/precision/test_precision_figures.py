@@ -1,0 +1,210 @@
+"""Pictures of a study of speed against error, of made-up numbers."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from made_up_precision import DEFAULTS, chaos, diagram, precision, wear
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure as Sheet
+from matplotlib.lines import Line2D
+from matplotlib.text import Text
+
+from presswear.show.figures.style import Drawing
+from presswear.trials.precision.figures import precision_drawings
+from presswear.trials.precision.figures.families import LOOKS, look_of
+from presswear.trials.precision.points import Diagram
+
+
+@pytest.fixture(scope="module")
+def drawn() -> dict[str, Drawing]:
+    return {drawing.file: drawing for drawing in precision_drawings(precision())}
+
+
+def lines(sheet: Sheet, gid: str = "") -> Iterator[Line2D]:
+    for axes in sheet.axes:
+        for line in axes.lines:
+            if not gid or line.get_gid() == gid:
+                yield line
+
+
+def values(data: Any) -> list[float]:
+    """Data of a line as numbers."""
+    return [float(value) for value in np.ravel(data)]
+
+
+def texts(sheet: Sheet) -> set[str]:
+    found = {text.get_text() for text in sheet.findobj(Text) if isinstance(text, Text)}
+    return {text for text in found if text}
+
+
+def test_everything_that_was_run_is_drawn(drawn: dict[str, Drawing]) -> None:
+    names = ["ideal", "horizon", "orders", "energy", "growth", "statistics", "wear", "contact"]
+    assert list(drawn) == [f"precision-{name}.png" for name in names]
+    assert all(drawing.title and drawing.caption for drawing in drawn.values())
+    some = [d.file for d in precision_drawings(precision(whole=False))]
+    assert some == [f"precision-{name}.png" for name in names[:4]]
+
+
+def test_errors_over_wall_times(drawn: dict[str, Drawing]) -> None:
+    """The curve of a family holds its medians and errors; bars go from least to greatest."""
+    axes = drawn["precision-horizon.png"].sheet.axes[0]
+    tree = [p for p in diagram().points if p.method.engine == "exudyn-tree"]
+    look = look_of("exudyn-tree, DOPRI5")
+    containers: list[Any] = list(axes.containers)
+    bars = next(c for c in containers if c.lines[0].get_color() == look.colour)
+    x, y = np.asarray(bars.lines[0].get_data(), dtype=float)
+    assert x == pytest.approx([1e3 * p.effort.wall for p in tree if p.effort])
+    assert y == pytest.approx([p.errors["slider position"] for p in tree])
+    ends = np.array([segment[:, 0] for segment in bars.lines[2][0].get_segments()])
+    assert ends == pytest.approx(
+        np.array([[1e3 * t for t in p.effort.spread] for p in tree if p.effort])
+    )
+
+
+def test_failures_and_the_paper_are_in_every_panel(drawn: dict[str, Drawing]) -> None:
+    for name in ("ideal", "horizon", "orders", "statistics"):
+        sheet = drawn[f"precision-{name}.png"].sheet
+        panels = [axes for axes in sheet.axes if axes.axison]
+        assert panels
+        for axes in panels:
+            marks = [line.get_gid() for line in axes.lines]
+            assert marks.count("paper") == 1, name
+            if name != "statistics":
+                assert marks.count("failed") == 2
+    assert "exudyn-joints, trapezoidal rule, steps in an impact 20" in (
+        drawn["precision-horizon.png"].caption
+    )
+    for name in ("growth", "energy"):
+        assert list(lines(drawn[f"precision-{name}.png"].sheet, "paper")), name
+    assert "foundation: stage 1: it blew up" in drawn["precision-contact.png"].caption
+
+
+def ran_at_the_papers_step() -> Diagram:
+    """The paper's setting as a point like others, with an error and a time."""
+    found = diagram()
+    like = found.points[0]
+    points = tuple(
+        replace(like, method=point.method) if point.method.is_paper else point
+        for point in found.points
+    )
+    return replace(found, points=points)
+
+
+def test_the_paper_has_its_mark_where_it_ran() -> None:
+    study = replace(precision(whole=False), diagrams=(ran_at_the_papers_step(),))
+    sheet = next(precision_drawings(study)).sheet
+    point = study.diagrams[0].points[0]
+    assert point.effort is not None
+    (mark,) = (line for line in sheet.axes[0].lines if line.get_gid() == "paper")
+    assert float(np.ravel(mark.get_xdata())[0]) == pytest.approx(1e3 * point.effort.wall)
+    assert float(np.ravel(mark.get_ydata())[0]) == pytest.approx(point.errors["slider position"])
+
+
+def test_defaults_are_ringed(drawn: dict[str, Drawing]) -> None:
+    points = {p.method.label: p for p in diagram().points}
+    rings = [
+        line
+        for line in drawn["precision-horizon.png"].sheet.axes[0].lines
+        if line.get_gid() == "default"
+    ]
+    found = {float(np.ravel(ring.get_ydata())[0]) for ring in rings}
+    assert found == {points[label].errors["slider position"] for label in DEFAULTS}
+
+
+def test_error_of_the_reference_is_a_line(drawn: dict[str, Drawing]) -> None:
+    axes = drawn["precision-horizon.png"].sheet.axes[0]
+    flat = [line for line in axes.lines if values(line.get_ydata()) == [1e-8, 1e-8]]
+    assert len(flat) == 1
+    energy = drawn["precision-horizon.png"].sheet.axes[2]
+    assert not [line for line in energy.lines if values(line.get_xdata()) == [0, 1]]
+
+
+def test_orders_stand_at_their_curves(drawn: dict[str, Drawing]) -> None:
+    """Errors go as tolerance, steps as its fifth root: order 5; RK4 as it was made.
+
+    Around contacts what is error-controlled has none.
+    """
+    smooth, contacts = drawn["precision-orders.png"].sheet.axes[:2]
+    assert "5.0" in {text.get_text() for text in smooth.texts}
+    found = {text.get_text() for text in contacts.texts}
+    assert "4.0" in found
+    assert "5.0" not in found
+
+
+def test_families_differ_in_colour_dashes_and_marker() -> None:
+    for part in ("colour", "marker", "dashes"):
+        values = [getattr(look, part) for look in LOOKS]
+        assert len(set(values)) == len(values)
+    # Also for those who see no colours.
+    grey = [0.2126 * r + 0.7152 * g + 0.0722 * b for r, g, b in (to_rgb(k.colour) for k in LOOKS)]
+    assert max(grey) < 0.75
+    assert look_of("dae, RK4") == look_of("dae, RK4") != look_of("dae, DOPRI5")
+
+
+def test_growth_is_drawn_with_its_fit(drawn: dict[str, Drawing]) -> None:
+    (axes,) = drawn["precision-growth.png"].sheet.axes
+    growth = chaos().growths[0]
+    curves = [line for line in axes.lines if len(values(line.get_xdata())) == len(growth.time)]
+    assert len(curves) == 2
+    assert values(curves[0].get_ydata()) == pytest.approx(list(growth.distance))
+    fits = [
+        line
+        for line in axes.lines
+        if 10 < len(values(line.get_xdata())) < len(growth.time) and line.get_linestyle() == "--"
+    ]
+    assert len(fits) == 1
+    x, y = (np.asarray(part, dtype=float) for part in fits[0].get_data())
+    assert float(np.polyfit(x, np.log(y), 1)[0]) == pytest.approx(growth.rate)
+
+
+def test_honest_settings_are_filled(drawn: dict[str, Drawing]) -> None:
+    sheet = drawn["precision-statistics.png"].sheet
+    found = chaos()
+    honest = sum(found.is_honest(point) for point in found.points)
+    ran = sum(not point.failure for point in found.points)
+    for axes in sheet.axes:
+        marks = [line.get_gid() for line in axes.lines]
+        assert marks.count("honest") == honest
+        assert marks.count("open") == ran - honest
+    best = found.cheapest()
+    assert best is not None
+    crossing = [line for line in lines(sheet) if values(line.get_xdata()) == [best.cost, best.cost]]
+    assert len([line for line in crossing if values(line.get_ydata()) == [0, 1]]) == len(sheet.axes)
+
+
+def test_sampling_error_of_a_stage_is_the_band(drawn: dict[str, Drawing]) -> None:
+    axes = drawn["precision-statistics.png"].sheet.axes[0]
+    # 2 % from 100 cycles is 5 % from 16.
+    edge = 100.0 * 0.02 * math.sqrt(100 / 16)
+    assert [edge, edge] in [pytest.approx(values(line.get_ydata())) for line in axes.lines]
+
+
+def test_wear_in_parts_of_the_finest(drawn: dict[str, Drawing]) -> None:
+    sheet = drawn["precision-wear.png"].sheet
+    axes = sheet.axes[0]
+    containers: list[Any] = list(axes.containers)
+    curves = {c.lines[0].get_color(): values(c.lines[0].get_ydata()) for c in containers}
+    assert curves[LOOKS[0].colour] == pytest.approx([16.0, 4.0, 1.0])
+    assert curves[LOOKS[2].colour] == pytest.approx([1.0, 1.0, 1.0])
+    assert {"90", "360", "1440", "200", "0.0025"} <= texts(sheet)
+
+
+def test_a_wear_that_failed_throughout_is_no_picture() -> None:
+    found = wear()
+    failed = tuple(replace(p, first={}, second={}, failure="no") for p in found.points)
+    study = replace(precision(), chaos=None, wear=replace(found, points=failed))
+    files = [drawing.file for drawing in precision_drawings(study)]
+    assert "precision-wear.png" not in files
+
+
+def test_text_is_large_enough(drawn: dict[str, Drawing]) -> None:
+    for drawing in drawn.values():
+        drawing.sheet.draw_without_rendering()
+        found = [text for text in drawing.sheet.findobj(Text) if isinstance(text, Text)]
+        sizes = [float(text.get_fontsize()) for text in found if text.get_text()]
+        assert min(sizes) >= 5.5  # powers are set smaller than their labels
+        assert drawing.sheet.get_figwidth() == 7.0

@@ -1,0 +1,103 @@
+"""Smooth motion: every integrator comes out with its order, against references of others."""
+
+import numpy as np
+import pytest
+from short_study import SHORT, silent
+
+from presswear.engines.base import Plan
+from presswear.engines.settings import ExudynJoints, InHouse
+from presswear.scene.catalog import scene_named
+from presswear.trials.precision.measure import measure
+from presswear.trials.precision.methods import smooth_ladder
+from presswear.trials.precision.points import Diagram
+from presswear.trials.precision.smooth import HELD, andrews, constraint_errors, ideal_mechanism
+from presswear.trials.verify.references import andrews as squeezer
+
+TRAPEZOIDAL, RK4 = "exudyn-joints, trapezoidal rule", "dae, RK4"
+
+
+@pytest.fixture(scope="module")
+def ideal() -> Diagram:
+    return measure(ideal_mechanism(scene_named("wear-times"), SHORT), SHORT.repeats, silent)
+
+
+@pytest.fixture(scope="module")
+def seven_bodies() -> Diagram:
+    return measure(andrews(SHORT), SHORT.repeats, silent)
+
+
+def test_orders_come_out_on_the_ideal_press(ideal: Diagram) -> None:
+    for quantity in ("slider position", "slider velocity", "position constraints"):
+        assert ideal.order(TRAPEZOIDAL, quantity) == pytest.approx(2.0, abs=0.05)
+        assert ideal.order(RK4, quantity) == pytest.approx(4.0, abs=0.15)
+
+
+def test_orders_come_out_on_the_squeezer(seven_bodies: Diagram) -> None:
+    for quantity in ("angles", "rates"):
+        assert seven_bodies.order(TRAPEZOIDAL, quantity) == pytest.approx(2.0, abs=0.1)
+        assert seven_bodies.order(RK4, quantity) == pytest.approx(4.0, abs=0.5)
+
+
+def test_the_printed_values_are_known_no_better_than_they_were_computed(
+    seven_bodies: Diagram,
+) -> None:
+    assert 1e-10 < seven_bodies.reference_errors["angles"] < 5e-9
+    assert 1e-8 < seven_bodies.reference_errors["rates"] < 2e-6
+
+
+def test_a_smaller_tolerance_is_a_smaller_error(ideal: Diagram) -> None:
+    for family in ("dae, DOP853", "dae, DOPRI5"):
+        errors = [point.errors["slider position"] for point in ideal.families()[family]]
+        assert errors == sorted(errors, reverse=True)
+        assert errors[-1] < 1e-2 * errors[0]
+
+
+def test_the_papers_setting_and_the_defaults_are_in_it(ideal: Diagram) -> None:
+    papers = [point for point in ideal.points if point.method.is_paper]
+    assert [point.method.label for point in papers] == ["dae, RK4, step 0.0001"]
+    assert papers[0].errors["slider position"] < 1e-12
+    defaults = {point.method.family: point for point in ideal.points if point.method.is_default}
+    assert set(defaults) == {TRAPEZOIDAL, "dae, DOP853"}
+    scene = scene_named("wear-times")
+    own = scene.numerics.joints.over(scene.mechanism.period)
+    assert defaults[TRAPEZOIDAL].method.accuracy == own
+
+
+def test_times_steps_and_evaluations_are_complete(ideal: Diagram) -> None:
+    for point in ideal.points:
+        effort = point.effort
+        assert effort is not None
+        assert len(effort.walls) == SHORT.repeats
+        assert min(effort.walls) > 0.0
+        assert effort.warm_up >= 0.0
+        assert effort.steps > 0
+        assert (effort.evaluations is None) == (point.method.engine == "exudyn-joints")
+    rk4 = ideal.families()[RK4][0].effort
+    assert rk4 is not None
+    assert rk4.evaluations == 4 * rk4.steps
+
+
+def test_steps_of_a_ladder_are_as_many_as_asked(ideal: Diagram) -> None:
+    counts = [p.effort.steps for p in ideal.families()[TRAPEZOIDAL] if p.effort is not None]
+    assert np.all(np.abs(np.array(counts[:3]) - SHORT.rungs.free_steps) <= 1)
+
+
+def test_constraints_of_the_start_are_kept() -> None:
+    from presswear.engines.dae.engine import simulate
+    from presswear.trials.verify.references import andrews_start
+
+    run = simulate(squeezer(), andrews_start(), InHouse(), Plan(1e-6, 1))
+    errors = constraint_errors(squeezer(), run)
+    assert set(errors) == set(HELD)
+    assert max(errors.values()) < 1e-9
+
+
+def test_ladders_run_from_coarse_to_fine() -> None:
+    methods = smooth_ladder(SHORT.rungs, 0.5, scene_named("wear-times").numerics, 0.57)
+    families: dict[str, list[float]] = {}
+    for method in methods:
+        families.setdefault(method.family, []).append(method.value)
+    assert len(families) == 4
+    for values in families.values():
+        assert values == sorted(values, reverse=True)
+    assert any(isinstance(method.accuracy, ExudynJoints) for method in methods)

@@ -1,0 +1,182 @@
+"""Wear against angles, cycles, amplification, contact model and method."""
+
+import json
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import pytest
+from made_up_precision import SCENE, wear, wear_point
+
+from presswear.record.sampling import Interval
+from presswear.results.results import plain
+from presswear.scene.catalog import ideal
+from presswear.tools.errors import InputError
+from presswear.trials.precision import wear as module
+from presswear.trials.precision.wear import (
+    FULL,
+    PAPER_STEP,
+    QUICK,
+    USUAL,
+    Case,
+    Means,
+    Size,
+    WearPoint,
+    WearStudy,
+    cases,
+    change,
+    run_case,
+    vary,
+)
+
+
+def base_of(case: Case) -> Case:
+    """What a case would be with nothing varied."""
+    return next(
+        c
+        for c in cases(SCENE, FULL)
+        if c.group == "contact" and c.is_default and c.conventions == case.conventions
+    )
+
+
+@pytest.mark.parametrize("case", cases(SCENE, FULL), ids=lambda c: f"{c.conventions} {c.label}")
+def test_each_case_varies_one_thing(case: Case) -> None:
+    base, scene = base_of(case).scene, case.scene
+    undone = {
+        "angles": replace(scene, bearings=base.bearings),
+        "cycles": replace(scene, cycles=base.cycles),
+        "depth step": replace(scene, depth_step=base.depth_step, extrapolation="conventions"),
+        "contact": replace(scene, conventions=base.conventions),
+        "method": replace(scene, engine=base.engine, numerics=base.numerics),
+    }
+    assert undone[case.group] == base
+    if case.is_default and case.group != "cycles":
+        assert scene == base
+
+
+def test_extents_cover_what_is_asked_for() -> None:
+    for means in FULL.means.values():
+        assert means.angles == (90, 180, 360, 720, 1440)
+        assert means.cycles[:5] == (5, 10, 20, 50, 100)
+    for size in (QUICK, FULL):
+        found = cases(SCENE, size)
+        assert {case.group for case in found} == {
+            "angles",
+            "cycles",
+            "depth step",
+            "contact",
+            "method",
+        }
+        assert {c.conventions for c in found if c.group == "angles"} == {"paper", "refined"}
+        # A jump in one is what the paper's conventions do anyway.
+        assert {c.conventions for c in found if c.group == "depth step"} == {"refined"}
+        assert sum(c.label == PAPER_STEP for c in found) == 1
+
+
+def values_of(group: str, conventions: str) -> list[float]:
+    found = [c for c in cases(SCENE, FULL) if (c.group, c.conventions) == (group, conventions)]
+    return [case.value for case in found if case.value is not None]
+
+
+def test_finest_comes_last() -> None:
+    for group in ("angles", "cycles"):
+        values = values_of(group, "paper")
+        assert values == sorted(values)
+    jump, *steps = values_of("depth step", "refined")
+    assert jump == 0.0
+    assert steps == sorted(steps, reverse=True)
+
+
+def test_relative_change_with_its_interval() -> None:
+    here, there = Interval(1.2, 1.08, 1.32), Interval(1.0, 0.9, 1.1)
+    moved = change(here, there)
+    assert moved.value == pytest.approx(0.2)
+    half = 1.2 * math.hypot(0.1, 0.1)
+    assert moved.low == pytest.approx(0.2 - half)
+    assert moved.high == pytest.approx(0.2 + half)
+    assert change(here, Interval(1.0, None, None)).low is None
+    assert math.isnan(change(here, Interval(0.0, 0.0, 0.0)).value)
+
+
+def case_of(conventions: str, group: str, label: str) -> Case:
+    """A case of few cycles and a wear in one jump."""
+    means = Means((90, 360), (4,), (), 4)
+    size = Size({"paper": means, "refined": means}, (PAPER_STEP, USUAL))
+    scene = replace(SCENE, extrapolation="single")
+    found = next(
+        case
+        for case in cases(scene, size)
+        if (case.conventions, case.group, case.label) == (conventions, group, label)
+    )
+    return found
+
+
+def ran(conventions: str, group: str, label: str, wears: int = 1) -> WearPoint:
+    case = case_of(conventions, group, label)
+    point = run_case(replace(case, scene=replace(case.scene, wears=wears)), lambda part: None)
+    assert (point.conventions, point.group, point.label) == (conventions, group, label)
+    return point
+
+
+def test_depth_by_bins_depends_on_their_width() -> None:
+    """One motion, other maps: what goes into one bin is more volume in a wider one."""
+    coarse, fine = ran("paper", "angles", "90"), ran("paper", "angles", "360")
+    for joint in ("A", "C"):
+        ratio = coarse.first[joint].volume.value / fine.first[joint].volume.value
+        assert ratio == pytest.approx(4.0, rel=1e-9)
+        low, high = fine.first[joint].volume.low, fine.first[joint].volume.high
+        assert low is not None
+        assert high is not None
+        assert low < fine.first[joint].volume.value < high
+    assert set(fine.second) == {"A", "C"}
+    assert (fine.steps, fine.cycles) == (1, 8)
+    assert fine.wall > 0.0
+
+
+def test_depth_over_the_arc_does_not() -> None:
+    """The volume is K_d times the work, whatever the bins."""
+    coarse, fine = (ran("refined", "angles", label, wears=0) for label in ("90", "360"))
+    for joint in ("A", "C"):
+        ratio = coarse.first[joint].volume.value / fine.first[joint].volume.value
+        assert ratio == pytest.approx(1.0, rel=1e-9)
+
+
+def test_the_step_of_the_paper_stays_in_as_a_failure() -> None:
+    paper = ran("paper", "method", PAPER_STEP)
+    assert "no longer finite" in paper.failure
+    assert not paper.first
+    assert not paper.second
+
+
+def test_what_groups_have_in_common_runs_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    calls: list[Case] = []
+
+    def pretend(case: Case, progress: Callable[[float], None]) -> WearPoint:
+        calls.append(case)
+        progress(0.5)
+        return wear_point(case.group, case.conventions, case.label, case.value, 1.0)
+
+    monkeypatch.setattr(module, "run_case", pretend)
+    told: list[float] = []
+    means = Means((90, 360), (4, 10), (1.0,), 10)
+    size = Size({"paper": means, "refined": means}, (PAPER_STEP, USUAL))
+    study = vary(SCENE, size, lambda word, part: told.append(part))
+    scenes = [case.scene for case in calls if case.scene.cycles != 1]
+    assert all(scenes.count(scene) == 1 for scene in scenes)
+    # Of each set once as it is; angles, cycles, contact, depth step, the paper's step once each.
+    assert len(scenes) == 2 * (1 + 1 + 1 + 1) + 1 + 1
+    wanted = [(c.group, c.conventions, c.label) for c in cases(SCENE, size)]
+    assert [(p.group, p.conventions, p.label) for p in study.points] == wanted
+    assert told == sorted(told)
+    assert 0.0 <= told[0] <= told[-1] <= 1.0
+
+
+def test_study_is_stored_whole() -> None:
+    found = wear()
+    stored = json.loads(json.dumps(plain(found.as_dict())))
+    assert plain(WearStudy.from_dict(stored).as_dict()) == plain(found.as_dict())
+
+
+def test_nothing_wears_without_clearance() -> None:
+    with pytest.raises(InputError, match="wears"):
+        vary(ideal(), QUICK, lambda word, part: None)

@@ -1,0 +1,250 @@
+"""What features cost: complete rows, ratios that follow from the times, no judging of times."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from statistics import median
+
+import pytest
+from rich.console import Console
+
+from presswear.__main__ import main
+from presswear.commands import costs as command
+from presswear.engines import exudyn_tree
+from presswear.engines.base import Plan
+from presswear.engines.settings import InHouse
+from presswear.results.provenance import provenance
+from presswear.scene.catalog import scene_named
+from presswear.tools.errors import RunError
+from presswear.trials.costs import study as costs_study
+from presswear.trials.costs.equal_work import FIXED_STEP, check_fixed, equal_work, fixed_steps
+from presswear.trials.costs.features import JOINTS, deepest, wear_once
+from presswear.trials.costs.profile import call_costs, profile, record
+from presswear.trials.costs.study import Costs, Extent, document_of, store, study
+from presswear.trials.costs.text import markdown_of, tables_of
+from presswear.trials.costs.timing import Timing, case_of, model_of, plan_of, time_cases
+
+SHORT = Extent(
+    repeats=2,
+    tree_cycles=0.05,
+    joints_cycles=0.02,
+    profile_cycles=0.05,
+    wear_cycles=1,
+    equal_time=0.0105,
+)
+FEATURES = ["friction", "worn surfaces", "wear account", "torques stored"]
+
+
+@pytest.fixture(scope="module")
+def told() -> list[tuple[str, float]]:
+    return []
+
+
+@pytest.fixture(scope="module")
+def found(told: list[tuple[str, float]]) -> Costs:
+    return study(scene_named("wear-times"), SHORT, lambda name, part: told.append((name, part)))
+
+
+def test_every_feature_has_its_rows(found: Costs) -> None:
+    chosen, tree, joints = ([(row.feature, row.state) for row in t.rows] for t in found.tables)
+    clearances = [("clearance", state) for state in ("none", "A", "C", "A and C")]
+    switches = [(feature, state) for feature in FEATURES for state in ("off", "on")]
+    assert chosen == clearances
+    assert tree == switches
+    assert joints == clearances + switches
+    assert {row.timing.model for row in found.tables[1].rows} == {"tree 4"}
+    models = [row.timing.model for row in found.tables[2].rows]
+    assert all(model.startswith("joints ") for model in models)
+    assert models[:4] == ["joints 18 + 18", "joints 15 + 13", "joints 18 + 16", "joints 15 + 11"]
+
+
+def test_ratios_follow_from_the_medians(found: Costs) -> None:
+    for table in found.tables:
+        for row in table.rows:
+            own, off = row.timing, row.without
+            assert len(own.walls) in (SHORT.repeats, SHORT.joints_repeats)
+            assert own.per_step * (own.steps + own.sent_back) == pytest.approx(median(own.walls))
+            assert row.step_ratio == pytest.approx(own.per_step / off.per_step)
+            assert row.wall_ratio == pytest.approx(own.per_second / off.per_second)
+            assert (row.state in ("off", "none")) == (own is off)
+            low, high = own.step_spread
+            assert low <= own.per_step <= high
+
+
+def test_a_switch_changes_what_is_modelled(found: Costs) -> None:
+    rows = {(row.feature, row.state): row.timing for row in found.tables[1].rows}
+    # Neither the account of wear nor stored torques change the motion, so the steps agree.
+    for feature in ("wear account", "torques stored"):
+        assert rows[feature, "off"].steps == rows[feature, "on"].steps
+    assert rows["worn surfaces", "on"].steps != rows["worn surfaces", "off"].steps
+    assert rows["friction", "on"].steps != rows["friction", "off"].steps
+
+
+def test_engines_are_complete_and_compared_with_fixed_steps(found: Costs) -> None:
+    work = found.engines
+    names = [row.timing.name for row in work.rows]
+    assert len(names) == len(set(names)) == 7
+    assert sum(name.startswith("tree") for name in names) == 4
+    assert work.touches == 1
+    for row in work.rows:
+        assert row.faster == pytest.approx(work.fixed.timing.per_second / row.timing.per_second)
+        # No more than the clearance: it is the same motion.
+        assert 0.0 <= row.slider_error < 1e-4
+    errors = [row.touch_error for row in work.rows if "tolerance 1e-10" in row.timing.name]
+    assert errors[0] < 1e-8
+
+
+def test_fixed_steps_are_all_of_one_length() -> None:
+    scene = replace(scene_named("wear-times"), engine=JOINTS)
+    plan = Plan(3e-3, 1, 1, torques=False)
+    case = replace(case_of("fixed", scene, 1.0), accuracy=fixed_steps(), plan=plan)
+    rows = case.run().account.book.record
+    assert int(rows["steps"][0]) == 3001  # the start is one
+    timing = time_cases([case], 1, lambda name, part: None)[0]
+    assert timing.steps * FIXED_STEP == pytest.approx(timing.simulated, rel=1e-12)
+    check_fixed(timing)
+    for broken in (replace(timing, steps=timing.steps + 1), replace(timing, sent_back=1)):
+        with pytest.raises(RunError, match="1e-06"):
+            check_fixed(broken)
+
+
+def test_an_end_without_touches_has_no_touch_error() -> None:
+    work = equal_work(scene_named("wear-times"), 1e-5, 1, lambda name, part: None)
+    assert work.touches == 0
+    assert work.tree.touch_error == 0.0
+
+
+def test_stages_add_up_to_the_run(found: Costs) -> None:
+    assert list(found.profiles) == ["unworn", "worn"]
+    for each in found.profiles.values():
+        assert sum(stage.seconds for stage in each.stages) == pytest.approx(each.timing.wall)
+        assert each.evaluations >= 6 * each.timing.attempts
+        assert each.share_of("Exudyn", "Python", "kernel") == pytest.approx(1.0)
+        assert each.largest_python.kind == "Python"
+        assert {stage.kind for stage in each.stages} == {"Exudyn", "Python", "kernel"}
+
+
+def test_a_profile_leaves_the_engine_as_it_was() -> None:
+    before = dict(vars(exudyn_tree))
+    case = case_of("short", scene_named("wear-times"), 0.01)
+    profile(case, 1, lambda name, part: None)
+    assert dict(vars(exudyn_tree)) == before
+
+
+def test_recording_does_not_change_a_run() -> None:
+    case = case_of("short", scene_named("wear-times"), 0.02)
+    run = case.run()
+    kept = record(case)
+    assert len(kept.steps) == int(run.diagnostics["steps"]) + 1
+    assert kept.steps[-1][0] == pytest.approx(run.time)
+
+
+def test_what_a_call_takes_is_known_for_the_tree_only() -> None:
+    case = case_of("joints", replace(scene_named("wear-times"), engine=JOINTS), 0.01)
+    with pytest.raises(Exception, match="no run of the open tree"):
+        call_costs(case)
+
+
+def test_worn_surfaces_come_from_a_wear() -> None:
+    depths = deepest(wear_once(scene_named("wear-times"), 1))
+    assert sorted(depths) == ["A", "C"]
+    assert all(1e-6 < depth < 1e-3 for depth in depths.values())
+
+
+def test_models_are_named_with_their_size() -> None:
+    scene = scene_named("wear-times")
+    assert model_of(scene.linkage(), scene.solver.over(scene.mechanism.period)) == "tree 4"
+    assert model_of(scene.linkage(), InHouse()) == "dae 18 + 14"
+
+
+def test_plans_are_whole_cycles_or_a_part_of_one() -> None:
+    assert (plan_of(0.5, 2.0).cycle, plan_of(0.5, 2.0).cycles) == (0.5, 2)
+    assert (plan_of(0.5, 0.1).cycle, plan_of(0.5, 0.1).cycles) == (0.05, 1)
+    assert plan_of(0.5, 2.0).recorded_cycles == 2
+
+
+def test_a_median_is_not_a_mean() -> None:
+    timing = Timing("case", "tree 4", 2.0, 90, 10, (1.0, 2.0, 9.0))
+    assert timing.wall == 2.0
+    assert timing.per_second == 1.0
+    assert timing.per_step == 0.02
+    assert timing.step_spread == (0.01, 0.09)
+    assert timing.steps_per_second == 50.0
+
+
+def test_progress_rises_to_the_end(found: Costs, told: list[tuple[str, float]]) -> None:
+    parts = [part for _, part in told]
+    assert parts == sorted(parts)
+    assert parts[0] == 0.0
+    assert parts[-1] == 1.0
+
+
+def test_the_markdown_holds_every_row(found: Costs) -> None:
+    text = markdown_of(found, provenance())
+    assert found.processor in text
+    for table in tables_of(found):
+        assert f"## {table.title}" in text
+        width = len(table.texts) + len(table.numbers)
+        for row in table.rows:
+            assert len(row) == width
+            assert f"| {' | '.join(row)} |" in text
+        for sentence in table.sentences:
+            assert sentence in text
+    assert "fair measure" in text
+    assert "Python as such takes" in text
+    assert "times faster" in text
+
+
+def test_both_files_hold_what_was_measured(found: Costs, tmp_path: Path) -> None:
+    store(found, "# tables\n", tmp_path / "new")
+    assert (tmp_path / "new" / "costs.md").read_text() == "# tables\n"
+    document = json.loads((tmp_path / "new" / "costs.json").read_text())
+    assert document == json.loads(json.dumps(document_of(found))) | {
+        "provenance": document["provenance"]
+    }
+    assert document["provenance"]["packages"]["exudyn"]
+    assert document["processor"]
+    row = document["features"][1]["rows"][3]
+    assert row["feature"] == "worn surfaces"
+    assert row["wall_per_step_s"] == pytest.approx(
+        median(row["walls"]) / (row["steps"] + row["sent_back"])
+    )
+    for each in document["profiles"].values():
+        assert sum(stage["share"] for stage in each["stages"]) == pytest.approx(1.0)
+
+
+def test_the_command_prints_and_stores(
+    found: Costs,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    extents = []
+
+    def measured(scene: object, extent: Extent, progress: object) -> Costs:
+        extents.append(extent)
+        return found
+
+    monkeypatch.setattr(costs_study, "study", measured)
+    folder = tmp_path / "costs"
+    assert main(["costs", "--quick", "--repeats", "3", "--out", str(folder)]) == 0
+    assert extents == [replace(costs_study.QUICK, repeats=3)]
+    assert sorted(path.name for path in folder.iterdir()) == ["costs.json", "costs.md"]
+    assert "Engines at equal work" in capsys.readouterr().out
+    assert main(["costs", "--out", str(folder)]) == 2
+    assert "not empty" in capsys.readouterr().err
+
+
+def test_a_table_fits_a_terminal(found: Costs, capsys: pytest.CaptureFixture[str]) -> None:
+    console = Console(width=80)
+    for table in tables_of(found):
+        command.print_text_table(console, table)
+    assert "…" not in capsys.readouterr().out
+
+
+def test_repeats_that_take_other_steps_are_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    case = case_of("short", scene_named("wear-times"), 0.01)
+    runs = [case.run(), replace(case, plan=plan_of(0.5, 0.005)).run()]
+    monkeypatch.setattr(type(case), "run", lambda self: runs.pop(0))
+    with pytest.raises(RunError, match="other steps"):
+        time_cases([case], 2, lambda name, part: None)

@@ -1,0 +1,92 @@
+"""``presswear verify``: what it compares, and that a miss is told."""
+
+import math
+from collections.abc import Iterator
+
+import pytest
+
+from presswear.__main__ import main
+from presswear.engines.settings import InHouse
+from presswear.tools.errors import RunError
+from presswear.trials.verify import verify as module
+from presswear.trials.verify.verify import Row, impact_rows, order_of, stiff_limit, verify
+
+
+def test_row_passes_up_to_its_bound() -> None:
+    assert Row("x", 1.0, 1.25, 0.25).passed
+    assert Row("x", 1.0, 0.75, 0.25).passed
+    assert not Row("x", 1.0, 1.2500001, 0.25).passed
+    assert not Row("x", 1.0, math.nan, 0.25).passed
+
+
+def test_order_and_limit() -> None:
+    assert order_of([0.1, 0.05, 0.01], [3e-2, 0.75e-2, 3e-4]) == pytest.approx(2.0)
+    values = [5.0 + 3.0 * stiffness**-0.4 for stiffness in (1e3, 8e3)]
+    assert stiff_limit(values, 8.0) == pytest.approx(5.0, rel=1e-14)
+
+
+def test_everything_is_within_its_bound() -> None:
+    told: list[tuple[str, float]] = []
+    rows = verify(lambda name, part: told.append((name, part)))
+    assert [row.name for row in rows if not row.passed] == []
+    assert len({row.name for row in rows}) == len(rows) == 20
+    assert [part for _, part in told] == sorted(part for _, part in told)
+    assert told[-1] == ("done", 1.0)
+
+
+def test_a_worse_engine_misses(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "TIGHT", InHouse("rk4", equal_step=5e-6))
+    missed = [row.name for row in impact_rows() if not row.passed]
+    assert "restitution, nominal 0.9, dae" in missed
+    assert "restitution, nominal 0.9, Exudyn, 50 steps" not in missed
+
+
+def _groups(*rows: Row) -> dict[str, object]:
+    def group() -> Iterator[Row]:
+        yield from rows
+
+    return {"one": group}
+
+
+def test_command_prints_a_table_that_fits(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("COLUMNS", "100")
+    name = "restitution, nominal 0.8, Exudyn, 100 steps"
+    monkeypatch.setattr(module, "GROUPS", _groups(Row(name, -15.75637105984, -15.756371, 1e-3)))
+    assert main(["verify"]) == 0
+    out = capsys.readouterr().out
+    assert name in out
+    assert "-15.7563711" in out
+    assert "pass" in out
+    assert "1 of 1" in out
+    assert max(len(line.rstrip()) for line in out.splitlines()) <= 100
+
+
+def test_command_fails_on_a_miss(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    rows = Row("good", 1.0, 1.0, 0.1), Row("bad", 1.0, 2.0, 0.1)
+    monkeypatch.setattr(module, "GROUPS", _groups(*rows))
+    assert main(["verify"]) == 1
+    out = capsys.readouterr().out
+    assert "MISS" in out
+    assert "1 of 2" in out
+
+
+def test_command_fails_when_a_run_fails(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def group() -> Iterator[Row]:
+        raise RunError("the step vanished (t = 0.1 s)")
+
+    monkeypatch.setattr(module, "GROUPS", {"one": group})
+    assert main(["verify"]) == 1
+    assert capsys.readouterr().err == "presswear: the step vanished (t = 0.1 s)\n"
+
+
+def test_help_has_an_example(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as left:
+        main(["verify", "--help"])
+    assert left.value.code == 0
+    assert "example: presswear verify" in capsys.readouterr().out
