@@ -83,7 +83,7 @@ def stage_of(
         # Of a wear in steps, the sum of steps with the scatter of the first: in all runs but
         # that one the tolerance is wider by the root of their number.
         batches += added - np.average(batches, axis=0, weights=weights)
-    statistics = stage_statistics(ran.linkage, ran.accounts, added, batches, weights)
+    statistics = stage_statistics(ran.linkage, ran.recorders, added, batches, weights)
     diagnostics = ran.diagnostics()
     statistics["energy_residual_J"] = diagnostics["energy_residual_J"]
     statistics["energy_exchanged_J"] = diagnostics["drive_exchange_J"]

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from presswear.campaign.amplification import Amplification, Sample, Worn, fastest_change
 from presswear.campaign.pace import Pace
 from presswear.campaign.starts import start_of
-from presswear.engines.base import Plan, Run, account_of
+from presswear.engines.base import Plan, Run, recorder_of
 from presswear.linkage.elements import Linkage
 from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
-from presswear.record.recorder import Account
+from presswear.record.recorder import Recorder
 from presswear.record.sampling import (
     LEAST_SAMPLES,
     STARTUP_CYCLES,
@@ -56,14 +56,14 @@ class Ensemble:
     wall: float
 
     @property
-    def accounts(self) -> tuple[Account, ...]:
+    def recorders(self) -> tuple[Recorder, ...]:
         """What the runs observed."""
-        return tuple(run.account for run in self.runs)
+        return tuple(run.recorder for run in self.runs)
 
     @property
     def cycles(self) -> int:
         """Cycles finished, of all runs."""
-        return sum(len(account.cycles) for account in self.accounts)
+        return sum(len(recorder.cycles) for recorder in self.recorders)
 
     @property
     def failure(self) -> str:
@@ -92,11 +92,11 @@ class Ensemble:
 
     def depth(self) -> Array:
         """Mean depth that one cycle adds, shape (joints, 2, m), m."""
-        return mean_map([account.maps for account in self.accounts])
+        return mean_map([recorder.maps for recorder in self.recorders])
 
     def batches(self) -> tuple[Array, Array]:
         """Wear maps by batches of cycles, and the cycles in each; see ``map_batches``."""
-        return map_batches([account.maps for account in self.accounts])
+        return map_batches([recorder.maps for recorder in self.recorders])
 
     def diagnostics(self) -> dict[str, float | int | str]:
         """What the solver says: words of the first run, numbers of all."""
@@ -117,7 +117,7 @@ class Ensemble:
 
     def sample(self) -> Sample:
         """What it says about wear."""
-        rows = np.concatenate([account.cycles for account in self.accounts])
+        rows = np.concatenate([recorder.cycles for recorder in self.recorders])
         peaks = np.max(rows, axis=0, initial=0.0)[len(CYCLE_FIXED) :]
         joints = self.linkage.clearances
         return Sample(
@@ -152,10 +152,10 @@ NOTHING = Underway()
 """An ensemble of which nothing has run."""
 
 
-def empty_account(scene: Scene, linkage: Linkage, index: int) -> Account:
+def empty_recorder(scene: Scene, linkage: Linkage, index: int) -> Recorder:
     """The account of a start's run before it begins."""
     plan = Plan(scene.mechanism.period, 1, torques=scene.drive_torque == "on")
-    return account_of(linkage, start_of(scene, index), plan)
+    return recorder_of(linkage, start_of(scene, index), plan)
 
 
 def run_ensemble(
@@ -189,7 +189,7 @@ def run_ensemble(
         keep(Underway(tuple(runs), snapshot, clock.perf_counter() - began))
 
     for index in range(len(runs), scene.starts):
-        watch = _Watch(scene, linkage, remaining, tolerance, pace, [r.account for r in runs])
+        watch = _Watch(scene, linkage, remaining, tolerance, pace, [r.recorder for r in runs])
         plan = Plan(
             scene.mechanism.period,
             watch.most,
@@ -218,7 +218,7 @@ class _Watch:
         remaining: float,
         tolerance: float,
         pace: Pace,
-        earlier: Sequence[Account],
+        earlier: Sequence[Recorder],
     ) -> None:
         self._scene, self._linkage, self._remaining = scene, linkage, remaining
         self._pace, self._earlier = pace, earlier
@@ -231,20 +231,20 @@ class _Watch:
         self._fewest = FEWEST if is_first else LEAST_SAMPLES
         self._needed = float(self.most)
         self._word = ""
-        self._account: Account | None = None
+        self._account: Recorder | None = None
 
-    def begin(self, account: Account) -> None:
+    def begin(self, recorder: Recorder) -> None:
         """The run begins to fill an account."""
-        self._account = account
+        self._account = recorder
 
-    def is_enough(self, account: Account) -> bool:
+    def is_enough(self, recorder: Recorder) -> bool:
         joints = self._linkage.clearances
         if not joints:
             return False
-        maps = [*(earlier.maps for earlier in self._earlier), account.maps]
+        maps = [*(earlier.maps for earlier in self._earlier), recorder.maps]
         pace, amplification = self._pace, Amplification.of(self._scene)
         pace.expect(amplification.steps(fastest_change(joints, mean_map(maps)), self._remaining))
-        done = len(account.cycles)
+        done = len(recorder.cycles)
         samples = sum(run.samples for run in maps)
         if done < STARTUP_CYCLES + LEAST_SAMPLES or samples < self._fewest * self._share:
             return False

@@ -33,7 +33,7 @@ class Watcher:
     progress: Callable[[int, float, str], None] = lambda stage, part, word: None
     stage: Callable[[Any], None] = lambda stage: None
     overall: Callable[[float], None] = lambda part: None
-    live: Callable[[int, Any, Any], None] = lambda stage, linkage, account: None
+    live: Callable[[int, Any, Any], None] = lambda stage, linkage, recorder: None
     keep: Callable[[Any, bool], None] = lambda standing, is_stage: None
 
 

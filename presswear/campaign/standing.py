@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from presswear.campaign.amplification import Growth, WearStep, Worn
-from presswear.campaign.ensemble import NOTHING, Ensemble, Underway, empty_account
+from presswear.campaign.ensemble import NOTHING, Ensemble, Underway, empty_recorder
 from presswear.engines.base import Run, Start
 from presswear.linkage.elements import Linkage
 from presswear.linkage.surface import Surface
@@ -46,7 +46,7 @@ class Standing:
     def words(self) -> str:
         """Up to where everything is kept, in words."""
         runs, state = self.underway.runs, self.underway.state
-        finished = sum(len(run.account.cycles) for run in runs)
+        finished = sum(len(run.recorder.cycles) for run in runs)
         if state is not None:
             finished += len(state["account/cycles"])
         where = f"stage {self.index}"
@@ -130,7 +130,7 @@ def _restored_surfaces(prefix: str, joints: list[str], arrays: Snapshot) -> Worn
 
 def _run(prefix: str, run: Run, arrays: dict[str, Any]) -> dict[str, Any]:
     """A finished run as a document; its arrays are added to those given."""
-    arrays |= named(f"{prefix}/account", run.account.snapshot())
+    arrays |= named(f"{prefix}/account", run.recorder.snapshot())
     arrays |= {f"{prefix}/q": run.end.position, f"{prefix}/v": run.end.velocity}
     return {
         "status": run.status,
@@ -147,13 +147,13 @@ def _restored_runs(
     found = []
     for k, told in enumerate(runs):
         own = part(arrays, f"{prefix}/{k}")
-        account = empty_account(scene, linkage, k)
-        account.restore(part(own, "account"))
+        recorder = empty_recorder(scene, linkage, k)
+        recorder.restore(part(own, "account"))
         found.append(
             Run(
                 told["status"],
                 Finding.from_dict(told["finding"]) if told["finding"] else None,
-                account,
+                recorder,
                 Start(own["q"], own["v"]),
                 told["time"],
                 {name: tuple(values) for name, values in told["reactions"].items()},

@@ -208,7 +208,7 @@ def _run_into(
 def _window(arguments: argparse.Namespace, scene: Scene) -> Iterator[Callable[..., None]]:
     """What shows the run while it lasts, where that is asked for."""
     if not arguments.live:
-        yield lambda stage, linkage, account: None
+        yield lambda stage, linkage, recorder: None
         return
     from presswear.show.replay.live import Live
 

@@ -55,7 +55,7 @@ _SMALL = (
 
 
 @dataclass
-class Account:
+class Recorder:
     """What one run has observed so far; made anew for every run.
 
     Attributes
@@ -81,7 +81,7 @@ class Account:
         recorded_cycles: int,
         cycle: float,
         torques: bool = True,
-    ) -> "Account":
+    ) -> "Recorder":
         """An empty account for a linkage that starts in a position.
 
         Parameters
@@ -136,9 +136,9 @@ class Account:
             torque=np.zeros(len(linkage.drives)),
             ledger=np.zeros(7),
         )
-        account = Account(book, MapBatches(shape))
-        account.start_cycle()
-        return account
+        recorder = Recorder(book, MapBatches(shape))
+        recorder.start_cycle()
+        return recorder
 
     def begin(self, q: Array, v: Array, a: Array) -> None:
         """Settle contact in the initial state and write the first row of the series."""

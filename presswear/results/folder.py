@@ -153,7 +153,7 @@ class ResultFolder:
         ensemble = stage.ensemble
         joints = [joint.name for joint in ensemble.linkage.clearances]
         arrays = stage_arrays(self._scene, stage)
-        film = ensemble.accounts[0].film.arrays(joints)
+        film = ensemble.recorders[0].film.arrays(joints)
         numbers, frames = _files_of(stage.index)
         with self._writing():
             files = self._document["files"]

@@ -39,8 +39,8 @@ def stage_arrays(scene: Scene, stage: Stage) -> dict[str, Array]:
     """
     ensemble = stage.ensemble
     joints = ensemble.linkage.clearances
-    account = ensemble.accounts[0]
-    series = account.rows
+    recorder = ensemble.recorders[0]
+    series = recorder.rows
     arrays: dict[str, Array] = {"time": series[:, 0], "slider": series[:, 1:SERIES_FIXED]}
     torques = series[:, SERIES_FIXED + SERIES_JOINT * len(joints) :]
     if torques.shape[1] > 0:
@@ -52,7 +52,7 @@ def stage_arrays(scene: Scene, stage: Stage) -> dict[str, Array]:
         arrays[f"{name}_penetration"] = own[:, 2]
         arrays[f"{name}_force"] = own[:, 3:5]
         arrays[f"{name}_sliding"] = own[:, 5]
-        arrays[f"{name}_contacts"] = account.episodes(k)
+        arrays[f"{name}_contacts"] = recorder.episodes(k)
         bins = stage.added.shape[2]
         arrays["angle"] = bin_centres(bins)
         for side, surface, added in (
@@ -63,7 +63,7 @@ def stage_arrays(scene: Scene, stage: Stage) -> dict[str, Array]:
             arrays[f"{name}_wear_{side}"] = added
         arrays[f"{name}_wear_batches"] = stage.batches[:, k]
     arrays["wear_batch_cycles"] = stage.weights
-    starts = ensemble.accounts
+    starts = ensemble.recorders
     arrays["cycles"] = np.concatenate([own.cycles for own in starts])
     arrays["cycle_start"] = np.repeat(
         np.arange(float(len(starts))), [len(own.cycles) for own in starts]

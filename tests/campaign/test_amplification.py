@@ -18,7 +18,7 @@ from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.elements import ClearanceJoint, Linkage
 from presswear.linkage.surface import bin_centres
-from presswear.record.recorder import Account
+from presswear.record.recorder import Recorder
 from presswear.record.soundness import Finding
 from presswear.results.folder import ResultFolder
 from presswear.results.results import load
@@ -61,22 +61,22 @@ class FakeEngine:
 
     def __call__(self, linkage: Linkage, start: Start, plan: Plan) -> Run:
         self.runs += 1
-        account = Account.of(linkage, start.position, 1, plan.cycle, torques=False)
-        account.book.record["now"] = plan.cycle * plan.cycles
+        recorder = Recorder.of(linkage, start.position, 1, plan.cycle, torques=False)
+        recorder.book.record["now"] = plan.cycle * plan.cycles
         for cycle in range(plan.cycles):
             plan.progress((cycle + 0.5) / plan.cycles)
             if self.runs == self.stopped and cycle == 1:
                 raise KeyboardInterrupt
-            account.book.cycle[:] = 100.0 * self.runs
+            recorder.book.cycle[:] = 100.0 * self.runs
             for k, joint in enumerate(linkage.clearances):
-                account.book.depth[k] = self.law(self.runs, joint, depth_of(joint))
-            account.end_cycle()
-            plan.enough(account)
+                recorder.book.depth[k] = self.law(self.runs, joint, depth_of(joint))
+            recorder.end_cycle()
+            plan.enough(recorder)
         failed = self.runs == self.fails
         return Run(
             "failed" if failed else "completed",
             Finding("state", "the solver found no step", 0.1, "", "") if failed else None,
-            account,
+            recorder,
             start,
             plan.cycle * plan.cycles,
             {},

@@ -56,7 +56,7 @@ def test_the_next_stage_runs_on_the_amplified_wear(
     assert first.amplification == scene.represented_cycles
     for k, joint in enumerate(second.linkage.clearances):
         assert joint.bearing_surface.is_worn
-        expected = 1e6 * first.ensemble.accounts[0].maps.total[k]
+        expected = 1e6 * first.ensemble.recorders[0].maps.total[k]
         np.testing.assert_allclose(joint.bearing_surface.depth, expected[0], rtol=1e-14)
         np.testing.assert_allclose(joint.pin_surface.depth, expected[1], rtol=1e-14)
     assert not first.linkage.clearances[0].bearing_surface.is_worn

@@ -33,14 +33,14 @@ def two() -> Stage:
 def test_starts_are_a_hair_apart_and_part(two: Stage) -> None:
     first, second = (start_of(QUICK, index) for index in (0, 1))
     assert np.abs(second.position - first.position).max() == pytest.approx(APART)
-    one, other = (np.array(account.cycles) for account in two.ensemble.accounts)
+    one, other = (np.array(recorder.cycles) for recorder in two.ensemble.recorders)
     assert one.shape == other.shape
     # The peak force at A of the sixth cycle has nothing in common.
     assert abs(one[5, 5] - other[5, 5]) > 1e-3 * one[5, 5]
 
 
 def test_statistics_are_of_all_starts(two: Stage) -> None:
-    rows = [np.array(account.cycles) for account in two.ensemble.accounts]
+    rows = [np.array(recorder.cycles) for recorder in two.ensemble.recorders]
     force = two.statistics["joints"]["A"]
     assert two.statistics["cycles"] == 12
     assert force["force_max_N"] == max(own[:, 5].max() for own in rows)
@@ -85,13 +85,13 @@ def test_a_stage_ends_when_all_starts_together_know_the_maps() -> None:
     noise = maps.var(axis=0, ddof=1) / len(maps)
     error = np.sqrt(noise.sum(axis=(1, 2)) / (mean**2).sum(axis=(1, 2)))
     assert error.max() <= 0.12
-    assert max(len(account.cycles) for account in ensemble.accounts) < 20
+    assert max(len(recorder.cycles) for recorder in ensemble.recorders) < 20
 
 
 def test_no_stage_runs_longer_than_the_most_cycles() -> None:
     scene = replace(QUICK, starts=3, cycles=None, tolerance=1e-3, most_cycles=13)
     ensemble = run_stage(scene, 0, {}, Watcher()).ensemble
-    assert [len(account.cycles) for account in ensemble.accounts] == [4, 4, 4]
+    assert [len(recorder.cycles) for recorder in ensemble.recorders] == [4, 4, 4]
     assert ensemble.status == "completed"
 
 
@@ -112,7 +112,7 @@ def test_starts_need_a_clearance_joint() -> None:
 def delayed(scene: Scene, delay: float) -> Ensemble:
     """An ensemble whose recorded slider follows the ideal one late."""
     ensemble = run_stage(replace(scene, cycles=2), 0, {}, Watcher()).ensemble
-    rows = ensemble.accounts[0].rows
+    rows = ensemble.recorders[0].rows
     rows[:, 1:4] = ideal_slider(scene, rows[:, 0] - delay)
     return ensemble
 

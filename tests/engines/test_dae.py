@@ -70,7 +70,7 @@ def test_ideal_press_follows_the_closed_form(geometry: str) -> None:
     exact = scene.mechanism.ideal_motion(np.array([run.time]))
     assert np.abs(run.end.position - exact.position[0]).max() < 1e-10
     assert np.abs(run.end.velocity - exact.velocity[0]).max() < 1e-9
-    rows = run.account.rows
+    rows = run.recorder.rows
     motion = scene.mechanism.ideal_motion(rows[:, 0])
     assert np.abs(rows[:, 3] - motion.acceleration[:, 13]).max() < 1e-8
 
@@ -113,7 +113,7 @@ def test_recorded_torque_is_the_power_balance() -> None:
     scene = ideal()
     plan = Plan(scene.mechanism.period, 1)
     run = simulate(scene.linkage(), start_of(scene), InHouse(), plan)
-    rows = run.account.rows
+    rows = run.recorder.rows
     speeds = np.array([drive.speed for drive in scene.linkage().drives])
     power = rows[:, -2:] @ speeds
     work = CubicSpline(rows[:, 0], power).integrate(0.0, run.time)
@@ -142,9 +142,9 @@ def test_constraints_hold_over_a_cycle(cycle: Run) -> None:
 
 def test_touches_are_placed_on_the_surface(cycle: Run) -> None:
     """At the recorded onset the penetration is zero; the contacts alternate with flights."""
-    assert np.all(cycle.account.book.tally["contacts"] > 10)
+    assert np.all(cycle.recorder.book.tally["contacts"] > 10)
     for k in range(2):
-        onset, end = cycle.account.episodes(k)[:, :2].T
+        onset, end = cycle.recorder.episodes(k)[:, :2].T
         assert np.all(end > onset)
         assert np.all(onset[1:] >= end[:-1])
 
@@ -270,7 +270,7 @@ def test_touches_on_steep_walls_are_located_inside_their_steps() -> None:
     exchange = float(run.diagnostics["drive_exchange_J"])
     assert abs(float(run.diagnostics["energy_residual_J"])) < 1e-4 * exchange
     for k in range(2):
-        onset, end = run.account.episodes(k)[:, :2].T
+        onset, end = run.recorder.episodes(k)[:, :2].T
         assert np.all(end > onset)
 
 

@@ -25,7 +25,7 @@ def _spinning() -> tuple[references.Impact, Start]:
 
 
 def _dose_and_impulse(run: Run, impact: references.Impact) -> tuple[float, float]:
-    dose = float(run.account.cycles[0][len(CYCLE_FIXED) + 1])
+    dose = float(run.recorder.cycles[0][len(CYCLE_FIXED) + 1])
     ring = impact.linkage.bodies[0]
     return dose, abs(ring.mass * float(run.end.velocity[0] - impact.start.velocity[0]))
 
@@ -42,11 +42,11 @@ def test_dose_is_impulse_times_sliding(engine: str, error: float) -> None:
         run = simulate_dae(linkage, start, InHouse(integration_tolerance=1e-11), plan)
     else:
         run = simulate_exudyn(linkage, start, ExudynJoints(50, 10, free_step=2e-5), plan)
-    assert run.account.book.tally["contacts"][0] == 1
+    assert run.recorder.book.tally["contacts"][0] == 1
     dose, impulse = _dose_and_impulse(run, impact)
     joint = impact.linkage.clearances[0]
     # The arm is R_j - delta / 2, and the penetration is some micrometres.
-    deepest = float(np.max(run.account.rows[:, 6]))
+    deepest = float(np.max(run.recorder.rows[:, 6]))
     sliding = SPIN * joint.pin_radius
     assert impulse > 0.01
     assert dose >= sliding * (1.0 - 0.5 * deepest / joint.pin_radius) * impulse * (1.0 - error)

@@ -27,7 +27,7 @@ from presswear.linkage.laws import (
     lankarani_nikravesh_damping,
 )
 from presswear.linkage.press import GEOMETRIES, Press
-from presswear.record.recorder import Account
+from presswear.record.recorder import Recorder
 from presswear.scene.catalog import ideal, wear_times
 from presswear.scene.scene import CONVENTIONS
 
@@ -102,7 +102,7 @@ def test_free_impact_conserves_momentum(friction: float) -> None:
     errors = {}
     for steps in (50, 100, 400):
         run = run_pair(linkage, start, 0.001, steps)
-        assert run.account.book.tally["contacts"][0] == 1
+        assert run.recorder.book.tally["contacts"][0] == 1
         change = np.abs(momenta(linkage, run.end) - before)
         assert change[:2].max() < 1e-14 * np.abs(before[:2]).max()
         errors[steps] = change[2]
@@ -116,7 +116,7 @@ def test_central_impact_gives_back_the_closed_form(restitution: float) -> None:
     linkage = free_pair(restitution)
     speed = 0.25
     run = run_pair(linkage, at((0.0,) * 6, (0.0, 0.0, 0.0, speed, 0.0, 0.0)), 0.005)
-    onset, _, closing, release = run.account.episodes(0)[0, :4]
+    onset, _, closing, release = run.recorder.episodes(0)[0, :4]
     assert onset == pytest.approx(CLEARANCE / speed, rel=1e-9)
     assert closing == pytest.approx(speed, rel=1e-9)
     delivered = delivered_restitution(lankarani_nikravesh_damping(restitution))
@@ -137,7 +137,7 @@ def test_penetration_and_order_of_one_impact(exponent: float) -> None:
     errors = []
     for steps in (50, 200):
         run = run_pair(linkage, start, 0.005, steps)
-        rows = run.account.rows
+        rows = run.recorder.rows
         assert rows[:, 6].max() == pytest.approx(deepest, rel=0.01)
         final = run.end.velocity[3] - run.end.velocity[0]
         errors.append(abs(-final / 0.25 - restitution))
@@ -153,8 +153,8 @@ def test_onset_speed_at_the_working_step_under_acceleration() -> None:
     run = simulate(linkage, start, ExudynJoints(50, 10, free_step=5e-5), Plan(0.001, 1))
     # |e| is the chord 2 arm sin(spin t / 2).
     half = math.asin(CLEARANCE / (2.0 * arm))
-    onset, _, closing = run.account.episodes(0)[0, :3]
-    assert run.account.book.tally["contacts"][0] >= 1
+    onset, _, closing = run.recorder.episodes(0)[0, :3]
+    assert run.recorder.book.tally["contacts"][0] >= 1
     assert onset == pytest.approx(2.0 * half / spin, rel=1e-6)
     assert closing == pytest.approx(arm * spin * math.cos(half), rel=1e-6)
 
@@ -168,7 +168,7 @@ def test_ideal_press_follows_the_closed_form(geometry: str) -> None:
         scene.numerics.joints.over(scene.mechanism.period),
         Plan(scene.mechanism.period, 1),
     )
-    rows = run.account.rows
+    rows = run.recorder.rows
     motion = scene.mechanism.ideal_motion(rows[:, 0])
     column = 3 * scene.linkage().index("slider 6") + 1
     assert rows.shape[0] > 1000
@@ -198,22 +198,22 @@ def press_runs() -> dict[str, Run]:
 def test_every_contact_of_the_press_is_resolved(press_runs: dict[str, Run]) -> None:
     for run in press_runs.values():
         assert run.status == "completed"
-        assert np.all(run.account.book.tally["contacts"] > 5)
-        assert np.all(run.account.book.tally["unresolved"] == 0)
-        assert np.all(run.account.book.tally["fewest_steps"] >= 20)
+        assert np.all(run.recorder.book.tally["contacts"] > 5)
+        assert np.all(run.recorder.book.tally["unresolved"] == 0)
+        assert np.all(run.recorder.book.tally["fewest_steps"] >= 20)
 
 
 def test_worn_volume_is_the_dose(press_runs: dict[str, Run]) -> None:
     """Sum of depth x b R x bin angle = K_d x integral of F_n ds under ``refined``."""
-    account = press_runs["refined"].account
+    recorder = press_runs["refined"].recorder
     joint = wear_times().linkage().clearances[0]
     assert joint.wear is not None
-    bins = account.maps.total.shape[2]
+    bins = recorder.maps.total.shape[2]
     area = joint.width * joint.bearing_radius * 2.0 * math.pi / bins
     for k in range(2):
-        dose = account.cycles[0][5 + 3 * k + 1]
+        dose = recorder.cycles[0][5 + 3 * k + 1]
         assert dose > 0.0
-        volume = account.maps.total[k].sum() * area
+        volume = recorder.maps.total[k].sum() * area
         assert volume == pytest.approx(joint.wear.coefficient * dose, rel=1e-12)
 
 
@@ -230,9 +230,9 @@ def test_cycles_end_on_time_and_enough_stops() -> None:
     scene = ideal()
     asked: list[int] = []
 
-    def enough(account: Account) -> bool:
-        asked.append(len(account.cycles))
-        return len(account.cycles) == 2
+    def enough(recorder: Recorder) -> bool:
+        asked.append(len(recorder.cycles))
+        return len(recorder.cycles) == 2
 
     period = scene.mechanism.period
     coarse = replace(scene.numerics.joints.over(scene.mechanism.period), free_step=period / 300.0)

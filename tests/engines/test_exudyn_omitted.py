@@ -37,7 +37,7 @@ def test_a_crank_without_its_body_moves_and_bears_the_same(joints: str, omitted:
     ours, reference = both(joints)
     assert ("prescribed" in str(ours.diagnostics["model"])) == bool(omitted)
     assert omitted in str(ours.diagnostics["model"])
-    assert ours.account.book.tally["contacts"].sum() >= 2
+    assert ours.recorder.book.tally["contacts"].sum() >= 2
     assert ours.end.position == pytest.approx(reference.end.position, abs=2e-7)
     assert ours.reactions.keys() == reference.reactions.keys()
     for name, expected in reference.reactions.items():
@@ -46,7 +46,7 @@ def test_a_crank_without_its_body_moves_and_bears_the_same(joints: str, omitted:
         exchanged = float(reference.diagnostics["drive_exchange_J"])
         expected_work = float(reference.diagnostics[name])
         assert ours.diagnostics[name] == pytest.approx(expected_work, abs=5e-6 * exchanged)
-    rows = ours.account.rows
+    rows = ours.recorder.rows
     assert np.ptp(rows[:, -2]) > 0.01  # the torque of drive 2
 
 

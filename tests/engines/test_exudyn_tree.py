@@ -41,8 +41,8 @@ def touches(run: Run) -> list[tuple[float, int, float, float]]:
     """Onset, joint, closing speed and end of all finished contacts, by time."""
     rows = [
         (float(row[0]), k, float(row[2]), float(row[1]))
-        for k in range(len(run.account.book.joints))
-        for row in run.account.episodes(k)
+        for k in range(len(run.recorder.book.joints))
+        for row in run.recorder.episodes(k)
     ]
     return sorted(rows)
 
@@ -80,7 +80,7 @@ def test_reactions_and_torques_agree_with_multipliers(tight: tuple[Run, Run]) ->
     for name, expected in reference.reactions.items():
         assert ours.reactions[name] == pytest.approx(expected, abs=2e-6), name
     # Up to the first touch torques are smooth enough to be read between the rows.
-    rows, expected_rows = ours.account.rows, reference.account.rows
+    rows, expected_rows = ours.recorder.rows, reference.recorder.rows
     expected_rows = expected_rows[expected_rows[:, 0] < 0.01]
     for column in (-2, -1):
         torque = np.interp(expected_rows[:, 0], rows[:, 0], rows[:, column])
@@ -104,7 +104,7 @@ def test_doses_and_peaks_agree(slip: Slip, error: float) -> None:
     scene = wear_times()
     scene = replace(scene, conventions=replace(scene.conventions, slip=slip))
     ours, reference = both(scene, scene.linkage(), TIGHT)
-    mine, expected = ours.account.cycles[0], reference.account.cycles[0]
+    mine, expected = ours.recorder.cycles[0], reference.recorder.cycles[0]
     for k in range(2):
         force, dose, contacts = 5 + 3 * k, 6 + 3 * k, 7 + 3 * k
         assert mine[dose] == pytest.approx(expected[dose], rel=error)
@@ -126,7 +126,7 @@ def test_pins_that_start_pressed_in_bring_their_energy() -> None:
     turned[i + 2] = more
     run = simulate(scene.linkage(), Start(turned, start.velocity), accuracy(1e-9), Plan(1e-3, 1))
     pressed = 0.4 * scene.linkage().clearances[1].normal.stiffness * 2e-6**2.5
-    assert float(run.account.rows[0, 4 + 6 + 2]) == pytest.approx(2e-6, rel=1e-6)
+    assert float(run.recorder.rows[0, 4 + 6 + 2]) == pytest.approx(2e-6, rel=1e-6)
     assert abs(float(run.diagnostics["energy_residual_J"])) < 0.01 * pressed
 
 
@@ -158,8 +158,8 @@ def test_every_touch_is_landed_on_and_resolved() -> None:
     scene = wear_times()
     plan = Plan(scene.mechanism.period, 1)
     run = simulate(scene.linkage(), start_of(scene), accuracy(1e-6), plan)
-    assert run.account.book.tally["contacts"].sum() > 15
-    assert run.account.book.tally["fewest_steps"].min() >= 20
+    assert run.recorder.book.tally["contacts"].sum() > 15
+    assert run.recorder.book.tally["fewest_steps"].min() >= 20
     assert float(run.diagnostics["deepest_touch_m"]) < 1e-9
 
 
@@ -218,8 +218,8 @@ def test_cycles_end_on_time() -> None:
     scene = wear_times()
     run = simulate(scene.linkage(), start_of(scene), accuracy(1e-6), Plan(0.01, 5, 2))
     assert run.time == pytest.approx(0.05, abs=1e-9)
-    assert len(run.account.cycles) == 5
-    assert float(run.account.rows[-1, 0]) <= 0.02 + 1e-9
+    assert len(run.recorder.cycles) == 5
+    assert float(run.recorder.rows[-1, 0]) <= 0.02 + 1e-9
 
 
 def test_a_step_that_is_sent_back_for_ever_ends_the_run(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -57,7 +57,7 @@ def told(run: Run) -> dict[str, Any]:
         if not key.startswith(("wall_", "share_"))
     }
     arrays = {
-        **run.account.snapshot(),
+        **run.recorder.snapshot(),
         "end position": run.end.position,
         "end velocity": run.end.velocity,
     }
@@ -115,10 +115,10 @@ def test_contacts_are_kept_of_recorded_cycles_only() -> None:
     run = case.run(None, None)
     recorded = RECORDED * case.scene.mechanism.period
     for k in range(2):
-        episodes = run.account.episodes(k)
-        assert 0 < len(episodes) < run.account.book.tally["contacts"][k]
+        episodes = run.recorder.episodes(k)
+        assert 0 < len(episodes) < run.recorder.book.tally["contacts"][k]
         assert episodes[:, 1].max() <= recorded
-        assert run.account.rows[-1, 0] <= recorded * (1.0 + 1e-12)
+        assert run.recorder.rows[-1, 0] <= recorded * (1.0 + 1e-12)
 
 
 def test_a_run_that_was_enough_is_enough_again() -> None:
@@ -128,11 +128,11 @@ def test_a_run_that_was_enough_is_enough_again() -> None:
     plan = Plan(
         case.scene.mechanism.period,
         case.cycles,
-        enough=lambda account: len(account.cycles) == 2,
+        enough=lambda recorder: len(recorder.cycles) == 2,
         keep=kept.append,
     )
     arguments = case.scene.linkage(), start_of(case.scene)
     assert accuracy.simulate(*arguments, plan).status == "enough"
     again = accuracy.simulate(*arguments, replace(plan, resume=kept[-1]))
     assert again.status == "enough"
-    assert len(again.account.cycles) == 2
+    assert len(again.recorder.cycles) == 2

@@ -177,7 +177,7 @@ def test_every_value_says_where_it_comes_from() -> None:
 
 def _errors(run: Run) -> Array:
     """Greatest error of the slider's displacement, velocity and acceleration."""
-    rows = run.account.rows
+    rows = run.recorder.rows
     exact = ONE.ideal_motion(rows[:, 0])
     levels = (exact.position, exact.velocity, exact.acceleration)
     slider = np.column_stack([level[:, SLIDER] for level in levels])

@@ -98,7 +98,7 @@ def test_fixed_steps_are_all_of_one_length() -> None:
     scene = replace(scene_named("wear-times"), engine=JOINTS)
     plan = Plan(3e-3, 1, 1, torques=False)
     case = replace(case_of("fixed", scene, 1.0), accuracy=fixed_steps(), plan=plan)
-    rows = case.run().account.book.record
+    rows = case.run().recorder.book.record
     assert int(rows["steps"][0]) == 3001  # the start is one
     timing = time_cases([case], 1, lambda name, part: None)[0]
     assert timing.steps * FIXED_STEP == pytest.approx(timing.simulated, rel=1e-12)

@@ -71,10 +71,10 @@ def test_lost_energy_contacts_and_numbers_miss() -> None:
     assert energy_of(run, "exudyn-joints").passed
     with pytest.raises(RunError, match=r"ended at 0.01 s, not at 0.02 s"):
         sound(run, guarded(0.02))
-    run.account.book.tally["unresolved"][1] = 1
+    run.recorder.book.tally["unresolved"][1] = 1
     with pytest.raises(RunError, match="1 of 2 contacts unresolved"):
         sound(run, plan)
-    run.account.rows[1, 2] = math.nan
+    run.recorder.rows[1, 2] = math.nan
     with pytest.raises(RunError, match="not finite: series"):
         sound(run, plan)
 

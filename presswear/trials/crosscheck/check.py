@@ -338,7 +338,7 @@ def _check_means(scene: Scene, start: Start, runner: _Runner) -> tuple[list[Chec
         run = runner.run(f"{engine}, {cycles} cycles", start, accuracy, plan)
         if run.status == "failed":
             raise RunError(run.message)
-        rows = np.array(run.account.cycles)
+        rows = np.array(run.recorder.cycles)
         means.append(
             {
                 quantity: estimate(rows[:, column])

@@ -146,25 +146,25 @@ def sound(run: Run, plan: Plan) -> Run:
     """The run, or RunError: it failed, is not finite, ended early or left contacts unresolved."""
     if run.status == "failed":
         raise RunError(run.message)
-    account = run.account
+    recorder = run.recorder
     arrays = {
-        "series": account.rows,
-        "cycles": np.array(account.cycles),
-        "wear": account.maps.total,
+        "series": recorder.rows,
+        "cycles": np.array(recorder.cycles),
+        "wear": recorder.maps.total,
         "position": run.end.position,
         "velocity": run.end.velocity,
         "reactions": np.array([x for reaction in run.reactions.values() for x in reaction]),
         "energy": np.array([x for x in run.diagnostics.values() if isinstance(x, float)]),
-        **{f"contacts {k}": account.episodes(k) for k in range(len(account.book.joints))},
+        **{f"contacts {k}": recorder.episodes(k) for k in range(len(recorder.book.joints))},
     }
     for name, values in arrays.items():
         if not np.all(np.isfinite(values)):
             raise RunError(f"not finite: {name}")
     if abs(run.time - plan.cycle * plan.cycles) > 1e-9:
         raise RunError(f"ended at {run.time:.9g} s, not at {plan.cycle * plan.cycles:.9g} s")
-    unresolved = int(account.book.tally["unresolved"].sum())
+    unresolved = int(recorder.book.tally["unresolved"].sum())
     if unresolved:
-        total = int(account.book.tally["contacts"].sum())
+        total = int(recorder.book.tally["contacts"].sum())
         raise RunError(f"{unresolved} of {total} contacts unresolved")
     return run
 

@@ -9,7 +9,7 @@ from functools import partial
 from presswear.campaign.starts import start_of
 from presswear.engines.base import Run
 from presswear.linkage.press import Press
-from presswear.record.recorder import Account
+from presswear.record.recorder import Recorder
 from presswear.scene.scene import Scene
 from presswear.trials.hard.case import Case, Finding, energy_of, engine_name, guarded, ran
 from presswear.trials.hard.scenes import BASE
@@ -30,7 +30,7 @@ def many_cycles(scene: Scene, cycles: int) -> tuple[Run, float]:
     """A run, and by how much the process grew after a tenth of it, MB."""
     sizes: list[float] = []
 
-    def enough(account: Account) -> bool:
+    def enough(recorder: Recorder) -> bool:
         sizes.append(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0)
         return False
 
@@ -45,7 +45,7 @@ def drifts(scene: Scene, cycles: int) -> Iterator[Finding]:
     first, _ = many_cycles(scene, cycles // 10)
     run, grown = many_cycles(scene, cycles)
     yield energy_of(run, engine)
-    yield Finding("cycles missing", cycles - len(run.account.cycles), 0.0)
+    yield Finding("cycles missing", cycles - len(run.recorder.cycles), 0.0)
     yield Finding("memory grown (MB)", grown, 8.0)
     if engine == "dae":
         early, late = (float(r.diagnostics["constraint_error_m"]) for r in (first, run))

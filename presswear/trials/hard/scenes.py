@@ -125,7 +125,7 @@ def law_cases() -> Iterator[Case]:
 def slider_distance(scene: Scene, clearance: float) -> float:
     """Greatest distance of the slider from that of the ideal press, m."""
     tight = replace(scene, bearings=replace(scene.bearings, clearance=clearance))
-    rows = run_scene(tight, APPROACH).account.rows
+    rows = run_scene(tight, APPROACH).recorder.rows
     motion = tight.mechanism.ideal_motion(rows[:, 0])
     linkage = tight.linkage()
     x = 3 * linkage.index(linkage.probe.body)
@@ -240,7 +240,7 @@ def _axis(angle: float) -> Array:
 def met_together(scene: Scene, speed: float) -> Iterator[Finding]:
     """Both joints touch within a picosecond, each at its closing speed."""
     run = run_scene(scene, start=displaced(scene, -1e-9, speed))
-    one, other = (run.account.episodes(k)[0] for k in range(2))
+    one, other = (run.recorder.episodes(k)[0] for k in range(2))
     yield Finding("time between the two touches (s)", float(one[0] - other[0]), 1e-12)
     worst = max(abs(float(row[2]) / speed - 1.0) for row in (one, other))
     yield Finding("closing speed over that of the start, less 1", worst, 1e-5)

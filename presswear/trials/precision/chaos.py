@@ -285,9 +285,9 @@ class _Gathered:
             self.failure = f"start {self.runs}: {run.message}"
             return
         self.rates += (float(run.diagnostics["wall_solve_s"]) / run.time,)
-        account = run.account
+        recorder = run.recorder
         self.draws = Draws(
-            (*self.draws.rows, np.array(account.cycles)), (*self.draws.maps, account.maps)
+            (*self.draws.rows, np.array(recorder.cycles)), (*self.draws.maps, recorder.maps)
         )
 
     def point(self, names: Mapping[str, tuple[str, int]], reference: Draws) -> StatisticPoint:

@@ -16,7 +16,7 @@ from presswear.campaign.starts import APART, disturbed, start_of
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import InHouse
 from presswear.linkage.elements import Linkage
-from presswear.record.recorder import Account
+from presswear.record.recorder import Recorder
 from presswear.scene.scene import Scene
 from presswear.tools.errors import RunError
 
@@ -165,11 +165,11 @@ class _Sampler:
     places: list[Array]
     touches: list[int]
 
-    def note(self, account: Account) -> bool:
+    def note(self, recorder: Recorder) -> bool:
         """File a state; it never ends the run."""
-        states = account.book.states
+        states = recorder.book.states
         self.places.append(np.array([states["eccentricity_x"], states["eccentricity_y"]]))
-        self.touches.append(int(account.book.tally["contacts"].sum()))
+        self.touches.append(int(recorder.book.tally["contacts"].sum()))
         return False
 
 
@@ -190,7 +190,7 @@ def sampled_run(
     run = accuracy.simulate(linkage, start, plan)
     if run.status == "failed":
         raise RunError(run.message)
-    sampler.note(run.account)  # nobody asks at the end
+    sampler.note(run.recorder)  # nobody asks at the end
     return run, sampler
 
 

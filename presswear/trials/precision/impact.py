@@ -126,7 +126,7 @@ def single(scene: Scene, extent: Extent) -> Task:
     duration = GAP / speed + CONTACTS * IMPACT.elastic_duration
 
     def assess(run: Run) -> tuple[Errors, Values]:
-        contacts = run.account.episodes(0)
+        contacts = run.recorder.episodes(0)
         if len(contacts) != 1:
             raise RunError(f"{len(contacts)} contacts began and ended, where there is one")
         onset, _, _, release, _, steps = contacts[0].tolist()
@@ -138,7 +138,7 @@ def single(scene: Scene, extent: Extent) -> Task:
         found = {
             "delivered restitution": -release / speed,
             "contact time": run.time - gap / rate - onset,
-            "deepest penetration": deepest(run.account.rows),
+            "deepest penetration": deepest(run.recorder.rows),
         }
         exact = (restitution, lasts, depth)
         errors = {name: abs(found[name] - value) for name, value in zip(found, exact, strict=True)}

@@ -115,7 +115,7 @@ def delivered(run: Run, speed: float) -> float:
 
 def first_contact(run: Run) -> Array:
     """Row of the first contact, columns ``EPISODE_COLUMNS``; RunError if there is none."""
-    episodes = _finished(run).account.episodes(0)
+    episodes = _finished(run).recorder.episodes(0)
     if not len(episodes):
         raise RunError("a contact that must happen was not seen")
     first: Array = episodes[0]
@@ -124,7 +124,7 @@ def first_contact(run: Run) -> Array:
 
 def deepest_penetration(run: Run, speed: float) -> float:
     """Greatest penetration of a free ``Impact``, m, between the recorded rows too."""
-    rows = _finished(run).account.rows
+    rows = _finished(run).recorder.rows
     # The momentum of ring, 0.3 kg, and shaft, 0.1 kg, is the shaft's at the start.
     rate = rows[:, 2] - (speed - rows[:, 2]) / 3.0
     course = CubicHermiteSpline(rows[:, 0], rows[:, 6], rate)
@@ -167,7 +167,7 @@ def turning_points(run: Run, begin: float) -> tuple[Array, Array]:
     begin : float
         Watched coordinate at the start, m.
     """
-    rows = _finished(run).account.rows
+    rows = _finished(run).recorder.rows
     before = np.flatnonzero(rows[:-1, 2] * rows[1:, 2] < 0.0)
     t, x, v, a = rows[before, :4].T
     left = -v / a
@@ -230,7 +230,7 @@ def bounced(ball: references.Ball, duration: float) -> Bounces:
     """What a ball did for a time, s, with ``dae``."""
     run = simulate_dae(ball.linkage, ball.start, TIGHT, Plan(duration, 1, recorded_cycles=1))
     first_contact(run)
-    episodes = run.account.episodes(0)
+    episodes = run.recorder.episodes(0)
     left = np.concatenate([[0.0], episodes[:-1, 1]])
     return Bounces(episodes[:, 0] - left, -episodes[:, 3], episodes[:, 1] - episodes[:, 0])
 

@@ -110,7 +110,7 @@ def test_two_runs_of_one_start_stay_together() -> None:
     run, sampler = runs[0]
     assert run.time == pytest.approx(period)
     assert sampler.touches == sorted(sampler.touches)
-    assert sampler.touches[-1] == int(run.account.book.tally["contacts"].sum())
+    assert sampler.touches[-1] == int(run.recorder.book.tally["contacts"].sum())
 
 
 def test_full_turns_are_taken_off_a_state() -> None:

@@ -63,7 +63,7 @@ def test_guides_make_the_impact_a_tree_and_change_nothing() -> None:
     tight = InHouse(integration_tolerance=1e-12, free_step=1.0)
     runs = [simulate(each, start, tight, task.plan) for each in (linkage, IMPACT.linkage)]
     np.testing.assert_allclose(runs[0].end.velocity, runs[1].end.velocity, atol=1e-12)
-    assert deepest(runs[0].account.rows) == pytest.approx(IMPACT.deepest, rel=1e-9)
+    assert deepest(runs[0].recorder.rows) == pytest.approx(IMPACT.deepest, rel=1e-9)
 
 
 def test_the_top_of_a_quintic_is_found() -> None:
