@@ -8,8 +8,8 @@ import sys
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, NoReturn
 
-from presswear.commands.stopping import exit_code, is_stopped, stoppable
-from presswear.tools.errors import InputError, RunError, one_line
+from presswear.tools.errors import InputError, RunFailed, one_line
+from presswear.tools.stopping import exit_code, is_stopped, stoppable
 
 if TYPE_CHECKING:
     import argparse
@@ -49,7 +49,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     except InputError as error:
         _tell(str(error))
         return 2
-    except RunError as error:
+    except RunFailed as error:
         _tell(str(error))
         return 1
     except OSError as error:

@@ -8,8 +8,13 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import Progress, TaskID
 
-from presswear.commands.stopping import check_stopped, go_on_with
-from presswear.commands.terminal import free_folder, jobs_given, progress_bar, seconds_given
+from presswear.commands.terminal import (
+    free_folder,
+    go_on_with,
+    jobs_given,
+    progress_bar,
+    seconds_given,
+)
 from presswear.scene.catalog import STUDIES
 from presswear.scene.scene import Scene
 from presswear.studies.study import (
@@ -22,7 +27,8 @@ from presswear.studies.study import (
     unchanged,
     waiting,
 )
-from presswear.tools.errors import InputError, RunError
+from presswear.tools.errors import InputError, RunFailed
+from presswear.tools.stopping import check_stopped
 
 Writer = Callable[[Study, Path], tuple[str, Path]]
 """Writes a study's report into its folder; gives its answer and its path."""
@@ -129,8 +135,8 @@ def run(
         raise KeyboardInterrupt(
             f"interrupted; finished runs are kept, the others go on where they stood; {go_on}"
         ) from None
-    except RunError as error:
-        raise RunError(f"{error}; {go_on}") from error
+    except RunFailed as error:
+        raise RunFailed(f"{error}; {go_on}") from error
     return report(folder, console)
 
 

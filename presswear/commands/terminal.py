@@ -1,6 +1,7 @@
 """What the commands share: progress, tables, folders, and settings given as text."""
 
 import math
+import shlex
 from argparse import ArgumentTypeError
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -18,14 +19,13 @@ from rich.progress import (
 )
 from rich.table import Table
 
-from presswear.commands.stopping import go_on_with
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import Meaning, parse_quantity
 
 _ANY = Meaning("", -math.inf, math.inf, "", "")
 
 if TYPE_CHECKING:
-    from presswear.results.results import StoredResult
+    from presswear.results.result import Result
 
 
 LONGEST = 86400.0
@@ -150,14 +150,19 @@ def verdict(passed: bool) -> str:
     return "pass" if passed else "[bold red]MISS[/]"
 
 
-def finished_part(path: Path, console: Console) -> "StoredResult":
+def finished_part(path: Path, console: Console) -> "Result":
     """A stored run, with a word on one that has not come to its end; something must be stored."""
-    from presswear.results.results import load, unfinished
+    from presswear.results.result import load, unfinished
 
     result = load(path)
-    words = unfinished(path, result.document)
+    words = unfinished(result)
     if words and not result.stages:
         raise InputError(f"{words}; {go_on_with(result.scene.name, path)}")
     if words:
         console.print(f"{words}: what follows is of these", highlight=False, soft_wrap=True)
     return result
+
+
+def go_on_with(name: str, folder: Path) -> str:
+    """The command that goes on with a run."""
+    return f"go on with: presswear run {name} --resume --out {shlex.quote(str(folder))}"

@@ -11,7 +11,7 @@ from presswear.linkage.elements import Linkage
 from presswear.record.recorder import Recorder
 from presswear.record.soundness import Finding
 from presswear.record.tracker import Tracker
-from presswear.tools.snapshot import Snapshot
+from presswear.tools.state import State
 
 Array = NDArray[np.float64]
 
@@ -42,7 +42,7 @@ class Plan:
         Whether the series hold the torques of the drives.
     trackers : tuple of Tracker
         Told what happens; any of them can end the run after a cycle.
-    resume : Snapshot or None
+    resume : State or None
         State to go on from, of a run with the same linkage, start, engine and plan.
     """
 
@@ -51,7 +51,7 @@ class Plan:
     recorded_cycles: int = 5
     torques: bool = True
     trackers: tuple[Tracker, ...] = ()
-    resume: Snapshot | None = None
+    resume: State | None = None
 
     @property
     def duration(self) -> float:

@@ -13,7 +13,7 @@ from presswear.physics.constraints import Constraints
 from presswear.physics.energy import Ledger
 from presswear.record.recorder import Recorder
 from presswear.record.soundness import Condition, Finding, examine
-from presswear.tools.snapshot import Snapshot, named, numbers, part, set_numbers
+from presswear.tools.state import State, named, numbers, part, set_numbers
 
 Array = NDArray[np.float64]
 
@@ -93,11 +93,11 @@ def _cycles(
     process computed that or read it: a run that was killed and goes on gives the same numbers.
     """
 
-    def state() -> Snapshot:
+    def state() -> State:
         return {
             **{name: array.copy() for name, array in running.arrays.items()},
             "sums": numbers(running.sums),
-            **named("recorder", recorder.snapshot()),
+            **named("recorder", recorder.state()),
         }
 
     while True:

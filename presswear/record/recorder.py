@@ -1,4 +1,4 @@
-"""The account of a run: what was observed, cycle by cycle, and as a snapshot of named arrays.
+"""The recorder of a run: what was observed, cycle by cycle, and as a state of named arrays.
 
 Memory does not grow with the number of cycles: series and episodes are kept for
 the first cycles only; everything else is one row a cycle or a running sum.
@@ -34,7 +34,7 @@ from presswear.record.observe import (
     settle_state,
 )
 from presswear.record.sampling import MapBatches
-from presswear.tools.snapshot import Snapshot, named, part
+from presswear.tools.state import State, named, part
 
 Array = NDArray[np.float64]
 
@@ -205,7 +205,7 @@ class Recorder:
         self.maps.add(self.book.depth)
         self.start_cycle()
 
-    def snapshot(self) -> dict[str, NDArray[Any]]:
+    def state(self) -> dict[str, NDArray[Any]]:
         """Everything that is not in the linkage, the start and the plan.
 
         Rows of series, episodes, film and cycles are views: once written they stay.
@@ -219,11 +219,11 @@ class Recorder:
             "film": book.film[:frames],
             "frame": book.film[frames].copy(),
             "cycles": self.cycles,
-            **named("maps", self.maps.snapshot()),
+            **named("maps", self.maps.state()),
         }
 
-    def restore(self, stored: Snapshot) -> None:
-        """Go on from a snapshot of an account of the same linkage, start and plan."""
+    def restore(self, stored: State) -> None:
+        """Go on from the state of a recorder of the same linkage, start and plan."""
         book = self.book
         for name in _SMALL:
             getattr(book, name)[...] = stored[name]

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from presswear.linkage.elements import Linkage
-from presswear.tools.snapshot import Snapshot
+from presswear.tools.state import State
 
 if TYPE_CHECKING:
     from presswear.record.recorder import Recorder
@@ -52,7 +52,7 @@ class Tracker:
     def advanced(self, part: float) -> None:
         """Hear the part of a run's most cycles that is done, 0 .. 1, many times a second."""
 
-    def cycle(self, recorder: "Recorder", state: Callable[[], Snapshot]) -> bool:
+    def cycle(self, recorder: "Recorder", state: Callable[[], State]) -> bool:
         """Hear that a cycle has ended; True ends the run as long enough.
 
         Parameters
@@ -70,3 +70,20 @@ class Tracker:
 
     def stage(self, stage: Any) -> None:
         """Hear of a finished stage (``StageResult``), the wear after it included."""
+
+
+@dataclass
+class Telling(Tracker):
+    """Hands on the part of a run that is done.
+
+    Attributes
+    ----------
+    told : callable
+        Called with the part, 0 .. 1.
+    """
+
+    told: Callable[[float], None]
+
+    def advanced(self, part: float) -> None:
+        """Hand the part on."""
+        self.told(part)

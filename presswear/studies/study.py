@@ -17,13 +17,14 @@ from pathlib import Path
 from types import FrameType
 from typing import Any
 
-from presswear.campaign.campaign import Watcher, run_campaign
+from presswear.campaign.run import run_into
+from presswear.record.tracker import Progress, Tracker
 from presswear.results.folder import INTERVAL, ResultFolder
 from presswear.results.provenance import provenance, provenance_differs
-from presswear.results.results import FINISHED, StoredResult, load, plain
+from presswear.results.result import FINISHED, Result, load, plain
 from presswear.results.stored import schema_of
 from presswear.scene.scene import Scene
-from presswear.tools.errors import InputError, RunError
+from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.files import read_json, write_bytes
 from presswear.tools.lock import is_free, make_folder, take_folder
 from presswear.tools.typed import misfits
@@ -135,6 +136,16 @@ def load_study(folder: Path) -> Study:
     return study
 
 
+@dataclass
+class _Telling(Tracker):
+    """Hands on which part of a variant is done, and where it stands."""
+
+    told: Callable[[float, str], None]
+
+    def progress(self, progress: Progress) -> None:
+        self.told(progress.whole, progress.word)
+
+
 def run_variant(
     path: Path, scene: Scene, interval: float, progress: Callable[[float, str], None]
 ) -> None:
@@ -145,21 +156,7 @@ def run_variant(
     interval : float
         Between two checkpoints, s.
     """
-    store = ResultFolder(path, scene, interval, resume=True)
-    word = ""
-
-    def told(stage: int, part: float, text: str) -> None:
-        nonlocal word
-        word = text
-
-    watcher = Watcher(told, store.add, lambda part: progress(part, word), keep=store.keep)
-    try:
-        store.close(*run_campaign(scene, watcher, store.begun))
-    except KeyboardInterrupt:
-        store.interrupt()
-        raise
-    finally:
-        store.release()
+    run_into(ResultFolder(path, scene, interval, resume=True), scene, [_Telling(progress)])
 
 
 def _stop(number: int, frame: FrameType | None) -> None:
@@ -194,7 +191,7 @@ def _work(folder: Path, interval: float, tasks: Any, messages: Any) -> None:
 
 def is_finished(path: Path) -> bool:
     """Whether a folder holds the whole result of a scene."""
-    return (path / "result.json").exists() and load(path).document["status"] in FINISHED
+    return (path / "result.json").exists() and load(path).status in FINISHED
 
 
 def waiting(study: Study, folder: Path, resume: bool) -> list[Variant]:
@@ -250,7 +247,7 @@ def run_study(
 
     Raises
     ------
-    RunError
+    RunFailed
         Where a process ended in a way of its own.
     """
     left = waiting(study, folder, resume)
@@ -291,7 +288,7 @@ def _run_variants(
             for worker in workers:
                 if worker.exitcode not in (None, 0):
                     _listen(messages, told)
-                    raise RunError(f"a process ended with code {worker.exitcode}")
+                    raise RunFailed(f"a process ended with code {worker.exitcode}")
         _listen(messages, told)
     finally:
         # What nobody will fetch any more must not keep the program from ending.
@@ -314,12 +311,12 @@ def _listen(messages: Any, told: Told) -> None:
         except queue.Empty:
             return
         if problem is not None:
-            raise RunError(f"variant {key}: {problem}")
+            raise RunFailed(f"variant {key}: {problem}")
         told(key, part, word)
         wait = 0.0001
 
 
-def results_of(study: Study, folder: Path) -> Iterator[tuple[Variant, StoredResult | None]]:
+def results_of(study: Study, folder: Path) -> Iterator[tuple[Variant, Result | None]]:
     """Each variant with its result; None for one that failed before its first stage ended."""
     for variant in study.variants:
         path = folder / variant.key

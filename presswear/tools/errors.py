@@ -4,6 +4,8 @@ The command line turns these into one line and exit code 2 (bad input) or 1
 (a run that failed); anything else is a defect and shows its traceback.
 """
 
+from typing import Any
+
 
 class InputError(ValueError):
     """Input that names nothing, is out of range or does not fit together."""
@@ -13,8 +15,18 @@ class AssemblyError(InputError):
     """A linkage that cannot be put together in some position."""
 
 
-class RunError(RuntimeError):
-    """A run that had to stop: what happened, when, and what to do about it."""
+class RunFailed(RuntimeError):
+    """A run that had to stop: what happened, when, and what to do about it.
+
+    Attributes
+    ----------
+    finding : Finding or None
+        What ended it, with its time, joint and remedy, where it was a finding about the run.
+    """
+
+    def __init__(self, message: str, finding: Any = None) -> None:
+        super().__init__(message)
+        self.finding = finding
 
 
 MOST_SHOWN = 1000

@@ -21,7 +21,7 @@ from presswear.linkage.surface import bin_centres
 from presswear.record.recorder import Recorder
 from presswear.record.soundness import Finding
 from presswear.results.folder import ResultFolder
-from presswear.results.results import load
+from presswear.results.result import load
 from presswear.scene.catalog import slider_crank, wear_times
 from presswear.scene.scene import CONVENTIONS, Scene, stage_name
 from presswear.show.figures import drawings
@@ -389,21 +389,23 @@ def real(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_the_press_wears_in_steps(real: Path) -> None:
     result = load(real)
-    assert result.document["status"] == "completed"
-    steps = result.wear_steps(0)
+    assert result.status == "completed"
+    steps = result.stages[0].wear_steps
     assert len(steps) >= 3
-    assert result.wear_steps(1) == []
+    assert result.stages[1].wear_steps == []
     assert sum(step["represented_cycles"] for step in steps) == pytest.approx(1e6, rel=1e-13)
     assert all(0.0 < step["largest_change_of_clearance"] <= LIMIT * (1 + 1e-8) for step in steps)
     for joint in "AC":
         for side in ("bearing", "pin"):
             before, after = (stages[f"{joint}_depth_{side}"] for stages in result.stages)
-            np.testing.assert_allclose(after - before, result.stages[0][f"{joint}_wear_{side}"])
+            np.testing.assert_allclose(
+                after - before, result.stages[0].arrays[f"{joint}_wear_{side}"]
+            )
             deepest = [step["deepest_m"][joint][side] for step in steps]
             assert deepest == sorted(deepest)
             assert deepest[-1] == after.max()
     # Of the run that each step multiplies, the first of which is the stage's.
-    peak = result.statistics(0)["joints"]["A"]["force_max_N"]
+    peak = result.stages[0].statistics["joints"]["A"]["force_max_N"]
     assert steps[0]["force_max_N"]["A"] == peak
     assert len({step["force_max_N"]["A"] for step in steps}) == len(steps)
 
@@ -413,7 +415,7 @@ def test_growth_is_a_table_and_a_figure(real: Path) -> None:
     table = growth_table(result)
     assert table is not None
     rows = {row[0]: row[1:] for _, group in table.groups for row in group}
-    assert rows["steps"] == (str(len(result.wear_steps(0))),)
+    assert rows["steps"] == (str(len(result.stages[0].wear_steps)),)
     assert float(rows["largest change in a step (% of the clearance)"][0]) <= 100.0 * LIMIT
     assert "deepest then, pin (µm)" in rows
     found = {drawing.file: drawing for drawing in drawings(result)}
@@ -425,7 +427,7 @@ def test_growth_is_a_table_and_a_figure(real: Path) -> None:
             x, y = (np.asarray(data, dtype=float) for data in line.get_data())
             assert x[-1] == pytest.approx(1.0)
             assert y[0] == 0.0
-            deepest = result.stages[1][f"{joint}_depth_{side}"].max()
+            deepest = result.stages[1].arrays[f"{joint}_depth_{side}"].max()
             assert y[-1] == pytest.approx(1e6 * deepest)
     assert "in a single jump" in found["wear-depth.png"].caption
     assert any("in steps with a run after each" in text for text in notes(result))

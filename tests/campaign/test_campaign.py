@@ -11,7 +11,7 @@ from presswear.campaign.amplification import worn_out
 from presswear.campaign.campaign import Stage, Watcher, run_campaign
 from presswear.linkage.surface import Surface
 from presswear.results.folder import ResultFolder
-from presswear.results.results import StoredResult, load
+from presswear.results.result import Result, load
 from presswear.scene.catalog import slider_crank, wear_times
 from presswear.scene.scene import CONVENTIONS, Scene
 from presswear.tools.errors import InputError
@@ -86,7 +86,7 @@ def test_stored_arrays_have_the_contracted_names_and_shapes(
                 assert arrays[f"{joint}_wear_{side}"].max() > 0.0
             open_rows = arrays[f"{joint}_penetration"] < 0.0
             assert np.all(arrays[f"{joint}_force"][open_rows] == 0.0)
-        peak = stored.statistics(stage.index)["joints"]["A"]["force_max_N"]
+        peak = stored.stages[stage.index].statistics["joints"]["A"]["force_max_N"]
         assert 0.9 * peak < arrays["A_force"][:, 0].max() <= peak
 
 
@@ -124,7 +124,7 @@ def test_a_file_appears_whole_or_not_at_all(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == [target]
 
 
-def _restored(path: Path, schema: object, scene: object) -> StoredResult:
+def _restored(path: Path, schema: object, scene: object) -> Result:
     """A folder without stages, read back."""
     document = {
         "schema": schema,

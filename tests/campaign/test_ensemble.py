@@ -11,7 +11,7 @@ from presswear.campaign.deviation import COLUMNS, deviations, whole_cycles
 from presswear.campaign.ensemble import FEWEST, Ensemble
 from presswear.campaign.starts import APART, start_of
 from presswear.results.folder import ResultFolder
-from presswear.results.results import load
+from presswear.results.result import load
 from presswear.scene.catalog import ideal, wear_times
 from presswear.scene.ideal import ideal_slider
 from presswear.scene.scene import Scene
@@ -60,7 +60,7 @@ def test_rows_are_stored_with_their_start(two: Stage, tmp_path: Path) -> None:
     folder.add(two)
     folder.close("completed", "")
     stored = load(tmp_path / "out")
-    arrays = stored.stages[0]
+    arrays = stored.stages[0].arrays
     assert arrays["cycle_start"].tolist() == [0.0] * 6 + [1.0] * 6
     assert arrays["cycles"].shape[0] == 12
     assert np.allclose(arrays["wear_batch_cycles"], 1.0)

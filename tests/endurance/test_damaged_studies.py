@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from presswear.commands.studies import check_study
-from presswear.results.results import plain
+from presswear.results.result import plain
 from presswear.studies.runaway.study import runaway
 from presswear.studies.study import FILE, load_study, unchanged
 from presswear.tools.errors import InputError

@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 
 from presswear.engines.base import Plan, Run, Start
-from presswear.engines.dae.engine import simulate as simulate_dae
-from presswear.engines.exudyn_joints.engine import simulate as simulate_exudyn
 from presswear.engines.settings import ExudynJoints, InHouse
 from presswear.linkage.elements import WearLaw
 from presswear.record.observe import CYCLE_FIXED
@@ -39,9 +37,9 @@ def test_dose_is_impulse_times_sliding(engine: str, error: float) -> None:
     linkage = replace(impact.linkage, clearances=(worn,))
     plan = Plan(0.005, 1)
     if engine == "dae":
-        run = simulate_dae(linkage, start, InHouse(integration_tolerance=1e-11), plan)
+        run = InHouse(integration_tolerance=1e-11).simulate(linkage, start, plan)
     else:
-        run = simulate_exudyn(linkage, start, ExudynJoints(50, 10, free_step=2e-5), plan)
+        run = ExudynJoints(50, 10, free_step=2e-5).simulate(linkage, start, plan)
     assert run.recorder.book.tally["contacts"][0] == 1
     dose, impulse = _dose_and_impulse(run, impact)
     joint = impact.linkage.clearances[0]

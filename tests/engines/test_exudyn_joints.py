@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from presswear.campaign.starts import start_of
 from presswear.engines.base import Plan, Run, Start
-from presswear.engines.exudyn_joints.engine import simulate
 from presswear.engines.settings import ExudynJoints
 from presswear.linkage.elements import (
     Attachment,
@@ -75,7 +74,7 @@ def at(ring: tuple[float, ...], shaft: tuple[float, ...]) -> Start:
 
 def run_pair(linkage: Linkage, start: Start, duration: float, steps: int = 50) -> Run:
     accuracy = ExudynJoints(steps, 10, free_step=2e-5, newton=1e-10)
-    return simulate(linkage, start, accuracy, Plan(duration, 1))
+    return accuracy.simulate(linkage, start, Plan(duration, 1))
 
 
 def momenta(linkage: Linkage, state: Start) -> NDArray[np.float64]:
@@ -150,7 +149,7 @@ def test_onset_speed_at_the_working_step_under_acceleration() -> None:
     arm, spin = 0.05, 40.0
     linkage = free_pair(pin=(arm, 0.0))
     start = at((arm, 0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0, spin))
-    run = simulate(linkage, start, ExudynJoints(50, 10, free_step=5e-5), Plan(0.001, 1))
+    run = ExudynJoints(50, 10, free_step=5e-5).simulate(linkage, start, Plan(0.001, 1))
     # |e| is the chord 2 arm sin(spin t / 2).
     half = math.asin(CLEARANCE / (2.0 * arm))
     onset, _, closing = run.recorder.episodes(0)[0, :3]
@@ -162,11 +161,8 @@ def test_onset_speed_at_the_working_step_under_acceleration() -> None:
 @pytest.mark.parametrize("geometry", list(GEOMETRIES))
 def test_ideal_press_follows_the_closed_form(geometry: str) -> None:
     scene = replace(ideal(), mechanism=Press(geometry=GEOMETRIES[geometry]))
-    run = simulate(
-        scene.linkage(),
-        start_of(scene),
-        scene.numerics.joints.over(scene.mechanism.period),
-        Plan(scene.mechanism.period, 1),
+    run = scene.numerics.joints.over(scene.mechanism.period).simulate(
+        scene.linkage(), start_of(scene), Plan(scene.mechanism.period, 1)
     )
     rows = run.recorder.rows
     motion = scene.mechanism.ideal_motion(rows[:, 0])
@@ -186,11 +182,8 @@ def press_runs() -> dict[str, Run]:
     runs = {}
     for name, conventions in CONVENTIONS.items():
         scene = replace(wear_times(), conventions=conventions)
-        runs[name] = simulate(
-            scene.linkage(),
-            start_of(scene),
-            scene.numerics.joints.over(scene.mechanism.period),
-            Plan(scene.mechanism.period / 3.0, 1),
+        runs[name] = scene.numerics.joints.over(scene.mechanism.period).simulate(
+            scene.linkage(), start_of(scene), Plan(scene.mechanism.period / 3.0, 1)
         )
     return runs
 
@@ -236,7 +229,7 @@ def test_cycles_end_on_time_and_enough_stops() -> None:
 
     period = scene.mechanism.period
     coarse = replace(scene.numerics.joints.over(scene.mechanism.period), free_step=period / 300.0)
-    run = simulate(scene.linkage(), start_of(scene), coarse, Plan(period, 5, enough=enough))
+    run = coarse.simulate(scene.linkage(), start_of(scene), Plan(period, 5, enough=enough))
     assert run.status == "enough"
     assert asked == [1, 2]
     assert run.time == pytest.approx(2.0 * period, abs=1e-9)
@@ -256,9 +249,6 @@ def test_errors_and_interrupts_in_callbacks_arrive_as_they_are() -> None:
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        simulate(
-            scene.linkage(),
-            start_of(scene),
-            scene.numerics.joints.over(scene.mechanism.period),
-            Plan(scene.mechanism.period, 1, progress=interrupt),
+        scene.numerics.joints.over(scene.mechanism.period).simulate(
+            scene.linkage(), start_of(scene), Plan(scene.mechanism.period, 1, progress=interrupt)
         )

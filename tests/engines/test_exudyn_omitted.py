@@ -7,8 +7,6 @@ import pytest
 
 from presswear.campaign.starts import start_of
 from presswear.engines.base import Plan, Run
-from presswear.engines.dae.engine import simulate as simulate_dae
-from presswear.engines.exudyn_joints.engine import simulate
 from presswear.engines.exudyn_joints.model import left_out
 from presswear.engines.settings import InHouse
 from presswear.linkage.elements import Attachment, Spring
@@ -27,8 +25,8 @@ def both(joints: str) -> tuple[Run, Run]:
         newton=1e-11,
     )
     return (
-        simulate(linkage, start, fine, plan),
-        simulate_dae(linkage, start, InHouse(integration_tolerance=1e-11), plan),
+        fine.simulate(linkage, start, plan),
+        InHouse(integration_tolerance=1e-11).simulate(linkage, start, plan),
     )
 
 

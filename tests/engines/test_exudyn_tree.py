@@ -10,8 +10,6 @@ from branches import branching, placed, tree
 from presswear.campaign.starts import start_of
 from presswear.engines import exudyn_tree
 from presswear.engines.base import Plan, Run, Start
-from presswear.engines.dae.engine import simulate as simulate_dae
-from presswear.engines.exudyn_tree.engine import simulate
 from presswear.engines.settings import ExudynTree, InHouse
 from presswear.linkage.elements import Attachment, Linkage, Load, Slip, Spring
 from presswear.linkage.surface import Surface
@@ -32,8 +30,8 @@ def both(scene: Scene, linkage: Linkage, tolerance: float, end: float = END) -> 
     plan = Plan(end, 1)
     start = start_of(scene)
     return (
-        simulate(linkage, start, accuracy(tolerance), plan),
-        simulate_dae(linkage, start, InHouse(integration_tolerance=1e-12), plan),
+        accuracy(tolerance).simulate(linkage, start, plan),
+        InHouse(integration_tolerance=1e-12).simulate(linkage, start, plan),
     )
 
 
@@ -124,7 +122,7 @@ def test_pins_that_start_pressed_in_bring_their_energy() -> None:
     turned[i] += half * (math.cos(more) - math.cos(angle))
     turned[i + 1] += half * (math.sin(more) - math.sin(angle))
     turned[i + 2] = more
-    run = simulate(scene.linkage(), Start(turned, start.velocity), accuracy(1e-9), Plan(1e-3, 1))
+    run = accuracy(1e-9).simulate(scene.linkage(), Start(turned, start.velocity), Plan(1e-3, 1))
     pressed = 0.4 * scene.linkage().clearances[1].normal.stiffness * 2e-6**2.5
     assert float(run.recorder.rows[0, 4 + 6 + 2]) == pytest.approx(2e-6, rel=1e-6)
     assert abs(float(run.diagnostics["energy_residual_J"])) < 0.01 * pressed
@@ -157,7 +155,7 @@ def test_worn_surfaces_agree(conventions: str) -> None:
 def test_every_touch_is_landed_on_and_resolved() -> None:
     scene = wear_times()
     plan = Plan(scene.mechanism.period, 1)
-    run = simulate(scene.linkage(), start_of(scene), accuracy(1e-6), plan)
+    run = accuracy(1e-6).simulate(scene.linkage(), start_of(scene), plan)
     assert run.recorder.book.tally["contacts"].sum() > 15
     assert run.recorder.book.tally["fewest_steps"].min() >= 20
     assert float(run.diagnostics["deepest_touch_m"]) < 1e-9
@@ -177,8 +175,8 @@ def test_a_tree_without_contacts_with_springs_loads_and_an_inclined_guide() -> N
     x = np.array([0.3, -0.5, 0.1, 0.4])
     q, v, _, _ = placed(found, 5, 0.0, x, np.array([1.0, -2.0, 0.3, 4.0]))
     start, plan = Start(q, v), Plan(0.2, 1)
-    ours = simulate(linkage, start, accuracy(1e-11), plan)
-    reference = simulate_dae(linkage, start, InHouse(integration_tolerance=1e-12), plan)
+    ours = accuracy(1e-11).simulate(linkage, start, plan)
+    reference = InHouse(integration_tolerance=1e-12).simulate(linkage, start, plan)
     assert ours.end.position == pytest.approx(reference.end.position, abs=1e-8)
     assert ours.end.velocity == pytest.approx(reference.end.velocity, abs=1e-7)
     for name, expected in reference.reactions.items():
@@ -191,14 +189,14 @@ def test_a_tree_without_contacts_with_springs_loads_and_an_inclined_guide() -> N
 def test_a_linkage_with_a_loop_is_refused_by_name() -> None:
     scene = replace(wear_times(), joints="A")
     with pytest.raises(InputError, match=r"joint \w+ closes a loop"):
-        simulate(scene.linkage(), start_of(scene), accuracy(1e-8), Plan(END, 1))
+        accuracy(1e-8).simulate(scene.linkage(), start_of(scene), Plan(END, 1))
 
 
 def test_a_state_that_is_not_finite_ends_the_run_as_failed() -> None:
     scene = wear_times()
     start = start_of(scene)
     fast = Start(start.position, np.where(np.arange(18) == 13, 1e200, start.velocity))
-    run = simulate(scene.linkage(), fast, accuracy(1e-8), Plan(END, 1))
+    run = accuracy(1e-8).simulate(scene.linkage(), fast, Plan(END, 1))
     assert run.status == "failed"
     assert "t = " in run.message
 
@@ -211,12 +209,12 @@ def test_interrupts_in_callbacks_arrive_as_they_are() -> None:
 
     plan = Plan(END, 1, progress=interrupt)
     with pytest.raises(KeyboardInterrupt):
-        simulate(scene.linkage(), start_of(scene), accuracy(1e-8), plan)
+        accuracy(1e-8).simulate(scene.linkage(), start_of(scene), plan)
 
 
 def test_cycles_end_on_time() -> None:
     scene = wear_times()
-    run = simulate(scene.linkage(), start_of(scene), accuracy(1e-6), Plan(0.01, 5, 2))
+    run = accuracy(1e-6).simulate(scene.linkage(), start_of(scene), Plan(0.01, 5, 2))
     assert run.time == pytest.approx(0.05, abs=1e-9)
     assert len(run.recorder.cycles) == 5
     assert float(run.recorder.rows[-1, 0]) <= 0.02 + 1e-9
@@ -227,7 +225,7 @@ def test_a_step_that_is_sent_back_for_ever_ends_the_run(monkeypatch: pytest.Monk
     # Seven calls make a step: one that is sent back once counts as one sent back for ever.
     monkeypatch.setattr(exudyn_tree, "MOST_CALLS", 10)
     scene = wear_times()
-    run = simulate(scene.linkage(), start_of(scene), accuracy(1e-8), Plan(END, 1))
+    run = accuracy(1e-8).simulate(scene.linkage(), start_of(scene), Plan(END, 1))
     assert run.status == "failed"
     assert run.message.startswith("the solver found no solution at the shortest step (t = 0.0")
     assert 0.0 < run.time < END
@@ -238,7 +236,7 @@ def test_cycles_cost_no_steps_but_the_cuts_at_their_ends() -> None:
     """Each begins with the step that the one before would have taken next."""
     scene = wear_times()
     whole, cut = (
-        simulate(scene.linkage(), start_of(scene), accuracy(1e-11), Plan(0.02 / n, n))
+        accuracy(1e-11).simulate(scene.linkage(), start_of(scene), Plan(0.02 / n, n))
         for n in (1, 4)
     )
     assert abs(int(cut.diagnostics["steps"]) - int(whole.diagnostics["steps"])) <= 4

@@ -7,14 +7,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from presswear.results.checkpoint import read_checkpoint, write_checkpoint
 
 from presswear.campaign.starts import start_of
 from presswear.engines.base import Plan, Run
-from presswear.results.checkpoint import read_checkpoint, write_checkpoint
 from presswear.scene.catalog import slider_crank, wear_times
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
-from presswear.tools.snapshot import Snapshot
+from presswear.tools.state import State
 
 RECORDED = 2
 FAST = {"speed": "60rad/s"}
@@ -28,7 +28,7 @@ class Case:
     scene: Scene
     cycles: int
 
-    def run(self, resume: Snapshot | None, keep: Callable[[Snapshot], None] | None) -> Run:
+    def run(self, resume: State | None, keep: Callable[[State], None] | None) -> Run:
         scene, accuracy = self.scene, self.scene.solver.over(self.scene.mechanism.period)
         plan = Plan(
             scene.mechanism.period, self.cycles, RECORDED, resume=resume, keep=keep, torques=True
@@ -57,7 +57,7 @@ def told(run: Run) -> dict[str, Any]:
         if not key.startswith(("wall_", "share_"))
     }
     arrays = {
-        **run.recorder.snapshot(),
+        **run.recorder.state(),
         "end position": run.end.position,
         "end velocity": run.end.velocity,
     }
@@ -72,7 +72,7 @@ def test_a_run_goes_on_bit_for_bit_after_every_cycle(name: str, tmp_path: Path) 
     case = CASES[name]
     kept: list[dict[str, Any]] = []
 
-    def keep(snapshot: Snapshot) -> None:
+    def keep(snapshot: State) -> None:
         # Through a file, as another process would have it.
         write_checkpoint(tmp_path, {}, snapshot)
         kept.append(dict(read_checkpoint(tmp_path)[1]))
@@ -87,10 +87,10 @@ def test_a_run_goes_on_bit_for_bit_after_every_cycle(name: str, tmp_path: Path) 
 def test_a_snapshot_does_not_change_as_the_run_goes_on() -> None:
     """It is written down later than it is taken."""
     case = CASES["in-house, order 8"]
-    taken: list[Snapshot] = []
+    taken: list[State] = []
     then: list[dict[str, Any]] = []
 
-    def keep(snapshot: Snapshot) -> None:
+    def keep(snapshot: State) -> None:
         taken.append(snapshot)
         then.append({name: np.array(array) for name, array in snapshot.items()})
 
@@ -104,7 +104,7 @@ def test_a_snapshot_does_not_change_as_the_run_goes_on() -> None:
 def test_a_last_digit_of_the_state_shows(name: str) -> None:
     """The comparison sees a difference of one part in 1e13."""
     case = CASES["in-house, order 8"]
-    kept: list[Snapshot] = []
+    kept: list[State] = []
     whole = told(case.run(None, kept.append))
     moved = {**kept[0], name: kept[0][name] * (1.0 + 1e-13)}
     assert told(case.run(moved, None)) != whole
@@ -123,7 +123,7 @@ def test_contacts_are_kept_of_recorded_cycles_only() -> None:
 
 def test_a_run_that_was_enough_is_enough_again() -> None:
     case = CASES["in-house, order 8"]
-    kept: list[Snapshot] = []
+    kept: list[State] = []
     accuracy = case.scene.solver.over(case.scene.mechanism.period)
     plan = Plan(
         case.scene.mechanism.period,

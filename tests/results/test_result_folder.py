@@ -16,12 +16,12 @@ from presswear.campaign.campaign import Watcher, run_campaign
 from presswear.campaign.standing import Standing
 from presswear.results.checkpoint import read_checkpoint, write_checkpoint
 from presswear.results.folder import INTERVAL, LEAST_WAIT, ResultFolder
-from presswear.results.results import load, read_document, unfinished
+from presswear.results.result import load, read_document, unfinished
 from presswear.results.sameness import folder_differences
 from presswear.scene.catalog import wear_times
 from presswear.scene.scene import CONVENTIONS, Scene
 from presswear.scene.settings import changed
-from presswear.tools.errors import InputError, RunError
+from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.files import sealed_json
 from presswear.tools.lock import FolderLock
 
@@ -105,7 +105,7 @@ def halted(stopped: Path, tmp_path: Path) -> Path:
 
 def test_a_campaign_goes_on_from_wherever_it_stood(whole: Path, tmp_path: Path) -> None:
     """Stopped again and again, each time one place further: every place is one to go on from."""
-    steps = load(whole).wear_steps(0)
+    steps = load(whole).stages[0].wear_steps
     assert len(steps) > 1
     path = tmp_path / "out"
     places = 0
@@ -137,7 +137,7 @@ def test_what_differs_is_named(whole: Path, tmp_path: Path) -> None:
         "result.json: stages 1: statistics: cycles: 4 and 5",
         "film-1.npz is in one only",
     ]
-    arrays = dict(load(other).stages[0])
+    arrays = dict(load(other).stages[0].arrays)
     arrays["slider"][-1, 0] *= 1.0 + 1e-15
     from presswear.tools.files import write_arrays
 
@@ -262,7 +262,7 @@ def test_a_full_disk_ends_the_run_with_one_line(
     path = tmp_path / "out"
     with monkeypatch.context() as patch:
         patch.setattr(os, "fsync", full)
-        with pytest.raises(RunError, match=r"cannot be written: No space left on device; the run"):
+        with pytest.raises(RunFailed, match=r"cannot be written: No space left on device; the run"):
             run(path)
     assert not list(path.glob("*.part"))
     run(path, resume=True)
@@ -271,7 +271,7 @@ def test_a_full_disk_ends_the_run_with_one_line(
 
 def test_a_folder_that_is_gone_ends_the_run(tmp_path: Path) -> None:
     path = tmp_path / "out"
-    with pytest.raises(RunError, match=f"{path} was removed or replaced"):
+    with pytest.raises(RunFailed, match=f"{path} was removed or replaced"):
         run(path, stop=lambda standing, is_stage: shutil.rmtree(path, ignore_errors=True))
     assert not path.exists()
 

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.engines.base import recorder_of
-from presswear.engines.exudyn import StepLimit, Watch, post_step, quiet, set_span, settings_of
+from presswear.engines.exudyn import Solve, StepLimit, post_step, quiet, set_span, settings_of
 from presswear.engines.exudyn_tree import engine
 from presswear.engines.exudyn_tree.kernels import TreeSystem, accept_tree_step, stage_forces
 from presswear.engines.exudyn_tree.model import assemble
@@ -145,8 +145,8 @@ def inside_calls(case: Case) -> tuple[_Spent, _Spent, _Spent]:
     force, before, after = _Spent(), _Spent(), _Spent()
 
     class Limit(StepLimit):
-        def __init__(self, watch: Watch):
-            super().__init__(watch)
+        def __init__(self, solve: Solve):
+            super().__init__(solve)
             self._timed = before.around(super().pre_step)
 
         def pre_step(self, system: Any, t: float) -> bool:

@@ -11,7 +11,7 @@ from scipy.interpolate import CubicHermiteSpline
 
 from presswear.engines.base import Run
 from presswear.record.observe import SERIES_FIXED, SERIES_JOINT
-from presswear.tools.errors import RunError
+from presswear.tools.errors import RunFailed
 
 Array = NDArray[np.float64]
 
@@ -110,9 +110,9 @@ def peak(time: Array, value: Array) -> float:
 
 
 def trace_of(run: Run) -> Trace:
-    """Copy what is compared of a run; RunError if it failed."""
+    """Copy what is compared of a run; RunFailed if it failed."""
     if run.status == "failed":
-        raise RunError(run.message)
+        raise RunFailed(run.message)
     rows = run.recorder.rows
     joints = run.recorder.book.joints.size
     columns = [SERIES_FIXED + SERIES_JOINT * k + axis for k in range(joints) for axis in range(2)]

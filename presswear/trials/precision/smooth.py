@@ -91,7 +91,7 @@ def andrews(extent: Extent) -> Task:
 
     Raises
     ------
-    RunError
+    RunFailed
         Where the run fails that tells how well those are known.
     """
     linkage, start = references.andrews(), references.andrews_start()

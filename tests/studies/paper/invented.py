@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from presswear.linkage.surface import bin_centres
 from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
-from presswear.results.results import StoredResult
+from presswear.results.result import Result
 from presswear.scene.ideal import ideal_slider
 from presswear.studies.paper.evidence import Evidence
 from presswear.studies.paper.variants import base_scene, cases, variant_key
@@ -81,7 +81,7 @@ def stage(setting: str, wears: int, seed: int, **numbers: Any) -> dict[str, Arra
     return arrays
 
 
-def result(setting: str, stages: list[dict[str, Array]], status: str = "completed") -> StoredResult:
+def result(setting: str, stages: list[dict[str, Array]], status: str = "completed") -> Result:
     """A result of some stages."""
     scene = base_scene(setting)
     listed = [
@@ -117,10 +117,10 @@ def result(setting: str, stages: list[dict[str, Array]], status: str = "complete
             "started": "now",
         },
     }
-    return StoredResult(Path("nowhere"), document, scene, stages)
+    return Result(Path("nowhere"), document, scene, stages)
 
 
-def every_result(stages: int = 3) -> dict[str, StoredResult]:
+def every_result(stages: int = 3) -> dict[str, Result]:
     """All runs of the study, alike but for their seeds."""
     found = {}
     for seed, case in enumerate(cases()):

@@ -10,7 +10,7 @@ from made_up_precision import NAMES, SCENE, STAGE_CYCLES, chaos
 
 from presswear.campaign.starts import start_of
 from presswear.record.sampling import MapBatches
-from presswear.results.results import plain
+from presswear.results.result import plain
 from presswear.scene.catalog import ideal
 from presswear.scene.scene import Numerics
 from presswear.tools.errors import InputError

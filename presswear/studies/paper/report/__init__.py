@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from presswear.results.results import StoredResult
+from presswear.results.result import Result
 from presswear.show.figures import save
 from presswear.show.report.origin import convention_set, conventions, parameters, provenance
 from presswear.show.report.page import Illustration, render_page
@@ -41,7 +41,7 @@ def write_paper_report(study: Study, folder: Path) -> tuple[str, Path]:
 
 def render(
     study: Study,
-    results: dict[str, StoredResult],
+    results: dict[str, Result],
     evidence: Evidence,
     figures: list[Illustration],
 ) -> str:
