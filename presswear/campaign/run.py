@@ -1,74 +1,88 @@
-"""Run a scene, in memory or into a folder: what scripts and the command line call."""
+"""Run a scene or a study: the entry for scripts."""
 
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import overload
 
-from presswear.campaign.campaign import run_campaign
-from presswear.campaign.checkpoint import Checkpoint
+from presswear.campaign.parallel import run_study
+from presswear.campaign.single import run_scene, with_engine
+from presswear.campaign.study import Study, results_of
 from presswear.engines.settings import Engine
-from presswear.record.soundness import Finding
 from presswear.record.tracker import Tracker
-from presswear.results.folder import ResultFolder
-from presswear.results.provenance import provenance
-from presswear.results.result import Result, load
-from presswear.results.stage import StageResult
+from presswear.results.result import Result
 from presswear.scene.scene import Scene
-from presswear.tools.errors import RunFailed
+from presswear.tools.errors import InputError
 
 
-class _Kept(Tracker):
-    """Keeps the stages of a run in memory."""
-
-    def __init__(self) -> None:
-        self.stages: list[StageResult] = []
-
-    def stage(self, stage: StageResult) -> None:
-        self.stages.append(stage)
-
-
-def run_scene(
+@overload
+def run(
     scene: Scene,
-    folder: str | Path | ResultFolder | None = None,
+    folder: str | Path | None = None,
     engine: str | Engine | None = None,
+    jobs: int = 1,
     trackers: Sequence[Tracker] = (),
     check: bool = True,
-) -> Result:
-    """Run a scene; see ``presswear.run``, which runs studies as well."""
-    scene = with_engine(scene, engine)
+) -> Result: ...
+
+
+@overload
+def run(
+    scene: Study,
+    folder: str | Path | None = None,
+    engine: str | Engine | None = None,
+    jobs: int = 1,
+    trackers: Sequence[Tracker] = (),
+    check: bool = True,
+) -> dict[str, Result]: ...
+
+
+def run(
+    scene: Scene | Study,
+    folder: str | Path | None = None,
+    engine: str | Engine | None = None,
+    jobs: int = 1,
+    trackers: Sequence[Tracker] = (),
+    check: bool = True,
+) -> Result | dict[str, Result]:
+    """Run a scene through all its stages, or each variant of a study.
+
+    Parameters
+    ----------
+    scene : Scene or Study
+    folder : path or None
+        Where the result is kept; a run of the same scene that stands in it is gone on with,
+        and one that is finished is read.  None: in memory only; a study needs one.
+    engine : str, engine or None
+        A word, such as ``dae``, or an engine with its settings, such as
+        ``ExudynTree(tree_tolerance=1e-10)``; None: the scene's.
+    jobs : int
+        Variants of a study at a time.
+    trackers : sequence of Tracker
+        Told what happens.
+    check : bool
+        Whether a scene that failed raises.  A variant of a study that fails is a result.
+
+    Returns
+    -------
+    Result or dict
+        Of a study the results by the keys of its variants.
+
+    Raises
+    ------
+    RunFailed
+        With its finding, where the run failed and that is checked, or where its folder is
+        lost.
+    InputError
+        Where the scene, or what stands in the folder, does not allow it.
+    """
+    if isinstance(scene, Scene):
+        if jobs != 1:
+            raise InputError(f"jobs = {jobs}: a scene takes 1; more are for studies")
+        return run_scene(scene, folder, engine, trackers, check)
     if folder is None:
-        kept = _Kept()
-        status, message, finding = run_campaign(scene, (kept, *trackers))
-        wall = sum(stage.wall for stage in kept.stages)
-        result = Result(scene, tuple(kept.stages), status, message, provenance(), wall)
-    else:
-        store = folder
-        if not isinstance(store, ResultFolder):
-            store = ResultFolder(Path(store), scene, resume=True)
-        finding = run_into(store, scene, trackers)
-        result = load(store.path)
-        if finding is None and result.stages:
-            finding = result.stages[-1].finding
-    if check and result.status == "failed":
-        raise RunFailed(result.message, finding)
-    return result
-
-
-def run_into(store: ResultFolder, scene: Scene, trackers: Sequence[Tracker] = ()) -> Finding | None:
-    """Run a scene into its folder, or go on in it, to the end; returns what ended a failed run."""
-    with store:
-        if store.is_finished:
-            return None
-        begun = None if store.resumed is None else Checkpoint.restored(scene, *store.resumed)
-        status, message, finding = run_campaign(scene, (store, *trackers), begun)
-        store.close(status, message)
-    return finding
-
-
-def with_engine(scene: Scene, engine: str | Engine | None) -> Scene:
-    """The scene with an engine by its word, or as an object with its settings."""
-    if engine is None:
-        return scene
-    if isinstance(engine, str):
-        return replace(scene, engine=engine)
-    return replace(scene, engine=engine.word, numerics=scene.numerics.of(engine))
+        raise InputError(f"the study {scene.name} needs a folder for its runs")
+    variants = tuple(replace(v, scene=with_engine(v.scene, engine)) for v in scene.variants)
+    study, path = replace(scene, variants=variants), Path(folder)
+    run_study(study, path, jobs, True, trackers)
+    return {v.key: result for v, result in results_of(study, path) if result is not None}

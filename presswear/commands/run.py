@@ -10,20 +10,21 @@ from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 
-from presswear.commands import precision, studies
 from presswear.commands.terminal import (
+    check_folder,
     finished_part,
     folder_given,
     free_folder,
     go_on_with,
     progress_bar,
+    scene_given,
     seconds_given,
     settings_given,
 )
-from presswear.scene.catalog import SCENES, STUDIES, scene_named
+from presswear.scene.catalog import SCENES
 from presswear.scene.scene import CONVENTIONS, Scene
 from presswear.scene.settings import changed
-from presswear.studies.study import is_study
+from presswear.studies import STUDIES
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.stopping import is_stopped
 
@@ -43,7 +44,6 @@ def add(commands: Any) -> None:
     """Add the parsers of ``run`` and ``report``."""
     run = commands.add_parser(
         "run",
-        help="run a scene and write its result folder and report",
         epilog="example: presswear run wear-times --conventions refined --cycles 10 "
         "--set clearance=0.6mm --set 'speed=6pi rad/s' --set geometry=swapped",
     )
@@ -81,7 +81,6 @@ def add(commands: Any) -> None:
 
     report = commands.add_parser(
         "report",
-        help="figures and report anew from the folder of a run, a study or a precision",
         epilog="example: presswear report results/wear-times",
     )
     report.add_argument("folder", type=Path, metavar="DIR")
@@ -90,7 +89,7 @@ def add(commands: Any) -> None:
 
 def _scene_from(arguments: argparse.Namespace) -> Scene:
     """The scene that the options of ``run`` describe; InputError before anything runs."""
-    return _with_options(scene_named(arguments.scene), arguments)
+    return _with_options(scene_given(arguments.scene), arguments)
 
 
 def _with_options(scene: Scene, arguments: argparse.Namespace) -> Scene:
@@ -115,6 +114,8 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
     if arguments.scene in STUDIES:
         if arguments.live:
             raise InputError(f"--live is for scenes; {arguments.scene} is a study of several")
+        from presswear.commands import studies
+
         change = partial(_with_options, arguments=arguments)
         return studies.run(arguments, console, None if _is_plain(arguments) else change)
     if arguments.jobs != "1":
@@ -155,7 +156,7 @@ def _stored_scene(arguments: argparse.Namespace) -> Scene:
     """The scene of the folder to go on in."""
     from presswear.results.result import read_document
 
-    scene_named(arguments.scene)  # an unknown name is told first
+    scene_given(arguments.scene)  # an unknown name is told first
     scene = Scene.from_dict(read_document(arguments.out)["scene"])
     if scene.name != arguments.scene:
         raise InputError(
@@ -168,7 +169,7 @@ def _run_into(
     store: "ResultFolder", scene: Scene, window: "list[Tracker]", console: Console
 ) -> None:
     """Run a scene into its folder, from where it stands, with progress on the terminal."""
-    from presswear.campaign.run import run_into
+    from presswear.campaign.single import run_into
     from presswear.commands.running import Terminal
 
     go_on = go_on_with(scene.name, store.path)
@@ -202,9 +203,14 @@ def _window(arguments: argparse.Namespace, scene: Scene) -> "Iterator[list[Track
 
 
 def _report(arguments: argparse.Namespace, console: Console) -> int:
-    if is_study(arguments.folder):
+    check_folder(arguments.folder)
+    if (arguments.folder / "study.json").exists():
+        from presswear.commands import studies
+
         return studies.report(arguments.folder, console)
-    if precision.is_precision(arguments.folder):
+    if (arguments.folder / "precision.json").exists():
+        from presswear.commands import precision
+
         return precision.report(arguments.folder, console)
     from presswear.show.report import write_report
 

@@ -19,7 +19,10 @@ from rich.progress import (
 )
 from rich.table import Table
 
-from presswear.tools.errors import InputError
+from presswear.scene.catalog import scene_named
+from presswear.scene.scene import Scene
+from presswear.studies import STUDIES
+from presswear.tools.errors import InputError, nearest
 from presswear.tools.quantities import Meaning, parse_quantity
 
 _ANY = Meaning("", -math.inf, math.inf, "", "")
@@ -43,6 +46,21 @@ def settings_given(items: list[str]) -> dict[str, str]:
             raise InputError(f"--set {key.strip()} is given twice")
         settings[key.strip()] = value.strip()
     return settings
+
+
+def scene_given(name: str) -> Scene:
+    """A scene by its name; InputError lists scenes and studies, and tells one from the other."""
+    if name in STUDIES:
+        raise InputError(f"{name!r} is a study of several scenes; presswear run {name}")
+    return scene_named(name, STUDIES)
+
+
+def check_folder(path: Path) -> None:
+    """InputError where there is no such folder."""
+    if not path.is_dir():
+        beside = path.parent.iterdir() if path.parent.is_dir() else ()
+        near = nearest(path.name, (item.name for item in beside if item.is_dir()))
+        raise InputError(f"{path}: there is no such folder{near}")
 
 
 def count_given(option: str, text: str, most: int) -> int:
@@ -154,6 +172,7 @@ def finished_part(path: Path, console: Console) -> "Result":
     """A stored run, with a word on one that has not come to its end; something must be stored."""
     from presswear.results.result import load, unfinished
 
+    check_folder(path)
     result = load(path)
     words = unfinished(result)
     if words and not result.stages:

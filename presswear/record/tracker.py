@@ -71,6 +71,9 @@ class Tracker:
     def stage(self, stage: Any) -> None:
         """Hear of a finished stage (``StageResult``), the wear after it included."""
 
+    def variant(self, key: str, part: float, word: str) -> None:
+        """Hear which part of a variant of a study is done, 0 .. 1, and where it stands."""
+
 
 @dataclass
 class Telling(Tracker):

@@ -13,13 +13,7 @@ from pathlib import Path
 import pytest
 
 from presswear.__main__ import main
-from presswear.results.result import load
-from presswear.results.sameness import folder_differences
-from presswear.scene.catalog import STUDIES, wear_times
-from presswear.scene.settings import changed
-from presswear.studies.runaway.figure import two_wears
-from presswear.studies.runaway.study import Outcome, answer, outcome_of, runaway
-from presswear.studies.study import (
+from presswear.campaign.study import (
     Study,
     Variant,
     is_finished,
@@ -29,6 +23,12 @@ from presswear.studies.study import (
     run_variant,
     waiting,
 )
+from presswear.results.result import load
+from presswear.results.sameness import folder_differences
+from presswear.scene.catalog import STUDIES, wear_times
+from presswear.scene.settings import changed
+from presswear.studies.runaway.figure import two_wears
+from presswear.studies.runaway.variants import Outcome, answer, outcome_of, runaway
 from presswear.tools.errors import InputError
 
 

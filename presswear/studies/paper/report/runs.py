@@ -2,9 +2,9 @@
 
 from collections.abc import Mapping
 
+from presswear.campaign.study import Study
 from presswear.results.result import Result
 from presswear.show.report.parts import Table
-from presswear.studies.study import Study
 from presswear.tools.numbers import readable, whole
 
 

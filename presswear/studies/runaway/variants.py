@@ -9,11 +9,11 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
+from presswear.campaign.study import Change, Study, Variant, unchanged
 from presswear.results.result import Result
 from presswear.scene.catalog import wear_times
 from presswear.scene.scene import CONVENTIONS, Scene
 from presswear.scene.settings import changed
-from presswear.studies.study import Change, Study, Variant, unchanged
 
 RUNAWAY = 10.0
 """A second wear that adds so many times the depth of the first has run away."""
@@ -24,7 +24,7 @@ PRINTED = (1.221e-6, 1.178e-3)
 lost a factor of ten in print."""
 
 
-def runaway(change: Change = unchanged) -> Study:
+def make(change: Change = unchanged) -> Study:
     """The study ``runaway``, from the paper's scene with a change."""
     # What a second wear would add in one jump is known once the first one has been run on.
     paper = change(replace(wear_times(), name="runaway", cycles=CYCLES, wears=1))
