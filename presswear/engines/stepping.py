@@ -35,7 +35,7 @@ def sum_step(book: Book, drive_power: float, t: float, h: float) -> None:
     friction_power = 0.0
     for k in range(book.joints.shape[0]):
         contact = book.states[k]
-        work, pressure = dose_rates(book.wear[k], book.joints[k], contact, contact.normal)
+        work, pressure = dose_rates(book.joints[k], contact, contact.normal)
         duration = min(h, t - book.touch[k].onset_time)
         book.doses[k, 0] = work * duration
         book.doses[k, 1] = pressure * duration

@@ -38,6 +38,10 @@ JOINT = np.dtype(
         ("map_turns", np.float64),  # 1 where the wear maps turn with their bodies
         ("foundation", np.float64),  # its stiffness k_w b R, N/m^2 per rad; 0 for radial contact
         ("least_depth", np.float64),  # sum of the least depths of both surfaces, m
+        ("wear_coefficient", np.float64),  # K_d, 1/Pa; 0 keeps no account
+        ("bearing_share", np.float64),  # part of the worn depth that the bearing loses
+        ("slip_by_angle", np.bool_),
+        ("over_arc", np.bool_),
     ]
 )
 """A clearance joint as the kernels see it; SI units."""
@@ -172,6 +176,11 @@ def pack_joints(linkage: Linkage) -> Records:
             float(surface.depth.min()) if surface.is_worn else 0.0
             for surface in (joint.bearing_surface, joint.pin_surface)
         )
+        if joint.wear is not None:
+            record["wear_coefficient"] = joint.wear.coefficient
+            record["bearing_share"] = joint.wear.bearing_share
+            record["slip_by_angle"] = joint.wear.slip == "angle"
+            record["over_arc"] = joint.wear.footprint == "arc"
     return joints
 
 

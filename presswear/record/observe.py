@@ -61,7 +61,7 @@ class Book(NamedTuple):
 
     Attributes
     ----------
-    joints, wear : records of JOINT and WEAR
+    joints : records of JOINT
     surfaces : ndarray, shape (joints, ROWS, m)
     states : records of STATE
         Contacts and forces of the last accepted state.
@@ -90,7 +90,6 @@ class Book(NamedTuple):
     """
 
     joints: Records
-    wear: Records
     surfaces: Array
     states: Records
     onset: Array
@@ -112,15 +111,13 @@ class Book(NamedTuple):
 @compiled
 def deposit(book: Book, k: int) -> None:
     """Add the wear of the last step's doses to the maps of joint ``k``."""
-    law = book.wear[k]
     joint = book.joints[k]
     contact = book.states[k]
     bearing_angle = contact.bearing_angle
     pin_angle = contact.pin_angle
-    if law.over_arc:
+    if joint.over_arc:
         deposit_over_arc(
             book.depth[k],
-            law,
             joint,
             book.surfaces[k],
             contact,
@@ -130,9 +127,7 @@ def deposit(book: Book, k: int) -> None:
             book.pressure,
         )
     else:
-        deposit_in_bin(
-            book.depth[k], law, joint, contact, bearing_angle, pin_angle, book.doses[k, 1]
-        )
+        deposit_in_bin(book.depth[k], joint, contact, bearing_angle, pin_angle, book.doses[k, 1])
 
 
 @compiled
@@ -181,7 +176,7 @@ def observe(book: Book, t: float, h: float, q: Array, v: Array, a: Array) -> Non
             touch[k].peak_force = max(touch[k].peak_force, contact.normal)
             cycle[base] = max(cycle[base], contact.normal)
         cycle[base + 1] += book.doses[k, 0]
-        if book.doses[k, 0] > 0.0 and book.wear[k].coefficient > 0.0:
+        if book.doses[k, 0] > 0.0:
             deposit(book, k)
         cycle[base + 2] = counts.contacts
         if has_room:

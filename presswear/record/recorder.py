@@ -15,7 +15,6 @@ from presswear.linkage.elements import ClearanceJoint, Linkage
 from presswear.physics.clearance import STATE, note_contacts
 from presswear.physics.joint_data import pack_joints, pack_surfaces
 from presswear.physics.touchdown import LEAST_STEPS, TALLY, TOUCH
-from presswear.physics.wear import pack_wear
 from presswear.record.film import Film, empty_film, shutter_of
 from presswear.record.observe import (
     CYCLE_FIXED,
@@ -118,7 +117,6 @@ class Account:
         shape = (count, 2, angles)
         book = Book(
             joints=joints,
-            wear=pack_wear(linkage),
             surfaces=pack_surfaces(linkage),
             states=np.zeros(count, STATE),
             onset=np.zeros(count),

@@ -19,7 +19,6 @@ from presswear.physics.energy import mass_of, weight_of
 from presswear.physics.joint_data import pack_joints, pack_surfaces
 from presswear.physics.multipliers import Elimination, solve_multipliers, work_out
 from presswear.physics.springs import pack_springs, spring_forces
-from presswear.physics.wear import pack_wear
 from presswear.tools.compiled import Records, compiled, copy_to
 
 Array = NDArray[np.float64]
@@ -47,7 +46,6 @@ class System(NamedTuple):
     weight: Array
     springs: Records
     joints: Records
-    wear: Records
     surfaces: Array
     states: Records
     alpha: float
@@ -101,7 +99,7 @@ def rates(system: System, onset: Array, t: float, y: Array, out: Array) -> None:
     spring_forces(system.springs, q, v, force)
     rest = out[2 * n + DRIVE_INTEGRALS :]
     note_contacts(system.joints, system.surfaces, system.states, q, v)
-    add_contacts(system.joints, system.wear, onset, system.states, force, rest)
+    add_contacts(system.joints, onset, system.states, force, rest)
     evaluate_constraints(system, t, q, v)
     damping = 2.0 * system.alpha
     stiffness = system.beta * system.beta
@@ -164,7 +162,6 @@ def system_of(linkage: Linkage, alpha: float, beta: float) -> tuple[System, Cons
         weight=weight_of(linkage),
         springs=pack_springs(linkage),
         joints=pack_joints(linkage),
-        wear=pack_wear(linkage),
         surfaces=pack_surfaces(linkage),
         states=np.zeros(len(linkage.clearances), STATE),
         alpha=alpha,

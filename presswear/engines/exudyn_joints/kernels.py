@@ -130,7 +130,7 @@ def drive_power(frame: Frame, drives: Drives, book: Book) -> float:
     """Fill the torques of the drives, with contacts noted; returns their power, W."""
     if frame.cranks.shape[0] > 0:
         copy_to(drives.force, drives.weight)
-        add_contacts(book.joints, book.wear, book.onset, book.states, drives.force, drives.rates)
+        add_contacts(book.joints, book.onset, book.states, drives.force, drives.rates)
     power = 0.0
     crank = 0
     for i in range(drives.speed.shape[0]):

@@ -117,16 +117,14 @@ class _Forces:
         """What Exudyn calls in every stage; its own copies of the state are not needed."""
         system, out = self.system, self.out
         book = self.book
-        joints, wear, surfaces, states = book.joints, book.wear, book.surfaces, book.states
-        kernel = specialised(
-            stage_forces, system, joints, wear, surfaces, states, 0.0, out, out, out
-        )
+        joints, surfaces, states = book.joints, book.surfaces, book.states
+        kernel = specialised(stage_forces, system, joints, surfaces, states, 0.0, out, out, out)
 
         def force(mbs: Any, t: float, item: int, q: Any, q_t: Any) -> Array:
             self.calls += 1
             if self.calls > MOST_CALLS:
                 raise StuckError
-            kernel(system, joints, wear, surfaces, states, t, self.x, self.u, out)
+            kernel(system, joints, surfaces, states, t, self.x, self.u, out)
             return out
 
         return force
@@ -314,7 +312,7 @@ def _warm_up(tree: Tree, linkage: Linkage, start: Start) -> None:
     book = Account.of(linkage, start.position, 1, 1.0).book
     system = system_of(tree, linkage, 1.0)
     x = np.zeros(len(tree.links))
-    arguments = book.joints, book.wear, book.surfaces, book.states
+    arguments = book.joints, book.surfaces, book.states
     specialised(stage_forces, system, *arguments, 0.0, x, x, x)
     specialised(accept_tree_step, system, book, 0.0, x, x, x)
     specialised(tree_state, system, book, 0.0, x, x, x)

@@ -98,7 +98,6 @@ class TreeSystem(NamedTuple):
 def stage_forces(
     system: TreeSystem,
     joints: Records,
-    wear: Records,
     surfaces: Array,
     states: Records,
     t: float,
@@ -126,7 +125,7 @@ def stage_forces(
     if stage > 0 or t != pace.noted:
         note_contacts(joints, surfaces, states, q, v)
         pace.noted = t
-    add_contacts(joints, wear, system.expected, states, force, row[1:])
+    add_contacts(joints, system.expected, states, force, row[1:])
     carry_branches(system.links, v, a, axes, system.carried)
     power = -forced_power(system.cranks, v, force)
     for i in range(system.links.shape[0]):
@@ -271,7 +270,7 @@ def tree_state(system: TreeSystem, book: Book, t: float, x: Array, u: Array, u_t
     if t != system.pace[0].noted:
         note_contacts(book.joints, book.surfaces, book.states, q, v)
         system.pace[0].noted = t
-    add_contacts(book.joints, book.wear, system.expected, book.states, force, rates)
+    add_contacts(book.joints, system.expected, book.states, force, rates)
     for c in range(force.shape[0]):
         force[c] -= system.mass[c] * a[c]
     gather_forces(system.links, q, axes, force, system.balance)

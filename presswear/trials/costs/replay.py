@@ -109,7 +109,6 @@ def replay_stages(
             stage_forces(
                 system,
                 book.joints,
-                book.wear,
                 book.surfaces,
                 book.states,
                 t,
@@ -124,7 +123,7 @@ def replay_stages(
             # As in ``stage_forces``.
             if pace.evaluations % STAGES > 0 or t != pace.noted:
                 note_contacts(book.joints, book.surfaces, book.states, q, v)
-            add_contacts(book.joints, book.wear, system.expected, book.states, force, rates)
+            add_contacts(book.joints, system.expected, book.states, force, rates)
 
 
 @compiled
