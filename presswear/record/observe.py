@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.physics.clearance import note_forces
+from presswear.physics.packed import Packed
 from presswear.physics.touchdown import settle
 from presswear.physics.wear import deposit_in_bin, deposit_over_arc
 from presswear.record.film import take_frame
@@ -61,8 +62,8 @@ class Book(NamedTuple):
 
     Attributes
     ----------
-    joints : records of JOINT
-    surfaces : ndarray, shape (joints, ROWS, m)
+    packed : Packed
+        The linkage.
     states : records of STATE
         Contacts and forces of the last accepted state.
     onset : ndarray, shape (joints,)
@@ -89,8 +90,7 @@ class Book(NamedTuple):
         loss, friction loss, J; then the last powers of drives, contact, friction, W.
     """
 
-    joints: Records
-    surfaces: Array
+    packed: Packed
     states: Records
     onset: Array
     touch: Records
@@ -111,7 +111,7 @@ class Book(NamedTuple):
 @compiled
 def deposit(book: Book, k: int) -> None:
     """Add the wear of the last step's doses to the maps of joint ``k``."""
-    joint = book.joints[k]
+    joint = book.packed.joints[k]
     contact = book.states[k]
     bearing_angle = contact.bearing_angle
     pin_angle = contact.pin_angle
@@ -119,7 +119,7 @@ def deposit(book: Book, k: int) -> None:
         deposit_over_arc(
             book.depth[k],
             joint,
-            book.surfaces[k],
+            book.packed.surfaces[k],
             contact,
             bearing_angle,
             pin_angle,
@@ -133,10 +133,11 @@ def deposit(book: Book, k: int) -> None:
 @compiled
 def settle_state(book: Book, t: float, needed: int) -> int:
     """Settle an accepted state whose contacts are noted; see ``settle``."""
+    joints = book.packed.joints
     events = settle(
-        book.joints, book.onset, book.touch, book.tally, book.episodes, book.states, t, needed
+        joints, book.onset, book.touch, book.tally, book.episodes, book.states, t, needed
     )
-    note_forces(book.joints, book.onset, book.states)
+    note_forces(joints, book.onset, book.states)
     return events
 
 
@@ -146,10 +147,10 @@ def observe(book: Book, t: float, h: float, q: Array, v: Array, a: Array) -> Non
 
     The state's contacts are in the book, settled.
     """
-    joints, touch, tally, series = book.joints, book.touch, book.tally, book.series
+    touch, tally, series = book.touch, book.tally, book.series
     cycle = book.cycle
     state = book.record[0]
-    count = joints.shape[0]
+    count = touch.shape[0]
     i = state.probe
     displacement = state.probe_cos * q[i] + state.probe_sin * q[i + 1] - state.start
     velocity = state.probe_cos * v[i] + state.probe_sin * v[i + 1]

@@ -41,7 +41,7 @@ def touches(run: Run) -> list[tuple[float, int, float, float]]:
     """Onset, joint, closing speed and end of all finished contacts, by time."""
     rows = [
         (float(row[0]), k, float(row[2]), float(row[1]))
-        for k in range(len(run.account.book.joints))
+        for k in range(len(run.account.book.touch))
         for row in run.account.episodes(k)
     ]
     return sorted(rows)

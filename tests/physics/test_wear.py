@@ -41,13 +41,13 @@ def _law(footprint: Footprint, share: float = 0.5) -> WearLaw:
 def _deposited(pair: Pair, count: int, dose: float) -> Array:
     """Depths that a dose F_n ds adds to empty maps of bearing and pin, shape (2, count)."""
     contact, bearing, pin = pair.contact()
-    packed = pair.joints[0]
+    packed = pair.packed.joints[0]
     depth = np.zeros((2, count))
     if packed["over_arc"]:
         deposit_over_arc(
             depth,
             packed,
-            pair.surfaces[0],
+            pair.packed.surfaces[0],
             contact,
             bearing.angle,
             pin.angle,
@@ -134,7 +134,7 @@ def test_one_bin_gets_all_of_equation_29(frame: str, worn: bool, count: int) -> 
 def test_bins_accumulate() -> None:
     pair = placed(replace(JOINT, wear=_law("bin")), 2e-6, 0.3)
     contact, bearing, pin = pair.contact()
-    packed = pair.joints[0]
+    packed = pair.packed.joints[0]
     depth = np.zeros((2, 16))
     for _ in range(3):
         deposit_in_bin(depth, packed, contact, bearing.angle, pin.angle, 2e9)
@@ -146,7 +146,7 @@ def test_bins_accumulate() -> None:
 def test_dose_rates_follow_the_law_of_slip() -> None:
     pair = placed(replace(JOINT, wear=WearLaw(1e-15, "angle", "bin")), 1e-5, 0.8, rates=SLIDING)
     contact = pair.contact()[0]
-    packed = pair.joints[0]
+    packed = pair.packed.joints[0]
     work, pressure = dose_rates(packed, contact, 50.0)
     by_angle = (JOINT.pin_radius + contact.penetration) * abs(contact.turning)
     assert work == pytest.approx(50.0 * by_angle, rel=1e-14)
@@ -157,7 +157,7 @@ def test_dose_rates_follow_the_law_of_slip() -> None:
     work, _ = dose_rates(packed, contact, 50.0)
     assert work == pytest.approx(50.0 * abs(contact.sliding), rel=1e-14)
     open_one = placed(pair.joint, -1e-6, 0.8, rates=SLIDING)
-    assert dose_rates(open_one.joints[0], open_one.contact()[0], 0.0) == (0.0, 0.0)
+    assert dose_rates(open_one.packed.joints[0], open_one.contact()[0], 0.0) == (0.0, 0.0)
 
 
 wearing_joints = st.sampled_from(
@@ -283,7 +283,7 @@ def test_uniform_wear_has_the_volume_of_a_sleeve() -> None:
 
 def test_packed_law_holds_every_value() -> None:
     def packed(law: WearLaw | None) -> tuple[float | bool, ...]:
-        joint = placed(replace(JOINT, wear=law), 0.0, 0.0).joints[0]
+        joint = placed(replace(JOINT, wear=law), 0.0, 0.0).packed.joints[0]
         return tuple(
             joint[name]
             for name in ("wear_coefficient", "bearing_share", "slip_by_angle", "over_arc")

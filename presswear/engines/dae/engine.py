@@ -26,7 +26,7 @@ from presswear.engines.dae.march import (
 from presswear.engines.dae.runge_kutta import MOST_STAGES, dormand_prince_5, dormand_prince_8
 from presswear.engines.settings import InHouse
 from presswear.linkage.elements import Linkage
-from presswear.physics.constraints import Constraints
+from presswear.physics.constraints import Constraints, constraints_of
 from presswear.physics.energy import MADE_REMEDY, SETTLED, Ledger, made_energy, stored_energy
 from presswear.record.soundness import Condition, Finding
 from presswear.tools.errors import InputError
@@ -102,11 +102,12 @@ def _problem(state: int, time: float, constraints: Constraints, y: Array, n: int
 def simulate(linkage: Linkage, start: Start, accuracy: InHouse, plan: Plan) -> Run:
     """Run a linkage from a start; see ``Plan`` and ``Run``."""
     began = clock.perf_counter()
-    system, constraints = system_of(linkage, accuracy.alpha, accuracy.beta)
+    constraints = constraints_of(linkage)
     check_start(constraints, start)
     account = account_of(linkage, start, plan)
     book = account.book
-    n = system.mass.size
+    system = system_of(book.packed, constraints, accuracy.alpha, accuracy.beta)
+    n = start.position.size
     size = 2 * n + DRIVE_INTEGRALS + JOINT_INTEGRALS * len(linkage.clearances)
     y = np.zeros(size)
     y[:n], y[n : 2 * n] = start.position, start.velocity
@@ -132,7 +133,7 @@ def simulate(linkage: Linkage, start: Start, accuracy: InHouse, plan: Plan) -> R
     ready = clock.perf_counter()
 
     def stored() -> float:
-        return stored_energy(linkage, book.touch["energy"], y[:n], y[n : 2 * n])
+        return stored_energy(book.packed, book.touch["energy"], y[:n], y[n : 2 * n])
 
     energy_before = stored()
     duration = plan.cycle * plan.cycles

@@ -28,7 +28,7 @@ from presswear.engines.settings import ExudynJoints
 from presswear.linkage.elements import Linkage
 from presswear.physics.constraints import constraints_of
 from presswear.physics.contacts import JOINT_RATES
-from presswear.physics.energy import Ledger, stored_energy, weight_of
+from presswear.physics.energy import Ledger, stored_energy
 from presswear.physics.touchdown import STEPS
 from presswear.record.observe import Book
 from presswear.record.soundness import Condition, Finding
@@ -86,7 +86,6 @@ def _drives(model: Model, linkage: Linkage) -> Drives:
         ),
         speed=np.array([drive.speed for drive in linkage.drives], dtype=np.float64),
         multipliers=model.multipliers,
-        weight=weight_of(linkage),
         force=np.zeros(count),
         rates=np.zeros(JOINT_RATES * len(linkage.clearances)),
     )
@@ -141,7 +140,7 @@ def simulate(linkage: Linkage, start: Start, accuracy: ExudynJoints, plan: Plan)
         if linkage.clearances:
             model.system.SetPostNewtonUserFunction(lambda system, t: send_back(system, t))
     energies = book.touch["energy"]
-    before = stored_energy(linkage, energies, start.position, start.velocity)
+    before = stored_energy(book.packed, energies, start.position, start.velocity)
     settings = _settings(accuracy, plan.cycle)
     constraints = constraints_of(linkage)
 
@@ -166,7 +165,7 @@ def simulate(linkage: Linkage, start: Start, accuracy: ExudynJoints, plan: Plan)
         return np.array(model.frame.q), np.array(model.frame.v)
 
     def ledger() -> Ledger:
-        return Ledger.of(book.ledger, stored_energy(linkage, energies, *state()) - before)
+        return Ledger.of(book.ledger, stored_energy(book.packed, energies, *state()) - before)
 
     def condition() -> Condition:
         return Condition(watch.time, ledger(), *state(), REMEDY, constraints)

@@ -45,7 +45,7 @@ FRICTION = FrictionLaw(0.1, 1e-4, 1e-3)
 
 def first_contacts(run: Run) -> Array:
     """The first contact of every joint, shape (joints, 6); RunError if one has none."""
-    rows = [run.account.episodes(k)[:1] for k in range(len(run.account.book.joints))]
+    rows = [run.account.episodes(k)[:1] for k in range(len(run.account.book.touch))]
     if any(len(row) == 0 for row in rows):
         raise RunError("a contact that must happen was not seen")
     return np.concatenate(rows)

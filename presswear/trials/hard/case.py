@@ -155,7 +155,7 @@ def sound(run: Run, plan: Plan) -> Run:
         "velocity": run.end.velocity,
         "reactions": np.array([x for reaction in run.reactions.values() for x in reaction]),
         "energy": np.array([x for x in run.diagnostics.values() if isinstance(x, float)]),
-        **{f"contacts {k}": account.episodes(k) for k in range(len(account.book.joints))},
+        **{f"contacts {k}": account.episodes(k) for k in range(len(account.book.touch))},
     }
     for name, values in arrays.items():
         if not np.all(np.isfinite(values)):
