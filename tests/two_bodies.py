@@ -18,8 +18,8 @@ from presswear.linkage.elements import (
 from presswear.linkage.laws import FrictionLaw, NormalLaw
 from presswear.linkage.surface import Surface
 from presswear.physics.clearance import STATE, contact_of, load_of, note_contacts
-from presswear.physics.joint_data import Contact, Load, Pose, pack_joints, pack_surfaces
-from presswear.tools.compiled import Records
+from presswear.physics.joint_data import Contact, Load, Pose
+from presswear.physics.packed import Packed, pack
 
 Array = NDArray[np.float64]
 
@@ -50,11 +50,11 @@ def worn_joint(frame: MapFrame, count: int = 24, deepest: float = 1e-4) -> Clear
     )
 
 
-def joint_load(joints: Records, k: int, onset: Array, surfaces: Array, q: Array, v: Array) -> Load:
-    """Forces of joint ``k`` in a state of the whole linkage."""
-    states = np.zeros(len(joints), STATE)
-    note_contacts(joints, surfaces, states, q, v)
-    return load_of(joints[k], float(onset[k]), states[k])
+def joint_load(packed: Packed, onset: float, q: Array, v: Array) -> Load:
+    """Forces of the one joint in a state of the linkage, for a closing speed at touchdown."""
+    states = np.zeros(1, STATE)
+    note_contacts(packed, states, q, v)
+    return load_of(packed.joints[0], onset, states[0])
 
 
 @dataclass(frozen=True)
@@ -73,22 +73,17 @@ class Pair:
         return Linkage("pair", bodies, (), (), (), (self.joint,), Probe("pin", 0.0), 0.0)
 
     @property
-    def joints(self) -> Records:
-        """The joint as the kernels see it."""
-        return pack_joints(self.linkage)
-
-    @property
-    def surfaces(self) -> Array:
-        """Its surfaces as the kernels see them."""
-        return pack_surfaces(self.linkage)
+    def packed(self) -> Packed:
+        """The linkage as the kernels see it."""
+        return pack(self.linkage)
 
     def contact(self) -> tuple[Contact, Pose, Pose]:
         """Contact, bearing end and pin end."""
-        return contact_of(self.joints, 0, self.surfaces, self.q, self.v)
+        return contact_of(self.packed, 0, self.q, self.v)
 
     def load(self, onset: float) -> Load:
         """Forces, for a closing speed at first touch."""
-        return joint_load(self.joints, 0, np.array([onset]), self.surfaces, self.q, self.v)
+        return joint_load(self.packed, onset, self.q, self.v)
 
     def after(self, time: float, acceleration: Array | None = None) -> "Pair":
         """The state a time later at constant acceleration."""

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from presswear.physics.joint_data import Contact, Load, Pose, joint_end
 from presswear.physics.laws import ONSET_SPEED_FLOOR, damped_force, friction_force
+from presswear.physics.packed import Packed
 from presswear.physics.surface import BEARING, PIN, SLOPE, curvature, profile
 from presswear.physics.surface_contact import foundation_contact, radial_contact
 from presswear.tools.compiled import Records, compiled
@@ -36,19 +37,15 @@ STATE = np.dtype(
 
 
 @compiled
-def contact_of(
-    joints: Records, k: int, surfaces: Array, q: Array, v: Array
-) -> tuple[Contact, Pose, Pose]:
+def contact_of(packed: Packed, k: int, q: Array, v: Array) -> tuple[Contact, Pose, Pose]:
     """Contact of joint ``k`` in a state of the whole linkage, with both joint ends.
 
     Parameters
     ----------
-    joints : record array of JOINT
-    surfaces : ndarray, shape (joints, ROWS, m)
-        See ``pack_surfaces``; m = 0 when nothing is worn.
     q, v : ndarray, shape (3 bodies,)
     """
-    joint = joints[k]
+    joint = packed.joints[k]
+    surfaces = packed.surfaces
     bearing = joint_end(joint.bearing_body, joint.bearing_x, joint.bearing_y, q, v)
     pin = joint_end(joint.pin_body, joint.pin_x, joint.pin_y, q, v)
     if joint.foundation > 0.0 and surfaces.shape[2] > 0:
@@ -110,10 +107,10 @@ def load_of(joint: Records, onset_speed: float, state: Records) -> Load:
 
 
 @compiled
-def note_contacts(joints: Records, surfaces: Array, states: Records, q: Array, v: Array) -> None:
+def note_contacts(packed: Packed, states: Records, q: Array, v: Array) -> None:
     """Fill the states of all joints but for their forces; see ``note_forces``."""
-    for k in range(joints.shape[0]):
-        contact, bearing, pin = contact_of(joints, k, surfaces, q, v)
+    for k in range(states.shape[0]):
+        contact, bearing, pin = contact_of(packed, k, q, v)
         s = states[k]
         s.penetration = contact.penetration
         s.rate = contact.rate
@@ -166,7 +163,7 @@ def end_acceleration(body: int, end: Pose, a: Array) -> tuple[float, float, floa
 
 @compiled
 def penetration_acceleration(
-    joints: Records, k: int, surfaces: Array, place: float, q: Array, v: Array, a: Array
+    packed: Packed, k: int, place: float, q: Array, v: Array, a: Array
 ) -> float:
     """Second time derivative of the penetration of joint ``k``, m/s^2.
 
@@ -178,7 +175,8 @@ def penetration_acceleration(
     place : float
         ``Contact.place`` of the state.
     """
-    joint = joints[k]
+    joint = packed.joints[k]
+    surfaces = packed.surfaces
     bearing = joint_end(joint.bearing_body, joint.bearing_x, joint.bearing_y, q, v)
     pin = joint_end(joint.pin_body, joint.pin_x, joint.pin_y, q, v)
     pin_x, pin_y, pin_spin_t = end_acceleration(joint.pin_body, pin, a)

@@ -16,7 +16,7 @@ JOINT_RATES = 4
 
 @compiled
 def add_contacts(
-    joints: Records, wear: Records, onset: Array, states: Records, force: Array, rates: Array
+    joints: Records, onset: Array, states: Records, force: Array, rates: Array
 ) -> None:
     """Add the contact forces to the generalized forces, and fill the rates of all joints.
 
@@ -35,7 +35,7 @@ def add_contacts(
         contact = states[k]
         load = load_of(joint, onset[k], contact)
         rates[base], rates[base + 1] = loss_powers(contact, load.normal, load.tangential)
-        rates[base + 2], rates[base + 3] = dose_rates(wear[k], joint, contact, load.normal)
+        rates[base + 2], rates[base + 3] = dose_rates(joint, contact, load.normal)
         if load.normal > 0.0:
             b = joint.pin_body
             if b >= 0:

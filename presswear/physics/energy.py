@@ -6,14 +6,14 @@ does its work along n, on the approach e_dot . n; what it does beyond loading th
 elastic law is the contact loss, which for a round joint is the damping.
 """
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import GROUND, Attachment, Linkage, Spring
 from presswear.physics.joint_data import Contact
+from presswear.physics.packed import Packed
+from presswear.physics.springs import spring_energy
 from presswear.tools.compiled import compiled
 
 Array = NDArray[np.float64]
@@ -28,35 +28,7 @@ def loss_powers(contact: Contact, normal: float, tangential: float) -> tuple[flo
     return normal * contact.approach - stored, -tangential * contact.sliding
 
 
-def mass_of(linkage: Linkage) -> Array:
-    """Diagonal of the mass matrix, shape (3 bodies,): m, m, I of each body."""
-    return np.array([x for body in linkage.bodies for x in (body.mass, body.mass, body.inertia)])
-
-
-def weight_of(linkage: Linkage) -> Array:
-    """Constant generalized forces, shape (3 bodies,): gravity and loads."""
-    weight = np.zeros(3 * len(linkage.bodies))
-    weight[1::3] = [-linkage.gravity * body.mass for body in linkage.bodies]
-    for load in linkage.loads:
-        i = 3 * linkage.index(load.body)
-        weight[i : i + 3] += load.x, load.y, load.moment
-    return weight
-
-
-def _place(linkage: Linkage, point: Attachment, q: Array) -> tuple[float, float]:
-    if point.body == GROUND:
-        return point.x, point.y
-    x, y, angle = q[3 * linkage.index(point.body) :][:3]
-    c, s = math.cos(angle), math.sin(angle)
-    return x + c * point.x - s * point.y, y + s * point.x + c * point.y
-
-
-def _spring_energy(linkage: Linkage, spring: Spring, q: Array) -> float:
-    ends = _place(linkage, spring.first, q), _place(linkage, spring.second, q)
-    return 0.5 * spring.stiffness * (math.dist(*ends) - spring.length) ** 2
-
-
-def stored_energy(linkage: Linkage, elastic: Array, q: Array, v: Array) -> float:
+def stored_energy(packed: Packed, elastic: Array, q: Array, v: Array) -> float:
     """Kinetic, potential and elastic energy of a state, J.
 
     Parameters
@@ -66,9 +38,9 @@ def stored_energy(linkage: Linkage, elastic: Array, q: Array, v: Array) -> float
     q, v : ndarray, shape (3 bodies,)
     """
     with np.errstate(over="ignore"):  # a run that failed has no energy worth a warning
-        kinetic = 0.5 * float(np.sum(mass_of(linkage) * v**2))
-    potential = -float(weight_of(linkage) @ q)
-    springs = sum(_spring_energy(linkage, spring, q) for spring in linkage.springs)
+        kinetic = 0.5 * float(np.sum(packed.mass * v**2))
+    potential = -float(packed.weight @ q)
+    springs = spring_energy(packed.springs, q)
     return kinetic + potential + springs + float(np.sum(elastic))
 
 

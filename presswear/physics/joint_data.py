@@ -10,37 +10,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import GROUND, ClearanceJoint, Linkage
-from presswear.physics.foundation import foundation_stiffness
-from presswear.physics.surface import BEARING, PIN, ROWS, packed_rows
-from presswear.tools.compiled import Records, compiled
+from presswear.tools.compiled import compiled
 
 Array = NDArray[np.float64]
-
-JOINT = np.dtype(
-    [
-        ("bearing_body", np.int64),  # index in q of the body's x; -1 for the frame
-        ("pin_body", np.int64),
-        ("bearing_x", np.float64),  # centres in the bodies' frames, m
-        ("bearing_y", np.float64),
-        ("pin_x", np.float64),
-        ("pin_y", np.float64),
-        ("bearing_radius", np.float64),
-        ("pin_radius", np.float64),
-        ("clearance", np.float64),
-        ("width", np.float64),
-        ("stiffness", np.float64),
-        ("exponent", np.float64),
-        ("damping", np.float64),
-        ("friction", np.float64),
-        ("lower_speed", np.float64),
-        ("upper_speed", np.float64),
-        ("map_turns", np.float64),  # 1 where the wear maps turn with their bodies
-        ("foundation", np.float64),  # its stiffness k_w b R, N/m^2 per rad; 0 for radial contact
-        ("least_depth", np.float64),  # sum of the least depths of both surfaces, m
-    ]
-)
-"""A clearance joint as the kernels see it; SI units."""
 
 
 class Pose(NamedTuple):
@@ -144,44 +116,3 @@ def joint_end(body: int, local_x: float, local_y: float, q: Array, v: Array) -> 
 def direction_of(contact: Contact) -> float:
     """Direction phi of the eccentricity, rad."""
     return math.atan2(contact.eccentricity_y, contact.eccentricity_x)
-
-
-def pack_joints(linkage: Linkage) -> Records:
-    """The clearance joints of a linkage as records for the kernels, shape (joints,)."""
-    joints = np.zeros(len(linkage.clearances), JOINT)
-
-    def offset(body: str) -> int:
-        return -1 if body == GROUND else 3 * linkage.index(body)
-
-    for record, joint in zip(joints, linkage.clearances, strict=True):
-        record["bearing_body"] = offset(joint.bearing.body)
-        record["pin_body"] = offset(joint.pin.body)
-        record["bearing_x"], record["bearing_y"] = joint.bearing.x, joint.bearing.y
-        record["pin_x"], record["pin_y"] = joint.pin.x, joint.pin.y
-        record["bearing_radius"], record["pin_radius"] = joint.bearing_radius, joint.pin_radius
-        record["clearance"], record["width"] = joint.clearance, joint.width
-        record["stiffness"] = joint.normal.stiffness
-        record["exponent"] = joint.normal.exponent
-        record["damping"] = joint.normal.damping
-        record["friction"] = joint.friction.coefficient
-        record["lower_speed"], record["upper_speed"] = joint.friction.lower, joint.friction.upper
-        record["map_turns"] = float(joint.map_frame == "body")
-        if joint.contact == "foundation":
-            record["foundation"] = foundation_stiffness(joint.normal.stiffness, joint.clearance)
-        record["least_depth"] = sum(
-            float(surface.depth.min()) if surface.is_worn else 0.0
-            for surface in (joint.bearing_surface, joint.pin_surface)
-        )
-    return joints
-
-
-def pack_surfaces(linkage: Linkage) -> Array:
-    """The worn surfaces as the kernels see them, shape (joints, ROWS, m); m = 0 if none is."""
-    joints: tuple[ClearanceJoint, ...] = linkage.clearances
-    worn = [s for joint in joints for s in (joint.bearing_surface, joint.pin_surface) if s.is_worn]
-    count = worn[0].depth.size if worn else 0
-    packed = np.zeros((len(joints), ROWS, count))
-    for k, joint in enumerate(joints):
-        packed[k, BEARING:PIN] = packed_rows(joint.bearing_surface, count)
-        packed[k, PIN:] = packed_rows(joint.pin_surface, count)
-    return packed

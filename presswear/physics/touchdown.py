@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from presswear.physics.clearance import contact_of, penetration_acceleration
 from presswear.physics.joint_data import Contact
+from presswear.physics.packed import Packed
 from presswear.tools.compiled import Records, compiled
 
 Array = NDArray[np.float64]
@@ -34,9 +35,7 @@ TOUCH = np.dtype(
         ("acceleration", np.float64),  # of the penetration at the last accepted state, m/s^2
         ("step", np.float64),  # that led to it, s
         ("sweep", np.float64),  # speed at which the contact runs over the wear maps, rad/s
-        ("effective_mass", np.float64),  # lower bound, kg
         ("energy", np.float64),  # elastic, J
-        ("relief", np.float64),  # greatest difference of depth on the worn surfaces, m
     ]
 )
 """What is remembered of each joint between accepted steps."""
@@ -143,15 +142,16 @@ def crossing(p0: float, r0: float, p1: float, r1: float, h: float) -> float:
 
 
 @compiled
-def contact_step(
-    stiffness: float, exponent: float, mass: float, penetration: float, rate: float, parts: float
-) -> float:
+def contact_step(joint: Records, penetration: float, rate: float, parts: float) -> float:
     """Step, s, that divides a contact into equal parts.
 
     The duration is half a period of the oscillation at the deepest penetration
     that the present energy allows: pi sqrt(8/15) = 2.29 delta_max / v at the touch
     of an elastic Hertz impact, which lasts 2.94 delta_max / v.
     """
+    mass = joint.effective_mass
+    stiffness = joint.stiffness
+    exponent = joint.exponent
     if math.isinf(mass):
         return math.inf
     depth = max(penetration, 0.0)
@@ -196,9 +196,7 @@ def late_touch(joint: Records, last: Records, steps: Records, contact: Contact, 
     if s > 1.0:
         return -1.0
     closing = hermite(last.penetration, last.rate, contact.penetration, contact.rate, h, s)[1]
-    part = contact_step(
-        joint.stiffness, joint.exponent, last.effective_mass, 0.0, closing, steps.per_contact
-    )
+    part = contact_step(joint, 0.0, closing, steps.per_contact)
     behind = min(LANDING * part, 0.1 * h)
     if contact.penetration > 0.0:
         if (1.0 - s) * h <= OVERSHOOT * part:
@@ -229,23 +227,17 @@ def early_separation(last: Records, steps: Records, contact: Contact, h: float) 
 
 @compiled
 def shorter_step(
-    joints: Records,
-    onset: Array,
-    touch: Records,
-    steps: Records,
-    surfaces: Array,
-    t: float,
-    q: Array,
-    v: Array,
+    packed: Packed, onset: Array, touch: Records, steps: Records, t: float, q: Array, v: Array
 ) -> float:
     """Step, s, with which a trial step has to be repeated; -1 if it is acceptable."""
+    joints = packed.joints
     shortest = -1.0
     for k in range(joints.shape[0]):
         last = touch[k]
         h = t - last.time
         if h <= steps[0].least:
             continue
-        contact = contact_of(joints, k, surfaces, q, v)[0]
+        contact = contact_of(packed, k, q, v)[0]
         if onset[k] > 0.0:
             wanted = early_separation(last, steps[0], contact, h)
         else:
@@ -363,55 +355,52 @@ def step_in_impact(joints: Records, onset: Array, touch: Records, longest: float
     """
     for k in range(joints.shape[0]):
         if onset[k] > 0.0 and touch[k].steps < 2 * IMPACT_PARTS:
-            joint = joints[k]
-            mass = touch[k].effective_mass
-            part = contact_step(joint.stiffness, joint.exponent, mass, 0.0, onset[k], IMPACT_PARTS)
+            part = contact_step(joints[k], 0.0, onset[k], IMPACT_PARTS)
             longest = min(longest, part, touch[k].longest_step)
     return longest
 
 
 @compiled
-def skim_step(joints: Records, touch: Records, surfaces: Array, longest: float) -> float:
+def skim_step(packed: Packed, touch: Records, longest: float) -> float:
     """Step limit, s, of an error-controlled method from the bumps that a pin runs over.
 
     Its error estimate sees a bump only where a stage happens to fall on it.
     """
-    if surfaces.shape[2] == 0:
+    count = packed.surfaces.shape[2]
+    if count == 0:
         return longest
-    for k in range(joints.shape[0]):
+    for k in range(touch.shape[0]):
         last = touch[k]
-        if last.sweep > 0.0 and last.penetration > -last.relief:
-            bins = 2.0 * math.pi / surfaces.shape[2] / last.sweep
+        if last.sweep > 0.0 and last.penetration > -packed.joints[k].relief:
+            bins = 2.0 * math.pi / count / last.sweep
             longest = min(longest, bins / SKIM_STEPS)
     return longest
 
 
 @compiled
 def next_step(
-    joints: Records,
+    packed: Packed,
     onset: Array,
     touch: Records,
     steps: Records,
-    surfaces: Array,
     states: Records,
     q: Array,
     v: Array,
     a: Array,
 ) -> float:
     """Length of the next step, s, from the state just settled."""
+    count = packed.surfaces.shape[2]
     chosen = steps[0].free
-    for k in range(joints.shape[0]):
-        joint = joints[k]
+    for k in range(touch.shape[0]):
+        joint = packed.joints[k]
         last = touch[k]
         depth = last.penetration
         rate = last.rate
-        part = contact_step(
-            joint.stiffness, joint.exponent, last.effective_mass, depth, rate, steps[0].per_contact
-        )
-        acceleration = penetration_acceleration(joints, k, surfaces, states[k].place, q, v, a)
-        if surfaces.shape[2] > 0 and last.sweep > 0.0 and depth > -last.relief:
+        part = contact_step(joint, depth, rate, steps[0].per_contact)
+        acceleration = penetration_acceleration(packed, k, states[k].place, q, v, a)
+        if count > 0 and last.sweep > 0.0 and depth > -joint.relief:
             # A bump of the profile is a contact of its own and gets as many steps.
-            bins = 2.0 * math.pi / surfaces.shape[2] / last.sweep
+            bins = 2.0 * math.pi / count / last.sweep
             share = 0.5 * steps[0].per_contact if onset[k] > 0.0 else FLIGHT_STEPS_PER_BIN
             chosen = min(chosen, max(bins / share, steps[0].least))
         if onset[k] > 0.0:
@@ -426,14 +415,7 @@ def next_step(
             arrival = -2.0 * depth / denominator if denominator > 0.0 else -1.0
             if 0.0 <= arrival < chosen:
                 closing = rate + acceleration * arrival
-                part = contact_step(
-                    joint.stiffness,
-                    joint.exponent,
-                    last.effective_mass,
-                    0.0,
-                    closing,
-                    steps[0].per_contact,
-                )
+                part = contact_step(joint, 0.0, closing, steps[0].per_contact)
                 chosen = min(
                     chosen, max(arrival + min(LANDING * part, steps[0].free), steps[0].least)
                 )

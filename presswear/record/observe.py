@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.physics.clearance import note_forces
+from presswear.physics.packed import Packed
 from presswear.physics.touchdown import settle
 from presswear.physics.wear import deposit_in_bin, deposit_over_arc
 from presswear.record.film import take_frame
@@ -61,8 +62,8 @@ class Book(NamedTuple):
 
     Attributes
     ----------
-    joints, wear : records of JOINT and WEAR
-    surfaces : ndarray, shape (joints, ROWS, m)
+    packed : Packed
+        The linkage.
     states : records of STATE
         Contacts and forces of the last accepted state.
     onset : ndarray, shape (joints,)
@@ -89,9 +90,7 @@ class Book(NamedTuple):
         loss, friction loss, J; then the last powers of drives, contact, friction, W.
     """
 
-    joints: Records
-    wear: Records
-    surfaces: Array
+    packed: Packed
     states: Records
     onset: Array
     touch: Records
@@ -112,17 +111,15 @@ class Book(NamedTuple):
 @compiled
 def deposit(book: Book, k: int) -> None:
     """Add the wear of the last step's doses to the maps of joint ``k``."""
-    law = book.wear[k]
-    joint = book.joints[k]
+    joint = book.packed.joints[k]
     contact = book.states[k]
     bearing_angle = contact.bearing_angle
     pin_angle = contact.pin_angle
-    if law.over_arc:
+    if joint.over_arc:
         deposit_over_arc(
             book.depth[k],
-            law,
             joint,
-            book.surfaces[k],
+            book.packed.surfaces[k],
             contact,
             bearing_angle,
             pin_angle,
@@ -130,18 +127,17 @@ def deposit(book: Book, k: int) -> None:
             book.pressure,
         )
     else:
-        deposit_in_bin(
-            book.depth[k], law, joint, contact, bearing_angle, pin_angle, book.doses[k, 1]
-        )
+        deposit_in_bin(book.depth[k], joint, contact, bearing_angle, pin_angle, book.doses[k, 1])
 
 
 @compiled
 def settle_state(book: Book, t: float, needed: int) -> int:
     """Settle an accepted state whose contacts are noted; see ``settle``."""
+    joints = book.packed.joints
     events = settle(
-        book.joints, book.onset, book.touch, book.tally, book.episodes, book.states, t, needed
+        joints, book.onset, book.touch, book.tally, book.episodes, book.states, t, needed
     )
-    note_forces(book.joints, book.onset, book.states)
+    note_forces(joints, book.onset, book.states)
     return events
 
 
@@ -151,10 +147,10 @@ def observe(book: Book, t: float, h: float, q: Array, v: Array, a: Array) -> Non
 
     The state's contacts are in the book, settled.
     """
-    joints, touch, tally, series = book.joints, book.touch, book.tally, book.series
+    touch, tally, series = book.touch, book.tally, book.series
     cycle = book.cycle
     state = book.record[0]
-    count = joints.shape[0]
+    count = touch.shape[0]
     i = state.probe
     displacement = state.probe_cos * q[i] + state.probe_sin * q[i + 1] - state.start
     velocity = state.probe_cos * v[i] + state.probe_sin * v[i + 1]
@@ -181,7 +177,7 @@ def observe(book: Book, t: float, h: float, q: Array, v: Array, a: Array) -> Non
             touch[k].peak_force = max(touch[k].peak_force, contact.normal)
             cycle[base] = max(cycle[base], contact.normal)
         cycle[base + 1] += book.doses[k, 0]
-        if book.doses[k, 0] > 0.0 and book.wear[k].coefficient > 0.0:
+        if book.doses[k, 0] > 0.0:
             deposit(book, k)
         cycle[base + 2] = counts.contacts
         if has_room:

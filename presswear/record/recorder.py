@@ -11,11 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import ClearanceJoint, Linkage
+from presswear.linkage.elements import Linkage
 from presswear.physics.clearance import STATE, note_contacts
-from presswear.physics.joint_data import pack_joints, pack_surfaces
+from presswear.physics.packed import pack
 from presswear.physics.touchdown import LEAST_STEPS, TALLY, TOUCH
-from presswear.physics.wear import pack_wear
 from presswear.record.film import Film, empty_film, shutter_of
 from presswear.record.observe import (
     CYCLE_FIXED,
@@ -94,12 +93,8 @@ class Recorder:
         torques : bool
             Whether series hold the torques of the drives.
         """
-        joints = pack_joints(linkage)
-        count = joints.size
+        count = len(linkage.clearances)
         angles = max((j.wear.angles for j in linkage.clearances if j.wear), default=1)
-        touch = np.zeros(count, TOUCH)
-        touch["effective_mass"] = [effective_mass(linkage, k) for k in range(count)]
-        touch["relief"] = [relief(joint) for joint in linkage.clearances]
         tally = np.zeros(count, TALLY)
         tally["fewest_steps"] = np.iinfo(np.int64).max
         record = np.zeros(1, RECORD)
@@ -117,12 +112,10 @@ class Recorder:
         columns = SERIES_FIXED + SERIES_JOINT * count + len(linkage.drives) * torques
         shape = (count, 2, angles)
         book = Book(
-            joints=joints,
-            wear=pack_wear(linkage),
-            surfaces=pack_surfaces(linkage),
+            packed=pack(linkage),
             states=np.zeros(count, STATE),
             onset=np.zeros(count),
-            touch=touch,
+            touch=np.zeros(count, TOUCH),
             tally=tally,
             record=record,
             series=np.zeros((rows, columns)),
@@ -143,7 +136,7 @@ class Recorder:
     def begin(self, q: Array, v: Array, a: Array) -> None:
         """Settle contact in the initial state and write the first row of the series."""
         book = self.book
-        note_contacts(book.joints, book.surfaces, book.states, q, v)
+        note_contacts(book.packed, book.states, q, v)
         settle_state(book, 0.0, LEAST_STEPS)
         observe(book, 0.0, 0.0, q, v, a)
 
@@ -162,7 +155,7 @@ class Recorder:
         """Frames kept so far."""
         book = self.book
         rows = book.film[: int(book.shutter["frames"][0])]
-        return Film.of(rows, book.joints.size)
+        return Film.of(rows, book.touch.size)
 
     @property
     def last_frames(self) -> Film:
@@ -170,7 +163,7 @@ class Recorder:
         book = self.book
         frames = int(book.shutter["frames"][0])
         first = frames if frames == len(book.film) - 1 else 0
-        return Film.of(book.film[first : max(frames, first + 1)], book.joints.size)
+        return Film.of(book.film[first : max(frames, first + 1)], book.touch.size)
 
     def episodes(self, k: int) -> Array:
         """Recorded contacts of joint ``k``, shape (n, 6), columns EPISODE_COLUMNS."""
@@ -215,7 +208,7 @@ class Recorder:
         return {
             **{name: getattr(book, name).copy() for name in _SMALL},
             "series": self.rows,
-            **{f"episodes_{k}": self.episodes(k) for k in range(book.joints.size)},
+            **{f"episodes_{k}": self.episodes(k) for k in range(book.touch.size)},
             "film": book.film[:frames],
             "frame": book.film[frames].copy(),
             "cycles": self.cycles,
@@ -228,7 +221,7 @@ class Recorder:
         for name in _SMALL:
             getattr(book, name)[...] = stored[name]
         book.series[: len(stored["series"])] = stored["series"]
-        for k in range(book.joints.size):
+        for k in range(book.touch.size):
             book.episodes[k, : len(stored[f"episodes_{k}"])] = stored[f"episodes_{k}"]
         frames = len(stored["film"])
         book.film[:frames] = stored["film"]
@@ -236,27 +229,3 @@ class Recorder:
         self._rows = np.array(stored["cycles"])
         self._finished = len(self._rows)
         self.maps.restore(part(stored, "maps"))
-
-
-def relief(joint: ClearanceJoint) -> float:
-    """Greatest difference of depth that a pin can meet on the worn surfaces, m."""
-    return sum(
-        float(np.ptp(surface.depth)) if surface.is_worn else 0.0
-        for surface in (joint.bearing_surface, joint.pin_surface)
-    )
-
-
-def effective_mass(linkage: Linkage, k: int) -> float:
-    """Lower bound of the mass that meets in clearance joint ``k``, kg.
-
-    Both bodies taken as free: 1/m = sum of 1/m + r^2/I.  Constraints only add mass.
-    A driven body and the frame do not give way.
-    """
-    joint = linkage.clearances[k]
-    driven = {drive.body for drive in linkage.drives}
-    mobility = 0.0
-    for end in (joint.bearing, joint.pin):
-        for body in linkage.bodies:
-            if body.name == end.body and body.name not in driven:
-                mobility += 1.0 / body.mass + (end.x**2 + end.y**2) / body.inertia
-    return 1.0 / mobility if mobility > 0.0 else math.inf

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from presswear.linkage.elements import Linkage
 from presswear.physics.constraints import Constraints
-from presswear.physics.energy import MADE_REMEDY, Ledger, mass_of
+from presswear.physics.energy import MADE_REMEDY, Ledger
+from presswear.physics.packed import mass_of
 from presswear.record.recorder import Recorder
 
 Array = NDArray[np.float64]

@@ -14,7 +14,7 @@ from presswear.linkage.elements import GROUND, Attachment, ClearanceJoint
 from presswear.linkage.laws import FrictionLaw
 from presswear.linkage.surface import Surface, bin_centres
 from presswear.physics.clearance import penetration_acceleration
-from presswear.physics.joint_data import direction_of, joint_end, pack_joints, pack_surfaces
+from presswear.physics.joint_data import direction_of, joint_end
 from presswear.physics.laws import ONSET_SPEED_FLOOR, friction_force, normal_force
 from presswear.physics.surface import CUBE, LEAST, PIN, ROWS, SLOPE, SQUARE
 
@@ -187,7 +187,7 @@ def test_spinning_under_a_fixed_contact_moves_only_turning_maps() -> None:
 
 def _knot_is_near(pair: Pair, span: float) -> bool:
     """Whether the contact crosses the centre of a bin within so many radians."""
-    count = pair.surfaces.shape[2]
+    count = pair.packed.surfaces.shape[2]
     turns = float(pair.joint.map_frame == "body")
     positions = [
         (direction_of(pair.contact()[0]) - turns * pair.q[body + 2]) * count / (2.0 * math.pi) - 0.5
@@ -214,9 +214,7 @@ def test_penetration_acceleration_is_the_derivative_of_the_rate(
     acceleration: Array,
 ) -> None:
     pair = placed(joint, penetration, direction, angles=angles, rates=rates)
-    formula = penetration_acceleration(
-        pair.joints, 0, pair.surfaces, 0.0, pair.q, pair.v, acceleration
-    )
+    formula = penetration_acceleration(pair.packed, 0, 0.0, pair.q, pair.v, acceleration)
     eccentricity = pair.contact()[0].eccentricity
     # Centres move at up to 1.5 m/s against each other: a small part of the time in which
     # the pin would cross the joint.
@@ -247,7 +245,7 @@ def test_centred_pin_touches_nothing(joint: ClearanceJoint) -> None:
     assert contact.penetration <= -joint.clearance
     assert np.all(np.isfinite(contact))
     assert pair.load(0.0) == (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    pull = penetration_acceleration(pair.joints, 0, pair.surfaces, 0.0, q, v, np.ones(6))
+    pull = penetration_acceleration(pair.packed, 0, 0.0, q, v, np.ones(6))
     assert math.isfinite(pull)
 
 
@@ -301,32 +299,32 @@ def test_a_bearing_on_the_frame_is_a_bearing_on_a_body_at_rest(
     assert alone.contact()[0] == free.contact()[0]
     acceleration = np.concatenate([np.zeros(3), rates[:3] * 100.0])
     assert penetration_acceleration(
-        alone.joints, 0, alone.surfaces, 0.0, alone.q, alone.v, acceleration[3:]
-    ) == penetration_acceleration(free.joints, 0, free.surfaces, 0.0, free.q, free.v, acceleration)
+        alone.packed, 0, 0.0, alone.q, alone.v, acceleration[3:]
+    ) == penetration_acceleration(free.packed, 0, 0.0, free.q, free.v, acceleration)
 
 
 def test_packed_joint_holds_every_value() -> None:
     joint = worn_joint("body")
-    record = pack_joints(placed(joint, 0.0, 0.0).linkage)[0]
+    record = placed(joint, 0.0, 0.0).packed.joints[0]
     assert (record["bearing_body"], record["pin_body"]) == (0, 3)
     assert (record["bearing_x"], record["bearing_y"]) == (0.17, -0.03)
     assert (record["pin_x"], record["pin_y"]) == (-0.11, 0.05)
     assert record["pin_radius"] == record["bearing_radius"] - record["clearance"]
     assert record["map_turns"] == 1.0
-    assert pack_joints(placed(JOINT, 0.0, 0.0).linkage)[0]["map_turns"] == 1.0
+    assert placed(JOINT, 0.0, 0.0).packed.joints[0]["map_turns"] == 1.0
     fixed = replace(JOINT, map_frame="fixed")
-    assert pack_joints(placed(fixed, 0.0, 0.0).linkage)[0]["map_turns"] == 0.0
+    assert placed(fixed, 0.0, 0.0).packed.joints[0]["map_turns"] == 0.0
 
 
 def test_unworn_surfaces_pack_to_nothing() -> None:
-    assert pack_surfaces(placed(JOINT, 0.0, 0.0).linkage).shape == (1, ROWS, 0)
+    assert placed(JOINT, 0.0, 0.0).packed.surfaces.shape == (1, ROWS, 0)
     flat = replace(JOINT, bearing_surface=Surface(np.zeros(16)))
-    assert pack_surfaces(placed(flat, 0.0, 0.0).linkage).shape == (1, ROWS, 0)
+    assert placed(flat, 0.0, 0.0).packed.surfaces.shape == (1, ROWS, 0)
 
 
 def test_one_worn_surface_packs_beside_an_unworn_one() -> None:
     surface = waves(20, 1e-5, 3)
-    packed = pack_surfaces(placed(replace(JOINT, pin_surface=surface), 0.0, 0.0).linkage)
+    packed = placed(replace(JOINT, pin_surface=surface), 0.0, 0.0).packed.surfaces
     assert packed.shape == (1, ROWS, 20)
     assert not packed[0, :PIN].any()
     np.testing.assert_array_equal(packed[0, PIN], surface.depth)

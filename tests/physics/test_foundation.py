@@ -135,7 +135,7 @@ def test_forces_are_the_gradient_of_the_energy(seed: int, bins: int) -> None:
     pair = worn(bearing, groove(0.5, 8e-6, bins))
     calm = replace_rates(pair)
     # With no damping, at rest, nothing but the elastic force is left.
-    load = joint_load(calm.joints, 0, np.array([1.0]), calm.surfaces, calm.q, calm.v)
+    load = joint_load(calm.packed, 1.0, calm.q, calm.v)
     force = np.array([-load.x, -load.y, load.bearing_moment, load.x, load.y, load.pin_moment])
     for i in range(6):
         h = 1e-10 if i % 3 < 2 else 1e-8
@@ -143,7 +143,7 @@ def test_forces_are_the_gradient_of_the_energy(seed: int, bins: int) -> None:
         for sign in (1.0, -1.0):
             q = calm.q.copy()
             q[i] += sign * h
-            energies.append(contact_of(calm.joints, 0, calm.surfaces, q, calm.v)[0].energy)
+            energies.append(contact_of(calm.packed, 0, q, calm.v)[0].energy)
         slope = -(energies[0] - energies[1]) / (2.0 * h)
         scale = abs(load.normal) * (1.0 if i % 3 < 2 else 0.02)
         assert force[i] == pytest.approx(slope, abs=3e-6 * scale)
@@ -177,14 +177,12 @@ def test_rates_of_the_overlap_are_its_derivatives() -> None:
 
     def overlap(time: float) -> float:
         q = pair.q + pair.v * time + 0.5 * acceleration * time**2
-        return contact_of(pair.joints, 0, pair.surfaces, q, pair.v)[0].penetration
+        return contact_of(pair.packed, 0, q, pair.v)[0].penetration
 
     assert contact.rate == pytest.approx((overlap(h) - overlap(-h)) / (2.0 * h), rel=1e-6)
     h = 5e-7
     second = (overlap(h) - 2.0 * overlap(0.0) + overlap(-h)) / h**2
-    formula = penetration_acceleration(
-        pair.joints, 0, pair.surfaces, contact.place, pair.q, pair.v, acceleration
-    )
+    formula = penetration_acceleration(pair.packed, 0, contact.place, pair.q, pair.v, acceleration)
     assert formula == pytest.approx(second, rel=1e-3)
 
 
@@ -193,8 +191,7 @@ def test_the_closing_rate_is_that_of_the_energy() -> None:
     contact = pair.contact()[0]
     h = 1e-8
     energies = [
-        contact_of(pair.joints, 0, pair.surfaces, pair.q + s * h * pair.v, pair.v)[0].energy
-        for s in (1.0, -1.0)
+        contact_of(pair.packed, 0, pair.q + s * h * pair.v, pair.v)[0].energy for s in (1.0, -1.0)
     ]
     rate = (energies[0] - energies[1]) / (2.0 * h)
     assert contact.elastic * contact.closing == pytest.approx(rate, rel=1e-6)

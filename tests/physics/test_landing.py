@@ -49,11 +49,10 @@ class _Line:
 
     def __post_init__(self) -> None:
         pair = Pair(self.joint, self.q, self.v)
-        self.joints: Records = pair.joints
-        self.surfaces = pair.surfaces
+        self.packed = pair.packed
+        self.joints: Records = self.packed.joints
         self.onset = np.zeros(1)
         self.touch = np.zeros(1, TOUCH)
-        self.touch["effective_mass"] = MASS
         self.tally = np.zeros(1, TALLY)
         self.tally["fewest_steps"] = np.iinfo(np.int64).max
         self.steps = np.zeros(1, STEPS)
@@ -70,7 +69,7 @@ class _Line:
         return self
 
     def settle(self) -> None:
-        note_contacts(self.joints, self.surfaces, self.states, self.q, self.v)
+        note_contacts(self.packed, self.states, self.q, self.v)
         settle(
             self.joints,
             self.onset,
@@ -83,7 +82,7 @@ class _Line:
 
     def acceleration(self, x: float, speed: float, onset: float) -> float:
         q, v = np.array([x, 0.0, 0.0]), np.array([speed, 0.0, 0.0])
-        load = joint_load(self.joints, 0, np.array([onset]), self.surfaces, q, v)
+        load = joint_load(self.packed, onset, q, v)
         return self.push + load.x / MASS
 
     def wanted(self) -> float:
@@ -91,11 +90,10 @@ class _Line:
         now = self.acceleration(self.q[0], self.v[0], self.onset[0])
         a = np.array([now, 0.0, 0.0])
         return next_step(
-            self.joints,
+            self.packed,
             self.onset,
             self.touch,
             self.steps,
-            self.surfaces,
             self.states,
             self.q,
             self.v,
@@ -124,9 +122,7 @@ class _Line:
     def late(self, h: float, x: float, speed: float) -> float:
         """What ``shorter_step`` says to a trial state."""
         q, v = np.array([x, 0.0, 0.0]), np.array([speed, 0.0, 0.0])
-        return shorter_step(
-            self.joints, self.onset, self.touch, self.steps, self.surfaces, self.time + h, q, v
-        )
+        return shorter_step(self.packed, self.onset, self.touch, self.steps, self.time + h, q, v)
 
     def accept(self, h: float, x: float, speed: float) -> None:
         self.time += h
@@ -142,7 +138,7 @@ def test_step_lands_just_behind_a_touch(gap: float, speed: float, push: float) -
     h = line.wanted()
     x, after = line.flown(h)
     closing = math.sqrt(speed**2 + 2.0 * push * gap)
-    part = contact_step(LINE.normal.stiffness, 1.5, MASS, 0.0, closing, PARTS)
+    part = contact_step(line.joints[0], 0.0, closing, PARTS)
     landed = (x - LINE.clearance) / closing
     assert landed == pytest.approx(LANDING * part, rel=0.01)
     assert line.late(h, x, after) == -1.0
@@ -166,7 +162,7 @@ def test_late_touch_sends_a_step_back_to_the_touch() -> None:
     touch = (math.sqrt(speed**2 + 2.0 * push * gap) - speed) / push
     shorter = line.late(FREE, *line.flown(FREE))
     closing = speed + push * touch
-    part = contact_step(LINE.normal.stiffness, 1.5, MASS, 0.0, closing, PARTS)
+    part = contact_step(line.joints[0], 0.0, closing, PARTS)
     # Free flight is a parabola: the cubic is exact.
     assert shorter == pytest.approx(touch + LANDING * part, rel=1e-9)
     assert line.late(shorter, *line.flown(shorter)) == -1.0
@@ -175,7 +171,7 @@ def test_late_touch_sends_a_step_back_to_the_touch() -> None:
 def test_a_slight_overshoot_is_accepted_a_larger_one_is_not() -> None:
     speed, gap = 1.0, 2e-5
     line = _Line().start(LINE.clearance - gap, speed)
-    part = contact_step(LINE.normal.stiffness, 1.5, MASS, 0.0, speed, PARTS)
+    part = contact_step(line.joints[0], 0.0, speed, PARTS)
     for share, accepted in ((0.97 * OVERSHOOT, True), (1.03 * OVERSHOOT, False)):
         h = gap / speed + share * part
         assert (line.late(h, *line.flown(h)) < 0.0) == accepted
@@ -272,5 +268,5 @@ def test_settle_takes_the_speed_at_the_touch_not_at_the_step() -> None:
     line.accept(h, *line.flown(h))
     assert line.onset[0] == pytest.approx(closing, rel=1e-9)
     assert line.touch["onset_time"][0] == pytest.approx((speed - closing) / -push, rel=1e-9)
-    contact = contact_of(line.joints, 0, line.surfaces, line.q, line.v)[0]
+    contact = contact_of(line.packed, 0, line.q, line.v)[0]
     assert abs(contact.rate - closing) > 1e-3

@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from two_bodies import JOINT, placed
 
+from presswear.physics.packed import JOINT as JOINT_RECORD
 from presswear.physics.touchdown import (
     LEAST_STEPS,
     STEPS,
@@ -27,6 +28,13 @@ PARTS = 50.0
 def _cubic(a: float, b: float, c: float, d: float, s: float) -> tuple[float, float]:
     """Value and slope of a + b s + c s^2 + d s^3."""
     return a + s * (b + s * (c + s * d)), b + s * (2.0 * c + s * 3.0 * d)
+
+
+def _meeting(stiffness: float, exponent: float = 1.5, mass: float = MASS) -> Records:
+    """A joint whose pin and bearing meet with a mass, kg."""
+    joint = np.zeros(1, JOINT_RECORD)
+    joint["stiffness"], joint["exponent"], joint["effective_mass"] = stiffness, exponent, mass
+    return joint[0]
 
 
 coefficients = st.floats(-10.0, 10.0)
@@ -115,7 +123,7 @@ def test_contact_step_divides_a_hertz_impact(speed: float) -> None:
     stiffness = 1.25e10
     deepest = (5.0 * MASS * speed**2 / (4.0 * stiffness)) ** 0.4
     duration = 2.9432751843 * deepest / speed
-    step = contact_step(stiffness, 1.5, MASS, 0.0, speed, PARTS)
+    step = contact_step(_meeting(stiffness), 0.0, speed, PARTS)
     # Half a period at the deepest point's tangent stiffness: pi sqrt(8 / 15) against 2.943.
     assert step * PARTS / duration == pytest.approx(
         math.pi * math.sqrt(8.0 / 15.0) / 2.9432751843, rel=1e-9
@@ -126,7 +134,7 @@ def test_contact_step_divides_a_hertz_impact(speed: float) -> None:
 def test_contact_step_of_a_linear_spring_is_exact() -> None:
     half_period = math.pi * math.sqrt(MASS / 1e6)
     for depth, rate in ((0.0, 0.3), (1e-4, 0.0), (5e-5, -0.1)):
-        step = contact_step(1e6, 1.0, MASS, depth, rate, PARTS)
+        step = contact_step(_meeting(1e6, 1.0), depth, rate, PARTS)
         assert step == pytest.approx(half_period / PARTS, rel=1e-12)
 
 
@@ -135,20 +143,20 @@ def test_contact_step_depends_on_energy_alone(depth: float, rate: float, exponen
     stiffness = 1e10
     energy = 0.5 * MASS * rate**2 + stiffness * depth ** (exponent + 1.0) / (exponent + 1.0)
     deepest = ((exponent + 1.0) * energy / stiffness) ** (1.0 / (exponent + 1.0))
-    here = contact_step(stiffness, exponent, MASS, depth, rate, PARTS)
-    turned = contact_step(stiffness, exponent, MASS, deepest, 0.0, PARTS)
+    here = contact_step(_meeting(stiffness, exponent), depth, rate, PARTS)
+    turned = contact_step(_meeting(stiffness, exponent), deepest, 0.0, PARTS)
     assert here == pytest.approx(turned, rel=1e-9)
 
 
 def test_contact_step_without_energy_sets_no_limit() -> None:
-    assert contact_step(1e10, 1.5, MASS, 0.0, 0.0, PARTS) == math.inf
-    assert contact_step(1e10, 1.5, MASS, -1e-3, 0.0, PARTS) == math.inf
+    assert contact_step(_meeting(1e10), 0.0, 0.0, PARTS) == math.inf
+    assert contact_step(_meeting(1e10), -1e-3, 0.0, PARTS) == math.inf
 
 
 @pytest.mark.parametrize("rate", [0.0, 0.3])
 def test_contact_step_of_a_body_that_does_not_give_way_is_no_limit(rate: float) -> None:
     """Two driven bodies meet with infinite mass; a step that is no number helps nobody."""
-    assert contact_step(1e10, 1.5, math.inf, 1e-6, rate, PARTS) > 0.0
+    assert contact_step(_meeting(1e10, mass=math.inf), 1e-6, rate, PARTS) > 0.0
 
 
 def _closed(penetration: float, rate: float, taken: int) -> Records:

@@ -11,15 +11,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import Linkage
 from presswear.physics.clearance import STATE, note_contacts
-from presswear.physics.constraints import DRIVE, Constraints, constraint_rows, constraints_of
+from presswear.physics.constraints import DRIVE, Constraints, constraint_rows
 from presswear.physics.contacts import JOINT_RATES, add_contacts
-from presswear.physics.energy import mass_of, weight_of
-from presswear.physics.joint_data import pack_joints, pack_surfaces
 from presswear.physics.multipliers import Elimination, solve_multipliers, work_out
-from presswear.physics.springs import pack_springs, spring_forces
-from presswear.physics.wear import pack_wear
+from presswear.physics.packed import Packed
+from presswear.physics.springs import spring_forces
 from presswear.tools.compiled import Records, compiled, copy_to
 
 Array = NDArray[np.float64]
@@ -34,21 +31,16 @@ JOINT_INTEGRALS = JOINT_RATES
 class System(NamedTuple):
     """A linkage as the kernels see it, with working space.
 
-    ``inverse_mass`` and ``weight`` are (3 bodies,); ``phi``, ``phi_t``, ``gamma``,
+    ``inverse_mass`` is (3 bodies,); ``phi``, ``phi_t``, ``gamma``,
     ``right`` and ``multipliers`` are (rows,).
     """
 
+    packed: Packed
     constraints: Records
     row_start: Indices
     column: Indices
     elimination: Elimination
-    mass: Array
     inverse_mass: Array
-    weight: Array
-    springs: Records
-    joints: Records
-    wear: Records
-    surfaces: Array
     states: Records
     alpha: float
     beta: float
@@ -93,15 +85,15 @@ def solve(system: System) -> None:
 @compiled
 def rates(system: System, onset: Array, t: float, y: Array, out: Array) -> None:
     """dy/dt; leaves the multipliers in ``system``."""
-    n = system.mass.shape[0]
+    n = system.inverse_mass.shape[0]
     q = y[:n]
     v = y[n : 2 * n]
     force = out[n : 2 * n]
-    copy_to(force, system.weight)
-    spring_forces(system.springs, q, v, force)
+    copy_to(force, system.packed.weight)
+    spring_forces(system.packed.springs, q, v, force)
     rest = out[2 * n + DRIVE_INTEGRALS :]
-    note_contacts(system.joints, system.surfaces, system.states, q, v)
-    add_contacts(system.joints, system.wear, onset, system.states, force, rest)
+    note_contacts(system.packed, system.states, q, v)
+    add_contacts(system.packed.joints, onset, system.states, force, rest)
     evaluate_constraints(system, t, q, v)
     damping = 2.0 * system.alpha
     stiffness = system.beta * system.beta
@@ -135,7 +127,7 @@ def project(system: System, t: float, y: Array) -> None:
     Both in the metric of the mass matrix, so that the change of kinetic energy is
     of second order in the violation.
     """
-    n = system.mass.shape[0]
+    n = system.inverse_mass.shape[0]
     for level in range(2):
         evaluate_constraints(system, t, y[:n], y[n : 2 * n])
         copy_to(system.right, system.phi if level == 0 else system.phi_t)
@@ -148,25 +140,18 @@ def project(system: System, t: float, y: Array) -> None:
                 )
 
 
-def system_of(linkage: Linkage, alpha: float, beta: float) -> tuple[System, Constraints]:
-    """Pack a linkage; ``alpha`` and ``beta`` are Baumgarte's coefficients, 1/s."""
-    constraints = constraints_of(linkage)
+def system_of(packed: Packed, constraints: Constraints, alpha: float, beta: float) -> System:
+    """The equations of a linkage; ``alpha`` and ``beta`` are Baumgarte's coefficients, 1/s."""
     elimination = work_out(constraints)
-    mass = mass_of(linkage)
     rows = np.zeros((5, constraints.rows))
-    system = System(
+    return System(
+        packed=packed,
         constraints=constraints.records,
         row_start=constraints.row_start,
         column=constraints.column,
         elimination=elimination,
-        mass=mass,
-        inverse_mass=1.0 / mass,
-        weight=weight_of(linkage),
-        springs=pack_springs(linkage),
-        joints=pack_joints(linkage),
-        wear=pack_wear(linkage),
-        surfaces=pack_surfaces(linkage),
-        states=np.zeros(len(linkage.clearances), STATE),
+        inverse_mass=1.0 / packed.mass,
+        states=np.zeros(len(packed.joints), STATE),
         alpha=alpha,
         beta=beta,
         phi=rows[0],
@@ -177,4 +162,3 @@ def system_of(linkage: Linkage, alpha: float, beta: float) -> tuple[System, Cons
         work=np.zeros(elimination.slots),
         multipliers=rows[4],
     )
-    return system, constraints

@@ -26,7 +26,7 @@ from presswear.engines.dae.runge_kutta import MOST_STAGES, dormand_prince_5, dor
 from presswear.engines.driver import Simulation
 from presswear.engines.settings import InHouse
 from presswear.linkage.elements import Linkage
-from presswear.physics.constraints import Constraints
+from presswear.physics.constraints import Constraints, constraints_of
 from presswear.physics.energy import MADE_REMEDY, SETTLED, Ledger, made_energy, stored_energy
 from presswear.record.recorder import Recorder
 from presswear.record.soundness import Finding
@@ -96,10 +96,11 @@ def prepare(
 ) -> Simulation:
     """Pack a linkage in a start; see ``Simulation``."""
     began = clock.perf_counter()
-    system, constraints = system_of(linkage, settings.alpha, settings.beta)
+    constraints = constraints_of(linkage)
     check_start(constraints, start)
     book = recorder.book
-    n = system.mass.size
+    system = system_of(book.packed, constraints, settings.alpha, settings.beta)
+    n = start.position.size
     size = 2 * n + DRIVE_INTEGRALS + JOINT_INTEGRALS * len(linkage.clearances)
     y = np.zeros(size)
     y[:n], y[n : 2 * n] = start.position, start.velocity
@@ -125,7 +126,7 @@ def prepare(
     ready = clock.perf_counter()
 
     def stored() -> float:
-        return stored_energy(linkage, book.touch["energy"], y[:n], y[n : 2 * n])
+        return stored_energy(book.packed, book.touch["energy"], y[:n], y[n : 2 * n])
 
     energy_before = stored()
     sums = {"solve": 0.0}

@@ -84,8 +84,8 @@ class Motion(NamedTuple):
 @compiled
 def penetration_of(system: System, k: int, y: Array) -> tuple[float, float]:
     """Penetration and its rate of joint ``k`` in a state."""
-    n = system.mass.shape[0]
-    contact = contact_of(system.joints, k, system.surfaces, y[:n], y[n : 2 * n])[0]
+    n = system.inverse_mass.shape[0]
+    contact = contact_of(system.packed, k, y[:n], y[n : 2 * n])[0]
     return contact.penetration, contact.rate
 
 
@@ -99,7 +99,7 @@ def first_event(
     """
     found = -1
     part = 2.0
-    for k in range(system.joints.shape[0]):
+    for k in range(system.states.shape[0]):
         if k == apart:
             continue
         last = book.touch[k]
@@ -194,18 +194,18 @@ def finish_step(
     system: System, book: Book, control: Records, motion: Motion, t: float, h: float
 ) -> None:
     """Account for an accepted state in ``motion.y``, whose slopes are in ``slopes[0]``."""
-    n = system.mass.shape[0]
+    n = system.inverse_mass.shape[0]
     y = motion.y
-    note_contacts(book.joints, book.surfaces, book.states, y[:n], y[n : 2 * n])
-    note_forces(book.joints, book.onset, book.states)
-    for k in range(system.joints.shape[0]):
+    note_contacts(book.packed, book.states, y[:n], y[n : 2 * n])
+    note_forces(book.packed.joints, book.onset, book.states)
+    for k in range(system.states.shape[0]):
         base = 2 * n + DRIVE_INTEGRALS + JOINT_INTEGRALS * k + 2
         # Integrals are emptied into the account, so that they never lose digits.
         book.doses[k, 0] = y[base]
         book.doses[k, 1] = y[base + 1]
         y[base] = y[base + 1] = 0.0
         last = book.touch[k]
-        remember(last, book.joints[k], book.states[k], t)
+        remember(last, book.packed.joints[k], book.states[k], t)
         if book.onset[k] > 0.0:
             last.steps += 1
     note_torques(system, book)
@@ -229,15 +229,15 @@ def march_controlled(
     most: int,
 ) -> int:
     """Integrate towards ``end`` for at most so many steps; returns where it stands."""
-    n = system.mass.shape[0]
+    n = system.inverse_mass.shape[0]
     state = control[0]
     for _ in range(most):
         t = state.time
         left = end - t
         if left <= 0.0:
             return DONE
-        longest = skim_step(system.joints, book.touch, system.surfaces, state.longest)
-        longest = step_in_impact(system.joints, book.onset, book.touch, longest)
+        longest = skim_step(system.packed, book.touch, state.longest)
+        longest = step_in_impact(system.packed.joints, book.onset, book.touch, longest)
         h = min(state.step, longest, left)
         last_step = h >= left
         for i in range(n):
@@ -261,7 +261,7 @@ def march_controlled(
         state.step = h * min(max(factor, LEAST_FACTOR), GREATEST_FACTOR)
         if k >= 0:
             located, found = locate(system, tableau, book, control, motion, t, k, h, part)
-            for _ in range(system.joints.shape[0]):
+            for _ in range(system.states.shape[0]):
                 # The cubics may have seen events of two joints in the wrong order.
                 earlier, part = first_event(system, book, motion.trial, located, k)
                 if not found or earlier < 0:
@@ -282,15 +282,9 @@ def march_controlled(
         copy_to(motion.y, motion.trial)
         if k >= 0:
             switch(system, book, k, t, motion.y)
-            joint = system.joints[k]
-            last = book.touch[k]
             rate = penetration_of(system, k, motion.y)[1]
-            state.step = min(
-                state.step,
-                contact_step(
-                    joint.stiffness, joint.exponent, last.effective_mass, 0.0, rate, FIRST_PARTS
-                ),
-            )
+            part = contact_step(system.packed.joints[k], 0.0, rate, FIRST_PARTS)
+            state.step = min(state.step, part)
         if state.projected:
             project(system, t, motion.y)
         if state.projected or k >= 0:
@@ -307,7 +301,7 @@ def march_fixed(
     system: System, book: Book, control: Records, motion: Motion, end: float, most: int
 ) -> int:
     """The same with equal steps of order 4; contact state changes between steps only."""
-    n = system.mass.shape[0]
+    n = system.inverse_mass.shape[0]
     state = control[0]
     for _ in range(most):
         t = state.time
@@ -323,7 +317,7 @@ def march_fixed(
         for i in range(2 * n):
             if not abs(motion.y[i]) < 1e30:
                 return BROKEN
-        note_contacts(book.joints, book.surfaces, book.states, motion.y[:n], motion.y[n : 2 * n])
+        note_contacts(book.packed, book.states, motion.y[:n], motion.y[n : 2 * n])
         settle_state(book, t, LEAST_STEPS)
         if state.projected:
             project(system, t, motion.y)

@@ -28,7 +28,7 @@ from presswear.engines.settings import ExudynJoints
 from presswear.linkage.elements import Linkage
 from presswear.physics.constraints import constraints_of
 from presswear.physics.contacts import JOINT_RATES
-from presswear.physics.energy import Ledger, stored_energy, weight_of
+from presswear.physics.energy import Ledger, stored_energy
 from presswear.physics.touchdown import STEPS
 from presswear.record.observe import Book
 from presswear.record.recorder import Recorder
@@ -86,7 +86,6 @@ def _drives(model: Model, linkage: Linkage) -> Drives:
         ),
         speed=np.array([drive.speed for drive in linkage.drives], dtype=np.float64),
         multipliers=model.multipliers,
-        weight=weight_of(linkage),
         force=np.zeros(count),
         rates=np.zeros(JOINT_RATES * len(linkage.clearances)),
     )
@@ -143,7 +142,7 @@ def prepare(
         if linkage.clearances:
             model.system.SetPostNewtonUserFunction(lambda system, t: send_back(system, t))
     energies = book.touch["energy"]
-    before = stored_energy(linkage, energies, start.position, start.velocity)
+    before = stored_energy(book.packed, energies, start.position, start.velocity)
     exudyn = _settings(settings, longest)
 
     def advance(end: float) -> Finding | None:
@@ -161,7 +160,7 @@ def prepare(
         return solve.time, np.array(model.frame.q), np.array(model.frame.v)
 
     def ledger() -> Ledger:
-        stored = stored_energy(linkage, energies, *state()[1:])
+        stored = stored_energy(book.packed, energies, *state()[1:])
         return Ledger.of(book.ledger, stored - before)
 
     def diagnostics() -> dict[str, float | int | str]:

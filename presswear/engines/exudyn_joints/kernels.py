@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from presswear.engines.stepping import accept_step
 from presswear.physics.clearance import load_of, note_contacts
 from presswear.physics.contacts import add_contacts
+from presswear.physics.packed import Packed
 from presswear.physics.prescribed import drive_torque, place_cranks
 from presswear.physics.touchdown import shorter_step
 from presswear.record.observe import Book
@@ -61,10 +62,9 @@ def refresh(frame: Frame, t: float) -> None:
 @compiled
 def connector_forces(
     frame: Frame,
-    joints: Records,
+    packed: Packed,
     slots: Indices,
     onset: Array,
-    surfaces: Array,
     states: Records,
     t: float,
     out: Array,
@@ -83,9 +83,9 @@ def connector_forces(
     refresh(frame, t)
     for i in range(out.shape[0]):
         out[i] = 0.0
-    note_contacts(joints, surfaces, states, frame.q, frame.v)
-    for k in range(joints.shape[0]):
-        load = load_of(joints[k], onset[k], states[k])
+    note_contacts(packed, states, frame.q, frame.v)
+    for k in range(states.shape[0]):
+        load = load_of(packed.joints[k], onset[k], states[k])
         if load.normal == 0.0:
             continue
         i = slots[k, 0]
@@ -111,8 +111,8 @@ class Drives(NamedTuple):
         rad/s.
     multipliers : ndarray
         Exudyn's live multipliers; the torque of a drive is minus its own.
-    weight, force : ndarray, shape (3 bodies,)
-        Constant generalized forces, and working space.
+    force : ndarray, shape (3 bodies,)
+        Working space.
     rates : ndarray, shape (JOINT_RATES joints,)
         Working space.
     """
@@ -120,7 +120,6 @@ class Drives(NamedTuple):
     multiplier: Indices
     speed: Array
     multipliers: Array
-    weight: Array
     force: Array
     rates: Array
 
@@ -129,8 +128,8 @@ class Drives(NamedTuple):
 def drive_power(frame: Frame, drives: Drives, book: Book) -> float:
     """Fill the torques of the drives, with contacts noted; returns their power, W."""
     if frame.cranks.shape[0] > 0:
-        copy_to(drives.force, drives.weight)
-        add_contacts(book.joints, book.wear, book.onset, book.states, drives.force, drives.rates)
+        copy_to(drives.force, book.packed.weight)
+        add_contacts(book.packed.joints, book.onset, book.states, drives.force, drives.rates)
     power = 0.0
     crank = 0
     for i in range(drives.speed.shape[0]):
@@ -150,7 +149,7 @@ def accept_joint_step(
 ) -> float:
     """Account for an accepted step and choose the next; see ``accept_step``."""
     refresh(frame, t)
-    note_contacts(book.joints, book.surfaces, book.states, frame.q, frame.v)
+    note_contacts(book.packed, book.states, frame.q, frame.v)
     power = drive_power(frame, drives, book)
     return accept_step(book, steps, power, t, h, frame.q, frame.v, frame.a)
 
@@ -159,6 +158,4 @@ def accept_joint_step(
 def shorter_joint_step(frame: Frame, book: Book, steps: Records, t: float) -> float:
     """Step with which a trial step has to be repeated; see ``shorter_step``."""
     refresh(frame, t)
-    return shorter_step(
-        book.joints, book.onset, book.touch, steps, book.surfaces, t, frame.q, frame.v
-    )
+    return shorter_step(book.packed, book.onset, book.touch, steps, t, frame.q, frame.v)

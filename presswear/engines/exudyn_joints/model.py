@@ -238,7 +238,7 @@ class _Connector:
     """
 
     bodies: tuple[str, ...]
-    arguments: tuple[Any, ...]  # joints, slots, onset, surfaces, states
+    arguments: tuple[Any, ...]  # packed, slots, onset, states
     out: Array
     frame: Any = None
     kernel: Any = None
@@ -249,10 +249,9 @@ class _Connector:
         bodies = tuple(name for name in dict.fromkeys(ends) if name in nodes)
         slots = [3 * bodies.index(name) if name in bodies else -1 for name in ends]
         arguments = (
-            book.joints,
+            book.packed,
             np.array(slots, dtype=np.int64).reshape(-1, 2),
             book.onset,
-            book.surfaces,
             np.zeros(len(ends) // 2, STATE),
         )
         return _Connector(bodies, arguments, np.zeros(3 * len(bodies)))
@@ -262,10 +261,10 @@ class _Connector:
         self.kernel = specialised(connector_forces, frame, *self.arguments, 0.0, self.out)
 
     def function(self) -> Callable[..., Array]:
-        joints, slots, onset, surfaces, states = self.arguments
+        packed, slots, onset, states = self.arguments
 
         def force(system: Any, t: float, item: int, q: Any, v: Any) -> Array:
-            self.kernel(self.frame, joints, slots, onset, surfaces, states, t, self.out)
+            self.kernel(self.frame, packed, slots, onset, states, t, self.out)
             return self.out
 
         return force

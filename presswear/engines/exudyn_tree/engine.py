@@ -43,8 +43,7 @@ from presswear.engines.settings import ExudynTree
 from presswear.linkage.elements import Linkage
 from presswear.linkage.topology import cranks_of
 from presswear.physics.contacts import JOINT_RATES
-from presswear.physics.energy import Ledger, mass_of, stored_energy, weight_of
-from presswear.physics.springs import pack_springs
+from presswear.physics.energy import Ledger, stored_energy
 from presswear.physics.tree import CARRIED, Tree, tree_of
 from presswear.record.observe import Book
 from presswear.record.recorder import Recorder
@@ -83,9 +82,6 @@ def system_of(tree: Tree, linkage: Linkage, longest: float) -> TreeSystem:
     return TreeSystem(
         links=tree.links,
         cranks=tree.cranks,
-        springs=pack_springs(linkage),
-        mass=mass_of(linkage),
-        weight=weight_of(linkage),
         expected=np.zeros(joints),
         pace=pace,
         stages=np.zeros((STAGES, 1 + JOINT_RATES * joints)),
@@ -116,16 +112,14 @@ class _Forces:
         """What Exudyn calls in every stage; its own copies of the state are not needed."""
         system, out = self.system, self.out
         book = self.book
-        joints, wear, surfaces, states = book.joints, book.wear, book.surfaces, book.states
-        kernel = specialised(
-            stage_forces, system, joints, wear, surfaces, states, 0.0, out, out, out
-        )
+        packed, states = book.packed, book.states
+        kernel = specialised(stage_forces, system, packed, states, 0.0, out, out, out)
 
         def force(mbs: Any, t: float, item: int, q: Any, q_t: Any) -> Array:
             self.calls += 1
             if self.calls > MOST_CALLS:
                 raise StuckError
-            kernel(system, joints, wear, surfaces, states, t, self.x, self.u, out)
+            kernel(system, packed, states, t, self.x, self.u, out)
             return out
 
         return force
@@ -201,7 +195,7 @@ def prepare(
 
     def energy() -> tuple[float, float]:
         q, v = system.state[0], system.state[1]
-        stored = stored_energy(linkage, book.touch["energy"], q, v)
+        stored = stored_energy(book.packed, book.touch["energy"], q, v)
         return stored, hinge_power_integral(system)
 
     tree_state(system, book, 0.0, model.x, model.u, np.zeros(len(tree.links)))
@@ -269,7 +263,7 @@ def _warm_up(tree: Tree, linkage: Linkage, start: Start) -> None:
     book = Recorder.of(linkage, start.position, 1, 1.0).book
     system = system_of(tree, linkage, 1.0)
     x = np.zeros(len(tree.links))
-    arguments = book.joints, book.wear, book.surfaces, book.states
+    arguments = book.packed, book.states
     specialised(stage_forces, system, *arguments, 0.0, x, x, x)
     specialised(accept_tree_step, system, book, 0.0, x, x, x)
     specialised(tree_state, system, book, 0.0, x, x, x)

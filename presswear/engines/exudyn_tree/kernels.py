@@ -19,6 +19,7 @@ from scipy.integrate import RK45
 from presswear.engines.stepping import all_finite
 from presswear.physics.clearance import note_contacts, penetration_acceleration
 from presswear.physics.contacts import JOINT_RATES, add_contacts
+from presswear.physics.packed import Packed
 from presswear.physics.prescribed import drive_torque, forced_power, place_cranks
 from presswear.physics.springs import spring_forces
 from presswear.physics.touchdown import IMPACT_PARTS, contact_step, skim_step, step_in_impact
@@ -67,8 +68,7 @@ class TreeSystem(NamedTuple):
 
     Attributes
     ----------
-    links, cranks, springs : records
-    mass, weight : ndarray, shape (3 bodies,)
+    links, cranks : records
     expected : ndarray, shape (joints,)
         Closing speed that the next step uses: latched, or predicted while open, m/s.
     pace : one record of PACE
@@ -83,9 +83,6 @@ class TreeSystem(NamedTuple):
 
     links: Records
     cranks: Records
-    springs: Records
-    mass: Array
-    weight: Array
     expected: Array
     pace: Records
     stages: Array
@@ -97,9 +94,7 @@ class TreeSystem(NamedTuple):
 @compiled
 def stage_forces(
     system: TreeSystem,
-    joints: Records,
-    wear: Records,
-    surfaces: Array,
+    packed: Packed,
     states: Records,
     t: float,
     x: Array,
@@ -116,17 +111,17 @@ def stage_forces(
     q, v, a, force, axes = system.state
     place_cranks(system.cranks, t, q, v, a, axes)
     place_links(system.links, x, u, q, v, axes)
-    copy_to(force, system.weight)
-    spring_forces(system.springs, q, v, force)
+    copy_to(force, packed.weight)
+    spring_forces(packed.springs, q, v, force)
     pace = system.pace[0]
     stage = pace.evaluations % STAGES
     row = system.stages[stage]
     pace.evaluations += 1
     # The first stage is in the state that the last step ended in.
     if stage > 0 or t != pace.noted:
-        note_contacts(joints, surfaces, states, q, v)
+        note_contacts(packed, states, q, v)
         pace.noted = t
-    add_contacts(joints, wear, system.expected, states, force, row[1:])
+    add_contacts(packed.joints, system.expected, states, force, row[1:])
     carry_branches(system.links, v, a, axes, system.carried)
     power = -forced_power(system.cranks, v, force)
     for i in range(system.links.shape[0]):
@@ -194,13 +189,10 @@ def step_to_events(book: Book, system: TreeSystem, h: float) -> float:
     """
     pace = system.pace[0]
     q, v, a, _, _ = system.state
-    for k in range(book.joints.shape[0]):
-        joint = book.joints[k]
+    for k in range(book.touch.shape[0]):
         last = book.touch[k]
         closed = book.onset[k] > 0.0
-        acceleration = penetration_acceleration(
-            book.joints, k, book.surfaces, book.states[k].place, q, v, a
-        )
+        acceleration = penetration_acceleration(book.packed, k, book.states[k].place, q, v, a)
         jerk = (acceleration - last.acceleration) / last.step if last.step > 0.0 else 0.0
         last.acceleration = acceleration
         if closed and last.steps == 1 and last.rate > 0.0 and acceleration < 0.0:
@@ -223,9 +215,7 @@ def step_to_events(book: Book, system: TreeSystem, h: float) -> float:
         if not pace.smooth:
             doubt = max(doubt, UNKNOWN_DOUBT * arrival)
         if doubt * speed <= LANDING_DEPTH:
-            whole = contact_step(
-                joint.stiffness, joint.exponent, last.effective_mass, 0.0, speed, 1.0
-            )
+            whole = contact_step(book.packed.joints[k], 0.0, speed, 1.0)
             h = min(h, arrival + min(LANDING_DEPTH / speed, LANDING_PART * whole))
         else:
             h = min(h, max(arrival - 2.0 * doubt, 0.5 * arrival))
@@ -236,7 +226,7 @@ def step_to_events(book: Book, system: TreeSystem, h: float) -> float:
 def sum_stages(book: Book, system: TreeSystem, h: float) -> None:
     """Doses and energies of a step of length ``h`` from the powers of its stages."""
     ledger = book.ledger
-    count = book.joints.shape[0]
+    count = book.touch.shape[0]
     book.doses[:] = 0.0
     for j in range(STAGES):
         weight = h * WEIGHTS[j]
@@ -265,15 +255,15 @@ def tree_state(system: TreeSystem, book: Book, t: float, x: Array, u: Array, u_t
     place_cranks(system.cranks, t, q, v, a, axes)
     place_links(system.links, x, u, q, v, axes)
     accelerate_links(system.links, u_t, v, axes, a)
-    copy_to(force, system.weight)
-    spring_forces(system.springs, q, v, force)
+    copy_to(force, book.packed.weight)
+    spring_forces(book.packed.springs, q, v, force)
     rates = system.stages[0, 1:]
     if t != system.pace[0].noted:
-        note_contacts(book.joints, book.surfaces, book.states, q, v)
+        note_contacts(book.packed, book.states, q, v)
         system.pace[0].noted = t
-    add_contacts(book.joints, book.wear, system.expected, book.states, force, rates)
+    add_contacts(book.packed.joints, system.expected, book.states, force, rates)
     for c in range(force.shape[0]):
-        force[c] -= system.mass[c] * a[c]
+        force[c] -= book.packed.mass[c] * a[c]
     gather_forces(system.links, q, axes, force, system.balance)
     power = 0.0
     for i in range(system.cranks.shape[0]):
@@ -289,14 +279,14 @@ def next_tree_step(book: Book, system: TreeSystem, h: float, events: int) -> flo
     if not (pace.cut and h >= 0.999 * pace.asked):
         # A step cut short says little: what was reached before it still holds.
         pace.reach = max(h, pace.shortest)
-    for k in range(book.joints.shape[0]):
+    for k in range(book.touch.shape[0]):
         if book.onset[k] > 0.0 and book.touch[k].steps == 1:
             pace.deepest_touch = max(pace.deepest_touch, book.touch[k].penetration)
     pace.events += events
     pace.smooth = events == 0
     limit = min(
-        step_in_impact(book.joints, book.onset, book.touch, GROWTH * pace.reach),
-        skim_step(book.joints, book.touch, book.surfaces, pace.longest),
+        step_in_impact(book.packed.joints, book.onset, book.touch, GROWTH * pace.reach),
+        skim_step(book.packed, book.touch, pace.longest),
     )
     pace.asked = step_to_events(book, system, limit)
     pace.cut = pace.asked < limit

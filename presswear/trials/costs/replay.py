@@ -108,9 +108,7 @@ def replay_stages(
         if forces:
             stage_forces(
                 system,
-                book.joints,
-                book.wear,
-                book.surfaces,
+                book.packed,
                 book.states,
                 t,
                 calls.x[i],
@@ -123,8 +121,8 @@ def replay_stages(
         if contacts:
             # As in ``stage_forces``.
             if pace.evaluations % STAGES > 0 or t != pace.noted:
-                note_contacts(book.joints, book.surfaces, book.states, q, v)
-            add_contacts(book.joints, book.wear, system.expected, book.states, force, rates)
+                note_contacts(book.packed, book.states, q, v)
+            add_contacts(book.packed.joints, system.expected, book.states, force, rates)
 
 
 @compiled

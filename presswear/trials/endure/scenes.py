@@ -18,7 +18,7 @@ from presswear.engines.settings import Engine, InHouse
 from presswear.linkage.mechanism import HEAVIER
 from presswear.linkage.press import GEOMETRIES, Press
 from presswear.linkage.slider_crank import SliderCrank
-from presswear.physics.energy import mass_of
+from presswear.physics.packed import mass_of
 from presswear.scene.catalog import slider_crank, wear_times
 from presswear.scene.scene import LEAST_RAMP, Bearings, Conventions, Numerics, Scene
 from presswear.tools.errors import AssemblyError, InputError, RunFailed

@@ -10,7 +10,7 @@ from presswear.engines.settings import InHouse
 from presswear.linkage.elements import Attachment, Body, ClearanceJoint, Linkage, Probe
 from presswear.linkage.laws import NormalLaw
 from presswear.linkage.surface import Surface, bin_centres
-from presswear.physics.energy import mass_of
+from presswear.physics.packed import mass_of
 from presswear.trials.hard.case import guarded, ran
 
 Array = NDArray[np.float64]
