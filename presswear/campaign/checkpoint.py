@@ -49,7 +49,7 @@ class Checkpoint:
         runs, state = self.partial.runs, self.partial.state
         finished = sum(len(run.recorder.cycles) for run in runs)
         if state is not None:
-            finished += len(state["account/cycles"])
+            finished += len(state["recorder/cycles"])
         where = f"stage {self.index}"
         if self.growth is not None:
             where += f", step {len(self.growth.steps) + 1} of the wear after it"
@@ -131,7 +131,7 @@ def _restored_surfaces(prefix: str, joints: list[str], arrays: State) -> Worn:
 
 def _run(prefix: str, run: Run, arrays: dict[str, Any]) -> dict[str, Any]:
     """A finished run as a document; its arrays are added to those given."""
-    arrays |= named(f"{prefix}/account", run.recorder.state())
+    arrays |= named(f"{prefix}/recorder", run.recorder.state())
     arrays |= {f"{prefix}/q": run.end.position, f"{prefix}/v": run.end.velocity}
     return {
         "status": run.status,
@@ -148,7 +148,7 @@ def _restored_runs(
     for k, told in enumerate(runs):
         own = part(arrays, f"{prefix}/{k}")
         recorder = empty_recorder(scene, linkage, k)
-        recorder.restore(part(own, "account"))
+        recorder.restore(part(own, "recorder"))
         found.append(
             Run(
                 told["status"],

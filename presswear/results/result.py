@@ -5,7 +5,7 @@ digests of all files; ``stage-K.npz`` the arrays of stage K, ``film-K.npz`` its 
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 from importlib import import_module

@@ -9,8 +9,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from presswear.tools.files import arrays_in, read_checked
 from presswear.results.result import load, read_document
+from presswear.tools.files import arrays_in, read_checked
 
 _TIMES = ("wall_", "share_")
 _DATES = ("started", "resumed", "digest", "files")

@@ -17,9 +17,9 @@ import numpy as np
 from numpy.lib import format as npy
 from numpy.typing import NDArray
 
+from presswear.linkage.surface import bin_centres
 from presswear.tools.errors import InputError
 from presswear.tools.files import read_checked
-from presswear.linkage.surface import bin_centres
 from presswear.tools.typed import LARGEST
 
 Array = NDArray[np.float64]

@@ -31,11 +31,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
 
+from presswear.results.result import Result
+from presswear.results.stored import read_arrays
 from presswear.tools.errors import InputError
 from presswear.tools.files import write_arrays, write_whole
 from presswear.tools.folders import check_name
-from presswear.results.result import Result
-from presswear.results.stored import read_arrays
 
 Array = NDArray[np.float64]
 Table = Mapping[str, Array]
