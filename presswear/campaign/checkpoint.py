@@ -49,7 +49,7 @@ class Checkpoint:
         runs, state = self.partial.runs, self.partial.state
         finished = sum(len(run.recorder.cycles) for run in runs)
         if state is not None:
-            finished += len(state["account/cycles"])
+            finished += len(state["recorder/cycles"])
         where = f"stage {self.index}"
         if self.growth is not None:
             where += f", step {len(self.growth.steps) + 1} of the wear after it"
