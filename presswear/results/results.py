@@ -177,8 +177,8 @@ def stored_scene(document: Mapping[str, Any], file: Path) -> Scene:
         raise InputError(f"{file}: {error}") from None
     # Both are told twice, for whoever reads the file without us.
     for key in ("engine", "conventions"):
-        inside = document["scene"].get(key)
-        if document.get(key, inside) != inside:
+        inside = document["scene"][key]
+        if document.get(key) != inside:
             raise InputError(f"{file}: {key!r} is not what it is in 'scene', {inside!r}")
     return scene
 

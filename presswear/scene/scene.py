@@ -30,6 +30,7 @@ from presswear.linkage.surface import Surface
 from presswear.linkage.topology import branches_of
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import Choice, check_fields, choice, quantity
+from presswear.tools.typed import misfits
 
 
 @dataclass(frozen=True)
@@ -363,6 +364,10 @@ class Scene:
             lacking = next(_lacking(scene.as_dict(), data), None)
             if lacking is not None:
                 raise InputError(f"this is no whole scene: {lacking!r} is missing")
+            # Settings of an engine that no person can set have no range of their own.
+            wrong = next(misfits(scene), None)
+            if wrong is not None:
+                raise InputError(f"this is no stored scene: {wrong} is not what it should be")
             return scene
         except InputError:
             raise
