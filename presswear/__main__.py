@@ -19,7 +19,7 @@ def _parser() -> "argparse.ArgumentParser":
     # Imported when a signal is answered already: it takes most of a second.
     import argparse
 
-    from presswear.commands import costs, crosscheck, endure, precision, replay, run, scenes, verify
+    from presswear.commands import costs, crosscheck, precision, replay, run, scenes, verify
 
     class _Parser(argparse.ArgumentParser):
         """Errors of usage in one line, like every other."""
@@ -33,7 +33,7 @@ def _parser() -> "argparse.ArgumentParser":
         epilog="example: presswear run wear-times --cycles 5 --out results/first",
     )
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    for module in (scenes, run, replay, verify, crosscheck, costs, precision, endure):
+    for module in (scenes, run, replay, verify, crosscheck, costs, precision):
         module.add(commands)
     return parser
 

@@ -116,7 +116,6 @@ def test_run_ideal_and_report(tmp_path: Path, capsys: pytest.CaptureFixture[str]
         ["export"],
         ["verify"],
         ["costs"],
-        ["endure"],
     ],
 )
 def test_every_help_has_an_example(command: list[str], capsys: pytest.CaptureFixture[str]) -> None:

@@ -8,13 +8,13 @@ from typing import Any
 
 import pytest
 
+from endurance.forgery import NO_LEAVES, leaves
+from endurance.subject import answered
 from presswear.commands.studies import check_study
 from presswear.results.results import plain
 from presswear.studies.runaway.study import runaway
 from presswear.studies.study import FILE, load_study, unchanged
 from presswear.tools.errors import InputError
-from presswear.trials.endure.altered import NO_LEAVES, leaves
-from presswear.trials.endure.inputs import answered
 
 
 @pytest.fixture(scope="module")
