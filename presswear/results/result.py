@@ -41,8 +41,8 @@ SCHEMA = 4
 FINISHED = ("completed", "failed")
 """Statuses of a run that has come to its end."""
 
-_FIGURES = "presswear.show.figures"
-"""Draws a result; looked up when it is asked for, since results stand below their pictures."""
+_FIGURES, _REPORT = "presswear.show.figures", "presswear.show.report"
+"""Rooms that show a result; looked up when they are asked, since results stand below them."""
 
 
 @dataclass(frozen=True)
@@ -125,6 +125,14 @@ class Result:
         """
         axes: list[Axes] = import_module(_FIGURES).plot(self, names, stage)
         return axes
+
+    def report(self) -> Path:
+        """Draw the figures and write ``report.html`` into the result's folder; gives its path.
+
+        InputError for a result in memory.
+        """
+        path: Path = import_module(_REPORT).write_report(self)
+        return path
 
     def table(self) -> "pandas.DataFrame":
         """Statistics, a row a stage, a column a number; needs pandas."""
@@ -265,5 +273,3 @@ def stored_scene(document: Mapping[str, Any], file: Path) -> Scene:
         if document.get(key, inside) != inside:
             raise InputError(f"{file}: {key!r} is not what it is in 'scene', {inside!r}")
     return scene
-
-

@@ -11,6 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from endurance.sameness import folder_differences
 
 from presswear.__main__ import main
 from presswear.campaign.study import (
@@ -24,7 +25,6 @@ from presswear.campaign.study import (
     waiting,
 )
 from presswear.results.result import load
-from presswear.results.sameness import folder_differences
 from presswear.scene.catalog import STUDIES, wear_times
 from presswear.scene.settings import changed
 from presswear.studies.runaway.figure import two_wears

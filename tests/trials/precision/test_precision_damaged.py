@@ -6,11 +6,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from endurance.forgery import NO_LEAVES, leaves
+from endurance.subject import answered
 from made_up_precision import precision
 
 from presswear.tools.errors import InputError
-from presswear.trials.endure.altered import NO_LEAVES, leaves
-from presswear.trials.endure.inputs import answered
 from presswear.trials.precision.store import FILE, load, store
 
 
