@@ -167,8 +167,8 @@ class _Sampler:
 
     def note(self, account: Account) -> bool:
         """File a state; it never ends the run."""
-        states = account.book.states
-        self.places.append(np.array([states["eccentricity_x"], states["eccentricity_y"]]))
+        contacts = account.book.contacts
+        self.places.append(np.array([contacts["eccentricity_x"], contacts["eccentricity_y"]]))
         self.touches.append(int(account.book.tally["contacts"].sum()))
         return False
 
