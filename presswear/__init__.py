@@ -1,1 +1,91 @@
-"""Dynamics and wear of press linkages with clearance in their joints, in Exudyn."""
+"""Dynamics and wear of linkages with clearance in their joints, in Exudyn.
+
+>>> import presswear as pw
+>>> result = pw.run(pw.scenes.wear_times(clearance="0.6 mm", cycles=5), "results/first")
+>>> print(result)
+
+Everything here is loaded when it is asked for.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import presswear.scene.catalog as scenes
+    from presswear.campaign.run import run as run
+    from presswear.engines.settings import ExudynJoints as ExudynJoints
+    from presswear.engines.settings import ExudynTree as ExudynTree
+    from presswear.engines.settings import InHouse as InHouse
+    from presswear.linkage.elements import Attachment as Attachment
+    from presswear.linkage.elements import Body as Body
+    from presswear.linkage.elements import ClearanceJoint as ClearanceJoint
+    from presswear.linkage.elements import Drive as Drive
+    from presswear.linkage.elements import Guide as Guide
+    from presswear.linkage.elements import Linkage as Linkage
+    from presswear.linkage.elements import Load as Load
+    from presswear.linkage.elements import Probe as Probe
+    from presswear.linkage.elements import Revolute as Revolute
+    from presswear.linkage.elements import Spring as Spring
+    from presswear.linkage.elements import WearLaw as WearLaw
+    from presswear.linkage.laws import FrictionLaw as FrictionLaw
+    from presswear.linkage.laws import NormalLaw as NormalLaw
+    from presswear.linkage.press import Press as Press
+    from presswear.linkage.slider_crank import SliderCrank as SliderCrank
+    from presswear.linkage.surface import Surface as Surface
+    from presswear.record.tracker import Progress as Progress
+    from presswear.record.tracker import Tracker as Tracker
+    from presswear.results.result import Result as Result
+    from presswear.results.result import load as load
+    from presswear.results.stage import JointResult as JointResult
+    from presswear.results.stage import StageResult as StageResult
+    from presswear.scene.scene import Bearings as Bearings
+    from presswear.scene.scene import Conventions as Conventions
+    from presswear.scene.scene import Scene as Scene
+    from presswear.studies import study as study
+    from presswear.tools.errors import InputError as InputError
+    from presswear.tools.errors import RunFailed as RunFailed
+
+_ROOMS = {
+    "campaign.run": ("run",),
+    "engines.settings": ("ExudynJoints", "ExudynTree", "InHouse"),
+    "linkage.elements": (
+        "Attachment",
+        "Body",
+        "ClearanceJoint",
+        "Drive",
+        "Guide",
+        "Linkage",
+        "Load",
+        "Probe",
+        "Revolute",
+        "Spring",
+        "WearLaw",
+    ),
+    "linkage.laws": ("FrictionLaw", "NormalLaw"),
+    "linkage.press": ("Press",),
+    "linkage.slider_crank": ("SliderCrank",),
+    "linkage.surface": ("Surface",),
+    "record.tracker": ("Progress", "Tracker"),
+    "results.result": ("Result", "load"),
+    "results.stage": ("JointResult", "StageResult"),
+    "scene.scene": ("Bearings", "Conventions", "Scene"),
+    "studies": ("study",),
+    "tools.errors": ("InputError", "RunFailed"),
+}
+_OWNERS = {name: room for room, names in _ROOMS.items() for name in names}
+
+__all__ = ["scenes", *_OWNERS]
+
+
+def __getattr__(name: str) -> Any:
+    """Load what is asked for."""
+    if name == "scenes":
+        return import_module("presswear.scene.catalog")
+    if name not in _OWNERS:
+        raise AttributeError(f"module 'presswear' has no attribute {name!r}")
+    return getattr(import_module(f"presswear.{_OWNERS[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    """Names that can be asked for."""
+    return list(__all__)

@@ -12,8 +12,8 @@ from presswear.scene.catalog import ideal
 def main() -> None:
     scene = ideal()
     stage = run_stage(scene, 0, {}, Watcher())
-    account = stage.ensemble.accounts[0]
-    time, displacement = account.rows[:, :2].T
+    recorder = stage.ensemble.recorders[0]
+    time, displacement = recorder.rows[:, :2].T
     column = 3 * stage.linkage.index("slider 6") + 1
     exact = scene.mechanism.ideal_motion(time).position[:, column]
     print(f"stroke {np.ptp(exact):.4f} m")

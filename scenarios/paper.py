@@ -5,9 +5,9 @@ Run:  python scenarios/paper.py
 
 from pathlib import Path
 
+from presswear.campaign.study import run_study
 from presswear.studies.paper.report import write_paper_report
 from presswear.studies.paper.variants import paper
-from presswear.studies.study import run_study
 
 
 def main() -> None:

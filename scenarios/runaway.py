@@ -5,9 +5,9 @@ Run:  python scenarios/runaway.py
 
 from pathlib import Path
 
+from presswear.campaign.study import run_study
 from presswear.studies.runaway.report import write_runaway_report
-from presswear.studies.runaway.study import runaway
-from presswear.studies.study import run_study
+from presswear.studies.runaway.variants import runaway
 
 
 def main() -> None:

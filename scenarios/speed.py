@@ -8,7 +8,7 @@ from pathlib import Path
 
 from presswear.campaign.campaign import Stage, Watcher, run_campaign
 from presswear.results.folder import ResultFolder
-from presswear.results.results import load
+from presswear.results.result import load
 from presswear.scene.catalog import speed, speed_high
 from presswear.show.report import write_report
 

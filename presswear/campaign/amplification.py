@@ -10,13 +10,13 @@ the pin would stay in it.
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from presswear.linkage.elements import ClearanceJoint
 from presswear.linkage.surface import Surface
+from presswear.results.stage import WearStep
 from presswear.scene.scene import Scene
 
 Array = NDArray[np.float64]
@@ -72,49 +72,6 @@ class Amplification:
         leave over would cost a whole run for next to nothing.
         """
         return remaining / self.steps(rate, remaining)
-
-
-@dataclass(frozen=True)
-class WearStep:
-    """One step of a wear, as results keep it.
-
-    Attributes
-    ----------
-    represented_cycles : float
-        Cycles that the step stands for.
-    cycles : int
-        Cycles of the run that it multiplies.
-    factor : float
-        Their quotient.
-    change : float
-        Largest change of a profile, part of its clearance.
-    deepest : dict
-        Deepest depth of all wears so far by joint, then ``bearing`` and ``pin``, m.
-    force : dict
-        Peak normal force of the run by joint, N.
-    wall : float
-        Wall time of the run, s.
-    """
-
-    represented_cycles: float
-    cycles: int
-    factor: float
-    change: float
-    deepest: Mapping[str, Mapping[str, float]]
-    force: Mapping[str, float]
-    wall: float
-
-    def as_dict(self) -> dict[str, Any]:
-        """The step as ``result.json`` holds it."""
-        return {
-            "represented_cycles": self.represented_cycles,
-            "cycles": self.cycles,
-            "factor": self.factor,
-            "largest_change_of_clearance": self.change,
-            "deepest_m": {joint: dict(sides) for joint, sides in self.deepest.items()},
-            "force_max_N": dict(self.force),
-            "wall_s": self.wall,
-        }
 
 
 @dataclass(frozen=True)

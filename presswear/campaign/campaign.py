@@ -1,111 +1,32 @@
 """The outer loop: run, amplify the wear, rebuild the surfaces, run again."""
 
 import math
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from functools import partial
-from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-from presswear.campaign.amplification import Amplification, Growth, WearStep, Worn, worn_out
-from presswear.campaign.ensemble import NOTHING, Ensemble, Underway, run_ensemble
-from presswear.campaign.pace import Pace, Watcher
-from presswear.campaign.standing import Standing
-from presswear.campaign.statistics import stage_statistics
-from presswear.linkage.elements import Linkage
+from presswear.campaign.amplification import Amplification, Growth, Worn, worn_out
+from presswear.campaign.checkpoint import Checkpoint
+from presswear.campaign.ensemble import NOTHING, Ensemble, Partial, run_ensemble
+from presswear.campaign.progress import Forecast
+from presswear.campaign.stage import stage_of, without_wear
 from presswear.record.soundness import Finding
+from presswear.record.tracker import Tracker
+from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene, stage_name
 
-__all__ = ["Pace", "Stage", "Watcher", "run_campaign", "run_stage"]
 
-Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Stage:
-    """One run of the outer loop, and the wear after it.
-
-    Attributes
-    ----------
-    index : int
-        0 unworn, 1 after the first wear, and so on.
-    ensemble : Ensemble
-        What ran, worn surfaces included, and how it went.
-    added : ndarray, shape (joints, 2, m)
-        Depth that the wear after this stage adds, bearing and pin, m: the sum of its steps.
-        After the last stage no wear is applied; there it is what one more would add in one
-        jump, at the rate of this stage.
-    batches : ndarray, shape (n, joints, 2, m)
-        Depth that one wear adds by each of n batches of the stage's cycles alone, m, with the
-        mean ``added``; empty where few cycles ran.
-    weights : ndarray, shape (n,)
-        Cycles in each of them.
-    amplification : float
-        Multiplier of the depth of the cycles that the stage ran.
-    steps : tuple of WearStep
-        How the wear was applied; empty after the last stage.
-    statistics : dict
-    finding : Finding or None
-        What ended the stage, or the wear after it.
-    """
-
-    index: int
-    ensemble: Ensemble
-    added: Array
-    batches: Array
-    weights: Array
-    amplification: float
-    steps: tuple[WearStep, ...]
-    statistics: dict[str, Any]
-    finding: Finding | None = None
-
-    @property
-    def linkage(self) -> Linkage:
-        """What ran, worn surfaces included."""
-        return self.ensemble.linkage
-
-
-def stage_of(
-    scene: Scene,
-    index: int,
-    ran: Ensemble,
-    added: Array,
-    steps: tuple[WearStep, ...],
-    finding: Finding | None,
-) -> Stage:
-    """A stage with its statistics."""
-    factor = Amplification.of(scene).factor(max(ran.cycles, 1))
-    maps, weights = ran.batches()
-    batches = scene.represented_cycles * maps
-    if len(batches):
-        # Of a wear in steps, the sum of steps with the scatter of the first: in all runs but
-        # that one the tolerance is wider by the root of their number.
-        batches += added - np.average(batches, axis=0, weights=weights)
-    statistics = stage_statistics(ran.linkage, ran.accounts, added, batches, weights)
-    diagnostics = ran.diagnostics()
-    statistics["energy_residual_J"] = diagnostics["energy_residual_J"]
-    statistics["energy_exchanged_J"] = diagnostics["drive_exchange_J"]
-    if steps:
-        factor = steps[0].factor
-    return Stage(index, ran, added, batches, weights, factor, steps, statistics, finding)
-
-
-def without_wear(scene: Scene, index: int, ran: Ensemble) -> Stage:
-    """A stage after which no wear is applied; tells what one would add in one jump."""
-    added = ran.depth() * scene.represented_cycles
-    return stage_of(scene, index, ran, added, (), ran.finding)
-
-
-def run_stage(scene: Scene, index: int, worn: Worn, watcher: Watcher) -> Stage:
-    """Run one stage on given surfaces, without the wear after it."""
-    pace = Pace(replace(scene, wears=index), watcher)
-    pace.begin(index)
-    ran = run_ensemble(scene, worn, scene.represented_cycles, scene.tolerance, pace)
+def run_stage(
+    scene: Scene, index: int, worn: Worn, trackers: Sequence[Tracker] = ()
+) -> tuple[StageResult, Ensemble]:
+    """Run one stage on given surfaces, without the wear after it; gives its runs as well."""
+    forecast = Forecast(replace(scene, wears=index), trackers)
+    forecast.begin(index)
+    ran = run_ensemble(scene, worn, scene.represented_cycles, scene.tolerance, forecast)
     stage = without_wear(scene, index, ran)
-    watcher.stage(stage)
-    return stage
+    for tracker in trackers:
+        tracker.stage(stage)
+    return stage, ran
 
 
 def growths(
@@ -113,11 +34,11 @@ def growths(
     index: int,
     ran: Ensemble,
     first: Growth,
-    pace: Pace,
-    begun: Underway,
-    keep: Callable[[Growth, Underway], None],
+    forecast: Forecast,
+    begun: Partial,
+    keep: Callable[[Growth, Partial], None],
 ) -> Iterator[tuple[Growth, Finding | None]]:
-    """The wear after a stage, step by step from its first, each with what is wrong, if anything.
+    """Apply the wear after a stage step by step; yields each step with what is wrong, if anything.
 
     Ends with the represented cycles, or with the first thing that is wrong.
 
@@ -125,7 +46,7 @@ def growths(
     ----------
     first : Growth
         The first step, or as many as have been applied already.
-    begun : Underway
+    begun : Partial
         What has run of the next step.
     keep : callable
         Told after each cycle of those runs where they stand.
@@ -146,7 +67,13 @@ def growths(
         steps = len(growth.steps) / (1.0 - growth.remaining / scene.represented_cycles)
         tolerance = scene.tolerance * math.sqrt(steps)
         ran = run_ensemble(
-            scene, growth.worn, growth.remaining, tolerance, pace, begun, partial(keep, growth)
+            scene,
+            growth.worn,
+            growth.remaining,
+            tolerance,
+            forecast,
+            begun,
+            partial(keep, growth),
         )
         begun = NOTHING
         if ran.finding:
@@ -165,62 +92,72 @@ def step_name(index: int, growth: Growth) -> str:
     )
 
 
-def run_campaign(scene: Scene, watcher: Watcher, begun: Standing | None = None) -> tuple[str, str]:
-    """Run every stage; returns status (``completed`` or ``failed``) and a message.
+def run_campaign(
+    scene: Scene, trackers: Sequence[Tracker], begun: Checkpoint | None = None
+) -> tuple[str, str, Finding | None]:
+    """Run every stage; returns status (``completed`` or ``failed``), a message and the finding.
 
-    Each stage goes to ``watcher.stage`` as soon as the wear after it is applied, or as far
-    as that came, and is not kept.
+    Trackers hear of each stage as soon as the wear after it is applied, or as far as that came.
 
     Parameters
     ----------
-    begun : Standing
-        Where to go on, as ``watcher.keep`` was told; None: from the start.
+    begun : Checkpoint
+        Where to go on, as trackers were told; None: from the start.
     """
-    pace = Pace(scene, watcher)
-    at = Standing() if begun is None else begun
-    pace.restore(at.pace)
+    forecast = Forecast(scene, trackers)
+    at = Checkpoint() if begun is None else begun
+    forecast.restore(at.forecast)
+
+    def tell(checkpoint: Checkpoint, is_stage: bool = False) -> None:
+        for tracker in trackers:
+            tracker.checkpoint(checkpoint, is_stage)
+
+    def finish(stage: StageResult) -> None:
+        for tracker in trackers:
+            tracker.stage(stage)
+
     for index in range(at.index, scene.wears + 1):
         worn = at.worn
-        if begun is None or pace.index != index:
-            pace.begin(index)
+        if begun is None or forecast.index != index:
+            forecast.begin(index)
 
         def keep(
             ran: Ensemble | None,
             growth: Growth | None,
-            underway: Underway,
+            running: Partial,
             index: int = index,
             worn: Worn = worn,
         ) -> None:
-            watcher.keep(Standing(index, worn, ran, growth, underway, pace.numbers()), False)
+            tell(Checkpoint(index, worn, ran, growth, running, forecast.numbers()))
 
         ran = at.ran or run_ensemble(
             scene,
             worn,
             scene.represented_cycles,
             scene.tolerance,
-            pace,
-            at.underway,
+            forecast,
+            at.partial,
             partial(keep, None, None),
         )
         if ran.failure or index == scene.wears:
-            watcher.stage(without_wear(scene, index, ran))
+            finish(without_wear(scene, index, ran))
             if ran.failure:
-                return "failed", f"stage {index}: {ran.failure}"
-            return "completed", ""
+                return "failed", f"stage {index}: {ran.failure}", ran.finding
+            return "completed", "", None
         amplification = Amplification.of(scene)
         first = at.growth or Growth.begin(amplification, worn).after(amplification, ran.sample())
         growth: Growth = first
         finding: Finding | None = None
-        # What is underway is of the stage itself before its wear has begun.
-        underway = NOTHING if at.ran is None else at.underway
+        # What has run in part is of the stage itself before its wear has begun.
+        running = NOTHING if at.ran is None else at.partial
         try:
-            for reached in growths(scene, index, ran, first, pace, underway, partial(keep, ran)):
+            for reached in growths(scene, index, ran, first, forecast, running, partial(keep, ran)):
                 growth, finding = reached
         finally:
             # The stage ran to its end, even where somebody stops the wear after it.
-            watcher.stage(stage_of(scene, index, ran, growth.added, growth.steps, finding))
+            finish(stage_of(scene, index, ran, growth.added, growth.steps, finding))
         if finding:
-            return "failed", finding.words
-        at = Standing(index + 1, growth.worn, pace=pace.numbers())
-        watcher.keep(at, True)
-    return "completed", ""
+            return "failed", finding.words, finding
+        at = Checkpoint(index + 1, growth.worn, forecast=forecast.numbers())
+        tell(at, is_stage=True)
+    return "completed", "", None

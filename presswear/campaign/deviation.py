@@ -30,8 +30,8 @@ def deviations(scene: Scene, ensemble: Ensemble) -> dict[str, Array]:
     starts: list[int] = []
     slider: list[list[float]] = []
     flight: dict[str, list[float]] = {joint.name: [] for joint in ensemble.linkage.clearances}
-    for index, account in enumerate(ensemble.accounts):
-        series = account.rows
+    for index, recorder in enumerate(ensemble.recorders):
+        series = recorder.rows
         for rows in whole_cycles(series[:, 0], period):
             starts.append(index)
             slider.append(slider_deviation(scene, series[rows, 0], series[rows, 1:SERIES_FIXED]))

@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.campaign.amplification import Amplification, Sample, Worn, fastest_change
-from presswear.campaign.pace import Pace
+from presswear.campaign.progress import Forecast
 from presswear.campaign.starts import start_of
-from presswear.engines.base import Plan, Run, account_of
+from presswear.engines.base import Plan, Run, recorder_of
 from presswear.linkage.elements import Linkage
 from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
-from presswear.record.recorder import Account
+from presswear.record.recorder import Recorder
 from presswear.record.sampling import (
     LEAST_SAMPLES,
     STARTUP_CYCLES,
@@ -27,8 +27,9 @@ from presswear.record.sampling import (
     mean_map,
 )
 from presswear.record.soundness import Finding
+from presswear.record.tracker import Tracker
 from presswear.scene.scene import Scene
-from presswear.tools.snapshot import Snapshot
+from presswear.tools.state import State
 
 Array = NDArray[np.float64]
 
@@ -56,14 +57,14 @@ class Ensemble:
     wall: float
 
     @property
-    def accounts(self) -> tuple[Account, ...]:
+    def recorders(self) -> tuple[Recorder, ...]:
         """What the runs observed."""
-        return tuple(run.account for run in self.runs)
+        return tuple(run.recorder for run in self.runs)
 
     @property
     def cycles(self) -> int:
         """Cycles finished, of all runs."""
-        return sum(len(account.cycles) for account in self.accounts)
+        return sum(len(recorder.cycles) for recorder in self.recorders)
 
     @property
     def failure(self) -> str:
@@ -92,11 +93,11 @@ class Ensemble:
 
     def depth(self) -> Array:
         """Mean depth that one cycle adds, shape (joints, 2, m), m."""
-        return mean_map([account.maps for account in self.accounts])
+        return mean_map([recorder.maps for recorder in self.recorders])
 
     def batches(self) -> tuple[Array, Array]:
         """Wear maps by batches of cycles, and the cycles in each; see ``map_batches``."""
-        return map_batches([account.maps for account in self.accounts])
+        return map_batches([recorder.maps for recorder in self.recorders])
 
     def diagnostics(self) -> dict[str, float | int | str]:
         """What the solver says: words of the first run, numbers of all."""
@@ -117,7 +118,7 @@ class Ensemble:
 
     def sample(self) -> Sample:
         """What it says about wear."""
-        rows = np.concatenate([account.cycles for account in self.accounts])
+        rows = np.concatenate([recorder.cycles for recorder in self.recorders])
         peaks = np.max(rows, axis=0, initial=0.0)[len(CYCLE_FIXED) :]
         joints = self.linkage.clearances
         return Sample(
@@ -130,32 +131,32 @@ class Ensemble:
 
 
 @dataclass(frozen=True)
-class Underway:
-    """An ensemble that has been begun.
+class Partial:
+    """An ensemble of which some has run.
 
     Attributes
     ----------
     runs : tuple of Run
         Of the starts that are finished.
-    state : Snapshot or None
+    state : State or None
         Of the run of the next one; None: it has not been begun.
     wall : float
         So far, s.
     """
 
     runs: tuple[Run, ...] = ()
-    state: Snapshot | None = None
+    state: State | None = None
     wall: float = 0.0
 
 
-NOTHING = Underway()
+NOTHING = Partial()
 """An ensemble of which nothing has run."""
 
 
-def empty_account(scene: Scene, linkage: Linkage, index: int) -> Account:
-    """The account of a start's run before it begins."""
+def empty_recorder(scene: Scene, linkage: Linkage, index: int) -> Recorder:
+    """The recorder of a start's run before it begins."""
     plan = Plan(scene.mechanism.period, 1, torques=scene.drive_torque == "on")
-    return account_of(linkage, start_of(scene, index), plan)
+    return recorder_of(linkage, start_of(scene, index), plan)
 
 
 def run_ensemble(
@@ -163,9 +164,9 @@ def run_ensemble(
     worn: Worn,
     remaining: float,
     tolerance: float,
-    pace: Pace,
-    begun: Underway = NOTHING,
-    keep: Callable[[Underway], None] | None = None,
+    forecast: Forecast,
+    begun: Partial = NOTHING,
+    keep: Callable[[Partial], None] = lambda partial: None,
 ) -> Ensemble:
     """Run the linkage on given surfaces, with some represented cycles of a wear left.
 
@@ -174,42 +175,49 @@ def run_ensemble(
     tolerance : float
         How well the wear maps must be known from all starts together, where the scene does
         not say the cycles.
-    begun : Underway
+    begun : Partial
         What has run already.
     keep : callable
         Told after each cycle what has run.
     """
     began = clock.perf_counter() - begun.wall
     linkage = scene.linkage(worn)
-    engine = scene.solver
     runs, state = list(begun.runs), begun.state
-
-    def kept(snapshot: Snapshot) -> None:
-        assert keep is not None
-        keep(Underway(tuple(runs), snapshot, clock.perf_counter() - began))
-
     for index in range(len(runs), scene.starts):
-        watch = _Watch(scene, linkage, remaining, tolerance, pace, [r.account for r in runs])
+        known = _UntilKnown(
+            scene, linkage, remaining, tolerance, forecast, [run.recorder for run in runs]
+        )
+        storing = _Storing(tuple(runs), began, keep)
         plan = Plan(
             scene.mechanism.period,
-            watch.most,
+            known.most,
             torques=scene.drive_torque == "on",
-            enough=watch.is_enough,
-            progress=watch.tell,
-            begun=watch.begin,
+            trackers=(storing, known, *forecast.trackers),
             resume=state,
-            keep=None if keep is None else kept,
         )
         state = None
-        runs.append(engine.simulate(linkage, start_of(scene, index), plan))
+        runs.append(scene.solver.simulate(linkage, start_of(scene, index), plan))
         if runs[-1].status == "failed":
             break
-    pace.done += 1
+    forecast.done += 1
     return Ensemble(linkage, tuple(runs), clock.perf_counter() - began)
 
 
-class _Watch:
-    """Decides after each cycle whether a run is long enough, and tells how far it is."""
+@dataclass
+class _Storing(Tracker):
+    """Hands on what has run of an ensemble, after each cycle."""
+
+    runs: tuple[Run, ...]
+    began: float
+    keep: Callable[[Partial], None]
+
+    def cycle(self, recorder: Recorder, state: Callable[[], State]) -> bool:
+        self.keep(Partial(self.runs, state(), clock.perf_counter() - self.began))
+        return False
+
+
+class _UntilKnown(Tracker):
+    """Ends a run whose wear maps are known, and tells how far it is."""
 
     def __init__(
         self,
@@ -217,11 +225,11 @@ class _Watch:
         linkage: Linkage,
         remaining: float,
         tolerance: float,
-        pace: Pace,
-        earlier: Sequence[Account],
+        forecast: Forecast,
+        earlier: Sequence[Recorder],
     ) -> None:
         self._scene, self._linkage, self._remaining = scene, linkage, remaining
-        self._pace, self._earlier = pace, earlier
+        self._forecast, self._earlier = forecast, earlier
         # Each start adds its part: after k of n the error is that of k n-ths of the cycles.
         self._share = (len(earlier) + 1) / scene.starts
         self._tolerance = tolerance / math.sqrt(self._share)
@@ -231,20 +239,19 @@ class _Watch:
         self._fewest = FEWEST if is_first else LEAST_SAMPLES
         self._needed = float(self.most)
         self._word = ""
-        self._account: Account | None = None
 
-    def begin(self, account: Account) -> None:
-        """The run begins to fill an account."""
-        self._account = account
+    def begun(self, recorder: Recorder) -> None:
+        self._recorder = recorder
 
-    def is_enough(self, account: Account) -> bool:
+    def cycle(self, recorder: Recorder, state: Callable[[], State]) -> bool:
         joints = self._linkage.clearances
         if not joints:
             return False
-        maps = [*(earlier.maps for earlier in self._earlier), account.maps]
-        pace, amplification = self._pace, Amplification.of(self._scene)
-        pace.expect(amplification.steps(fastest_change(joints, mean_map(maps)), self._remaining))
-        done = len(account.cycles)
+        maps = [*(earlier.maps for earlier in self._earlier), recorder.maps]
+        change = fastest_change(joints, mean_map(maps))
+        amplification = Amplification.of(self._scene)
+        self._forecast.expect(amplification.steps(change, self._remaining))
+        done = len(recorder.cycles)
         samples = sum(run.samples for run in maps)
         if done < STARTUP_CYCLES + LEAST_SAMPLES or samples < self._fewest * self._share:
             return False
@@ -258,8 +265,7 @@ class _Watch:
         self._needed = min(float(self.most), done + max(lacking, 1.0))
         return error <= self._tolerance
 
-    def tell(self, part: float) -> None:
-        """Part of the most cycles that is done."""
+    def advanced(self, part: float) -> None:
         own = min(part * self.most / self._needed, 1.0)
-        self._pace.tell((len(self._earlier) + own) / self._scene.starts, self._word)
-        self._pace.watcher.live(self._pace.index, self._linkage, self._account)
+        done = (len(self._earlier) + own) / self._scene.starts
+        self._forecast.tell(done, self._word, self._linkage, self._recorder)

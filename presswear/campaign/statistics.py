@@ -15,7 +15,7 @@ from presswear.linkage.elements import ClearanceJoint, Linkage
 from presswear.linkage.surface import bin_centres
 from presswear.physics.wear import worn_volume
 from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
-from presswear.record.recorder import Account
+from presswear.record.recorder import Recorder
 from presswear.record.sampling import Interval, half_width, map_errors, peak_of, pooled, resampled
 
 Array = NDArray[np.float64]
@@ -31,7 +31,7 @@ def ends(interval: Interval, factor: float = 1.0) -> list[float] | None:
 def joint_statistics(
     joint: ClearanceJoint,
     k: int,
-    accounts: Sequence[Account],
+    recorders: Sequence[Recorder],
     added: Array,
     maps: Array,
     weights: Array,
@@ -50,12 +50,12 @@ def joint_statistics(
         Cycles in each batch.
     """
     first = len(CYCLE_FIXED) + len(CYCLE_JOINT) * k
-    rows = [account.cycles[:, first : first + len(CYCLE_JOINT)] for account in accounts]
+    rows = [recorder.cycles[:, first : first + len(CYCLE_JOINT)] for recorder in recorders]
     force, dose, counted = ([own[:, c] for own in rows] for c in range(len(CYCLE_JOINT)))
-    tallies = np.array([account.book.tally[k] for account in accounts])
+    tallies = np.array([recorder.book.tally[k] for recorder in recorders])
     contacts = int(tallies["contacts"].sum())
     fewest = int(tallies["fewest_steps"].min()) if contacts else None
-    time = sum(account.last_time for account in accounts)
+    time = sum(recorder.last_time for recorder in recorders)
     numbers: dict[str, Any] = {
         "force_max_N": float(max(own.max() for own in force)),
         "force_max_per_cycle_N": _mean(force),
@@ -91,7 +91,7 @@ def _mean(runs: Sequence[Array]) -> dict[str, Any]:
 
 
 def stage_statistics(
-    linkage: Linkage, accounts: Sequence[Account], added: Array, maps: Array, weights: Array
+    linkage: Linkage, recorders: Sequence[Recorder], added: Array, maps: Array, weights: Array
 ) -> dict[str, Any]:
     """Numbers of one stage.
 
@@ -101,10 +101,10 @@ def stage_statistics(
     maps : ndarray, shape (n, joints, 2, m)
         As for ``joint_statistics``.
     """
-    ran = [account for account in accounts if len(account.cycles)]
+    ran = [recorder for recorder in recorders if len(recorder.cycles)]
     if not ran:
         return {"cycles": 0}
-    rows = [account.cycles for account in ran]
+    rows = [recorder.cycles for recorder in ran]
     displacement, slowest, fastest, acceleration = ([own[:, c] for own in rows] for c in range(4))
     return {
         "cycles": sum(len(own) for own in rows),

@@ -1,6 +1,14 @@
-"""The commands, one module each or one for a close pair; the only part that prints.
+"""The commands of the command line; each is imported when it is called."""
 
-Every module has ``add(commands)``, which adds its parsers.  Exudyn, matplotlib and what
-needs them are imported inside the functions that run a command: a wrong option is
-answered, and the scenes are listed, without waiting for them.
-"""
+COMMANDS = {
+    "list": ("scenes", "the scenes, one line each; or everything that can be set in one"),
+    "run": ("run", "run a scene or a study and write its folder and report"),
+    "report": ("run", "figures and report anew from the folder of a run, a study or a precision"),
+    "replay": ("replay", "play a stored run in the Exudyn renderer, or make a film or a still"),
+    "export": ("crosscheck", "write the recorded motion of a run as a table for other programs"),
+    "crosscheck": ("crosscheck", "engine against engine, or a run against a solver of yours"),
+    "verify": ("verify", "both engines against published references; --hard: on hard cases"),
+    "precision": ("precision", "speed against error of every engine and integrator"),
+    "costs": ("costs", "what the features of a model cost, how engines compare"),
+}
+"""Module and one line of help of each command."""

@@ -12,8 +12,13 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-from presswear.commands.terminal import folder_given, free_folder, progress_bar, repeats_given
-from presswear.scene.catalog import scene_named
+from presswear.commands.terminal import (
+    folder_given,
+    free_folder,
+    progress_bar,
+    repeats_given,
+    scene_given,
+)
 from presswear.tools.lock import only_writer
 
 if TYPE_CHECKING:
@@ -26,7 +31,6 @@ def add(commands: Any) -> None:
     """Add the parser of ``costs``."""
     costs = commands.add_parser(
         "costs",
-        help="what the features of a model cost, how engines compare, where the time goes",
         description=f"Times the scene {SCENE} on one core, with each feature on and off, in every "
         "engine at equal work, and stage by stage in the open tree. Ratios hold within one run "
         "of this command; keep the machine calm meanwhile. About four minutes.",
@@ -42,7 +46,7 @@ def add(commands: Any) -> None:
 
 def _costs(arguments: argparse.Namespace, console: Console) -> int:
     repeats = None if arguments.repeats is None else repeats_given(arguments.repeats)
-    scene = scene_named(SCENE)
+    scene = scene_given(SCENE)
     folder = arguments.out if arguments.out is not None else free_folder("costs")
     from presswear.results.provenance import provenance
 

@@ -14,10 +14,10 @@ from presswear.commands.terminal import (
     place_given,
     print_table,
     progress_bar,
+    scene_given,
     settings_given,
     verdict,
 )
-from presswear.scene.catalog import scene_named
 from presswear.scene.settings import changed
 from presswear.tools.errors import InputError
 from presswear.tools.lock import only_writer
@@ -36,8 +36,6 @@ def add(commands: Any) -> None:
     """Add the parsers of ``crosscheck`` and ``export``."""
     check = commands.add_parser(
         "crosscheck",
-        help="Exudyn against the in-house solver, or a stored run against another program's table; "
-        "exit code 1 when they disagree",
         description="Without --against: Exudyn (the open tree where there is one, or what --set "
         "engine=... says) and the in-house solver run a scene on unworn surfaces from the same "
         "start. They are compared one by one up to the horizon, where a start moved by 1e-9 m has "
@@ -81,7 +79,6 @@ def add(commands: Any) -> None:
 
     export = commands.add_parser(
         "export",
-        help="a stored run as CSV or NPZ for other programs",
         description=f"Writes the recorded series of a stage. {_TABLE_TEXT}",
         epilog="example: presswear export results/wear-times first.csv --stage 0",
     )
@@ -109,7 +106,7 @@ def _crosscheck(arguments: argparse.Namespace, console: Console) -> int:
             raise InputError(f"--{name} {value:g}: a finite number above 0 is expected")
     if arguments.against:
         return _against(arguments, console)
-    scene = changed(scene_named(arguments.target or "wear-times"), settings_given(arguments.set))
+    scene = changed(scene_given(arguments.target or "wear-times"), settings_given(arguments.set))
     period = scene.mechanism.period
     least, most = (cycles * period for cycles in _CYCLES)
     if arguments.duration is not None and not least <= arguments.duration <= most:

@@ -8,9 +8,9 @@ from typing import Any
 
 from rich.console import Console
 
-from presswear.commands.stopping import check_stopped
 from presswear.commands.terminal import print_table, progress_bar, verdict
 from presswear.tools.errors import InputError
+from presswear.tools.stopping import check_stopped
 
 
 def add(commands: Any) -> None:

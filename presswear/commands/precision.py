@@ -16,9 +16,9 @@ from presswear.commands.terminal import (
     free_folder,
     progress_bar,
     repeats_given,
+    scene_given,
     settings_given,
 )
-from presswear.scene.catalog import scene_named
 from presswear.scene.settings import changed
 from presswear.tools.lock import only_writer
 
@@ -30,7 +30,6 @@ def add(commands: Any) -> None:
     """Add the parser of ``precision``."""
     precision = commands.add_parser(
         "precision",
-        help="speed against error: every engine and integrator over its steps or tolerances",
         description="Runs every engine and integrator over its steps or tolerances and holds it "
         "against references: the ideal press and Andrews' squeezer, one impact, and a scene with "
         "clearance up to the horizon to which a trajectory means something; beyond it statistics "
@@ -55,7 +54,7 @@ def add(commands: Any) -> None:
 
 def _precision(arguments: argparse.Namespace, console: Console) -> int:
     repeats = None if arguments.repeats is None else repeats_given(arguments.repeats)
-    scene = changed(scene_named(arguments.scene), settings_given(arguments.set))
+    scene = changed(scene_given(arguments.scene), settings_given(arguments.set))
     folder = arguments.out or free_folder(f"precision-{scene.name}")
     with only_writer(folder):
         from presswear.trials.precision.extent import FULL, QUICK

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 
-from presswear.commands.terminal import finished_part, progress_bar
+from presswear.commands.terminal import check_folder, finished_part, progress_bar
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import Meaning, parse_quantity
 
@@ -22,7 +22,6 @@ def add(commands: Any) -> None:
     """Add the parser of ``replay``."""
     parser = commands.add_parser(
         "replay",
-        help="play a stored run in the Exudyn renderer, or make a film or a still of it",
         description="Plays a stored run in the Exudyn renderer: the press, and its clearance "
         "joints enlarged. Keys in the window: space pauses, left and right step, up and down "
         "change the speed, home begins again, q quits; a click on the bar jumps in time.",
@@ -48,6 +47,7 @@ def add(commands: Any) -> None:
 
 
 def _run(arguments: argparse.Namespace, console: Console) -> int:
+    check_folder(arguments.folder)
     size = _size(arguments.size)
     _check(arguments)
     if arguments.still is None and arguments.movie is None:

@@ -1,7 +1,7 @@
 """``presswear run`` and ``presswear report``: a scene or a study into its result folder."""
 
 import argparse
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import partial
@@ -9,26 +9,27 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
-from rich.progress import Progress, TaskID
 
-from presswear.commands import precision, studies
-from presswear.commands.stopping import check_stopped, go_on_with, is_stopped
 from presswear.commands.terminal import (
+    check_folder,
     finished_part,
     folder_given,
     free_folder,
+    go_on_with,
     progress_bar,
+    scene_given,
     seconds_given,
     settings_given,
 )
-from presswear.scene.catalog import SCENES, STUDIES, scene_named
-from presswear.scene.scene import CONVENTIONS, Scene, stage_name
+from presswear.scene.catalog import SCENES
+from presswear.scene.scene import CONVENTIONS, Scene
 from presswear.scene.settings import changed
-from presswear.studies.study import is_study
-from presswear.tools.errors import InputError, RunError
+from presswear.studies import STUDIES
+from presswear.tools.errors import InputError, RunFailed
+from presswear.tools.stopping import is_stopped
 
 if TYPE_CHECKING:
-    from presswear.campaign.campaign import Stage
+    from presswear.record.tracker import Tracker
     from presswear.results.folder import ResultFolder
 
 OPTIONS = ("engine", "cycles", "wears", "tolerance")
@@ -43,7 +44,6 @@ def add(commands: Any) -> None:
     """Add the parsers of ``run`` and ``report``."""
     run = commands.add_parser(
         "run",
-        help="run a scene and write its result folder and report",
         epilog="example: presswear run wear-times --conventions refined --cycles 10 "
         "--set clearance=0.6mm --set 'speed=6pi rad/s' --set geometry=swapped",
     )
@@ -81,7 +81,6 @@ def add(commands: Any) -> None:
 
     report = commands.add_parser(
         "report",
-        help="figures and report anew from the folder of a run, a study or a precision",
         epilog="example: presswear report results/wear-times",
     )
     report.add_argument("folder", type=Path, metavar="DIR")
@@ -90,7 +89,7 @@ def add(commands: Any) -> None:
 
 def _scene_from(arguments: argparse.Namespace) -> Scene:
     """The scene that the options of ``run`` describe; InputError before anything runs."""
-    return _with_options(scene_named(arguments.scene), arguments)
+    return _with_options(scene_given(arguments.scene), arguments)
 
 
 def _with_options(scene: Scene, arguments: argparse.Namespace) -> Scene:
@@ -115,6 +114,8 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
     if arguments.scene in STUDIES:
         if arguments.live:
             raise InputError(f"--live is for scenes; {arguments.scene} is a study of several")
+        from presswear.commands import studies
+
         change = partial(_with_options, arguments=arguments)
         return studies.run(arguments, console, None if _is_plain(arguments) else change)
     if arguments.jobs != "1":
@@ -127,23 +128,21 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
     scene = _stored_scene(arguments) if told else _scene_from(arguments)
     folder = arguments.out if arguments.out is not None else free_folder(scene.name)
     from presswear.results.folder import ResultFolder
-    from presswear.results.results import load
-    from presswear.show.report import write_report
+    from presswear.results.result import load
 
-    with _window(arguments, scene) as live:
+    with _window(arguments, scene) as window:
         store = ResultFolder(folder, scene, interval, arguments.resume)
         for remark in store.remarks:
             console.print(remark, highlight=False, soft_wrap=True)
         if store.is_finished:
-            store.release()
             console.print(f"the run in {folder} has come to its end before", highlight=False)
-        else:
-            _run_into(store, scene, live, console)
-    status, message = store.outcome
-    report = write_report(load(folder))
-    console.print(f"results in {folder}, report in {report}", highlight=False)
-    if status == "failed":
-        raise RunError(message)
+        _run_into(store, scene, window, console)
+    from presswear.show.report import write_report
+
+    result = load(folder)
+    console.print(f"results in {folder}, report in {write_report(result)}", highlight=False)
+    if result.status == "failed":
+        raise RunFailed(result.message)
     return 0
 
 
@@ -155,9 +154,9 @@ def _is_plain(arguments: argparse.Namespace) -> bool:
 
 def _stored_scene(arguments: argparse.Namespace) -> Scene:
     """The scene of the folder to go on in."""
-    from presswear.results.results import read_document
+    from presswear.results.result import read_document
 
-    scene_named(arguments.scene)  # an unknown name is told first
+    scene_given(arguments.scene)  # an unknown name is told first
     scene = Scene.from_dict(read_document(arguments.out)["scene"])
     if scene.name != arguments.scene:
         raise InputError(
@@ -167,89 +166,51 @@ def _stored_scene(arguments: argparse.Namespace) -> Scene:
 
 
 def _run_into(
-    store: "ResultFolder", scene: Scene, live: Callable[..., None], console: Console
+    store: "ResultFolder", scene: Scene, window: "list[Tracker]", console: Console
 ) -> None:
-    """Run a campaign into its folder, from where it stands."""
-    from presswear.campaign.campaign import Watcher, run_campaign
+    """Run a scene into its folder, from where it stands, with progress on the terminal."""
+    from presswear.campaign.single import run_into
+    from presswear.commands.running import Terminal
 
     go_on = go_on_with(scene.name, store.path)
-    with progress_bar(console) as bar:
-        task = bar.add_task(stage_name(0), total=1.0)
-
-        def progress(stage: int, part: float, word: str) -> None:
-            check_stopped()
-            description = f"{stage_name(stage)}{': ' if word else ''}{word}"
-            bar.update(task, description=description)
-
-        def finished(stage: "Stage") -> None:
-            store.add(stage)
-            bar.console.print(_model_line(stage), highlight=False)
-            bar.console.print(_stage_line(stage), highlight=False)
-
-        watcher = Watcher(progress, finished, partial(_completed, bar, task), live, store.keep)
-        try:
-            store.close(*run_campaign(scene, watcher, store.begun))
-        except InputError:
-            store.discard()
+    try:
+        with progress_bar(console) as bar:
+            run_into(store, scene, [Terminal(bar), *window])
+    except InputError:
+        raise
+    except RunFailed as error:
+        hint = f"; {go_on}" if store.path.exists() else ""
+        raise RunFailed(f"{error}{hint}") from error
+    except BaseException as error:
+        if not isinstance(error, KeyboardInterrupt) and not is_stopped():
             raise
-        except RunError as error:
-            hint = f"; {go_on}" if store.path.exists() else ""
-            raise RunError(f"{error}{hint}") from error
-        except BaseException as error:
-            if not isinstance(error, KeyboardInterrupt) and not is_stopped():
-                raise
-            kept = store.interrupt()
-            raise KeyboardInterrupt(f"interrupted; kept up to {kept}; {go_on}") from None
-        finally:
-            store.release()
+        raise KeyboardInterrupt(f"interrupted; kept up to {store.kept}; {go_on}") from None
 
 
 @contextmanager
-def _window(arguments: argparse.Namespace, scene: Scene) -> Iterator[Callable[..., None]]:
-    """What shows the run while it lasts, where that is asked for."""
+def _window(arguments: argparse.Namespace, scene: Scene) -> "Iterator[list[Tracker]]":
+    """The window that shows the run while it lasts, where that is asked for."""
     if not arguments.live:
-        yield lambda stage, linkage, account: None
+        yield []
         return
     from presswear.show.replay.live import Live
 
     live = Live(scene, LIVE_SIZE)
     try:
-        yield live.show
+        yield [live]
     finally:
         live.close()
 
 
-def _completed(bar: Progress, task: TaskID, part: float) -> None:
-    bar.update(task, completed=part)
-
-
-def _model_line(stage: "Stage") -> str:
-    """What was modelled, and by what it was solved."""
-    told = stage.ensemble.diagnostics()
-    return f"{stage_name(stage.index)}: {told['model']}. {told['solver']}"
-
-
-def _stage_line(stage: "Stage") -> str:
-    """One line on a finished stage: what ran, how finely, what came out."""
-    numbers = stage.statistics
-    ensemble = stage.ensemble
-    steps = ensemble.diagnostics()["steps"]
-    speed = ensemble.wall / ensemble.time if ensemble.time > 0.0 else float("nan")
-    parts = [f"  {numbers['cycles']} cycles, {steps} steps, {speed:.2f} s per simulated second"]
-    for name, joint in numbers.get("joints", {}).items():
-        fewest = joint["fewest_steps_in_a_contact"]
-        resolved = "no contact" if fewest is None else f"at least {fewest} steps in each"
-        parts.append(
-            f"{name}: {joint['contacts']} contacts, {resolved}, peak {joint['force_max_N']:.0f} N, "
-            f"wear {1e9 * joint['wear_volume_m3']:.3g} mm^3"
-        )
-    return "; ".join(parts)
-
-
 def _report(arguments: argparse.Namespace, console: Console) -> int:
-    if is_study(arguments.folder):
+    check_folder(arguments.folder)
+    if (arguments.folder / "study.json").exists():
+        from presswear.commands import studies
+
         return studies.report(arguments.folder, console)
-    if precision.is_precision(arguments.folder):
+    if (arguments.folder / "precision.json").exists():
+        from presswear.commands import precision
+
         return precision.report(arguments.folder, console)
     from presswear.show.report import write_report
 

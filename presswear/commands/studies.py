@@ -3,55 +3,52 @@
 import argparse
 from collections.abc import Callable
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 
 from rich.console import Console
 from rich.progress import Progress, TaskID
 
-from presswear.commands.stopping import check_stopped, go_on_with
-from presswear.commands.terminal import free_folder, jobs_given, progress_bar, seconds_given
-from presswear.scene.catalog import STUDIES
-from presswear.scene.scene import Scene
-from presswear.studies.study import (
+from presswear.campaign.parallel import run_study
+from presswear.campaign.study import (
     Change,
     Study,
     Variant,
     is_study,
     load_study,
-    run_study,
     unchanged,
     waiting,
 )
-from presswear.tools.errors import InputError, RunError
-
-Writer = Callable[[Study, Path], tuple[str, Path]]
-"""Writes a study's report into its folder; gives its answer and its path."""
+from presswear.commands.terminal import (
+    free_folder,
+    go_on_with,
+    jobs_given,
+    progress_bar,
+    seconds_given,
+)
+from presswear.record.tracker import Tracker
+from presswear.scene.scene import Scene
+from presswear.studies import STUDIES
+from presswear.tools.errors import InputError, RunFailed
+from presswear.tools.stopping import check_stopped
 
 
 def _builder(name: str) -> Callable[[Change], Study]:
-    """What makes a study of a name; imported only when wanted."""
-    if name == "paper":
-        from presswear.studies.paper.variants import paper
-
-        return paper
-    from presswear.studies.runaway.study import runaway
-
-    return runaway
+    """The function that makes a study of a name; imported only when wanted."""
+    found: Callable[[Change], Study] = import_module(f"presswear.studies.{name}.variants").make
+    return found
 
 
-def _writer(name: str) -> Writer:
-    """What writes the report of a study of a name."""
-    if name == "paper":
-        from presswear.studies.paper.report import write_paper_report
-
-        return write_paper_report
-    from presswear.studies.runaway.report import write_runaway_report
-
-    return write_runaway_report
+def _write_report(study: Study, folder: Path) -> tuple[str, Path]:
+    """Write a study's report into its folder; gives its answer and its path."""
+    found: tuple[str, Path] = import_module(f"presswear.studies.{study.name}.report").write_report(
+        study, folder
+    )
+    return found
 
 
 @dataclass
-class Board:
+class Board(Tracker):
     """Progress of a study on a terminal: one line for the whole, one for each run at work.
 
     Attributes
@@ -74,8 +71,8 @@ class Board:
         whole = bar.add_task(study.name, total=total)
         return Board(bar, variants, dict.fromkeys(variants, 0.0), whole, {})
 
-    def tell(self, key: str, part: float, word: str) -> None:
-        """A variant has come so far."""
+    def variant(self, key: str, part: float, word: str) -> None:
+        """Show how far a variant is; ends the study where a signal has come."""
         check_stopped()
         label = self.variants[key].label
         is_news = part >= 1.0 > self.parts[key]
@@ -124,13 +121,13 @@ def run(
     try:
         with progress_bar(console) as bar:
             board = Board.of(study, bar)
-            run_study(study, folder, jobs, arguments.resume, board.tell, interval)
+            run_study(study, folder, jobs, arguments.resume, [board], interval)
     except KeyboardInterrupt:
         raise KeyboardInterrupt(
             f"interrupted; finished runs are kept, the others go on where they stood; {go_on}"
         ) from None
-    except RunError as error:
-        raise RunError(f"{error}; {go_on}") from error
+    except RunFailed as error:
+        raise RunFailed(f"{error}; {go_on}") from error
     return report(folder, console)
 
 
@@ -151,7 +148,7 @@ def report(folder: Path, console: Console) -> int:
     """Write the report of a study's folder anew."""
     study = load_study(folder)
     check_study(study, folder)
-    answer, path = _writer(study.name)(study, folder)
+    answer, path = _write_report(study, folder)
     console.print(answer, highlight=False)
     console.print(f"results in {folder}, report in {path}", highlight=False)
     return 0

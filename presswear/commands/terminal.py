@@ -1,6 +1,7 @@
 """What the commands share: progress, tables, folders, and settings given as text."""
 
 import math
+import shlex
 from argparse import ArgumentTypeError
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -18,14 +19,16 @@ from rich.progress import (
 )
 from rich.table import Table
 
-from presswear.commands.stopping import go_on_with
-from presswear.tools.errors import InputError
+from presswear.scene.catalog import scene_named
+from presswear.scene.scene import Scene
+from presswear.studies import STUDIES
+from presswear.tools.errors import InputError, nearest
 from presswear.tools.quantities import Meaning, parse_quantity
 
 _ANY = Meaning("", -math.inf, math.inf, "", "")
 
 if TYPE_CHECKING:
-    from presswear.results.results import StoredResult
+    from presswear.results.result import Result
 
 
 LONGEST = 86400.0
@@ -43,6 +46,21 @@ def settings_given(items: list[str]) -> dict[str, str]:
             raise InputError(f"--set {key.strip()} is given twice")
         settings[key.strip()] = value.strip()
     return settings
+
+
+def scene_given(name: str) -> Scene:
+    """A scene by its name; InputError lists scenes and studies, and tells one from the other."""
+    if name in STUDIES:
+        raise InputError(f"{name!r} is a study of several scenes; presswear run {name}")
+    return scene_named(name, STUDIES)
+
+
+def check_folder(path: Path) -> None:
+    """InputError where there is no such folder."""
+    if not path.is_dir():
+        beside = path.parent.iterdir() if path.parent.is_dir() else ()
+        near = nearest(path.name, (item.name for item in beside if item.is_dir()))
+        raise InputError(f"{path}: there is no such folder{near}")
 
 
 def count_given(option: str, text: str, most: int) -> int:
@@ -150,14 +168,20 @@ def verdict(passed: bool) -> str:
     return "pass" if passed else "[bold red]MISS[/]"
 
 
-def finished_part(path: Path, console: Console) -> "StoredResult":
+def finished_part(path: Path, console: Console) -> "Result":
     """A stored run, with a word on one that has not come to its end; something must be stored."""
-    from presswear.results.results import load, unfinished
+    from presswear.results.result import load, unfinished
 
+    check_folder(path)
     result = load(path)
-    words = unfinished(path, result.document)
+    words = unfinished(result)
     if words and not result.stages:
         raise InputError(f"{words}; {go_on_with(result.scene.name, path)}")
     if words:
         console.print(f"{words}: what follows is of these", highlight=False, soft_wrap=True)
     return result
+
+
+def go_on_with(name: str, folder: Path) -> str:
+    """The command that goes on with a run."""
+    return f"go on with: presswear run {name} --resume --out {shlex.quote(str(folder))}"

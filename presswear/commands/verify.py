@@ -14,7 +14,6 @@ def add(commands: Any) -> None:
     """Add the parser of ``verify``."""
     verify = commands.add_parser(
         "verify",
-        help="both engines against reference problems with known answers; exit code 1 on a miss",
         description="Without --hard: published references and closed forms. With --hard: cases "
         "in which a run could hang, break or be wrong without a word, at the ends of all ranges; "
         "each has its energy add up within a bound, or is refused by name, value and range.",

@@ -8,14 +8,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import exudyn as exu
-import numpy as np
-from numpy.typing import NDArray
 
 from presswear.engines.base import Plan
 from presswear.physics.energy import MADE_REMEDY, SETTLED, made_energy
-from presswear.record.recorder import Account
+from presswear.record.recorder import Recorder
 from presswear.record.soundness import Finding
-from presswear.tools.snapshot import Snapshot, numbers, set_numbers
 
 END_TOLERANCE = 1e-10
 """Exudyn ends a run this close to its end time, s; a cycle is closed the same way."""
@@ -33,40 +30,46 @@ Write = Callable[[Any, float], None]
 
 
 @dataclass
-class Watch:
-    """Where a run stands, and how the solve of the present cycle ended.
+class Solve:
+    """How the solve of the present cycle goes, and how it ended.
 
     Attributes
     ----------
-    time : float
-        Of the last accepted step, s.
+    sums : dict
+        Over all cycles so far: accepted steps (``steps``), and the counts and times that its
+        engine names; beside them the time of the last accepted step, and the next step as
+        the contacts allow it (``following``) and as the solver proposes it, s.
     end : float
         Of the present cycle, s.
-    sums : dict
-        Over all cycles so far: accepted steps (``steps``), and what its engine names.
-    following, proposed : float
-        Next step as the contacts allow it, and as the solver itself proposes it, s.
     reached : bool
         Whether the cycle ran to its end.
     reason : str
         Why it is to be ended, or nothing.
     """
 
-    account: Account
+    recorder: Recorder
     plan: Plan
     sums: dict[str, float]
-    time: float = 0.0
     end: float = 0.0
-    following: float = 0.0
-    proposed: float = 0.0
     reached: bool = False
     is_broken: bool = False
     reason: str = ""
     error: BaseException | None = None
     iteration: Any = None
 
+    @staticmethod
+    def of(recorder: Recorder, plan: Plan, names: Iterable[str], proposed: float = 0.0) -> "Solve":
+        """A solve that has not begun, with a first step as proposed, s."""
+        sums = {**dict.fromkeys(names, 0.0), "time": 0.0, "following": 0.0, "proposed": proposed}
+        return Solve(recorder, plan, sums)
+
+    @property
+    def time(self) -> float:
+        """Time of the last accepted step, s."""
+        return self.sums["time"]
+
     def begin(self, end: float) -> None:
-        """Another cycle begins; Exudyn makes a new solver for it."""
+        """Begin another cycle; Exudyn makes a new solver for it."""
         self.end, self.reached, self.iteration = end, False, None
 
     def set_span(self, settings: Any, longest: float) -> None:
@@ -85,22 +88,10 @@ class Watch:
 
     def is_sound(self) -> bool:
         """Whether the contacts have made no energy; False ends the run."""
-        ledger = self.account.book.ledger
+        ledger = self.recorder.book.ledger
         if self.time > SETTLED * self.plan.cycle:
             self.reason = made_energy(float(ledger[2]), float(ledger[1]))
         return not self.reason
-
-    def snapshot(self) -> dict[str, NDArray[Any]]:
-        """What the next cycle begins with."""
-        return {
-            "steps": np.array([self.time, self.following, self.proposed]),
-            "sums": numbers(self.sums),
-        }
-
-    def restore(self, stored: Snapshot) -> None:
-        """Go on from a snapshot; the sums must have the same names."""
-        self.time, self.following, self.proposed = (float(x) for x in stored["steps"])
-        set_numbers(self.sums, stored["sums"])
 
 
 def write_step(iteration: Any, step: float) -> None:
@@ -129,8 +120,8 @@ class StepLimit:
     repeated because of its error is Exudyn's own to shorten.
     """
 
-    def __init__(self, watch: Watch):
-        self._watch = watch
+    def __init__(self, solve: Solve):
+        self._solve = solve
         self._iteration: Any = None
         self._limit = 0.0
 
@@ -145,42 +136,41 @@ class StepLimit:
             iteration = self._iteration
             step = min(self._limit, iteration.currentStepSize)
             iteration.currentStepSize = step
-            iteration.currentTime = self._watch.time + step
+            iteration.currentTime = self._solve.time + step
             self._limit = 0.0
         return True
 
 
-def post_step(watch: Watch, accept: Accept, write: Write = write_step) -> Callable[..., bool]:
+def post_step(solve: Solve, accept: Accept, write: Write = write_step) -> Callable[..., bool]:
     """The function for Exudyn's PostStep: accounts for a step and hands on the next."""
-    duration = watch.plan.cycle * watch.plan.cycles
-    account = watch.account
+    recorder, sums = solve.recorder, solve.sums
 
     def after(system: Any, t: float) -> bool:
         try:
-            iteration = watch.iteration
+            iteration = solve.iteration
             if iteration is None:
-                iteration = watch.iteration = system.sys["dynamicSolver"].it
-                if len(account.cycles):
+                iteration = solve.iteration = system.sys["dynamicSolver"].it
+                if len(recorder.cycles):
                     # Exudyn shows the state that a cycle starts from; it is accounted for.
-                    write(iteration, min(watch.following, watch.end - t))
+                    write(iteration, min(sums["following"], solve.end - t))
                     return True
-                watch.sums["steps"] -= 1.0
+                sums["steps"] -= 1.0
             following = accept(t)
-            watch.time = t
-            watch.sums["steps"] += 1.0
+            sums["time"] = t
+            sums["steps"] += 1.0
             if following != following:
-                watch.is_broken = True
+                solve.is_broken = True
                 return False
-            if t >= watch.end - END_TOLERANCE:
-                watch.following, watch.proposed = following, proposed_step(iteration)
-                watch.reached = True
+            if t >= solve.end - END_TOLERANCE:
+                sums["following"], sums["proposed"] = following, proposed_step(iteration)
+                solve.reached = True
                 return False
-            write(iteration, min(following, watch.end - t))
-            if watch.sums["steps"] % _PROGRESS_STEPS == 0:
-                watch.plan.progress(min(t / duration, 1.0))
-                return watch.is_sound()
+            write(iteration, min(following, solve.end - t))
+            if sums["steps"] % _PROGRESS_STEPS == 0:
+                solve.plan.advanced(t)
+                return solve.is_sound()
         except BaseException as error:  # Exudyn would wrap it: kept, raised after the solve
-            watch.error = error
+            solve.error = error
             return False
         return True
 
@@ -208,7 +198,9 @@ def set_span(settings: Any, begin: float, longest: float, steps: int) -> None:
     integration.numberOfSteps = steps
 
 
-def solve(system: Any, settings: Any, solver: Any, watch: Watch, remedy: str) -> Finding | None:
+def run_to_end(
+    system: Any, settings: Any, solver: Any, solve: Solve, remedy: str
+) -> Finding | None:
     """Run Exudyn's solver up to the end of a cycle; returns what went wrong, if anything.
 
     Parameters
@@ -217,6 +209,7 @@ def solve(system: Any, settings: Any, solver: Any, watch: Watch, remedy: str) ->
         What may help where the solver gives up.
     """
     message = ""
+    began = clock.perf_counter()
     try:
         with quiet():
             system.SolveDynamic(settings, solverType=solver)
@@ -225,18 +218,19 @@ def solve(system: Any, settings: Any, solver: Any, watch: Watch, remedy: str) ->
         if not isinstance(error, exu.SolverError) and StuckError.__name__ not in str(error):
             raise
         message = "the solver found no solution at the shortest step"
-    if watch.error is not None:
-        raise watch.error
-    if watch.reached:
+    if solve.error is not None:
+        raise solve.error
+    solve.add({"wall": clock.perf_counter() - began})
+    if solve.reached:
         return None
-    if watch.reason:
-        return Finding("energy", watch.reason, watch.time, "", MADE_REMEDY)
-    if system.sys["dynamicSolver"].output.simulationStoppedByUser and not watch.is_broken:
+    if solve.reason:
+        return Finding("energy", solve.reason, solve.time, "", MADE_REMEDY)
+    if system.sys["dynamicSolver"].output.simulationStoppedByUser and not solve.is_broken:
         raise KeyboardInterrupt
-    if not message and not watch.is_broken:
-        raise RuntimeError(f"Exudyn ended at {watch.time:.17g} s, not at {watch.end:.17g} s")
+    if not message and not solve.is_broken:
+        raise RuntimeError(f"Exudyn ended at {solve.time:.17g} s, not at {solve.end:.17g} s")
     message = message or "the state is no longer finite"
-    return Finding("state", message, watch.time, "", remedy)
+    return Finding("state", message, solve.time, "", remedy)
 
 
 def shares_of(sums: Mapping[str, float], names: Iterable[str]) -> dict[str, float]:

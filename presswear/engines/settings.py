@@ -61,9 +61,10 @@ class ExudynTree:
 
     def simulate(self, linkage: "Linkage", start: "Start", plan: "Plan") -> "Run":
         """Run a linkage from a start; InputError where it is no open tree."""
-        from presswear.engines.exudyn_tree.engine import simulate
+        from presswear.engines.driver import simulate
+        from presswear.engines.exudyn_tree.engine import prepare
 
-        return simulate(linkage, start, self, plan)
+        return simulate(prepare, linkage, start, self, plan)
 
 
 @dataclass(frozen=True)
@@ -125,9 +126,10 @@ class ExudynJoints:
 
     def simulate(self, linkage: "Linkage", start: "Start", plan: "Plan") -> "Run":
         """Run a linkage from a start."""
-        from presswear.engines.exudyn_joints.engine import simulate
+        from presswear.engines.driver import simulate
+        from presswear.engines.exudyn_joints.engine import prepare
 
-        return simulate(linkage, start, self, plan)
+        return simulate(prepare, linkage, start, self, plan)
 
 
 @dataclass(frozen=True)
@@ -195,9 +197,10 @@ class InHouse:
 
     def simulate(self, linkage: "Linkage", start: "Start", plan: "Plan") -> "Run":
         """Run a linkage from a start; InputError where the start violates a joint."""
-        from presswear.engines.dae.engine import simulate
+        from presswear.engines.dae.engine import prepare
+        from presswear.engines.driver import simulate
 
-        return simulate(linkage, start, self, plan)
+        return simulate(prepare, linkage, start, self, plan)
 
 
 Engine = ExudynTree | ExudynJoints | InHouse

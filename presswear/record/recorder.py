@@ -1,4 +1,4 @@
-"""The account of a run: what was observed, cycle by cycle, and as a snapshot of named arrays.
+"""The recorder of a run: what was observed, cycle by cycle, and as a state of named arrays.
 
 Memory does not grow with the number of cycles: series and episodes are kept for
 the first cycles only; everything else is one row a cycle or a running sum.
@@ -33,7 +33,7 @@ from presswear.record.observe import (
     settle_state,
 )
 from presswear.record.sampling import MapBatches
-from presswear.tools.snapshot import Snapshot, named, part
+from presswear.tools.state import State, named, part
 
 Array = NDArray[np.float64]
 
@@ -54,7 +54,7 @@ _SMALL = (
 
 
 @dataclass
-class Account:
+class Recorder:
     """What one run has observed so far; made anew for every run.
 
     Attributes
@@ -80,7 +80,7 @@ class Account:
         recorded_cycles: int,
         cycle: float,
         torques: bool = True,
-    ) -> "Account":
+    ) -> "Recorder":
         """An empty account for a linkage that starts in a position.
 
         Parameters
@@ -129,9 +129,9 @@ class Account:
             torque=np.zeros(len(linkage.drives)),
             ledger=np.zeros(7),
         )
-        account = Account(book, MapBatches(shape))
-        account.start_cycle()
-        return account
+        recorder = Recorder(book, MapBatches(shape))
+        recorder.start_cycle()
+        return recorder
 
     def begin(self, q: Array, v: Array, a: Array) -> None:
         """Settle contact in the initial state and write the first row of the series."""
@@ -198,7 +198,7 @@ class Account:
         self.maps.add(self.book.depth)
         self.start_cycle()
 
-    def snapshot(self) -> dict[str, NDArray[Any]]:
+    def state(self) -> dict[str, NDArray[Any]]:
         """Everything that is not in the linkage, the start and the plan.
 
         Rows of series, episodes, film and cycles are views: once written they stay.
@@ -212,11 +212,11 @@ class Account:
             "film": book.film[:frames],
             "frame": book.film[frames].copy(),
             "cycles": self.cycles,
-            **named("maps", self.maps.snapshot()),
+            **named("maps", self.maps.state()),
         }
 
-    def restore(self, stored: Snapshot) -> None:
-        """Go on from a snapshot of an account of the same linkage, start and plan."""
+    def restore(self, stored: State) -> None:
+        """Go on from the state of a recorder of the same linkage, start and plan."""
         book = self.book
         for name in _SMALL:
             getattr(book, name)[...] = stored[name]

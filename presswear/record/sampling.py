@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.tools.snapshot import Snapshot
+from presswear.tools.state import State
 
 Array = NDArray[np.float64]
 
@@ -137,7 +137,7 @@ class MapBatches:
         """Depth of the samples, m."""
         return np.asarray(self._sums.sum(axis=0))
 
-    def snapshot(self) -> dict[str, NDArray[Any]]:
+    def state(self) -> dict[str, NDArray[Any]]:
         """All that changes, copied."""
         return {
             "filed": np.array([self.cycles, self.size]),
@@ -145,8 +145,8 @@ class MapBatches:
             "sums": self._sums.copy(),
         }
 
-    def restore(self, stored: Snapshot) -> None:
-        """Go on from a snapshot of maps of the same shape."""
+    def restore(self, stored: State) -> None:
+        """Go on from a state of maps of the same shape."""
         self.cycles, self.size = (int(number) for number in stored["filed"])
         self._startup[...] = stored["startup"]
         self._sums[...] = stored["sums"]

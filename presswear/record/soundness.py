@@ -15,7 +15,7 @@ from presswear.linkage.elements import Linkage
 from presswear.physics.constraints import Constraints
 from presswear.physics.energy import MADE_REMEDY, Ledger
 from presswear.physics.packed import mass_of
-from presswear.record.recorder import Account
+from presswear.record.recorder import Recorder
 
 Array = NDArray[np.float64]
 
@@ -109,12 +109,12 @@ class Condition:
     constraints: Constraints | None = None
 
 
-def examine(linkage: Linkage, account: Account, now: Condition) -> Finding | None:
+def examine(linkage: Linkage, recorder: Recorder, now: Condition) -> Finding | None:
     """The first thing that makes a run worthless after a cycle, if any."""
     return (
         _state(now)
-        or _penetration(linkage, account, now)
-        or _steps(linkage, account, now)
+        or _penetration(linkage, recorder, now)
+        or _steps(linkage, recorder, now)
         or _energy(linkage, now)
         or _constraints(linkage, now)
     )
@@ -126,8 +126,8 @@ def _state(now: Condition) -> Finding | None:
     return Finding("state", "the state is no longer finite", now.time, "", now.remedy)
 
 
-def _penetration(linkage: Linkage, account: Account, now: Condition) -> Finding | None:
-    for joint, tally in zip(linkage.clearances, account.book.tally, strict=True):
+def _penetration(linkage: Linkage, recorder: Recorder, now: Condition) -> Finding | None:
+    for joint, tally in zip(linkage.clearances, recorder.book.tally, strict=True):
         deepest, limit = float(tally["deepest"]), joint.pin_radius
         if deepest > limit:
             what = (
@@ -139,8 +139,8 @@ def _penetration(linkage: Linkage, account: Account, now: Condition) -> Finding 
     return None
 
 
-def _steps(linkage: Linkage, account: Account, now: Condition) -> Finding | None:
-    for joint, tally in zip(linkage.clearances, account.book.tally, strict=True):
+def _steps(linkage: Linkage, recorder: Recorder, now: Condition) -> Finding | None:
+    for joint, tally in zip(linkage.clearances, recorder.book.tally, strict=True):
         contacts, coarse = int(tally["contacts"]), int(tally["unresolved"])
         if contacts >= FEWEST_CONTACTS and coarse > UNRESOLVED * contacts:
             what = (

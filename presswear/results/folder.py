@@ -2,29 +2,39 @@
 
 What is finished is stored at once; where the run stands is kept in a checkpoint after
 every stage and at an interval within one, so that a run that is stopped in any way goes on
-with the same numbers.  ``result.json`` lists every file with its digest and ends with its own.
+with the same numbers.  ``result.json`` lists every file with its digest, the checkpoint's
+included, and ends with its own.
 """
 
 import json
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from types import TracebackType
+from typing import Any, Protocol, Self
 
 import numpy as np
 
-from presswear.campaign.campaign import Stage
-from presswear.results.checkpoint import FILE as CHECKPOINT
-from presswear.results.checkpoint import read_checkpoint, write_checkpoint
-from presswear.tools.errors import InputError, RunError
-from presswear.tools.files import PART, sealed_json, write_arrays, write_bytes
-from presswear.tools.lock import is_free, make_folder, remove_empty, take_folder
+from presswear.record.tracker import Tracker
 from presswear.results.provenance import provenance, provenance_differs
-from presswear.results.results import FILE, FINISHED, SCHEMA, plain, read_document, stage_arrays
+from presswear.results.result import FILE, FINISHED, SCHEMA, files_of, plain, read_document
+from presswear.results.stage import StageResult
+from presswear.results.stored import check_document
 from presswear.scene.scene import Scene
 from presswear.scene.settings import differences
-from presswear.campaign.standing import Standing
+from presswear.tools.errors import InputError, RunFailed
+from presswear.tools.files import (
+    PART,
+    arrays_in,
+    read_checked,
+    sealed_json,
+    write_arrays,
+    write_bytes,
+)
+from presswear.tools.lock import is_free, make_folder, remove_empty, take_folder
+from presswear.tools.state import State
+from presswear.tools.stopping import is_stopped
 
 INTERVAL = 60.0
 """Between two checkpoints within a stage, s."""
@@ -33,16 +43,40 @@ LEAST_WAIT = 100.0
 of them cost less than 1 % of a run."""
 
 
-class ResultFolder:
+CHECKPOINT = "checkpoint"
+"""Key of ``result.json``, and beginning of the file's name."""
+
+
+def _checkpoint_file(turn: int) -> str:
+    """Name of a checkpoint's file; two take turns, so that one is always whole."""
+    return f"{CHECKPOINT}-{turn}.npz"
+
+
+class Storable(Protocol):
+    """A checkpoint as a folder sees it."""
+
+    def stored(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Give it as a document that JSON can hold, and arrays."""
+
+    def words(self) -> str:
+        """Tell up to where everything is kept."""
+
+
+class ResultFolder(Tracker):
     """A result folder being written; nobody else's files are ever touched.
+
+    As a context it is given free at the end: interrupted it can be gone on with, and a run that
+    turned out to be impossible before anything came of it leaves nothing.
 
     Attributes
     ----------
     path : Path
-    begun : Standing or None
-        Where a run that is gone on with stands; None: from the start.
+    resumed : tuple or None
+        Document and arrays of the checkpoint to go on from; None: from the start.
     remarks : list of str
         What a person has to know about it.
+    kept : str
+        Up to where everything is kept, once it is given free.
     """
 
     def __init__(
@@ -66,11 +100,12 @@ class ResultFolder:
         if not free and not (path / FILE).is_file():
             raise InputError(f"--out {path}: it holds no run to go on with: it has no {FILE}")
         self.path = path
-        self.begun: Standing | None = None
+        self.resumed: tuple[Mapping[str, Any], State] | None = None
         self.remarks: list[str] = []
+        self.kept = "its end"
         self._scene = scene
         self._interval = interval
-        self._latest: Standing | None = None
+        self._latest: Storable | None = None
         self._took = 0.0
         new = make_folder(path)
         self._lock = take_folder(path)
@@ -94,11 +129,6 @@ class ResultFolder:
         """Whether the run in it has come to its end."""
         return self._document["status"] in FINISHED
 
-    @property
-    def outcome(self) -> tuple[str, str]:
-        """Status and message."""
-        return self._document["status"], self._document["message"]
-
     def _new(self) -> dict[str, Any]:
         scene = self._scene.as_dict()
         return {
@@ -112,31 +142,37 @@ class ResultFolder:
             "wall_s": 0.0,
             "stages": [],
             "files": {},
+            CHECKPOINT: None,
         }
 
     def _stored(self) -> dict[str, Any]:
-        """The document of the run that is gone on with, and where that stands."""
+        """The document of the run that is gone on with, and its checkpoint."""
         document = read_document(self.path)
+        check_document(document, self.path / FILE)
         here = provenance()
         _check_same(self.path, document, self._scene, here)
         if document["status"] in FINISHED:
             return document
-        for item in self.path.glob(f"*{PART}"):
-            if item.name.startswith((FILE, CHECKPOINT, "stage-", "film-", "report.html")):
+        told = document[CHECKPOINT]
+        name = "" if told is None else _checkpoint_file(told["turn"])
+        for item in self.path.iterdir():
+            ours = item.name.startswith((FILE, CHECKPOINT, "stage-", "film-", "report.html"))
+            is_left = item.name.startswith(CHECKPOINT) and item.name != name
+            if ours and (item.name.endswith(PART) or is_left):
                 item.unlink()
-        if (self.path / CHECKPOINT).exists():
-            told, arrays = read_checkpoint(self.path)
-            if told["started"] != document["provenance"]["started"]:
-                raise InputError(f"{self.path / CHECKPOINT} belongs to another run")
-            self.begun = self._latest = Standing.restored(self._scene, told, arrays)
-            document["wall_s"] = max(told["wall_s"], document["wall_s"])
-            self.remarks.append(f"going on after {self.begun.words()}")
+        first = 0
+        if told is not None and (self.path / name).exists():
+            data = read_checked(self.path / name, document["files"][name])
+            self.resumed = told["state"], arrays_in(data, self.path / name)
+            first = told["state"]["index"]
+            self.remarks.append(f"going on after {told['words']}")
         else:
             self.remarks.append(f"{self.path} has no checkpoint yet: the run begins anew")
-        first = 0 if self.begun is None else self.begun.index
         document["stages"] = [stage for stage in document["stages"] if stage["index"] < first]
-        kept = [name for k in range(first) for name in _files_of(k)]
+        kept = [name for k in range(first) for name in files_of(k)]
+        kept += [name] if self.resumed else []
         document["files"] = {name: document["files"][name] for name in kept}
+        document[CHECKPOINT] = told if self.resumed else None
         if document["provenance"]["machine"] != here["machine"]:
             self.remarks.append(
                 f"begun on {document['provenance']['machine']}, going on on {here['machine']}: "
@@ -148,37 +184,21 @@ class ResultFolder:
         document["status"], document["message"] = "running", ""
         return document
 
-    def add(self, stage: Stage) -> None:
+    def stage(self, stage: StageResult) -> None:
         """Store a finished stage."""
-        ensemble = stage.ensemble
-        joints = [joint.name for joint in ensemble.linkage.clearances]
-        arrays = stage_arrays(self._scene, stage)
-        film = ensemble.accounts[0].film.arrays(joints)
-        numbers, frames = _files_of(stage.index)
+        numbers, frames = files_of(stage.index)
         with self._writing():
             files = self._document["files"]
-            files[numbers] = write_arrays(self.path / numbers, arrays)
+            files[numbers] = write_arrays(self.path / numbers, stage.arrays)
             # Compressing would take longer than all else about a film and win a tenth.
+            film = stage.film.arrays(stage.joint_names)
             files[frames] = write_arrays(self.path / frames, film, np.savez)
-        self._document["stages"].append(
-            {
-                "index": stage.index,
-                "status": ensemble.status,
-                "message": ensemble.failure,
-                "finding": stage.finding.as_dict() if stage.finding else None,
-                "amplification": stage.amplification,
-                "wear_steps": [step.as_dict() for step in stage.steps],
-                "simulated_s": ensemble.time,
-                "wall_s": ensemble.wall,
-                "diagnostics": ensemble.diagnostics(),
-                "statistics": stage.statistics,
-            }
-        )
+        self._document["stages"].append(stage.as_dict())
         self._write()
 
-    def keep(self, standing: Standing, is_stage: bool) -> None:
+    def checkpoint(self, checkpoint: Storable, is_stage: bool) -> None:
         """Note where the run stands, and write it down at the end of a stage or when it is due."""
-        self._latest = standing
+        self._latest = checkpoint
         self._check()
         waited = time.perf_counter() - self._saved
         due = self._interval == 0.0 or waited >= max(self._interval, LEAST_WAIT * self._took)
@@ -186,49 +206,82 @@ class ResultFolder:
             self._save()
 
     def _save(self) -> None:
-        """Write down where the run stands."""
+        """Write down where the run stands; the last checkpoint stays until that is done."""
         if self._latest is None:
             return
         began = time.perf_counter()
-        document, arrays = self._latest.stored()
-        started = self._document["provenance"]["started"]
+        state, arrays = self._latest.stored()
+        before = self._document[CHECKPOINT]
+        turn = 1 if before is None else 3 - before["turn"]
+        name = _checkpoint_file(turn)
         with self._writing():
-            write_checkpoint(
-                self.path, {**document, "started": started, "wall_s": self._wall()}, arrays
-            )
+            digest = write_arrays(self.path / name, arrays, np.savez)
+        self._forget_checkpoint()
+        self._document["files"][name] = digest
+        words = self._latest.words()
+        self._document[CHECKPOINT] = {"turn": turn, "words": words, "state": state}
+        self._write()
+        if before is not None:
+            (self.path / _checkpoint_file(before["turn"])).unlink(missing_ok=True)
         self._saved = time.perf_counter()
         self._took = self._saved - began
 
     def close(self, status: str, message: str) -> None:
         """State how the run ended, and give the folder free."""
         self._document["status"], self._document["message"] = status, message
+        last = self._forget_checkpoint()
         self._write()
-        (self.path / CHECKPOINT).unlink(missing_ok=True)
+        if last:
+            (self.path / last).unlink(missing_ok=True)
         self._lock.release()
 
-    def interrupt(self) -> str:
-        """Write down where the run stands when somebody stops it; says what is kept."""
+    def _forget_checkpoint(self) -> str:
+        """Take the checkpoint out of the document; returns the name of its file, or nothing."""
+        checkpoint = self._document[CHECKPOINT]
+        if checkpoint is None:
+            return ""
+        name = _checkpoint_file(checkpoint["turn"])
+        del self._document["files"][name]
+        self._document[CHECKPOINT] = None
+        return name
+
+    def interrupt(self) -> None:
+        """Write down where the run stands when somebody stops it, and give the folder free."""
         if self._lock.is_released:
-            return "its end"
+            return
         self._save()
         self._document["status"] = "interrupted"
         self._document["message"] = "stopped by the user; it can be gone on with"
         self._write()
         self._lock.release()
-        return "nothing was computed yet" if self._latest is None else self._latest.words()
+        self.kept = "nothing was computed yet" if self._latest is None else self._latest.words()
 
     def discard(self) -> None:
         """Remove what a run left that turned out to be impossible before anything came of it."""
         if not self._document["stages"] and self._lock.is_held():
-            for name in (FILE, CHECKPOINT):
+            for name in (FILE, *self._document["files"]):
                 (self.path / name).unlink(missing_ok=True)
             self._lock.release()
             if not any(self.path.iterdir()):
                 self.path.rmdir()
 
-    def release(self) -> None:
-        """Give the folder free as it is."""
-        self._lock.release()
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        try:
+            # Behind a signal any error is an interrupt.
+            if isinstance(error, KeyboardInterrupt) or (error is not None and is_stopped()):
+                self.interrupt()
+            elif isinstance(error, InputError):
+                self.discard()
+        finally:
+            self._lock.release()
 
     def _wall(self) -> float:
         return self._earlier + time.perf_counter() - self._began
@@ -239,29 +292,24 @@ class ResultFolder:
             write_bytes(self.path / FILE, sealed_json(plain(self._document)))
 
     def _check(self) -> None:
-        """RunError where the folder is gone, or is another than the one that was begun in."""
+        """RunFailed where the folder is gone, or is another than the one that was begun in."""
         if not self._lock.is_held():
-            raise RunError(
+            raise RunFailed(
                 f"the folder {self.path} was removed or replaced while the run was at work in it: "
                 "the run has stopped, and nothing was written elsewhere"
             )
 
     @contextmanager
     def _writing(self) -> Iterator[None]:
-        """RunError where the folder is gone or cannot be written."""
+        """RunFailed where the folder is gone or cannot be written."""
         self._check()
         try:
             yield
         except OSError as error:
-            raise RunError(
+            raise RunFailed(
                 f"{error.filename} cannot be written: {error.strerror}; the run has stopped, what "
                 "was stored before is whole"
             ) from error
-
-
-def _files_of(index: int) -> tuple[str, str]:
-    """Files of a stage: its arrays and its film."""
-    return f"stage-{index}.npz", f"film-{index}.npz"
 
 
 def _check_same(path: Path, document: dict[str, Any], scene: Scene, here: dict[str, Any]) -> None:

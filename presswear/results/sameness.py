@@ -9,8 +9,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from presswear.results.result import load, read_document
 from presswear.tools.files import arrays_in, read_checked
-from presswear.results.results import load
 
 _TIMES = ("wall_", "share_")
 _DATES = ("started", "resumed", "digest", "files")
@@ -37,9 +37,10 @@ def folder_differences(first: Path, second: Path) -> list[str]:
     InputError
         Where a folder is not whole.
     """
-    one, other = load(first), load(second)
-    found = _apart("result.json", without_times(one.document), without_times(other.document))
-    files = [set(result.document.get("files", {})) for result in (one, other)]
+    for path in (first, second):
+        load(path)
+    found = _apart("result.json", *(without_times(read_document(p)) for p in (first, second)))
+    files = [set(read_document(path)["files"]) for path in (first, second)]
     found += [f"{name} is in one only" for name in sorted(files[0] ^ files[1])]
     for name in sorted(files[0] & files[1]):
         mine, theirs = (arrays_in(read_checked(p / name, None), p / name) for p in (first, second))

@@ -17,9 +17,9 @@ import numpy as np
 from numpy.lib import format as npy
 from numpy.typing import NDArray
 
+from presswear.linkage.surface import bin_centres
 from presswear.tools.errors import InputError
 from presswear.tools.files import read_checked
-from presswear.linkage.surface import bin_centres
 from presswear.tools.typed import LARGEST
 
 Array = NDArray[np.float64]
@@ -109,26 +109,36 @@ _STATISTICS: dict[str, Check] = {
     "energy_residual_J": _is_number_or_none,
     "energy_exchanged_J": _is_number_or_none,
 }
+_is_finding = _with(
+    dict.fromkeys(("kind", "what", "joint", "remedy"), _is_text) | {"time_s": is_number}
+)
+"""Whether it is what ``watch.Finding.as_dict`` gives."""
 _STAGE: dict[str, Check] = {
     "index": _is_count,
     "status": _is_text,
     "message": _is_text,
+    "finding": lambda value: value is None or _is_finding(value),
+    "wear_steps": lambda value: isinstance(value, list),
     "amplification": _is_number_or_none,
     "simulated_s": _is_number_or_none,
     "wall_s": _is_number_or_none,
     "diagnostics": _all(_is_scalar),
     "statistics": _with(_STATISTICS, "slider", "joints", "energy_residual_J", "energy_exchanged_J"),
 }
-_is_finding = _with(
-    dict.fromkeys(("kind", "what", "joint", "remedy"), _is_text) | {"time_s": is_number}
-)
-"""Whether it is what ``watch.Finding.as_dict`` gives."""
 _PROVENANCE: dict[str, Check] = {
     "packages": _all(_is_text),
     **dict.fromkeys(("python", "revision", "machine", "started"), _is_text),
 }
 is_provenance = _with(_PROVENANCE)
 """Whether it says where numbers come from, as ``results.provenance`` does."""
+_is_checkpoint = _with(
+    {
+        "turn": lambda value: type(value) is int and value in (1, 2),
+        "words": _is_text,
+        "state": lambda value: isinstance(value, dict),
+    }
+)
+"""Whether it says where a run stands that has not come to its end."""
 _DOCUMENT: dict[str, Check] = {
     "scene": lambda value: isinstance(value, dict),
     "engine": _is_text,
@@ -136,6 +146,8 @@ _DOCUMENT: dict[str, Check] = {
     "status": _is_text,
     "message": _is_text,
     "wall_s": _is_number_or_none,
+    "files": _all(_is_text),
+    "checkpoint": lambda value: value is None or _is_checkpoint(value),
 }
 
 
@@ -181,12 +193,6 @@ def check_document(document: Mapping[str, Any], file: Path) -> None:
         raise InputError(f"{file}: 'stages' is missing or no list of stages")
     for place, stage in enumerate(stages):
         _check_parts(stage, _STAGE, f"{file}, stage at place {place}")
-        finding = stage.get("finding")  # older versions told a message only
-        if not (finding is None or _is_finding(finding)):
-            raise InputError(
-                f"{file}, stage at place {place}: 'finding' is not what it should be: "
-                f"{_short(finding)}"
-            )
         # Stages follow each other: readers take the place for the number of wears.
         if stage["index"] != place:
             raise InputError(
@@ -223,7 +229,7 @@ def check_stages(
     step = _each(_wear_step(joints))
     for stage in document["stages"]:
         where = f"{file}, stage {stage['index']}"
-        if not step(stage.get("wear_steps", [])):
+        if not step(stage["wear_steps"]):
             raise InputError(f"{where}: 'wear_steps' is not what it should be")
         found = stage["statistics"].get("joints", {})
         if found and set(found) != set(joints):

@@ -31,11 +31,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
 
+from presswear.results.result import Result
+from presswear.results.stored import read_arrays
 from presswear.tools.errors import InputError
 from presswear.tools.files import write_arrays, write_whole
 from presswear.tools.folders import check_name
-from presswear.results.results import StoredResult
-from presswear.results.stored import read_arrays
 
 Array = NDArray[np.float64]
 Table = Mapping[str, Array]
@@ -89,32 +89,21 @@ def unit_of(column: str) -> str:
     return JOINT_UNITS[quantity]
 
 
-def table_of(result: StoredResult, stage: int) -> dict[str, Array]:
-    """The recorded series of a stage; InputError if there is no such stage or series."""
-    indices = [int(entry["index"]) for entry in result.document["stages"]]
-    if stage not in indices:
-        held = ", ".join(map(str, indices)) or "none"
-        raise InputError(f"{result.path} has no stage {stage}; it has {held}")
-    arrays = result.stages[indices.index(stage)]
-    try:
-        columns = {"time": arrays["time"]}
-        for place, name in enumerate(("displacement", "velocity", "acceleration")):
-            columns[name] = arrays["slider"][:, place]
-        for joint in result.scene.clearance_joints:
-            eccentricity, force = arrays[f"{joint}_eccentricity"], arrays[f"{joint}_force"]
-            values = (
-                eccentricity[:, 0],
-                eccentricity[:, 1],
-                arrays[f"{joint}_penetration"],
-                force[:, 0],
-                force[:, 1],
-                arrays[f"{joint}_sliding"],
-            )
-            columns |= {
-                f"{joint}_{name}": value for name, value in zip(JOINT_UNITS, values, strict=True)
-            }
-    except (KeyError, IndexError) as error:
-        raise InputError(f"stage {stage} of {result.path} is not whole: {error}") from None
+def table_of(result: Result, stage: int) -> dict[str, Array]:
+    """The recorded series of a stage; InputError if there is no such stage."""
+    own = result.stage(stage)
+    columns = {name: getattr(own, name) for name in UNITS}
+    for name, joint in own.joints.items():
+        values = (
+            *joint.eccentricity.T,
+            joint.penetration,
+            *joint.force.T,
+            joint.sliding,
+        )
+        columns |= {
+            f"{name}_{quantity}": value
+            for quantity, value in zip(JOINT_UNITS, values, strict=True)
+        }
     return columns
 
 

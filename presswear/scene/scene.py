@@ -206,8 +206,8 @@ class Scene:
         Where values come from, by key, where it is not what their fields say.
     """
 
-    name: str
-    title: str
+    name: str = "scene"
+    title: str = "A scene of one's own"
     mechanism: Press | SliderCrank = field(default_factory=Press)
     bearings: Bearings = field(default_factory=Bearings)
     conventions: Conventions = field(default_factory=Conventions)

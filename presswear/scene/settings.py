@@ -8,7 +8,7 @@ from dataclasses import Field, dataclass, fields, is_dataclass, replace
 from typing import Any
 
 from presswear.scene.scene import Scene
-from presswear.tools.errors import InputError
+from presswear.tools.errors import unknown
 from presswear.tools.quantities import (
     Choice,
     Meaning,
@@ -73,37 +73,45 @@ def differences(first: Any, second: Any, key: str = "") -> list[tuple[str, Any, 
     return [] if first == second else [(key, first, second)]
 
 
-def changed(scene: Scene, settings: Mapping[str, str]) -> Scene:
-    """The scene with settings given as text, as on the command line.
+def changed(scene: Scene, settings: Mapping[str, Any]) -> Scene:
+    """The scene with settings given as text with units, as on the command line, or as numbers, SI.
 
     A named set (``geometry``) is taken first, so that single values can be set on top.
+
+    Raises
+    ------
+    InputError
+        For a key that is none, or a value that does not fit.
     """
     known = {setting.key for setting in settings_of(scene)}
     for key in settings:
         if key not in known:
-            raise InputError(f"unknown key {key!r}; known are {', '.join(sorted(known))}")
+            raise unknown("key", key, sorted(known))
     statuses = {**scene.statuses, **dict.fromkeys(settings, SET)}
     return replace(scene, statuses=statuses, **_updates(scene, settings))
 
 
-def _updates(owner: Any, settings: Mapping[str, str]) -> dict[str, Any]:
+def _updates(owner: Any, settings: Mapping[str, Any]) -> dict[str, Any]:
     """New values of the fields of an owner that settings change."""
     updates: dict[str, Any] = {}
     for item in fields(owner):
-        value, text = getattr(owner, item.name), settings.get(item.name)
+        value, given = getattr(owner, item.name), settings.get(item.name)
         if is_dataclass(value):
             updates[item.name] = _part(item, value, settings)
-        elif text is not None:
+        elif given is not None:
             words, meaning = choice_of(item, owner), meaning_of(item)
             if words is not None:
-                words.check(item.name, text)
-                updates[item.name] = text
+                words.check(item.name, given)
+                updates[item.name] = given
+            elif meaning is not None and isinstance(given, str):
+                updates[item.name] = parse_quantity(item.name, given, meaning)
             elif meaning is not None:
-                updates[item.name] = parse_quantity(item.name, text, meaning)
+                meaning.check(item.name, given)
+                updates[item.name] = given
     return updates
 
 
-def _part(item: Field[Any], value: Any, settings: Mapping[str, str]) -> Any:
+def _part(item: Field[Any], value: Any, settings: Mapping[str, Any]) -> Any:
     """A part of an owner, taken by its name where it has one, with its own fields changed."""
     sets = sets_of(item)
     if sets is not None and item.name in settings:

@@ -4,6 +4,9 @@ The command line turns these into one line and exit code 2 (bad input) or 1
 (a run that failed); anything else is a defect and shows its traceback.
 """
 
+from collections.abc import Iterable
+from typing import Any
+
 
 class InputError(ValueError):
     """Input that names nothing, is out of range or does not fit together."""
@@ -13,8 +16,36 @@ class AssemblyError(InputError):
     """A linkage that cannot be put together in some position."""
 
 
-class RunError(RuntimeError):
-    """A run that had to stop: what happened, when, and what to do about it."""
+class RunFailed(RuntimeError):
+    """A run that had to stop: what happened, when, and what to do about it.
+
+    Attributes
+    ----------
+    finding : Finding or None
+        What ended it, with its time, joint and remedy, where it was a finding about the run.
+    """
+
+    def __init__(self, message: str, finding: Any = None) -> None:
+        super().__init__(message)
+        self.finding = finding
+
+
+def nearest(name: str, known: Iterable[str]) -> str:
+    """The known name that an unknown one comes near, as a question for a message, or nothing."""
+    # Imported where something is wrong already: it takes a hundredth of a second.
+    from difflib import get_close_matches
+
+    lower = {word.lower(): word for word in known}
+    found = get_close_matches(name.lower()[:MOST_SHOWN], lower, n=1, cutoff=0.6)
+    return f"; did you mean {lower[found[0]]}?" if found else ""
+
+
+def unknown(kind: str, name: str, known: Iterable[str]) -> InputError:
+    """The error for a name that is none of those known, with the nearest of them."""
+    words = tuple(known)
+    return InputError(
+        f"unknown {kind} {name!r}{nearest(name, words)}; known are {', '.join(words)}"
+    )
 
 
 MOST_SHOWN = 1000

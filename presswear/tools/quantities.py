@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import Field, dataclass, field, fields
 from typing import Any
 
-from presswear.tools.errors import InputError
+from presswear.tools.errors import InputError, nearest
 
 _UNITS: dict[str, dict[str, float]] = {
     "m": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6},
@@ -121,7 +121,10 @@ class Choice:
     def check(self, name: str, value: str) -> None:
         """Raise InputError unless the value is one of the words."""
         if value not in self.words:
-            raise InputError(f"{name} = {value!r}: allowed is one of {', '.join(self.words)}")
+            raise InputError(
+                f"{name} = {value!r}: allowed is one of {', '.join(self.words)}"
+                f"{nearest(str(value), self.words)}"
+            )
 
 
 def choice(

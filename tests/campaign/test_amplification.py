@@ -1,29 +1,30 @@
 """Wear in steps: laws of wear in closed form under an engine that does nothing else."""
 
-import json
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from presswear.campaign.amplification import Amplification, WearStep
-from presswear.campaign.campaign import Stage, Watcher, run_campaign, run_stage
+from presswear.campaign.amplification import Amplification
+from presswear.campaign.campaign import run_campaign, run_stage
+from presswear.campaign.single import run_scene
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.elements import ClearanceJoint, Linkage
 from presswear.linkage.surface import bin_centres
-from presswear.record.recorder import Account
+from presswear.record.recorder import Recorder
+from presswear.record.sampling import MapBatches, mean_map
 from presswear.record.soundness import Finding
-from presswear.results.folder import ResultFolder
-from presswear.results.results import load
+from presswear.record.tracker import Progress, Tracker
+from presswear.results.result import load
+from presswear.results.stage import SIDES, JointResult, StageResult, WearStep
 from presswear.scene.catalog import slider_crank, wear_times
-from presswear.scene.scene import CONVENTIONS, Scene, stage_name
+from presswear.scene.scene import CONVENTIONS, Scene
 from presswear.show.figures import drawings
 from presswear.show.report import notes, render
 from presswear.show.report.wear import growth as growth_table
@@ -61,25 +62,27 @@ class FakeEngine:
 
     def __call__(self, linkage: Linkage, start: Start, plan: Plan) -> Run:
         self.runs += 1
-        account = Account.of(linkage, start.position, 1, plan.cycle, torques=False)
-        account.book.record["now"] = plan.cycle * plan.cycles
+        recorder = Recorder.of(linkage, start.position, 1, plan.cycle, torques=False)
+        recorder.book.record["now"] = plan.cycle * plan.cycles
+        for tracker in plan.trackers:
+            tracker.begun(recorder)
         for cycle in range(plan.cycles):
-            plan.progress((cycle + 0.5) / plan.cycles)
+            plan.advanced((cycle + 0.5) * plan.cycle)
             if self.runs == self.stopped and cycle == 1:
                 raise KeyboardInterrupt
-            account.book.cycle[:] = 100.0 * self.runs
+            recorder.book.cycle[:] = 100.0 * self.runs
             for k, joint in enumerate(linkage.clearances):
-                account.book.depth[k] = self.law(self.runs, joint, depth_of(joint))
-            account.end_cycle()
-            plan.enough(account)
+                recorder.book.depth[k] = self.law(self.runs, joint, depth_of(joint))
+            recorder.end_cycle()
+            for tracker in plan.trackers:
+                tracker.cycle(recorder, recorder.state)
         failed = self.runs == self.fails
         return Run(
             "failed" if failed else "completed",
             Finding("state", "the solver found no step", 0.1, "", "") if failed else None,
-            account,
+            recorder,
             start,
             plan.cycle * plan.cycles,
-            {},
             {"model": "none", "energy_residual_J": 0.0, "drive_exchange_J": 0.0, "steps": 1},
         )
 
@@ -98,26 +101,32 @@ def exponential(run: int, joint: ClearanceJoint, depth: Array) -> Array:
     return RATE * SHAPE + depth / REPRESENTED
 
 
-@dataclass
-class Seen:
-    """What a watcher was told."""
+class Seen(Tracker):
+    """Everything that a tracker was told."""
 
-    stages: list[Stage] = field(default_factory=list)
-    parts: list[tuple[int, float, str]] = field(default_factory=list)
-    overall: list[float] = field(default_factory=list)
-    status: str = ""
-    message: str = ""
+    def __init__(self) -> None:
+        self.stages: list[StageResult] = []
+        self.told: list[Progress] = []
+        self.status = self.message = ""
 
-    def watcher(self) -> Watcher:
-        return Watcher(
-            progress=lambda stage, part, word: self.parts.append((stage, part, word)),
-            stage=self.stages.append,
-            overall=self.overall.append,
-        )
+    def progress(self, progress: Progress) -> None:
+        self.told.append(progress)
+
+    def stage(self, stage: StageResult) -> None:
+        self.stages.append(stage)
+
+    @property
+    def wholes(self) -> list[float]:
+        return [progress.whole for progress in self.told]
 
     @property
     def steps(self) -> list[WearStep]:
-        return [step for stage in self.stages for step in stage.steps]
+        return [step for stage in self.stages for step in stage.wear_steps]
+
+
+def both(joint: JointResult, of: Callable[[str], Array]) -> Array:
+    """Bearing and pin, shape (2, m), m."""
+    return np.stack([of(side) for side in SIDES])
 
 
 def use(engine: FakeEngine, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -136,7 +145,7 @@ def campaign(monkeypatch: pytest.MonkeyPatch) -> Campaign:
     def run(scene: Scene, engine: FakeEngine) -> Seen:
         use(engine, monkeypatch)
         seen = Seen()
-        seen.status, seen.message = run_campaign(scene, seen.watcher())
+        seen.status, seen.message, _ = run_campaign(scene, [seen])
         return seen
 
     return run
@@ -146,14 +155,13 @@ def campaign(monkeypatch: pytest.MonkeyPatch) -> Campaign:
 def test_a_constant_rate_is_exact_with_any_limit(campaign: Campaign, limit: float) -> None:
     seen = campaign(replace(SCENE, depth_step=limit), FakeEngine(constant))
     assert seen.status == "completed"
-    for joint in seen.stages[2].linkage.clearances:
-        expected = 2.0 * REPRESENTED * constant(0, joint, np.zeros(0))
-        np.testing.assert_allclose(depth_of(joint), expected, rtol=1e-12)
+    wears = {j.name: REPRESENTED * constant(0, j, np.zeros(0)) for j in SCENE.linkage().clearances}
+    for name, joint in seen.stages[2].joints.items():
+        np.testing.assert_allclose(both(joint, joint.depth), 2.0 * wears[name], rtol=1e-12)
     for stage in seen.stages[:2]:
-        assert len(stage.steps) == math.ceil(0.05 / limit - 1e-9)
-        for k, joint in enumerate(stage.linkage.clearances):
-            expected = REPRESENTED * constant(0, joint, np.zeros(0))
-            np.testing.assert_allclose(stage.added[k], expected, rtol=1e-12)
+        assert len(stage.wear_steps) == math.ceil(0.05 / limit - 1e-9)
+        for name, joint in stage.joints.items():
+            np.testing.assert_allclose(both(joint, joint.wear), wears[name], rtol=1e-12)
 
 
 @pytest.mark.parametrize("law", [constant, uneven, exponential])
@@ -180,10 +188,10 @@ def test_no_step_exceeds_its_limit(campaign: Campaign, law: Law, limit: float) -
 def test_the_represented_cycles_are_used_up(campaign: Campaign, law: Law) -> None:
     seen = campaign(replace(SCENE, depth_step=0.0037), FakeEngine(law))
     for stage in seen.stages[:2]:
-        assert len(stage.steps) > 5
-        total = math.fsum(step.represented_cycles for step in stage.steps)
+        assert len(stage.wear_steps) > 5
+        total = math.fsum(step.represented_cycles for step in stage.wear_steps)
         assert total == pytest.approx(REPRESENTED, rel=1e-14)
-        for step in stage.steps:
+        for step in stage.wear_steps:
             assert step.represented_cycles > 0.0
             assert step.factor == step.represented_cycles / step.cycles
 
@@ -194,12 +202,17 @@ def test_single_jumps_are_those_of_the_paper(campaign: Campaign) -> None:
     seen = campaign(replace(SCENE, extrapolation="single", cycles=7), engine)
     assert engine.runs == 3
     worn = np.zeros((2, 2, 360))
-    for stage in seen.stages:
-        assert np.array_equal([depth_of(j) for j in stage.linkage.clearances], worn)
+    for run, stage in enumerate(seen.stages, start=1):
+        joints = stage.joints.values()
+        assert np.array_equal([both(joint, joint.depth) for joint in joints], worn)
         assert stage.amplification == REPRESENTED / 7
-        assert np.array_equal(stage.added, stage.ensemble.depth() * REPRESENTED)
-        worn = worn + stage.added
-    assert [len(stage.steps) for stage in seen.stages] == [1, 1, 0]
+        maps = MapBatches((2, 2, 360))
+        for _ in range(7):
+            maps.add(np.stack([uneven(run, j, worn) for j in SCENE.linkage().clearances]))
+        added = np.stack([both(joint, joint.wear) for joint in joints])
+        assert np.array_equal(added, mean_map([maps]) * REPRESENTED)
+        worn = worn + added
+    assert [len(stage.wear_steps) for stage in seen.stages] == [1, 1, 0]
 
 
 def test_halving_the_step_halves_the_error(campaign: Campaign) -> None:
@@ -208,7 +221,8 @@ def test_halving_the_step_halves_the_error(campaign: Campaign) -> None:
     errors = []
     for limit in (0.004, 0.002, 0.001):
         seen = campaign(replace(SCENE, depth_step=limit), FakeEngine(exponential))
-        errors.append(np.max(np.abs(depth_of(seen.stages[2].linkage.clearances[0]) - exact)))
+        joint = seen.stages[2].joints["A"]
+        errors.append(np.max(np.abs(both(joint, joint.depth) - exact)))
     assert errors[0] < 0.1 * exact.max()
     np.testing.assert_allclose(np.divide(errors[:-1], errors[1:]), 2.0, rtol=0.06)
 
@@ -216,14 +230,15 @@ def test_halving_the_step_halves_the_error(campaign: Campaign) -> None:
 def test_a_stage_runs_on_the_sum_of_the_steps_before_it(campaign: Campaign) -> None:
     seen = campaign(replace(SCENE, depth_step=0.006), FakeEngine(exponential))
     for before, after in pairwise(seen.stages):
-        for k, joint in enumerate(before.linkage.clearances):
-            there = depth_of(after.linkage.clearances[k])
-            np.testing.assert_allclose(there, depth_of(joint) + before.added[k], rtol=1e-12)
-            deepest = before.steps[-1].deepest[joint.name]
+        for name, joint in before.joints.items():
+            there = both(after.joints[name], after.joints[name].depth)
+            added = both(joint, joint.wear)
+            np.testing.assert_allclose(there, both(joint, joint.depth) + added, rtol=1e-12)
+            deepest = before.wear_steps[-1].deepest[name]
             assert [deepest["bearing"], deepest["pin"]] == list(there.max(axis=1))
-            volume = before.statistics["joints"][joint.name]["wear_volume_m3"]
             area = 0.02 * 0.015 * 2.0 * math.pi / 360
-            assert volume == pytest.approx(area * before.added[k].sum(), rel=1e-12)
+            volume = joint.statistics["wear_volume_m3"]
+            assert volume == pytest.approx(area * added.sum(), rel=1e-12)
 
 
 def test_nothing_runs_for_the_wear_after_the_last_stage(campaign: Campaign) -> None:
@@ -231,8 +246,9 @@ def test_nothing_runs_for_the_wear_after_the_last_stage(campaign: Campaign) -> N
     seen = campaign(replace(SCENE, depth_step=0.01), engine)
     assert engine.runs == 5 + 5 + 1
     last = seen.stages[-1]
-    assert last.steps == ()
-    np.testing.assert_allclose(last.added[0], REPRESENTED * RATE * SHAPE, rtol=1e-12)
+    assert last.wear_steps == ()
+    joint = last.joints["A"]
+    np.testing.assert_allclose(both(joint, joint.wear), REPRESENTED * RATE * SHAPE, rtol=1e-12)
 
 
 def test_a_surface_that_does_not_wear_takes_one_step(campaign: Campaign) -> None:
@@ -251,9 +267,10 @@ def test_failure_inside_a_wear_names_the_step_and_keeps_the_stage(campaign: Camp
         "(t = 0.1 s)"
     )
     assert [stage.index for stage in seen.stages] == [0, 1]
-    assert [len(stage.steps) for stage in seen.stages] == [5, 3]
-    np.testing.assert_allclose(seen.stages[1].added[0], 0.6 * REPRESENTED * RATE * SHAPE)
-    assert seen.stages[1].ensemble.status == "completed"
+    assert [len(stage.wear_steps) for stage in seen.stages] == [5, 3]
+    joint = seen.stages[1].joints["A"]
+    np.testing.assert_allclose(both(joint, joint.wear), 0.6 * REPRESENTED * RATE * SHAPE)
+    assert seen.stages[1].status == "completed"
 
 
 def test_failure_of_a_stage_is_told_as_before(campaign: Campaign) -> None:
@@ -262,7 +279,7 @@ def test_failure_of_a_stage_is_told_as_before(campaign: Campaign) -> None:
         "failed",
         "stage 1: the solver found no step (t = 0.1 s)",
     )
-    assert [stage.ensemble.status for stage in seen.stages] == ["completed", "failed"]
+    assert [stage.status for stage in seen.stages] == ["completed", "failed"]
 
 
 def test_a_surface_worn_through_in_a_step_is_named(campaign: Campaign) -> None:
@@ -276,7 +293,7 @@ def test_a_surface_worn_through_in_a_step_is_named(campaign: Campaign) -> None:
     )
     assert "more than the clearance of 0.0008 m" in seen.message
     (stage,) = seen.stages
-    assert len(stage.steps) == 3
+    assert len(stage.wear_steps) == 3
     assert stage.finding is not None
     assert (stage.finding.kind, stage.finding.joint) == ("wear", "A")
     assert engine.runs == 3
@@ -293,20 +310,20 @@ def test_a_stage_outlives_an_interrupted_wear(monkeypatch: pytest.MonkeyPatch) -
     use(engine, monkeypatch)
     seen = Seen()
     with pytest.raises(KeyboardInterrupt):
-        run_campaign(replace(SCENE, depth_step=0.01), seen.watcher())
-    assert [(stage.index, len(stage.steps)) for stage in seen.stages] == [(0, 3)]
+        run_campaign(replace(SCENE, depth_step=0.01), [seen])
+    assert [(stage.index, len(stage.wear_steps)) for stage in seen.stages] == [(0, 3)]
 
 
 @pytest.mark.parametrize("law", [constant, uneven, exponential])
 def test_progress_never_falls_and_names_the_step(campaign: Campaign, law: Law) -> None:
     seen = campaign(replace(SCENE, depth_step=0.005), FakeEngine(law))
     for index in range(3):
-        parts = [part for stage, part, _ in seen.parts if stage == index]
+        parts = [told.part for told in seen.told if told.stage == index]
         assert parts == sorted(parts)
         assert parts[-1] > 0.85
-    assert seen.overall == sorted(seen.overall)
-    assert seen.overall[-1] > 0.95
-    words = [word for stage, _, word in seen.parts if stage == 1]
+    assert seen.wholes == sorted(seen.wholes)
+    assert seen.wholes[-1] > 0.95
+    words = [told.word for told in seen.told if told.stage == 1]
     assert any(word.startswith("step 3 of about ") and "second wear" in word for word in words)
 
 
@@ -315,25 +332,25 @@ def test_progress_counts_runs(campaign: Campaign) -> None:
     seen = campaign(replace(SCENE, depth_step=0.005), FakeEngine(constant))
     expected = (np.arange(21 * CYCLES) + 0.5) / (21 * CYCLES)
     # Nothing is foreseen before the first cycle has ended.
-    assert seen.overall[0] == 0.0
-    np.testing.assert_allclose(seen.overall[1:], expected[1:], rtol=1e-12)
+    assert seen.wholes[0] == 0.0
+    np.testing.assert_allclose(seen.wholes[1:], expected[1:], rtol=1e-12)
 
 
 def test_progress_of_single_jumps_is_that_of_the_runs(campaign: Campaign) -> None:
     seen = campaign(replace(SCENE, extrapolation="single"), FakeEngine(uneven))
     expected = (np.arange(3 * CYCLES) + 0.5) / CYCLES
-    np.testing.assert_allclose([stage + part for stage, part, _ in seen.parts], expected)
-    np.testing.assert_allclose(seen.overall, expected / 3.0)
-    assert not [word for _, _, word in seen.parts if "step" in word]
+    np.testing.assert_allclose([told.stage + told.part for told in seen.told], expected)
+    np.testing.assert_allclose(seen.wholes, expected / 3.0)
+    assert not [told for told in seen.told if "step" in told.word]
 
 
 def test_a_stage_alone_is_not_worn(monkeypatch: pytest.MonkeyPatch) -> None:
     engine = FakeEngine(constant)
     use(engine, monkeypatch)
     seen = Seen()
-    stage = run_stage(replace(SCENE, depth_step=0.001), 0, {}, seen.watcher())
-    assert (engine.runs, stage.steps, seen.stages) == (1, (), [stage])
-    assert not [word for _, _, word in seen.parts if "step" in word]
+    stage, _ = run_stage(replace(SCENE, depth_step=0.001), 0, {}, [seen])
+    assert (engine.runs, stage.wear_steps, seen.stages) == (1, (), [stage])
+    assert not [told for told in seen.told if "step" in told.word]
 
 
 @pytest.mark.parametrize(
@@ -382,30 +399,29 @@ def real(tmp_path_factory: pytest.TempPathFactory) -> Path:
         depth_step=LIMIT,
     )
     path = tmp_path_factory.mktemp("result") / "steps"
-    folder = ResultFolder(path, scene)
-    folder.close(*run_campaign(scene, Watcher(stage=folder.add)))
+    run_scene(scene, path)
     return path
 
 
 def test_the_press_wears_in_steps(real: Path) -> None:
     result = load(real)
-    assert result.document["status"] == "completed"
-    steps = result.wear_steps(0)
+    assert result.status == "completed"
+    steps = result.stages[0].wear_steps
     assert len(steps) >= 3
-    assert result.wear_steps(1) == []
-    assert sum(step["represented_cycles"] for step in steps) == pytest.approx(1e6, rel=1e-13)
-    assert all(0.0 < step["largest_change_of_clearance"] <= LIMIT * (1 + 1e-8) for step in steps)
+    assert result.stages[1].wear_steps == ()
+    assert sum(step.represented_cycles for step in steps) == pytest.approx(1e6, rel=1e-13)
+    assert all(0.0 < step.change <= LIMIT * (1 + 1e-8) for step in steps)
     for joint in "AC":
         for side in ("bearing", "pin"):
-            before, after = (stages[f"{joint}_depth_{side}"] for stages in result.stages)
-            np.testing.assert_allclose(after - before, result.stages[0][f"{joint}_wear_{side}"])
-            deepest = [step["deepest_m"][joint][side] for step in steps]
+            before, after = (stage.joints[joint].depth(side) for stage in result.stages)
+            np.testing.assert_allclose(after - before, result.stages[0].joints[joint].wear(side))
+            deepest = [step.deepest[joint][side] for step in steps]
             assert deepest == sorted(deepest)
             assert deepest[-1] == after.max()
     # Of the run that each step multiplies, the first of which is the stage's.
-    peak = result.statistics(0)["joints"]["A"]["force_max_N"]
-    assert steps[0]["force_max_N"]["A"] == peak
-    assert len({step["force_max_N"]["A"] for step in steps}) == len(steps)
+    peak = result.stages[0].statistics["joints"]["A"]["force_max_N"]
+    assert steps[0].force["A"] == peak
+    assert len({step.force["A"] for step in steps}) == len(steps)
 
 
 def test_growth_is_a_table_and_a_figure(real: Path) -> None:
@@ -413,7 +429,7 @@ def test_growth_is_a_table_and_a_figure(real: Path) -> None:
     table = growth_table(result)
     assert table is not None
     rows = {row[0]: row[1:] for _, group in table.groups for row in group}
-    assert rows["steps"] == (str(len(result.wear_steps(0))),)
+    assert rows["steps"] == (str(len(result.stages[0].wear_steps)),)
     assert float(rows["largest change in a step (% of the clearance)"][0]) <= 100.0 * LIMIT
     assert "deepest then, pin (µm)" in rows
     found = {drawing.file: drawing for drawing in drawings(result)}
@@ -425,24 +441,8 @@ def test_growth_is_a_table_and_a_figure(real: Path) -> None:
             x, y = (np.asarray(data, dtype=float) for data in line.get_data())
             assert x[-1] == pytest.approx(1.0)
             assert y[0] == 0.0
-            deepest = result.stages[1][f"{joint}_depth_{side}"].max()
+            deepest = result.stages[1].joints[joint].depth(side).max()
             assert y[-1] == pytest.approx(1e6 * deepest)
     assert "in a single jump" in found["wear-depth.png"].caption
     assert any("in steps with a run after each" in text for text in notes(result))
     assert "how the wear was applied" in render(result, [])
-
-
-def test_results_from_before_the_steps_were_single_jumps(real: Path, tmp_path: Path) -> None:
-    stored: dict[str, Any] = load(real).document
-    scene = {key: value for key, value in stored["scene"].items() if key != "extrapolation"}
-    stages = [{k: v for k, v in one.items() if k != "wear_steps"} for one in stored["stages"]]
-    for name in ("stage-0.npz", "stage-1.npz"):
-        (tmp_path / name).write_bytes((real / name).read_bytes())
-    document = {**stored, "schema": 2, "scene": scene, "stages": stages}
-    del document["digest"], document["files"]
-    (tmp_path / "result.json").write_text(json.dumps(document))
-    old = load(tmp_path)
-    assert old.scene.extrapolation == "single"
-    assert growth_table(old) is None
-    assert "wear-growth.png" not in {drawing.file for drawing in drawings(old)}
-    assert stage_name(1) in render(old, [])

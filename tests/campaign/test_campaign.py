@@ -8,14 +8,24 @@ import numpy as np
 import pytest
 
 from presswear.campaign.amplification import worn_out
-from presswear.campaign.campaign import Stage, Watcher, run_campaign
+from presswear.campaign.campaign import run_stage
+from presswear.campaign.single import run_scene
 from presswear.linkage.surface import Surface
 from presswear.results.folder import ResultFolder
-from presswear.results.results import StoredResult, load
+from presswear.results.result import SCHEMA, Result, load, plain
 from presswear.scene.catalog import slider_crank, wear_times
 from presswear.scene.scene import CONVENTIONS, Scene
 from presswear.tools.errors import InputError
-from presswear.tools.files import write_whole
+from presswear.tools.files import sealed_json, write_whole
+
+Ran = tuple[Scene, Result, Result]
+"""A scene, its result in memory, and its result on disk."""
+
+
+def folder_of(campaign: Ran) -> Path:
+    path = campaign[2].path
+    assert path is not None
+    return path
 
 
 def short(conventions: str) -> Scene:
@@ -33,43 +43,63 @@ def short(conventions: str) -> Scene:
 
 
 @pytest.fixture(scope="module", params=["paper", "refined"])
-def campaign(
-    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
-) -> tuple[Scene, list[Stage], Path]:
+def campaign(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Ran:
     scene = short(request.param)
     path = tmp_path_factory.mktemp("result") / request.param
-    folder = ResultFolder(path, scene)
-    stages: list[Stage] = []
-
-    def finished(stage: Stage) -> None:
-        stages.append(stage)
-        folder.add(stage)
-
-    folder.close(*run_campaign(scene, Watcher(stage=finished)))
-    return scene, stages, path
+    return scene, run_scene(scene), run_scene(scene, path)
 
 
 def test_the_next_stage_runs_on_the_amplified_wear(
-    campaign: tuple[Scene, list[Stage], Path],
+    campaign: Ran,
 ) -> None:
-    scene, (first, second), _ = campaign
+    scene, result, _ = campaign
+    first, second = result.stages
     assert first.amplification == scene.represented_cycles
-    for k, joint in enumerate(second.linkage.clearances):
-        assert joint.bearing_surface.is_worn
-        expected = 1e6 * first.ensemble.accounts[0].maps.total[k]
-        np.testing.assert_allclose(joint.bearing_surface.depth, expected[0], rtol=1e-14)
-        np.testing.assert_allclose(joint.pin_surface.depth, expected[1], rtol=1e-14)
-    assert not first.linkage.clearances[0].bearing_surface.is_worn
+    _, ran = run_stage(scene, 0, {})
+    for k, joint in enumerate(second.joints.values()):
+        expected = 1e6 * ran.recorders[0].maps.total[k]
+        assert expected.max() > 0.0
+        np.testing.assert_allclose(joint.depth("bearing"), expected[0], rtol=1e-14)
+        np.testing.assert_allclose(joint.depth("pin"), expected[1], rtol=1e-14)
+    assert not first.joints["A"].depth("bearing").any()
+
+
+def test_a_result_is_the_same_in_memory_and_on_disk(campaign: Ran) -> None:
+    _, memory, disk = campaign
+    assert (memory.scene, memory.status, memory.message) == (disk.scene, disk.status, disk.message)
+    for mine, theirs in zip(memory.stages, disk.stages, strict=True):
+        assert mine.arrays.keys() == theirs.arrays.keys()
+        for name, array in mine.arrays.items():
+            np.testing.assert_array_equal(array, theirs.arrays[name], err_msg=name)
+        assert json.loads(json.dumps(plain(mine.statistics))) == theirs.statistics
+        assert mine.wear_steps == () or mine.wear_steps[0].cycles == theirs.wear_steps[0].cycles
+        np.testing.assert_array_equal(mine.film.joints, theirs.film.joints)
+    table = str(memory).splitlines()[1:]
+    assert table == str(disk).splitlines()[1:]
+    assert [line.split()[:2] for line in table[1:]] == [["no", "wear"], ["first", "wear"]]
+
+
+def test_a_result_gives_tables_and_data_sets(campaign: Ran) -> None:
+    result = campaign[2]
+    table = result.table()
+    assert list(table.index) == ["no wear", "first wear"]
+    peak = result.stages[1].joints["A"].statistics["force_max_N"]
+    assert table.loc["first wear", "joints.A.force_max_N"] == peak
+    data = result.dataset(1)
+    assert data["A_force"].dims == ("time", "A_force_1")
+    np.testing.assert_array_equal(data["A_wear_pin"], result.stages[1].joints["A"].wear("pin"))
+    with pytest.raises(InputError, match=r"no stage 7; it has 0, 1; did you mean 1\?"):
+        result.dataset(7)
 
 
 def test_stored_arrays_have_the_contracted_names_and_shapes(
-    campaign: tuple[Scene, list[Stage], Path],
+    campaign: Ran,
 ) -> None:
-    scene, stages, path = campaign
-    stored = load(path)
+    scene, _, stored = campaign
     assert stored.scene == scene
-    assert stored.document["status"] == "completed"
-    for stage, arrays in zip(stages, stored.stages, strict=True):
+    assert stored.status == "completed"
+    for stage in stored.stages:
+        arrays = stage.arrays
         n, m = arrays["time"].size, scene.bearings.angles
         assert n > 100
         assert np.all(np.diff(arrays["time"]) > 0.0)
@@ -86,14 +116,14 @@ def test_stored_arrays_have_the_contracted_names_and_shapes(
                 assert arrays[f"{joint}_wear_{side}"].max() > 0.0
             open_rows = arrays[f"{joint}_penetration"] < 0.0
             assert np.all(arrays[f"{joint}_force"][open_rows] == 0.0)
-        peak = stored.statistics(stage.index)["joints"]["A"]["force_max_N"]
+        peak = stage.statistics["joints"]["A"]["force_max_N"]
         assert 0.9 * peak < arrays["A_force"][:, 0].max() <= peak
 
 
 def test_result_json_says_where_it_comes_from(
-    campaign: tuple[Scene, list[Stage], Path],
+    campaign: Ran,
 ) -> None:
-    document = json.loads((campaign[2] / "result.json").read_text())
+    document = json.loads((folder_of(campaign) / "result.json").read_text())
     assert document["provenance"]["packages"]["exudyn"] == "1.13.6"
     assert document["provenance"]["python"].startswith("3.")
     assert document["wall_s"] > 0.0
@@ -124,7 +154,7 @@ def test_a_file_appears_whole_or_not_at_all(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == [target]
 
 
-def _restored(path: Path, schema: object, scene: object) -> StoredResult:
+def _restored(path: Path, schema: object, scene: object) -> Result:
     """A folder without stages, read back."""
     document = {
         "schema": schema,
@@ -138,40 +168,30 @@ def _restored(path: Path, schema: object, scene: object) -> StoredResult:
         "message": "",
         "wall_s": 0.0,
         "stages": [],
+        "files": {},
+        "checkpoint": None,
     }
-    (path / "result.json").write_text(json.dumps(document))
+    (path / "result.json").write_bytes(sealed_json(document))
     return load(path)
 
 
-def test_scenes_of_schema_1_are_presses(tmp_path: Path) -> None:
-    scene = short("refined")
-    data = scene.as_dict()
-    press = data.pop("mechanism")
-    assert press.pop("kind") == "press"
-    del data["statuses"]
-    found = _restored(tmp_path, 1, {**data, "press": press})
-    assert found.scene == scene
-    # What is stored is left alone.
-    assert "press" in found.document["scene"]
-
-
 def test_scenes_say_which_mechanism_they_hold(tmp_path: Path) -> None:
-    assert _restored(tmp_path, 2, slider_crank().as_dict()).scene == slider_crank()
+    scene = slider_crank()
+    assert _restored(tmp_path, SCHEMA, plain(scene.as_dict())).scene == scene
 
 
 @pytest.mark.parametrize(
     ("schema", "scene", "says"),
     [
-        (4, {}, "schema 4; this version reads 1 to 3"),
-        (0, {}, "schema 0"),
-        ("2", {}, "schema '2'"),
+        (SCHEMA + 1, {}, f"schema {SCHEMA + 1}; this version reads {SCHEMA}"),
+        (SCHEMA - 1, {}, f"schema {SCHEMA - 1}"),
+        (str(SCHEMA), {}, f"schema '{SCHEMA}'"),
         (True, {}, "schema True"),
-        (2.0, {}, "schema 2.0"),
+        (float(SCHEMA), {}, f"schema {SCHEMA}.0"),
         (None, {}, "schema None"),
-        (1, {"mechanism": {}}, "not a stored scene: 'kind'"),
-        (1, {"press": 3}, "not a stored scene.*mechanism"),
-        (1, 3, "'scene' is not what it should be: 3"),
-        (2, {"press": {}}, "not a stored scene.*mechanism"),
+        (SCHEMA, {"mechanism": {}}, "not a stored scene: 'kind'"),
+        (SCHEMA, 3, "'scene' is not what it should be: 3"),
+        (SCHEMA, {"press": {}}, "not a stored scene.*mechanism"),
     ],
 )
 def test_other_schemas_are_refused(

@@ -6,12 +6,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from presswear.campaign.campaign import Stage, Watcher, run_campaign, run_stage
+from presswear.campaign.campaign import run_campaign, run_stage
 from presswear.campaign.deviation import COLUMNS, deviations, whole_cycles
 from presswear.campaign.ensemble import FEWEST, Ensemble
 from presswear.campaign.starts import APART, start_of
+from presswear.record.tracker import Progress, Tracker
 from presswear.results.folder import ResultFolder
-from presswear.results.results import load
+from presswear.results.result import load
+from presswear.results.stage import SIDES, StageResult
 from presswear.scene.catalog import ideal, wear_times
 from presswear.scene.ideal import ideal_slider
 from presswear.scene.scene import Scene
@@ -25,42 +27,47 @@ QUICK = changed(
 
 
 @pytest.fixture(scope="module")
-def two() -> Stage:
+def two() -> tuple[StageResult, Ensemble]:
     """Two starts of six cycles each."""
-    return run_stage(replace(QUICK, starts=2, cycles=6), 0, {}, Watcher())
+    return run_stage(replace(QUICK, starts=2, cycles=6), 0, {})
 
 
-def test_starts_are_a_hair_apart_and_part(two: Stage) -> None:
+def test_starts_are_a_hair_apart_and_part(two: tuple[StageResult, Ensemble]) -> None:
     first, second = (start_of(QUICK, index) for index in (0, 1))
     assert np.abs(second.position - first.position).max() == pytest.approx(APART)
-    one, other = (np.array(account.cycles) for account in two.ensemble.accounts)
+    one, other = (np.array(recorder.cycles) for recorder in two[1].recorders)
     assert one.shape == other.shape
     # The peak force at A of the sixth cycle has nothing in common.
     assert abs(one[5, 5] - other[5, 5]) > 1e-3 * one[5, 5]
 
 
-def test_statistics_are_of_all_starts(two: Stage) -> None:
-    rows = [np.array(account.cycles) for account in two.ensemble.accounts]
-    force = two.statistics["joints"]["A"]
-    assert two.statistics["cycles"] == 12
+def test_statistics_are_of_all_starts(two: tuple[StageResult, Ensemble]) -> None:
+    rows = [np.array(recorder.cycles) for recorder in two[1].recorders]
+    force = two[0].statistics["joints"]["A"]
+    assert two[0].statistics["cycles"] == 12
     assert force["force_max_N"] == max(own[:, 5].max() for own in rows)
     expected = np.concatenate([own[1:, 5] for own in rows])
     assert force["force_max_per_cycle_N"]["mean"] == pytest.approx(expected.mean())
     assert force["force_max_per_cycle_N"]["cycles"] == 10
     assert force["contacts"] == sum(int(own[-1, 7]) for own in rows)
-    assert len(two.batches) == 10
-    assert two.batches.mean(axis=0) == pytest.approx(two.added, abs=1e-12)
+    joint = two[0].joints["A"]
+    batches = joint.arrays["wear_batches"]
+    assert len(batches) == 10
+    added = np.stack([joint.wear(side) for side in SIDES])
+    assert batches.mean(axis=0) == pytest.approx(added, abs=1e-12)
     low, high = force["wear_depth_max_both_interval_m"]
     assert low < force["wear_depth_max_both_m"] < high
 
 
-def test_rows_are_stored_with_their_start(two: Stage, tmp_path: Path) -> None:
+def test_rows_are_stored_with_their_start(
+    two: tuple[StageResult, Ensemble], tmp_path: Path
+) -> None:
     scene = replace(QUICK, starts=2, cycles=6)
     folder = ResultFolder(tmp_path / "out", scene)
-    folder.add(two)
+    folder.stage(two[0])
     folder.close("completed", "")
     stored = load(tmp_path / "out")
-    arrays = stored.stages[0]
+    arrays = stored.stages[0].arrays
     assert arrays["cycle_start"].tolist() == [0.0] * 6 + [1.0] * 6
     assert arrays["cycles"].shape[0] == 12
     assert np.allclose(arrays["wear_batch_cycles"], 1.0)
@@ -72,7 +79,7 @@ def test_rows_are_stored_with_their_start(two: Stage, tmp_path: Path) -> None:
 
 def ends_early(starts: int, tolerance: float) -> Ensemble:
     scene = replace(QUICK, starts=starts, cycles=None, tolerance=tolerance)
-    return run_stage(scene, 0, {}, Watcher()).ensemble
+    return run_stage(scene, 0, {})[1]
 
 
 def test_a_stage_ends_when_all_starts_together_know_the_maps() -> None:
@@ -85,20 +92,24 @@ def test_a_stage_ends_when_all_starts_together_know_the_maps() -> None:
     noise = maps.var(axis=0, ddof=1) / len(maps)
     error = np.sqrt(noise.sum(axis=(1, 2)) / (mean**2).sum(axis=(1, 2)))
     assert error.max() <= 0.12
-    assert max(len(account.cycles) for account in ensemble.accounts) < 20
+    assert max(len(recorder.cycles) for recorder in ensemble.recorders) < 20
 
 
 def test_no_stage_runs_longer_than_the_most_cycles() -> None:
     scene = replace(QUICK, starts=3, cycles=None, tolerance=1e-3, most_cycles=13)
-    ensemble = run_stage(scene, 0, {}, Watcher()).ensemble
-    assert [len(account.cycles) for account in ensemble.accounts] == [4, 4, 4]
+    ensemble = run_stage(scene, 0, {})[1]
+    assert [len(recorder.cycles) for recorder in ensemble.recorders] == [4, 4, 4]
     assert ensemble.status == "completed"
 
 
 def test_progress_goes_through_all_starts() -> None:
     parts: list[float] = []
-    scene = replace(QUICK, starts=3, cycles=1)
-    run_campaign(scene, Watcher(overall=parts.append))
+
+    class Heard(Tracker):
+        def progress(self, progress: Progress) -> None:
+            parts.append(progress.whole)
+
+    run_campaign(replace(QUICK, starts=3, cycles=1), [Heard()])
     assert parts == sorted(parts)
     assert parts[0] < 0.1
     assert parts[-1] > 0.95
@@ -111,8 +122,8 @@ def test_starts_need_a_clearance_joint() -> None:
 
 def delayed(scene: Scene, delay: float) -> Ensemble:
     """An ensemble whose recorded slider follows the ideal one late."""
-    ensemble = run_stage(replace(scene, cycles=2), 0, {}, Watcher()).ensemble
-    rows = ensemble.accounts[0].rows
+    ensemble = run_stage(replace(scene, cycles=2), 0, {})[1]
+    rows = ensemble.recorders[0].rows
     rows[:, 1:4] = ideal_slider(scene, rows[:, 0] - delay)
     return ensemble
 

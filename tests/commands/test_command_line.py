@@ -44,7 +44,7 @@ from presswear.commands import scenes
         (["precision", "--set", "wear_coefficient=0/Pa"], ("nothing wears",)),
         (["precision", "--set", "exponent=1.2"], ("exponent = 1.2", "foundation")),
         (["dance"], ("dance", "run")),
-        (["report", "nowhere"], ("nowhere", "result.json")),
+        (["report", "nowhere"], ("nowhere", "no such folder")),
         (["list", "nonsense"], ("nonsense", "ideal")),
         (["costs", "--repeats", "0"], ("--repeats 0", "1 to")),
         (["costs", "--repeats", "-1"], ("--repeats", "-1")),
@@ -116,7 +116,6 @@ def test_run_ideal_and_report(tmp_path: Path, capsys: pytest.CaptureFixture[str]
         ["export"],
         ["verify"],
         ["costs"],
-        ["endure"],
     ],
 )
 def test_every_help_has_an_example(command: list[str], capsys: pytest.CaptureFixture[str]) -> None:

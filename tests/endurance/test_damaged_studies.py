@@ -8,10 +8,10 @@ from typing import Any
 
 import pytest
 
+from presswear.campaign.study import FILE, load_study, unchanged
 from presswear.commands.studies import check_study
-from presswear.results.results import plain
-from presswear.studies.runaway.study import runaway
-from presswear.studies.study import FILE, load_study, unchanged
+from presswear.results.result import plain
+from presswear.studies.runaway.variants import runaway
 from presswear.tools.errors import InputError
 from presswear.trials.endure.altered import NO_LEAVES, leaves
 from presswear.trials.endure.inputs import answered

@@ -8,8 +8,6 @@ import pytest
 
 from presswear.campaign.starts import start_of
 from presswear.engines.base import Plan, Start
-from presswear.engines.dae.engine import simulate
-from presswear.engines.exudyn_joints.engine import simulate as simulate_exudyn
 from presswear.engines.settings import ExudynJoints, InHouse
 from presswear.linkage.elements import GROUND, Attachment, Body, Linkage, Probe, Spring
 from presswear.linkage.press import GEOMETRIES, Press
@@ -45,7 +43,7 @@ def oscillator() -> Linkage:
 def oscillator_error(accuracy: InHouse) -> tuple[float, int]:
     """Error at the end, in amplitudes, and steps made."""
     start = Start(np.array([AMPLITUDE, 0.0, 0.0]), np.zeros(3))
-    run = simulate(oscillator(), start, accuracy, Plan(DURATION, 1, recorded_cycles=1))
+    run = accuracy.simulate(oscillator(), start, Plan(DURATION, 1, recorded_cycles=1))
     phase = FREQUENCY * DURATION
     x = run.end.position[0] / AMPLITUDE - math.cos(phase)
     v = run.end.velocity[0] / (AMPLITUDE * FREQUENCY) + math.sin(phase)
@@ -64,11 +62,11 @@ def test_rk4_is_of_fourth_order_on_andrews() -> None:
     """Against the same equations solved to round-off: the reference ends at 1.4e-9."""
     plan = Plan(references.ANDREWS_DURATION, 1, recorded_cycles=1)
     linkage, start = references.andrews(), references.andrews_start()
-    exact = simulate(linkage, start, InHouse(integration_tolerance=1e-12), plan).end.position
+    exact = InHouse(integration_tolerance=1e-12).simulate(linkage, start, plan).end.position
     steps = [references.ANDREWS_DURATION / n for n in (750, 1500, 3000)]
     errors = []
     for step in steps:
-        end = simulate(linkage, start, InHouse("rk4", equal_step=step), plan).end
+        end = InHouse("rk4", equal_step=step).simulate(linkage, start, plan).end
         errors.append(float(np.abs(end.position[2::3] - exact[2::3]).max()))
     assert 3.8 < order_of(steps, errors) < 4.2
 
@@ -82,7 +80,7 @@ def test_rk4_is_of_fourth_order_on_the_ideal_press(geometry: str) -> None:
     errors = []
     for step in steps:
         accuracy = InHouse("rk4", equal_step=step)
-        run = simulate(scene.linkage(), start_of(scene), accuracy, Plan(period, 1))
+        run = accuracy.simulate(scene.linkage(), start_of(scene), Plan(period, 1))
         errors.append(float(np.abs(run.end.position - exact.position[0]).max()))
     assert 3.8 < order_of(steps, errors) < 4.2
 
@@ -104,7 +102,7 @@ def test_exudyn_is_of_second_order_on_the_ideal_press() -> None:
     errors = []
     for step in steps:
         accuracy = ExudynJoints(50, 10, free_step=step * (1.0 - 1e-9), newton=1e-12)
-        run = simulate_exudyn(scene.linkage(), start_of(scene), accuracy, Plan(period, 1))
+        run = accuracy.simulate(scene.linkage(), start_of(scene), Plan(period, 1))
         errors.append(float(np.abs(run.end.position - exact).max()))
     assert 1.9 < order_of(steps, errors) < 2.1
 
@@ -117,6 +115,6 @@ def test_exudyn_is_of_second_order_on_an_oscillator() -> None:
     for step in steps:
         accuracy = ExudynJoints(50, 10, free_step=step * (1.0 - 1e-9), newton=1e-12)
         plan = Plan(duration, 1, recorded_cycles=1)
-        end = simulate_exudyn(oscillator(), start, accuracy, plan).end
+        end = accuracy.simulate(oscillator(), start, plan).end
         errors.append(abs(end.position[0] / AMPLITUDE - math.cos(FREQUENCY * duration)))
     assert 1.9 < order_of(steps, errors) < 2.1

@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 
 from presswear.engines.base import Plan, Run, Start
-from presswear.engines.dae.engine import simulate as simulate_dae
-from presswear.engines.exudyn_joints.engine import simulate as simulate_exudyn
 from presswear.engines.settings import ExudynJoints, InHouse
 from presswear.linkage.elements import WearLaw
 from presswear.record.observe import CYCLE_FIXED
@@ -25,7 +23,7 @@ def _spinning() -> tuple[references.Impact, Start]:
 
 
 def _dose_and_impulse(run: Run, impact: references.Impact) -> tuple[float, float]:
-    dose = float(run.account.cycles[0][len(CYCLE_FIXED) + 1])
+    dose = float(run.recorder.cycles[0][len(CYCLE_FIXED) + 1])
     ring = impact.linkage.bodies[0]
     return dose, abs(ring.mass * float(run.end.velocity[0] - impact.start.velocity[0]))
 
@@ -39,14 +37,14 @@ def test_dose_is_impulse_times_sliding(engine: str, error: float) -> None:
     linkage = replace(impact.linkage, clearances=(worn,))
     plan = Plan(0.005, 1)
     if engine == "dae":
-        run = simulate_dae(linkage, start, InHouse(integration_tolerance=1e-11), plan)
+        run = InHouse(integration_tolerance=1e-11).simulate(linkage, start, plan)
     else:
-        run = simulate_exudyn(linkage, start, ExudynJoints(50, 10, free_step=2e-5), plan)
-    assert run.account.book.tally["contacts"][0] == 1
+        run = ExudynJoints(50, 10, free_step=2e-5).simulate(linkage, start, plan)
+    assert run.recorder.book.tally["contacts"][0] == 1
     dose, impulse = _dose_and_impulse(run, impact)
     joint = impact.linkage.clearances[0]
     # The arm is R_j - delta / 2, and the penetration is some micrometres.
-    deepest = float(np.max(run.account.rows[:, 6]))
+    deepest = float(np.max(run.recorder.rows[:, 6]))
     sliding = SPIN * joint.pin_radius
     assert impulse > 0.01
     assert dose >= sliding * (1.0 - 0.5 * deepest / joint.pin_radius) * impulse * (1.0 - error)

@@ -5,11 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from listeners import EndsAfter, Interrupts
 from numpy.typing import NDArray
 
 from presswear.campaign.starts import start_of
 from presswear.engines.base import Plan, Run, Start
-from presswear.engines.exudyn_joints.engine import simulate
 from presswear.engines.settings import ExudynJoints
 from presswear.linkage.elements import (
     Attachment,
@@ -27,7 +27,6 @@ from presswear.linkage.laws import (
     lankarani_nikravesh_damping,
 )
 from presswear.linkage.press import GEOMETRIES, Press
-from presswear.record.recorder import Account
 from presswear.scene.catalog import ideal, wear_times
 from presswear.scene.scene import CONVENTIONS
 
@@ -75,7 +74,7 @@ def at(ring: tuple[float, ...], shaft: tuple[float, ...]) -> Start:
 
 def run_pair(linkage: Linkage, start: Start, duration: float, steps: int = 50) -> Run:
     accuracy = ExudynJoints(steps, 10, free_step=2e-5, newton=1e-10)
-    return simulate(linkage, start, accuracy, Plan(duration, 1))
+    return accuracy.simulate(linkage, start, Plan(duration, 1))
 
 
 def momenta(linkage: Linkage, state: Start) -> NDArray[np.float64]:
@@ -102,7 +101,7 @@ def test_free_impact_conserves_momentum(friction: float) -> None:
     errors = {}
     for steps in (50, 100, 400):
         run = run_pair(linkage, start, 0.001, steps)
-        assert run.account.book.tally["contacts"][0] == 1
+        assert run.recorder.book.tally["contacts"][0] == 1
         change = np.abs(momenta(linkage, run.end) - before)
         assert change[:2].max() < 1e-14 * np.abs(before[:2]).max()
         errors[steps] = change[2]
@@ -116,7 +115,7 @@ def test_central_impact_gives_back_the_closed_form(restitution: float) -> None:
     linkage = free_pair(restitution)
     speed = 0.25
     run = run_pair(linkage, at((0.0,) * 6, (0.0, 0.0, 0.0, speed, 0.0, 0.0)), 0.005)
-    onset, _, closing, release = run.account.episodes(0)[0, :4]
+    onset, _, closing, release = run.recorder.episodes(0)[0, :4]
     assert onset == pytest.approx(CLEARANCE / speed, rel=1e-9)
     assert closing == pytest.approx(speed, rel=1e-9)
     delivered = delivered_restitution(lankarani_nikravesh_damping(restitution))
@@ -137,7 +136,7 @@ def test_penetration_and_order_of_one_impact(exponent: float) -> None:
     errors = []
     for steps in (50, 200):
         run = run_pair(linkage, start, 0.005, steps)
-        rows = run.account.rows
+        rows = run.recorder.rows
         assert rows[:, 6].max() == pytest.approx(deepest, rel=0.01)
         final = run.end.velocity[3] - run.end.velocity[0]
         errors.append(abs(-final / 0.25 - restitution))
@@ -150,11 +149,11 @@ def test_onset_speed_at_the_working_step_under_acceleration() -> None:
     arm, spin = 0.05, 40.0
     linkage = free_pair(pin=(arm, 0.0))
     start = at((arm, 0.0, 0.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0, 0.0, spin))
-    run = simulate(linkage, start, ExudynJoints(50, 10, free_step=5e-5), Plan(0.001, 1))
+    run = ExudynJoints(50, 10, free_step=5e-5).simulate(linkage, start, Plan(0.001, 1))
     # |e| is the chord 2 arm sin(spin t / 2).
     half = math.asin(CLEARANCE / (2.0 * arm))
-    onset, _, closing = run.account.episodes(0)[0, :3]
-    assert run.account.book.tally["contacts"][0] >= 1
+    onset, _, closing = run.recorder.episodes(0)[0, :3]
+    assert run.recorder.book.tally["contacts"][0] >= 1
     assert onset == pytest.approx(2.0 * half / spin, rel=1e-6)
     assert closing == pytest.approx(arm * spin * math.cos(half), rel=1e-6)
 
@@ -162,13 +161,10 @@ def test_onset_speed_at_the_working_step_under_acceleration() -> None:
 @pytest.mark.parametrize("geometry", list(GEOMETRIES))
 def test_ideal_press_follows_the_closed_form(geometry: str) -> None:
     scene = replace(ideal(), mechanism=Press(geometry=GEOMETRIES[geometry]))
-    run = simulate(
-        scene.linkage(),
-        start_of(scene),
-        scene.numerics.joints.over(scene.mechanism.period),
-        Plan(scene.mechanism.period, 1),
+    run = scene.numerics.joints.over(scene.mechanism.period).simulate(
+        scene.linkage(), start_of(scene), Plan(scene.mechanism.period, 1)
     )
-    rows = run.account.rows
+    rows = run.recorder.rows
     motion = scene.mechanism.ideal_motion(rows[:, 0])
     column = 3 * scene.linkage().index("slider 6") + 1
     assert rows.shape[0] > 1000
@@ -186,11 +182,8 @@ def press_runs() -> dict[str, Run]:
     runs = {}
     for name, conventions in CONVENTIONS.items():
         scene = replace(wear_times(), conventions=conventions)
-        runs[name] = simulate(
-            scene.linkage(),
-            start_of(scene),
-            scene.numerics.joints.over(scene.mechanism.period),
-            Plan(scene.mechanism.period / 3.0, 1),
+        runs[name] = scene.numerics.joints.over(scene.mechanism.period).simulate(
+            scene.linkage(), start_of(scene), Plan(scene.mechanism.period / 3.0, 1)
         )
     return runs
 
@@ -198,22 +191,22 @@ def press_runs() -> dict[str, Run]:
 def test_every_contact_of_the_press_is_resolved(press_runs: dict[str, Run]) -> None:
     for run in press_runs.values():
         assert run.status == "completed"
-        assert np.all(run.account.book.tally["contacts"] > 5)
-        assert np.all(run.account.book.tally["unresolved"] == 0)
-        assert np.all(run.account.book.tally["fewest_steps"] >= 20)
+        assert np.all(run.recorder.book.tally["contacts"] > 5)
+        assert np.all(run.recorder.book.tally["unresolved"] == 0)
+        assert np.all(run.recorder.book.tally["fewest_steps"] >= 20)
 
 
 def test_worn_volume_is_the_dose(press_runs: dict[str, Run]) -> None:
     """Sum of depth x b R x bin angle = K_d x integral of F_n ds under ``refined``."""
-    account = press_runs["refined"].account
+    recorder = press_runs["refined"].recorder
     joint = wear_times().linkage().clearances[0]
     assert joint.wear is not None
-    bins = account.maps.total.shape[2]
+    bins = recorder.maps.total.shape[2]
     area = joint.width * joint.bearing_radius * 2.0 * math.pi / bins
     for k in range(2):
-        dose = account.cycles[0][5 + 3 * k + 1]
+        dose = recorder.cycles[0][5 + 3 * k + 1]
         assert dose > 0.0
-        volume = account.maps.total[k].sum() * area
+        volume = recorder.maps.total[k].sum() * area
         assert volume == pytest.approx(joint.wear.coefficient * dose, rel=1e-12)
 
 
@@ -228,17 +221,12 @@ def test_the_drives_turn_exactly(press_runs: dict[str, Run]) -> None:
 
 def test_cycles_end_on_time_and_enough_stops() -> None:
     scene = ideal()
-    asked: list[int] = []
-
-    def enough(account: Account) -> bool:
-        asked.append(len(account.cycles))
-        return len(account.cycles) == 2
-
+    ends = EndsAfter(2)
     period = scene.mechanism.period
     coarse = replace(scene.numerics.joints.over(scene.mechanism.period), free_step=period / 300.0)
-    run = simulate(scene.linkage(), start_of(scene), coarse, Plan(period, 5, enough=enough))
+    run = coarse.simulate(scene.linkage(), start_of(scene), Plan(period, 5, trackers=(ends,)))
     assert run.status == "enough"
-    assert asked == [1, 2]
+    assert ends.asked == [1, 2]
     assert run.time == pytest.approx(2.0 * period, abs=1e-9)
 
 
@@ -251,14 +239,8 @@ def test_a_state_that_is_not_finite_ends_the_run_as_failed() -> None:
 
 def test_errors_and_interrupts_in_callbacks_arrive_as_they_are() -> None:
     scene = ideal()
-
-    def interrupt(part: float) -> None:
-        raise KeyboardInterrupt
-
+    plan = Plan(scene.mechanism.period, 1, trackers=(Interrupts(),))
     with pytest.raises(KeyboardInterrupt):
-        simulate(
-            scene.linkage(),
-            start_of(scene),
-            scene.numerics.joints.over(scene.mechanism.period),
-            Plan(scene.mechanism.period, 1, progress=interrupt),
+        scene.numerics.joints.over(scene.mechanism.period).simulate(
+            scene.linkage(), start_of(scene), plan
         )

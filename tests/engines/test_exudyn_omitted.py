@@ -7,8 +7,6 @@ import pytest
 
 from presswear.campaign.starts import start_of
 from presswear.engines.base import Plan, Run
-from presswear.engines.dae.engine import simulate as simulate_dae
-from presswear.engines.exudyn_joints.engine import simulate
 from presswear.engines.exudyn_joints.model import left_out
 from presswear.engines.settings import InHouse
 from presswear.linkage.elements import Attachment, Spring
@@ -27,8 +25,8 @@ def both(joints: str) -> tuple[Run, Run]:
         newton=1e-11,
     )
     return (
-        simulate(linkage, start, fine, plan),
-        simulate_dae(linkage, start, InHouse(integration_tolerance=1e-11), plan),
+        fine.simulate(linkage, start, plan),
+        InHouse(integration_tolerance=1e-11).simulate(linkage, start, plan),
     )
 
 
@@ -37,16 +35,14 @@ def test_a_crank_without_its_body_moves_and_bears_the_same(joints: str, omitted:
     ours, reference = both(joints)
     assert ("prescribed" in str(ours.diagnostics["model"])) == bool(omitted)
     assert omitted in str(ours.diagnostics["model"])
-    assert ours.account.book.tally["contacts"].sum() >= 2
+    assert ours.recorder.book.tally["contacts"].sum() >= 2
     assert ours.end.position == pytest.approx(reference.end.position, abs=2e-7)
-    assert ours.reactions.keys() == reference.reactions.keys()
-    for name, expected in reference.reactions.items():
-        assert ours.reactions[name] == pytest.approx(expected, abs=2e-3), name
+    assert ours.recorder.book.torque == pytest.approx(reference.recorder.book.torque, abs=2e-3)
     for name in ("drive_work_J", "contact_loss_J"):
         exchanged = float(reference.diagnostics["drive_exchange_J"])
         expected_work = float(reference.diagnostics[name])
         assert ours.diagnostics[name] == pytest.approx(expected_work, abs=5e-6 * exchanged)
-    rows = ours.account.rows
+    rows = ours.recorder.rows
     assert np.ptp(rows[:, -2]) > 0.01  # the torque of drive 2
 
 

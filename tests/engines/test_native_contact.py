@@ -12,8 +12,6 @@ import pytest
 from numpy.typing import NDArray
 
 from presswear.engines.base import Plan, Start
-from presswear.engines.dae.engine import simulate as simulate_dae
-from presswear.engines.exudyn_joints.engine import simulate
 from presswear.engines.settings import ExudynJoints, InHouse
 from presswear.linkage.elements import Attachment, Body, ClearanceJoint, Linkage, Probe
 from presswear.linkage.laws import FrictionLaw, NormalLaw, lankarani_nikravesh_damping
@@ -130,13 +128,13 @@ def test_native_contact_agrees_with_the_connector(friction: float) -> None:
     """
     linkage = pair(friction)
     plan = Plan(DURATION, 1)
-    run = simulate(linkage, START, ExudynJoints(800, 10, free_step=2e-5, newton=1e-12), plan)
-    assert run.account.book.tally["contacts"][0] == 1
+    run = ExudynJoints(800, 10, free_step=2e-5, newton=1e-12).simulate(linkage, START, plan)
+    assert run.recorder.book.tally["contacts"][0] == 1
     theirs = native(linkage, NOMINAL, 1e-7)
     change = np.abs(run.end.velocity - START.velocity)
     assert change.max() > 1.0
     assert np.abs(theirs - run.end.velocity).max() < 3e-6 * change.max()
-    exact = simulate_dae(linkage, START, InHouse(integration_tolerance=1e-11), plan).end.velocity
+    exact = InHouse(integration_tolerance=1e-11).simulate(linkage, START, plan).end.velocity
     assert np.abs(theirs - exact).max() < 3e-6 * change.max()
 
 

@@ -12,8 +12,6 @@ from numpy.typing import NDArray
 
 from presswear.campaign.starts import start_of
 from presswear.engines.base import Plan, Run
-from presswear.engines.dae.engine import simulate as simulate_dae
-from presswear.engines.exudyn_joints.engine import simulate as simulate_exudyn
 from presswear.engines.settings import InHouse
 from presswear.linkage.mechanism import Mechanism, Motion
 from presswear.linkage.press import Press
@@ -177,7 +175,7 @@ def test_every_value_says_where_it_comes_from() -> None:
 
 def _errors(run: Run) -> Array:
     """Greatest error of the slider's displacement, velocity and acceleration."""
-    rows = run.account.rows
+    rows = run.recorder.rows
     exact = ONE.ideal_motion(rows[:, 0])
     levels = (exact.position, exact.velocity, exact.acceleration)
     slider = np.column_stack([level[:, SLIDER] for level in levels])
@@ -189,7 +187,7 @@ def _errors(run: Run) -> Array:
 
 @pytest.fixture(scope="module")
 def in_house() -> Run:
-    return simulate_dae(IDEAL.linkage(), start_of(IDEAL), InHouse(), Plan(ONE.period, 2))
+    return InHouse().simulate(IDEAL.linkage(), start_of(IDEAL), Plan(ONE.period, 2))
 
 
 def test_in_house_engine_follows_the_closed_form(in_house: Run) -> None:
@@ -199,16 +197,13 @@ def test_in_house_engine_follows_the_closed_form(in_house: Run) -> None:
 
 
 def test_exudyn_follows_the_closed_form() -> None:
-    run = simulate_exudyn(
-        IDEAL.linkage(),
-        start_of(IDEAL),
-        IDEAL.numerics.joints.over(IDEAL.mechanism.period),
-        Plan(ONE.period, 2),
+    run = IDEAL.numerics.joints.over(IDEAL.mechanism.period).simulate(
+        IDEAL.linkage(), start_of(IDEAL), Plan(ONE.period, 2)
     )
     assert np.all(_errors(run) < [1e-8, 1e-6, 1e-2])
 
 
 def test_a_slider_crank_of_another_length_is_noticed(in_house: Run) -> None:
     scene = replace(IDEAL, mechanism=replace(ONE, rod_length=0.1201))
-    run = simulate_dae(scene.linkage(), start_of(scene), InHouse(), Plan(ONE.period, 2))
+    run = InHouse().simulate(scene.linkage(), start_of(scene), Plan(ONE.period, 2))
     assert np.all(_errors(run) > 100.0 * _errors(in_house))

@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 
 from presswear.engines.base import Plan
 from presswear.engines.dae.dynamics import rates, system_of
-from presswear.engines.dae.engine import simulate
 from presswear.engines.settings import InHouse
 from presswear.physics.constraints import constraints_of
 from presswear.physics.packed import pack
@@ -55,7 +54,7 @@ def test_dae_reaches_the_reference(projected: bool) -> None:
     """
     plan = Plan(references.ANDREWS_DURATION, 1, recorded_cycles=1)
     accuracy = InHouse(projection="on" if projected else "off")
-    run = simulate(references.andrews(), references.andrews_start(), accuracy, plan)
+    run = accuracy.simulate(references.andrews(), references.andrews_start(), plan)
     angles = references.andrews_angles(run.end.position)
     assert np.abs(angles - ANGLES).max() < 1e-8
     assert np.abs(references.andrews_angles(run.end.velocity) - RATES).max() < 1e-5
@@ -67,7 +66,7 @@ def test_energy_is_the_work_of_the_moment() -> None:
     """Kinetic and spring energy gained = 0.033 N m times the crank's turn."""
     plan = Plan(references.ANDREWS_DURATION, 1, recorded_cycles=1)
     linkage, start = references.andrews(), references.andrews_start()
-    end = simulate(linkage, start, InHouse(), plan).end
+    end = InHouse().simulate(linkage, start, plan).end
     spring = linkage.springs[0]
 
     def stored(position: NDArray[np.float64]) -> float:

@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 
 from presswear.engines.base import Plan, Start
-from presswear.engines.dae.engine import simulate as simulate_dae
-from presswear.engines.exudyn_joints.engine import simulate as simulate_exudyn
 from presswear.engines.settings import ExudynJoints, InHouse
 from presswear.linkage.laws import (
     delivered_restitution,
@@ -32,7 +30,7 @@ PLAN = Plan(0.005, 1)
 @pytest.mark.parametrize(("nominal", "expected"), references.DELIVERED.items())
 def test_dae_delivers_the_closed_form(nominal: float, expected: float, tolerance: float) -> None:
     impact = references.Impact(nominal)
-    run = simulate_dae(impact.linkage, impact.start, InHouse(integration_tolerance=tolerance), PLAN)
+    run = InHouse(integration_tolerance=tolerance).simulate(impact.linkage, impact.start, PLAN)
     assert delivered(run, impact.speed) == pytest.approx(expected, abs=1e-8)
     final = run.end.velocity[3] - run.end.velocity[0]
     assert -final / impact.speed == pytest.approx(expected, abs=1e-8)
@@ -43,7 +41,7 @@ def test_a_run_that_starts_on_the_touch_does_not_miss_it() -> None:
     position = impact.start.position.copy()
     position[3] = impact.linkage.clearances[0].clearance
     start = Start(position, impact.start.velocity)
-    run = simulate_dae(impact.linkage, start, InHouse(integration_tolerance=1e-11), PLAN)
+    run = InHouse(integration_tolerance=1e-11).simulate(impact.linkage, start, PLAN)
     final = run.end.velocity[3] - run.end.velocity[0]
     assert -final / impact.speed == pytest.approx(references.DELIVERED[0.9], abs=1e-8)
 
@@ -53,7 +51,7 @@ def test_exudyn_delivers_the_closed_form(nominal: float, steps: int) -> None:
     """To 1e-4; below a nominal 0.9 that takes more than the default of 50 steps."""
     impact = references.Impact(nominal)
     accuracy = ExudynJoints(steps, 10, free_step=2e-5, newton=1e-10)
-    run = simulate_exudyn(impact.linkage, impact.start, accuracy, PLAN)
+    run = accuracy.simulate(impact.linkage, impact.start, PLAN)
     expected = references.DELIVERED[nominal]
     assert delivered(run, impact.speed) == pytest.approx(expected, abs=1e-4)
 
@@ -65,7 +63,7 @@ def test_exudyn_delivers_to_second_order_in_the_step() -> None:
     errors = []
     for steps in parts:
         accuracy = ExudynJoints(steps, 10, free_step=2e-5, newton=1e-12)
-        run = simulate_exudyn(impact.linkage, impact.start, accuracy, PLAN)
+        run = accuracy.simulate(impact.linkage, impact.start, PLAN)
         errors.append(abs(delivered(run, impact.speed) - exact))
     assert order_of([1.0 / steps for steps in parts], errors) == pytest.approx(2.0, abs=0.2)
 
@@ -75,7 +73,7 @@ def test_elastic_impact_lasts_as_hertz_says(speed: float) -> None:
     """2.9432751843 delta_max / v."""
     impact = references.Impact(1.0, speed=speed)
     plan = Plan(2.0 * impact.clearance / speed, 1)
-    run = simulate_dae(impact.linkage, impact.start, TIGHT, plan)
+    run = TIGHT.simulate(impact.linkage, impact.start, plan)
     onset, end = first_contact(run)[:2]
     assert onset == pytest.approx(impact.clearance / speed, rel=1e-12)
     assert end - onset == pytest.approx(impact.elastic_duration, rel=1e-8)
@@ -86,14 +84,14 @@ def test_elastic_impact_lasts_as_hertz_says(speed: float) -> None:
 @pytest.mark.parametrize("nominal", [0.5, 0.8, 0.9, 1.0])
 def test_depth_is_the_closed_form(nominal: float) -> None:
     impact = references.Impact(nominal, clearance=1e-5)
-    run = simulate_dae(impact.linkage, impact.start, TIGHT, Plan(2.2e-4, 1))
+    run = TIGHT.simulate(impact.linkage, impact.start, Plan(2.2e-4, 1))
     assert deepest_penetration(run, impact.speed) == pytest.approx(impact.deepest, rel=1e-8)
 
 
 def test_default_tolerance_leaves_little() -> None:
     """At 1e-9 the restitution is right to 5e-8."""
     impact = references.Impact(0.9)
-    run = simulate_dae(impact.linkage, impact.start, InHouse(), PLAN)
+    run = InHouse().simulate(impact.linkage, impact.start, PLAN)
     assert delivered(run, impact.speed) == pytest.approx(references.DELIVERED[0.9], abs=5e-8)
 
 

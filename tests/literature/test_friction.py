@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from presswear.engines.base import Plan, Run
-from presswear.engines.dae.engine import simulate
 from presswear.engines.settings import InHouse
 from presswear.trials.verify import references
 from presswear.trials.verify.verify import FRICTION, GRAVITY, creep, slowed, turning_points
@@ -23,7 +22,7 @@ def released(upper: float, intervals: float = 4.5) -> Run:
     """SDND100 from its release, for so many intervals."""
     linkage, start = references.sdnd100(upper)
     plan = Plan(intervals * INTERVAL, 1, recorded_cycles=1)
-    return simulate(linkage, start, InHouse(integration_tolerance=1e-11), plan)
+    return InHouse(integration_tolerance=1e-11).simulate(linkage, start, plan)
 
 
 @pytest.mark.parametrize("upper", [1e-5, 1e-6])

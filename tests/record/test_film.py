@@ -26,7 +26,7 @@ def rattling(request: pytest.FixtureRequest) -> Run:
 def test_frames_of_the_ideal_press_lie_on_its_closed_form() -> None:
     scene = scene_named("ideal")
     run = ran(scene, 1)
-    film = run.account.film
+    film = run.recorder.film
     exact = scene.mechanism.ideal_motion(film.time)
     apart = np.abs(film.position - exact.position)
     assert len(film.time) > 0.9 * FRAMES_PER_CYCLE
@@ -35,7 +35,7 @@ def test_frames_of_the_ideal_press_lie_on_its_closed_form() -> None:
 
 
 def test_frames_are_no_closer_than_their_interval_and_cover_the_cycle(rattling: Run) -> None:
-    time = rattling.account.film.time
+    time = rattling.recorder.film.time
     interval = time[-1] / FRAMES_PER_CYCLE
     # One in each interval, so at least half of one apart on the average of two.
     assert np.diff(time).min() > 0.0
@@ -45,8 +45,8 @@ def test_frames_are_no_closer_than_their_interval_and_cover_the_cycle(rattling: 
 
 
 def test_a_frame_is_the_state_of_the_series_at_its_time(rattling: Run) -> None:
-    account = rattling.account
-    film, rows = account.film, account.rows
+    recorder = rattling.recorder
+    film, rows = recorder.film, recorder.rows
     common, ours, theirs = np.intersect1d(film.time, rows[:, 0], return_indices=True)
     assert len(common) > 50
     for k in range(2):
@@ -57,7 +57,7 @@ def test_a_frame_is_the_state_of_the_series_at_its_time(rattling: Run) -> None:
 
 
 def test_no_peak_is_lost_between_frames(rattling: Run) -> None:
-    film, tally = rattling.account.film, rattling.account.book.tally
+    film, tally = rattling.recorder.film, rattling.recorder.book.tally
     for k in range(2):
         columns = film.joints[:, k]
         assert columns[:, 5].max() == tally["peak_force"][k]
@@ -67,16 +67,16 @@ def test_no_peak_is_lost_between_frames(rattling: Run) -> None:
 
 def test_a_film_ends_and_its_last_frame_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(film_module, "FILM_CYCLES", 1)
-    account = ran(changed(scene_named("wear-times"), {"engine": "dae"}), 2).account
+    recorder = ran(changed(scene_named("wear-times"), {"engine": "dae"}), 2).recorder
     period = scene_named("wear-times").mechanism.period
-    assert len(account.film.time) == FRAMES_PER_CYCLE
+    assert len(recorder.film.time) == FRAMES_PER_CYCLE
     # Steps are longer than an interval at times, so a film lasts a little longer.
-    assert account.film.time[-1] < 1.3 * period
-    assert account.last_frames.time == pytest.approx([2.0 * period], abs=0.01 * period)
+    assert recorder.film.time[-1] < 1.3 * period
+    assert recorder.last_frames.time == pytest.approx([2.0 * period], abs=0.01 * period)
 
 
 def test_a_film_is_stored_and_read_back(rattling: Run) -> None:
-    film = rattling.account.film
+    film = rattling.recorder.film
     names = ("A", "C")
     back = Film.from_arrays(film.arrays(names), 6, names)
     assert np.array_equal(back.position, film.position)

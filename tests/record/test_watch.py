@@ -12,7 +12,7 @@ from presswear.__main__ import main
 from presswear.campaign.starts import start_of
 from presswear.physics.constraints import constraints_of
 from presswear.physics.energy import Ledger
-from presswear.record.recorder import Account
+from presswear.record.recorder import Recorder
 from presswear.record.soundness import Condition, Finding, examine
 from presswear.scene.catalog import scene_named
 
@@ -22,8 +22,8 @@ START = start_of(SCENE, 0)
 MET = constraints_of(LINKAGE)
 
 
-def account() -> Account:
-    return Account.of(LINKAGE, START.position, 1, SCENE.mechanism.period)
+def recorder() -> Recorder:
+    return Recorder.of(LINKAGE, START.position, 1, SCENE.mechanism.period)
 
 
 def sound() -> Condition:
@@ -37,11 +37,11 @@ def unbalanced(**energies: float) -> Condition:
 
 
 def test_a_sound_run_is_let_go_on() -> None:
-    assert examine(LINKAGE, account(), sound()) is None
+    assert examine(LINKAGE, recorder(), sound()) is None
 
 
-def broken(change: Callable[[Account, Condition], Condition]) -> Finding:
-    observed = account()
+def broken(change: Callable[[Recorder, Condition], Condition]) -> Finding:
+    observed = recorder()
     found = examine(LINKAGE, observed, change(observed, sound()))
     assert found is not None
     assert found.remedy
@@ -51,7 +51,7 @@ def broken(change: Callable[[Account, Condition], Condition]) -> Finding:
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
 def test_a_state_that_is_no_number(value: float) -> None:
-    def change(observed: Account, now: Condition) -> Condition:
+    def change(observed: Recorder, now: Condition) -> Condition:
         now.velocity[4] = value
         return now
 
@@ -60,7 +60,7 @@ def test_a_state_that_is_no_number(value: float) -> None:
 
 @pytest.mark.parametrize(("work", "ends"), [(0.5149, False), (0.5151, True), (0.4849, True)])
 def test_energy_that_does_not_add_up(work: float, ends: bool) -> None:
-    found = examine(LINKAGE, account(), unbalanced(drive_work=work))
+    found = examine(LINKAGE, recorder(), unbalanced(drive_work=work))
     assert (found is not None) == ends
     if found:
         assert found.kind == "energy"
@@ -69,7 +69,7 @@ def test_energy_that_does_not_add_up(work: float, ends: bool) -> None:
 
 @pytest.mark.parametrize(("made", "ends"), [(0.24, False), (0.26, True)])
 def test_contacts_that_make_energy(made: float, ends: bool) -> None:
-    found = examine(LINKAGE, account(), unbalanced(contact_loss=-made, drive_work=0.45 - made))
+    found = examine(LINKAGE, recorder(), unbalanced(contact_loss=-made, drive_work=0.45 - made))
     assert (found is not None) == ends
     if found:
         assert found.kind == "energy"
@@ -77,12 +77,12 @@ def test_contacts_that_make_energy(made: float, ends: bool) -> None:
 
 
 def test_without_drives_energy_is_not_judged() -> None:
-    assert examine(LINKAGE, account(), unbalanced(drive_work=9.0, drive_exchange=0.0)) is None
+    assert examine(LINKAGE, recorder(), unbalanced(drive_work=9.0, drive_exchange=0.0)) is None
 
 
 @pytest.mark.parametrize(("coarse", "ends"), [(10, False), (11, True)])
 def test_steps_too_long_for_the_contacts(coarse: int, ends: bool) -> None:
-    observed = account()
+    observed = recorder()
     tally = observed.book.tally
     tally["contacts"], tally["unresolved"] = (5, 20), (5, coarse)
     tally["fewest_steps"] = 3
@@ -94,7 +94,7 @@ def test_steps_too_long_for_the_contacts(coarse: int, ends: bool) -> None:
 
 
 def test_a_pin_that_sinks_in() -> None:
-    def change(observed: Account, now: Condition) -> Condition:
+    def change(observed: Recorder, now: Condition) -> Condition:
         observed.book.tally["deepest"][1] = 1.01 * LINKAGE.clearances[1].pin_radius
         return now
 
@@ -103,7 +103,7 @@ def test_a_pin_that_sinks_in() -> None:
 
 
 def test_a_joint_that_drifts_apart() -> None:
-    def change(observed: Account, now: Condition) -> Condition:
+    def change(observed: Recorder, now: Condition) -> Condition:
         now.position[3 * LINKAGE.index("slider 6") + 1] += 9e-6
         return now
 

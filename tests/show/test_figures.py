@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Sheet
 
 from presswear.linkage.surface import bin_centres
-from presswear.results.results import StoredResult
+from presswear.results.result import Result
 from presswear.scene.catalog import wear_times
 from presswear.scene.ideal import ideal_slider
 from presswear.scene.scene import CONVENTIONS, Scene, stage_name
@@ -27,9 +27,7 @@ BINS = 72
 UNIT = re.compile(r"\((m|mm|µm|nm|s|N|m/s|m/s²|degrees)\)")
 
 
-def made_up(
-    scene: Scene, stages: int, status: str = "completed", message: str = ""
-) -> StoredResult:
+def made_up(scene: Scene, stages: int, status: str = "completed", message: str = "") -> Result:
     """A result as a run of the scene would leave it, from formulas; stage depth grows."""
     time = np.linspace(0.0, 2.0 * scene.mechanism.period, 400)
     angle = bin_centres(BINS)
@@ -98,7 +96,7 @@ def made_up(
         "wall_s": 3.0,
         "stages": listed,
     }
-    return StoredResult(Path("nowhere"), document, scene, arrays)
+    return Result(Path("nowhere"), document, scene, arrays)
 
 
 BOTH = replace(wear_times(), cycles=2)
@@ -131,7 +129,7 @@ def test_draws_what_makes_sense(
         assert figure.caption.endswith(".")
 
 
-def sheet_of(draw: Callable[[StoredResult], list[Drawing]], result: StoredResult) -> Sheet:
+def sheet_of(draw: Callable[[Result], list[Drawing]], result: Result) -> Sheet:
     """The first sheet of one kind of figure."""
     return draw(result)[0].sheet
 
@@ -168,7 +166,7 @@ def test_failed_stage_says_nothing_of_further_wear() -> None:
 def test_depth_is_the_cumulative_total_in_microns() -> None:
     result = made_up(BOTH, 3)
     first, second, further = sheet_of(wear_depth, result).axes[0].get_lines()
-    expected = 2e6 * result.stages[1]["A_depth_bearing"]
+    expected = 2e6 * result.stages[1].arrays["A_depth_bearing"]
     np.testing.assert_allclose(np.asarray(first.get_ydata()), expected)
     np.testing.assert_allclose(np.asarray(second.get_ydata()), 2.0 * expected)
     np.testing.assert_allclose(np.asarray(further.get_ydata()), 3.0 * expected)
@@ -176,7 +174,7 @@ def test_depth_is_the_cumulative_total_in_microns() -> None:
 
 def test_very_different_depths_share_a_logarithmic_scale() -> None:
     result = made_up(BOTH, 3)
-    result.stages[2]["A_depth_pin"] = 1e3 * result.stages[2]["A_depth_pin"]
+    result.stages[2].arrays["A_depth_pin"] = 1e3 * result.stages[2].arrays["A_depth_pin"]
     at_a, at_c = sheet_of(wear_depth, result).axes
     assert (at_a.get_yscale(), at_c.get_yscale()) == ("log", "linear")
 
@@ -224,7 +222,7 @@ def test_many_stages_are_thinned_out() -> None:
 
 def test_stage_without_motion_is_left_out() -> None:
     result = made_up(BOTH, 2, status="failed")
-    last = result.stages[1]
+    last = result.stages[1].arrays
     for name in ("time", "slider", "A_force", "C_force", "A_eccentricity", "C_eccentricity"):
         last[name] = last[name][:1]
     assert legend_of(sheet_of(response, result)) == ["ideal", "no wear"]

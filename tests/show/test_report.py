@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from test_figures import BODY, BOTH, IDEAL, ONE, made_up
 
-from presswear.results.results import StoredResult
+from presswear.results.result import Result
 from presswear.scene.catalog import slider_crank
 from presswear.scene.scene import CONVENTIONS, Conventions
 from presswear.scene.settings import settings_of
@@ -53,7 +53,7 @@ class Page(HTMLParser):
         return " ".join(self.words)
 
 
-def page_of(result: StoredResult) -> Page:
+def page_of(result: Result) -> Page:
     return Page(render(result, []))
 
 
@@ -85,7 +85,7 @@ def test_failed_status_is_shown_with_its_message() -> None:
 
 def test_stage_that_failed_at_once_leaves_dashes() -> None:
     result = made_up(BOTH, 2, "failed", "no step")
-    result.document["stages"][1]["statistics"] = {"cycles": 0}
+    result.stages[1].statistics = {"cycles": 0}
     page = page_of(result)
     assert page.row("largest acceleration (m/s²)")[1:] == ["1\u202f220", "–"]
     assert page.row("largest normal force (N)")[1:] == ["100", "–"]

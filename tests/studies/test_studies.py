@@ -13,13 +13,7 @@ from pathlib import Path
 import pytest
 
 from presswear.__main__ import main
-from presswear.results.results import load
-from presswear.results.sameness import folder_differences
-from presswear.scene.catalog import STUDIES, wear_times
-from presswear.scene.settings import changed
-from presswear.studies.runaway.figure import two_wears
-from presswear.studies.runaway.study import Outcome, answer, outcome_of, runaway
-from presswear.studies.study import (
+from presswear.campaign.study import (
     Study,
     Variant,
     is_finished,
@@ -29,6 +23,12 @@ from presswear.studies.study import (
     run_variant,
     waiting,
 )
+from presswear.results.result import load
+from presswear.results.sameness import folder_differences
+from presswear.scene.catalog import STUDIES, wear_times
+from presswear.scene.settings import changed
+from presswear.studies.runaway.figure import two_wears
+from presswear.studies.runaway.variants import Outcome, answer, outcome_of, runaway
 from presswear.tools.errors import InputError
 
 
@@ -139,7 +139,8 @@ def test_outcomes_are_read_from_results(ran: tuple[Path, list[tuple[str, float]]
     for wear, stage in ((one.first, 0), (one.second, 1)):
         for joint in ("A", "C"):
             deepest = max(
-                result.stages[stage][f"{joint}_wear_{side}"].max() for side in ("bearing", "pin")
+                result.stages[stage].arrays[f"{joint}_wear_{side}"].max()
+                for side in ("bearing", "pin")
             )
             assert wear[joint] == deepest > 0.0
     assert math.isnan(stops.growth)

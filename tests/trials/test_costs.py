@@ -15,7 +15,7 @@ from presswear.engines.base import Plan
 from presswear.engines.settings import InHouse
 from presswear.results.provenance import provenance
 from presswear.scene.catalog import scene_named
-from presswear.tools.errors import RunError
+from presswear.tools.errors import RunFailed
 from presswear.trials.costs import study as costs_study
 from presswear.trials.costs.equal_work import FIXED_STEP, check_fixed, equal_work, fixed_steps
 from presswear.trials.costs.features import JOINTS, deepest, wear_once
@@ -98,13 +98,13 @@ def test_fixed_steps_are_all_of_one_length() -> None:
     scene = replace(scene_named("wear-times"), engine=JOINTS)
     plan = Plan(3e-3, 1, 1, torques=False)
     case = replace(case_of("fixed", scene, 1.0), accuracy=fixed_steps(), plan=plan)
-    rows = case.run().account.book.record
+    rows = case.run().recorder.book.record
     assert int(rows["steps"][0]) == 3001  # the start is one
     timing = time_cases([case], 1, lambda name, part: None)[0]
     assert timing.steps * FIXED_STEP == pytest.approx(timing.simulated, rel=1e-12)
     check_fixed(timing)
     for broken in (replace(timing, steps=timing.steps + 1), replace(timing, sent_back=1)):
-        with pytest.raises(RunError, match="1e-06"):
+        with pytest.raises(RunFailed, match="1e-06"):
             check_fixed(broken)
 
 
@@ -246,5 +246,5 @@ def test_repeats_that_take_other_steps_are_noticed(monkeypatch: pytest.MonkeyPat
     case = case_of("short", scene_named("wear-times"), 0.01)
     runs = [case.run(), replace(case, plan=plan_of(0.5, 0.005)).run()]
     monkeypatch.setattr(type(case), "run", lambda self: runs.pop(0))
-    with pytest.raises(RunError, match="other steps"):
+    with pytest.raises(RunFailed, match="other steps"):
         time_cases([case], 2, lambda name, part: None)

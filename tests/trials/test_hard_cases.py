@@ -9,7 +9,7 @@ import pytest
 from presswear.__main__ import main
 from presswear.engines.settings import InHouse
 from presswear.linkage.laws import FrictionLaw
-from presswear.tools.errors import InputError, RunError
+from presswear.tools.errors import InputError, RunFailed
 from presswear.trials import hard
 from presswear.trials.hard import bodies, hard_cases
 from presswear.trials.hard.case import Case, Finding, energy_of, guarded, outcomes, ran, sound
@@ -69,13 +69,13 @@ def test_lost_energy_contacts_and_numbers_miss() -> None:
     run.diagnostics["energy_residual_J"] = -1e-5
     assert not energy_of(run, "dae").passed
     assert energy_of(run, "exudyn-joints").passed
-    with pytest.raises(RunError, match=r"ended at 0.01 s, not at 0.02 s"):
+    with pytest.raises(RunFailed, match=r"ended at 0.01 s, not at 0.02 s"):
         sound(run, guarded(0.02))
-    run.account.book.tally["unresolved"][1] = 1
-    with pytest.raises(RunError, match="1 of 2 contacts unresolved"):
+    run.recorder.book.tally["unresolved"][1] = 1
+    with pytest.raises(RunFailed, match="1 of 2 contacts unresolved"):
         sound(run, plan)
-    run.account.rows[1, 2] = math.nan
-    with pytest.raises(RunError, match="not finite: series"):
+    run.recorder.rows[1, 2] = math.nan
+    with pytest.raises(RunFailed, match="not finite: series"):
         sound(run, plan)
 
 
@@ -96,13 +96,13 @@ def _case(refusal: str = "", *, error: Exception | None = None, figure: float = 
         (_case(figure=-1.1), "MISS"),
         (_case(figure=math.nan), "MISS"),
         (_case(figure=math.inf), "MISS"),
-        (_case(error=RunError("the step vanished")), "MISS"),
+        (_case(error=RunFailed("the step vanished")), "MISS"),
         (_case(error=ZeroDivisionError("division by zero")), "MISS"),
         (_case(error=InputError("c = 0 m: allowed is 1 to 2 m")), "MISS"),
         (_case("c = 0 m", error=InputError("c = 0 m: allowed is 1 to 2 m")), "refused"),
         (_case("c = 1 m", error=InputError("c = 0 m: allowed is 1 to 2 m")), "MISS"),
-        (_case("c = 0 m", error=RunError("c = 0 m: the state ran away")), "refused"),
-        (_case("c = 0 m", error=RunError("the step vanished")), "MISS"),
+        (_case("c = 0 m", error=RunFailed("c = 0 m: the state ran away")), "refused"),
+        (_case("c = 0 m", error=RunFailed("the step vanished")), "MISS"),
         (_case("c = 0 m"), "MISS"),
     ],
 )
@@ -112,7 +112,7 @@ def test_verdicts(case: Case, verdict: str) -> None:
 
 def test_a_run_that_goes_on_and_on_is_stopped() -> None:
     plan = guarded(1.0, patience=-1.0)
-    with pytest.raises(RunError, match=r"stopped after -1 s of wall time at 20 %"):
+    with pytest.raises(RunFailed, match=r"stopped after -1 s of wall time at 20 %"):
         plan.progress(0.2)
     guarded(1.0, patience=60.0).progress(0.2)
 

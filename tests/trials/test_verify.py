@@ -7,7 +7,7 @@ import pytest
 
 from presswear.__main__ import main
 from presswear.engines.settings import InHouse
-from presswear.tools.errors import RunError
+from presswear.tools.errors import RunFailed
 from presswear.trials.verify import verify as module
 from presswear.trials.verify.verify import Row, impact_rows, order_of, stiff_limit, verify
 
@@ -78,7 +78,7 @@ def test_command_fails_when_a_run_fails(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     def group() -> Iterator[Row]:
-        raise RunError("the step vanished (t = 0.1 s)")
+        raise RunFailed("the step vanished (t = 0.1 s)")
 
     monkeypatch.setattr(module, "GROUPS", {"one": group})
     assert main(["verify"]) == 1

@@ -1,15 +1,14 @@
-"""The in-house solver as an engine: a linkage and a start in, a Run out."""
+"""The in-house solver as an engine."""
 
 import time as clock
 
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.engines.base import Plan, Run, Start, account_of, described, run_cycles
+from presswear.engines.base import Plan, Start, described
 from presswear.engines.dae.dynamics import (
     DRIVE_INTEGRALS,
     JOINT_INTEGRALS,
-    System,
     rates,
     system_of,
 )
@@ -24,13 +23,14 @@ from presswear.engines.dae.march import (
     note_torques,
 )
 from presswear.engines.dae.runge_kutta import MOST_STAGES, dormand_prince_5, dormand_prince_8
+from presswear.engines.driver import Simulation
 from presswear.engines.settings import InHouse
 from presswear.linkage.elements import Linkage
 from presswear.physics.constraints import Constraints, constraints_of
 from presswear.physics.energy import MADE_REMEDY, SETTLED, Ledger, made_energy, stored_energy
-from presswear.record.soundness import Condition, Finding
+from presswear.record.recorder import Recorder
+from presswear.record.soundness import Finding
 from presswear.tools.errors import InputError
-from presswear.tools.snapshot import Snapshot, named, numbers, part, set_numbers
 
 Array = NDArray[np.float64]
 
@@ -77,14 +77,6 @@ def dependent_joint(jacobian: Array, names: tuple[str, ...], least: float) -> st
     return None
 
 
-def _reactions(system: System, constraints: Constraints) -> dict[str, tuple[float, ...]]:
-    """Multipliers of the last evaluated state by joint, see ``Run``."""
-    found: dict[str, tuple[float, ...]] = {}
-    for name, multiplier in zip(constraints.names, system.multipliers, strict=True):
-        found[name] = (*found.get(name, ()), -float(multiplier))
-    return found
-
-
 def _problem(state: int, time: float, constraints: Constraints, y: Array, n: int) -> Finding:
     """What went wrong where a march ended as ``state`` says, and near which joint."""
     if state != STUCK:
@@ -99,30 +91,31 @@ def _problem(state: int, time: float, constraints: Constraints, y: Array, n: int
     )
 
 
-def simulate(linkage: Linkage, start: Start, accuracy: InHouse, plan: Plan) -> Run:
-    """Run a linkage from a start; see ``Plan`` and ``Run``."""
+def prepare(
+    linkage: Linkage, start: Start, settings: InHouse, plan: Plan, recorder: Recorder
+) -> Simulation:
+    """Pack a linkage in a start; see ``Simulation``."""
     began = clock.perf_counter()
     constraints = constraints_of(linkage)
     check_start(constraints, start)
-    account = account_of(linkage, start, plan)
-    book = account.book
-    system = system_of(book.packed, constraints, accuracy.alpha, accuracy.beta)
+    book = recorder.book
+    system = system_of(book.packed, constraints, settings.alpha, settings.beta)
     n = start.position.size
     size = 2 * n + DRIVE_INTEGRALS + JOINT_INTEGRALS * len(linkage.clearances)
     y = np.zeros(size)
     y[:n], y[n : 2 * n] = start.position, start.velocity
     motion = Motion(y, np.zeros(size), np.zeros((MOST_STAGES + 1, size)), np.ones(2 * n))
     control = np.zeros(1, CONTROL)
-    fixed = accuracy.has_equal_steps
-    control["step"] = accuracy.step if fixed else 1e-6
-    control["longest"] = accuracy.longest(plan.cycle)
+    fixed = settings.has_equal_steps
+    control["step"] = settings.step if fixed else 1e-6
+    control["longest"] = settings.longest(plan.cycle)
     control["shortest"] = 1e-14
-    control["tolerance"] = accuracy.integration_tolerance
-    control["projected"] = accuracy.projection == "on"
-    tableau = dormand_prince_5() if accuracy.integrator == "dopri5" else dormand_prince_8()
+    control["tolerance"] = settings.integration_tolerance
+    control["projected"] = settings.projection == "on"
+    tableau = dormand_prince_5() if settings.integrator == "dopri5" else dormand_prince_8()
     rates(system, book.onset, 0.0, y, motion.slopes[0])
     note_torques(system, book)
-    account.begin(y[:n], y[n : 2 * n], motion.slopes[0, n : 2 * n])
+    recorder.begin(y[:n], y[n : 2 * n], motion.slopes[0, n : 2 * n])
 
     def march(end: float, most: int) -> int:
         if fixed:
@@ -136,22 +129,21 @@ def simulate(linkage: Linkage, start: Start, accuracy: InHouse, plan: Plan) -> R
         return stored_energy(book.packed, book.touch["energy"], y[:n], y[n : 2 * n])
 
     energy_before = stored()
-    duration = plan.cycle * plan.cycles
-    walls = {"solve": 0.0}
+    sums = {"solve": 0.0}
 
     def advance(end: float) -> Finding | None:
         began = clock.perf_counter()
-        state = RUNNING
-        while state == RUNNING:
-            state = march(end, _CHUNK)
+        status = RUNNING
+        while status == RUNNING:
+            status = march(end, _CHUNK)
             time = float(control["time"][0])
-            plan.progress(min(time / duration, 1.0))
+            plan.advanced(time)
             lost = float(y[2 * n + DRIVE_INTEGRALS :: JOINT_INTEGRALS].sum())
             made = made_energy(lost, float(y[2 * n + 1])) if time > SETTLED * plan.cycle else ""
             if made:
                 return Finding("energy", made, time, "", MADE_REMEDY)
-        walls["solve"] += clock.perf_counter() - began
-        return None if state == DONE else _problem(state, time, constraints, y, n)
+        sums["solve"] += clock.perf_counter() - began
+        return None if status == DONE else _problem(status, time, constraints, y, n)
 
     def ledger() -> Ledger:
         losses = y[2 * n + DRIVE_INTEGRALS :].reshape(-1, JOINT_INTEGRALS).sum(axis=0)
@@ -159,56 +151,38 @@ def simulate(linkage: Linkage, start: Start, accuracy: InHouse, plan: Plan) -> R
         contact, friction = float(losses[0]), float(losses[1])
         return Ledger(float(work), float(exchange), stored() - energy_before, contact, friction)
 
-    def condition() -> Condition:
-        q, v = y[:n].copy(), y[n : 2 * n].copy()
-        time = float(control["time"][0])
-        return Condition(time, ledger(), q, v, REMEDY, constraints)
-
-    def snapshot() -> Snapshot:
+    def diagnostics() -> dict[str, float | int | str]:
+        words = f"{len(linkage.bodies)} bodies, {constraints.rows} constraints"
         return {
-            **{name: array.copy() for name, array in kept.items()},
-            "walls": numbers(walls),
-            **named("account", account.snapshot()),
-        }
-
-    kept = {"y": y, "slope": motion.slopes[0], "control": control}
-    if plan.resume is not None:
-        for name, array in kept.items():
-            array[...] = plan.resume[name]
-        set_numbers(walls, plan.resume["walls"])
-        account.restore(part(plan.resume, "account"))
-    ended, finding = run_cycles(linkage, account, plan, advance, condition, snapshot)
-    rates(system, book.onset, float(control["time"][0]), y, motion.slopes[0])
-    return Run(
-        status=ended,
-        finding=finding,
-        account=account,
-        end=Start(y[:n].copy(), y[n : 2 * n].copy()),
-        time=float(control["time"][0]),
-        reactions=_reactions(system, constraints),
-        diagnostics={
-            "model": described(
-                linkage, f"{len(linkage.bodies)} bodies, {constraints.rows} constraints"
-            ),
-            "solver": f"in-house, Lagrange multipliers, {_solver_words(accuracy)}",
+            "model": described(linkage, words),
+            "solver": f"in-house, Lagrange multipliers, {_solver_words(settings)}",
             "steps": int(control["steps"][0]),
             "steps_sent_back": int(control["rejected"][0]),
             "events": int(control["events"][0]),
             "evaluations": int(control["evaluations"][0]),
             "constraint_error_m": float(control["position_error"][0]),
             "constraint_velocity_error_m_s": float(control["velocity_error"][0]),
-            **ledger().as_dict(),
             "wall_compile_s": ready - began,
-            "wall_solve_s": walls["solve"],
-        },
+            "wall_solve_s": sums["solve"],
+        }
+
+    return Simulation(
+        advance,
+        lambda: (float(control["time"][0]), y[:n].copy(), y[n : 2 * n].copy()),
+        ledger,
+        {"y": y, "slope": motion.slopes[0], "control": control},
+        sums,
+        diagnostics,
+        REMEDY,
+        constraints,
     )
 
 
-def _solver_words(accuracy: InHouse) -> str:
-    if accuracy.has_equal_steps:
-        words = f"RK4 at equal steps of {accuracy.step:g} s"
+def _solver_words(settings: InHouse) -> str:
+    if settings.has_equal_steps:
+        words = f"RK4 at equal steps of {settings.step:g} s"
     else:
-        tolerance = accuracy.integration_tolerance
-        words = f"{accuracy.integrator.upper()} at tolerance {tolerance:g}, touches located"
-    held = ", projected" if accuracy.projection == "on" else ""
-    return f"{words}, Baumgarte {accuracy.alpha:g}/{accuracy.beta:g}{held}"
+        tolerance = settings.integration_tolerance
+        words = f"{settings.integrator.upper()} at tolerance {tolerance:g}, touches located"
+    held = ", projected" if settings.projection == "on" else ""
+    return f"{words}, Baumgarte {settings.alpha:g}/{settings.beta:g}{held}"

@@ -5,25 +5,25 @@ functions are pure.  The same call chooses the next step and writes it into the
 running solver; ``PostNewton`` sends back a step that ran too far past a touch.
 """
 
-import time as clock
 from typing import Any
 
 import exudyn as exu
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.engines.base import Plan, Run, Start, account_of, described, listed, run_cycles
+from presswear.engines.base import Plan, Start, described, listed
+from presswear.engines.driver import Simulation
 from presswear.engines.exudyn import (
     Accept,
-    Watch,
+    Solve,
     post_step,
+    run_to_end,
     settings_of,
     shares_of,
-    solve,
     timed,
 )
 from presswear.engines.exudyn_joints.kernels import Drives, accept_joint_step, shorter_joint_step
-from presswear.engines.exudyn_joints.model import Model, assemble, left_out, reactions_of
+from presswear.engines.exudyn_joints.model import Model, assemble, left_out
 from presswear.engines.settings import ExudynJoints
 from presswear.linkage.elements import Linkage
 from presswear.physics.constraints import constraints_of
@@ -31,9 +31,9 @@ from presswear.physics.energy import Ledger, stored_energy
 from presswear.physics.forces import JOINT_RATES
 from presswear.physics.touchdown import STEPS
 from presswear.record.observe import Book
-from presswear.record.soundness import Condition, Finding
+from presswear.record.recorder import Recorder
+from presswear.record.soundness import Finding
 from presswear.tools.compiled import Records, specialised
-from presswear.tools.snapshot import Snapshot, named, part
 
 Array = NDArray[np.float64]
 
@@ -51,8 +51,8 @@ _SUMS = ("steps", "sent_back", "newton", "jacobians", "wall", "total", *_STAGES)
 """What is summed over the cycles of a run."""
 
 
-def _settings(accuracy: ExudynJoints, cycle: float) -> Any:
-    settings = settings_of(accuracy.longest(cycle), 0.1 * accuracy.least_step)
+def _settings(accuracy: ExudynJoints, longest: float) -> Any:
+    settings = settings_of(longest, 0.1 * accuracy.least_step)
     integration = settings.timeIntegration
     # Steps are chosen by accept_step; Exudyn must not lengthen them behind its back.
     integration.adaptiveStepRecoverySteps = 2**30
@@ -123,77 +123,49 @@ class _SendBack:
         return [2.0, shorter]
 
 
-def simulate(linkage: Linkage, start: Start, accuracy: ExudynJoints, plan: Plan) -> Run:
-    """Run a linkage from a start; see ``Plan`` and ``Run``."""
-    steps = pack_steps(accuracy, plan.cycle)
+def prepare(
+    linkage: Linkage, start: Start, settings: ExudynJoints, plan: Plan, recorder: Recorder
+) -> Simulation:
+    """Build bodies and joints in a start; see ``Simulation``."""
+    longest = settings.longest(plan.cycle)
+    steps = pack_steps(settings, plan.cycle)
     times: dict[str, float] = {}
     # Compiling, or loading what was compiled, is part of building the model.
     with timed(times, "wall_build_s"):
-        account = account_of(linkage, start, plan)
-        book = account.book
-        model = assemble(linkage, start, account)
-        watch = Watch(account, plan, dict.fromkeys(_SUMS, 0.0))
+        book = recorder.book
+        model = assemble(linkage, start, recorder)
+        solve = Solve.of(recorder, plan, _SUMS)
         send_back = _SendBack(model, book, steps)
         drives = _drives(model, linkage)
         accept = _accept(model, drives, book, steps)
-        model.system.SetPostStepUserFunction(post_step(watch, accept))
+        model.system.SetPostStepUserFunction(post_step(solve, accept))
         if linkage.clearances:
             model.system.SetPostNewtonUserFunction(lambda system, t: send_back(system, t))
     energies = book.touch["energy"]
     before = stored_energy(book.packed, energies, start.position, start.velocity)
-    settings = _settings(accuracy, plan.cycle)
-    constraints = constraints_of(linkage)
+    exudyn = _settings(settings, longest)
 
     def advance(end: float) -> Finding | None:
-        watch.begin(end)
-        model.begin(settings, watch, accuracy.longest(plan.cycle))
-        began = clock.perf_counter()
-        finding = solve(
-            model.system,
-            settings,
-            exu.DynamicSolverType.TrapezoidalIndex2,
-            watch,
-            REMEDY,
-        )
+        solve.begin(end)
+        model.begin(exudyn, solve, longest)
+        kind = exu.DynamicSolverType.TrapezoidalIndex2
+        finding = run_to_end(model.system, exudyn, kind, solve, REMEDY)
         solver = model.system.sys["dynamicSolver"]
-        watch.add({"wall": clock.perf_counter() - began, **_wall_times(solver.timer)})
-        watch.add({"newton": solver.it.newtonStepsCount, "jacobians": solver.it.newtonJacobiCount})
-        watch.add({"sent_back": send_back.taken()})
+        solve.add(_wall_times(solver.timer))
+        solve.add({"newton": solver.it.newtonStepsCount, "jacobians": solver.it.newtonJacobiCount})
+        solve.add({"sent_back": send_back.taken()})
         return finding
 
-    def state() -> tuple[Array, Array]:
-        return np.array(model.frame.q), np.array(model.frame.v)
+    def state() -> tuple[float, Array, Array]:
+        return solve.time, np.array(model.frame.q), np.array(model.frame.v)
 
     def ledger() -> Ledger:
-        return Ledger.of(book.ledger, stored_energy(book.packed, energies, *state()) - before)
+        stored = stored_energy(book.packed, energies, *state()[1:])
+        return Ledger.of(book.ledger, stored - before)
 
-    def condition() -> Condition:
-        return Condition(watch.time, ledger(), *state(), REMEDY, constraints)
-
-    def snapshot() -> Snapshot:
+    def diagnostics() -> dict[str, float | int | str]:
+        sums = solve.sums
         return {
-            **{name: array.copy() for name, array in kept.items()},
-            **named("watch", watch.snapshot()),
-            **named("account", account.snapshot()),
-        }
-
-    kept = {**model.state(), "force": drives.force}
-    if plan.resume is not None:
-        for name, array in kept.items():
-            array[...] = plan.resume[name]
-        watch.restore(part(plan.resume, "watch"))
-        account.restore(part(plan.resume, "account"))
-    status, finding = run_cycles(linkage, account, plan, advance, condition, snapshot)
-    sums = watch.sums
-    q, v = state()
-    result = Run(
-        status=status,
-        finding=finding,
-        account=account,
-        end=Start(q, v),
-        time=watch.time,
-        reactions=reactions_of(model, linkage, book.torque, drives.force),
-        diagnostics={
             "model": described(linkage, _model_words(model, linkage)),
             "solver": "Exudyn trapezoidal index 2, step chosen by contact state",
             "steps": int(sums["steps"]),
@@ -202,12 +174,20 @@ def simulate(linkage: Linkage, start: Start, accuracy: ExudynJoints, plan: Plan)
             "jacobians": int(sums["jacobians"]),
             **times,
             "wall_solve_s": sums["wall"],
-            **ledger().as_dict(),
             **shares_of(sums, _STAGES),
-        },
+        }
+
+    return Simulation(
+        advance,
+        state,
+        ledger,
+        {**model.state(), "force": drives.force},
+        solve.sums,
+        diagnostics,
+        REMEDY,
+        constraints_of(linkage),
+        model.container.Reset,
     )
-    model.container.Reset()
-    return result
 
 
 def _model_words(model: Model, linkage: Linkage) -> str:

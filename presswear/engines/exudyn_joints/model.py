@@ -18,14 +18,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.engines.base import Start
-from presswear.engines.exudyn import Watch
+from presswear.engines.exudyn import Solve
 from presswear.engines.exudyn_joints.kernels import Frame, connector_forces
 from presswear.linkage.elements import GROUND, Attachment, Linkage
 from presswear.linkage.topology import cranks_of, hinge_of
 from presswear.physics.contact import CONTACT
 from presswear.physics.prescribed import pack_cranks
 from presswear.record.observe import Book
-from presswear.record.recorder import Account
+from presswear.record.recorder import Recorder
 from presswear.tools.compiled import Records, specialised
 
 Array = NDArray[np.float64]
@@ -51,7 +51,7 @@ class Model:
             arrays |= {"all_q": frame.q, "all_v": frame.v, "all_a": frame.a, "axes": frame.axes}
         return {name: np.asarray(array) for name, array in arrays.items()}
 
-    def begin(self, settings: Any, watch: Watch, longest: float) -> None:
+    def begin(self, settings: Any, solve: Solve, longest: float) -> None:
         """Let the next solve begin from the present state, up to the end of the cycle."""
         data = self.system.systemData
         initial = exu.ConfigurationType.Initial
@@ -59,7 +59,7 @@ class Model:
         data.SetODE2Coordinates_t(np.array(self.frame.solved_v), initial)
         data.SetODE2Coordinates_tt(np.array(self.frame.solved_a), initial)
         data.SetAECoordinates(np.array(self.multipliers), initial)
-        watch.set_span(settings, longest)
+        solve.set_span(settings, longest)
 
 
 def left_out(linkage: Linkage) -> frozenset[str]:
@@ -75,7 +75,7 @@ def left_out(linkage: Linkage) -> frozenset[str]:
     return cranks_of(linkage) - held
 
 
-def assemble(linkage: Linkage, start: Start, account: Account) -> Model:
+def assemble(linkage: Linkage, start: Start, recorder: Recorder) -> Model:
     """Build and assemble the Exudyn system of a linkage in its initial state."""
     container = exu.SystemContainer()
     system = container.AddSystem()
@@ -196,7 +196,7 @@ def assemble(linkage: Linkage, start: Start, account: Account) -> Model:
         ):
             system.AddLoad({"loadType": kind, "markerNumber": at_centre, "loadVector": vector})
     model = Model(container, system, constraints, pack_cranks(linkage, omitted))
-    connector = _Connector.of(linkage, nodes, account.book)
+    connector = _Connector.of(linkage, nodes, recorder.book)
     if linkage.clearances:
         system.AddObject(
             {
@@ -268,43 +268,3 @@ class _Connector:
             return self.out
 
         return force
-
-
-def reactions_of(
-    model: Model, linkage: Linkage, torque: Array, force: Array
-) -> dict[str, tuple[float, ...]]:
-    """Reactions at the end from Exudyn's multipliers, see ``Run``.
-
-    Parameters
-    ----------
-    torque : ndarray, shape (drives,)
-    force : ndarray, shape (3 bodies,)
-        On the cranks that are left out: their hinges bear m a less this.
-    """
-    multipliers = {
-        name: [float(model.multipliers[i]) for i in model.system.systemData.GetObjectLTGAE(number)]
-        for name, number in model.joints.items()
-    }
-    found: dict[str, tuple[float, ...]] = {}
-    for joint in linkage.revolutes:
-        if joint.name not in multipliers:
-            continue
-        # Exudyn's revolute is second point less first, and the signs follow.
-        found[joint.name] = (multipliers[joint.name][0], multipliers[joint.name][1])
-    for guide in linkage.guides:
-        normal, moment = multipliers[guide.name]
-        i = 3 * linkage.index(guide.body)
-        x, y = model.frame.q[i] - guide.x, model.frame.q[i + 1] - guide.y
-        along = x * math.cos(guide.direction) + y * math.sin(guide.direction)
-        # Exudyn's moment is about the guide's point on the frame.
-        found[guide.name] = (-normal, -moment - normal * float(along))
-    for drive, value in zip(linkage.drives, torque, strict=True):
-        found[drive.name] = (float(value),)
-        hinge = hinge_of(linkage, drive.body)
-        if drive.name not in multipliers and hinge is not None:
-            i = 3 * linkage.index(drive.body)
-            mass = linkage.bodies[linkage.index(drive.body)].mass
-            bears = mass * model.frame.a[i : i + 2] - force[i : i + 2]
-            sign = 1.0 if hinge.first.body == drive.body else -1.0
-            found[hinge.name] = (sign * float(bears[0]), sign * float(bears[1]))
-    return found

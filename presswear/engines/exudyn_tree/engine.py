@@ -7,7 +7,6 @@ weights and moving hinges at once.  Contact state changes only between accepted
 steps, and steps end where a pin touches or leaves.
 """
 
-import time as clock
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -16,17 +15,18 @@ import exudyn as exu
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.engines.base import Plan, Run, Start, account_of, described, listed, run_cycles
+from presswear.engines.base import Plan, Start, described, listed
+from presswear.engines.driver import Simulation
 from presswear.engines.exudyn import (
     Accept,
+    Solve,
     StepLimit,
     StuckError,
-    Watch,
     post_step,
     quiet,
+    run_to_end,
     settings_of,
     shares_of,
-    solve,
     timed,
 )
 from presswear.engines.exudyn_tree.kernels import (
@@ -40,17 +40,16 @@ from presswear.engines.exudyn_tree.kernels import (
 )
 from presswear.engines.exudyn_tree.model import Model, assemble
 from presswear.engines.settings import ExudynTree
-from presswear.linkage.elements import Guide, Linkage
-from presswear.linkage.topology import cranks_of, hinge_of
+from presswear.linkage.elements import Linkage
+from presswear.linkage.topology import cranks_of
 from presswear.physics.energy import Ledger, stored_energy
 from presswear.physics.forces import JOINT_RATES
 from presswear.physics.tree import CARRIED, Tree, tree_of
 from presswear.record.observe import Book
-from presswear.record.recorder import Account
-from presswear.record.soundness import Condition, Finding
+from presswear.record.recorder import Recorder
+from presswear.record.soundness import Finding
 from presswear.tools.compiled import specialised
 from presswear.tools.errors import InputError
-from presswear.tools.snapshot import Snapshot, named, part
 
 Array = NDArray[np.float64]
 
@@ -165,29 +164,10 @@ def _accept(model: Model, system: TreeSystem, book: Book, forces: _Forces) -> Ac
     return accept
 
 
-def reactions_of(tree: Tree, linkage: Linkage, force: Array, torque: Array) -> dict[str, Any]:
-    """Reactions of all joints, see ``Run``, from what each body bears (``tree_state``)."""
-    found: dict[str, tuple[float, ...]] = {}
-    for link, name, joint in zip(tree.links, tree.names, tree.joints, strict=True):
-        b = link["body"]
-        if isinstance(joint, Guide):
-            normal = -link["sine"] * force[b] + link["cosine"] * force[b + 1]
-            found[joint.name] = (-float(normal), -float(force[b + 2]))
-            continue
-        sign = -1.0 if joint.first.body == name else 1.0
-        found[joint.name] = (sign * float(force[b]), sign * float(force[b + 1]))
-    for i, drive in enumerate(linkage.drives):
-        hinge = hinge_of(linkage, drive.body)
-        b = 3 * linkage.index(drive.body)
-        if hinge is not None:
-            sign = -1.0 if hinge.first.body == drive.body else 1.0
-            found[hinge.name] = (sign * float(force[b]), sign * float(force[b + 1]))
-        found[drive.name] = (float(torque[i]),)
-    return found
-
-
-def simulate(linkage: Linkage, start: Start, accuracy: ExudynTree, plan: Plan) -> Run:
-    """Run a linkage from a start; see ``Plan`` and ``Run``.
+def prepare(
+    linkage: Linkage, start: Start, settings: ExudynTree, plan: Plan, recorder: Recorder
+) -> Simulation:
+    """Build the tree in a start; see ``Simulation``.
 
     Raises
     ------
@@ -197,22 +177,21 @@ def simulate(linkage: Linkage, start: Start, accuracy: ExudynTree, plan: Plan) -
     tree = tree_of(linkage)
     if isinstance(tree, str):
         raise InputError(f"engine exudyn-tree needs a linkage without closed loops: {tree}")
-    longest = accuracy.longest(plan.cycle)
+    longest = settings.longest(plan.cycle)
     times: dict[str, float] = {}
     with timed(times, "wall_compile_s"):
         _warm_up(tree, linkage, start)
     with timed(times, "wall_build_s"):
-        account = account_of(linkage, start, plan)
-        book = account.book
+        book = recorder.book
         system = system_of(tree, linkage, longest)
         forces = _Forces(system, book, np.zeros(len(tree.links)))
         model = assemble(tree, linkage, start, forces.function())
         forces.x, forces.u = model.x, model.u
-        watch = Watch(account, plan, dict.fromkeys(_SUMS, 0.0), proposed=FIRST_STEP)
+        solve = Solve.of(recorder, plan, _SUMS, FIRST_STEP)
         accept = _accept(model, system, book, forces)
-        limit = StepLimit(watch)
+        limit = StepLimit(solve)
         model.system.SetPreStepUserFunction(lambda system, t: limit.pre_step(system, t))
-        model.system.SetPostStepUserFunction(post_step(watch, accept, limit.write))
+        model.system.SetPostStepUserFunction(post_step(solve, accept, limit.write))
 
     def energy() -> tuple[float, float]:
         q, v = system.state[0], system.state[1]
@@ -222,22 +201,15 @@ def simulate(linkage: Linkage, start: Start, accuracy: ExudynTree, plan: Plan) -
     tree_state(system, book, 0.0, model.x, model.u, np.zeros(len(tree.links)))
     book.touch["energy"] = book.contacts["energy"]  # of pins that start pressed in
     stored_before, momentum_before = energy()
-    settings = _settings(accuracy, longest)
+    exudyn = _settings(settings, longest)
 
     def advance(end: float) -> Finding | None:
-        watch.begin(end)
-        model.begin(settings, watch, longest)
-        began = clock.perf_counter()
-        finding = solve(
-            model.system,
-            settings,
-            exu.DynamicSolverType.DOPRI5,
-            watch,
-            REMEDY,
-        )
+        solve.begin(end)
+        model.begin(exudyn, solve, longest)
+        finding = run_to_end(model.system, exudyn, exu.DynamicSolverType.DOPRI5, solve, REMEDY)
         solver = model.system.sys["dynamicSolver"]
-        watch.add({"wall": clock.perf_counter() - began, **_wall_times(solver.timer)})
-        watch.add({"sent_back": solver.it.rejectedAutomaticStepSizeSteps})
+        solve.add(_wall_times(solver.timer))
+        solve.add({"sent_back": solver.it.rejectedAutomaticStepSizeSteps})
         return finding
 
     def ledger() -> Ledger:
@@ -246,41 +218,11 @@ def simulate(linkage: Linkage, start: Start, accuracy: ExudynTree, plan: Plan) -
         sums[0] += momentum - momentum_before
         return Ledger.of(sums, stored - stored_before)
 
-    def condition() -> Condition:
-        q, v = system.state[0].copy(), system.state[1].copy()
-        return Condition(watch.time, ledger(), q, v, REMEDY)
-
-    def snapshot() -> Snapshot:
+    def diagnostics() -> dict[str, float | int | str]:
+        sums, pace = solve.sums, system.pace[0]
         return {
-            **{name: array.copy() for name, array in kept.items()},
-            **named("watch", watch.snapshot()),
-            **named("account", account.snapshot()),
-        }
-
-    kept = {
-        "x": np.asarray(model.x),
-        "u": np.asarray(model.u),
-        "expected": system.expected,
-        "pace": system.pace,
-        "state": system.state,
-    }
-    if plan.resume is not None:
-        for name, array in kept.items():
-            array[...] = plan.resume[name]
-        watch.restore(part(plan.resume, "watch"))
-        account.restore(part(plan.resume, "account"))
-    status, finding = run_cycles(linkage, account, plan, advance, condition, snapshot)
-    sums, pace = watch.sums, system.pace[0]
-    result = Run(
-        status=status,
-        finding=finding,
-        account=account,
-        end=Start(system.state[0].copy(), system.state[1].copy()),
-        time=watch.time,
-        reactions=reactions_of(tree, linkage, system.state[3], book.torque),
-        diagnostics={
             "model": described(linkage, _model_words(tree, linkage)),
-            "solver": f"Exudyn DOPRI5 at tolerance {accuracy.tree_tolerance:g}, "
+            "solver": f"Exudyn DOPRI5 at tolerance {settings.tree_tolerance:g}, "
             "steps end on touches and separations",
             "steps": int(sums["steps"]),
             "steps_sent_back": int(sums["sent_back"]),
@@ -289,12 +231,25 @@ def simulate(linkage: Linkage, start: Start, accuracy: ExudynTree, plan: Plan) -
             "deepest_touch_m": float(pace["deepest_touch"]),
             **times,
             "wall_solve_s": sums["wall"],
-            **ledger().as_dict(),
             **shares_of(sums, _STAGES),
+        }
+
+    return Simulation(
+        advance,
+        lambda: (solve.time, system.state[0].copy(), system.state[1].copy()),
+        ledger,
+        {
+            "x": np.asarray(model.x),
+            "u": np.asarray(model.u),
+            "expected": system.expected,
+            "pace": system.pace,
+            "state": system.state,
         },
+        solve.sums,
+        diagnostics,
+        REMEDY,
+        close=model.container.Reset,
     )
-    model.container.Reset()
-    return result
 
 
 def _model_words(tree: Tree, linkage: Linkage) -> str:
@@ -305,7 +260,7 @@ def _model_words(tree: Tree, linkage: Linkage) -> str:
 
 def _warm_up(tree: Tree, linkage: Linkage, start: Start) -> None:
     """Compile every kernel, or load it from the cache, on a state thrown away."""
-    book = Account.of(linkage, start.position, 1, 1.0).book
+    book = Recorder.of(linkage, start.position, 1, 1.0).book
     system = system_of(tree, linkage, 1.0)
     x = np.zeros(len(tree.links))
     arguments = book.packed, book.contacts

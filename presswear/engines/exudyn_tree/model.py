@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.engines.base import Start
-from presswear.engines.exudyn import Watch
+from presswear.engines.exudyn import Solve
 from presswear.linkage.elements import Linkage
 from presswear.physics.tree import Tree
 
@@ -29,14 +29,14 @@ class Model:
     u: Any
     u_t: Any
 
-    def begin(self, settings: Any, watch: Watch, longest: float) -> None:
+    def begin(self, settings: Any, solve: Solve, longest: float) -> None:
         """Let the next solve begin from the present state, up to the end of the cycle."""
         data = self.system.systemData
         initial = exu.ConfigurationType.Initial
         data.SetODE2Coordinates(np.array(self.x), initial)
         data.SetODE2Coordinates_t(np.array(self.u), initial)
-        watch.set_span(settings, longest)
-        settings.timeIntegration.initialStepSize = watch.proposed
+        solve.set_span(settings, longest)
+        settings.timeIntegration.initialStepSize = solve.sums["proposed"]
 
 
 def _turned(angle: float) -> Array:

@@ -7,7 +7,7 @@ from typing import BinaryIO
 
 import matplotlib
 
-from presswear.results.results import StoredResult
+from presswear.results.result import Result
 from presswear.show.figures.growth import wear_growth
 from presswear.show.figures.motion import centre_trajectory, contact_force, response
 from presswear.show.figures.style import DOTS_PER_INCH, SETTINGS, Drawing
@@ -17,7 +17,7 @@ from presswear.tools.files import write_whole
 
 __all__ = ["Drawing", "Figure", "draw_all", "drawings", "save"]
 
-_DRAWERS: tuple[Callable[[StoredResult], list[Drawing]], ...] = (
+_DRAWERS: tuple[Callable[[Result], list[Drawing]], ...] = (
     wear_depth,
     wear_growth,
     worn_surfaces,
@@ -36,7 +36,7 @@ class Figure:
     caption: str
 
 
-def drawings(result: StoredResult) -> Iterator[Drawing]:
+def drawings(result: Result) -> Iterator[Drawing]:
     """Draw what makes sense for a result, in the order of the report."""
     for draw in _DRAWERS:
         with matplotlib.rc_context(SETTINGS):
@@ -56,6 +56,6 @@ def save(drawing: Drawing, folder: Path) -> Figure:
     return Figure(drawing.file, drawing.title, drawing.caption)
 
 
-def draw_all(result: StoredResult, folder: Path) -> list[Figure]:
+def draw_all(result: Result, folder: Path) -> list[Figure]:
     """Write the figures of a result into a folder."""
     return [save(drawing, folder) for drawing in drawings(result)]

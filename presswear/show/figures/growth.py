@@ -2,7 +2,7 @@
 
 from matplotlib.lines import Line2D
 
-from presswear.results.results import StoredResult
+from presswear.results.result import Result
 from presswear.scene.scene import stage_name
 from presswear.show.figures.style import (
     MICRONS,
@@ -27,25 +27,25 @@ _NAMED_WEARS = 2
 """Most wears whose names stand beside each other above a panel; of more, the last is named."""
 
 
-def wear_growth(result: StoredResult) -> list[Drawing]:
+def wear_growth(result: Result) -> list[Drawing]:
     """Deepest depth of each surface over represented cycles, where wear went in steps."""
     if not result.grew_in_steps:
         return []
-    wears = [(k, result.wear_steps(k)) for k in range(len(result.stages)) if result.wear_steps(k)]
+    wears = [stage for stage in result.stages if stage.wear_steps]
     joints = result.scene.clearance_joints
     sheet = Sheet(figsize=(WIDTH, 2.9), layout="constrained")
     grid = sheet.subplots(1, len(joints), squeeze=False)
     cycles, ends = [0.0], []
-    for k, steps in wears:
-        for step in steps:
-            cycles.append(cycles[-1] + _MILLIONS * step["represented_cycles"])
-        ends.append((cycles[-1], stage_name(result.document["stages"][k]["index"] + 1)))
+    for stage in wears:
+        for step in stage.wear_steps:
+            cycles.append(cycles[-1] + _MILLIONS * step.represented_cycles)
+        ends.append((cycles[-1], stage_name(stage.index + 1)))
     marker = "." if len(cycles) <= _MARKED_STEPS else ""
     for axes, joint in zip(grid.flat, joints, strict=True):
         for side in SIDES:
             colour, dashes = _LINES[side]
             depth = [0.0] + [
-                MICRONS * step["deepest_m"][joint][side] for _, steps in wears for step in steps
+                MICRONS * step.deepest[joint][side] for stage in wears for step in stage.wear_steps
             ]
             axes.plot(cycles, depth, color=colour, linestyle=dashes, marker=marker, markersize=4.0)
         _mark_wears(axes, ends)

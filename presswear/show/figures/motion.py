@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
-from presswear.results.results import StoredResult
+from presswear.results.result import Result
 from presswear.scene.ideal import ideal_slider
 from presswear.scene.scene import Scene
 from presswear.show.figures.style import (
@@ -38,7 +38,7 @@ IDEAL_DASHES = (0.0, (4.0, 2.0))
 _LIMIT: dict[str, Any] = {"color": REFERENCE, "linewidth": 0.7}
 
 
-def response(result: StoredResult) -> list[Drawing]:
+def response(result: Result) -> list[Drawing]:
     """Displacement, velocity and acceleration of the slider against the ideal."""
     stages = moving_stages(result)
     if not stages:
@@ -151,7 +151,7 @@ def _draw_mean_accelerations(
     axes.set_ylabel(f"acceleration,\n{readable(1e3 * interval, 2)} ms mean\n(m/s²)")
 
 
-def contact_force(result: StoredResult) -> list[Drawing]:
+def contact_force(result: Result) -> list[Drawing]:
     """Normal force at each clearance joint over time, a panel for each stage."""
     joints = result.scene.clearance_joints
     stages = moving_stages(result)
@@ -181,7 +181,7 @@ def contact_force(result: StoredResult) -> list[Drawing]:
     return [Drawing("contact-force.png", "Contact force", caption, sheet)]
 
 
-def centre_trajectory(result: StoredResult) -> list[Drawing]:
+def centre_trajectory(result: Result) -> list[Drawing]:
     """Path of each pin's centre inside its bearing, a panel for each stage."""
     joints = result.scene.clearance_joints
     stages = moving_stages(result)
@@ -267,7 +267,7 @@ def _circle(radius: float) -> Array:
     return radius * np.array([np.cos(around), np.sin(around)])
 
 
-def gap_limit(result: StoredResult, joint: str, stage: ShownStage) -> Array:
+def gap_limit(result: Result, joint: str, stage: ShownStage) -> Array:
     """How far the pin's centre can go, m, shape (2, n); empty where no fixed line says it."""
     depth = stage.depth(joint, "bearing") + stage.depth(joint, "pin")
     if maps_turn(result) or not np.any(depth > 0.0):

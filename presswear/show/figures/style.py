@@ -1,6 +1,7 @@
 """What all figures share: size, colours, names of stages, units."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -9,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Sheet
 from numpy.typing import NDArray
 
-from presswear.results.results import StoredResult
+from presswear.results.result import Result
 from presswear.scene.scene import stage_name
 
 __all__ = ["Axes", "Sheet"]
@@ -90,7 +91,7 @@ class ShownStage:
     label: str
     colour: str
     dashes: LineStyle
-    arrays: dict[str, Array]
+    arrays: Mapping[str, Array]
 
     def depth(self, joint: str, side: str) -> Array:
         """Depth that the stage ran on, m; ``side`` is bearing or pin."""
@@ -101,29 +102,29 @@ class ShownStage:
         return slice(0, int(np.searchsorted(self.arrays["time"], end, side="right")))
 
 
-def shown_stages(result: StoredResult) -> list[ShownStage]:
+def shown_stages(result: Result) -> list[ShownStage]:
     """The stages that figures show: the first, the last, and evenly spaced ones between."""
     count = len(result.stages)
     picked = np.unique(np.linspace(0, count - 1, min(count, SHOWN_STAGES)).round().astype(int))
-    indices = [result.document["stages"][int(k)]["index"] for k in picked]
+    indices = [result.stages[int(k)].index for k in picked]
     labels = map(stage_name, indices) if result.scene.clearance_joints else ["computed"] * count
     return [
-        ShownStage(index, label, colour, dashes, result.stages[int(k)])
+        ShownStage(index, label, colour, dashes, result.stages[int(k)].arrays)
         for index, label, k, (colour, dashes) in zip(indices, labels, picked, LINES, strict=False)
     ]
 
 
-def maps_turn(result: StoredResult) -> bool:
+def maps_turn(result: Result) -> bool:
     """Whether the wear maps turn with their bodies, so that angles on them do not compare."""
     return result.scene.conventions.map_frame == "body"
 
 
-def moving_stages(result: StoredResult) -> list[ShownStage]:
+def moving_stages(result: Result) -> list[ShownStage]:
     """The shown stages that have a motion to show.
 
     One that failed has none: up to where it was ended its numbers are worth nothing.
     """
-    failed = {entry["index"] for entry in result.document["stages"] if entry["status"] == "failed"}
+    failed = {stage.index for stage in result.stages if stage.failed}
     return [
         stage
         for stage in shown_stages(result)
@@ -131,13 +132,13 @@ def moving_stages(result: StoredResult) -> list[ShownStage]:
     ]
 
 
-def shown_time(result: StoredResult) -> float:
+def shown_time(result: Result) -> float:
     """End of the motion shown, s."""
     recorded = max(float(stage.arrays["time"][-1]) for stage in moving_stages(result))
     return min(SHOWN_CYCLES * result.scene.mechanism.period, recorded)
 
 
-def shown_time_text(result: StoredResult) -> str:
+def shown_time_text(result: Result) -> str:
     """The time shown, in words."""
     cycles = shown_time(result) / result.scene.mechanism.period
     whole = round(cycles)

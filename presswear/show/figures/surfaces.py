@@ -10,7 +10,7 @@ from matplotlib.projections.polar import PolarAxes
 from matplotlib.ticker import FuncFormatter
 
 from presswear.linkage.surface import Surface
-from presswear.results.results import StoredResult
+from presswear.results.result import Result
 from presswear.show.figures.style import (
     MICRONS,
     REFERENCE,
@@ -73,7 +73,7 @@ def _radial_range(side: str, half: float, radius: float) -> float:
     return 2.0 * half * radius * height / width
 
 
-def worn_surfaces(result: StoredResult) -> list[Drawing]:
+def worn_surfaces(result: Result) -> list[Drawing]:
     """Outline of pin and worn bearing, and an enlargement, of each worn joint."""
     found = []
     for joint in result.scene.clearance_joints:
@@ -87,12 +87,12 @@ def worn_surfaces(result: StoredResult) -> list[Drawing]:
     return found
 
 
-def worn_surface(result: StoredResult, joint: str, stages: list[ShownStage]) -> Drawing:
+def worn_surface(result: Result, joint: str, stages: list[ShownStage]) -> Drawing:
     """Outline and enlargement of one joint.
 
     Parameters
     ----------
-    result : StoredResult
+    result : Result
         Whose bearings the joint has.
     stages : list of ShownStage
         With the depths to draw, the surface of the last in grey.
@@ -154,7 +154,7 @@ def _write(
     sheet.text(x / WIDTH, y / _HEIGHT, text, ha=ha, va="center", fontweight=fontweight)
 
 
-def _views(result: StoredResult, joint: str, stages: list[ShownStage]) -> dict[str, _View]:
+def _views(result: Result, joint: str, stages: list[ShownStage]) -> dict[str, _View]:
     """The part of each surface to enlarge; the same part of both in fixed directions."""
     angle = stages[-1].arrays["angle"]
     depth = {side: stages[-1].depth(joint, side) for side in SIDES}

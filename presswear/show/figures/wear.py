@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MultipleLocator
 
-from presswear.results.results import StoredResult
+from presswear.results.result import Result
 from presswear.scene.scene import stage_name
 from presswear.show.figures.style import (
     MICRONS,
@@ -37,26 +37,26 @@ class _Curve:
     depth: Array
 
 
-def _panels(result: StoredResult) -> list[tuple[str, tuple[str, ...]]]:
+def _panels(result: Result) -> list[tuple[str, tuple[str, ...]]]:
     """Joint and sides whose depth one panel adds up."""
     kinds: tuple[tuple[str, ...], ...] = (("bearing",), ("pin",)) if maps_turn(result) else (SIDES,)
     return [(joint, sides) for joint in result.scene.clearance_joints for sides in kinds]
 
 
-def _next_wear(result: StoredResult, joint: str, sides: tuple[str, ...]) -> _Curve | None:
+def _next_wear(result: Result, joint: str, sides: tuple[str, ...]) -> _Curve | None:
     """What one more wear would leave; None where the last stage says nothing about it."""
-    if not result.stages or result.document["stages"][-1]["status"] == "failed":
+    if not result.stages or result.stages[-1].status == "failed":
         return None
-    arrays = result.stages[-1]
+    arrays = result.stages[-1].arrays
     depth = sum(
         (arrays[f"{joint}_depth_{side}"] + arrays[f"{joint}_wear_{side}"] for side in sides),
         np.zeros(arrays["angle"].size),
     )
-    index = result.document["stages"][-1]["index"] + 1
+    index = result.stages[-1].index + 1
     return _Curve(f"{stage_name(index)}, not run", MUTED, _PLAIN_DASHES, depth)
 
 
-def _curves(result: StoredResult, joint: str, sides: tuple[str, ...]) -> list[_Curve]:
+def _curves(result: Result, joint: str, sides: tuple[str, ...]) -> list[_Curve]:
     """Cumulative depth after each wear that left anything."""
     curves = [
         _Curve(
@@ -74,7 +74,7 @@ def _curves(result: StoredResult, joint: str, sides: tuple[str, ...]) -> list[_C
     return [curve for curve in curves if np.any(curve.depth > 0.0)]
 
 
-def wear_depth(result: StoredResult) -> list[Drawing]:
+def wear_depth(result: Result) -> list[Drawing]:
     """Cumulative wear depth over angle at each clearance joint."""
     panels = [(joint, sides, _curves(result, joint, sides)) for joint, sides in _panels(result)]
     everything = [curve for _, _, curves in panels for curve in curves]
@@ -85,7 +85,7 @@ def wear_depth(result: StoredResult) -> list[Drawing]:
     sheet = Sheet(figsize=(WIDTH, 0.5 + 2.3 * rows), layout="constrained")
     grid = sheet.subplots(rows, columns, squeeze=False)
     for axes, (joint, sides, curves) in zip(grid.flat, panels, strict=True):
-        _draw_depth(axes, result.stages[0]["angle"], curves)
+        _draw_depth(axes, result.stages[0].arrays["angle"], curves)
         where = f"angle on the {sides[0]}" if maps_turn(result) else "direction of contact"
         axes.set_xlabel(f"{where} (degrees)")
         axes.set_ylabel(f"depth, {' + '.join(sides)} (µm)")

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from presswear.linkage.elements import ClearanceJoint, Linkage
 from presswear.record.film import FILM_JOINT, Film
-from presswear.record.recorder import Account
+from presswear.record.tracker import Progress, Tracker
 from presswear.scene.scene import Scene, stage_name
 from presswear.show.replay.picture import Picture
 from presswear.show.replay.reel import PATH_FRAMES, Instant, Subject, Surfaces
@@ -39,12 +39,12 @@ class _Frames:
     part: float
 
 
-class Live:
+class Live(Tracker):
     """A window that shows a run of a scene.
 
     Raises
     ------
-    RunError
+    RunFailed
         Where no window can be opened.
     """
 
@@ -61,15 +61,15 @@ class Live:
         self._is_ready = True
         self._sent = 0.0
 
-    def show(self, stage: int, linkage: Linkage, account: Account) -> None:
+    def progress(self, progress: Progress) -> None:
         """Show how a run stands, if the window is there and has shown what it was sent."""
         now = clock.perf_counter()
         if now - self._sent < _INTERVAL or not self._can_send():
             return
-        if linkage is not self._linkage:
-            self._linkage = linkage
-            self._send(self._subject(stage, linkage))
-        film = account.last_frames
+        if progress.linkage is not self._linkage:
+            self._linkage = progress.linkage
+            self._send(self._subject(progress.stage, progress.linkage))
+        film = progress.recorder.last_frames
         last = Film(*(part[-PATH_FRAMES:] for part in (film.time, film.position, film.joints)))
         self._send(_Frames(last, float(film.time[-1] / self._scene.mechanism.period) % 1.0))
         self._is_ready = False

@@ -16,7 +16,7 @@ from PIL import Image
 from presswear.show.replay.clip import Clip, instants
 from presswear.show.replay.picture import Picture
 from presswear.show.replay.reel import Reel
-from presswear.tools.errors import InputError, RunError
+from presswear.tools.errors import InputError, RunFailed
 
 Pixels = NDArray[np.uint8]
 
@@ -143,7 +143,7 @@ def _mp4(part: Path, images: Iterator[Pixels], rate: float) -> None:
             raise
         said = encoder.stderr.read().decode(errors="replace").strip().splitlines()
     if encoder.returncode != 0:
-        raise RunError(f"ffmpeg could not write the film: {said[-1] if said else 'no reason'}")
+        raise RunFailed(f"ffmpeg could not write the film: {said[-1] if said else 'no reason'}")
 
 
 @contextmanager

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from presswear.linkage.elements import GROUND, Attachment, ClearanceJoint, Linkage
 from presswear.record.film import FILM_JOINT, Film
-from presswear.results.results import StoredResult, load_film
+from presswear.results.result import Result
 from presswear.scene.scene import stage_name
 
 Array = NDArray[np.float64]
@@ -133,13 +133,13 @@ def points_of(linkage: Linkage, position: Array, point: Attachment) -> Array:
     return np.column_stack([x + c * point.x - s * point.y, y + s * point.x + c * point.y, angle])
 
 
-def reel_of(result: StoredResult, stage: int) -> Reel:
+def reel_of(result: Result, stage: int) -> Reel:
     """The reel of a stored stage; InputError where it has no film."""
     scene = result.scene
     linkage = scene.linkage()
-    film = load_film(result, stage)
+    film = result.stages[stage].film
     subject = Subject(
-        title=f"{result.path.resolve().name}: {scene.name}",
+        title=f"{result.path.resolve().name}: {scene.name}" if result.path else scene.name,
         stage=stage_name(stage),
         linkage=linkage,
         period=scene.mechanism.period,
@@ -177,6 +177,6 @@ def alike(reels: Sequence[Reel]) -> list[Reel]:
     return found
 
 
-def _surfaces(result: StoredResult, stage: int, joint: ClearanceJoint) -> Surfaces:
-    arrays = result.stages[stage]
+def _surfaces(result: Result, stage: int, joint: ClearanceJoint) -> Surfaces:
+    arrays = result.stages[stage].arrays
     return Surfaces(arrays[f"{joint.name}_depth_bearing"], arrays[f"{joint.name}_depth_pin"])

@@ -14,7 +14,7 @@ from presswear.show.replay.display import missing_display
 from presswear.show.replay.picture import Picture
 from presswear.show.replay.player import Player
 from presswear.show.replay.reel import Reel
-from presswear.tools.errors import RunError
+from presswear.tools.errors import RunFailed
 
 WITHOUT_WINDOW = "--movie FILE.mp4 makes a film and --still FILE.png --at T a picture without one"
 _OPENS_WITHIN = 30.0
@@ -26,14 +26,14 @@ _BAR_REACH = 0.03
 
 
 def check_display() -> None:
-    """RunError where no window can be opened."""
+    """RunFailed where no window can be opened."""
     reason = missing_display()
     if reason:
-        raise RunError(f"no window can be opened here: {reason}; {WITHOUT_WINDOW}")
+        raise RunFailed(f"no window can be opened here: {reason}; {WITHOUT_WINDOW}")
 
 
 def play(reels: Sequence[Reel], size: tuple[int, int], start: float, slowed: float) -> None:
-    """Play reels in a window until it is closed; RunError where it cannot be opened."""
+    """Play reels in a window until it is closed; RunFailed where it cannot be opened."""
     check_display()
     process, opened = begin(_show, reels, size, start, slowed)
     try:
@@ -43,7 +43,7 @@ def play(reels: Sequence[Reel], size: tuple[int, int], start: float, slowed: flo
         if process.is_alive():
             process.kill()
     if process.exitcode != 0:
-        raise RunError(f"the window ended by itself (exit code {process.exitcode})")
+        raise RunFailed(f"the window ended by itself (exit code {process.exitcode})")
 
 
 def begin(target: Callable[..., None], *given: Any) -> tuple[Any, Connection]:
@@ -57,7 +57,7 @@ def begin(target: Callable[..., None], *given: Any) -> tuple[Any, Connection]:
 
 
 def wait_open(process: Any, opened: Connection) -> None:
-    """Wait until a window has opened; RunError where it has not."""
+    """Wait until a window has opened; RunFailed where it has not."""
     if opened.poll(_OPENS_WITHIN):
         try:
             opened.recv()
@@ -68,7 +68,7 @@ def wait_open(process: Any, opened: Connection) -> None:
     else:
         process.kill()
         why = f"Exudyn's renderer did not start within {_OPENS_WITHIN:g} s"
-    raise RunError(f"no window can be opened here: {why}; {WITHOUT_WINDOW}")
+    raise RunFailed(f"no window can be opened here: {why}; {WITHOUT_WINDOW}")
 
 
 class Window:

@@ -5,7 +5,8 @@ from functools import partial
 from pathlib import Path
 
 from presswear.linkage.laws import delivered_restitution, lankarani_nikravesh_damping
-from presswear.results.results import StoredResult
+from presswear.results.result import Result
+from presswear.results.stage import StageResult
 from presswear.scene.settings import SET, settings_of
 from presswear.show.figures import draw_all
 from presswear.show.report.origin import (
@@ -27,6 +28,7 @@ from presswear.show.report.parts import (
     stage_names,
 )
 from presswear.show.report.wear import deepest_with_interval, growth, spread, wear_rows
+from presswear.tools.errors import InputError
 from presswear.tools.files import write_bytes
 from presswear.tools.numbers import readable, whole, with_interval
 from presswear.tools.quantities import Choice
@@ -40,8 +42,13 @@ class Status:
     sentence: str
 
 
-def write_report(result: StoredResult) -> Path:
-    """Draw the figures and write ``report.html`` into the result folder; returns its path."""
+def write_report(result: Result) -> Path:
+    """Draw the figures and write ``report.html`` into the result folder; returns its path.
+
+    InputError for a result in memory, which has no folder.
+    """
+    if result.path is None:
+        raise InputError(f"{result.scene.name} ran in memory: a report needs a folder")
     folder = result.path / "figures"
     figures = draw_all(result, folder)
     text = render(result, [Illustration.of(figure, folder) for figure in figures])
@@ -50,7 +57,7 @@ def write_report(result: StoredResult) -> Path:
     return path
 
 
-def render(result: StoredResult, figures: list[Illustration]) -> str:
+def render(result: Result, figures: list[Illustration]) -> str:
     """The page as text."""
     return render_page(
         "report.html",
@@ -71,16 +78,15 @@ def render(result: StoredResult, figures: list[Illustration]) -> str:
     )
 
 
-def status_of(result: StoredResult) -> Status:
+def status_of(result: Result) -> Status:
     """The status in plain words."""
-    document = result.document
-    done = len(document["stages"])
+    done = len(result.stages)
     of = result.scene.wears + 1
-    match document["status"]:
+    match result.status:
         case "completed":
             return Status("completed", f"Completed: {_stages(done)} run to the end.")
         case "failed":
-            return Status("failed", f"Failed: {document['message'] or 'no reason was given'}")
+            return Status("failed", f"Failed: {result.message or 'no reason was given'}")
         case "running":
             return Status(
                 "unfinished",
@@ -88,35 +94,35 @@ def status_of(result: StoredResult) -> Status:
                 "this was written.",
             )
         case other:
-            return Status("unfinished", f"Ended as “{other}”. {document['message']}".strip())
+            return Status("unfinished", f"Ended as “{other}”. {result.message}".strip())
 
 
 def _stages(count: int) -> str:
     return "1 stage" if count == 1 else f"{count} stages"
 
 
-def modelled(result: StoredResult) -> list[str]:
+def modelled(result: Result) -> list[str]:
     """What was modelled, with the stages that share it."""
     models: dict[str, list[str]] = {}
-    for name, stage in zip(stage_names(result), result.document["stages"], strict=True):
-        models.setdefault(str(stage["diagnostics"].get("model", "not stated")), []).append(name)
+    for name, stage in zip(stage_names(result), result.stages, strict=True):
+        models.setdefault(str(stage.diagnostics.get("model", "not stated")), []).append(name)
     if len(models) == 1:
         return list(models)
     return [f"{', '.join(names)}: {model}" for model, names in models.items()]
 
 
-def key_numbers(result: StoredResult) -> Table:
+def key_numbers(result: Result) -> Table:
     """Peaks, wear and contact of every stage."""
 
     def statistic(label: str, factor: float, digits: int, *path: str) -> Row:
         return by_stage(
             result,
             label,
-            lambda k: readable(scaled(number_at(result.statistics(k), *path), factor), digits),
+            lambda stage: readable(scaled(number_at(stage.statistics, *path), factor), digits),
         )
 
     def count(label: str, *path: str) -> Row:
-        return by_stage(result, label, lambda k: whole(number_at(result.statistics(k), *path)))
+        return by_stage(result, label, lambda stage: whole(number_at(stage.statistics, *path)))
 
     groups: list[tuple[str, tuple[Row, ...]]] = [
         (
@@ -144,15 +150,14 @@ def key_numbers(result: StoredResult) -> Table:
     return Table(("", *stage_names(result)), tuple(groups))
 
 
-def cycle_means(result: StoredResult) -> Table:
+def cycle_means(result: Result) -> Table:
     """Means over cycles with the half widths of their 95 % intervals."""
 
     def known(label: str, factor: float, value: Row, half_width: Row) -> Row:
-        def text(k: int) -> str:
-            found = result.statistics(k)
+        def text(stage: StageResult) -> str:
             return with_interval(
-                scaled(number_at(found, *value), factor),
-                scaled(number_at(found, *half_width), factor),
+                scaled(number_at(stage.statistics, *value), factor),
+                scaled(number_at(stage.statistics, *half_width), factor),
             )
 
         return by_stage(result, label, text)
@@ -167,8 +172,8 @@ def cycle_means(result: StoredResult) -> Table:
         by_stage(
             result,
             "cycles in the means",
-            lambda k: whole(
-                number_at(result.statistics(k), "slider", "displacement_max_per_cycle_m", "cycles")
+            lambda stage: whole(
+                number_at(stage.statistics, "slider", "displacement_max_per_cycle_m", "cycles")
             ),
         ),
     )
@@ -197,13 +202,11 @@ def cycle_means(result: StoredResult) -> Table:
     return Table(("mean over cycles", *stage_names(result)), (("Slider", slider), *joints))
 
 
-def endings(result: StoredResult) -> Table:
+def endings(result: Result) -> Table:
     """How each stage ended and how well its wear maps are known."""
     rows = []
-    for k, (name, stage) in enumerate(
-        zip(stage_names(result), result.document["stages"], strict=True)
-    ):
-        found = result.statistics(k)
+    for name, stage in zip(stage_names(result), result.stages, strict=True):
+        found = stage.statistics
         errors = [
             error
             for joint in result.scene.clearance_joints
@@ -212,17 +215,17 @@ def endings(result: StoredResult) -> Table:
         ended = {
             "completed": "ran all its cycles",
             "enough": "ended early: its wear maps are known to the tolerance",
-            "failed": f"failed: {stage['message']}",
-        }.get(stage["status"], stage["status"])
+            "failed": f"failed: {stage.message}",
+        }.get(stage.status, stage.status)
         rows.append(
             (
                 name,
                 ended,
                 whole(found.get("cycles")),
                 f"{readable(100.0 * max(errors), 2)} %" if errors else "–",
-                _multiplied(result, k) if errors else "–",
-                readable(stage["simulated_s"]),
-                readable(stage["wall_s"]),
+                _multiplied(stage) if errors else "–",
+                readable(stage.simulated),
+                readable(stage.wall),
             )
         )
     head = (
@@ -237,14 +240,14 @@ def endings(result: StoredResult) -> Table:
     return Table(head, (("", tuple(rows)),), numeric=False)
 
 
-def _multiplied(result: StoredResult, k: int) -> str:
-    steps = result.wear_steps(k)
+def _multiplied(stage: StageResult) -> str:
+    steps = stage.wear_steps
     if len(steps) > 1:
-        return f"{spread(steps, 'factor')}, in {len(steps)} steps"
-    return readable(result.document["stages"][k]["amplification"])
+        return f"{spread(steps)}, in {len(steps)} steps"
+    return readable(stage.amplification)
 
 
-def notes(result: StoredResult) -> list[str]:
+def notes(result: Result) -> list[str]:
     """What to bear in mind when reading the numbers."""
     scene = result.scene
     chosen = [

@@ -2,7 +2,7 @@
 
 from dataclasses import fields
 
-from presswear.results.results import StoredResult
+from presswear.results.result import SCHEMA, Result
 from presswear.scene.scene import CONVENTIONS, Conventions
 from presswear.scene.settings import Setting, settings_of
 from presswear.show.report.parts import Table, stage_names
@@ -24,7 +24,7 @@ def _origin(setting: Setting) -> tuple[str, str]:
     return meaning.unit.replace("^2", "²"), meaning.status
 
 
-def parameters(result: StoredResult) -> Table:
+def parameters(result: Result) -> Table:
     """Every value that a person can set, but the conventions."""
     apart = {item.name for item in fields(Conventions)}
     rows = tuple(
@@ -43,7 +43,7 @@ def convention_set(chosen: Conventions) -> str:
     return "a set of its own"
 
 
-def conventions(result: StoredResult) -> Table:
+def conventions(result: Result) -> Table:
     """Each convention, its choice and what it decides."""
     apart = {item.name for item in fields(Conventions)}
     rows = tuple(
@@ -55,27 +55,26 @@ def conventions(result: StoredResult) -> Table:
     return Table(head, (("", rows),), numeric=False)
 
 
-def provenance(result: StoredResult) -> Table:
+def provenance(result: Result) -> Table:
     """Where the numbers come from."""
-    document = result.document
-    origin = document["provenance"]
+    origin = result.provenance
     packages = ", ".join(f"{name} {number}" for name, number in origin["packages"].items())
     rows = (
-        ("engine", document["engine"]),
+        ("engine", result.scene.engine),
         ("source revision", origin["revision"]),
         ("packages", packages),
         ("Python", origin["python"]),
         ("machine", origin["machine"]),
         ("started", origin["started"]),
-        ("wall time", f"{readable(document['wall_s'])} s"),
-        ("schema of the result", str(document["schema"])),
+        ("wall time", f"{readable(result.wall)} s"),
+        ("schema of the result", str(SCHEMA)),
     )
     return Table(("", ""), (("", rows),), numeric=False)
 
 
-def diagnostics(result: StoredResult) -> Table:
+def diagnostics(result: Result) -> Table:
     """What the solver says of each stage."""
-    stages = [stage["diagnostics"] for stage in result.document["stages"]]
+    stages = [stage.diagnostics for stage in result.stages]
     keys = dict.fromkeys(key for stage in stages for key in stage if key != "model")
     rows = tuple(
         (_spelled(key), *(_diagnostic(stage.get(key)) for stage in stages)) for key in keys

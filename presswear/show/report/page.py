@@ -5,9 +5,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
+from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 
 from presswear.show.figures import Figure
+
+_ROOM = "presswear.show.report"
 
 
 @dataclass(frozen=True)
@@ -25,10 +27,20 @@ class Illustration:
         return Illustration(figure.title, figure.caption, data)
 
 
-def render_page(template: str, **content: Any) -> str:
-    """The text of a page; everything in it is escaped."""
+def render_page(template: str, package: str = _ROOM, **content: Any) -> str:
+    """The text of a page; everything in it is escaped.
+
+    Parameters
+    ----------
+    template : str
+        File in the ``templates`` of a package; it may build on those of the report.
+    package : str
+        Name of that package.
+    content
+        Names that the template knows.
+    """
     environment = Environment(
-        loader=PackageLoader("presswear"),
+        loader=ChoiceLoader([PackageLoader(package), PackageLoader(_ROOM)]),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,

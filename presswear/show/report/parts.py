@@ -4,8 +4,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from presswear.results.results import StoredResult
-from presswear.scene.scene import stage_name
+from presswear.results.result import Result
+from presswear.results.stage import StageResult
 
 Row = tuple[str, ...]
 
@@ -33,16 +33,16 @@ class Table:
     numeric: bool = True
 
 
-def stage_names(result: StoredResult) -> Row:
+def stage_names(result: Result) -> Row:
     """Column titles: the stages."""
     if not result.scene.clearance_joints:
-        return ("computed",) * len(result.document["stages"])
-    return tuple(stage_name(stage["index"]) for stage in result.document["stages"])
+        return ("computed",) * len(result.stages)
+    return tuple(stage.name for stage in result.stages)
 
 
-def by_stage(result: StoredResult, label: str, value: Callable[[int], str]) -> Row:
-    """A row with one cell for each stage, by its place among those stored."""
-    return (label, *(value(k) for k in range(len(result.document["stages"]))))
+def by_stage(result: Result, label: str, value: Callable[[StageResult], str]) -> Row:
+    """A row with one cell for each stage."""
+    return (label, *map(value, result.stages))
 
 
 def number_at(data: Mapping[str, Any], *path: str) -> float | None:

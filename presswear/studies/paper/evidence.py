@@ -19,7 +19,7 @@ from presswear.record.sampling import (
     pooled,
     resampled,
 )
-from presswear.results.results import StoredResult
+from presswear.results.result import Result
 from presswear.studies.paper.variants import cases, variant_key
 
 Array = NDArray[np.float64]
@@ -98,15 +98,15 @@ class WearMap:
     high: Array
 
 
-Sampler = Callable[[StoredResult, int, str], list[Array]]
+Sampler = Callable[[Result, int, str], list[Array]]
 """Result, stage and joint -> one number a cycle, by start."""
 
 
 def _column(name: str) -> Sampler:
     """Samples from a column of the account's cycles."""
 
-    def samples(result: StoredResult, stage: int, joint: str) -> list[Array]:
-        arrays = result.stages[stage]
+    def samples(result: Result, stage: int, joint: str) -> list[Array]:
+        arrays = result.stages[stage].arrays
         column = CYCLE_FIXED.index(name) if name in CYCLE_FIXED else len(CYCLE_FIXED)
         if name in CYCLE_JOINT:
             column += len(CYCLE_JOINT) * result.scene.clearance_joints.index(joint)
@@ -121,7 +121,7 @@ def by_start(values: Array, start: Array) -> list[Array]:
     return [values[start == index] for index in np.unique(start)]
 
 
-def _contact_rate(result: StoredResult, stage: int, joint: str) -> list[Array]:
+def _contact_rate(result: Result, stage: int, joint: str) -> list[Array]:
     """Contacts in a second, 1/s; they are stored counted through."""
     period = result.scene.mechanism.period
     counted = _column("contacts")(result, stage, joint)
@@ -131,17 +131,17 @@ def _contact_rate(result: StoredResult, stage: int, joint: str) -> list[Array]:
 def _deviation(name: str) -> Sampler:
     """Samples from the recorded cycles."""
 
-    def samples(result: StoredResult, stage: int, joint: str) -> list[Array]:
-        arrays = result.stages[stage]
+    def samples(result: Result, stage: int, joint: str) -> list[Array]:
+        arrays = result.stages[stage].arrays
         values = arrays["deviation"][:, COLUMNS.index(name)]
         return by_start(values, arrays["deviation_start"])
 
     return samples
 
 
-def _flight(result: StoredResult, stage: int, joint: str) -> list[Array]:
+def _flight(result: Result, stage: int, joint: str) -> list[Array]:
     """Part of the time in which the pin touches nothing."""
-    arrays = result.stages[stage]
+    arrays = result.stages[stage].arrays
     return by_start(arrays[f"{joint}_flight"], arrays["deviation_start"])
 
 
@@ -203,11 +203,11 @@ ANGLE = "angle"
 class Evidence:
     """The finished runs of a study, by case and setting."""
 
-    runs: Mapping[tuple[str, str], StoredResult]
+    runs: Mapping[tuple[str, str], Result]
     _known: dict[tuple[str, Place, str], Measured | None] = field(default_factory=dict)
 
     @staticmethod
-    def of(results: Mapping[str, StoredResult]) -> "Evidence":
+    def of(results: Mapping[str, Result]) -> "Evidence":
         """From the results by the keys of their variants."""
         return Evidence(
             {
@@ -218,12 +218,12 @@ class Evidence:
             }
         )
 
-    def at_stage(self, case: str, setting: str, stage: int) -> StoredResult | None:
+    def at_stage(self, case: str, setting: str, stage: int) -> Result | None:
         """The run of a case, where it reached a stage and ran it to its end."""
         result = self.runs.get((case, setting))
         if result is None or not 0 <= stage < len(result.stages):
             return None
-        return None if result.document["stages"][stage]["status"] == "failed" else result
+        return None if result.stages[stage].status == "failed" else result
 
     def measured(self, case: str, place: Place, quantity: str) -> Measured | None:
         """A quantity under a case, pooled over its starts; None where nothing says it."""
@@ -287,20 +287,20 @@ class Evidence:
             return None
         mean, draws, count = _drawn(result, joint, range(wears))
         low, high = pointwise_interval(mean[0], draws[:, 0], count)
-        return WearMap(result.stages[0]["angle"], mean[0], np.maximum(low, 0.0), high)
+        return WearMap(result.stages[0].arrays["angle"], mean[0], np.maximum(low, 0.0), high)
 
     def map_error(self, case: str, setting: str, joint: str, stage: int) -> float | None:
         """Standard error of the wear map of a stage, part of its rms."""
         result = self.at_stage(case, setting, stage)
         if result is None or joint not in result.scene.clearance_joints:
             return None
-        arrays = result.stages[stage]
+        arrays = result.stages[stage].arrays
         maps = arrays[f"{joint}_wear_batches"][:, np.newaxis]
         error = float(map_errors(maps, arrays["wear_batch_cycles"])[0])
         return error if math.isfinite(error) else None
 
 
-def _drawn(result: StoredResult, joint: str, stages: range) -> tuple[Array, Array, int]:
+def _drawn(result: Result, joint: str, stages: range) -> tuple[Array, Array, int]:
     """Mean of the wears after some stages added up, its draws, and their fewest samples.
 
     Returns
@@ -313,7 +313,7 @@ def _drawn(result: StoredResult, joint: str, stages: range) -> tuple[Array, Arra
     turns = result.scene.conventions.map_frame == "body"
     pools = []
     for stage in stages:
-        maps, weights = _batches(result.stages[stage], joint)
+        maps, weights = _batches(result.stages[stage].arrays, joint)
         pools.append((maps if turns else maps.sum(axis=1, keepdims=True), weights))
     shape = pools[0][0].shape[1:]
     mean = sum((np.tensordot(w / w.sum(), m, 1) for m, w in pools), np.zeros(shape))

@@ -8,10 +8,10 @@ one chosen thing changed at a time.
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+from presswear.campaign.study import Change, Study, Variant, unchanged
 from presswear.scene.catalog import friction, friction_high, speed, speed_high, wear_times
 from presswear.scene.scene import CONVENTIONS, Scene
 from presswear.scene.settings import changed
-from presswear.studies.study import Change, Study, Variant, unchanged
 
 STARTS = 3
 """Starts of each run of the paper's own settings, 1e-9 m apart."""
@@ -205,7 +205,7 @@ def variants_of(case: Case, change: Change) -> list[Variant]:
     return found
 
 
-def paper(change: Change = unchanged, some: tuple[Case, ...] | None = None) -> Study:
+def make(change: Change = unchanged, some: tuple[Case, ...] | None = None) -> Study:
     """The study ``paper``, of all cases or of some."""
     return Study(
         "paper",

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from presswear.show.figures.style import REFERENCE, WIDTH, Drawing, Sheet
-from presswear.studies.runaway.study import PRINTED, Outcome
+from presswear.studies.runaway.variants import PRINTED, Outcome
 
 _COLOURS = {"first": "#0072B2", "second": "#D55E00"}
 _MARKS = {"first": "o", "second": "s"}

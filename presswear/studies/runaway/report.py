@@ -5,13 +5,13 @@ from pathlib import Path
 
 import matplotlib
 
+from presswear.campaign.study import Study, results_of
 from presswear.show.figures import save
 from presswear.show.figures.style import SETTINGS
 from presswear.show.report.page import Illustration, render_page
 from presswear.show.report.parts import Table
 from presswear.studies.runaway.figure import two_wears
-from presswear.studies.runaway.study import CYCLES, RUNAWAY, Outcome, answer, outcome_of
-from presswear.studies.study import Study, results_of
+from presswear.studies.runaway.variants import CYCLES, RUNAWAY, Outcome, answer, outcome_of
 from presswear.tools.files import write_bytes
 
 _HEAD = (
@@ -46,7 +46,7 @@ def _row(outcome: Outcome) -> tuple[str, ...]:
     )
 
 
-def write_runaway_report(study: Study, folder: Path) -> tuple[str, Path]:
+def write_report(study: Study, folder: Path) -> tuple[str, Path]:
     """Write ``report.html`` and the figure into the study's folder; returns answer and path."""
     outcomes = [outcome_of(variant, result) for variant, result in results_of(study, folder)]
     clearance = study.variants[0].scene.bearings.clearance

@@ -13,7 +13,7 @@ from presswear.engines.base import Plan, Run
 from presswear.engines.settings import Engine, ExudynJoints, InHouse
 from presswear.linkage.elements import Linkage
 from presswear.scene.scene import Scene
-from presswear.tools.errors import RunError
+from presswear.tools.errors import RunFailed
 from presswear.trials.costs.timing import Case, Progress, Timing, time_cases
 from presswear.trials.crosscheck.traces import Touch, touch_differences, touches_of
 
@@ -99,12 +99,12 @@ def fixed_steps() -> ExudynJoints:
 
 
 def check_fixed(timing: Timing) -> None:
-    """RunError unless every step was ``FIXED_STEP``.
+    """RunFailed unless every step was ``FIXED_STEP``.
 
     None can be longer; so many that fill the time exactly leave none that is shorter.
     """
     if timing.sent_back or timing.steps != round(timing.simulated / FIXED_STEP):
-        raise RunError(
+        raise RunFailed(
             f"{timing.name}: {timing.steps} steps in {timing.simulated:g} s, "
             f"{timing.sent_back} sent back, are not all of {FIXED_STEP:g} s"
         )

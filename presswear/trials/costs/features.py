@@ -9,10 +9,10 @@ from typing import Literal
 
 import numpy as np
 
-from presswear.campaign.campaign import Watcher, run_stage
+from presswear.campaign.campaign import run_stage
 from presswear.engines.settings import ExudynTree
 from presswear.scene.scene import Scene
-from presswear.tools.errors import RunError
+from presswear.tools.errors import RunFailed
 from presswear.trials.costs.timing import Case, Progress, Timing, Worn, case_of, time_cases
 
 JOINTS = "exudyn-joints"
@@ -59,15 +59,15 @@ class FeatureTable:
 
 def wear_once(scene: Scene, cycles: int) -> Worn:
     """Surfaces after one wear of a scene, from the wear of so many cycles."""
-    stage = run_stage(replace(scene, cycles=cycles), 0, {}, Watcher())
-    if stage.ensemble.failure:
-        raise RunError(stage.ensemble.failure)
+    stage, ran = run_stage(replace(scene, cycles=cycles), 0, {})
+    if stage.failed:
+        raise RunFailed(stage.message)
     return {
         joint.name: (
-            joint.bearing_surface.worn_by(stage.added[k, 0]),
-            joint.pin_surface.worn_by(stage.added[k, 1]),
+            joint.bearing_surface.worn_by(stage.joints[joint.name].wear("bearing")),
+            joint.pin_surface.worn_by(stage.joints[joint.name].wear("pin")),
         )
-        for k, joint in enumerate(stage.linkage.clearances)
+        for joint in ran.linkage.clearances
     }
 
 

@@ -20,8 +20,8 @@ import exudyn as exu
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.engines.base import account_of
-from presswear.engines.exudyn import StepLimit, Watch, post_step, quiet, set_span, settings_of
+from presswear.engines.base import recorder_of
+from presswear.engines.exudyn import Solve, StepLimit, post_step, quiet, set_span, settings_of
 from presswear.engines.exudyn_tree import engine
 from presswear.engines.exudyn_tree.kernels import TreeSystem, accept_tree_step, stage_forces
 from presswear.engines.exudyn_tree.model import assemble
@@ -145,8 +145,8 @@ def inside_calls(case: Case) -> tuple[_Spent, _Spent, _Spent]:
     force, before, after = _Spent(), _Spent(), _Spent()
 
     class Limit(StepLimit):
-        def __init__(self, watch: Watch):
-            super().__init__(watch)
+        def __init__(self, solve: Solve):
+            super().__init__(solve)
             self._timed = before.around(super().pre_step)
 
         def pre_step(self, system: Any, t: float) -> bool:
@@ -228,7 +228,7 @@ def _tree(case: Case) -> tuple[Tree, ExudynTree]:
 def _timed_loop(case: Case, loop: Callable[[TreeSystem, Book], None], unaware: bool) -> float:
     """Wall time, s, of a compiled loop on a new system and book."""
     tree, accuracy = _tree(case)
-    book = account_of(case.linkage, case.start, case.plan).book
+    book = recorder_of(case.linkage, case.start, case.plan).book
     if unaware:
         book.packed.joints["wear_coefficient"] = 0.0
     system = engine.system_of(tree, case.linkage, accuracy.longest(case.plan.cycle))

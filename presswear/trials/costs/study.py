@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 from presswear.results.provenance import provenance
-from presswear.results.results import plain
+from presswear.results.result import plain
 from presswear.scene.scene import Scene
 from presswear.tools.files import write_whole
 from presswear.trials.costs.equal_work import EngineRow, EqualWork, equal_work
@@ -98,7 +98,7 @@ def study(scene: Scene, extent: Extent, progress: Progress) -> Costs:
 
     Raises
     ------
-    RunError
+    RunFailed
         Where a run fails.
     """
 

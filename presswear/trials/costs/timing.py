@@ -14,7 +14,7 @@ from presswear.linkage.elements import Linkage
 from presswear.linkage.surface import Surface
 from presswear.physics.tree import Tree, tree_of
 from presswear.scene.scene import Scene
-from presswear.tools.errors import RunError
+from presswear.tools.errors import RunFailed
 
 Progress = Callable[[str, float], None]
 """Told what is being run and which part of it is done, 0 .. 1."""
@@ -36,10 +36,10 @@ class Case:
     plan: Plan
 
     def run(self) -> Run:
-        """Run it once; RunError if it fails."""
+        """Run it once; RunFailed if it fails."""
         run = self.accuracy.simulate(self.linkage, self.start, self.plan)
         if run.status == "failed":
-            raise RunError(f"{self.name}: {run.message}")
+            raise RunFailed(f"{self.name}: {run.message}")
         return run
 
     def warm_up(self) -> None:
@@ -140,7 +140,7 @@ def time_cases(cases: Sequence[Case], repeats: int, progress: Progress) -> tuple
 
     Raises
     ------
-    RunError
+    RunFailed
         Where a run fails, or a repeat takes other steps than the first.
     """
     walls: list[list[float]] = [[] for _ in cases]
@@ -153,7 +153,7 @@ def time_cases(cases: Sequence[Case], repeats: int, progress: Progress) -> tuple
             if repeat == 0:
                 taken.append((run.time, *steps))
             elif taken[i] != (run.time, *steps):
-                raise RunError(f"{case.name}: a repeated run took other steps")
+                raise RunFailed(f"{case.name}: a repeated run took other steps")
             walls[i].append(float(run.diagnostics["wall_solve_s"]))
     return tuple(
         Timing(case.name, model_of(case.linkage, case.accuracy), *numbers, tuple(spent))

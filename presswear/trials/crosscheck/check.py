@@ -23,10 +23,11 @@ from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.elements import Linkage
 from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
 from presswear.record.sampling import Estimate, estimate
+from presswear.record.tracker import Telling
 from presswear.results.provenance import provenance
-from presswear.results.results import plain
+from presswear.results.result import plain
 from presswear.scene.scene import Scene
-from presswear.tools.errors import InputError, RunError
+from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.files import write_whole
 from presswear.trials.crosscheck.traces import (
     Difference,
@@ -141,7 +142,7 @@ class _Runner:
             self.progress(word, part)
 
         told(0.0)
-        return accuracy.simulate(self.linkage, start, replace(plan, progress=told))
+        return accuracy.simulate(self.linkage, start, replace(plan, trackers=(Telling(told),)))
 
     def trace(self, word: str, start: Start, accuracy: Engine, end: float) -> Trace:
         return trace_of(self.run(word, start, accuracy, Plan(end / PARTS, PARTS, PARTS)))
@@ -218,7 +219,7 @@ def check_engines(scene: Scene, duration: float | None, progress: Progress) -> C
 
     Raises
     ------
-    RunError
+    RunFailed
         Where an engine finds no way on.
     """
     end = scene.mechanism.period if duration is None else duration
@@ -337,8 +338,8 @@ def _check_means(scene: Scene, start: Start, runner: _Runner) -> tuple[list[Chec
     ):
         run = runner.run(f"{engine}, {cycles} cycles", start, accuracy, plan)
         if run.status == "failed":
-            raise RunError(run.message)
-        rows = np.array(run.account.cycles)
+            raise RunFailed(run.message)
+        rows = np.array(run.recorder.cycles)
         means.append(
             {
                 quantity: estimate(rows[:, column])

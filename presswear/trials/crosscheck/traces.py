@@ -11,7 +11,7 @@ from scipy.interpolate import CubicHermiteSpline
 
 from presswear.engines.base import Run
 from presswear.record.observe import SERIES_FIXED, SERIES_JOINT
-from presswear.tools.errors import RunError
+from presswear.tools.errors import RunFailed
 
 Array = NDArray[np.float64]
 
@@ -68,9 +68,9 @@ class Difference:
 def touches_of(run: Run) -> tuple[Touch, ...]:
     """Recorded touches of all joints and those that still last, in order of time."""
     found = []
-    book, rows = run.account.book, run.account.rows
+    book, rows = run.recorder.book, run.recorder.rows
     for k in range(book.touch.size):
-        spans = [(row[0], row[1], row[2]) for row in run.account.episodes(k).tolist()]
+        spans = [(row[0], row[1], row[2]) for row in run.recorder.episodes(k).tolist()]
         last = book.touch[k]
         if book.onset[k] > 0.0 and not last["started_closed"]:
             spans.append((float(last["onset_time"]), math.inf, float(book.onset[k])))
@@ -110,14 +110,14 @@ def peak(time: Array, value: Array) -> float:
 
 
 def trace_of(run: Run) -> Trace:
-    """Copy what is compared of a run; RunError if it failed."""
+    """Copy what is compared of a run; RunFailed if it failed."""
     if run.status == "failed":
-        raise RunError(run.message)
-    rows = run.account.rows
-    joints = run.account.book.touch.size
+        raise RunFailed(run.message)
+    rows = run.recorder.rows
+    joints = run.recorder.book.touch.size
     columns = [SERIES_FIXED + SERIES_JOINT * k + axis for k in range(joints) for axis in range(2)]
     # The series holds displacements, and a disturbed start is displaced already.
-    slider = rows[:, 1:3] + [float(run.account.book.record["start"][0]), 0.0]
+    slider = rows[:, 1:3] + [float(run.recorder.book.record["start"][0]), 0.0]
     return Trace(rows[:, 0].copy(), slider, rows[:, columns], touches_of(run))
 
 

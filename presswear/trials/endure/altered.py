@@ -20,9 +20,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.campaign.study import run_variant
 from presswear.results.folder import INTERVAL
 from presswear.scene.catalog import wear_times
-from presswear.studies.study import run_variant
 from presswear.trials.endure.inputs import answered, elsewhere
 from presswear.trials.endure.trial import Trial
 

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from presswear.results.results import load
+from presswear.results.result import load
 from presswear.results.sameness import folder_differences
 from presswear.tools.errors import InputError
 from presswear.tools.lock import holder

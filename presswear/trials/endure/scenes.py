@@ -21,7 +21,7 @@ from presswear.linkage.slider_crank import SliderCrank
 from presswear.physics.packed import mass_of
 from presswear.scene.catalog import slider_crank, wear_times
 from presswear.scene.scene import LEAST_RAMP, Bearings, Conventions, Numerics, Scene
-from presswear.tools.errors import AssemblyError, InputError, RunError
+from presswear.tools.errors import AssemblyError, InputError, RunFailed
 from presswear.tools.quantities import Meaning, choice_of, meaning_of
 from presswear.trials.endure.trial import Trial
 from presswear.trials.hard.case import energy_of, sound
@@ -204,11 +204,11 @@ class Ended:
         return not self.failure and self.residual <= self.bound
 
 
-class _OutsideError(RunError):
+class _OutsideError(RunFailed):
     """A run of a scene that no law of contact covers."""
 
 
-class _TooLongError(RunError):
+class _TooLongError(RunFailed):
     """A run that has taken all its steps."""
 
 
@@ -247,7 +247,7 @@ def ended(scene: Scene, most: int = MOST_STEPS) -> Ended:
         except _TooLongError as reached:
             part = 0.9 * float(str(reached))
             run = _counted(scene, accuracy, part, 2 * most)
-    except (InputError, RunError, ArithmeticError) as error:
+    except (InputError, RunFailed, ArithmeticError) as error:
         return Ended(scene, part, math.nan, 0.0, f"{error}", isinstance(error, _OutsideError))
     bound = min(energy_of(run, scene.solver.word).bound * coarser(scene), MISSING)
     return Ended(scene, part, missing(scene, run), bound, "")

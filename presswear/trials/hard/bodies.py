@@ -18,8 +18,8 @@ from presswear.linkage.laws import (
     lankarani_nikravesh_damping,
 )
 from presswear.physics.laws import ONSET_SPEED_FLOOR
-from presswear.tools.errors import RunError
-from presswear.trials.hard.case import Case, Finding, engine_name, guarded, ran
+from presswear.tools.errors import RunFailed
+from presswear.trials.hard.case import Case, Finding, guarded, ran
 from presswear.trials.hard.free_pair import kept
 from presswear.trials.verify.references import Impact, block, creep_speed
 
@@ -44,10 +44,10 @@ FRICTION = FrictionLaw(0.1, 1e-4, 1e-3)
 
 
 def first_contacts(run: Run) -> Array:
-    """The first contact of every joint, shape (joints, 6); RunError if one has none."""
-    rows = [run.account.episodes(k)[:1] for k in range(len(run.account.book.touch))]
+    """The first contact of every joint, shape (joints, 6); RunFailed if one has none."""
+    rows = [run.recorder.episodes(k)[:1] for k in range(len(run.recorder.book.touch))]
     if any(len(row) == 0 for row in rows):
-        raise RunError("a contact that must happen was not seen")
+        raise RunFailed("a contact that must happen was not seen")
     return np.concatenate(rows)
 
 
@@ -82,7 +82,7 @@ def strikes(
     # Below its floor the closing speed in the law is the floor.
     share = min(speed / ONSET_SPEED_FLOOR, 1.0)
     expected = delivered_restitution(share * lankarani_nikravesh_damping(nominal))
-    engine = engine_name(accuracy)
+    engine = accuracy.word
     found = -float(contact[3]) / speed
     yield Finding("restitution less closed form", found - expected, RESTITUTION[engine])
     kinetic = 0.5 * 0.1 * speed**2
@@ -111,9 +111,7 @@ def rests(accuracy: Engine, duration: float, speed: float, damping: float) -> It
     yield Finding("speed at the end (m/s)", moved, 1e-7)
     begun = 0.5 * speed**2 + GRAVITY * sunk
     residual = float(run.diagnostics["energy_residual_J"]) / begun
-    yield Finding(
-        "energy residual / that at the start", residual, REST_ENERGY[engine_name(accuracy)]
-    )
+    yield Finding("energy residual / that at the start", residual, REST_ENERGY[accuracy.word])
 
 
 def creeps(accuracy: Engine, slope: float) -> Iterator[Finding]:
@@ -167,11 +165,11 @@ def touch_together(accuracy: Engine, ahead: float) -> Iterator[Finding]:
     yield Finding("time between the touches less closed form (s)", apart - ahead / 0.25, 1e-10)
     # Neither pin moves the bar while the other holds it: an infinite mass for both.
     expected = delivered_restitution(lankarani_nikravesh_damping(0.9))
-    bound = RESTITUTION[engine_name(accuracy)] + 1e5 * ahead
+    bound = RESTITUTION[accuracy.word] + 1e5 * ahead
     worst = float(np.abs(-rows[:, 3] / 0.25 - expected).max())
     yield Finding("restitution less closed form", worst, bound)
     residual = float(run.diagnostics["energy_residual_J"]) / (0.1 * 0.25**2)
-    energy_bound = 2.0 * RESTITUTION[engine_name(accuracy)]
+    energy_bound = 2.0 * RESTITUTION[accuracy.word]
     yield Finding("energy residual / kinetic", residual, energy_bound)
 
 
@@ -179,7 +177,7 @@ def body_cases() -> Iterator[Case]:
     """All of them."""
     chi = lankarani_nikravesh_damping(0.9)
     for accuracy in BOTH:
-        engine = engine_name(accuracy)
+        engine = accuracy.word
         implicit = isinstance(accuracy, ExudynJoints)
         calm = replace(JOINTS, free_step=1e-3) if implicit else accuracy
 

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from presswear.engines.base import Plan, Run, Start
-from presswear.engines.settings import Engine, ExudynTree, InHouse
+from presswear.engines.settings import Engine
 from presswear.linkage.elements import Linkage
-from presswear.tools.errors import InputError, RunError
+from presswear.record.tracker import Telling
+from presswear.tools.errors import InputError, RunFailed
 
 PATIENCE = 120.0
 """Wall time after which a run that still goes on counts as hung, s; most take below one."""
@@ -108,7 +109,7 @@ def outcomes(case: Case) -> Iterator[Outcome]:
                 yield told(finding, "MISS", "ran, where it must be refused")
                 return
             yield told(finding, "pass" if finding.passed else "MISS")
-    except (InputError, RunError) as error:
+    except (InputError, RunFailed) as error:
         as_expected = bool(case.refusal) and re.search(case.refusal, str(error)) is not None
         yield told(None, "refused" if as_expected else "MISS", str(error))
     except ArithmeticError as error:
@@ -132,48 +133,40 @@ def guarded(duration: float, cycles: int = 1, patience: float = PATIENCE) -> Pla
         now = clock.perf_counter()
         began = now if began is None else began
         if now - began > patience:
-            raise RunError(f"stopped after {patience:g} s of wall time at {100.0 * part:.3g} %")
+            raise RunFailed(f"stopped after {patience:g} s of wall time at {100.0 * part:.3g} %")
 
-    return Plan(duration, cycles, recorded_cycles=1, progress=progress)
+    return Plan(duration, cycles, recorded_cycles=1, trackers=(Telling(progress),))
 
 
 def ran(linkage: Linkage, start: Start, accuracy: Engine, plan: Plan) -> Run:
-    """A run that ended well; RunError says what is wrong with one that did not."""
+    """A run that ended well; RunFailed says what is wrong with one that did not."""
     return sound(accuracy.simulate(linkage, start, plan), plan)
 
 
 def sound(run: Run, plan: Plan) -> Run:
-    """The run, or RunError: it failed, is not finite, ended early or left contacts unresolved."""
+    """The run, or RunFailed: it failed, is not finite, ended early or left contacts unresolved."""
     if run.status == "failed":
-        raise RunError(run.message)
-    account = run.account
+        raise RunFailed(run.message)
+    recorder = run.recorder
     arrays = {
-        "series": account.rows,
-        "cycles": np.array(account.cycles),
-        "wear": account.maps.total,
+        "series": recorder.rows,
+        "cycles": np.array(recorder.cycles),
+        "wear": recorder.maps.total,
         "position": run.end.position,
         "velocity": run.end.velocity,
-        "reactions": np.array([x for reaction in run.reactions.values() for x in reaction]),
         "energy": np.array([x for x in run.diagnostics.values() if isinstance(x, float)]),
-        **{f"contacts {k}": account.episodes(k) for k in range(len(account.book.touch))},
+        **{f"contacts {k}": recorder.episodes(k) for k in range(len(recorder.book.touch))},
     }
     for name, values in arrays.items():
         if not np.all(np.isfinite(values)):
-            raise RunError(f"not finite: {name}")
+            raise RunFailed(f"not finite: {name}")
     if abs(run.time - plan.cycle * plan.cycles) > 1e-9:
-        raise RunError(f"ended at {run.time:.9g} s, not at {plan.cycle * plan.cycles:.9g} s")
-    unresolved = int(account.book.tally["unresolved"].sum())
+        raise RunFailed(f"ended at {run.time:.9g} s, not at {plan.cycle * plan.cycles:.9g} s")
+    unresolved = int(recorder.book.tally["unresolved"].sum())
     if unresolved:
-        total = int(account.book.tally["contacts"].sum())
-        raise RunError(f"{unresolved} of {total} contacts unresolved")
+        total = int(recorder.book.tally["contacts"].sum())
+        raise RunFailed(f"{unresolved} of {total} contacts unresolved")
     return run
-
-
-def engine_name(accuracy: Engine) -> str:
-    """The engine that an accuracy belongs to."""
-    if isinstance(accuracy, InHouse):
-        return "dae"
-    return "exudyn-tree" if isinstance(accuracy, ExudynTree) else "exudyn-joints"
 
 
 def energy_of(run: Run, engine: str) -> Finding:

@@ -9,9 +9,10 @@ from functools import partial
 from presswear.campaign.starts import start_of
 from presswear.engines.base import Run
 from presswear.linkage.press import Press
-from presswear.record.recorder import Account
+from presswear.record.recorder import Recorder
+from presswear.record.tracker import Tracker
 from presswear.scene.scene import Scene
-from presswear.trials.hard.case import Case, Finding, energy_of, engine_name, guarded, ran
+from presswear.trials.hard.case import Case, Finding, energy_of, guarded, ran
 from presswear.trials.hard.scenes import BASE
 
 FAST = 40.0 * math.pi
@@ -26,26 +27,34 @@ times, from 5e-12 m after ten cycles.  What feeds on itself grows a hundred time
 """
 
 
-def many_cycles(scene: Scene, cycles: int) -> tuple[Run, float]:
-    """A run, and by how much the process grew after a tenth of it, MB."""
-    sizes: list[float] = []
+class _Memory(Tracker):
+    """Notes the peak memory of the process after each cycle, MB."""
 
-    def enough(account: Account) -> bool:
-        sizes.append(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0)
+    def __init__(self) -> None:
+        self.sizes: list[float] = []
+
+    def cycle(self, recorder: Recorder, state: object) -> bool:
+        """Note the memory; it never ends the run."""
+        self.sizes.append(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0)
         return False
 
-    plan = replace(guarded(scene.mechanism.period, cycles, LONGEST), enough=enough)
+
+def many_cycles(scene: Scene, cycles: int) -> tuple[Run, float]:
+    """A run, and by how much the process grew after a tenth of it, MB."""
+    watched = _Memory()
+    plan = guarded(scene.mechanism.period, cycles, LONGEST)
+    plan = replace(plan, trackers=(*plan.trackers, watched))
     run = ran(scene.linkage(), start_of(scene), scene.solver.over(scene.mechanism.period), plan)
-    return run, sizes[-1] - sizes[cycles // 10]
+    return run, watched.sizes[-1] - watched.sizes[cycles // 10]
 
 
 def drifts(scene: Scene, cycles: int) -> Iterator[Finding]:
     """Compares many cycles with a tenth of them."""
-    engine = engine_name(scene.solver.over(scene.mechanism.period))
+    engine = scene.solver.word
     first, _ = many_cycles(scene, cycles // 10)
     run, grown = many_cycles(scene, cycles)
     yield energy_of(run, engine)
-    yield Finding("cycles missing", cycles - len(run.account.cycles), 0.0)
+    yield Finding("cycles missing", cycles - len(run.recorder.cycles), 0.0)
     yield Finding("memory grown (MB)", grown, 8.0)
     if engine == "dae":
         early, late = (float(r.diagnostics["constraint_error_m"]) for r in (first, run))

@@ -100,11 +100,11 @@ def kept(tolerance: float, duration: float) -> Kept:
     linkage, start = worn_pair()
     run = ran(linkage, start, InHouse(integration_tolerance=tolerance), guarded(duration))
     before = kinetic_energy(linkage, start)
-    elastic = float(run.account.book.touch["energy"].sum())
+    elastic = float(run.recorder.book.touch["energy"].sum())
     change = kinetic_energy(linkage, run.end) + elastic - before
     turned = angular_momentum(linkage, run.end) - angular_momentum(linkage, start)
     return Kept(
-        contacts=int(run.account.book.tally["contacts"].sum()),
+        contacts=int(run.recorder.book.tally["contacts"].sum()),
         energy=change / before,
         momentum=turned / spin_scale(linkage, start),
     )

@@ -19,7 +19,7 @@ from presswear.linkage.surface import Surface, bin_centres
 from presswear.scene.catalog import slider_crank, wear_times
 from presswear.scene.scene import CONVENTIONS, Scene
 from presswear.tools.errors import InputError
-from presswear.trials.hard.case import PATIENCE, Case, Finding, energy_of, engine_name, guarded, ran
+from presswear.trials.hard.case import PATIENCE, Case, Finding, energy_of, guarded, ran
 
 Array = NDArray[np.float64]
 
@@ -80,7 +80,7 @@ def balanced(
 ) -> Iterator[Finding]:
     """Runs, and its energy adds up."""
     run = run_scene(scene, duration, start, worn)
-    yield energy_of(run, engine_name(scene.solver.over(scene.mechanism.period)))
+    yield energy_of(run, scene.solver.word)
 
 
 def in_both(
@@ -125,7 +125,7 @@ def law_cases() -> Iterator[Case]:
 def slider_distance(scene: Scene, clearance: float) -> float:
     """Greatest distance of the slider from that of the ideal press, m."""
     tight = replace(scene, bearings=replace(scene.bearings, clearance=clearance))
-    rows = run_scene(tight, APPROACH).account.rows
+    rows = run_scene(tight, APPROACH).recorder.rows
     motion = tight.mechanism.ideal_motion(rows[:, 0])
     linkage = tight.linkage()
     x = 3 * linkage.index(linkage.probe.body)
@@ -180,7 +180,7 @@ def profiles() -> dict[str, tuple[str, Surface, Surface]]:
 def on_worn(scene: Scene, worn: Worn) -> Iterator[Finding]:
     """Runs on worn surfaces, and its energy adds up."""
     run = run_scene(scene, worn=worn, patience=WORN_PATIENCE)
-    found = energy_of(run, engine_name(scene.solver.over(scene.mechanism.period)))
+    found = energy_of(run, scene.solver.word)
     if scene.conventions.contact != "radial":
         yield found
         return
@@ -240,11 +240,11 @@ def _axis(angle: float) -> Array:
 def met_together(scene: Scene, speed: float) -> Iterator[Finding]:
     """Both joints touch within a picosecond, each at its closing speed."""
     run = run_scene(scene, start=displaced(scene, -1e-9, speed))
-    one, other = (run.account.episodes(k)[0] for k in range(2))
+    one, other = (run.recorder.episodes(k)[0] for k in range(2))
     yield Finding("time between the two touches (s)", float(one[0] - other[0]), 1e-12)
     worst = max(abs(float(row[2]) / speed - 1.0) for row in (one, other))
     yield Finding("closing speed over that of the start, less 1", worst, 1e-5)
-    yield energy_of(run, engine_name(scene.solver.over(scene.mechanism.period)))
+    yield energy_of(run, scene.solver.word)
 
 
 def start_cases() -> Iterator[Case]:

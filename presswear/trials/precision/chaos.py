@@ -17,8 +17,9 @@ from presswear.campaign.ensemble import FEWEST
 from presswear.campaign.starts import start_of
 from presswear.engines.base import Plan, Run
 from presswear.record.sampling import half_width, map_batches, map_errors
+from presswear.record.tracker import Telling
 from presswear.scene.scene import Scene
-from presswear.tools.errors import InputError, RunError
+from presswear.tools.errors import InputError, RunFailed
 from presswear.trials.precision.extent import Extent
 from presswear.trials.precision.growth import Growth, measure_growth, number
 from presswear.trials.precision.ladder import finest, ladder, method_as_dict, method_from_dict
@@ -285,9 +286,9 @@ class _Gathered:
             self.failure = f"start {self.runs}: {run.message}"
             return
         self.rates += (float(run.diagnostics["wall_solve_s"]) / run.time,)
-        account = run.account
+        recorder = run.recorder
         self.draws = Draws(
-            (*self.draws.rows, np.array(account.cycles)), (*self.draws.maps, account.maps)
+            (*self.draws.rows, np.array(recorder.cycles)), (*self.draws.maps, recorder.maps)
         )
 
     def point(self, names: Mapping[str, tuple[str, int]], reference: Draws) -> StatisticPoint:
@@ -317,7 +318,7 @@ def follow(scene: Scene, size: Size, progress: Progress) -> Chaos:
     ------
     InputError
         Where the scene has no clearance joint.
-    RunError
+    RunFailed
         Where the finest method fails.
     """
     if not scene.clearance_joints:
@@ -346,10 +347,12 @@ def follow(scene: Scene, size: Size, progress: Progress) -> Chaos:
             progress(word, _GROWTH_SHARE + share * (done + part))
 
         told(0.0)
-        plan = Plan(period, size.cycles, recorded_cycles=1, torques=False, progress=told)
+        plan = Plan(
+            period, size.cycles, recorded_cycles=1, torques=False, trackers=(Telling(told),)
+        )
         gathered.add(gathered.method.accuracy.simulate(linkage, start_of(scene, start), plan))
     if reference.failure:
-        raise RunError(f"{reference.method.label}: {reference.failure}")
+        raise RunFailed(f"{reference.method.label}: {reference.failure}")
     names = names_of(linkage)
     return Chaos(
         growths,

@@ -16,9 +16,10 @@ from presswear.campaign.starts import APART, disturbed, start_of
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import InHouse
 from presswear.linkage.elements import Linkage
-from presswear.record.recorder import Account
+from presswear.record.recorder import Recorder
+from presswear.record.tracker import Telling, Tracker
 from presswear.scene.scene import Scene
-from presswear.tools.errors import RunError
+from presswear.tools.errors import RunFailed
 
 Array = NDArray[np.float64]
 
@@ -159,24 +160,24 @@ def turned_back(end: Start, start: Start) -> Start:
 
 
 @dataclass
-class _Sampler:
+class _Sampler(Tracker):
     """Asked after each part of a run: notes where the pins are."""
 
     places: list[Array]
     touches: list[int]
 
-    def note(self, account: Account) -> bool:
+    def cycle(self, recorder: Recorder, state: object) -> bool:
         """File a state; it never ends the run."""
-        contacts = account.book.contacts
+        contacts = recorder.book.contacts
         self.places.append(np.array([contacts["eccentricity_x"], contacts["eccentricity_y"]]))
-        self.touches.append(int(account.book.tally["contacts"].sum()))
+        self.touches.append(int(recorder.book.tally["contacts"].sum()))
         return False
 
 
 def sampled_run(
     linkage: Linkage, start: Start, period: float, cycles: int, progress: Callable[[float], None]
 ) -> tuple[Run, _Sampler]:
-    """A run of so many cycles that is sampled SAMPLES times in each; RunError if it fails."""
+    """A run of so many cycles that is sampled SAMPLES times in each; RunFailed if it fails."""
     accuracy = InHouse("dop853", TOLERANCE, free_step=period / LEAST_STEPS)
     sampler = _Sampler([], [])
     plan = Plan(
@@ -184,13 +185,11 @@ def sampled_run(
         cycles * SAMPLES,
         recorded_cycles=1,
         torques=False,
-        enough=sampler.note,
-        progress=progress,
+        trackers=(sampler, Telling(progress)),
     )
     run = accuracy.simulate(linkage, start, plan)
     if run.status == "failed":
-        raise RunError(run.message)
-    sampler.note(run.account)  # nobody asks at the end
+        raise RunFailed(run.message)
     return run, sampler
 
 
@@ -211,7 +210,7 @@ def measure_growth(
 
     Raises
     ------
-    RunError
+    RunFailed
         Where a run fails.
     """
     linkage, period = scene.linkage(), scene.mechanism.period

@@ -17,7 +17,7 @@ from presswear.engines.settings import LEAST_STEPS, Engine, ExudynTree, InHouse
 from presswear.linkage.elements import Linkage
 from presswear.physics.tree import Tree, tree_of
 from presswear.scene.scene import Scene
-from presswear.tools.errors import InputError, RunError
+from presswear.tools.errors import InputError, RunFailed
 from presswear.trials.costs.timing import Progress
 from presswear.trials.crosscheck.check import DISTURBANCE, GROWTH
 from presswear.trials.crosscheck.check import PARTS as SEARCH_PARTS
@@ -83,12 +83,12 @@ class Outcome:
         return Outcome(slider, touches_of(run), abs(residual) / exchanged)
 
     def errors(self, reference: "Outcome") -> dict[str, float]:
-        """Distance from a reference; RunError where one of its first touches is missing."""
+        """Distance from a reference; RunFailed where one of its first touches is missing."""
         first = reference.touches[:FIRST_TOUCHES]
         apart = touch_differences(first, self.touches)
         missing = int(np.count_nonzero(np.isinf(apart[:, 0])))
         if missing:
-            raise RunError(f"{missing} of the first {len(first)} touches missing")
+            raise RunFailed(f"{missing} of the first {len(first)} touches missing")
         slider = np.abs(self.slider - reference.slider)
         numbers = [*slider, *apart.max(axis=0, initial=0.0), self.residual]
         return dict(zip(QUANTITIES, map(float, numbers), strict=True))
@@ -120,7 +120,7 @@ def horizon_of(scene: Scene, longest: float) -> float:
 
     Raises
     ------
-    RunError
+    RunFailed
         Where a run fails.
     """
     linkage, start = scene.linkage(), start_of(scene)
@@ -150,7 +150,7 @@ def with_clearance(scene: Scene, extent: Extent, progress: Progress) -> tuple[Ta
     ------
     InputError
         Where the scene has no clearance.
-    RunError
+    RunFailed
         Where a reference fails.
     """
     check_clearance(scene)

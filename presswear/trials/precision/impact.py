@@ -18,7 +18,7 @@ from presswear.engines.base import Plan, Run, Start
 from presswear.linkage.elements import Guide, Linkage
 from presswear.linkage.laws import delivered_restitution
 from presswear.scene.scene import Scene
-from presswear.tools.errors import RunError
+from presswear.tools.errors import RunFailed
 from presswear.trials.precision.extent import Extent
 from presswear.trials.precision.measure import Errors, Task, Values
 from presswear.trials.precision.methods import contact_ladder
@@ -126,19 +126,19 @@ def single(scene: Scene, extent: Extent) -> Task:
     duration = GAP / speed + CONTACTS * IMPACT.elastic_duration
 
     def assess(run: Run) -> tuple[Errors, Values]:
-        contacts = run.account.episodes(0)
+        contacts = run.recorder.episodes(0)
         if len(contacts) != 1:
-            raise RunError(f"{len(contacts)} contacts began and ended, where there is one")
+            raise RunFailed(f"{len(contacts)} contacts began and ended, where there is one")
         onset, _, _, release, _, steps = contacts[0].tolist()
         # Behind the contact nothing acts: its end follows from where the pin is now.
         gap = run.end.position[3] - run.end.position[0] - IMPACT.clearance
         rate = run.end.velocity[3] - run.end.velocity[0]
         if not (gap < 0.0 and rate < 0.0):
-            raise RunError("still in contact, or through the bearing")
+            raise RunFailed("still in contact, or through the bearing")
         found = {
             "delivered restitution": -release / speed,
             "contact time": run.time - gap / rate - onset,
-            "deepest penetration": deepest(run.account.rows),
+            "deepest penetration": deepest(run.recorder.rows),
         }
         exact = (restitution, lasts, depth)
         errors = {name: abs(found[name] - value) for name, value in zip(found, exact, strict=True)}

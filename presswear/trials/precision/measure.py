@@ -9,7 +9,7 @@ import numpy as np
 
 from presswear.engines.base import Plan, Run, Start
 from presswear.linkage.elements import Linkage
-from presswear.tools.errors import InputError, RunError
+from presswear.tools.errors import InputError, RunFailed
 from presswear.trials.costs.timing import Case, Progress, time_cases
 from presswear.trials.hard.case import guarded
 from presswear.trials.precision.points import Diagram, Effort, Method, Point
@@ -38,7 +38,7 @@ class Task:
         What the errors are errors from.
     reference_errors : mapping of str to float
     assess : callable
-        Errors and other values of a run that ended well; RunError where it lacks what
+        Errors and other values of a run that ended well; RunFailed where it lacks what
         errors are taken from.
     """
 
@@ -72,7 +72,7 @@ def first_run(task: Task, method: Method) -> _First:
     """Run a method once; whatever it does, it gives a point, without times."""
     # Guarded anew: patience counts from the plan's first progress.
     guard = guarded(task.plan.cycle, task.plan.cycles)
-    plan = replace(task.plan, progress=guard.progress)
+    plan = replace(task.plan, trackers=guard.trackers)
     began = clock.perf_counter()
     try:
         # A run that blows up overflows on its way to the failure that it ends in.
@@ -85,8 +85,8 @@ def first_run(task: Task, method: Method) -> _First:
             )
         lost = [name for name in task.quantities if not math.isfinite(errors.get(name, math.nan))]
         if lost:
-            raise RunError(f"no number for {lost[0]}")
-    except (InputError, RunError, ArithmeticError) as error:
+            raise RunFailed(f"no number for {lost[0]}")
+    except (InputError, RunFailed, ArithmeticError) as error:
         return _First(Point(method, failure=str(error) or type(error).__name__))
     iterations = run.diagnostics.get("newton_iterations")
     if iterations is not None:
@@ -97,11 +97,11 @@ def first_run(task: Task, method: Method) -> _First:
 
 
 def check_finite(run: Run) -> None:
-    """RunError where a run failed or ended in a state that is not finite."""
+    """RunFailed where a run failed or ended in a state that is not finite."""
     if run.status == "failed":
-        raise RunError(run.message)
+        raise RunFailed(run.message)
     if not (np.all(np.isfinite(run.end.position)) and np.all(np.isfinite(run.end.velocity))):
-        raise RunError(f"the state is no longer finite (t = {run.time:.6g} s)")
+        raise RunFailed(f"the state is no longer finite (t = {run.time:.6g} s)")
 
 
 def measure(task: Task, repeats: int, progress: Progress) -> Diagram:

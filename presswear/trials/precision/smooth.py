@@ -46,7 +46,7 @@ def ideal_mechanism(scene: Scene, extent: Extent) -> Task:
     duration = CYCLES * period
 
     def assess(run: Run) -> tuple[Errors, Values]:
-        rows = run.account.rows
+        rows = run.recorder.rows
         exact = ideal_slider(scene, rows[:, 0])
         apart = np.abs(rows[:, 1:3] - exact[:, :2]).max(axis=0)
         slider = {"slider position": float(apart[0]), "slider velocity": float(apart[1])}
@@ -91,7 +91,7 @@ def andrews(extent: Extent) -> Task:
 
     Raises
     ------
-    RunError
+    RunFailed
         Where the run fails that tells how well those are known.
     """
     linkage, start = references.andrews(), references.andrews_start()

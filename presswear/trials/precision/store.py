@@ -8,7 +8,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from presswear.results.results import plain
+from presswear.results.result import plain
 from presswear.results.stored import is_provenance, schema_of
 from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError

@@ -29,7 +29,7 @@ class Precision:
     scene : Scene
     extent : Extent
     provenance : mapping
-        Versions, revision, machine and time; see ``presswear.results.results``.
+        Versions, revision, machine and time; see ``presswear.results.result``.
     processor : str
         What the operating system calls it.
     wall : float
@@ -94,7 +94,7 @@ def study(scene: Scene, extent: Extent, progress: Progress) -> Precision:
     ------
     InputError
         Where the scene has no clearance, or nothing that wears.
-    RunError
+    RunFailed
         Where a reference fails.
     """
     check_clearance(scene)

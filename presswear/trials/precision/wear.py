@@ -10,15 +10,17 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any, Literal
 
-from presswear.campaign.campaign import Stage, Watcher, run_campaign
+from presswear.campaign.campaign import run_campaign
 from presswear.linkage.elements import SurfaceContact
 from presswear.record.sampling import Interval
+from presswear.record.tracker import Progress, Tracker
+from presswear.results.stage import StageResult
 from presswear.scene.scene import CONVENTIONS, Scene
-from presswear.tools.errors import InputError, RunError
+from presswear.tools.errors import InputError, RunFailed
 from presswear.trials.precision.extent import Extent
 from presswear.trials.precision.growth import number
 
-Progress = Callable[[str, float], None]
+Told = Callable[[str, float], None]
 """Told what is being run and which part of all is done, 0 .. 1."""
 
 Group = Literal["angles", "cycles", "depth step", "contact", "method"]
@@ -300,7 +302,7 @@ def with_method(scene: Scene, name: str) -> Scene:
     return replace(scene, engine=engine, starts=1, numerics=scene.numerics.having(**settings))
 
 
-def joint_wears(stage: Stage) -> dict[str, JointWear]:
+def joint_wears(stage: StageResult) -> dict[str, JointWear]:
     """What the wear after a stage takes off each joint."""
     found = {}
     for name, numbers in stage.statistics.get("joints", {}).items():
@@ -318,20 +320,37 @@ def joint_wears(stage: Stage) -> dict[str, JointWear]:
     return found
 
 
+class _Stages(Tracker):
+    """Keeps the stages of a campaign and hands on which part of it is done."""
+
+    def __init__(self, told: Callable[[float], None]) -> None:
+        self.stages: list[StageResult] = []
+        self._told = told
+
+    def progress(self, progress: Progress) -> None:
+        """Hand the part on."""
+        self._told(progress.whole)
+
+    def stage(self, stage: StageResult) -> None:
+        """Keep a stage."""
+        self.stages.append(stage)
+
+
 def run_case(case: Case, progress: Callable[[float], None]) -> WearPoint:
     """Run a case; one that fails is a point as well."""
-    stages: list[Stage] = []
+    watched = _Stages(progress)
+    stages = watched.stages
     began = clock.perf_counter()
     try:
-        status, message = run_campaign(case.scene, Watcher(stage=stages.append, overall=progress))
-    except (InputError, RunError) as error:
+        status, message, _ = run_campaign(case.scene, [watched])
+    except (InputError, RunFailed) as error:
         status, message = "failed", str(error)
     wall = clock.perf_counter() - began
-    wears = [joint_wears(stage) for stage in stages if not stage.ensemble.failure]
+    wears = [joint_wears(stage) for stage in stages if not stage.failed]
     # A first wear that was not applied to its end is none.
     whole = wears[: len(wears) if status != "failed" or len(stages) > 1 else 0]
-    steps = stages[0].steps if stages else ()
-    cycles = sum(stage.ensemble.cycles for stage in stages) + sum(s.cycles for s in steps[1:])
+    steps = stages[0].wear_steps if stages else ()
+    cycles = sum(stage.cycles for stage in stages) + sum(s.cycles for s in steps[1:])
     return WearPoint(
         case.group,
         case.conventions,
@@ -347,7 +366,7 @@ def run_case(case: Case, progress: Callable[[float], None]) -> WearPoint:
     )
 
 
-def measure(scene: Scene, extent: Extent, progress: Progress) -> WearStudy:
+def measure(scene: Scene, extent: Extent, progress: Told) -> WearStudy:
     """How the wear of a scene depends on its means, quick or in full; see ``vary``."""
     return vary(scene, _size(extent), progress)
 
@@ -366,7 +385,7 @@ def _size(extent: Extent) -> Size:
     return QUICK if extent.quick else FULL
 
 
-def vary(scene: Scene, size: Size, progress: Progress) -> WearStudy:
+def vary(scene: Scene, size: Size, progress: Told) -> WearStudy:
     """Run every case; what several groups have in common runs once.
 
     Raises

@@ -9,12 +9,10 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 
 from presswear.engines.base import Plan, Run, Start
-from presswear.engines.dae.engine import simulate as simulate_dae
-from presswear.engines.exudyn_joints.engine import simulate as simulate_exudyn
 from presswear.engines.settings import ExudynJoints, InHouse
 from presswear.linkage.elements import Linkage
 from presswear.linkage.laws import FrictionLaw
-from presswear.tools.errors import RunError
+from presswear.tools.errors import RunFailed
 from presswear.trials.verify import references
 
 Array = NDArray[np.float64]
@@ -73,7 +71,7 @@ def _worst(name: str, reference: Sequence[float], ours: Array, bound: float) -> 
 
 def _finished(run: Run) -> Run:
     if run.status == "failed":
-        raise RunError(run.message)
+        raise RunFailed(run.message)
     return run
 
 
@@ -87,14 +85,14 @@ def andrews_with_exudyn(step: float) -> Array:
     # A step one part in 1e9 shorter keeps round-off from making them one fewer.
     accuracy = ExudynJoints(50, 10, free_step=step * (1.0 - 1e-9), newton=NEWTON)
     plan = Plan(references.ANDREWS_DURATION, 1, recorded_cycles=1)
-    run = simulate_exudyn(references.andrews(), references.andrews_start(), accuracy, plan)
+    run = accuracy.simulate(references.andrews(), references.andrews_start(), plan)
     return references.andrews_angles(_finished(run).end.position)
 
 
 def andrews_rows() -> Iterator[Row]:
     """Andrews' squeezer at t = 0.03 s."""
     plan = Plan(references.ANDREWS_DURATION, 1, recorded_cycles=1)
-    run = simulate_dae(references.andrews(), references.andrews_start(), InHouse(), plan)
+    run = InHouse().simulate(references.andrews(), references.andrews_start(), plan)
     end = _finished(run).end
     angles = references.andrews_angles(end.position)
     rates = references.andrews_angles(end.velocity)
@@ -114,17 +112,17 @@ def delivered(run: Run, speed: float) -> float:
 
 
 def first_contact(run: Run) -> Array:
-    """Row of the first contact, columns ``EPISODE_COLUMNS``; RunError if there is none."""
-    episodes = _finished(run).account.episodes(0)
+    """Row of the first contact, columns ``EPISODE_COLUMNS``; RunFailed if there is none."""
+    episodes = _finished(run).recorder.episodes(0)
     if not len(episodes):
-        raise RunError("a contact that must happen was not seen")
+        raise RunFailed("a contact that must happen was not seen")
     first: Array = episodes[0]
     return first
 
 
 def deepest_penetration(run: Run, speed: float) -> float:
     """Greatest penetration of a free ``Impact``, m, between the recorded rows too."""
-    rows = _finished(run).account.rows
+    rows = _finished(run).recorder.rows
     # The momentum of ring, 0.3 kg, and shaft, 0.1 kg, is the shaft's at the start.
     rate = rows[:, 2] - (speed - rows[:, 2]) / 3.0
     course = CubicHermiteSpline(rows[:, 0], rows[:, 6], rate)
@@ -136,20 +134,20 @@ def impact_rows() -> Iterator[Row]:
     plan = Plan(0.005, 1)
     for nominal, expected in references.DELIVERED.items():
         impact = references.Impact(nominal)
-        run = simulate_dae(impact.linkage, impact.start, TIGHT, plan)
+        run = TIGHT.simulate(impact.linkage, impact.start, plan)
         ours = delivered(run, impact.speed)
         yield Row(f"restitution, nominal {nominal}, dae", expected, ours, 1e-8)
         steps = EXUDYN_STEPS_PER_CONTACT[nominal]
         accuracy = ExudynJoints(steps, 10, free_step=2e-5, newton=1e-10)
-        run = simulate_exudyn(impact.linkage, impact.start, accuracy, plan)
+        run = accuracy.simulate(impact.linkage, impact.start, plan)
         name = f"restitution, nominal {nominal}, Exudyn, {steps} steps"
         yield Row(name, expected, delivered(run, impact.speed), 1e-4)
     impact = references.Impact(0.9, clearance=1e-5)
-    run = simulate_dae(impact.linkage, impact.start, TIGHT, Plan(2.2e-4, 1))
+    run = TIGHT.simulate(impact.linkage, impact.start, Plan(2.2e-4, 1))
     part = deepest_penetration(run, impact.speed) / impact.deepest
     yield Row("penetration over closed form, dae", 1.0, part, 1e-8)
     impact = references.Impact(1.0)
-    run = simulate_dae(impact.linkage, impact.start, TIGHT, plan)
+    run = TIGHT.simulate(impact.linkage, impact.start, plan)
     onset, end = first_contact(run)[:2]
     unit = impact.deepest / impact.speed
     lasted = float(end - onset) / unit
@@ -167,7 +165,7 @@ def turning_points(run: Run, begin: float) -> tuple[Array, Array]:
     begin : float
         Watched coordinate at the start, m.
     """
-    rows = _finished(run).account.rows
+    rows = _finished(run).recorder.rows
     before = np.flatnonzero(rows[:-1, 2] * rows[1:, 2] < 0.0)
     t, x, v, a = rows[before, :4].T
     left = -v / a
@@ -178,11 +176,11 @@ def friction_rows() -> Iterator[Row]:
     """Dry friction in a mechanism, with ``dae``."""
     linkage, start = references.sdnd100(SHARP)
     duration = 4.5 * references.SDND100_INTERVAL
-    run = simulate_dae(linkage, start, TIGHT, Plan(duration, 1, recorded_cycles=1))
+    run = TIGHT.simulate(linkage, start, Plan(duration, 1, recorded_cycles=1))
     times, places = turning_points(run, references.SDND100_EXTREMA[0])
     turns = len(references.SDND100_EXTREMA) - 1
     if len(times) != turns:
-        raise RunError(f"SDND100 turned round {len(times)} times instead of {turns}")
+        raise RunFailed(f"SDND100 turned round {len(times)} times instead of {turns}")
     millimetres = [1e3 * x for x in references.SDND100_EXTREMA[1:]]
     yield _worst("SDND100, dae: worst turning point (mm)", millimetres, 1e3 * places, 1e-5)
     expected = [references.SDND100_INTERVAL * (k + 1) for k in range(turns)]
@@ -213,7 +211,7 @@ def creep(slope: float) -> float:
 
 
 def _slid(linkage: Linkage, start: Start, time: float) -> float:
-    run = simulate_dae(linkage, start, TIGHT, Plan(time, 1, recorded_cycles=1))
+    run = TIGHT.simulate(linkage, start, Plan(time, 1, recorded_cycles=1))
     return float(_finished(run).end.velocity[0])
 
 
@@ -228,9 +226,9 @@ class Bounces:
 
 def bounced(ball: references.Ball, duration: float) -> Bounces:
     """What a ball did for a time, s, with ``dae``."""
-    run = simulate_dae(ball.linkage, ball.start, TIGHT, Plan(duration, 1, recorded_cycles=1))
+    run = TIGHT.simulate(ball.linkage, ball.start, Plan(duration, 1, recorded_cycles=1))
     first_contact(run)
-    episodes = run.account.episodes(0)
+    episodes = run.recorder.episodes(0)
     left = np.concatenate([[0.0], episodes[:-1, 1]])
     return Bounces(episodes[:, 0] - left, -episodes[:, 3], episodes[:, 1] - episodes[:, 0])
 
@@ -259,7 +257,7 @@ def bouncing_rows() -> Iterator[Row]:
     for ball in (stiff, stiffer):
         seen = bounced(ball, 6.0)
         if len(seen.rebounds) < BOUNCES:
-            raise RunError(f"the ball bounced {len(seen.rebounds)} times, not {BOUNCES}")
+            raise RunFailed(f"the ball bounced {len(seen.rebounds)} times, not {BOUNCES}")
         last = float(seen.rebounds[BOUNCES - 1])
         totals.append(float(seen.flights[:BOUNCES].sum()) + series * last)
         rebounds.append(last)
@@ -289,7 +287,7 @@ def verify(progress: Callable[[str, float], None] = lambda name, part: None) -> 
 
     Raises
     ------
-    RunError
+    RunFailed
         A run failed, so that there is nothing to compare.
     """
     rows: list[Row] = []

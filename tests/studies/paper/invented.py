@@ -1,15 +1,18 @@
 """Results of the study ``paper`` made up from numbers that are known."""
 
-from collections.abc import Mapping
-from pathlib import Path
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from presswear.linkage.surface import bin_centres
+from presswear.record.film import Film
 from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
-from presswear.results.results import StoredResult
+from presswear.results.result import Result
+from presswear.results.stage import StageResult
 from presswear.scene.ideal import ideal_slider
 from presswear.studies.paper.evidence import Evidence
 from presswear.studies.paper.variants import base_scene, cases, variant_key
@@ -81,46 +84,49 @@ def stage(setting: str, wears: int, seed: int, **numbers: Any) -> dict[str, Arra
     return arrays
 
 
-def result(setting: str, stages: list[dict[str, Array]], status: str = "completed") -> StoredResult:
-    """A result of some stages."""
-    scene = base_scene(setting)
+def result(
+    setting: str,
+    stages: Sequence[Mapping[str, Array]],
+    status: str = "completed",
+    **changes: Any,
+) -> Result:
+    """A result of some stages of a setting, its scene changed; a failed one ends in its last."""
+    scene = replace(base_scene(setting), **changes)
+    is_failed = status == "failed"
     listed = [
-        {
-            "index": k,
-            "status": "enough",
-            "message": "",
-            "amplification": 1e5,
-            "wear_steps": [],
-            "simulated_s": 1.0,
-            "wall_s": 2.0,
-            "diagnostics": {"model": "made up"},
-            "statistics": {
+        StageResult(
+            index=k,
+            status="failed" if is_failed and k == len(stages) - 1 else "enough",
+            message="",
+            finding=None,
+            amplification=1e5,
+            wear_steps=(),
+            simulated=1.0,
+            wall=2.0,
+            diagnostics={"model": "made up"},
+            statistics={
                 "cycles": len(arrays["cycles"]),
                 "energy_residual_J": 1e-9,
                 "energy_exchanged_J": 1.0,
             },
-        }
+            arrays=arrays,
+            joint_names=scene.clearance_joints,
+            read_film=partial(Film.from_arrays, {}, 0, []),
+        )
         for k, arrays in enumerate(stages)
     ]
-    document = {
-        "schema": 2,
-        "engine": "exudyn",
-        "status": status,
-        "message": "it stopped" if status == "failed" else "",
-        "wall_s": 3.0,
-        "stages": listed,
-        "provenance": {
-            "python": "3",
-            "packages": {"presswear": "0"},
-            "revision": "r",
-            "machine": "m",
-            "started": "now",
-        },
+    provenance = {
+        "python": "3",
+        "packages": {"presswear": "0"},
+        "revision": "r",
+        "machine": "m",
+        "started": "now",
     }
-    return StoredResult(Path("nowhere"), document, scene, stages)
+    message = "it stopped" if is_failed else ""
+    return Result(scene, tuple(listed), status, message, provenance, 3.0)
 
 
-def every_result(stages: int = 3) -> dict[str, StoredResult]:
+def every_result(stages: int = 3) -> dict[str, Result]:
     """All runs of the study, alike but for their seeds."""
     found = {}
     for seed, case in enumerate(cases()):

@@ -6,7 +6,7 @@ from presswear.studies.paper.choices import early_stop, fit_of, map_distances, m
 from presswear.studies.paper.claims import CLAIMS, depth_ratios
 from presswear.studies.paper.evidence import Evidence
 from presswear.studies.paper.printed import FRICTION, HIGH_FRICTION, PRINTED
-from presswear.studies.paper.variants import BASE, GEOMETRIES, SENSITIVITIES, SETTINGS, cases, paper
+from presswear.studies.paper.variants import BASE, GEOMETRIES, SENSITIVITIES, SETTINGS, cases, make
 from presswear.studies.paper.verdicts import Verdict, compared, verdict
 from presswear.studies.paper.words import QUANTITIES
 
@@ -60,7 +60,7 @@ def test_depth_ratios_are_all_printed() -> None:
 
 
 def test_the_study_runs_what_it_says() -> None:
-    study = paper()
+    study = make()
     keys = [variant.key for variant in study.variants]
     assert len(set(keys)) == len(keys)
     standard = study.variants[0].scene

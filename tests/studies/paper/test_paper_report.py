@@ -19,7 +19,7 @@ from presswear.studies.paper.report import render
 from presswear.studies.paper.report.numbers import numbers_table, ranges_table, ratios_table
 from presswear.studies.paper.report.summary import findings, headline
 from presswear.studies.paper.report.trends import judged
-from presswear.studies.paper.variants import paper
+from presswear.studies.paper.variants import make
 from presswear.studies.paper.words import as_printed
 
 
@@ -46,7 +46,7 @@ class Words(HTMLParser):
 @pytest.fixture(scope="module")
 def page() -> Words:
     results = every_result()
-    return Words(render(paper(), results, Evidence.of(results), []))
+    return Words(render(make(), results, Evidence.of(results), []))
 
 
 def test_every_printed_number_and_claim_is_on_the_page(page: Words) -> None:
@@ -105,10 +105,10 @@ def test_the_tables_show_ours_beside_the_paper() -> None:
 def test_a_study_that_was_interrupted_says_what_is_missing() -> None:
     results = every_result(stages=1)
     some = dict(list(results.items())[:2])
-    text = Words(render(paper(), some, Evidence.of(some), [])).text
-    assert f"{len(paper().variants) - 2} of {len(paper().variants)} runs are missing" in text
+    text = Words(render(make(), some, Evidence.of(some), [])).text
+    assert f"{len(make().variants) - 2} of {len(make().variants)} runs are missing" in text
     assert "not computed" in text
-    empty = Words(render(paper(), {}, Evidence.of({}), [])).text
+    empty = Words(render(make(), {}, Evidence.of({}), [])).text
     assert "Nothing ran far enough to be drawn" in empty
 
 
@@ -120,7 +120,7 @@ def test_a_joint_without_clearance_is_left_out() -> None:
     }
     evidence = Evidence.of(results)
     text = Words(
-        render(paper(), results, evidence, list(map(drawn, paper_drawings(evidence))))
+        render(make(), results, evidence, list(map(drawn, paper_drawings(evidence))))
     ).text
     assert "not computed" in text
     rows = [row for _, group in numbers_table(evidence)[0].groups for row in group]

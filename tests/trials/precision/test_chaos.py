@@ -10,7 +10,7 @@ from made_up_precision import NAMES, SCENE, STAGE_CYCLES, chaos
 
 from presswear.campaign.starts import start_of
 from presswear.record.sampling import MapBatches
-from presswear.results.results import plain
+from presswear.results.result import plain
 from presswear.scene.catalog import ideal
 from presswear.scene.scene import Numerics
 from presswear.tools.errors import InputError
@@ -110,7 +110,7 @@ def test_two_runs_of_one_start_stay_together() -> None:
     run, sampler = runs[0]
     assert run.time == pytest.approx(period)
     assert sampler.touches == sorted(sampler.touches)
-    assert sampler.touches[-1] == int(run.account.book.tally["contacts"].sum())
+    assert sampler.touches[-1] == int(run.recorder.book.tally["contacts"].sum())
 
 
 def test_full_turns_are_taken_off_a_state() -> None:

@@ -7,7 +7,6 @@ import pytest
 from scipy.integrate import solve_ivp
 from short_study import SHORT, silent
 
-from presswear.engines.dae.engine import simulate
 from presswear.engines.settings import InHouse
 from presswear.linkage.laws import delivered_restitution
 from presswear.physics.tree import Tree, tree_of
@@ -61,9 +60,9 @@ def test_guides_make_the_impact_a_tree_and_change_nothing() -> None:
     assert isinstance(tree_of(linkage), Tree)
     task = single(scene_named("wear-times"), SHORT)
     tight = InHouse(integration_tolerance=1e-12, free_step=1.0)
-    runs = [simulate(each, start, tight, task.plan) for each in (linkage, IMPACT.linkage)]
+    runs = [tight.simulate(each, start, task.plan) for each in (linkage, IMPACT.linkage)]
     np.testing.assert_allclose(runs[0].end.velocity, runs[1].end.velocity, atol=1e-12)
-    assert deepest(runs[0].account.rows) == pytest.approx(IMPACT.deepest, rel=1e-9)
+    assert deepest(runs[0].recorder.rows) == pytest.approx(IMPACT.deepest, rel=1e-9)
 
 
 def test_the_top_of_a_quintic_is_found() -> None:

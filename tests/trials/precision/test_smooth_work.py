@@ -83,10 +83,9 @@ def test_steps_of_a_ladder_are_as_many_as_asked(ideal: Diagram) -> None:
 
 
 def test_constraints_of_the_start_are_kept() -> None:
-    from presswear.engines.dae.engine import simulate
     from presswear.trials.verify.references import andrews_start
 
-    run = simulate(squeezer(), andrews_start(), InHouse(), Plan(1e-6, 1))
+    run = InHouse().simulate(squeezer(), andrews_start(), Plan(1e-6, 1))
     errors = constraint_errors(squeezer(), run)
     assert set(errors) == set(HELD)
     assert max(errors.values()) < 1e-9

@@ -9,7 +9,7 @@ from short_study import SHORT, silent
 from presswear.engines.base import Plan
 from presswear.engines.settings import InHouse
 from presswear.scene.catalog import scene_named
-from presswear.tools.errors import InputError, RunError
+from presswear.tools.errors import InputError, RunFailed
 from presswear.trials.precision.horizon import horizon_of, second_reference, with_clearance
 from presswear.trials.precision.measure import Task, first_run, measure
 from presswear.trials.precision.methods import contact_ladder
@@ -94,7 +94,7 @@ def test_whatever_a_method_does_is_a_point(task: Task) -> None:
     method = Method("dae", "DOP853", "tolerance", 1e-6, InHouse(integration_tolerance=1e-6))
 
     def short(run: object) -> tuple[dict[str, float], dict[str, float]]:
-        raise RunError("3 of the first 10 touches missing")
+        raise RunFailed("3 of the first 10 touches missing")
 
     def lost(run: object) -> tuple[dict[str, float], dict[str, float]]:
         return dict.fromkeys(task.quantities, math.nan), {}

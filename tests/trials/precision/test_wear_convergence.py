@@ -9,7 +9,7 @@ import pytest
 from made_up_precision import SCENE, wear, wear_point
 
 from presswear.record.sampling import Interval
-from presswear.results.results import plain
+from presswear.results.result import plain
 from presswear.scene.catalog import ideal
 from presswear.tools.errors import InputError
 from presswear.trials.precision import wear as module

@@ -1,13 +1,13 @@
 """What the paper's figures compare, and the runs that show it."""
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from matplotlib.lines import Line2D
 
 from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
-from presswear.results.results import StoredResult
+from presswear.results.result import Result
 from presswear.scene.scene import stage_name
 from presswear.show.figures.style import LINES, Array, Axes, LineStyle, ShownStage
 from presswear.studies.paper.evidence import Evidence, Measured, Place
@@ -102,7 +102,7 @@ class Shown:
     """
 
     line: Line
-    result: StoredResult
+    result: Result
     stage: ShownStage
 
     @property
@@ -126,14 +126,14 @@ def shown_cycles(evidence: Evidence, lines: Iterable[Line]) -> list[Shown]:
     found = []
     for line in lines:
         result = evidence.at_stage(BASE, line.setting, line.wears)
-        if result is not None and result.stages[line.wears]["time"].size > 1:
-            arrays = _first_cycle(result, result.stages[line.wears])
+        if result is not None and result.stages[line.wears].arrays["time"].size > 1:
+            arrays = _first_cycle(result, result.stages[line.wears].arrays)
             stage = ShownStage(line.wears, line.name, line.colour, line.dashes, arrays)
             found.append(Shown(line, result, stage))
     return found
 
 
-def _first_cycle(result: StoredResult, arrays: dict[str, Array]) -> dict[str, Array]:
+def _first_cycle(result: Result, arrays: Mapping[str, Array]) -> dict[str, Array]:
     """The arrays with their series cut to the first cycle."""
     # The last row of a cycle may lie a rounding behind its end.
     end = result.scene.mechanism.period * (1.0 + 1e-9)
@@ -141,7 +141,7 @@ def _first_cycle(result: StoredResult, arrays: dict[str, Array]) -> dict[str, Ar
     series = ["time", "slider"]
     for joint in result.scene.clearance_joints:
         series += [f"{joint}_force", f"{joint}_eccentricity"]
-    return arrays | {name: arrays[name][:rows] for name in series}
+    return dict(arrays) | {name: arrays[name][:rows] for name in series}
 
 
 def shown_joints(shown: Sequence[Shown]) -> list[str]:

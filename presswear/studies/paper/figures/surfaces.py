@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from presswear.results.results import StoredResult
+from presswear.results.result import Result
 from presswear.show.figures.style import SIDES, Array, Drawing, ShownStage
 from presswear.show.figures.surfaces import worn_surface
 from presswear.studies.paper.evidence import Evidence
@@ -42,7 +42,7 @@ def surfaces(joint: str) -> Callable[[Evidence, int, tuple[Line, ...]], Drawing 
     return draw
 
 
-def _worn(evidence: Evidence, line: Line, joint: str) -> tuple[StoredResult, ShownStage] | None:
+def _worn(evidence: Evidence, line: Line, joint: str) -> tuple[Result, ShownStage] | None:
     """The run of a line, with its surfaces; None where nothing is worn."""
     result = evidence.at_stage(BASE, line.setting, line.wears - 1)
     if result is None or joint not in result.scene.clearance_joints:
@@ -53,15 +53,15 @@ def _worn(evidence: Evidence, line: Line, joint: str) -> tuple[StoredResult, Sho
     return result, ShownStage(line.wears, line.wear_name, line.colour, line.dashes, arrays)
 
 
-def _after(result: StoredResult, wears: int, joint: str) -> dict[str, Array]:
+def _after(result: Result, wears: int, joint: str) -> dict[str, Array]:
     """Angle and depths after some wears."""
-    before = result.stages[wears - 1]
+    before = result.stages[wears - 1].arrays
     found = {"angle": before["angle"]}
     for side in SIDES:
         name = f"{joint}_depth_{side}"
         # What a stage ran on is what is known best: a wear may have gone in steps.
         if wears < len(result.stages):
-            found[name] = result.stages[wears][name]
+            found[name] = result.stages[wears].arrays[name]
         else:
             found[name] = before[name] + before[f"{joint}_wear_{side}"]
     return found

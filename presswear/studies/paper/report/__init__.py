@@ -2,7 +2,8 @@
 
 from pathlib import Path
 
-from presswear.results.results import StoredResult
+from presswear.campaign.study import Study, results_of
+from presswear.results.result import Result
 from presswear.show.figures import save
 from presswear.show.report.origin import convention_set, conventions, parameters, provenance
 from presswear.show.report.page import Illustration, render_page
@@ -21,11 +22,10 @@ from presswear.studies.paper.report.runs import runs_table
 from presswear.studies.paper.report.summary import counts_table, findings, headline
 from presswear.studies.paper.report.trends import judged
 from presswear.studies.paper.variants import BASE, STARTS
-from presswear.studies.study import Study, results_of
 from presswear.tools.files import write_bytes
 
 
-def write_paper_report(study: Study, folder: Path) -> tuple[str, Path]:
+def write_report(study: Study, folder: Path) -> tuple[str, Path]:
     """Write ``report.html`` and its figures into a study's folder; returns answer and path."""
     results = {v.key: found for v, found in results_of(study, folder) if found is not None}
     evidence = Evidence.of(results)
@@ -41,7 +41,7 @@ def write_paper_report(study: Study, folder: Path) -> tuple[str, Path]:
 
 def render(
     study: Study,
-    results: dict[str, StoredResult],
+    results: dict[str, Result],
     evidence: Evidence,
     figures: list[Illustration],
 ) -> str:

@@ -1,6 +1,6 @@
 """Tables of what was chosen: its fit, how much hangs on it, and when runs stopped."""
 
-from presswear.results.results import StoredResult
+from presswear.results.result import Result
 from presswear.show.report.parts import Row, Table
 from presswear.studies.paper.choices import (
     WATCHED,
@@ -152,10 +152,10 @@ def distances_table(evidence: Evidence) -> Table:
     return Table(head, (("", tuple(rows)),))
 
 
-def failures_of(results: dict[str, StoredResult]) -> dict[str, str]:
+def failures_of(results: dict[str, Result]) -> dict[str, str]:
     """Messages of runs that failed, by case."""
     return {
-        key.partition("--")[0]: str(result.document["message"])
+        key.partition("--")[0]: str(result.message)
         for key, result in results.items()
-        if result.document["status"] == "failed"
+        if result.status == "failed"
     }

@@ -5,11 +5,9 @@ swallows it, so the command asks again whenever it tells its progress; or one th
 another error of it, as Python does inside ``__set_name__``: any error behind a signal is one.
 """
 
-import shlex
 import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
 from types import FrameType
 
 NAMES = ("SIGINT", "SIGTERM", "SIGHUP")
@@ -54,8 +52,3 @@ def check_stopped() -> None:
 def exit_code() -> int:
     """128 and the number of the signal that came."""
     return 128 + (_received[0] if _received else signal.SIGINT)
-
-
-def go_on_with(name: str, folder: Path) -> str:
-    """The command that goes on with a run."""
-    return f"go on with: presswear run {name} --resume --out {shlex.quote(str(folder))}"

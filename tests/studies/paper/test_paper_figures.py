@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from test_figures import UNIT, labels, made_up
 
 from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
-from presswear.results.results import StoredResult
+from presswear.results.result import Result
 from presswear.show.figures import Drawing
 from presswear.show.figures.style import SETTINGS
 from presswear.studies.paper.evidence import Evidence
@@ -31,7 +31,7 @@ STAGES = {
 STARTS, CYCLES = 2, 6
 
 
-def run(setting: str, stages: int, **settings: Any) -> StoredResult:
+def run(setting: str, stages: int, **settings: Any) -> Result:
     """A run whose peaks and maps scatter from cycle to cycle."""
     scene = replace(base_scene(setting), cycles=CYCLES, **settings)
     result = made_up(scene, stages)
@@ -193,8 +193,8 @@ def test_missing_runs_leave_the_rest(stages: dict[str, int], missing: set[int]) 
 def test_failed_stage_is_not_shown(drawn: dict[int, Drawing]) -> None:
     runs = study({"wear-times": 3})
     result = runs.runs[BASE, "wear-times"]
-    result.document["stages"][2]["status"] = "failed"
-    result.stages[2]["time"] = result.stages[2]["time"][:1]
+    result.stages[2].status = "failed"
+    result.stages[2].arrays["time"] = result.stages[2].arrays["time"][:1]
     found = by_number(runs)
     assert len(found[19].sheet.axes) == 4
     assert len(drawn[19].sheet.axes) == 6

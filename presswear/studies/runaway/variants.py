@@ -9,11 +9,11 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
-from presswear.results.results import StoredResult
+from presswear.campaign.study import Change, Study, Variant, unchanged
+from presswear.results.result import Result
 from presswear.scene.catalog import wear_times
 from presswear.scene.scene import CONVENTIONS, Scene
 from presswear.scene.settings import changed
-from presswear.studies.study import Change, Study, Variant, unchanged
 
 RUNAWAY = 10.0
 """A second wear that adds so many times the depth of the first has run away."""
@@ -24,7 +24,7 @@ PRINTED = (1.221e-6, 1.178e-3)
 lost a factor of ten in print."""
 
 
-def runaway(change: Change = unchanged) -> Study:
+def make(change: Change = unchanged) -> Study:
     """The study ``runaway``, from the paper's scene with a change."""
     # What a second wear would add in one jump is known once the first one has been run on.
     paper = change(replace(wear_times(), name="runaway", cycles=CYCLES, wears=1))
@@ -121,20 +121,16 @@ class Outcome:
         return None if math.isnan(self.growth) else self.growth > RUNAWAY
 
 
-def outcome_of(variant: Variant, result: StoredResult | None) -> Outcome:
+def outcome_of(variant: Variant, result: Result | None) -> Outcome:
     """Read a variant's two wears from its result."""
     joints = variant.scene.clearance_joints
     nothing = dict.fromkeys(joints, math.nan)
     if result is None:
         return Outcome(variant, nothing, nothing, (), math.nan, "it stopped in the first stage")
-    document = result.document
-    stages = [stage for stage in document["stages"] if stage["status"] != "failed"]
+    stages = [stage for stage in result.stages if not stage.failed]
     wears = [
         {
-            joint: max(
-                float(result.stages[stage["index"]][f"{joint}_wear_{side}"].max())
-                for side in ("bearing", "pin")
-            )
+            joint: max(float(stage.joints[joint].wear(side).max()) for side in ("bearing", "pin"))
             for joint in joints
         }
         for stage in stages[:2]
@@ -142,17 +138,16 @@ def outcome_of(variant: Variant, result: StoredResult | None) -> Outcome:
     wears += [nothing] * (2 - len(wears))
     residual = max(
         (
-            abs(stage["statistics"]["energy_residual_J"])
-            / stage["statistics"]["energy_exchanged_J"]
+            abs(stage.statistics["energy_residual_J"]) / stage.statistics["energy_exchanged_J"]
             for stage in stages
         ),
         default=math.nan,
     )
     force = tuple(
-        float(stage["statistics"]["joints"][joints[0]]["force_max_per_cycle_N"]["mean"])
+        float(stage.statistics["joints"][joints[0]]["force_max_per_cycle_N"]["mean"])
         for stage in stages
     )
-    failure = document["message"] if document["status"] == "failed" else ""
+    failure = result.message if result.status == "failed" else ""
     return Outcome(variant, wears[0], wears[1], force, residual, failure)
 
 

@@ -1,6 +1,6 @@
-"""A snapshot: the state of something as named arrays, all that is needed to go on from it.
+"""The state of something as named arrays, all that is needed to go on from it.
 
-Arrays may be views of what is only ever added to, so that a snapshot costs little; whoever
+Arrays may be views of what is only ever added to, so that it costs little; whoever
 writes one down does so, or copies it, before the owner of the arrays is gone.
 """
 
@@ -10,22 +10,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Snapshot = Mapping[str, NDArray[Any]]
+State = Mapping[str, NDArray[Any]]
 """Arrays of numbers or of records by name."""
 
 
-def named(prefix: str, snapshot: Snapshot) -> dict[str, NDArray[Any]]:
-    """A snapshot as a part of a larger one, under a name."""
-    return {f"{prefix}/{name}": array for name, array in snapshot.items()}
+def named(prefix: str, state: State) -> dict[str, NDArray[Any]]:
+    """A state as a part of a larger one, under a name."""
+    return {f"{prefix}/{name}": array for name, array in state.items()}
 
 
-def part(snapshot: Snapshot, prefix: str) -> dict[str, NDArray[Any]]:
-    """What ``named`` put into a larger snapshot; empty where it is not there."""
+def part(state: State, prefix: str) -> dict[str, NDArray[Any]]:
+    """What ``named`` put into a larger state; empty where it is not there."""
     start = f"{prefix}/"
     return {
-        name.removeprefix(start): array
-        for name, array in snapshot.items()
-        if name.startswith(start)
+        name.removeprefix(start): array for name, array in state.items() if name.startswith(start)
     }
 
 

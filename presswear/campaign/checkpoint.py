@@ -1,24 +1,25 @@
-"""Where a campaign stands, all that is needed to go on from it, as a document and arrays."""
+"""Checkpoints: all that is needed to go on with a campaign, as a document and arrays."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from typing import Any
 
-from presswear.campaign.amplification import Growth, WearStep, Worn
-from presswear.campaign.ensemble import NOTHING, Ensemble, Underway, empty_account
+from presswear.campaign.amplification import Growth, Worn
+from presswear.campaign.ensemble import NOTHING, Ensemble, Partial, empty_recorder
 from presswear.engines.base import Run, Start
 from presswear.linkage.elements import Linkage
 from presswear.linkage.surface import Surface
 from presswear.record.soundness import Finding
+from presswear.results.stage import WearStep
 from presswear.scene.scene import Scene
-from presswear.tools.snapshot import Snapshot, named, part
+from presswear.tools.state import State, named, part
 
 Document = Mapping[str, Any]
 
 
 @dataclass(frozen=True)
-class Standing:
-    """Where a campaign stands.
+class Checkpoint:
+    """The state of a campaign between two cycles.
 
     Attributes
     ----------
@@ -30,46 +31,46 @@ class Standing:
         Its runs, where they are finished and the wear after them is being applied.
     growth : Growth or None
         That wear as far as it has been applied.
-    underway : Underway
+    partial : Partial
         The runs at hand: of the stage, or of the next step of the wear.
-    pace : dict
-        How far the campaign is (``Pace.numbers``).
+    forecast : dict
+        How far the campaign is (``Forecast.numbers``).
     """
 
     index: int = 0
     worn: Worn = field(default_factory=dict)
     ran: Ensemble | None = None
     growth: Growth | None = None
-    underway: Underway = NOTHING
-    pace: Mapping[str, float] = field(default_factory=dict)
+    partial: Partial = NOTHING
+    forecast: Mapping[str, float | None] = field(default_factory=dict)
 
     def words(self) -> str:
         """Up to where everything is kept, in words."""
-        runs, state = self.underway.runs, self.underway.state
-        finished = sum(len(run.account.cycles) for run in runs)
+        runs, state = self.partial.runs, self.partial.state
+        finished = sum(len(run.recorder.cycles) for run in runs)
         if state is not None:
-            finished += len(state["account/cycles"])
+            finished += len(state["recorder/cycles"])
         where = f"stage {self.index}"
         if self.growth is not None:
             where += f", step {len(self.growth.steps) + 1} of the wear after it"
         return f"{where}, cycle {finished}"
 
     def stored(self) -> tuple[dict[str, Any], dict[str, Any]]:
-        """As a document that JSON can hold, and arrays."""
+        """Give it as a document that JSON can hold, and arrays."""
         arrays: dict[str, Any] = _surfaces("worn", self.worn)
         document: dict[str, Any] = {
             "index": self.index,
             "worn": list(self.worn),
-            "pace": dict(self.pace),
-            "underway": {
+            "forecast": dict(self.forecast),
+            "partial": {
                 "runs": [
-                    _run(f"underway/{k}", run, arrays) for k, run in enumerate(self.underway.runs)
+                    _run(f"partial/{k}", run, arrays) for k, run in enumerate(self.partial.runs)
                 ],
-                "wall": self.underway.wall,
+                "wall": self.partial.wall,
             },
         }
-        if self.underway.state is not None:
-            arrays |= named("state", self.underway.state)
+        if self.partial.state is not None:
+            arrays |= named("state", self.partial.state)
         if self.ran is not None:
             runs = [_run(f"ran/{k}", run, arrays) for k, run in enumerate(self.ran.runs)]
             document["ran"] = {"runs": runs, "wall": self.ran.wall}
@@ -78,14 +79,14 @@ class Standing:
             arrays |= {"growth/added": growth.added, **_surfaces("growth/worn", growth.worn)}
             document["growth"] = {
                 "worn": list(growth.worn),
-                "steps": [asdict(step) for step in growth.steps],
+                "steps": [step.as_dict() for step in growth.steps],
                 "remaining": growth.remaining,
             }
         return document, arrays
 
     @staticmethod
-    def restored(scene: Scene, document: Document, arrays: Snapshot) -> "Standing":
-        """What ``stored`` gave, for the same scene."""
+    def restored(scene: Scene, document: Document, arrays: State) -> "Checkpoint":
+        """Read what ``stored`` gave, for the same scene."""
         worn = _restored_surfaces("worn", document["worn"], arrays)
         linkage = scene.linkage(worn)
         ran = growth = None
@@ -97,17 +98,17 @@ class Standing:
             growth = Growth(
                 _restored_surfaces("growth/worn", told["worn"], arrays),
                 arrays["growth/added"],
-                tuple(WearStep(**step) for step in told["steps"]),
+                tuple(map(WearStep.from_dict, told["steps"])),
                 told["remaining"],
             )
             linkage = scene.linkage(growth.worn)
-        at_hand = document["underway"]
-        underway = Underway(
-            _restored_runs("underway", at_hand["runs"], arrays, scene, linkage),
+        at_hand = document["partial"]
+        partial = Partial(
+            _restored_runs("partial", at_hand["runs"], arrays, scene, linkage),
             part(arrays, "state") or None,
             at_hand["wall"],
         )
-        return Standing(document["index"], worn, ran, growth, underway, document["pace"])
+        return Checkpoint(document["index"], worn, ran, growth, partial, document["forecast"])
 
 
 def _surfaces(prefix: str, worn: Worn) -> dict[str, Any]:
@@ -118,7 +119,7 @@ def _surfaces(prefix: str, worn: Worn) -> dict[str, Any]:
     }
 
 
-def _restored_surfaces(prefix: str, joints: list[str], arrays: Snapshot) -> Worn:
+def _restored_surfaces(prefix: str, joints: list[str], arrays: State) -> Worn:
     return {
         joint: (
             Surface(arrays[f"{prefix}/{joint}/bearing"]),
@@ -130,33 +131,31 @@ def _restored_surfaces(prefix: str, joints: list[str], arrays: Snapshot) -> Worn
 
 def _run(prefix: str, run: Run, arrays: dict[str, Any]) -> dict[str, Any]:
     """A finished run as a document; its arrays are added to those given."""
-    arrays |= named(f"{prefix}/account", run.account.snapshot())
+    arrays |= named(f"{prefix}/recorder", run.recorder.state())
     arrays |= {f"{prefix}/q": run.end.position, f"{prefix}/v": run.end.velocity}
     return {
         "status": run.status,
         "finding": run.finding.as_dict() if run.finding else None,
         "time": run.time,
-        "reactions": {name: list(values) for name, values in run.reactions.items()},
         "diagnostics": run.diagnostics,
     }
 
 
 def _restored_runs(
-    prefix: str, runs: list[dict[str, Any]], arrays: Snapshot, scene: Scene, linkage: Linkage
+    prefix: str, runs: list[dict[str, Any]], arrays: State, scene: Scene, linkage: Linkage
 ) -> tuple[Run, ...]:
     found = []
     for k, told in enumerate(runs):
         own = part(arrays, f"{prefix}/{k}")
-        account = empty_account(scene, linkage, k)
-        account.restore(part(own, "account"))
+        recorder = empty_recorder(scene, linkage, k)
+        recorder.restore(part(own, "recorder"))
         found.append(
             Run(
                 told["status"],
                 Finding.from_dict(told["finding"]) if told["finding"] else None,
-                account,
+                recorder,
                 Start(own["q"], own["v"]),
                 told["time"],
-                {name: tuple(values) for name, values in told["reactions"].items()},
                 told["diagnostics"],
             )
         )

@@ -1,0 +1,88 @@
+"""Run a scene or a study: the entry for scripts."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import overload
+
+from presswear.campaign.parallel import run_study
+from presswear.campaign.single import run_scene, with_engine
+from presswear.campaign.study import Study, results_of
+from presswear.engines.settings import Engine
+from presswear.record.tracker import Tracker
+from presswear.results.result import Result
+from presswear.scene.scene import Scene
+from presswear.tools.errors import InputError
+
+
+@overload
+def run(
+    scene: Scene,
+    folder: str | Path | None = None,
+    engine: str | Engine | None = None,
+    jobs: int = 1,
+    trackers: Sequence[Tracker] = (),
+    check: bool = True,
+) -> Result: ...
+
+
+@overload
+def run(
+    scene: Study,
+    folder: str | Path | None = None,
+    engine: str | Engine | None = None,
+    jobs: int = 1,
+    trackers: Sequence[Tracker] = (),
+    check: bool = True,
+) -> dict[str, Result]: ...
+
+
+def run(
+    scene: Scene | Study,
+    folder: str | Path | None = None,
+    engine: str | Engine | None = None,
+    jobs: int = 1,
+    trackers: Sequence[Tracker] = (),
+    check: bool = True,
+) -> Result | dict[str, Result]:
+    """Run a scene through all its stages, or each variant of a study.
+
+    Parameters
+    ----------
+    scene : Scene or Study
+    folder : path or None
+        Where the result is kept; a run of the same scene that stands in it is gone on with,
+        and one that is finished is read.  None: in memory only; a study needs one.
+    engine : str, engine or None
+        A word, such as ``dae``, or an engine with its settings, such as
+        ``ExudynTree(tree_tolerance=1e-10)``; None: the scene's.
+    jobs : int
+        Variants of a study at a time.
+    trackers : sequence of Tracker
+        Told what happens.
+    check : bool
+        Whether a scene that failed raises.  A variant of a study that fails is a result.
+
+    Returns
+    -------
+    Result or dict
+        Of a study the results by the keys of its variants.
+
+    Raises
+    ------
+    RunFailed
+        With its finding, where the run failed and that is checked, or where its folder is
+        lost.
+    InputError
+        Where the scene, or what stands in the folder, does not allow it.
+    """
+    if isinstance(scene, Scene):
+        if jobs != 1:
+            raise InputError(f"jobs = {jobs}: a scene takes 1; more are for studies")
+        return run_scene(scene, folder, engine, trackers, check)
+    if folder is None:
+        raise InputError(f"the study {scene.name} needs a folder for its runs")
+    variants = tuple(replace(v, scene=with_engine(v.scene, engine)) for v in scene.variants)
+    study, path = replace(scene, variants=variants), Path(folder)
+    run_study(study, path, jobs, True, trackers)
+    return {v.key: result for v, result in results_of(study, path) if result is not None}

@@ -1,0 +1,47 @@
+"""The tracker that tells of a run on the terminal."""
+
+from rich.progress import Progress as Bar
+
+from presswear.record.tracker import Progress, Tracker
+from presswear.results.stage import StageResult
+from presswear.scene.scene import stage_name
+from presswear.tools.stopping import check_stopped
+
+
+class Terminal(Tracker):
+    """Shows the progress of a campaign, and two lines on each finished stage."""
+
+    def __init__(self, bar: Bar) -> None:
+        self._bar = bar
+        self._task = bar.add_task(stage_name(0), total=1.0)
+
+    def progress(self, progress: Progress) -> None:
+        """Show where the campaign stands; ends it where a signal has come."""
+        check_stopped()
+        word = f": {progress.word}" if progress.word else ""
+        description = f"{stage_name(progress.stage)}{word}"
+        self._bar.update(self._task, description=description, completed=progress.whole)
+
+    def stage(self, stage: StageResult) -> None:
+        """Tell what was modelled, and what came out."""
+        told = stage.diagnostics
+        model = f"{stage.name}: {told['model']}. {told['solver']}"
+        self._bar.console.print(model, highlight=False)
+        self._bar.console.print(_stage_line(stage), highlight=False)
+
+
+def _stage_line(stage: StageResult) -> str:
+    """One line on a finished stage: how much ran, how finely, and what came out."""
+    speed = stage.wall / stage.simulated if stage.simulated > 0.0 else float("nan")
+    parts = [
+        f"  {stage.cycles} cycles, {stage.diagnostics['steps']} steps, "
+        f"{speed:.2f} s per simulated second"
+    ]
+    for name, joint in stage.statistics.get("joints", {}).items():
+        fewest = joint["fewest_steps_in_a_contact"]
+        resolved = "no contact" if fewest is None else f"at least {fewest} steps in each"
+        parts.append(
+            f"{name}: {joint['contacts']} contacts, {resolved}, peak {joint['force_max_N']:.0f} N, "
+            f"wear {1e9 * joint['wear_volume_m3']:.3g} mm^3"
+        )
+    return "; ".join(parts)

@@ -1,0 +1,123 @@
+"""One driver for all engines: cycle by cycle, from a state that can be written down."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.engines.base import Plan, Run, Start, Status, recorder_of
+from presswear.linkage.elements import Linkage
+from presswear.physics.constraints import Constraints
+from presswear.physics.energy import Ledger
+from presswear.record.recorder import Recorder
+from presswear.record.soundness import Condition, Finding, examine
+from presswear.tools.state import State, named, numbers, part, set_numbers
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Simulation:
+    """A linkage in an engine, ready to run.
+
+    Attributes
+    ----------
+    advance : callable
+        Integrates up to a time, s; gives what went wrong, if anything.
+    state : callable
+        Time reached, s, and coordinates and rates of all bodies, copied.
+    ledger : callable
+        Energies since the run began.
+    arrays : mapping
+        Live arrays that, with ``sums`` and the recorder, hold the state between two cycles.
+    sums : dict
+        Counts and times summed over the cycles.
+    diagnostics : callable
+        Words and numbers of this engine for ``Run.diagnostics``, its ledger left out.
+    remedy : str
+        What makes the steps of this engine finer.
+    constraints : Constraints or None
+        What may drift; None where the coordinates leave no room for it.
+    close : callable
+        Frees what the engine holds.
+    """
+
+    advance: Callable[[float], Finding | None]
+    state: Callable[[], tuple[float, Array, Array]]
+    ledger: Callable[[], Ledger]
+    arrays: Mapping[str, NDArray[Any]]
+    sums: dict[str, float]
+    diagnostics: Callable[[], dict[str, float | int | str]]
+    remedy: str
+    constraints: Constraints | None = None
+    close: Callable[[], None] = lambda: None
+
+
+Prepare = Callable[[Linkage, Start, Any, Plan, Recorder], Simulation]
+"""Builds the model of a linkage in a start, with an engine's settings."""
+
+
+def simulate(prepare: Prepare, linkage: Linkage, start: Start, settings: Any, plan: Plan) -> Run:
+    """Run a linkage from a start; see ``Plan`` and ``Run``."""
+    recorder = recorder_of(linkage, start, plan)
+    for tracker in plan.trackers:
+        tracker.begun(recorder)
+    running = prepare(linkage, start, settings, plan, recorder)
+    if plan.resume is not None:
+        for name, array in running.arrays.items():
+            array[...] = plan.resume[name]
+        set_numbers(running.sums, plan.resume["sums"])
+        recorder.restore(part(plan.resume, "recorder"))
+    status, finding = _cycles(linkage, recorder, plan, running)
+    time, position, velocity = running.state()
+    run = Run(
+        status=status,
+        finding=finding,
+        recorder=recorder,
+        end=Start(position, velocity),
+        time=time,
+        diagnostics={**running.diagnostics(), **running.ledger().as_dict()},
+    )
+    running.close()
+    return run
+
+
+def _cycles(
+    linkage: Linkage, recorder: Recorder, plan: Plan, running: Simulation
+) -> tuple[Status, Finding | None]:
+    """Run cycle by cycle; returns how it ended and what went wrong, if anything.
+
+    Every cycle begins in the same way from the state that the last one left, whether this
+    process computed that or read it: a run that was killed and goes on gives the same numbers.
+    """
+
+    def state() -> State:
+        return {
+            **{name: array.copy() for name, array in running.arrays.items()},
+            "sums": numbers(running.sums),
+            **named("recorder", recorder.state()),
+        }
+
+    while True:
+        done = len(recorder.cycles)
+        if done > 0:
+            # Every tracker hears of the cycle, whichever ends the run.
+            answers = [tracker.cycle(recorder, state) for tracker in plan.trackers]
+            if done >= plan.cycles:
+                return "completed", None
+            if any(answers):
+                return "enough", None
+        finding = running.advance(plan.cycle * (done + 1))
+        if finding is None:
+            time, position, velocity = running.state()
+            now = Condition(
+                time, running.ledger(), position, velocity, running.remedy, running.constraints
+            )
+            finding = examine(linkage, recorder, now)
+        if finding:
+            return "failed", finding
+        recorder.end_cycle()
+        if done + 1 == plan.recorded_cycles:
+            recorder.stop_recording()

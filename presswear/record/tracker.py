@@ -1,0 +1,92 @@
+"""Trackers: objects that are told what happens while something runs."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from presswear.linkage.elements import Linkage
+from presswear.tools.state import State
+
+if TYPE_CHECKING:
+    from presswear.record.recorder import Recorder
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far a campaign has come.
+
+    Attributes
+    ----------
+    stage : int
+        Index of the stage at hand.
+    part : float
+        Part of that stage and of the wear after it that is done, 0 .. 1.
+    whole : float
+        Part of the whole campaign, 0 .. 1, counted in runs as far as they are foreseen.
+    word : str
+        Where it stands, in a few words, or nothing.
+    linkage : Linkage
+        What runs, worn surfaces included.
+    recorder : Recorder
+        What its run has observed so far.
+    """
+
+    stage: int
+    part: float
+    whole: float
+    word: str
+    linkage: Linkage
+    recorder: "Recorder"
+
+
+class Tracker:
+    """Told what happens; a tracker overrides what it wants to know.
+
+    An engine tells of one run: ``begun``, ``advanced`` and ``cycle``.  A campaign hands these
+    on from each of its runs, and tells ``progress``, ``checkpoint`` and ``stage`` besides.
+    """
+
+    def begun(self, recorder: "Recorder") -> None:
+        """Hear that a run begins to fill a recorder."""
+
+    def advanced(self, part: float) -> None:
+        """Hear the part of a run's most cycles that is done, 0 .. 1, many times a second."""
+
+    def cycle(self, recorder: "Recorder", state: Callable[[], State]) -> bool:
+        """Hear that a cycle has ended; True ends the run as long enough.
+
+        Parameters
+        ----------
+        state : callable
+            Gives all that another process needs to go on with the run.
+        """
+        return False
+
+    def progress(self, progress: Progress) -> None:
+        """Hear how far a campaign has come, many times a second."""
+
+    def checkpoint(self, checkpoint: Any, is_stage: bool) -> None:
+        """Hear where a campaign stands (``Checkpoint``): after each cycle, and after each stage."""
+
+    def stage(self, stage: Any) -> None:
+        """Hear of a finished stage (``StageResult``), the wear after it included."""
+
+    def variant(self, key: str, part: float, word: str) -> None:
+        """Hear which part of a variant of a study is done, 0 .. 1, and where it stands."""
+
+
+@dataclass
+class Telling(Tracker):
+    """Hands on the part of a run that is done.
+
+    Attributes
+    ----------
+    told : callable
+        Called with the part, 0 .. 1.
+    """
+
+    told: Callable[[float], None]
+
+    def advanced(self, part: float) -> None:
+        """Hand the part on."""
+        self.told(part)

@@ -1,0 +1,269 @@
+"""A result, the same in memory and on disk.
+
+On disk ``result.json`` holds the scene, where the numbers come from, the statistics and the
+digests of all files; ``stage-K.npz`` the arrays of stage K, ``film-K.npz`` its film.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import partial
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.record.film import Film
+from presswear.results.stage import StageResult, stage_at
+from presswear.results.stored import (
+    check_arrays,
+    check_document,
+    check_stages,
+    read_arrays,
+    schema_of,
+)
+from presswear.scene.scene import Scene
+from presswear.tools.errors import InputError
+from presswear.tools.files import check_seal, read_checked, read_json
+from presswear.tools.lock import holder
+
+if TYPE_CHECKING:
+    import pandas
+    import xarray
+    from matplotlib.axes import Axes
+
+Array = NDArray[np.float64]
+
+FILE = "result.json"
+SCHEMA = 4
+FINISHED = ("completed", "failed")
+"""Statuses of a run that has come to its end."""
+
+_FIGURES = "presswear.show.figures"
+"""Draws a result; looked up when it is asked for, since results stand below their pictures."""
+
+
+@dataclass(frozen=True)
+class Result:
+    """A scene that ran: its stages, how it ended, and where its numbers come from.
+
+    Attributes
+    ----------
+    scene : Scene
+    stages : tuple of StageResult
+    status : str
+        ``completed``, ``failed``, ``interrupted`` or ``running``.
+    message : str
+        Why it is not completed, or nothing.
+    provenance : mapping
+        Versions, revision, machine and date.
+    wall : float
+        Wall time, s.
+    path : Path or None
+        Its folder; None: in memory only.
+    """
+
+    scene: Scene
+    stages: tuple[StageResult, ...]
+    status: str
+    message: str
+    provenance: Mapping[str, Any]
+    wall: float
+    path: Path | None = None
+
+    def stage(self, index: int) -> StageResult:
+        """The stage after so many wears; InputError tells which there are."""
+        return stage_at(self.stages, index, str(self.path or self.scene.name))
+
+    @property
+    def grew_in_steps(self) -> bool:
+        """Whether any wear was applied in more than one step."""
+        return any(len(stage.wear_steps) > 1 for stage in self.stages)
+
+    def __str__(self) -> str:
+        """A row a stage: cycles, peak forces, worn volumes, how it ended."""
+        names = self.scene.clearance_joints
+        head = ["stage", "cycles"]
+        for name in names:
+            head += [f"peak force {name} (N)", f"one wear {name} (mm³)"]
+        rows = [[*head, "ended"]]
+        for stage in self.stages:
+            row = [stage.name if names else "computed", str(stage.statistics["cycles"])]
+            for joint in stage.joints.values():
+                volume = joint.statistics.get("wear_volume_m3")
+                row += [
+                    _short(joint.statistics.get("force_max_N")),
+                    _short(None if volume is None else 1e9 * volume),
+                ]
+            rows.append([*row, stage.message or stage.status])
+        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+        lines = [
+            "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+            for row in rows
+        ]
+        where = f", in {self.path}" if self.path else ""
+        ending = f": {self.message}" if self.message else ""
+        return "\n".join([f"{self.scene.name}, {self.status}{ending}{where}", *lines])
+
+    def plot(self, *names: str, stage: int | None = None) -> "list[Axes]":
+        """Draw figures; gives their axes back, in a notebook the figures are shown.
+
+        Parameters
+        ----------
+        names : str
+            As ``presswear.show.figures.NAMES`` lists them, such as ``wear``, ``force``,
+            ``path``; none: all that make sense.
+        stage : int or None
+            The only stage to draw; None: all.
+
+        Raises
+        ------
+        InputError
+            For an unknown name or stage.
+        """
+        axes: list[Axes] = import_module(_FIGURES).plot(self, names, stage)
+        return axes
+
+    def table(self) -> "pandas.DataFrame":
+        """Statistics, a row a stage, a column a number; needs pandas."""
+        import pandas
+
+        rows = [dict(_flat(stage.statistics)) for stage in self.stages]
+        index = pandas.Index([stage.name for stage in self.stages], name="stage")
+        return pandas.DataFrame(rows, index=index)
+
+    def dataset(self, stage: int) -> "xarray.Dataset":
+        """Series and wear maps of a stage over time and angle, SI units; needs xarray."""
+        import xarray
+
+        own = self.stage(stage)
+        lengths = {"time": own.time.size}
+        if self.scene.clearance_joints:
+            lengths["angle"] = own.angle.size
+        held = {}
+        for name, array in own.arrays.items():
+            along = next((axis for axis, n in lengths.items() if array.shape[:1] == (n,)), None)
+            if along is None or name in lengths:
+                continue
+            across = [f"{name}_{axis}" for axis in range(1, array.ndim)]
+            held[name] = ([along, *across], array)
+        return xarray.Dataset(held, coords={axis: own.arrays[axis] for axis in lengths})
+
+
+def _short(value: float | None) -> str:
+    return "–" if value is None else f"{value:.3g}"
+
+
+def _flat(numbers: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
+    """Nested statistics by names joined with points."""
+    found: list[tuple[str, Any]] = []
+    for name, value in numbers.items():
+        if isinstance(value, Mapping):
+            found += _flat(value, f"{prefix}{name}.")
+        else:
+            found.append((f"{prefix}{name}", value))
+    return found
+
+
+def plain(value: Any) -> Any:
+    """Data that JSON can hold: a number that is not finite becomes null."""
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    if isinstance(value, np.integer):
+        return int(value)
+    if isinstance(value, float | np.floating):
+        return float(value) if math.isfinite(value) else None
+    return value
+
+
+def files_of(index: int) -> tuple[str, str]:
+    """Files of a stage: its arrays and its film."""
+    return f"stage-{index}.npz", f"film-{index}.npz"
+
+
+def read_document(path: Path) -> dict[str, Any]:
+    """Content of ``result.json`` in a folder; InputError where it is not what was written."""
+    file = path / FILE
+    document = read_json(file, f"{path} is no result folder: it has no {FILE}")
+    schema_of(document, file, SCHEMA)
+    found: dict[str, Any] = document
+    check_seal(read_checked(file, None), found, file)
+    return found
+
+
+def load(path: str | Path) -> Result:
+    """Read a result folder; InputError names what is missing, cut off, altered or too new."""
+    path = Path(path)
+    file = path / FILE
+    document = read_document(path)
+    check_document(document, file)
+    scene = stored_scene(document, file)
+    joints = scene.clearance_joints
+    check_stages(document, joints, scene.wears, file)
+    digests = document["files"]
+    stages = []
+    for entry in document["stages"]:
+        name, film = files_of(entry["index"])
+        arrays = read_arrays(path / name, digests.get(name))
+        check_arrays(arrays, joints, scene.bearings.angles, path / name)
+        read = partial(_film, path / film, digests.get(film), scene)
+        stages.append(StageResult.from_dict(entry, arrays, joints, read))
+    for name in digests.keys() - {files_of(entry["index"])[0] for entry in document["stages"]}:
+        read_checked(path / name, digests[name])
+    return Result(
+        scene,
+        tuple(stages),
+        document["status"],
+        document["message"],
+        document["provenance"],
+        document["wall_s"],
+        path,
+    )
+
+
+def _film(file: Path, digest: str | None, scene: Scene) -> Film:
+    """The film in a file; InputError where there is none or it is damaged."""
+    if not file.exists():
+        raise InputError(f"{file} is missing: this run was stored without a film; run it again")
+    linkage = scene.linkage()
+    arrays = read_arrays(file, digest)
+    names = [joint.name for joint in linkage.clearances]
+    try:
+        return Film.from_arrays(arrays, len(linkage.bodies), names)
+    except (LookupError, ValueError) as error:
+        raise InputError(f"{file} is no film of this run: {error}") from None
+
+
+def unfinished(result: Result) -> str:
+    """Whether a stored run has not come to its end, and what is there of it, in words."""
+    if result.status in FINISHED or result.path is None:
+        return ""
+    who = holder(result.path)
+    if who is not None:
+        how = f"{who} is at work in it"
+    else:
+        how = "interrupted" if result.status == "interrupted" else "killed, or stopped by an error"
+    return (
+        f"{result.path} is unfinished ({how}): {len(result.stages)} of {result.scene.wears + 1} "
+        "stages are stored"
+    )
+
+
+def stored_scene(document: Mapping[str, Any], file: Path) -> Scene:
+    """The scene of a document; InputError names the file."""
+    try:
+        scene = Scene.from_dict(document["scene"])
+    except InputError as error:
+        raise InputError(f"{file}: {error}") from None
+    # Both are told twice, for whoever reads the file without us.
+    for key in ("engine", "conventions"):
+        inside = document["scene"].get(key)
+        if document.get(key, inside) != inside:
+            raise InputError(f"{file}: {key!r} is not what it is in 'scene', {inside!r}")
+    return scene
+
+
