@@ -34,7 +34,7 @@ def sum_step(book: Book, drive_power: float, t: float, h: float) -> None:
     contact_power = 0.0
     friction_power = 0.0
     for k in range(book.touch.shape[0]):
-        contact = book.states[k]
+        contact = book.contacts[k]
         work, pressure = dose_rates(book.packed.joints[k], contact, contact.normal)
         duration = min(h, t - book.touch[k].onset_time)
         book.doses[k, 0] = work * duration
@@ -78,4 +78,4 @@ def accept_step(
     settle_state(book, t, LEAST_STEPS)
     sum_step(book, power, t, h)
     observe(book, t, h, q, v, a)
-    return next_step(book.packed, book.onset, book.touch, steps, book.states, q, v, a)
+    return next_step(book.packed, book.onset, book.touch, steps, book.contacts, a)

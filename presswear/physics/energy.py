@@ -11,16 +11,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.physics.joint_data import Contact
 from presswear.physics.packed import Packed
 from presswear.physics.springs import spring_energy
-from presswear.tools.compiled import compiled
+from presswear.tools.compiled import Records, compiled
 
 Array = NDArray[np.float64]
 
 
 @compiled
-def loss_powers(contact: Contact, normal: float, tangential: float) -> tuple[float, float]:
+def loss_powers(contact: Records, normal: float, tangential: float) -> tuple[float, float]:
     """Power lost in a contact, and in its friction, W."""
     if contact.penetration <= 0.0:
         return 0.0, 0.0

@@ -15,8 +15,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.physics.clearance import contact_of, penetration_acceleration
-from presswear.physics.joint_data import Contact
+from presswear.physics.contact import note_contact, penetration_acceleration
 from presswear.physics.packed import Packed
 from presswear.tools.compiled import Records, compiled
 
@@ -190,7 +189,7 @@ def step_in_contact(last: Records, steps: Records, part: float, acceleration: fl
 
 
 @compiled
-def late_touch(joint: Records, last: Records, steps: Records, contact: Contact, h: float) -> float:
+def late_touch(joint: Records, last: Records, steps: Records, contact: Records, h: float) -> float:
     """Step, s, that ends just behind a touch which the trial state is too far past; else -1."""
     s = crossing(last.penetration, last.rate, contact.penetration, contact.rate, h)
     if s > 1.0:
@@ -208,7 +207,7 @@ def late_touch(joint: Records, last: Records, steps: Records, contact: Contact, 
 
 
 @compiled
-def early_separation(last: Records, steps: Records, contact: Contact, h: float) -> float:
+def early_separation(last: Records, steps: Records, contact: Records, h: float) -> float:
     """Step, s, that still divides a touch finely which the trial state has ended; else -1.
 
     A pin that skims a bump can leave sooner than the state at its touch let expect.
@@ -227,9 +226,19 @@ def early_separation(last: Records, steps: Records, contact: Contact, h: float) 
 
 @compiled
 def shorter_step(
-    packed: Packed, onset: Array, touch: Records, steps: Records, t: float, q: Array, v: Array
+    packed: Packed,
+    onset: Array,
+    touch: Records,
+    steps: Records,
+    contacts: Records,
+    t: float,
+    q: Array,
+    v: Array,
 ) -> float:
-    """Step, s, with which a trial step has to be repeated; -1 if it is acceptable."""
+    """Step, s, with which a trial step has to be repeated; -1 if it is acceptable.
+
+    ``contacts`` is working space.
+    """
     joints = packed.joints
     shortest = -1.0
     for k in range(joints.shape[0]):
@@ -237,7 +246,8 @@ def shorter_step(
         h = t - last.time
         if h <= steps[0].least:
             continue
-        contact = contact_of(packed, k, q, v)[0]
+        contact = contacts[k]
+        note_contact(packed, k, q, v, contact)
         if onset[k] > 0.0:
             wanted = early_separation(last, steps[0], contact, h)
         else:
@@ -289,16 +299,17 @@ def close_episode(
 
 
 @compiled
-def remember(last: Records, joint: Records, state: Records, t: float) -> None:
+def remember(last: Records, joint: Records, contact: Records, t: float) -> None:
     """Keep what the next step needs of an accepted state."""
     turns = joint.map_turns
     last.step = t - last.time
     last.time = t
-    last.penetration = state.penetration
-    last.rate = state.rate
-    last.energy = state.energy
+    last.penetration = contact.penetration
+    last.rate = contact.rate
+    last.energy = contact.energy
     last.sweep = max(
-        abs(state.turning - turns * state.bearing_spin), abs(state.turning - turns * state.pin_spin)
+        abs(contact.turning - turns * contact.bearing_spin),
+        abs(contact.turning - turns * contact.pin_spin),
     )
 
 
@@ -309,7 +320,7 @@ def settle(
     touch: Records,
     tally: Records,
     episodes: Array,
-    states: Records,
+    contacts: Records,
     t: float,
     needed: int = LEAST_STEPS,
 ) -> int:
@@ -321,7 +332,7 @@ def settle(
     events = 0
     for k in range(joints.shape[0]):
         last = touch[k]
-        contact = states[k]
+        contact = contacts[k]
         if onset[k] == 0.0 and contact.penetration > 0.0:
             h = t - last.time
             started_closed = last.penetration > 0.0 or h <= 0.0
@@ -383,9 +394,7 @@ def next_step(
     onset: Array,
     touch: Records,
     steps: Records,
-    states: Records,
-    q: Array,
-    v: Array,
+    contacts: Records,
     a: Array,
 ) -> float:
     """Length of the next step, s, from the state just settled."""
@@ -397,7 +406,7 @@ def next_step(
         depth = last.penetration
         rate = last.rate
         part = contact_step(joint, depth, rate, steps[0].per_contact)
-        acceleration = penetration_acceleration(packed, k, states[k].place, q, v, a)
+        acceleration = penetration_acceleration(joint, packed.surfaces[k], contacts[k], a)
         if count > 0 and last.sweep > 0.0 and depth > -joint.relief:
             # A bump of the profile is a contact of its own and gets as many steps.
             bins = 2.0 * math.pi / count / last.sweep

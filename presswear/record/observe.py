@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.physics.clearance import note_forces
+from presswear.physics.forces import note_forces
 from presswear.physics.packed import Packed
 from presswear.physics.touchdown import settle
 from presswear.physics.wear import deposit_in_bin, deposit_over_arc
@@ -64,8 +64,8 @@ class Book(NamedTuple):
     ----------
     packed : Packed
         The linkage.
-    states : records of STATE
-        Contacts and forces of the last accepted state.
+    contacts : records of CONTACT
+        With their forces, in the last accepted state.
     onset : ndarray, shape (joints,)
         Latched closing speeds, 0 where open, m/s.
     touch, tally : records of TOUCH and TALLY
@@ -91,7 +91,7 @@ class Book(NamedTuple):
     """
 
     packed: Packed
-    states: Records
+    contacts: Records
     onset: Array
     touch: Records
     tally: Records
@@ -112,22 +112,18 @@ class Book(NamedTuple):
 def deposit(book: Book, k: int) -> None:
     """Add the wear of the last step's doses to the maps of joint ``k``."""
     joint = book.packed.joints[k]
-    contact = book.states[k]
-    bearing_angle = contact.bearing_angle
-    pin_angle = contact.pin_angle
+    contact = book.contacts[k]
     if joint.over_arc:
         deposit_over_arc(
             book.depth[k],
             joint,
             book.packed.surfaces[k],
             contact,
-            bearing_angle,
-            pin_angle,
             book.doses[k, 0],
             book.pressure,
         )
     else:
-        deposit_in_bin(book.depth[k], joint, contact, bearing_angle, pin_angle, book.doses[k, 1])
+        deposit_in_bin(book.depth[k], joint, contact, book.doses[k, 1])
 
 
 @compiled
@@ -135,9 +131,9 @@ def settle_state(book: Book, t: float, needed: int) -> int:
     """Settle an accepted state whose contacts are noted; see ``settle``."""
     joints = book.packed.joints
     events = settle(
-        joints, book.onset, book.touch, book.tally, book.episodes, book.states, t, needed
+        joints, book.onset, book.touch, book.tally, book.episodes, book.contacts, t, needed
     )
-    note_forces(joints, book.onset, book.states)
+    note_forces(joints, book.onset, book.contacts)
     return events
 
 
@@ -166,7 +162,7 @@ def observe(book: Book, t: float, h: float, q: Array, v: Array, a: Array) -> Non
     has_room = row < min(state.room, series.shape[0])
     is_due = row == 0 or t - state.last_time >= state.interval
     for k in range(count):
-        contact = book.states[k]
+        contact = book.contacts[k]
         counts = tally[k]
         base = CYCLE_FIXED_COUNT + CYCLE_JOINT_COUNT * k
         if contact.normal > 0.0:
@@ -191,7 +187,7 @@ def observe(book: Book, t: float, h: float, q: Array, v: Array, a: Array) -> Non
             if row > 0:
                 change = abs(contact.normal - series[row - 1, column + 3])
                 is_due = is_due or change > state.force_step * counts.peak_force
-    take_frame(book.film, book.shutter, book.states, t, q)
+    take_frame(book.film, book.shutter, book.contacts, t, q)
     if has_room and is_due:
         series[row, 0] = t
         series[row, 1] = displacement

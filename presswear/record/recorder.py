@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.linkage.elements import Linkage
-from presswear.physics.clearance import STATE, note_contacts
+from presswear.physics.contact import CONTACT, note_contacts
 from presswear.physics.packed import pack
 from presswear.physics.touchdown import LEAST_STEPS, TALLY, TOUCH
 from presswear.record.film import Film, empty_film, shutter_of
@@ -38,7 +38,7 @@ from presswear.tools.state import State, named, part
 Array = NDArray[np.float64]
 
 _SMALL = (
-    "states",
+    "contacts",
     "onset",
     "touch",
     "tally",
@@ -113,7 +113,7 @@ class Recorder:
         shape = (count, 2, angles)
         book = Book(
             packed=pack(linkage),
-            states=np.zeros(count, STATE),
+            contacts=np.zeros(count, CONTACT),
             onset=np.zeros(count),
             touch=np.zeros(count, TOUCH),
             tally=tally,
@@ -136,7 +136,7 @@ class Recorder:
     def begin(self, q: Array, v: Array, a: Array) -> None:
         """Settle contact in the initial state and write the first row of the series."""
         book = self.book
-        note_contacts(book.packed, book.states, q, v)
+        note_contacts(book.packed, book.contacts, q, v)
         settle_state(book, 0.0, LEAST_STEPS)
         observe(book, 0.0, 0.0, q, v, a)
 

@@ -13,8 +13,7 @@ from two_bodies import JOINT, Pair, gap_of, placed, waves, worn_joint
 from presswear.linkage.elements import GROUND, Attachment, ClearanceJoint
 from presswear.linkage.laws import FrictionLaw
 from presswear.linkage.surface import Surface, bin_centres
-from presswear.physics.clearance import penetration_acceleration
-from presswear.physics.joint_data import direction_of, joint_end
+from presswear.physics.contact import direction_of, joint_end
 from presswear.physics.laws import ONSET_SPEED_FLOOR, friction_force, normal_force
 from presswear.physics.surface import CUBE, LEAST, PIN, ROWS, SLOPE, SQUARE
 
@@ -84,7 +83,7 @@ def test_force_acts_at_one_point_and_has_the_laws_parts(
     rates: Array,
 ) -> None:
     pair = placed(joint, penetration, direction, angles=angles, rates=rates)
-    contact = pair.contact()[0]
+    contact = pair.contact()
     load = pair.load(0.5)
     assert load.normal == normal_force(
         contact.penetration, contact.rate, 0.5, 1.25e10, 1.5, joint.normal.damping
@@ -108,7 +107,7 @@ def test_penetration_is_measured_from_the_worn_gap(
     joint: ClearanceJoint, penetration: float, direction: float, angles: tuple[float, float]
 ) -> None:
     pair = placed(joint, penetration, direction, angles=angles)
-    contact = pair.contact()[0]
+    contact = pair.contact()
     # Positions of order 1 m are rounded; a worn profile adds slope 1e-3 times that angle.
     assert contact.penetration == pytest.approx(penetration, abs=8.0 * EPS)
     assert contact.eccentricity == pytest.approx(
@@ -126,7 +125,7 @@ def test_sliding_is_that_of_the_material_points(
     rates: Array,
 ) -> None:
     pair = placed(joint, penetration, direction, angles=angles, rates=rates)
-    contact = pair.contact()[0]
+    contact = pair.contact()
     point = _contact_point(pair)
 
     def velocity(body: int) -> Array:
@@ -151,11 +150,11 @@ def test_rate_is_the_derivative_of_penetration(
 ) -> None:
     pair = placed(joint, penetration, direction, angles=angles, rates=rates)
     step = 1e-7
-    ahead = pair.after(step).contact()[0].penetration
-    behind = pair.after(-step).contact()[0].penetration
+    ahead = pair.after(step).contact().penetration
+    behind = pair.after(-step).contact().penetration
     # Positions rounded to 1e-16 m over 2e-7 s; curvature of the worn profile (at most
     # 12 depth / width^2 = 0.02 m) times (250 rad/s)^2 times the step where a knot is crossed.
-    contact = pair.contact()[0]
+    contact = pair.contact()
     turning = abs(contact.turning) + 0.3
     curvature = 0.0 if joint is JOINT else 0.02 * turning**2 * step
     tolerance = 1e-8 + curvature + 1e-3 * (turning * step) ** 2 * turning
@@ -168,11 +167,11 @@ def test_wear_maps_follow_their_frame(frame: str) -> None:
     here = placed(joint, 0.0, 0.7, angles=(0.0, 0.0))
     # Both bodies turned about the pin's and the bearing's centres: only the maps may notice.
     bearing_turned = placed(replace(joint, clearance=1e-3), 0.0, 0.7, angles=(0.9, 0.0))
-    gap = bearing_turned.contact()[0].eccentricity - 1e-3
+    gap = bearing_turned.contact().eccentricity - 1e-3
     own = joint.bearing_surface(np.array([0.7 - (0.9 if frame == "body" else 0.0)]))[0]
     other = joint.pin_surface(np.array([0.7]))[0]
     assert gap == pytest.approx(own + other, abs=8.0 * EPS)
-    assert here.contact()[0].penetration == pytest.approx(0.0, abs=8.0 * EPS)
+    assert here.contact().penetration == pytest.approx(0.0, abs=8.0 * EPS)
 
 
 def test_spinning_under_a_fixed_contact_moves_only_turning_maps() -> None:
@@ -182,7 +181,7 @@ def test_spinning_under_a_fixed_contact_moves_only_turning_maps() -> None:
         rates[5] = 40.0
         # The pin's body spins about the pin's own centre.
         pair = placed(replace(joint, pin=NO_CENTRE), 1e-6, 0.3, rates=rates)
-        assert (pair.contact()[0].rate != 0.0) == moves
+        assert (pair.contact().rate != 0.0) == moves
 
 
 def _knot_is_near(pair: Pair, span: float) -> bool:
@@ -190,7 +189,7 @@ def _knot_is_near(pair: Pair, span: float) -> bool:
     count = pair.packed.surfaces.shape[2]
     turns = float(pair.joint.map_frame == "body")
     positions = [
-        (direction_of(pair.contact()[0]) - turns * pair.q[body + 2]) * count / (2.0 * math.pi) - 0.5
+        (direction_of(pair.contact()) - turns * pair.q[body + 2]) * count / (2.0 * math.pi) - 0.5
         for body in (0, 3)
     ]
     width = 2.0 * math.pi / max(count, 1)
@@ -214,15 +213,15 @@ def test_penetration_acceleration_is_the_derivative_of_the_rate(
     acceleration: Array,
 ) -> None:
     pair = placed(joint, penetration, direction, angles=angles, rates=rates)
-    formula = penetration_acceleration(pair.packed, 0, 0.0, pair.q, pair.v, acceleration)
-    eccentricity = pair.contact()[0].eccentricity
+    formula = pair.penetration_acceleration(acceleration)
+    eccentricity = pair.contact().eccentricity
     # Centres move at up to 1.5 m/s against each other: a small part of the time in which
     # the pin would cross the joint.
     speed = 1.5
     step = 2e-5 * eccentricity / speed
     assume(joint is JOINT or not _knot_is_near(pair, 4e-5))
-    ahead = pair.after(step, acceleration).contact()[0].rate
-    behind = pair.after(-step, acceleration).contact()[0].rate
+    ahead = pair.after(step, acceleration).contact().rate
+    behind = pair.after(-step, acceleration).contact().rate
     centripetal = speed**2 / eccentricity
     # Truncation is (2e-5)^2 of it but for a small factor; positions rounded to 2e-16 m turn
     # the normal by 2e-16 / e, and worn slopes (to 1e-3 m/rad) with it.
@@ -240,12 +239,12 @@ def test_centred_pin_touches_nothing(joint: ClearanceJoint) -> None:
     q = np.array([0.3, 0.2, 0.7, 0.3, 0.2, -0.4])
     v = np.array([0.1, 0.2, 30.0, -0.3, 0.1, -20.0])
     pair = Pair(centred, q, v)
-    contact = pair.contact()[0]
+    contact = pair.contact()
     assert contact.eccentricity == 0.0
     assert contact.penetration <= -joint.clearance
-    assert np.all(np.isfinite(contact))
+    assert all(math.isfinite(value) for value in contact)
     assert pair.load(0.0) == (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    pull = penetration_acceleration(pair.packed, 0, 0.0, q, v, np.ones(6))
+    pull = pair.penetration_acceleration(np.ones(6))
     assert math.isfinite(pull)
 
 
@@ -256,7 +255,7 @@ def test_open_joint_has_no_force_even_with_a_latched_speed() -> None:
 
 def test_first_step_of_a_touch_uses_its_own_rate() -> None:
     pair = placed(JOINT, 1e-6, 0.0, rates=np.array([0.0, 0.0, 0.0, 0.4, 0.0, 0.0]))
-    assert pair.contact()[0].rate == pytest.approx(0.4, rel=1e-12)
+    assert pair.contact().rate == pytest.approx(0.4, rel=1e-12)
     elastic = 1.25e10 * 1e-6**1.5
     assert pair.load(0.0).normal == pytest.approx(elastic * 1.1425, rel=1e-8)
     assert pair.load(0.8).normal == pytest.approx(elastic * (1.0 + 0.1425 * 0.5), rel=1e-8)
@@ -296,11 +295,11 @@ def test_a_bearing_on_the_frame_is_a_bearing_on_a_body_at_rest(
     free.q[2] = 0.0
     free.v[3:] = rates[3:]
     alone = Pair(fixed, free.q[3:], free.v[3:])
-    assert alone.contact()[0] == free.contact()[0]
+    assert alone.contact() == free.contact()
     acceleration = np.concatenate([np.zeros(3), rates[:3] * 100.0])
-    assert penetration_acceleration(
-        alone.packed, 0, 0.0, alone.q, alone.v, acceleration[3:]
-    ) == penetration_acceleration(free.packed, 0, 0.0, free.q, free.v, acceleration)
+    assert alone.penetration_acceleration(acceleration[3:]) == free.penetration_acceleration(
+        acceleration
+    )
 
 
 def test_packed_joint_holds_every_value() -> None:

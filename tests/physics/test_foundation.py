@@ -9,11 +9,10 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
-from two_bodies import JOINT, Pair, joint_load
+from two_bodies import JOINT, Pair, joint_contact, joint_load
 
 from presswear.linkage.elements import ClearanceJoint
 from presswear.linkage.surface import Surface, bin_centres
-from presswear.physics.clearance import contact_of, penetration_acceleration
 from presswear.physics.foundation import Bed, foundation_stiffness, press
 from presswear.physics.surface import BEARING, CUBE, PIN, ROWS, SLOPE, SQUARE, packed_rows
 
@@ -113,7 +112,7 @@ def worn(bearing: Surface, pin: Surface) -> Pair:
     for _ in range(60):
         middle = 0.5 * (low + high)
         pair = Pair(joint, at(joint, q, middle, direction), rates)
-        depth = pair.contact()[0].penetration
+        depth = pair.contact().penetration
         low, high = (middle, high) if depth < 4e-6 else (low, middle)
     assert count > 0
     return pair
@@ -122,7 +121,7 @@ def worn(bearing: Surface, pin: Surface) -> Pair:
 def at(joint: ClearanceJoint, q: Array, eccentricity: float, direction: float) -> Array:
     """Coordinates with the pin's centre at a place seen from the bearing's."""
     pair = Pair(joint, q, np.zeros(6))
-    contact = pair.contact()[0]
+    contact = pair.contact()
     moved = q.copy()
     moved[3] += eccentricity * math.cos(direction) - contact.eccentricity_x
     moved[4] += eccentricity * math.sin(direction) - contact.eccentricity_y
@@ -143,7 +142,7 @@ def test_forces_are_the_gradient_of_the_energy(seed: int, bins: int) -> None:
         for sign in (1.0, -1.0):
             q = calm.q.copy()
             q[i] += sign * h
-            energies.append(contact_of(calm.packed, 0, q, calm.v)[0].energy)
+            energies.append(joint_contact(calm.packed, q, calm.v).energy)
         slope = -(energies[0] - energies[1]) / (2.0 * h)
         scale = abs(load.normal) * (1.0 if i % 3 < 2 else 0.02)
         assert force[i] == pytest.approx(slope, abs=3e-6 * scale)
@@ -172,26 +171,26 @@ def test_angular_momentum_is_exact(seed: int) -> None:
 def test_rates_of_the_overlap_are_its_derivatives() -> None:
     pair = worn(groove(0.3, 2e-5), groove(0.2, 1e-5))
     acceleration = np.array([3.0, -20.0, 400.0, 50.0, 10.0, -300.0])
-    contact = pair.contact()[0]
+    contact = pair.contact()
     h = 1e-7
 
     def overlap(time: float) -> float:
         q = pair.q + pair.v * time + 0.5 * acceleration * time**2
-        return contact_of(pair.packed, 0, q, pair.v)[0].penetration
+        return joint_contact(pair.packed, q, pair.v).penetration
 
     assert contact.rate == pytest.approx((overlap(h) - overlap(-h)) / (2.0 * h), rel=1e-6)
     h = 5e-7
     second = (overlap(h) - 2.0 * overlap(0.0) + overlap(-h)) / h**2
-    formula = penetration_acceleration(pair.packed, 0, contact.place, pair.q, pair.v, acceleration)
+    formula = pair.penetration_acceleration(acceleration)
     assert formula == pytest.approx(second, rel=1e-3)
 
 
 def test_the_closing_rate_is_that_of_the_energy() -> None:
     pair = worn(groove(0.3, 2e-5), groove(0.2, 1e-5))
-    contact = pair.contact()[0]
+    contact = pair.contact()
     h = 1e-8
     energies = [
-        contact_of(pair.packed, 0, pair.q + s * h * pair.v, pair.v)[0].energy for s in (1.0, -1.0)
+        joint_contact(pair.packed, pair.q + s * h * pair.v, pair.v).energy for s in (1.0, -1.0)
     ]
     rate = (energies[0] - energies[1]) / (2.0 * h)
     assert contact.elastic * contact.closing == pytest.approx(rate, rel=1e-6)

@@ -10,7 +10,7 @@ from two_bodies import JOINT, Pair, joint_load
 
 from presswear.linkage.elements import GROUND, Attachment, ClearanceJoint
 from presswear.linkage.laws import delivered_restitution
-from presswear.physics.clearance import STATE, contact_of, note_contacts
+from presswear.physics.contact import CONTACT, note_contacts
 from presswear.physics.touchdown import (
     LANDING,
     OVERSHOOT,
@@ -59,7 +59,7 @@ class _Line:
         self.steps["free"], self.steps["per_contact"] = FREE, PARTS
         self.steps["sustained"], self.steps["least"] = 10.0, 1e-9
         self.episodes = np.zeros((1, 20, 6))
-        self.states = np.zeros(1, STATE)
+        self.contacts = np.zeros(1, CONTACT)
         self.settle()
 
     def start(self, x: float, speed: float) -> "_Line":
@@ -69,14 +69,14 @@ class _Line:
         return self
 
     def settle(self) -> None:
-        note_contacts(self.packed, self.states, self.q, self.v)
+        note_contacts(self.packed, self.contacts, self.q, self.v)
         settle(
             self.joints,
             self.onset,
             self.touch,
             self.tally,
             self.episodes,
-            self.states,
+            self.contacts,
             self.time,
         )
 
@@ -94,9 +94,7 @@ class _Line:
             self.onset,
             self.touch,
             self.steps,
-            self.states,
-            self.q,
-            self.v,
+            self.contacts,
             a,
         )
 
@@ -122,7 +120,16 @@ class _Line:
     def late(self, h: float, x: float, speed: float) -> float:
         """What ``shorter_step`` says to a trial state."""
         q, v = np.array([x, 0.0, 0.0]), np.array([speed, 0.0, 0.0])
-        return shorter_step(self.packed, self.onset, self.touch, self.steps, self.time + h, q, v)
+        return shorter_step(
+            self.packed,
+            self.onset,
+            self.touch,
+            self.steps,
+            np.zeros(1, CONTACT),
+            self.time + h,
+            q,
+            v,
+        )
 
     def accept(self, h: float, x: float, speed: float) -> None:
         self.time += h
@@ -268,5 +275,4 @@ def test_settle_takes_the_speed_at_the_touch_not_at_the_step() -> None:
     line.accept(h, *line.flown(h))
     assert line.onset[0] == pytest.approx(closing, rel=1e-9)
     assert line.touch["onset_time"][0] == pytest.approx((speed - closing) / -push, rel=1e-9)
-    contact = contact_of(line.packed, 0, line.q, line.v)[0]
-    assert abs(contact.rate - closing) > 1e-3
+    assert abs(line.contacts["rate"][0] - closing) > 1e-3

@@ -178,7 +178,7 @@ def _opened(gap: float, rate: float) -> Records:
     """Contact of a round joint that leaves straight along the x axis."""
     rates = np.zeros(6)
     rates[3] = rate
-    return placed(JOINT, -gap, 0.0, angles=(0.0, 0.0), rates=rates).contact()[0]
+    return placed(JOINT, -gap, 0.0, angles=(0.0, 0.0), rates=rates).contact()
 
 
 def test_a_contact_that_ends_after_a_few_steps_is_divided() -> None:

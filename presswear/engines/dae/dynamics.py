@@ -11,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.physics.clearance import STATE, note_contacts
 from presswear.physics.constraints import DRIVE, Constraints, constraint_rows
-from presswear.physics.contacts import JOINT_RATES, add_contacts
+from presswear.physics.contact import CONTACT, note_contacts
+from presswear.physics.forces import JOINT_RATES, add_contacts
 from presswear.physics.multipliers import Elimination, solve_multipliers, work_out
 from presswear.physics.packed import Packed
 from presswear.physics.springs import spring_forces
@@ -41,7 +41,7 @@ class System(NamedTuple):
     column: Indices
     elimination: Elimination
     inverse_mass: Array
-    states: Records
+    contacts: Records
     alpha: float
     beta: float
     phi: Array
@@ -92,8 +92,8 @@ def rates(system: System, onset: Array, t: float, y: Array, out: Array) -> None:
     copy_to(force, system.packed.weight)
     spring_forces(system.packed.springs, q, v, force)
     rest = out[2 * n + DRIVE_INTEGRALS :]
-    note_contacts(system.packed, system.states, q, v)
-    add_contacts(system.packed.joints, onset, system.states, force, rest)
+    note_contacts(system.packed, system.contacts, q, v)
+    add_contacts(system.packed.joints, onset, system.contacts, force, rest)
     evaluate_constraints(system, t, q, v)
     damping = 2.0 * system.alpha
     stiffness = system.beta * system.beta
@@ -151,7 +151,7 @@ def system_of(packed: Packed, constraints: Constraints, alpha: float, beta: floa
         column=constraints.column,
         elimination=elimination,
         inverse_mass=1.0 / packed.mass,
-        states=np.zeros(len(packed.joints), STATE),
+        contacts=np.zeros(len(packed.joints), CONTACT),
         alpha=alpha,
         beta=beta,
         phi=rows[0],

@@ -22,8 +22,9 @@ from presswear.engines.dae.runge_kutta import (
     classical_step,
     embedded_step,
 )
-from presswear.physics.clearance import contact_of, note_contacts, note_forces
 from presswear.physics.constraints import DRIVE
+from presswear.physics.contact import note_contact, note_contacts
+from presswear.physics.forces import note_forces
 from presswear.physics.touchdown import (
     LEAST_STEPS,
     close_episode,
@@ -85,7 +86,8 @@ class Motion(NamedTuple):
 def penetration_of(system: System, k: int, y: Array) -> tuple[float, float]:
     """Penetration and its rate of joint ``k`` in a state."""
     n = system.inverse_mass.shape[0]
-    contact = contact_of(system.packed, k, y[:n], y[n : 2 * n])[0]
+    contact = system.contacts[k]
+    note_contact(system.packed, k, y[:n], y[n : 2 * n], contact)
     return contact.penetration, contact.rate
 
 
@@ -99,7 +101,7 @@ def first_event(
     """
     found = -1
     part = 2.0
-    for k in range(system.states.shape[0]):
+    for k in range(system.contacts.shape[0]):
         if k == apart:
             continue
         last = book.touch[k]
@@ -196,16 +198,16 @@ def finish_step(
     """Account for an accepted state in ``motion.y``, whose slopes are in ``slopes[0]``."""
     n = system.inverse_mass.shape[0]
     y = motion.y
-    note_contacts(book.packed, book.states, y[:n], y[n : 2 * n])
-    note_forces(book.packed.joints, book.onset, book.states)
-    for k in range(system.states.shape[0]):
+    note_contacts(book.packed, book.contacts, y[:n], y[n : 2 * n])
+    note_forces(book.packed.joints, book.onset, book.contacts)
+    for k in range(system.contacts.shape[0]):
         base = 2 * n + DRIVE_INTEGRALS + JOINT_INTEGRALS * k + 2
         # Integrals are emptied into the account, so that they never lose digits.
         book.doses[k, 0] = y[base]
         book.doses[k, 1] = y[base + 1]
         y[base] = y[base + 1] = 0.0
         last = book.touch[k]
-        remember(last, book.packed.joints[k], book.states[k], t)
+        remember(last, book.packed.joints[k], book.contacts[k], t)
         if book.onset[k] > 0.0:
             last.steps += 1
     note_torques(system, book)
@@ -261,7 +263,7 @@ def march_controlled(
         state.step = h * min(max(factor, LEAST_FACTOR), GREATEST_FACTOR)
         if k >= 0:
             located, found = locate(system, tableau, book, control, motion, t, k, h, part)
-            for _ in range(system.states.shape[0]):
+            for _ in range(system.contacts.shape[0]):
                 # The cubics may have seen events of two joints in the wrong order.
                 earlier, part = first_event(system, book, motion.trial, located, k)
                 if not found or earlier < 0:
@@ -317,7 +319,7 @@ def march_fixed(
         for i in range(2 * n):
             if not abs(motion.y[i]) < 1e30:
                 return BROKEN
-        note_contacts(book.packed, book.states, motion.y[:n], motion.y[n : 2 * n])
+        note_contacts(book.packed, book.contacts, motion.y[:n], motion.y[n : 2 * n])
         settle_state(book, t, LEAST_STEPS)
         if state.projected:
             project(system, t, motion.y)

@@ -27,8 +27,8 @@ from presswear.engines.exudyn_joints.model import Model, assemble, left_out
 from presswear.engines.settings import ExudynJoints
 from presswear.linkage.elements import Linkage
 from presswear.physics.constraints import constraints_of
-from presswear.physics.contacts import JOINT_RATES
 from presswear.physics.energy import Ledger, stored_energy
+from presswear.physics.forces import JOINT_RATES
 from presswear.physics.touchdown import STEPS
 from presswear.record.observe import Book
 from presswear.record.recorder import Recorder

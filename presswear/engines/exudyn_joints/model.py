@@ -22,7 +22,7 @@ from presswear.engines.exudyn import Solve
 from presswear.engines.exudyn_joints.kernels import Frame, connector_forces
 from presswear.linkage.elements import GROUND, Attachment, Linkage
 from presswear.linkage.topology import cranks_of, hinge_of
-from presswear.physics.clearance import STATE
+from presswear.physics.contact import CONTACT
 from presswear.physics.prescribed import pack_cranks
 from presswear.record.observe import Book
 from presswear.record.recorder import Recorder
@@ -220,13 +220,14 @@ def _frame(model: Model, linkage: Linkage, start: Start, omitted: frozenset[str]
         data.GetODE2Coordinates_tt(copy=False),
     )
     count = 3 * len(linkage.bodies)
+    contacts = np.zeros(len(linkage.clearances), CONTACT)
     if not omitted:
         nowhere = np.zeros(0, dtype=np.int64)
-        return Frame(*solved, nowhere, model.cranks, *solved, np.zeros(count))
+        return Frame(*solved, nowhere, model.cranks, *solved, np.zeros(count), contacts)
     kept = [i for i, body in enumerate(linkage.bodies) if body.name not in omitted]
     places = np.array([3 * i + c for i in kept for c in range(3)])
     q, v = np.array(start.position), np.array(start.velocity)
-    return Frame(*solved, places, model.cranks, q, v, np.zeros(count), np.zeros(count))
+    return Frame(*solved, places, model.cranks, q, v, np.zeros(count), np.zeros(count), contacts)
 
 
 @dataclass
@@ -238,7 +239,7 @@ class _Connector:
     """
 
     bodies: tuple[str, ...]
-    arguments: tuple[Any, ...]  # packed, slots, onset, states
+    arguments: tuple[Any, ...]  # packed, slots, onset
     out: Array
     frame: Any = None
     kernel: Any = None
@@ -252,7 +253,6 @@ class _Connector:
             book.packed,
             np.array(slots, dtype=np.int64).reshape(-1, 2),
             book.onset,
-            np.zeros(len(ends) // 2, STATE),
         )
         return _Connector(bodies, arguments, np.zeros(3 * len(bodies)))
 
@@ -261,10 +261,10 @@ class _Connector:
         self.kernel = specialised(connector_forces, frame, *self.arguments, 0.0, self.out)
 
     def function(self) -> Callable[..., Array]:
-        packed, slots, onset, states = self.arguments
+        packed, slots, onset = self.arguments
 
         def force(system: Any, t: float, item: int, q: Any, v: Any) -> Array:
-            self.kernel(self.frame, packed, slots, onset, states, t, self.out)
+            self.kernel(self.frame, packed, slots, onset, t, self.out)
             return self.out
 
         return force

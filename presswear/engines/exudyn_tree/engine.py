@@ -42,8 +42,8 @@ from presswear.engines.exudyn_tree.model import Model, assemble
 from presswear.engines.settings import ExudynTree
 from presswear.linkage.elements import Linkage
 from presswear.linkage.topology import cranks_of
-from presswear.physics.contacts import JOINT_RATES
 from presswear.physics.energy import Ledger, stored_energy
+from presswear.physics.forces import JOINT_RATES
 from presswear.physics.tree import CARRIED, Tree, tree_of
 from presswear.record.observe import Book
 from presswear.record.recorder import Recorder
@@ -112,14 +112,14 @@ class _Forces:
         """What Exudyn calls in every stage; its own copies of the state are not needed."""
         system, out = self.system, self.out
         book = self.book
-        packed, states = book.packed, book.states
-        kernel = specialised(stage_forces, system, packed, states, 0.0, out, out, out)
+        packed, contacts = book.packed, book.contacts
+        kernel = specialised(stage_forces, system, packed, contacts, 0.0, out, out, out)
 
         def force(mbs: Any, t: float, item: int, q: Any, q_t: Any) -> Array:
             self.calls += 1
             if self.calls > MOST_CALLS:
                 raise StuckError
-            kernel(system, packed, states, t, self.x, self.u, out)
+            kernel(system, packed, contacts, t, self.x, self.u, out)
             return out
 
         return force
@@ -199,7 +199,7 @@ def prepare(
         return stored, hinge_power_integral(system)
 
     tree_state(system, book, 0.0, model.x, model.u, np.zeros(len(tree.links)))
-    book.touch["energy"] = book.states["energy"]  # of pins that start pressed in
+    book.touch["energy"] = book.contacts["energy"]  # of pins that start pressed in
     stored_before, momentum_before = energy()
     exudyn = _settings(settings, longest)
 
@@ -263,7 +263,7 @@ def _warm_up(tree: Tree, linkage: Linkage, start: Start) -> None:
     book = Recorder.of(linkage, start.position, 1, 1.0).book
     system = system_of(tree, linkage, 1.0)
     x = np.zeros(len(tree.links))
-    arguments = book.packed, book.states
+    arguments = book.packed, book.contacts
     specialised(stage_forces, system, *arguments, 0.0, x, x, x)
     specialised(accept_tree_step, system, book, 0.0, x, x, x)
     specialised(tree_state, system, book, 0.0, x, x, x)

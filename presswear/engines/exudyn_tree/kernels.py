@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from scipy.integrate import RK45
 
 from presswear.engines.stepping import all_finite
-from presswear.physics.clearance import note_contacts, penetration_acceleration
-from presswear.physics.contacts import JOINT_RATES, add_contacts
+from presswear.physics.contact import note_contacts, penetration_acceleration
+from presswear.physics.forces import JOINT_RATES, add_contacts
 from presswear.physics.packed import Packed
 from presswear.physics.prescribed import drive_torque, forced_power, place_cranks
 from presswear.physics.springs import spring_forces
@@ -95,7 +95,7 @@ class TreeSystem(NamedTuple):
 def stage_forces(
     system: TreeSystem,
     packed: Packed,
-    states: Records,
+    contacts: Records,
     t: float,
     x: Array,
     u: Array,
@@ -119,9 +119,9 @@ def stage_forces(
     pace.evaluations += 1
     # The first stage is in the state that the last step ended in.
     if stage > 0 or t != pace.noted:
-        note_contacts(packed, states, q, v)
+        note_contacts(packed, contacts, q, v)
         pace.noted = t
-    add_contacts(packed.joints, system.expected, states, force, row[1:])
+    add_contacts(packed.joints, system.expected, contacts, force, row[1:])
     carry_branches(system.links, v, a, axes, system.carried)
     power = -forced_power(system.cranks, v, force)
     for i in range(system.links.shape[0]):
@@ -188,11 +188,12 @@ def step_to_events(book: Book, system: TreeSystem, h: float) -> float:
     Leaves the closing speeds that the stages of that step use in ``expected``.
     """
     pace = system.pace[0]
-    q, v, a, _, _ = system.state
+    a = system.state[2]
     for k in range(book.touch.shape[0]):
+        joint = book.packed.joints[k]
         last = book.touch[k]
         closed = book.onset[k] > 0.0
-        acceleration = penetration_acceleration(book.packed, k, book.states[k].place, q, v, a)
+        acceleration = penetration_acceleration(joint, book.packed.surfaces[k], book.contacts[k], a)
         jerk = (acceleration - last.acceleration) / last.step if last.step > 0.0 else 0.0
         last.acceleration = acceleration
         if closed and last.steps == 1 and last.rate > 0.0 and acceleration < 0.0:
@@ -215,7 +216,7 @@ def step_to_events(book: Book, system: TreeSystem, h: float) -> float:
         if not pace.smooth:
             doubt = max(doubt, UNKNOWN_DOUBT * arrival)
         if doubt * speed <= LANDING_DEPTH:
-            whole = contact_step(book.packed.joints[k], 0.0, speed, 1.0)
+            whole = contact_step(joint, 0.0, speed, 1.0)
             h = min(h, arrival + min(LANDING_DEPTH / speed, LANDING_PART * whole))
         else:
             h = min(h, max(arrival - 2.0 * doubt, 0.5 * arrival))
@@ -259,9 +260,9 @@ def tree_state(system: TreeSystem, book: Book, t: float, x: Array, u: Array, u_t
     spring_forces(book.packed.springs, q, v, force)
     rates = system.stages[0, 1:]
     if t != system.pace[0].noted:
-        note_contacts(book.packed, book.states, q, v)
+        note_contacts(book.packed, book.contacts, q, v)
         system.pace[0].noted = t
-    add_contacts(book.packed.joints, system.expected, book.states, force, rates)
+    add_contacts(book.packed.joints, system.expected, book.contacts, force, rates)
     for c in range(force.shape[0]):
         force[c] -= book.packed.mass[c] * a[c]
     gather_forces(system.links, q, axes, force, system.balance)
