@@ -112,7 +112,7 @@ class JointResult:
         return self.arrays["sliding"]
 
     def contact(self, name: str) -> Array:
-        """A number of each recorded contact, by its name in ``EPISODE_COLUMNS``, shape (k,); SI units."""
+        """A number of each recorded contact, by a name of ``EPISODE_COLUMNS``, shape (k,); SI."""
         return self.arrays["contacts"][:, EPISODE_COLUMNS.index(name)]
 
     def each_cycle(self, name: str) -> Array:

@@ -22,7 +22,7 @@ from presswear.engines.dae.march import (
     march_fixed,
     note_torques,
 )
-from presswear.engines.dae.runge_kutta import MOST_STAGES, dormand_prince_5, dormand_prince_8
+from presswear.engines.dormand_prince import DOP853, DOPRI5
 from presswear.engines.driver import Simulation
 from presswear.engines.settings import InHouse
 from presswear.linkage.elements import Linkage
@@ -104,7 +104,7 @@ def prepare(
     size = 2 * n + DRIVE_INTEGRALS + JOINT_INTEGRALS * len(linkage.clearances)
     y = np.zeros(size)
     y[:n], y[n : 2 * n] = start.position, start.velocity
-    motion = Motion(y, np.zeros(size), np.zeros((MOST_STAGES + 1, size)), np.ones(2 * n))
+    motion = Motion(y, np.zeros(size), np.zeros((DOP853.b.size + 1, size)), np.ones(2 * n))
     control = np.zeros(1, CONTROL)
     fixed = settings.has_equal_steps
     control["step"] = settings.step if fixed else 1e-6
@@ -112,7 +112,7 @@ def prepare(
     control["shortest"] = 1e-14
     control["tolerance"] = settings.integration_tolerance
     control["projected"] = settings.projection == "on"
-    tableau = dormand_prince_5() if settings.integrator == "dopri5" else dormand_prince_8()
+    tableau = DOPRI5 if settings.integrator == "dopri5" else DOP853
     rates(system, book.onset, 0.0, y, motion.slopes[0])
     note_torques(system, book)
     recorder.begin(y[:n], y[n : 2 * n], motion.slopes[0, n : 2 * n])

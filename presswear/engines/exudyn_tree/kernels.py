@@ -14,8 +14,8 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import RK45
 
+from presswear.engines.dormand_prince import DOPRI5
 from presswear.engines.stepping import all_finite
 from presswear.physics.contact import note_contacts, penetration_acceleration
 from presswear.physics.forces import JOINT_RATES, add_contacts
@@ -29,7 +29,7 @@ from presswear.tools.compiled import Records, compiled, copy_to
 
 Array = NDArray[np.float64]
 
-WEIGHTS = np.append(RK45.B, 0.0)
+WEIGHTS = np.append(DOPRI5.b, 0.0)
 """Weights of the seven stages of DOPRI5."""
 STAGES = WEIGHTS.size
 
