@@ -20,7 +20,7 @@ from presswear.tools.lock import is_free
 from presswear.tools.typed import misfits
 
 Change = Callable[[Scene], Scene]
-"""What a person wants changed in the scene that a study starts from."""
+"""A change that a person asks for in the scene that a study starts from."""
 
 FILE = "study.json"
 SCHEMA = 2
@@ -90,7 +90,7 @@ class Study:
 
 
 def is_study(folder: Path) -> bool:
-    """Whether a folder is that of a study."""
+    """True where a folder is that of a study."""
     return (folder / FILE).exists()
 
 
@@ -120,7 +120,7 @@ def load_study(folder: Path) -> Study:
 
 
 def is_finished(path: Path) -> bool:
-    """Whether a folder holds the whole result of a scene."""
+    """True where a folder holds the whole result of a scene."""
     return (path / "result.json").exists() and load(path).status in FINISHED
 
 

@@ -174,7 +174,7 @@ class InHouse:
 
     @property
     def has_equal_steps(self) -> bool:
-        """Whether steps are equal, without control of their error."""
+        """True where steps are equal, without control of their error."""
         return self.integrator.startswith("rk4")
 
     @property
@@ -196,7 +196,7 @@ class InHouse:
 
 
 Engine = ExudynTree | ExudynJoints | InHouse
-"""What solves the motion, with its settings."""
+"""An engine with its settings."""
 
 
 def _simulate(room: str, engine: Engine, linkage: "Linkage", start: "Start", plan: "Plan") -> "Run":

@@ -1,4 +1,4 @@
-"""What the kernels keep of a run, step by step: series, episodes, peaks and wear.
+"""Records that the kernels keep of a run, step by step: series, contacts, peaks and wear.
 
 Memory does not grow with the number of cycles: series and episodes are kept for
 the first cycles only; everything else is one row a cycle or a running sum.

@@ -55,7 +55,7 @@ _SMALL = (
 
 @dataclass
 class Recorder:
-    """What one run has observed so far; made anew for every run.
+    """Everything that one run has observed so far; made anew for every run.
 
     Attributes
     ----------

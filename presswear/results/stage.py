@@ -181,7 +181,7 @@ class StageResult:
 
     @property
     def failed(self) -> bool:
-        """Whether the run of the stage failed, so that its numbers are worth nothing."""
+        """True where the run of the stage failed, so that its numbers are worth nothing."""
         return self.status == "failed"
 
     @property

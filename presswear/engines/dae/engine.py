@@ -35,7 +35,7 @@ from presswear.tools.errors import InputError
 Array = NDArray[np.float64]
 
 REMEDY = "a smaller integration_tolerance or equal_step, or integrator=dop853, may help"
-"""What makes a run finer."""
+"""Advice that makes a run finer."""
 
 _CHUNK = 2000
 """Steps between two looks at the clock and the keyboard."""
@@ -78,7 +78,7 @@ def dependent_joint(jacobian: Array, names: tuple[str, ...], least: float) -> st
 
 
 def _problem(state: int, time: float, constraints: Constraints, y: Array, n: int) -> Finding:
-    """What went wrong where a march ended as ``state`` says, and near which joint."""
+    """The finding on a march that ended in a status, with the joint near which it did."""
     if state != STUCK:
         return Finding("state", "the state is no longer finite", time, "", REMEDY)
     jacobian = constraints.evaluate(time, y[:n], y[n : 2 * n])[3]

@@ -38,7 +38,7 @@ from presswear.tools.compiled import Records, specialised
 Array = NDArray[np.float64]
 
 REMEDY = "more steps_per_contact may help"
-"""What makes a run finer."""
+"""Advice that makes a run finer."""
 
 _STAGES = (
     "forces_and_connectors",
@@ -48,7 +48,7 @@ _STAGES = (
     "end_of_step",
 )
 _SUMS = ("steps", "sent_back", "newton", "jacobians", "wall", "total", *_STAGES)
-"""What is summed over the cycles of a run."""
+"""Counts and times that are summed over the cycles of a run."""
 
 
 def _settings(accuracy: ExudynJoints, longest: float) -> Any:
