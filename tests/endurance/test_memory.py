@@ -1,13 +1,13 @@
 """Memory and files of long runs: ten times the cycles, the same peak."""
 
 import re
-import subprocess
 import sys
 from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 
+from endurance.subject import begin, end
 from endurance.trial import Trial
 
 ALLOWED = 0.1
@@ -34,14 +34,10 @@ def size_of(engine: str, cycles: int, out: Path) -> Size:
     """Run so many fast cycles of the press in a process of its own."""
     line = ["run", "wear-times", "--engine", engine, "--cycles", f"{cycles}", "--wears", "0"]
     quick = ("speed=60rad/s", "integration_tolerance=1e-6", "tree_tolerance=1e-4")
-    done = subprocess.run(
-        [sys.executable, "-c", _PROGRAM, *line, *(f"--set={one}" for one in quick), f"--out={out}"],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    found = re.search(r"^peak (\d+)$", done.stdout, re.MULTILINE)
-    assert done.returncode == 0, done.stderr
+    settings = [f"--set={one}" for one in quick]
+    answer = end(begin(*line, *settings, "--out", str(out), program=_PROGRAM))
+    assert answer.code == 0, answer.problem
+    found = re.search(r"^peak (\d+)$", answer.output, re.MULTILINE)
     assert found is not None
     return Size(int(found[1]), sum(file.stat().st_size for file in out.glob("*.npz")))
 
