@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from presswear.results.provenance import provenance, provenance_differs
-from presswear.results.result import FINISHED, Result, load
+from presswear.results.result import FINISHED, Result, load, read_document
 from presswear.results.stored import schema_of
 from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError
@@ -121,7 +121,10 @@ def load_study(folder: Path) -> Study:
 
 def is_finished(path: Path) -> bool:
     """True where a folder holds the whole result of a scene."""
-    return (path / "result.json").exists() and load(path).status in FINISHED
+    if not (path / "result.json").exists():
+        return False
+    # The other files of one at work change while they are read.
+    return read_document(path)["status"] in FINISHED and load(path).status in FINISHED
 
 
 def waiting(study: Study, folder: Path, resume: bool) -> list[Variant]:
