@@ -8,7 +8,6 @@ from typing import Any
 
 import pytest
 from endurance.forgery import NO_LEAVES, leaves
-from endurance.subject import answered
 from made_up_precision import precision
 
 from presswear.__main__ import main
