@@ -2,7 +2,6 @@
 
 import json
 import random
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -13,19 +12,6 @@ from made_up_precision import precision
 from presswear.__main__ import main
 from presswear.tools.errors import InputError
 from presswear.trials.precision.store import FILE, load, store
-
-NO_LEAVES: tuple[Any, ...] = (True, False, [], {}, 10**400, -(10**400), float("nan"), float("inf"))
-"""What can stand nowhere in the place of a number or a text."""
-
-
-def leaves(owner: Any) -> Iterator[tuple[Any, Any]]:
-    """Every place of a number, text or null: what holds it, and its key there."""
-    items = owner.items() if isinstance(owner, dict) else enumerate(owner)
-    for key, value in items:
-        if isinstance(value, dict | list):
-            yield from leaves(value)
-        else:
-            yield owner, key
 
 
 @pytest.fixture(scope="module")
