@@ -269,7 +269,7 @@ def tree_state(system: TreeSystem, book: Book, t: float, x: Array, u: Array, u_t
     power = 0.0
     for i in range(system.cranks.shape[0]):
         book.torque[i] = drive_torque(system.cranks[i], q, force)
-        power += book.torque[i] * system.cranks[i].speed
+        power += book.torque[i] * v[system.cranks[i].body + 2]
     return power
 
 
