@@ -50,6 +50,13 @@ from presswear.commands import scenes
         (["costs", "--repeats", "-1"], ("--repeats", "-1")),
         (["costs", "--repeats", "many"], ("--repeats many", "whole number")),
         (["costs", "--fast"], ("--fast",)),
+        (["run", "weartimes"], ("'weartimes'; did you mean wear-times?",)),
+        (["run", "wear-times", "--cycels", "5"], ("--cycels 5; did you mean --cycles?",)),
+        (["run", "wear-times", "--set", "clearence=1mm"], ("did you mean clearance?",)),
+        (["run", "wear-times", "--engine", "exudyntree"], ("did you mean exudyn-tree?",)),
+        (["reprot", "nowhere"], ("'reprot'; did you mean report?",)),
+        (["replay", "nowhere"], ("nowhere: there is no such folder",)),
+        (["replay", "nowhere", "--size", "one"], ("nowhere: there is no such folder",)),
     ],
 )
 def test_bad_input_is_one_line_and_exit_code_2(
