@@ -1,15 +1,14 @@
 """What the paper's figures compare, and the runs that show it."""
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-
-from matplotlib.lines import Line2D
 
 from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
 from presswear.results.result import Result
+from presswear.results.stage import StageResult
 from presswear.scene.scene import stage_name
-from presswear.show.figures.style import LINES, Array, Axes, LineStyle, ShownStage
+from presswear.show.figures.style import LINES, Axes, LineStyle, Pen, until
 from presswear.studies.paper.evidence import Evidence, Measured, Place
 from presswear.studies.paper.printed import (
     FAST,
@@ -71,9 +70,9 @@ class Line:
         """Where its quantities are."""
         return Place(self.setting, self.wears, joint)
 
-    def handle(self, name: str) -> Line2D:
-        """It in a legend."""
-        return Line2D([], [], color=self.colour, linestyle=self.dashes, label=name)
+    def pen(self, name: str) -> Pen:
+        """The line, under a name in the legend."""
+        return Pen(name, self.colour, self.dashes)
 
 
 WEARS = tuple(Line(WEAR, wears, "", wears) for wears in range(3))
@@ -97,13 +96,13 @@ class Shown:
 
     Attributes
     ----------
-    stage : ShownStage
+    stage : StageResult
         Its series end with the first cycle.
     """
 
     line: Line
     result: Result
-    stage: ShownStage
+    stage: StageResult
 
     @property
     def period(self) -> float:
@@ -126,22 +125,11 @@ def shown_cycles(evidence: Evidence, lines: Iterable[Line]) -> list[Shown]:
     found = []
     for line in lines:
         result = evidence.at_stage(BASE, line.setting, line.wears)
-        if result is not None and result.stages[line.wears].arrays["time"].size > 1:
-            arrays = _first_cycle(result, result.stages[line.wears].arrays)
-            stage = ShownStage(line.wears, line.name, line.colour, line.dashes, arrays)
-            found.append(Shown(line, result, stage))
+        if result is not None and result.stages[line.wears].time.size > 1:
+            # The last row of a cycle may lie a rounding behind its end.
+            end = result.scene.mechanism.period * (1.0 + 1e-9)
+            found.append(Shown(line, result, until(result.stages[line.wears], end)))
     return found
-
-
-def _first_cycle(result: Result, arrays: Mapping[str, Array]) -> dict[str, Array]:
-    """The arrays with their series cut to the first cycle."""
-    # The last row of a cycle may lie a rounding behind its end.
-    end = result.scene.mechanism.period * (1.0 + 1e-9)
-    rows = int(arrays["time"].searchsorted(end, side="right"))
-    series = ["time", "slider"]
-    for joint in result.scene.clearance_joints:
-        series += [f"{joint}_force", f"{joint}_eccentricity"]
-    return dict(arrays) | {name: arrays[name][:rows] for name in series}
 
 
 def shown_joints(shown: Sequence[Shown]) -> list[str]:

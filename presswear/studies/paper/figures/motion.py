@@ -8,8 +8,8 @@ from matplotlib.lines import Line2D
 
 from presswear.scene.ideal import ideal_slider
 from presswear.scene.scene import stage_name
-from presswear.show.figures.motion import IDEAL_DASHES, draw_ideal, draw_stage
-from presswear.show.figures.style import REFERENCE, WIDTH, Array, Axes, Drawing, Sheet, note
+from presswear.show.figures.motion import IDEAL
+from presswear.show.figures.style import WIDTH, Array, Axes, Drawing, Sheet, note
 from presswear.studies.paper.evidence import Evidence
 from presswear.studies.paper.figures.lines import (
     MILLIMETRES,
@@ -53,11 +53,11 @@ def responses(evidence: Evidence, number: int, lines: tuple[Line, ...]) -> Drawi
     sheet = Sheet(figsize=(WIDTH, upper + lower), layout="constrained")
     top, bottom = sheet.subfigures(2, 1, squeeze=False, height_ratios=(upper, lower))[:, 0]
     _draw_cycles(top, columns, rows)
-    handles = [Line2D([], [], color=REFERENCE, linestyle=IDEAL_DASHES, label="ideal")]
+    handles = [IDEAL.handle()]
     if len(shown) > _BESIDE:
         # Legends fill their columns downwards: the lines of a setting one below the other.
         handles.append(Line2D([], [], linestyle="none", label=" "))
-    handles += [one.line.handle(one.line.name) for one in shown]
+    handles += [one.line.pen(one.line.name).handle() for one in shown]
     columns_of_legend = len(handles) if len(shown) <= _BESIDE else -(-len(handles) // 2)
     top.legend(handles=handles, loc="outside upper center", ncols=columns_of_legend)
     drawn = [one.line for one in shown]
@@ -128,15 +128,14 @@ def _draw_column(panels: Sequence[Axes], shown: Sequence[Shown]) -> None:
     period = max(one.period for one in shown)
     time = np.linspace(0.0, period, 1001)
     ideal = ideal_slider(shown[0].result.scene, time)
-    every = slice(None)
     for one in shown:
         slider = one.stage.arrays["slider"]
         off = slider[:, 0] - ideal_slider(one.result.scene, one.stage.arrays["time"])[:, 0]
-        draw_stage(panels[0], one.stage, every, slider[:, 0])
-        draw_stage(panels[1], one.stage, every, MILLIMETRES * off)
-        draw_stage(panels[2], one.stage, every, slider[:, 1])
+        drawn = (slider[:, 0], MILLIMETRES * off, slider[:, 1])
+        for axes, values in zip(panels, drawn, strict=False):
+            one.line.pen("").draw(axes, one.stage.time, values, linewidth=0.9)
     for axes, values in zip(panels, (ideal[:, 0], 0.0 * time, ideal[:, 1]), strict=False):
-        draw_ideal(axes, time, values)
+        IDEAL.draw(axes, time, values, linewidth=0.9)
     for axes, one in zip(panels[3:], shown, strict=False):
         _draw_acceleration(axes, one, time, ideal[:, 2])
     panels[0].set_xlim(0.0, period)
@@ -145,7 +144,7 @@ def _draw_column(panels: Sequence[Axes], shown: Sequence[Shown]) -> None:
 def _draw_acceleration(axes: Axes, one: Shown, time: Array, ideal: Array) -> None:
     values = one.stage.arrays["slider"][:, 2]
     axes.plot(one.stage.arrays["time"], values, color=one.line.colour, linewidth=0.7)
-    draw_ideal(axes, time, ideal)
+    IDEAL.draw(axes, time, ideal, linewidth=0.9)
     low, high = (float(end(np.append(values, ideal))) for end in (np.min, np.max))
     axes.set_ylim(low - 0.05 * (high - low), high + 0.4 * (high - low))
     note(axes, f"{one.line.name}, largest {readable(one.peak('acceleration'))} m/s²")

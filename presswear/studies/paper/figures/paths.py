@@ -1,15 +1,7 @@
 """Figures 19, 22 and 25: path of the pin's centre in its bearing."""
 
-from matplotlib.lines import Line2D
-
-from presswear.show.figures.motion import (
-    circle_line,
-    draw_path,
-    gap_limit,
-    limit_line,
-    set_path_limits,
-)
-from presswear.show.figures.style import WIDTH, Drawing, Sheet
+from presswear.show.figures.motion import draw_path, gap_limit, path_pens, set_path_limits
+from presswear.show.figures.style import WIDTH, Drawing, Sheet, legend
 from presswear.studies.paper.evidence import Evidence
 from presswear.studies.paper.figures.lines import (
     JOINTS,
@@ -52,12 +44,8 @@ def centre_paths(evidence: Evidence, number: int, lines: tuple[Line, ...]) -> Dr
     for axes in grid[-1]:
         axes.set_xlabel("$e_x$ (mm)")
     set_path_limits(grid.flat, 1.06 * MILLIMETRES * widest)
-    handles: list[Line2D] = [
-        circle_line(f"clearance circle, c = {readable(MILLIMETRES * clearance, 2)} mm")
-    ]
-    if bounded:
-        handles.append(limit_line())
-    sheet.legend(handles=handles, loc="outside upper center", ncols=len(handles))
+    pens = path_pens(f"{readable(MILLIMETRES * clearance, 2)} mm", bounded)
+    legend(sheet, pens, "outside upper center")
     caption = (
         "Centre of the pin from the centre of its bearing, in fixed directions, over "
         f"{ONE_CYCLE}. It starts in the middle. Dashed: how far the pin of a new joint can go; "

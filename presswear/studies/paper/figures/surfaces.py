@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 
 from presswear.results.result import Result
-from presswear.show.figures.style import SIDES, Array, Drawing, ShownStage
+from presswear.results.stage import SIDES
+from presswear.show.figures.style import Array, Drawing, ShownStage
 from presswear.show.figures.surfaces import worn_surface
 from presswear.studies.paper.evidence import Evidence
 from presswear.studies.paper.figures.lines import Line
@@ -34,7 +35,7 @@ def surfaces(joint: str) -> Callable[[Evidence, int, tuple[Line, ...]], Drawing 
             f"{drawing.caption} The surfaces are those that the stage before left on average "
             "over the cycles of all its starts: how uneven they are is partly chance, and the "
             f"depths with their intervals are in Fig. {number - (1 if joint == 'A' else 2)}. The "
-            f"enlarged part is around the deepest wear of “{shown[-1][1].label}”."
+            f"enlarged part is around the deepest wear of “{shown[-1][1].pen.label}”."
         )
         title = f"Fig. {number} Worn surfaces at {joint} {_COMPARED[number]}"
         return replace(drawing, file=f"fig-{number:02d}.png", title=title, caption=caption)
@@ -50,7 +51,9 @@ def _worn(evidence: Evidence, line: Line, joint: str) -> tuple[Result, ShownStag
     arrays = _after(result, line.wears, joint)
     if not any(np.any(arrays[f"{joint}_depth_{side}"] > 0.0) for side in SIDES):
         return None
-    return result, ShownStage(line.wears, line.wear_name, line.colour, line.dashes, arrays)
+    before = result.stages[line.wears - 1]
+    worn = replace(before, arrays={**before.arrays, **arrays})
+    return result, ShownStage(worn, line.pen(line.wear_name))
 
 
 def _after(result: Result, wears: int, joint: str) -> dict[str, Array]:

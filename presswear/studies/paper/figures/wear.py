@@ -74,7 +74,7 @@ def depths(evidence: Evidence, number: int, lines: tuple[Line, ...]) -> Drawing 
         axes.set_xlabel(f"{where} (degrees)")
         axes.set_ylabel("depth, bearing + pin (µm)")
         axes.set_title(f"{'ab'[JOINTS.index(joint)]}  joint {joint}", loc="left", fontweight="bold")
-    drawn = {curve.line: curve.line.handle(curve.line.wear_name) for curve in everything}
+    drawn = {curve.line: curve.line.pen(curve.line.wear_name).handle() for curve in everything}
     handles: list[Line2D | Patch] = list(drawn.values())
     handles.append(
         Line2D([], [], color=REFERENCE, label="printed, deepest", **_MARK | {"linestyle": "none"})
