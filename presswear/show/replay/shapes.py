@@ -67,10 +67,29 @@ def filled(outline: Array, z: float, paint: Colour) -> Shape:
     return Shape(points, triangles, z, paint)
 
 
+def hull(points: Array) -> Array:
+    """Convex hull, counter-clockwise (Andrew's monotone chain)."""
+    order = sorted({(float(x), float(y)) for x, y in points})
+    if len(order) < 3:
+        return np.array(order)
+
+    def chain(ordered: Iterable[tuple[float, float]]) -> list[tuple[float, float]]:
+        kept: list[tuple[float, float]] = []
+        for x, y in ordered:
+            while len(kept) > 1:
+                (ax, ay), (bx, by) = kept[-2:]
+                if (bx - ax) * (y - ay) - (by - ay) * (x - ax) > 0.0:
+                    break
+                kept.pop()
+            kept.append((x, y))
+        return kept[:-1]
+
+    return np.array(chain(order) + chain(reversed(order)))
+
+
 def around(points: Array, radius: float) -> Array:
     """Outline of all within a radius of the convex hull of points: a disc, a bar, a plate."""
-    ahead = circle((0.0, 0.0), 1.0, 2 * _ARC)
-    return points[(points @ ahead.T).argmax(axis=0)] + radius * ahead
+    return hull(np.vstack([circle(point, radius) for point in points]))
 
 
 def band(inner: Array, outer: Array, z: float, paint: Colour) -> Shape:

@@ -61,7 +61,7 @@ def test_an_outline_is_convex_and_as_far_from_its_points_as_asked(
     outline = around(np.array(points), radius)
     edges = np.roll(outline, -1, axis=0) - outline
     # Edges cut a little off the discs.
-    least = radius * math.cos(2.0 * math.pi / len(outline)) * np.hypot(*edges.T)
+    least = radius * math.cos(math.pi / 48) * np.hypot(*edges.T)
     for point in points:
         away = np.array(point) - outline
         assert (edges[:, 0] * away[:, 1] - edges[:, 1] * away[:, 0] - least).min() >= -1e-12
