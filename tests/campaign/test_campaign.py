@@ -160,10 +160,11 @@ def _restored(path: Path, schema: object, scene: object) -> Result:
     document = {
         "schema": schema,
         "scene": scene,
+        "conventions": scene.get("conventions", {}) if isinstance(scene, dict) else {},
         "engine": "exudyn",
         "provenance": {
             "packages": {},
-            **dict.fromkeys(("python", "revision", "machine", "started"), ""),
+            **dict.fromkeys(("python", "revision", "source", "machine", "started"), ""),
         },
         "status": "running",
         "message": "",
@@ -191,7 +192,7 @@ def test_scenes_say_which_mechanism_they_hold(tmp_path: Path) -> None:
         (float(SCHEMA), {}, f"schema {SCHEMA}.0"),
         (None, {}, "schema None"),
         (SCHEMA, {"mechanism": {}}, "not a stored scene: 'kind'"),
-        (SCHEMA, 3, "'scene' is not what it should be: 3"),
+        (SCHEMA, 3, "scene: Expected `object`, got `int`"),
         (SCHEMA, {"press": {}}, "not a stored scene.*mechanism"),
     ],
 )
