@@ -265,5 +265,3 @@ def stored_scene(document: Mapping[str, Any], file: Path) -> Scene:
         if document.get(key, inside) != inside:
             raise InputError(f"{file}: {key!r} is not what it is in 'scene', {inside!r}")
     return scene
-
-

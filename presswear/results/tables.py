@@ -101,8 +101,7 @@ def table_of(result: Result, stage: int) -> dict[str, Array]:
             joint.sliding,
         )
         columns |= {
-            f"{name}_{quantity}": value
-            for quantity, value in zip(JOINT_UNITS, values, strict=True)
+            f"{name}_{quantity}": value for quantity, value in zip(JOINT_UNITS, values, strict=True)
         }
     return columns
 

@@ -10,7 +10,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import DOP853, RK45
 
 from presswear.engines.dae.dynamics import System, rates
 from presswear.tools.compiled import compiled, copy_to
@@ -44,6 +43,8 @@ class Tableau(NamedTuple):
 
 def dormand_prince_8() -> Tableau:
     """The tableau of DOP853."""
+    from scipy.integrate import DOP853  # slow to import
+
     return Tableau(
         np.ascontiguousarray(DOP853.A[:MOST_STAGES, :MOST_STAGES]),
         np.array(DOP853.B),
@@ -56,6 +57,8 @@ def dormand_prince_8() -> Tableau:
 
 def dormand_prince_5() -> Tableau:
     """The tableau of DOPRI5."""
+    from scipy.integrate import RK45  # slow to import
+
     stages = len(RK45.B)
     a = np.zeros((stages, stages))
     a[:, : RK45.A.shape[1]] = RK45.A
@@ -68,7 +71,7 @@ def dormand_prince_5() -> Tableau:
 def classical_step(
     system: System, onset: Array, t: float, h: float, y: Array, slopes: Array, new: Array
 ) -> None:
-    """One step of order 4; ``slopes[0]`` holds dy/dt at the start.
+    """Make one step of order 4; ``slopes[0]`` holds dy/dt at the start.
 
     Parameters
     ----------
@@ -100,7 +103,7 @@ def embedded_step(
     new: Array,
     scale: Array,
 ) -> float:
-    """One embedded step; returns its error as a multiple of the allowed one.
+    """Make one embedded step; returns its error as a multiple of the allowed one.
 
     ``slopes[0]`` holds dy/dt at the start, ``slopes[stages]`` afterwards that at the end.
 
