@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from presswear.results.provenance import provenance, provenance_differs
-from presswear.results.result import FINISHED, Result, load
+from presswear.results.result import FINISHED, Result, load, read_document
 from presswear.results.stored import schema_of
 from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError
@@ -20,7 +20,7 @@ from presswear.tools.lock import is_free
 from presswear.tools.typed import misfits
 
 Change = Callable[[Scene], Scene]
-"""What a person wants changed in the scene that a study starts from."""
+"""A change that a person asks for in the scene that a study starts from."""
 
 FILE = "study.json"
 SCHEMA = 2
@@ -90,7 +90,7 @@ class Study:
 
 
 def is_study(folder: Path) -> bool:
-    """Whether a folder is that of a study."""
+    """True where a folder is that of a study."""
     return (folder / FILE).exists()
 
 
@@ -120,8 +120,11 @@ def load_study(folder: Path) -> Study:
 
 
 def is_finished(path: Path) -> bool:
-    """Whether a folder holds the whole result of a scene."""
-    return (path / "result.json").exists() and load(path).status in FINISHED
+    """True where a folder holds the whole result of a scene."""
+    if not (path / "result.json").exists():
+        return False
+    # The other files of one at work change while they are read.
+    return read_document(path)["status"] in FINISHED and load(path).status in FINISHED
 
 
 def waiting(study: Study, folder: Path, resume: bool) -> list[Variant]:

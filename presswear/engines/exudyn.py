@@ -1,4 +1,4 @@
-"""What every Exudyn engine shares: the callback after a step, the solve, how it ends."""
+"""Parts that both Exudyn engines share: the callback after a step, the solve, how it ends."""
 
 import math
 import time as clock
@@ -87,7 +87,7 @@ class Solve:
             self.sums[name] += value
 
     def is_sound(self) -> bool:
-        """Whether the contacts have made no energy; False ends the run."""
+        """True while the contacts have made no energy; False ends the run."""
         ledger = self.recorder.book.ledger[0]
         if self.time > SETTLED * self.plan.cycle:
             self.reason = made_energy(ledger["contact_loss"], ledger["drive_exchange"])

@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 
 @compiled
 def all_finite(q: Array, v: Array) -> bool:
-    """True for a state without infinity and NaN."""
+    """True where a state holds no infinity and no NaN."""
     total = 0.0
     for i in range(q.shape[0]):
         total += q[i] - q[i] + (v[i] - v[i])

@@ -50,10 +50,8 @@ def contact_forces(joint: Records, onset_speed: float, contact: Records) -> tupl
     onset = max(onset_speed if onset_speed > 0.0 else contact.rate, ONSET_SPEED_FLOOR)
     normal = damped_force(contact.elastic, contact.closing, onset, joint.damping)
     tangential = 0.0
-    if joint.friction > 0.0:
-        tangential = friction_force(
-            contact.sliding, normal, joint.friction, joint.lower_speed, joint.upper_speed
-        )
+    if joint.friction.coefficient > 0.0:
+        tangential = friction_force(contact.sliding, normal, joint.friction)
     return normal, tangential
 
 

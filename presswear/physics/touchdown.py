@@ -64,6 +64,8 @@ PAST_CONTACT = np.dtype(
     ]
 )
 """A contact that has ended."""
+CONTACT_COLUMNS: tuple[str, ...] = PAST_CONTACT.names or ()
+"""Its numbers, where they are stored as columns."""
 
 STEPS = np.dtype(
     [

@@ -143,8 +143,9 @@ def carry_branches(links: Records, v: Array, a: Array, axes: Array, carried: Arr
         spin = v[p + 2]
         carried[i, 0] = v[p] - spin * ry
         carried[i, 1] = v[p + 1] + spin * rx
-        carried[i, 2] = a[p] - spin * spin * rx
-        carried[i, 3] = a[p + 1] - spin * spin * ry
+        faster = a[p + 2]
+        carried[i, 2] = a[p] - faster * ry - spin * spin * rx
+        carried[i, 3] = a[p + 1] + faster * rx - spin * spin * ry
 
 
 @compiled

@@ -1,4 +1,4 @@
-"""Arrays of a run that the kernels fill step by step: series, contacts, peaks and wear.
+"""Records that the kernels keep of a run, step by step: series, contacts, peaks and wear.
 
 Memory does not grow with the number of cycles: series and single contacts are kept for
 the first cycles only; everything else is one row a cycle or a running sum.

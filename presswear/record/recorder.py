@@ -15,7 +15,7 @@ from presswear.linkage.elements import Linkage
 from presswear.physics.contact import CONTACT, note_contacts
 from presswear.physics.energy import LEDGER
 from presswear.physics.packed import pack
-from presswear.physics.touchdown import LEAST_STEPS, MEMORY, PAST_CONTACT, TALLY
+from presswear.physics.touchdown import CONTACT_COLUMNS, LEAST_STEPS, MEMORY, PAST_CONTACT, TALLY
 from presswear.record.film import Film, empty_film, shutter_of
 from presswear.record.observe import (
     CONTACTS_AT_MOST,
@@ -59,7 +59,7 @@ _SMALL = (
 
 @dataclass
 class Recorder:
-    """What one run has observed so far; made anew for every run.
+    """Everything that one run has observed so far; made anew for every run.
 
     Attributes
     ----------
@@ -170,10 +170,9 @@ class Recorder:
         return Film.of(book.film[first : max(frames, first + 1)], book.memory.size)
 
     def episodes(self, k: int) -> Array:
-        """Recorded contacts of joint ``k``, shape (n, 6), columns as in PAST_CONTACT."""
-        columns = len(PAST_CONTACT.names or ())
+        """Recorded contacts of joint ``k``, shape (n, 6), columns CONTACT_COLUMNS."""
         rows = self.book.past[k, : int(self.book.tally["rows"][k])]
-        return np.asarray(rows.view(np.float64).reshape(-1, columns))
+        return np.asarray(rows.view(np.float64).reshape(-1, len(CONTACT_COLUMNS)))
 
     def stop_recording(self) -> None:
         """Keep no further series rows and contacts."""

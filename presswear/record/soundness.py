@@ -79,7 +79,7 @@ class Finding:
 
     @staticmethod
     def from_dict(stored: dict[str, Any]) -> "Finding":
-        """What ``as_dict`` gave."""
+        """Read what ``as_dict`` gave."""
         plain = dict(stored)
         return Finding(time=plain.pop("time_s"), **plain)
 

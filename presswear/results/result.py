@@ -41,8 +41,8 @@ SCHEMA = 4
 FINISHED = ("completed", "failed")
 """Statuses of a run that has come to its end."""
 
-_FIGURES = "presswear.show.figures"
-"""Draws a result; looked up when it is asked for, since results stand below their pictures."""
+_FIGURES, _REPORT = "presswear.show.figures", "presswear.show.report"
+"""Rooms that show a result; looked up when they are asked, since results stand below them."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ class Result:
 
     @property
     def grew_in_steps(self) -> bool:
-        """Whether any wear was applied in more than one step."""
+        """True where any wear was applied in more than one step."""
         return any(len(stage.wear_steps) > 1 for stage in self.stages)
 
     def __str__(self) -> str:
@@ -125,6 +125,14 @@ class Result:
         """
         axes: list[Axes] = import_module(_FIGURES).plot(self, names, stage)
         return axes
+
+    def report(self) -> Path:
+        """Draw the figures and write ``report.html`` into the result's folder; gives its path.
+
+        InputError for a result in memory.
+        """
+        path: Path = import_module(_REPORT).write_report(self)
+        return path
 
     def table(self) -> "pandas.DataFrame":
         """Statistics, a row a stage, a column a number; needs pandas."""
@@ -239,7 +247,7 @@ def _film(file: Path, digest: str | None, scene: Scene) -> Film:
 
 
 def unfinished(result: Result) -> str:
-    """Whether a stored run has not come to its end, and what is there of it, in words."""
+    """Words on a stored run that has not come to its end and what is there of it; or nothing."""
     if result.status in FINISHED or result.path is None:
         return ""
     who = holder(result.path)

@@ -9,8 +9,8 @@ from branches import branching, placed, tree
 from listeners import Interrupts
 
 from presswear.campaign.starts import start_of
-from presswear.engines.exudyn_tree import engine
 from presswear.engines.base import Plan, Run, Start
+from presswear.engines.exudyn_tree import engine
 from presswear.engines.settings import ExudynTree, InHouse
 from presswear.linkage.elements import Attachment, Linkage, Load, Slip, Spring
 from presswear.linkage.surface import Surface

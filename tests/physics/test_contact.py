@@ -13,7 +13,7 @@ from two_bodies import JOINT, Pair, gap_of, placed, worn_joint
 from presswear.linkage.elements import GROUND, Attachment, ClearanceJoint, MapFrame
 from presswear.linkage.laws import FrictionLaw
 from presswear.physics.contact import direction_of, joint_end
-from presswear.physics.laws import ONSET_SPEED_FLOOR, friction_force, normal_force
+from presswear.physics.laws import FRICTION, ONSET_SPEED_FLOOR, friction_force, normal_force
 
 Array = NDArray[np.float64]
 
@@ -87,7 +87,9 @@ def test_force_acts_at_one_point_and_has_the_laws_parts(pair: Pair) -> None:
     assert load.normal == normal_force(
         contact.penetration, contact.rate, 0.5, 1.25e10, 1.5, pair.joint.normal.damping
     )
-    assert load.tangential == friction_force(contact.sliding, load.normal, 0.1, 1e-4, 1e-3)
+    assert load.tangential == friction_force(
+        contact.sliding, load.normal, np.array([(0.1, 1e-4, 1e-3)], FRICTION)[0]
+    )
     n = np.array([contact.normal_x, contact.normal_y])
     t = np.array([-n[1], n[0]])
     force = np.array([load.x, load.y])

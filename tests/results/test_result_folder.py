@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from endurance.sameness import folder_differences
 
 from presswear.__main__ import main
 from presswear.campaign.checkpoint import Checkpoint
@@ -17,7 +18,6 @@ from presswear.campaign.single import run_into
 from presswear.record.tracker import Tracker
 from presswear.results.folder import INTERVAL, LEAST_WAIT, ResultFolder
 from presswear.results.result import load, read_document, unfinished
-from presswear.results.sameness import folder_differences
 from presswear.scene.catalog import wear_times
 from presswear.scene.scene import CONVENTIONS, Scene
 from presswear.scene.settings import changed

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from presswear.physics.constraints import DRIVE, Constraints, constraint_rows
 from presswear.physics.contact import CONTACT, note_contacts
 from presswear.physics.forces import JOINT_RATES, add_contacts
+from presswear.physics.motion import drive_motion
 from presswear.physics.multipliers import Elimination, solve_multipliers, work_out
 from presswear.physics.packed import Packed
 from presswear.physics.springs import spring_forces
@@ -112,7 +113,7 @@ def rates(system: System, onset: Array, t: float, y: Array, out: Array) -> None:
     for i in range(system.constraints.shape[0]):
         c = system.constraints[i]
         if c.kind == DRIVE:
-            power -= system.multipliers[c.row] * c.speed
+            power -= system.multipliers[c.row] * drive_motion(c.drive, t)[1]
     out[2 * n] = power
     out[2 * n + 1] = abs(power)
     for i in range(n):

@@ -17,11 +17,8 @@ from presswear.engines.dae.dynamics import (
     project,
     rates,
 )
-from presswear.engines.dae.runge_kutta import (
-    Tableau,
-    classical_step,
-    embedded_step,
-)
+from presswear.engines.dae.runge_kutta import classical_step, embedded_step
+from presswear.engines.dormand_prince import Tableau
 from presswear.physics.constraints import DRIVE
 from presswear.physics.contact import note_contact, note_contacts
 from presswear.physics.forces import PRESSURE, WORK, note_forces

@@ -29,6 +29,7 @@ from presswear.linkage.elements import Linkage
 from presswear.physics.constraints import constraints_of
 from presswear.physics.energy import Ledger, stored_energy
 from presswear.physics.forces import JOINT_RATES
+from presswear.physics.motion import MOTION, motion_of
 from presswear.physics.touchdown import STEPS
 from presswear.record.observe import Book
 from presswear.record.recorder import Recorder
@@ -38,7 +39,7 @@ from presswear.tools.compiled import Records, specialised
 Array = NDArray[np.float64]
 
 REMEDY = "more steps_per_contact may help"
-"""What makes a run finer."""
+"""Advice that makes a run finer."""
 
 _STAGES = (
     "forces_and_connectors",
@@ -48,7 +49,7 @@ _STAGES = (
     "end_of_step",
 )
 _SUMS = ("steps", "sent_back", "newton", "jacobians", "wall", "total", *_STAGES)
-"""What is summed over the cycles of a run."""
+"""Counts and times that are summed over the cycles of a run."""
 
 
 def _settings(accuracy: ExudynJoints, longest: float) -> Any:
@@ -84,7 +85,7 @@ def _drives(model: Model, linkage: Linkage) -> Drives:
             ],
             dtype=np.int64,
         ),
-        speed=np.array([drive.speed for drive in linkage.drives], dtype=np.float64),
+        motions=np.array([motion_of(drive) for drive in linkage.drives], dtype=MOTION),
         multipliers=model.multipliers,
         force=np.zeros(count),
         rates=np.zeros(JOINT_RATES * len(linkage.clearances)),

@@ -20,9 +20,10 @@ from numpy.typing import NDArray
 from presswear.engines.base import Start
 from presswear.engines.exudyn import Solve
 from presswear.engines.exudyn_joints.kernels import Frame, connector_forces
-from presswear.linkage.elements import GROUND, Attachment, Linkage
+from presswear.linkage.elements import GROUND, Attachment, Drive, Linkage
 from presswear.linkage.topology import cranks_of, hinge_of
 from presswear.physics.contact import CONTACT
+from presswear.physics.motion import drive_motion, is_steady, motion_of
 from presswear.physics.prescribed import pack_cranks
 from presswear.record.observe import Book
 from presswear.record.recorder import Recorder
@@ -60,6 +61,12 @@ class Model:
         data.SetODE2Coordinates_tt(np.array(self.frame.solved_a), initial)
         data.SetAECoordinates(np.array(self.multipliers), initial)
         solve.set_span(settings, longest)
+
+
+def _speed_function(drive: Drive) -> Callable[..., float]:
+    """The function that Exudyn calls for the speed of a drive."""
+    motion = motion_of(drive)
+    return lambda system, t, item, offset: drive_motion(motion, t)[1]
 
 
 def left_out(linkage: Linkage) -> frozenset[str]:
@@ -168,14 +175,15 @@ def assemble(linkage: Linkage, start: Start, recorder: Recorder) -> Model:
             }
         )
         # At velocity level; the trapezoidal rule integrates a constant speed exactly.
-        constraints[drive.name] = system.AddObject(
-            {
-                "objectType": "ConnectorCoordinate",
-                "markerNumbers": [fixed, turned],
-                "velocityLevel": True,
-                "offset": drive.speed,
-            }
-        )
+        turning = {
+            "objectType": "ConnectorCoordinate",
+            "markerNumbers": [fixed, turned],
+            "velocityLevel": True,
+            "offset": drive.speed,
+        }
+        if not is_steady(drive):
+            turning |= {"offset": 0.0, "offsetUserFunction_t": _speed_function(drive)}
+        constraints[drive.name] = system.AddObject(turning)
     for spring in linkage.springs:
         system.AddObject(
             {

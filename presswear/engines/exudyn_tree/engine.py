@@ -54,7 +54,7 @@ from presswear.tools.errors import InputError
 Array = NDArray[np.float64]
 
 REMEDY = "a smaller tree_tolerance may help"
-"""What makes a run finer."""
+"""Advice that makes a run finer."""
 SHORTEST_STEP = 1e-13
 """s."""
 FIRST_STEP = 1e-7
@@ -68,7 +68,7 @@ _INSTANT = 1e-12
 
 _STAGES = ("forces", "mass_matrix", "integrator", "end_of_step")
 _SUMS = ("steps", "sent_back", "wall", "total", *_STAGES)
-"""What is summed over the cycles of a run."""
+"""Counts and times that are summed over the cycles of a run."""
 
 
 def system_of(tree: Tree, linkage: Linkage, longest: float) -> TreeSystem:
@@ -109,7 +109,7 @@ class _Forces:
     calls: int = 0
 
     def function(self) -> Callable[..., Array]:
-        """What Exudyn calls in every stage; its own copies of the state are not needed."""
+        """The function that Exudyn calls in every stage; its copies of the state are not needed."""
         system, out = self.system, self.out
         book = self.book
         packed, contacts = book.packed, book.contacts

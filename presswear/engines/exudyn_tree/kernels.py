@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.engines.dormand_prince import DOPRI5
 from presswear.engines.stepping import all_finite
 from presswear.physics.contact import note_contacts, penetration_acceleration
 from presswear.physics.forces import (
@@ -35,7 +36,7 @@ from presswear.tools.compiled import Records, compiled, copy_to
 
 Array = NDArray[np.float64]
 
-WEIGHTS = np.array([35 / 384, 0.0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84, 0.0])
+WEIGHTS = np.append(DOPRI5.b, 0.0)
 """Weights of the seven stages of DOPRI5."""
 STAGES = WEIGHTS.size
 
@@ -276,7 +277,7 @@ def tree_state(system: TreeSystem, book: Book, t: float, x: Array, u: Array, u_t
     power = 0.0
     for i in range(system.cranks.shape[0]):
         book.torque[i] = drive_torque(system.cranks[i], q, force)
-        power += book.torque[i] * system.cranks[i].speed
+        power += book.torque[i] * v[system.cranks[i].body + 2]
     return power
 
 

@@ -119,9 +119,7 @@ def test_a_joint_without_clearance_is_left_out() -> None:
         for key, found in every_result().items()
     }
     evidence = Evidence.of(results)
-    text = Words(
-        render(make(), results, evidence, list(map(drawn, paper_drawings(evidence))))
-    ).text
+    text = Words(render(make(), results, evidence, list(map(drawn, paper_drawings(evidence))))).text
     assert "not computed" in text
     rows = [row for _, group in numbers_table(evidence)[0].groups for row in group]
     assert all((row[3] == "–") == ("joint C" in row[0]) for row in rows)
