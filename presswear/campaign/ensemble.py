@@ -29,7 +29,7 @@ from presswear.record.sampling import (
 from presswear.record.soundness import Finding
 from presswear.record.tracker import Tracker
 from presswear.scene.scene import Scene
-from presswear.tools.state import State
+from presswear.tools.arrays import State
 
 Array = NDArray[np.float64]
 

@@ -23,6 +23,7 @@ CRANK = np.dtype(
         ("hinge_y", np.float64),
         ("local_x", np.float64),  # the same point in the body's frame, m
         ("local_y", np.float64),
+        ("inertia", np.float64),  # about the hinge, kg m^2
         ("drive", MOTION),
     ]
 )
@@ -62,7 +63,10 @@ def place_cranks(cranks: Records, t: float, q: Array, v: Array, a: Array, axes: 
 
 @compiled
 def drive_torque(crank: Records, q: Array, force: Array) -> float:
-    """Torque, N m, that a drive must give against the generalized forces on its body."""
+    """Torque, N m, that a drive must give against the generalized forces on its body.
+
+    Those of its inertia are among them.
+    """
     b = crank.body
     rx = q[b] - crank.hinge_x
     ry = q[b + 1] - crank.hinge_y
@@ -71,12 +75,14 @@ def drive_torque(crank: Records, q: Array, force: Array) -> float:
 
 
 @compiled
-def forced_power(cranks: Records, v: Array, force: Array) -> float:
-    """Power, W, of the generalized forces on the prescribed bodies."""
+def forced_power(cranks: Records, v: Array, a: Array, force: Array) -> float:
+    """Power, W, of the generalized forces on the prescribed bodies, less what speeds them up."""
     power = 0.0
     for i in range(cranks.shape[0]):
-        for c in range(cranks[i].body, cranks[i].body + 3):
+        b = cranks[i].body
+        for c in range(b, b + 3):
             power += force[c] * v[c]
+        power -= cranks[i].inertia * a[b + 2] * v[b + 2]
     return power
 
 
@@ -95,4 +101,6 @@ def pack_cranks(linkage: Linkage, bodies: frozenset[str]) -> Records:
         record["hinge_x"], record["hinge_y"] = on_frame.x, on_frame.y
         record["local_x"], record["local_y"] = on_body.x, on_body.y
         pack_motion(drive, record["drive"])
+        body = linkage.bodies[linkage.index(drive.body)]
+        record["inertia"] = body.inertia + body.mass * (on_body.x**2 + on_body.y**2)
     return cranks

@@ -37,7 +37,7 @@ from presswear.record.observe import (
     settle_state,
 )
 from presswear.record.sampling import MapBatches
-from presswear.tools.state import State, named, part
+from presswear.tools.arrays import State, named, part
 
 Array = NDArray[np.float64]
 

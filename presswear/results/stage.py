@@ -1,8 +1,8 @@
 """One stage of a result: what ran, what it observed, and the wear after it."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,9 @@ from presswear.record.soundness import Finding
 from presswear.scene.scene import stage_name
 from presswear.tools.errors import InputError
 
+if TYPE_CHECKING:
+    from presswear.results.stored import StoredStage
+
 Array = NDArray[np.float64]
 
 SIDES = ("bearing", "pin")
@@ -21,7 +24,7 @@ SIDES = ("bearing", "pin")
 
 @dataclass(frozen=True)
 class WearStep:
-    """One step of a wear.
+    """One step of a wear; its fields are the names in ``result.json``.
 
     Attributes
     ----------
@@ -31,48 +34,23 @@ class WearStep:
         Cycles of the run that it multiplies.
     factor : float
         Their quotient.
-    change : float
+    largest_change_of_clearance : float
         Largest change of a profile, part of its clearance.
-    deepest : dict
+    deepest_m : dict
         Deepest depth of all wears so far by joint, then ``bearing`` and ``pin``, m.
-    force : dict
+    force_max_N : dict
         Peak normal force of the run by joint, N.
-    wall : float
+    wall_s : float
         Wall time of the run, s.
     """
 
     represented_cycles: float
     cycles: int
     factor: float
-    change: float
-    deepest: Mapping[str, Mapping[str, float]]
-    force: Mapping[str, float]
-    wall: float
-
-    def as_dict(self) -> dict[str, Any]:
-        """Give the step as ``result.json`` holds it."""
-        return {
-            "represented_cycles": self.represented_cycles,
-            "cycles": self.cycles,
-            "factor": self.factor,
-            "largest_change_of_clearance": self.change,
-            "deepest_m": {joint: dict(sides) for joint, sides in self.deepest.items()},
-            "force_max_N": dict(self.force),
-            "wall_s": self.wall,
-        }
-
-    @staticmethod
-    def from_dict(stored: Mapping[str, Any]) -> "WearStep":
-        """Read what ``as_dict`` gave."""
-        return WearStep(
-            stored["represented_cycles"],
-            stored["cycles"],
-            stored["factor"],
-            stored["largest_change_of_clearance"],
-            stored["deepest_m"],
-            stored["force_max_N"],
-            stored["wall_s"],
-        )
+    largest_change_of_clearance: float
+    deepest_m: Mapping[str, Mapping[str, float]]
+    force_max_N: Mapping[str, float]  # noqa: N815
+    wall_s: float
 
 
 @dataclass(frozen=True)
@@ -246,9 +224,9 @@ class StageResult:
             "index": self.index,
             "status": self.status,
             "message": self.message,
-            "finding": self.finding.as_dict() if self.finding else None,
+            "finding": asdict(self.finding) if self.finding else None,
             "amplification": self.amplification,
-            "wear_steps": [step.as_dict() for step in self.wear_steps],
+            "wear_steps": [asdict(step) for step in self.wear_steps],
             "simulated_s": self.simulated,
             "wall_s": self.wall,
             "diagnostics": dict(self.diagnostics),
@@ -256,24 +234,24 @@ class StageResult:
         }
 
     @staticmethod
-    def from_dict(
-        stored: Mapping[str, Any],
+    def restored(
+        stored: "StoredStage",
         arrays: Mapping[str, Array],
         joint_names: tuple[str, ...],
         read_film: Callable[[], Film],
     ) -> "StageResult":
-        """Read what ``as_dict`` gave, checked, with its arrays."""
+        """Put together what ``as_dict`` gave, read and checked, and its arrays."""
         return StageResult(
-            stored["index"],
-            stored["status"],
-            stored["message"],
-            Finding.from_dict(stored["finding"]) if stored["finding"] else None,
-            stored["amplification"],
-            tuple(map(WearStep.from_dict, stored["wear_steps"])),
-            stored["simulated_s"],
-            stored["wall_s"],
-            stored["diagnostics"],
-            stored["statistics"],
+            stored.index,
+            stored.status,
+            stored.message,
+            stored.finding,
+            stored.amplification,
+            stored.wear_steps,
+            stored.simulated_s,
+            stored.wall_s,
+            stored.diagnostics,
+            stored.statistics,
             arrays,
             joint_names,
             read_film,

@@ -15,8 +15,9 @@ from presswear.results.folder import ResultFolder
 from presswear.results.result import SCHEMA, Result, load, plain
 from presswear.scene.catalog import slider_crank, wear_times
 from presswear.scene.scene import CONVENTIONS, Scene
+from presswear.tools.documents import sealed_json
 from presswear.tools.errors import InputError
-from presswear.tools.files import sealed_json, write_whole
+from presswear.tools.files import write_whole
 
 Ran = tuple[Scene, Result, Result]
 """A scene, its result in memory, and its result on disk."""

@@ -136,7 +136,9 @@ def drive_power(frame: Frame, drives: Drives, book: Book, t: float) -> float:
         if drives.multiplier[i] >= 0:
             torque = -drives.multipliers[drives.multiplier[i]]
         else:
-            torque = drive_torque(frame.cranks[crank], frame.q, drives.force)
+            own = frame.cranks[crank]
+            torque = drive_torque(own, frame.q, drives.force)
+            torque += own.inertia * frame.a[own.body + 2]
             crank += 1
         book.torque[i] = torque
         power += torque * drive_motion(drives.motions[i], t)[1]

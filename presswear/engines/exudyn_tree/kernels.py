@@ -130,7 +130,7 @@ def stage_forces(
         pace.noted = t
     add_contacts(packed.joints, system.expected, contacts, force, row[1:])
     carry_branches(system.links, v, a, axes, system.carried)
-    power = -forced_power(system.cranks, v, force)
+    power = -forced_power(system.cranks, v, a, force)
     for i in range(system.links.shape[0]):
         link = system.links[i]
         b = link.body
