@@ -96,6 +96,12 @@ class Pair:
         """Forces, for a closing speed at first touch."""
         return joint_load(self.packed, onset, self.q, self.v)
 
+    def moment_of(self, load: Load) -> float:
+        """Sum of all moments about the origin, N m, that forces put on the two bodies."""
+        q = self.q
+        of_forces = (q[3] - q[0]) * load.y - (q[4] - q[1]) * load.x
+        return float(of_forces + load.pin_moment + load.bearing_moment)
+
     def after(self, time: float, acceleration: Array | None = None) -> "Pair":
         """The state a time later at constant acceleration."""
         a = np.zeros(6) if acceleration is None else acceleration

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.physics.touchdown import CONTACT_COLUMNS
 from presswear.record.film import Film
-from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT, EPISODE_COLUMNS
+from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
 from presswear.record.soundness import Finding
 from presswear.scene.scene import stage_name
 from presswear.tools.errors import InputError
@@ -90,8 +91,8 @@ class JointResult:
         return self.arrays["sliding"]
 
     def contact(self, name: str) -> Array:
-        """A number of each recorded contact, by a name of ``EPISODE_COLUMNS``, shape (k,); SI."""
-        return self.arrays["contacts"][:, EPISODE_COLUMNS.index(name)]
+        """A number of each recorded contact, by a name of ``CONTACT_COLUMNS``, shape (k,); SI."""
+        return self.arrays["contacts"][:, CONTACT_COLUMNS.index(name)]
 
     def each_cycle(self, name: str) -> Array:
         """A number of each cycle, by its name in ``CYCLE_JOINT``, shape (cycles,); SI units."""

@@ -126,7 +126,7 @@ def prepare(
     ready = clock.perf_counter()
 
     def stored() -> float:
-        return stored_energy(book.packed, book.touch["energy"], y[:n], y[n : 2 * n])
+        return stored_energy(book.packed, book.memory["energy"], y[:n], y[n : 2 * n])
 
     energy_before = stored()
     sums = {"solve": 0.0}

@@ -142,7 +142,7 @@ def prepare(
         model.system.SetPostStepUserFunction(post_step(solve, accept))
         if linkage.clearances:
             model.system.SetPostNewtonUserFunction(lambda system, t: send_back(system, t))
-    energies = book.touch["energy"]
+    energies = book.memory["energy"]
     before = stored_energy(book.packed, energies, start.position, start.velocity)
     exudyn = _settings(settings, longest)
 
@@ -162,7 +162,7 @@ def prepare(
 
     def ledger() -> Ledger:
         stored = stored_energy(book.packed, energies, *state()[1:])
-        return Ledger.of(book.ledger, stored - before)
+        return Ledger.of(book.ledger[0], stored - before)
 
     def diagnostics() -> dict[str, float | int | str]:
         sums = solve.sums

@@ -195,11 +195,11 @@ def prepare(
 
     def energy() -> tuple[float, float]:
         q, v = system.state[0], system.state[1]
-        stored = stored_energy(book.packed, book.touch["energy"], q, v)
+        stored = stored_energy(book.packed, book.memory["energy"], q, v)
         return stored, hinge_power_integral(system)
 
     tree_state(system, book, 0.0, model.x, model.u, np.zeros(len(tree.links)))
-    book.touch["energy"] = book.contacts["energy"]  # of pins that start pressed in
+    book.memory["energy"] = book.contacts["energy"]  # of pins that start pressed in
     stored_before, momentum_before = energy()
     exudyn = _settings(settings, longest)
 
@@ -214,8 +214,8 @@ def prepare(
 
     def ledger() -> Ledger:
         stored, momentum = energy()
-        sums = book.ledger.copy()
-        sums[0] += momentum - momentum_before
+        sums = book.ledger[0].copy()
+        sums["drive_work"] += momentum - momentum_before
         return Ledger.of(sums, stored - stored_before)
 
     def diagnostics() -> dict[str, float | int | str]:
