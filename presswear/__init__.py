@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from presswear.scene.scene import Conventions as Conventions
     from presswear.scene.scene import Scene as Scene
     from presswear.studies import study as study
+    from presswear.studies import write_report as write_report
     from presswear.tools.errors import InputError as InputError
     from presswear.tools.errors import RunFailed as RunFailed
 
@@ -69,7 +70,7 @@ _ROOMS = {
     "results.result": ("Result", "load"),
     "results.stage": ("JointResult", "StageResult"),
     "scene.scene": ("Bearings", "Conventions", "Scene"),
-    "studies": ("study",),
+    "studies": ("study", "write_report"),
     "tools.errors": ("InputError", "RunFailed"),
 }
 _OWNERS = {name: room for room, names in _ROOMS.items() for name in names}

@@ -1,29 +1,13 @@
-"""The whole paper: every scene, number, claim and figure beside ours (some minutes).
+"""The whole paper: every scene, number, claim and figure beside ours (some minutes)."""
 
-Run:  python scenarios/paper.py
-"""
-
-from pathlib import Path
-
-from presswear.campaign.study import run_study
-from presswear.studies.paper.report import write_paper_report
-from presswear.studies.paper.variants import paper
+import presswear as pw
 
 
-def main() -> None:
-    study = paper()
-    folder = Path("results/paper-script")
-    told: set[str] = set()
-
-    def progress(key: str, part: float, word: str) -> None:
-        if part >= 1.0 and key not in told:
-            told.add(key)
-            print(f"finished {len(told)} of {len(study.variants)}: {key}")
-
-    run_study(study, folder, jobs=2, resume=folder.exists(), told=progress)
-    answer, report = write_paper_report(study, folder)
-    print(answer)
-    print("report:", report)
+def main(folder: str = "results/paper", **settings: str) -> None:
+    study = pw.study("paper", **settings)
+    pw.run(study, folder, jobs=2)
+    answer, report = pw.write_report(study, folder)
+    print(f"{answer}\nreport: {report}")
 
 
 if __name__ == "__main__":

@@ -17,9 +17,10 @@ from presswear.linkage.elements import (
 )
 from presswear.linkage.laws import FrictionLaw, NormalLaw
 from presswear.linkage.surface import Surface
-from presswear.physics.clearance import STATE, contact_of, load_of, note_contacts
-from presswear.physics.joint_data import Contact, Load, Pose
+from presswear.physics.contact import CONTACT, note_contacts, penetration_acceleration
+from presswear.physics.forces import Load, load_of
 from presswear.physics.packed import Packed, pack
+from presswear.tools.compiled import Records
 
 Array = NDArray[np.float64]
 
@@ -50,11 +51,16 @@ def worn_joint(frame: MapFrame, count: int = 24, deepest: float = 1e-4) -> Clear
     )
 
 
+def joint_contact(packed: Packed, q: Array, v: Array) -> Records:
+    """Contact of the one joint in a state of the linkage."""
+    contacts = np.zeros(1, CONTACT)
+    note_contacts(packed, contacts, q, v)
+    return contacts.view(np.recarray)[0]
+
+
 def joint_load(packed: Packed, onset: float, q: Array, v: Array) -> Load:
     """Forces of the one joint in a state of the linkage, for a closing speed at touchdown."""
-    states = np.zeros(1, STATE)
-    note_contacts(packed, states, q, v)
-    return load_of(packed.joints[0], onset, states[0])
+    return load_of(packed.joints[0], onset, joint_contact(packed, q, v))
 
 
 @dataclass(frozen=True)
@@ -77,13 +83,24 @@ class Pair:
         """The linkage as the kernels see it."""
         return pack(self.linkage)
 
-    def contact(self) -> tuple[Contact, Pose, Pose]:
-        """Contact, bearing end and pin end."""
-        return contact_of(self.packed, 0, self.q, self.v)
+    def contact(self) -> Records:
+        """Contact without its forces."""
+        return joint_contact(self.packed, self.q, self.v)
+
+    def penetration_acceleration(self, a: Array) -> float:
+        """Second time derivative of the penetration, m/s^2, at given accelerations."""
+        packed = self.packed
+        return penetration_acceleration(packed.joints[0], packed.surfaces[0], self.contact(), a)
 
     def load(self, onset: float) -> Load:
         """Forces, for a closing speed at first touch."""
         return joint_load(self.packed, onset, self.q, self.v)
+
+    def moment_of(self, load: Load) -> float:
+        """Sum of all moments about the origin, N m, that forces put on the two bodies."""
+        q = self.q
+        of_forces = (q[3] - q[0]) * load.y - (q[4] - q[1]) * load.x
+        return float(of_forces + load.pin_moment + load.bearing_moment)
 
     def after(self, time: float, acceleration: Array | None = None) -> "Pair":
         """The state a time later at constant acceleration."""

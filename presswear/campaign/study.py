@@ -11,14 +11,14 @@ from pathlib import Path
 from typing import Any
 
 from presswear.results.provenance import Provenance, provenance, provenance_differs
-from presswear.results.result import FINISHED, Result, load
+from presswear.results.result import FINISHED, Result, load, read_document
 from presswear.scene.scene import Scene
 from presswear.tools.documents import read_json, schema_of, typed
 from presswear.tools.errors import InputError
 from presswear.tools.folders import is_free
 
 Change = Callable[[Scene], Scene]
-"""What a person wants changed in the scene that a study starts from."""
+"""A change that a person asks for in the scene that a study starts from."""
 
 FILE = "study.json"
 SCHEMA = 2
@@ -108,7 +108,7 @@ class StoredStudy:
 
 
 def is_study(folder: Path) -> bool:
-    """Whether a folder is that of a study."""
+    """True where a folder is that of a study."""
     return (folder / FILE).exists()
 
 
@@ -139,8 +139,11 @@ def _study_of(stored: StoredStudy, folder: Path) -> Study:
 
 
 def is_finished(path: Path) -> bool:
-    """Whether a folder holds the whole result of a scene."""
-    return (path / "result.json").exists() and load(path).status in FINISHED
+    """True where a folder holds the whole result of a scene."""
+    if not (path / "result.json").exists():
+        return False
+    # The other files of one at work change while they are read.
+    return read_document(path)["status"] in FINISHED and load(path).status in FINISHED
 
 
 def waiting(study: Study, folder: Path, resume: bool) -> list[Variant]:

@@ -3,7 +3,6 @@
 import argparse
 from collections.abc import Callable
 from dataclasses import dataclass
-from importlib import import_module
 from pathlib import Path
 
 from rich.console import Console
@@ -11,7 +10,6 @@ from rich.progress import Progress, TaskID
 
 from presswear.campaign.parallel import run_study
 from presswear.campaign.study import (
-    Change,
     Study,
     Variant,
     is_study,
@@ -28,23 +26,9 @@ from presswear.commands.terminal import (
 )
 from presswear.record.tracker import Tracker
 from presswear.scene.scene import Scene
-from presswear.studies import STUDIES
+from presswear.studies import STUDIES, make_study, write_report
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.stopping import check_stopped
-
-
-def _builder(name: str) -> Callable[[Change], Study]:
-    """The function that makes a study of a name; imported only when wanted."""
-    found: Callable[[Change], Study] = import_module(f"presswear.studies.{name}.variants").make
-    return found
-
-
-def _write_report(study: Study, folder: Path) -> tuple[str, Path]:
-    """Write a study's report into its folder; gives its answer and its path."""
-    found: tuple[str, Path] = import_module(f"presswear.studies.{study.name}.report").write_report(
-        study, folder
-    )
-    return found
 
 
 @dataclass
@@ -114,7 +98,7 @@ def run(
                 f"--out {arguments.out}: it holds the study {study.name}, not {arguments.scene}"
             )
     else:
-        study = _builder(arguments.scene)(change or unchanged)
+        study = make_study(arguments.scene, change or unchanged)
     folder = arguments.out if arguments.out is not None else free_folder(study.name)
     go_on = go_on_with(study.name, folder)
     waiting(study, folder, arguments.resume)
@@ -135,7 +119,7 @@ def check_study(study: Study, folder: Path) -> None:
     """InputError where a stored study is not one that this version can tell about."""
     if study.name not in STUDIES:
         raise InputError(f"{folder} holds the study {study.name!r}; known are {', '.join(STUDIES)}")
-    wanted = {variant.key for variant in _builder(study.name)(unchanged).variants}
+    wanted = {variant.key for variant in make_study(study.name, unchanged).variants}
     differs = sorted(wanted ^ {variant.key for variant in study.variants})
     if differs:
         raise InputError(
@@ -148,7 +132,7 @@ def report(folder: Path, console: Console) -> int:
     """Write the report of a study's folder anew."""
     study = load_study(folder)
     check_study(study, folder)
-    answer, path = _write_report(study, folder)
+    answer, path = write_report(study, folder)
     console.print(answer, highlight=False)
     console.print(f"results in {folder}, report in {path}", highlight=False)
     return 0

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.linkage.elements import ClearanceJoint
-from presswear.physics.joint_data import Contact, direction_of
+from presswear.physics.contact import direction_of
 from presswear.physics.surface import BEARING, PIN, SLOPE, bin_of, profile
 from presswear.tools.compiled import Records, compiled
 
@@ -30,7 +30,7 @@ BIN_SAMPLES = 4
 
 
 @compiled
-def slip_speed(by_angle: bool, pin_radius: float, contact: Contact) -> float:
+def slip_speed(by_angle: bool, pin_radius: float, contact: Records) -> float:
     """Rate of slip ds/dt, m/s: (R_j + delta) |phi_dot| (equation 24) or |v_t|."""
     if by_angle:
         return (pin_radius + contact.penetration) * abs(contact.turning)
@@ -61,7 +61,7 @@ def contact_area(
 
 
 @compiled
-def dose_rates(joint: Records, contact: Contact, normal: float) -> tuple[float, float]:
+def dose_rates(joint: Records, contact: Records, normal: float) -> tuple[float, float]:
     """Rates of the two doses of wear: F_n ds/dt, W, and p ds/dt, W/m^2, with p = F_n / A.
 
     Zero where no account is kept.
@@ -84,9 +84,7 @@ def dose_rates(joint: Records, contact: Contact, normal: float) -> tuple[float, 
 def deposit_in_bin(
     depth: Array,
     joint: Records,
-    contact: Contact,
-    bearing_angle: float,
-    pin_angle: float,
+    contact: Records,
     pressure_dose: float,
 ) -> None:
     """Add the wear of a dose p ds, N/m, to the bins of the contact.
@@ -99,8 +97,8 @@ def deposit_in_bin(
     added = joint.wear_coefficient * pressure_dose
     count = depth.shape[1]
     turns = joint.map_turns
-    bearing_bin = bin_of(direction_of(contact) - turns * bearing_angle, count)
-    pin_bin = bin_of(direction_of(contact) - turns * pin_angle, count)
+    bearing_bin = bin_of(direction_of(contact) - turns * contact.bearing_angle, count)
+    pin_bin = bin_of(direction_of(contact) - turns * contact.pin_angle, count)
     depth[0, bearing_bin] += joint.bearing_share * added
     depth[1, pin_bin] += (1.0 - joint.bearing_share) * added
 
@@ -110,9 +108,7 @@ def deposit_over_arc(
     depth: Array,
     joint: Records,
     surfaces: Array,
-    contact: Contact,
-    bearing_angle: float,
-    pin_angle: float,
+    contact: Records,
     dose: float,
     pressure: Array,
 ) -> None:
@@ -126,8 +122,8 @@ def deposit_over_arc(
     worn = surfaces.shape[1] > 0
     turns = joint.map_turns
     direction = direction_of(contact)
-    bearing_zero = turns * bearing_angle
-    pin_zero = turns * pin_angle
+    bearing_zero = turns * contact.bearing_angle
+    pin_zero = turns * contact.pin_angle
     # A step that ends with the separation leaves its wear where the pin last was.
     penetration = max(contact.penetration, SLIGHTEST_PENETRATION)
     half_arc = math.sqrt(2.0 * penetration / contact.eccentricity)

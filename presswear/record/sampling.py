@@ -329,7 +329,7 @@ def pooled(runs: Sequence[Array]) -> tuple[Estimate, bool]:
 
 
 def differ(samples: Sequence[Array]) -> bool:
-    """Whether some groups of samples have means that differ (analysis of variance, 1 %)."""
+    """True where some groups of samples have means that differ (analysis of variance, 1 %)."""
     groups = [some for some in samples if some.size >= LEAST_SAMPLES]
     if len(groups) < 2 or all(np.ptp(some) == 0.0 for some in groups):
         return False

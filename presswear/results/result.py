@@ -82,7 +82,7 @@ class Result:
 
     @property
     def grew_in_steps(self) -> bool:
-        """Whether any wear was applied in more than one step."""
+        """True where any wear was applied in more than one step."""
         return any(len(stage.wear_steps) > 1 for stage in self.stages)
 
     def __str__(self) -> str:
@@ -230,7 +230,7 @@ def _film(file: Path, digest: str, scene: Scene) -> Film:
 
 
 def unfinished(result: Result) -> str:
-    """Whether a stored run has not come to its end, and what is there of it, in words."""
+    """Words on a stored run that has not come to its end and what is there of it; or nothing."""
     if result.status in FINISHED or result.path is None:
         return ""
     who = holder(result.path)

@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.physics.touchdown import CONTACT_COLUMNS
 from presswear.record.film import Film
+from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
 from presswear.record.soundness import Finding
 from presswear.scene.scene import stage_name
 from presswear.tools.errors import InputError
@@ -88,10 +90,13 @@ class JointResult:
         """Sliding speed at the contact, shape (n,), m/s."""
         return self.arrays["sliding"]
 
-    @property
-    def contacts(self) -> Array:
-        """Recorded contacts, shape (k, 6), columns ``CONTACT_COLUMNS``."""
-        return self.arrays["contacts"]
+    def contact(self, name: str) -> Array:
+        """A number of each recorded contact, by a name of ``CONTACT_COLUMNS``, shape (k,); SI."""
+        return self.arrays["contacts"][:, CONTACT_COLUMNS.index(name)]
+
+    def each_cycle(self, name: str) -> Array:
+        """A number of each cycle, by its name in ``CYCLE_JOINT``, shape (cycles,); SI units."""
+        return self.arrays["cycles"][:, CYCLE_JOINT.index(name)]
 
     def depth(self, side: str) -> Array:
         """Depth that the stage ran on, bearing or pin, shape (m,), m."""
@@ -155,7 +160,7 @@ class StageResult:
 
     @property
     def failed(self) -> bool:
-        """Whether the run of the stage failed, so that its numbers are worth nothing."""
+        """True where the run of the stage failed, so that its numbers are worth nothing."""
         return self.status == "failed"
 
     @property
@@ -197,18 +202,21 @@ class StageResult:
     def joints(self) -> dict[str, JointResult]:
         """Joints with clearance by name."""
         told = self.statistics.get("joints", {})
-        return {
-            name: JointResult(
-                name,
-                told.get(name, {}),
-                {
-                    key.removeprefix(f"{name}_"): array
-                    for key, array in self.arrays.items()
-                    if key.startswith(f"{name}_")
-                },
-            )
-            for name in self.joint_names
-        }
+        found = {}
+        for k, name in enumerate(self.joint_names):
+            own = {
+                key.removeprefix(f"{name}_"): array
+                for key, array in self.arrays.items()
+                if key.startswith(f"{name}_")
+            }
+            first = len(CYCLE_FIXED) + len(CYCLE_JOINT) * k
+            own["cycles"] = self.arrays["cycles"][:, first : first + len(CYCLE_JOINT)]
+            found[name] = JointResult(name, told.get(name, {}), own)
+        return found
+
+    def each_cycle(self, name: str) -> Array:
+        """A number of each cycle, by its name in ``CYCLE_FIXED``, shape (cycles,); SI units."""
+        return self.arrays["cycles"][:, CYCLE_FIXED.index(name)]
 
     def as_dict(self) -> dict[str, Any]:
         """Give everything but its arrays as ``result.json`` holds it."""

@@ -156,7 +156,7 @@ _RESTORED: Mapping[str, Callable[[Mapping[str, Any]], Press | SliderCrank]] = {
     Press.kind: Press.from_dict,
     SliderCrank.kind: SliderCrank.from_dict,
 }
-"""What makes a stored mechanism anew, by its kind."""
+"""Functions that make a stored mechanism anew, by its kind."""
 
 
 ENGINES = ("exudyn", ExudynTree.word, ExudynJoints.word, InHouse.word)
@@ -309,7 +309,7 @@ class Scene:
 
     @property
     def wears_in_steps(self) -> bool:
-        """Whether a wear is applied in steps.
+        """True where a wear is applied in steps.
 
         By the conventions where the scene leaves it to them: a profile whose depth depends on
         the width of its bins has no step that is small enough.

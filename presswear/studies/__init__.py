@@ -1,10 +1,11 @@
 """Questions that take more than one run; each is imported when it is asked."""
 
 from importlib import import_module
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from presswear.campaign.study import Study
+    from presswear.campaign.study import Change, Study
 
 STUDIES = {
     "paper": "Study: every number and figure of the paper, with errors",
@@ -13,14 +14,25 @@ STUDIES = {
 """Names and titles of the studies, which run several scenes each."""
 
 
-def study(name: str, **settings: Any) -> "Study":
-    """A named study, its scenes changed by settings as those of ``presswear.scenes`` are."""
-    from presswear.scene.settings import changed
+def make_study(name: str, change: "Change") -> "Study":
+    """A named study, its scenes begun from changed ones; InputError lists the names."""
     from presswear.tools.errors import unknown
 
     if name not in STUDIES:
         raise unknown("study", name, STUDIES)
-    found: Study = import_module(f"presswear.studies.{name}.variants").make(
-        lambda scene: changed(scene, settings)
-    )
+    found: Study = import_module(f"presswear.studies.{name}.variants").make(change)
+    return found
+
+
+def study(name: str, **settings: Any) -> "Study":
+    """A named study, its scenes changed by settings as those of ``presswear.scenes`` are."""
+    from presswear.scene.settings import changed
+
+    return make_study(name, lambda scene: changed(scene, settings))
+
+
+def write_report(study: "Study", folder: str | Path) -> tuple[str, Path]:
+    """Write the report of a study that ran into its folder; gives its answer and its path."""
+    module = import_module(f"presswear.studies.{study.name}.report")
+    found: tuple[str, Path] = module.write_report(study, Path(folder))
     return found

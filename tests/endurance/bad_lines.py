@@ -6,7 +6,7 @@ that the scene states, without its unit, or together with what it contradicts.
 
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from random import Random
 from typing import Any
 
@@ -103,46 +103,25 @@ precision --quick --set=joints=none
 precision --quick --set=wear_coefficient=0/Pa
 precision --quick --set=exponent=2
 """
-_OPTIONS = """
-run {scene} --cycles={count}
-run {scene} --wears={text}
-run {scene} --wears=-1
-run {scene} --wears={many}
-run {scene} --tolerance={count}
-run paper --jobs={count}
-run {scene} --engine={text}
-run {scene} --conventions={text}
-run {scene} --out={place}
-run ideal --set={word}
-crosscheck --duration={text}
-crosscheck --duration=1e300
-crosscheck --until={no_count}
-crosscheck ideal --against={text}.csv
-costs --repeats={count}
-precision --repeats={count}
-precision --out={place}
-export {folder} a.csv --stage={count}
-export no/{text} a.csv
-report no/{text}
-report
-run
-run --set
-run ideal --engine
-run ideal ideal
-export x
-verify x
-verify --long
-list ideal friction
-crosscheck --set=clearance=1
-crosscheck --out=x --until=1
-crosscheck {folder} --against {file}
-"""
-_NAMES = """
-no{text}
-{command} no{text}
-{command} --x{word}
-{command} --x{word}={text}
-"""
+_OPTIONS = {
+    "run {scene}": "cycles={count} wears={text} wears=-1 wears={many} tolerance={count} "
+    "engine={text} conventions={text} out={place}",
+    "run paper": "jobs={count}",
+    "run ideal": "set={word}",
+    "crosscheck": "duration={text} duration=1e300 until={no_count} set=clearance=1",
+    "crosscheck ideal": "against={text}.csv",
+    "costs": "repeats={count}",
+    "precision": "repeats={count} out={place}",
+    "export {folder} a.csv": "stage={count}",
+}
+"""Values of options that none of them has, by what stands before them."""
+_LINES = (
+    *("export no/{text} a.csv", "report no/{text}", "report", "run", "run --set", "export x"),
+    *("run ideal --engine", "run ideal ideal", "verify x", "verify --long", "list ideal friction"),
+    *("crosscheck --out=x --until=1", "crosscheck {folder} --against {file}"),
+    *(f"{line} --{option}" for line, options in _OPTIONS.items() for option in options.split()),
+)
+_NAMES = ("no{text}", "{command} no{text}", "{command} --x{word}", "{command} --x{word}={text}")
 
 
 def _text(draw: Random, most: int = 40) -> str:
@@ -166,9 +145,8 @@ def _within(draw: Random, low: float, high: float) -> float:
     return draw.choice((low, high, *(draw.uniform(low, high) for _ in range(8))))
 
 
-def _filled(templates: str) -> Family:
+def _filled(lines: Sequence[str]) -> Family:
     """Lines like given ones, a word for each of theirs."""
-    lines = templates.strip().splitlines()
 
     def line(draw: Random) -> list[str]:
         text, no_count = _wild(draw), draw.choice(_NO_COUNTS)
@@ -280,7 +258,7 @@ def _at_odds(draw: Random) -> list[str]:
             lengths(_CRANK, crank_length=length, rod_length=max(length * part, 1e-3)),
             _set(_PRESS, **ramp),
             [*_set(_PRESS, exponent=f"{exponent!r}"), "--conventions=refined"],
-            _filled(_AT_ODDS)(draw),
+            _filled(_AT_ODDS.strip().splitlines())(draw),
         )
     )
 
@@ -295,7 +273,7 @@ FAMILIES: dict[str, Family] = {
         Meaning, lambda draw, own: f"{draw.randrange(90)}.5", lambda own: own.whole
     ),
     "contradictions": _at_odds,
-    "bad options": _filled(_OPTIONS),
+    "bad options": _filled(_LINES),
     "bad names": _filled(_NAMES),
 }
 """All kinds of bad command lines."""

@@ -14,6 +14,7 @@ import warnings
 import zipfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from operator import setitem
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -79,67 +80,36 @@ def leaves(owner: Any) -> Iterator[tuple[Any, Any]]:
             yield owner, key
 
 
-def _stage(draw: Random) -> str:
-    return f"stage-{draw.randrange(2)}.npz"
-
-
-def no_leaf(draw: Random, folder: Path) -> None:
-    """A number or text that is of no kind that fits."""
+def altered_document(draw: Random, folder: Path) -> None:
+    """A document with a part of no kind that fits, missing, strange, or at odds with others."""
     with document_of(folder) as document:
-        checksums = document["files"]
-        places = [(own, key) for own, key in leaves(document) if own is not checksums]
-        owner, key = draw.choice([place for place in places if place[1] != "digest"])
-        owner[key] = draw.choice(NO_LEAVES)
-
-
-def missing_part(draw: Random, folder: Path) -> None:
-    """A part of the document or of its scene that is not there."""
-    with document_of(folder) as document:
-        scene = document["scene"]
-        parts = [value for key, value in scene.items() if key != "statuses"]
-        owners = [scene, *(part for part in parts if isinstance(part, dict))]
-        owner = draw.choice([document, draw.choice(document["stages"]), *owners])
-        del owner[draw.choice(sorted(owner.keys() - {"digest"}))]
-
-
-def strange_part(draw: Random, folder: Path) -> None:
-    """A part that no version has ever known inside the scene."""
-    with document_of(folder) as document:
-        scene = document["scene"]
-        parts = [scene, *(scene[name] for name in ("bearings", "numerics", "mechanism"))]
-        draw.choice(parts)[draw.choice(("colour", "__class__", "self", "\n", ""))] = 1
-
-
-def other_schema(draw: Random, folder: Path) -> None:
-    """A version that is newer, none, or equal to one for Python but not for us."""
-    with document_of(folder) as document:
-        own = document["schema"]
-        values = (0, -1, own + 1, own - 1, True, False, float(own), 1.0, f"{own}", None, 10**30)
-        document["schema"] = draw.choice((*values, [own], {f"{own}": own}))
-
-
-def another_stage(draw: Random, folder: Path) -> None:
-    """A stage of another number, or one that leads out of the folder."""
-    values = (-1, 7, 10**9, "0", "../stage-0", "0/../../x", 0.0, 1.0, True, None, [0], "\0")
-    with document_of(folder) as document:
-        draw.choice(document["stages"])["index"] = draw.choice(values)
-
-
-def contradiction(draw: Random, folder: Path) -> None:
-    """Parts that do not fit each other."""
-    with document_of(folder) as document:
-        scene, stages = document["scene"], document["stages"]
+        scene, stages, own = document["scene"], document["stages"], document["schema"]
+        places = [(part, key) for part, key in leaves(document) if part is not document["files"]]
+        leaf, name = draw.choice([place for place in places if place[1] != "digest"])
+        # Anything goes into the statuses, and nothing must.
+        inner = [part for key, part in scene.items() if key != "statuses"]
+        parts = [scene, *(part for part in inner if isinstance(part, dict))]
+        whole = draw.choice([document, draw.choice(stages), *parts])
+        strange = draw.choice(("colour", "__class__", "self", "\n", ""))
+        schemas = (0, -1, own + 1, own - 1, True, False, float(own), 1.0, f"{own}", None, 10**30)
+        indices = (-1, 7, 10**9, "0", "../stage-0", "0/../../x", 0.0, 1.0, True, None, [0], "\0")
+        # Those that can be done in many ways are more often done.
         edits: tuple[Callable[[], object], ...] = (
+            *(lambda: setitem(leaf, name, draw.choice(NO_LEAVES)),) * 6,
+            *(lambda: whole.pop(draw.choice(sorted(whole.keys() - {"digest"}))),) * 6,
+            *(lambda: setitem(draw.choice(parts), strange, 1),) * 3,
+            *(lambda: document.update(schema=draw.choice((*schemas, [own], {"4": own}))),) * 3,
+            *(lambda: draw.choice(stages).update(index=draw.choice(indices)),) * 3,
             lambda: document.update(engine="exudyn-joints"),
             lambda: document.update(conventions={}),
             lambda: scene.update(wears=0),
             lambda: scene.update(joints="A"),
             lambda: scene["bearings"].update(angles=90),
-            stages.reverse,
-            lambda: stages.append(stages[0]),
             lambda: scene["bearings"].update(clearance=0.02),
             lambda: scene["mechanism"].update(kind="slider-crank"),
             lambda: scene["mechanism"].update(length_3=0.05),
+            lambda: stages.append(stages[0]),
+            stages.reverse,
         )
         draw.choice(edits)()
 
@@ -147,9 +117,8 @@ def contradiction(draw: Random, folder: Path) -> None:
 def no_document(draw: Random, folder: Path) -> None:
     """Something that is no document: cut, twice named, too deep, no text."""
     text = (folder / FILE).read_bytes()
-    whole = (b"", b"[]", b"null", b"\x00\xff", "{}".encode("utf-16"))
     texts = (
-        *whole,
+        *(b"", b"[]", b"null", b"\x00\xff", "{}".encode("utf-16")),
         text[: draw.randrange(1, len(text) - 1)],
         text.replace(b'"schema"', b'"schema": 4, "schema"', 1),
         b'{"schema": 4, "stages": ' + b"[" * _DEPTH,
@@ -159,30 +128,15 @@ def no_document(draw: Random, folder: Path) -> None:
     (folder / FILE).write_bytes(sealed(draw.choice(texts)))
 
 
-def altered_array(draw: Random, folder: Path) -> None:
-    """An array that is missing, misshapen or holds what no motion has."""
-    always = ("time", "slider", "angle", "A_eccentricity", "C_force", "A_depth_pin", "C_sliding")
-    name = draw.choice(always)
-    with arrays_of(folder, _stage(draw)) as arrays:
-        values = arrays.pop(name)
-        broken = values.copy()
-        broken[draw.randrange(len(values))] = draw.choice((np.nan, np.inf, -np.inf))
-        changed: tuple[dict[str, Any], ...] = (
-            {},
-            {name: values[:-1]},
-            {name: values[np.newaxis]},
-            {name: broken},
-            {name: values, "time": arrays.get("time", values)[::-1]},
-            {name: values, "A_wear_bearing": arrays["A_wear_bearing"] - 1.0},
-        )
-        arrays.update(draw.choice(changed))
-
-
 class _Payload:
     """What a pickle would execute."""
 
     def __reduce__(self) -> tuple[Any, ...]:
         return os.mkdir, (MARK,)
+
+
+def _stage(draw: Random) -> str:
+    return f"stage-{draw.randrange(2)}.npz"
 
 
 def executable_array(draw: Random, folder: Path) -> None:
@@ -191,11 +145,25 @@ def executable_array(draw: Random, folder: Path) -> None:
         arrays[draw.choice(("time", "extra"))] = np.array([_Payload()], dtype=object)
 
 
-def other_kind(draw: Random, folder: Path) -> None:
-    """An array of texts, complex numbers, times or records."""
+def altered_array(draw: Random, folder: Path) -> None:
+    """An array that is missing, misshapen, of another kind or holds what no motion has."""
+    always = ("time", "slider", "angle", "A_eccentricity", "C_force", "A_depth_pin", "C_sliding")
+    name = draw.choice(always)
     kinds: tuple[Any, ...] = ("U8", "S8", "complex128", "datetime64[s]", "bool", [("a", "f8")])
     with arrays_of(folder, _stage(draw)) as arrays:
-        arrays["time"] = np.zeros(arrays["time"].size, draw.choice(kinds))
+        values = arrays[name]
+        broken = values.copy()
+        broken[draw.randrange(len(values))] = draw.choice((np.nan, np.inf, -np.inf))
+        edits: tuple[Callable[[], object], ...] = (
+            *(lambda: setitem(arrays, name, np.zeros(values.shape, draw.choice(kinds))),) * 4,
+            lambda: setitem(arrays, name, values[:-1]),
+            lambda: setitem(arrays, name, values[np.newaxis]),
+            lambda: setitem(arrays, name, broken),
+            lambda: arrays.update(time=arrays["time"][::-1]),
+            lambda: arrays.update(A_wear_bearing=arrays["A_wear_bearing"] - 1.0),
+            lambda: arrays.pop(name),
+        )
+        draw.choice(edits)()
 
 
 def _added(archive: bytes, name: str, data: bytes) -> bytes:
@@ -209,37 +177,7 @@ def _added(archive: bytes, name: str, data: bytes) -> bytes:
     return buffer.getvalue()
 
 
-def false_header(draw: Random, folder: Path) -> None:
-    """An array whose header promises more than there is, or is no header."""
-    shapes = ("(10000000000000,)", "(-1, -1)", "(2**62,)", "(1e3,)", "('a',)", "(", "(" * 200, "()")
-    shape = draw.choice(shapes)
-    header = f"{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}\n"
-    others = (header, "__import__('os').mkdir('executed')\n", "x" * 60_000, "")
-    text = draw.choice((header, *others)).encode()
-    array = b"\x93NUMPY\x01\x00" + struct.pack("<H", len(text)) + text + b"\0" * 16
-    name = _stage(draw)
-    replace_file(folder, name, _added((folder / name).read_bytes(), "extra.npy", array))
-
-
-def no_archive(draw: Random, folder: Path) -> None:
-    """A stage's file that is cut, flipped in a bit of its arrays, a bomb, code or none."""
-    name = _stage(draw)
-    data = (folder / name).read_bytes()
-    # Behind the first header and far before the directory at the end.
-    place = draw.randrange(1000, len(data) // 2)
-    flipped = bytes([data[place] ^ (1 << draw.randrange(8))])
-    files = (
-        data[: draw.randrange(len(data))],
-        data[:place] + flipped + data[place + 1 :],
-        draw.choice((b"", b"PK\x03\x04", b"\x93NUMPY", data[4:])),
-        _added(data, "time.npy", b""),
-        bomb(),
-        pickle.dumps(_Payload()),
-    )
-    replace_file(folder, name, draw.choice(files))
-
-
-def bomb() -> bytes:
+def _bomb() -> bytes:
     """A small archive that says it unpacks to BOMB bytes."""
     buffer = io.BytesIO()
     with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
@@ -248,13 +186,37 @@ def bomb() -> bytes:
     return buffer.getvalue()
 
 
-def no_file(draw: Random, folder: Path) -> None:
-    """A stage's file that is missing."""
-    (folder / _stage(draw)).unlink()
+def altered_file(draw: Random, folder: Path) -> None:
+    """A stage's file that is missing, cut, flipped in a bit, a bomb, code, or with false sizes."""
+    name = _stage(draw)
+    data = (folder / name).read_bytes()
+    shapes = ("(10000000000000,)", "(-1, -1)", "(2**62,)", "(1e3,)", "('a',)", "(", "(" * 200, "()")
+    header = f"{{'descr': '<f8', 'fortran_order': False, 'shape': {draw.choice(shapes)}, }}\n"
+    none = draw.choice(("__import__('os').mkdir('executed')\n", "x" * 60_000, ""))
+    text = draw.choice((header, header, none)).encode()
+    array = b"\x93NUMPY\x01\x00" + struct.pack("<H", len(text)) + text + b"\0" * 16
+    # Behind the first header and far before the directory at the end.
+    place = draw.randrange(1000, len(data) // 2)
+    flipped = bytes([data[place] ^ (1 << draw.randrange(8))])
+    files = (
+        *(_added(data, "extra.npy", array),) * 6,
+        data[: draw.randrange(len(data))],
+        data[:place] + flipped + data[place + 1 :],
+        draw.choice((b"", b"PK\x03\x04", b"\x93NUMPY", data[4:])),
+        _added(data, "time.npy", b""),
+        _bomb(),
+        pickle.dumps(_Payload()),
+        None,
+    )
+    file = draw.choice(files)
+    if file is None:
+        (folder / name).unlink()
+    else:
+        replace_file(folder, name, file)
 
 
 ALTERATIONS: tuple[Callable[[Random, Path], None], ...] = (
-    *(no_leaf, missing_part, strange_part, other_schema, another_stage, contradiction),
-    *(no_document, altered_array, executable_array, other_kind, false_header, no_archive, no_file),
+    *(altered_document,) * 6,
+    *(no_document, altered_array, altered_array, executable_array, altered_file, altered_file),
 )
 """What alters a copy of a result folder so that it must be refused."""

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from endurance.subject import check_result
+from presswear.tools.errors import InputError
 
 _TIMES = ("wall_", "share_")
 _DATES = ("started", "resumed", "digest", "files")
@@ -40,14 +41,11 @@ def _contents(folder: Path) -> dict[str, dict[str, Any]]:
 
 
 def folder_differences(first: Path, second: Path) -> list[str]:
-    """What differs between two result folders, named; nothing where they are equal.
-
-    Raises
-    ------
-    InputError
-        Where a folder is not whole.
-    """
-    one, other = _contents(first), _contents(second)
+    """What differs between two result folders, or is wrong with one; nothing: they are equal."""
+    try:
+        one, other = _contents(first), _contents(second)
+    except InputError as error:
+        return [f"{error}"]
     found = [f"{name} is in one only" for name in sorted(one.keys() ^ other.keys())]
     for name in (name for name in one if name in other):
         mine, theirs = one[name], other[name]

@@ -13,6 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+import presswear
 from presswear.__main__ import main
 from presswear.campaign.starts import start_of
 from presswear.engines.base import Plan
@@ -87,16 +88,19 @@ def answered(line: list[str]) -> Answer:
     return Answer(code, output.getvalue(), errors.getvalue())
 
 
-def begin(*line: str) -> Process:
+def begin(*line: str, program: str = _PROGRAM) -> Process:
     """A command line as a person types it, in a process and a session of its own."""
+    # The same source as in this process, wherever the other is.
+    places = str(Path(presswear.__path__[0]).parent), os.environ.get("PYTHONPATH")
+    source = os.pathsep.join(place for place in places if place)
     return subprocess.Popen(
-        [sys.executable, "-c", _PROGRAM, *line],
+        [sys.executable, "-P", "-c", program, *line],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
         errors="backslashreplace",
         start_new_session=True,
-        env={**os.environ, "COLUMNS": "200"},
+        env={**os.environ, "COLUMNS": "200", "PYTHONPATH": source},
     )
 
 

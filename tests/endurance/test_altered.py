@@ -41,9 +41,7 @@ def refuse(trial: Trial, sound: Path, here: Path, count: int, seed: int) -> None
     copy, table = here / "copy", here / "table.csv"
     assert answered(["export", str(sound), str(table)]).code == 0
     commands = readers(copy, table)
-    trial.note = (
-        f"{len(ALTERATIONS)} kinds, read by {len(commands)} commands; nothing executed or written"
-    )
+    trial.note = f"read by {len(commands)} commands in turn; nothing executed, nothing written"
     for place in range(count):
         alter = ALTERATIONS[place % len(ALTERATIONS)]
         shutil.rmtree(copy, ignore_errors=True)

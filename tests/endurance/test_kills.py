@@ -24,7 +24,6 @@ from endurance.subject import (
     wait_for,
 )
 from endurance.trial import SEED, Trial
-from presswear.tools.errors import InputError
 
 MOST_RUNS = 4
 """Runs that are tried for each stop wanted: most end before they are stopped where this fails."""
@@ -48,14 +47,6 @@ def stop(subject: Subject, out: Path, number: signal.Signals, after: float) -> s
     if answer.code != 128 + number and (had_begun or answer.code != -number):
         return f"stopped, {answer.problem}"
     return f"not one line, {answer.problem}" if had_begun and "\n" in answer.errors.strip() else ""
-
-
-def apart(whole: Path, out: Path) -> list[str]:
-    """What differs between two runs' folders, or why that cannot be told."""
-    try:
-        return folder_differences(whole, out)[:3]
-    except InputError as error:
-        return [str(error)]
 
 
 def kill(
@@ -91,7 +82,9 @@ def kill(
             # The one that was left alone may have waited for the compiler.
             longest[subject] = min(most, time.monotonic() - began)
             continue
-        wrong = [problem for problem in problems if problem] or apart(whole.folder, out)
+        wrong = [problem for problem in problems if problem] or folder_differences(
+            whole.folder, out
+        )[:3]
         trial.add(f"{subject.engine}: {'; '.join(wrong)}" if wrong else "", stops)
     trial.note = f"{runs} runs of {min(runs, len(SUBJECTS))} engines end equal, bit for bit"
 

@@ -14,21 +14,22 @@ import pytest
 from endurance.sameness import folder_differences
 
 from presswear.__main__ import main
+from presswear.campaign.parallel import run_study, run_variant
 from presswear.campaign.study import (
     Study,
     Variant,
     is_finished,
     load_study,
     results_of,
-    run_study,
-    run_variant,
     waiting,
 )
+from presswear.record.tracker import Tracker
 from presswear.results.result import load
-from presswear.scene.catalog import STUDIES, wear_times
+from presswear.scene.catalog import wear_times
 from presswear.scene.settings import changed
+from presswear.studies import STUDIES
 from presswear.studies.runaway.figure import two_wears
-from presswear.studies.runaway.variants import Outcome, answer, outcome_of, runaway
+from presswear.studies.runaway.variants import Outcome, answer, make, outcome_of
 from presswear.tools.errors import InputError
 
 
@@ -48,39 +49,52 @@ def small(**settings: str) -> Study:
     )
 
 
+Heard = list[tuple[str, float]]
+
+
+class Hearing(Tracker):
+    """Remembers what it is told of variants."""
+
+    def __init__(self) -> None:
+        self.heard: Heard = []
+
+    def variant(self, key: str, part: float, word: str) -> None:
+        self.heard.append((key, part))
+
+
 @pytest.fixture(scope="module")
-def ran(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[tuple[str, float]]]:
+def ran(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Heard]:
     """The small study's folder, and what was told."""
     folder = tmp_path_factory.mktemp("study") / "out"
-    heard: list[tuple[str, float]] = []
-    run_study(small(), folder, 2, False, lambda key, part, word: heard.append((key, part)))
-    return folder, heard
+    hearing = Hearing()
+    run_study(small(), folder, 2, False, [hearing])
+    return folder, hearing.heard
 
 
-def test_every_variant_has_its_folder(ran: tuple[Path, list[tuple[str, float]]]) -> None:
+def test_every_variant_has_its_folder(ran: tuple[Path, Heard]) -> None:
     folder, heard = ran
     found = {v.key: result for v, result in results_of(small(), folder)}
     one, stops = found["one"], found["stops"]
     assert one is not None
-    assert one.document["status"] == "completed"
+    assert one.status == "completed"
     assert len(one.stages) == 2
     assert stops is not None
-    assert stops.document["status"] == "failed"
+    assert stops.status == "failed"
     assert ("one", 1.0) in heard
     parts = [part for key, part in heard if key == "one"]
     assert parts == sorted(parts)
 
 
-def test_resuming_keeps_what_is_finished(ran: tuple[Path, list[tuple[str, float]]]) -> None:
+def test_resuming_keeps_what_is_finished(ran: tuple[Path, Heard]) -> None:
     folder, _ = ran
     before = (folder / "one" / "result.json").stat().st_mtime_ns
     assert waiting(small(), folder, resume=True) == []
-    run_study(small(), folder, 1, True, lambda key, part, word: None)
+    run_study(small(), folder, 1, True)
     assert (folder / "one" / "result.json").stat().st_mtime_ns == before
 
 
 def test_an_interrupted_variant_goes_on_where_it_stood(
-    ran: tuple[Path, list[tuple[str, float]]], tmp_path: Path
+    ran: tuple[Path, Heard], tmp_path: Path
 ) -> None:
     folder = tmp_path / "study"
     study = small()
@@ -97,14 +111,14 @@ def test_an_interrupted_variant_goes_on_where_it_stood(
     shutil.rmtree(folder / "one")
     with pytest.raises(KeyboardInterrupt):
         run_variant(folder / "one", study.variants[0].scene, 0.0, interrupt)
-    assert (folder / "one" / "checkpoint.npz").exists()
+    assert list((folder / "one").glob("checkpoint-*.npz"))
     assert [variant.key for variant in waiting(study, folder, resume=True)] == ["one"]
-    run_study(study, folder, 1, True, lambda key, part, word: None)
+    run_study(study, folder, 1, True)
     assert folder_differences(folder / "one", whole / "one") == []
-    assert "resumed" in load(folder / "one").document["provenance"]
+    assert "resumed" in load(folder / "one").provenance
 
 
-def test_other_runs_in_the_folder_are_refused(ran: tuple[Path, list[tuple[str, float]]]) -> None:
+def test_other_runs_in_the_folder_are_refused(ran: tuple[Path, Heard]) -> None:
     folder, _ = ran
     with pytest.raises(InputError, match="not empty"):
         waiting(small(), folder, resume=False)
@@ -130,7 +144,7 @@ def test_the_answer_names_what_runs_away_and_what_stops() -> None:
     assert "nothing can be said" in answer([stopped], 8e-4)
 
 
-def test_outcomes_are_read_from_results(ran: tuple[Path, list[tuple[str, float]]]) -> None:
+def test_outcomes_are_read_from_results(ran: tuple[Path, Heard]) -> None:
     folder, _ = ran
     outcomes = [outcome_of(v, result) for v, result in results_of(small(), folder)]
     one, stops = outcomes
@@ -150,7 +164,7 @@ def test_outcomes_are_read_from_results(ran: tuple[Path, list[tuple[str, float]]
 
 
 def test_runaway_changes_one_thing_at_a_time_and_only_what_it_says() -> None:
-    study = runaway()
+    study = make()
     assert study.name in STUDIES
     paper = study.variants[0].scene
     keys = [variant.key for variant in study.variants]
@@ -229,7 +243,7 @@ def test_a_study_stops_at_once_and_keeps_what_is_finished(tmp_path: Path) -> Non
     assert {v.key for v in left} | {v.key for v in finished} == {v.key for v in study.variants}
 
 
-def test_a_stored_study_is_the_same_study(ran: tuple[Path, list[tuple[str, float]]]) -> None:
+def test_a_stored_study_is_the_same_study(ran: tuple[Path, Heard]) -> None:
     folder, _ = ran
     assert load_study(folder) == small()
     with pytest.raises(InputError, match="no study"):
@@ -238,7 +252,7 @@ def test_a_stored_study_is_the_same_study(ran: tuple[Path, list[tuple[str, float
 
 @pytest.mark.parametrize(
     ("text", "words"),
-    [("{", "cannot be read"), ('{"schema": 99}', "schema 99"), ('{"schema": 1}', "not whole")],
+    [("{", "cannot be read"), ('{"schema": 99}', "schema 99"), ('{"schema": 2}', "not whole")],
 )
 def test_a_damaged_study_is_named(tmp_path: Path, text: str, words: str) -> None:
     (tmp_path / "study.json").write_text(text)

@@ -11,9 +11,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.physics.clearance import STATE, note_contacts
 from presswear.physics.constraints import DRIVE, Constraints, constraint_rows
-from presswear.physics.contacts import JOINT_RATES, add_contacts
+from presswear.physics.contact import CONTACT, note_contacts
+from presswear.physics.forces import JOINT_RATES, add_contacts
+from presswear.physics.motion import drive_motion
 from presswear.physics.multipliers import Elimination, solve_multipliers, work_out
 from presswear.physics.packed import Packed
 from presswear.physics.springs import spring_forces
@@ -25,7 +26,7 @@ Indices = NDArray[np.int64]
 DRIVE_INTEGRALS = 2
 """Integrals before those of the joints: drive work and its absolute value, J."""
 JOINT_INTEGRALS = JOINT_RATES
-"""Integrals per joint: contact loss and friction loss, J; F_n ds, N m; p ds, N/m."""
+"""Integrals per joint: those of the rates of ``add_contacts``."""
 
 
 class System(NamedTuple):
@@ -41,7 +42,7 @@ class System(NamedTuple):
     column: Indices
     elimination: Elimination
     inverse_mass: Array
-    states: Records
+    contacts: Records
     alpha: float
     beta: float
     phi: Array
@@ -55,7 +56,7 @@ class System(NamedTuple):
 
 @compiled
 def evaluate_constraints(system: System, t: float, q: Array, v: Array) -> None:
-    """Phi, its derivative, gamma and the Jacobian into the system's working space."""
+    """Evaluate Phi, its derivative, gamma and the Jacobian in the system's working space."""
     constraint_rows(
         system.constraints,
         system.row_start,
@@ -71,7 +72,7 @@ def evaluate_constraints(system: System, t: float, q: Array, v: Array) -> None:
 
 @compiled
 def solve(system: System) -> None:
-    """Multipliers for the right-hand side in ``right``, which is overwritten."""
+    """Solve for the multipliers with the right-hand side in ``right``, which is overwritten."""
     solve_multipliers(
         system.elimination,
         system.jacobian,
@@ -84,7 +85,7 @@ def solve(system: System) -> None:
 
 @compiled
 def rates(system: System, onset: Array, t: float, y: Array, out: Array) -> None:
-    """dy/dt; leaves the multipliers in ``system``."""
+    """Fill dy/dt; leaves the multipliers in ``system``."""
     n = system.inverse_mass.shape[0]
     q = y[:n]
     v = y[n : 2 * n]
@@ -92,8 +93,8 @@ def rates(system: System, onset: Array, t: float, y: Array, out: Array) -> None:
     copy_to(force, system.packed.weight)
     spring_forces(system.packed.springs, q, v, force)
     rest = out[2 * n + DRIVE_INTEGRALS :]
-    note_contacts(system.packed, system.states, q, v)
-    add_contacts(system.packed.joints, onset, system.states, force, rest)
+    note_contacts(system.packed, system.contacts, q, v)
+    add_contacts(system.packed.joints, onset, system.contacts, force, rest)
     evaluate_constraints(system, t, q, v)
     damping = 2.0 * system.alpha
     stiffness = system.beta * system.beta
@@ -112,7 +113,7 @@ def rates(system: System, onset: Array, t: float, y: Array, out: Array) -> None:
     for i in range(system.constraints.shape[0]):
         c = system.constraints[i]
         if c.kind == DRIVE:
-            power -= system.multipliers[c.row] * c.speed
+            power -= system.multipliers[c.row] * drive_motion(c.drive, t)[1]
     out[2 * n] = power
     out[2 * n + 1] = abs(power)
     for i in range(n):
@@ -151,7 +152,7 @@ def system_of(packed: Packed, constraints: Constraints, alpha: float, beta: floa
         column=constraints.column,
         elimination=elimination,
         inverse_mass=1.0 / packed.mass,
-        states=np.zeros(len(packed.joints), STATE),
+        contacts=np.zeros(len(packed.joints), CONTACT),
         alpha=alpha,
         beta=beta,
         phi=rows[0],

@@ -27,8 +27,9 @@ from presswear.engines.exudyn_joints.model import Model, assemble, left_out
 from presswear.engines.settings import ExudynJoints
 from presswear.linkage.elements import Linkage
 from presswear.physics.constraints import constraints_of
-from presswear.physics.contacts import JOINT_RATES
 from presswear.physics.energy import Ledger, stored_energy
+from presswear.physics.forces import JOINT_RATES
+from presswear.physics.motion import MOTION, motion_of
 from presswear.physics.touchdown import STEPS
 from presswear.record.observe import Book
 from presswear.record.recorder import Recorder
@@ -38,7 +39,7 @@ from presswear.tools.compiled import Records, specialised
 Array = NDArray[np.float64]
 
 REMEDY = "more steps_per_contact may help"
-"""What makes a run finer."""
+"""Advice that makes a run finer."""
 
 _STAGES = (
     "forces_and_connectors",
@@ -48,7 +49,7 @@ _STAGES = (
     "end_of_step",
 )
 _SUMS = ("steps", "sent_back", "newton", "jacobians", "wall", "total", *_STAGES)
-"""What is summed over the cycles of a run."""
+"""Counts and times that are summed over the cycles of a run."""
 
 
 def _settings(accuracy: ExudynJoints, longest: float) -> Any:
@@ -84,7 +85,7 @@ def _drives(model: Model, linkage: Linkage) -> Drives:
             ],
             dtype=np.int64,
         ),
-        speed=np.array([drive.speed for drive in linkage.drives], dtype=np.float64),
+        motions=np.array([motion_of(drive) for drive in linkage.drives], dtype=MOTION),
         multipliers=model.multipliers,
         force=np.zeros(count),
         rates=np.zeros(JOINT_RATES * len(linkage.clearances)),
@@ -141,7 +142,7 @@ def prepare(
         model.system.SetPostStepUserFunction(post_step(solve, accept))
         if linkage.clearances:
             model.system.SetPostNewtonUserFunction(lambda system, t: send_back(system, t))
-    energies = book.touch["energy"]
+    energies = book.memory["energy"]
     before = stored_energy(book.packed, energies, start.position, start.velocity)
     exudyn = _settings(settings, longest)
 
@@ -161,7 +162,7 @@ def prepare(
 
     def ledger() -> Ledger:
         stored = stored_energy(book.packed, energies, *state()[1:])
-        return Ledger.of(book.ledger, stored - before)
+        return Ledger.of(book.ledger[0], stored - before)
 
     def diagnostics() -> dict[str, float | int | str]:
         sums = solve.sums

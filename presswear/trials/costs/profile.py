@@ -187,7 +187,7 @@ class _Record:
 
             def noted_step(system: TreeSystem, book: Book, t: float, *state: Array) -> float:
                 times = t, float(system.pace[0]["noted"])
-                copies = (each.copy() for each in (*state, system.stages, book.states))
+                copies = (each.copy() for each in (*state, system.stages, book.contacts))
                 self.steps.append((*times, *copies))
                 return float(entry(system, book, t, *state))
 

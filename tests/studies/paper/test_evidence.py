@@ -1,13 +1,13 @@
 """Quantities of a study: each against numbers put in by hand."""
 
 import math
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 from invented import BINS, CYCLES, every_result, evidence_of, result, stage
 
+from presswear.scene.scene import Conventions
 from presswear.studies.paper.evidence import Evidence, Measured, Place
 from presswear.studies.paper.words import QUANTITIES
 
@@ -112,9 +112,7 @@ def test_what_did_not_run_is_missing() -> None:
     assert evidence.measured("standard", Place(SETTING, 2, "A"), "depth") is None
     assert evidence.measured("standard", Place(SETTING, 0, "A"), "depth") is None
     assert evidence.measured("swapped", Place(SETTING, 0, "A"), "force") is None
-    broken = result(SETTING, [one()], status="failed")
-    broken.document["stages"][0]["status"] = "failed"
-    none = Evidence({("standard", SETTING): broken})
+    none = Evidence({("standard", SETTING): result(SETTING, [one()], status="failed")})
     assert none.measured("standard", Place(SETTING, 0, "A"), "force") is None
 
 
@@ -126,10 +124,9 @@ def test_every_quantity_has_words_and_can_be_measured() -> None:
 
 
 def turning(arrays: dict[str, np.ndarray], **changes: Any) -> Evidence:
-    stored = result(SETTING, [arrays])
-    conventions = replace(stored.scene.conventions, map_frame="body")
-    scene = replace(stored.scene, conventions=conventions, **changes)
-    return Evidence({("standard", SETTING): replace(stored, scene=scene)})
+    conventions = Conventions(map_frame="body")
+    turned = result(SETTING, [arrays], conventions=conventions, **changes)
+    return Evidence({("standard", SETTING): turned})
 
 
 def test_maps_that_turn_are_not_added_up_by_their_angles() -> None:

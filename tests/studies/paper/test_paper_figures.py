@@ -1,5 +1,6 @@
 """Counterparts of the paper's figures, of a small made-up study."""
 
+import re
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
@@ -7,20 +8,22 @@ from typing import Any
 import matplotlib
 import numpy as np
 import pytest
+from invented import result, stage
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Sheet
 from matplotlib.lines import Line2D
-from test_figures import UNIT, labels, made_up
 
-from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
+from presswear.record.observe import CYCLE_FIXED
 from presswear.results.result import Result
 from presswear.show.figures import Drawing
 from presswear.show.figures.style import SETTINGS
 from presswear.studies.paper.evidence import Evidence
 from presswear.studies.paper.figures import paper_drawings
 from presswear.studies.paper.printed import PRINTED
-from presswear.studies.paper.variants import BASE, base_scene, variant_key
+from presswear.studies.paper.variants import BASE, variant_key
 
 NUMBERS = range(8, 26)
+UNIT = re.compile(r"\((m|mm|µm|s|N|m/s|m/s²|degrees)\)")
 STAGES = {
     "wear-times": 3,
     "friction-0.05": 2,
@@ -28,25 +31,17 @@ STAGES = {
     "speed-4pi": 2,
     "speed-8pi": 2,
 }
-STARTS, CYCLES = 2, 6
 
 
-def run(setting: str, stages: int, **settings: Any) -> Result:
-    """A run whose peaks and maps scatter from cycle to cycle."""
-    scene = replace(base_scene(setting), cycles=CYCLES, **settings)
-    result = made_up(scene, stages)
-    joints = scene.clearance_joints
-    generator = np.random.default_rng(0)
-    for k, arrays in enumerate(result.stages):
-        scatter = 1.0 + 0.1 * generator.standard_normal((STARTS * CYCLES, 1))
-        columns = len(CYCLE_FIXED) + len(CYCLE_JOINT) * len(joints)
-        arrays["cycles"] = (k + 1.0) * scatter * np.arange(1.0, columns + 1.0)
-        arrays["cycle_start"] = np.repeat(np.arange(float(STARTS)), CYCLES)
-        arrays["wear_batch_cycles"] = np.ones(STARTS * CYCLES)
-        for joint in joints:
-            each = np.array([arrays[f"{joint}_wear_bearing"], arrays[f"{joint}_wear_pin"]])
-            arrays[f"{joint}_wear_batches"] = scatter[:, :, np.newaxis] * each
-    return result
+def run(setting: str, stages: int, status: str = "completed", **changes: Any) -> Result:
+    """A run of two starts, whose motion grows with each wear."""
+    listed = []
+    for k in range(stages):
+        arrays = stage(setting, k, seed=10 * k, force=[{"A": 200.0, "C": 100.0}] * 2)
+        arrays["slider"] = arrays["slider"] * (1.0 + 0.01 * (k + 1))
+        arrays["cycles"] = (k + 1.0) * arrays["cycles"]
+        listed.append(arrays)
+    return result(setting, listed, status, **changes)
 
 
 def study(stages: dict[str, int], **settings: Any) -> Evidence:
@@ -74,6 +69,10 @@ def by_number(evidence: Evidence) -> dict[int, Drawing]:
     found = {int(drawing.title.split()[1]): drawing for drawing in drawings}
     assert len(found) == len(drawings)
     return found
+
+
+def labels(axes: Axes) -> list[str]:
+    return [label for label in (axes.get_xlabel(), axes.get_ylabel()) if label]
 
 
 def lines_of(sheet: Sheet, gid: str) -> Iterator[Line2D]:
@@ -117,13 +116,13 @@ def test_peaks_are_those_of_the_evidence(drawn: dict[int, Drawing], evidence: Ev
     """Figure 18: the mean of each stage at each joint."""
     expected = []
     for joint in "AC":
-        for stage in range(3):
+        for wears in range(3):
             place = next(
                 one.place
                 for one in PRINTED
                 if one.figure.startswith("18") and one.place.joint == joint
             )
-            known = evidence.measured(BASE, replace(place, wears=stage), "force")
+            known = evidence.measured(BASE, replace(place, wears=wears), "force")
             assert known is not None
             expected.append(known.value)
     means = [float(np.ravel(line.get_xdata())[0]) for line in lines_of(drawn[18].sheet, "mean")]
@@ -135,7 +134,7 @@ def test_peaks_of_the_shown_cycle_are_marked(drawn: dict[int, Drawing], evidence
     marked = [float(np.ravel(line.get_xdata())[0]) for line in lines_of(drawn[17].sheet, "shown")]
     stages = evidence.runs[BASE, "wear-times"].stages
     names = ("displacement_max", "velocity_max", "acceleration_max")
-    expected = [arrays["cycles"][0, CYCLE_FIXED.index(n)] for n in names for arrays in stages]
+    expected = [own.arrays["cycles"][0, CYCLE_FIXED.index(n)] for n in names for own in stages]
     np.testing.assert_allclose(marked, expected)
 
 
@@ -191,11 +190,7 @@ def test_missing_runs_leave_the_rest(stages: dict[str, int], missing: set[int]) 
 
 
 def test_failed_stage_is_not_shown(drawn: dict[int, Drawing]) -> None:
-    runs = study({"wear-times": 3})
-    result = runs.runs[BASE, "wear-times"]
-    result.stages[2].status = "failed"
-    result.stages[2].arrays["time"] = result.stages[2].arrays["time"][:1]
-    found = by_number(runs)
+    found = by_number(study({"wear-times": 3}, status="failed"))
     assert len(found[19].sheet.axes) == 4
     assert len(drawn[19].sheet.axes) == 6
 
