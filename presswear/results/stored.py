@@ -14,9 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.linkage.surface import bin_centres
-from presswear.record.soundness import Finding
 from presswear.results.provenance import Provenance
-from presswear.results.stage import SIDES, WearStep
+from presswear.results.stage import SIDES, StageResult
 from presswear.tools.documents import typed
 from presswear.tools.errors import InputError
 
@@ -48,22 +47,6 @@ class StoredStatistics(TypedDict):
 
 
 @dataclass(frozen=True)
-class StoredStage:
-    """A stage in ``result.json``; see ``StageResult``."""
-
-    index: int
-    status: Literal["completed", "enough", "failed"]
-    message: str
-    finding: Finding | None
-    amplification: float
-    wear_steps: tuple[WearStep, ...]
-    simulated_s: float
-    wall_s: float
-    diagnostics: dict[str, str | Number]
-    statistics: StoredStatistics
-
-
-@dataclass(frozen=True)
 class StoredCheckpoint:
     """Where a run stands that has not come to its end: its file's turn, words and state."""
 
@@ -78,6 +61,8 @@ class StoredResult:
 
     Attributes
     ----------
+    stages : tuple of StageResult
+        Without their arrays.
     files : dict
         Digests by the names of files.
     """
@@ -89,7 +74,7 @@ class StoredResult:
     status: Literal["running", "interrupted", "completed", "failed"]
     message: str
     wall_s: float
-    stages: tuple[StoredStage, ...]
+    stages: tuple[StageResult, ...]
     files: dict[str, str]
     checkpoint: StoredCheckpoint | None
 
@@ -117,7 +102,7 @@ def stored_result(document: Any, file: Path) -> StoredResult:
         if stage.index != place:
             raise InputError(f"{where}.index is {stage.index}; {place} is expected")
         files |= {*files_of(place)}
-        own = stage.statistics
+        own = typed(stage.statistics, StoredStatistics, f"{where}.statistics")
         for owner, numbers in {"slider": own.get("slider", {}), **own.get("joints", {})}.items():
             for name, value in numbers.items():
                 typed(value, kind_of(name), f"{where}.statistics, {owner}, {name}")
