@@ -62,7 +62,7 @@ class ResultFolder(Tracker):
     resumed : tuple or None
         Document and arrays of the checkpoint to go on from; None: from the start.
     remarks : list of str
-        What a person has to know about it.
+        Lines for the person who started it.
     kept : str
         Up to where everything is kept, once it is given free.
     """
@@ -77,7 +77,7 @@ class ResultFolder(Tracker):
         interval : float
             Time between two checkpoints within a stage, s; 0: one after every cycle.
         resume : bool
-            Whether a run of the same scene in it is gone on with.
+            True: go on with a run of the same scene that is in it.
         """
         free = is_free(path)
         if not free and not resume:
@@ -112,7 +112,7 @@ class ResultFolder(Tracker):
 
     @property
     def is_finished(self) -> bool:
-        """Whether the run in it has come to its end."""
+        """True where the run in it has come to its end."""
         return self._document["status"] in FINISHED
 
     def _new(self) -> dict[str, Any]:

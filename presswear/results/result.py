@@ -184,7 +184,7 @@ def read_document(path: Path) -> dict[str, Any]:
     document = read_json(file, f"{path} is no result folder: it has no {FILE}")
     schema_of(document, file, SCHEMA)
     found: dict[str, Any] = document
-    check_seal(read_checked(file, None), found, file)
+    check_seal(read_checked(file), found, file)
     return found
 
 

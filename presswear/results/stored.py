@@ -1,4 +1,4 @@
-"""What a result folder must hold; all of it is looked at before any of it is used.
+"""Contents of a result folder: all of it is looked at before any of it is used.
 
 Files may be damaged, of another version or made by somebody else.  Nothing in them is
 executed: JSON holds plain data, and arrays are read as numbers of a size that the file
@@ -22,7 +22,7 @@ from presswear.tools.errors import InputError
 Array = NDArray[np.float64]
 
 LARGEST_ENTRY = 1e100
-"""Of an array: a state that runs away is ended at 1e30."""
+"""Bound of the values in an array: a state that runs away is ended at 1e30."""
 
 Number = int | float | None
 """A number of a document; None where it was not finite."""
