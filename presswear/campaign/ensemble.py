@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from presswear.campaign.amplification import Amplification, Sample, Worn, fastest_change
 from presswear.campaign.progress import Forecast
 from presswear.campaign.starts import start_of
-from presswear.engines.base import Plan, Run, recorder_of
+from presswear.engines.base import Plan, Run, Status, recorder_of
 from presswear.linkage.elements import Linkage
 from presswear.record.recorder import Recorder
 from presswear.record.sampling import (
@@ -79,7 +79,7 @@ class Ensemble:
         return self.runs[-1].finding
 
     @property
-    def status(self) -> str:
+    def status(self) -> Status:
         """``failed``, ``enough`` where the maps were known early, or ``completed``."""
         if self.failure:
             return "failed"

@@ -29,7 +29,7 @@ def runs_table(study: Study, results: Mapping[str, Result]) -> Table:
                 ", ".join(whole(stage.statistics.get("cycles", 0)) for stage in stages),
                 f"failed: {result.message}" if status == "failed" else status,
                 readable(max(residuals), 1) if residuals else "–",
-                readable(result.wall, 2),
+                readable(result.wall_s, 2),
             )
         )
     head = ("run", "cycles of each stage", "status", "energy residual", "wall time (s)")
