@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
+from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 
 from presswear.show.figures import Figure
 
@@ -25,10 +25,16 @@ class Illustration:
         return Illustration(figure.title, figure.caption, data)
 
 
-def render_page(template: str, **content: Any) -> str:
-    """The text of a page; everything in it is escaped."""
+def render_page(template: str, package: str = "presswear", **content: Any) -> str:
+    """The text of a page; everything in it is escaped.
+
+    Parameters
+    ----------
+    package : str
+        Whose ``templates`` hold it; those that all pages share stand beside them.
+    """
     environment = Environment(
-        loader=PackageLoader("presswear"),
+        loader=ChoiceLoader([PackageLoader(package), PackageLoader("presswear")]),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
