@@ -1,5 +1,6 @@
 """Settings shared by all tests."""
 
+import pytest
 from hypothesis import settings
 
 # The first call of a kernel compiles it, which no deadline allows for.  Examples are
@@ -7,3 +8,8 @@ from hypothesis import settings
 settings.register_profile("repeatable", deadline=None, derandomize=True, max_examples=60)
 settings.register_profile("explore", deadline=None, max_examples=3000)
 settings.load_profile("repeatable")
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """The length of the trials of endurance."""
+    parser.addoption("--quick", action="store_true", help="of pytest -m endurance: a few of each")

@@ -17,8 +17,9 @@ from presswear.linkage.elements import (
 )
 from presswear.linkage.laws import FrictionLaw, NormalLaw
 from presswear.linkage.surface import Surface
-from presswear.physics.clearance import STATE, contact_of, load_of, note_contacts
-from presswear.physics.joint_data import Contact, Load, Pose, pack_joints, pack_surfaces
+from presswear.physics.contact import CONTACT, note_contacts, penetration_acceleration
+from presswear.physics.forces import Load, load_of
+from presswear.physics.packed import Packed, pack
 from presswear.tools.compiled import Records
 
 Array = NDArray[np.float64]
@@ -50,11 +51,16 @@ def worn_joint(frame: MapFrame, count: int = 24, deepest: float = 1e-4) -> Clear
     )
 
 
-def joint_load(joints: Records, k: int, onset: Array, surfaces: Array, q: Array, v: Array) -> Load:
-    """Forces of joint ``k`` in a state of the whole linkage."""
-    states = np.zeros(len(joints), STATE)
-    note_contacts(joints, surfaces, states, q, v)
-    return load_of(joints[k], float(onset[k]), states[k])
+def joint_contact(packed: Packed, q: Array, v: Array) -> Records:
+    """Contact of the one joint in a state of the linkage."""
+    contacts = np.zeros(1, CONTACT)
+    note_contacts(packed, contacts, q, v)
+    return contacts.view(np.recarray)[0]
+
+
+def joint_load(packed: Packed, onset: float, q: Array, v: Array) -> Load:
+    """Forces of the one joint in a state of the linkage, for a closing speed at touchdown."""
+    return load_of(packed.joints[0], onset, joint_contact(packed, q, v))
 
 
 @dataclass(frozen=True)
@@ -73,22 +79,28 @@ class Pair:
         return Linkage("pair", bodies, (), (), (), (self.joint,), Probe("pin", 0.0), 0.0)
 
     @property
-    def joints(self) -> Records:
-        """The joint as the kernels see it."""
-        return pack_joints(self.linkage)
+    def packed(self) -> Packed:
+        """The linkage as the kernels see it."""
+        return pack(self.linkage)
 
-    @property
-    def surfaces(self) -> Array:
-        """Its surfaces as the kernels see them."""
-        return pack_surfaces(self.linkage)
+    def contact(self) -> Records:
+        """Contact without its forces."""
+        return joint_contact(self.packed, self.q, self.v)
 
-    def contact(self) -> tuple[Contact, Pose, Pose]:
-        """Contact, bearing end and pin end."""
-        return contact_of(self.joints, 0, self.surfaces, self.q, self.v)
+    def penetration_acceleration(self, a: Array) -> float:
+        """Second time derivative of the penetration, m/s^2, at given accelerations."""
+        packed = self.packed
+        return penetration_acceleration(packed.joints[0], packed.surfaces[0], self.contact(), a)
 
     def load(self, onset: float) -> Load:
         """Forces, for a closing speed at first touch."""
-        return joint_load(self.joints, 0, np.array([onset]), self.surfaces, self.q, self.v)
+        return joint_load(self.packed, onset, self.q, self.v)
+
+    def moment_of(self, load: Load) -> float:
+        """Sum of all moments about the origin, N m, that forces put on the two bodies."""
+        q = self.q
+        of_forces = (q[3] - q[0]) * load.y - (q[4] - q[1]) * load.x
+        return float(of_forces + load.pin_moment + load.bearing_moment)
 
     def after(self, time: float, acceleration: Array | None = None) -> "Pair":
         """The state a time later at constant acceleration."""

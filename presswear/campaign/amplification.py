@@ -76,7 +76,7 @@ class Amplification:
 
 @dataclass(frozen=True)
 class Sample:
-    """What one run says about wear.
+    """The outcome of one run as far as it tells about wear.
 
     Attributes
     ----------
@@ -179,7 +179,7 @@ class Growth:
 
     @property
     def is_complete(self) -> bool:
-        """Whether the represented cycles are used up."""
+        """True when the represented cycles are used up."""
         return self.remaining <= 0.0
 
 

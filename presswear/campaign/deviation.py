@@ -14,7 +14,7 @@ from presswear.scene.scene import Scene
 Array = NDArray[np.float64]
 
 COLUMNS = ("displacement_off", "velocity_off", "lag", "stroke")
-"""Of the array ``deviation``: root mean square distances, m and m/s; delay, s; stroke, m."""
+"""Columns of ``deviation``: root mean square distances, m and m/s; delay, s; stroke, m."""
 
 
 def deviations(scene: Scene, ensemble: Ensemble) -> dict[str, Array]:

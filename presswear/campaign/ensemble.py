@@ -29,7 +29,7 @@ from presswear.record.sampling import (
 from presswear.record.soundness import Finding
 from presswear.record.tracker import Tracker
 from presswear.scene.scene import Scene
-from presswear.tools.state import State
+from presswear.tools.arrays import State
 
 Array = NDArray[np.float64]
 
@@ -58,7 +58,7 @@ class Ensemble:
 
     @property
     def recorders(self) -> tuple[Recorder, ...]:
-        """What the runs observed."""
+        """The recorders of the runs."""
         return tuple(run.recorder for run in self.runs)
 
     @property
@@ -76,7 +76,7 @@ class Ensemble:
 
     @property
     def finding(self) -> Finding | None:
-        """What ended it where it failed."""
+        """The finding that ended it, where it failed."""
         return self.runs[-1].finding
 
     @property
@@ -100,7 +100,7 @@ class Ensemble:
         return map_batches([recorder.maps for recorder in self.recorders])
 
     def diagnostics(self) -> dict[str, float | int | str]:
-        """What the solver says: words of the first run, numbers of all."""
+        """Diagnostics of the solver: words of the first run, numbers of all."""
         found = dict(self.runs[0].diagnostics)
         for run in self.runs[1:]:
             for key, value in run.diagnostics.items():
@@ -117,7 +117,7 @@ class Ensemble:
         return found
 
     def sample(self) -> Sample:
-        """What it says about wear."""
+        """The outcome of all runs as far as it tells about wear."""
         rows = np.concatenate([recorder.cycles for recorder in self.recorders])
         peaks = np.max(rows, axis=0, initial=0.0)[len(CYCLE_FIXED) :]
         joints = self.linkage.clearances

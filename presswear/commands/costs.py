@@ -19,7 +19,7 @@ from presswear.commands.terminal import (
     repeats_given,
     scene_given,
 )
-from presswear.tools.lock import only_writer
+from presswear.tools.folders import only_writer
 
 if TYPE_CHECKING:
     from presswear.trials.costs.text import TextTable

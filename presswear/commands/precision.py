@@ -20,7 +20,7 @@ from presswear.commands.terminal import (
     settings_given,
 )
 from presswear.scene.settings import changed
-from presswear.tools.lock import only_writer
+from presswear.tools.folders import only_writer
 
 SCENE = "wear-times"
 FILE = "precision.json"

@@ -102,7 +102,7 @@ def _reel(folder: Path, stage: str | None, console: Console) -> "Reel":
 
 
 def _compared(arguments: argparse.Namespace, console: Console) -> "Reel":
-    """What stands beside the first reel."""
+    """The reel that stands beside the first."""
     what: str = arguments.compare
     if what.isascii() and what.isdigit():
         return _reel(arguments.folder, what, console)

@@ -37,7 +37,7 @@ OPTIONS = ("engine", "cycles", "wears", "tolerance")
 
 
 LIVE_SIZE = (960, 640)
-"""Of the window that shows a run, pixels."""
+"""Size of the window that shows a run, pixels."""
 
 
 def add(commands: Any) -> None:
@@ -147,7 +147,7 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
 
 
 def _is_plain(arguments: argparse.Namespace) -> bool:
-    """Whether nothing is said about the scene but its name."""
+    """True where nothing is said about the scene but its name."""
     options = (*OPTIONS, "conventions")
     return not arguments.set and all(getattr(arguments, key) is None for key in options)
 

@@ -1,4 +1,4 @@
-"""What the commands share: progress, tables, folders, and settings given as text."""
+"""Parts that the commands share: progress, tables, folders, and options read from text."""
 
 import math
 import shlex
@@ -36,7 +36,7 @@ LONGEST = 86400.0
 
 
 def settings_given(items: list[str]) -> dict[str, str]:
-    """What ``--set`` says, by key."""
+    """Read the options ``--set``, by key."""
     settings: dict[str, str] = {}
     for item in items:
         key, equals, value = item.partition("=")
@@ -72,12 +72,12 @@ def count_given(option: str, text: str, most: int) -> int:
 
 
 def repeats_given(text: str) -> int:
-    """What ``--repeats`` says."""
+    """Read the option ``--repeats``."""
     return count_given("--repeats", text, 1000)
 
 
 def jobs_given(text: str) -> int:
-    """What ``--jobs`` says."""
+    """Read the option ``--jobs``."""
     return count_given("--jobs", text, 256)
 
 
@@ -109,7 +109,7 @@ def place_given(text: str) -> int:
 
 
 def folder_given(text: str) -> Path:
-    """What ``--out`` says; nothing is no name, not the folder that one is in."""
+    """Read the option ``--out``; nothing is no name, not the folder that one is in."""
     if not text.strip():
         raise ArgumentTypeError("a name is expected")
     return Path(text)

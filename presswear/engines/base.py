@@ -1,4 +1,4 @@
-"""What every engine takes and gives back."""
+"""The start, the plan and the outcome of a run, the same for every engine."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -11,7 +11,7 @@ from presswear.linkage.elements import Linkage
 from presswear.record.recorder import Recorder
 from presswear.record.soundness import Finding
 from presswear.record.tracker import Tracker
-from presswear.tools.state import State
+from presswear.tools.arrays import State
 
 Array = NDArray[np.float64]
 
@@ -93,7 +93,7 @@ class Run:
 
     @property
     def message(self) -> str:
-        """What went wrong, in a line, or nothing."""
+        """A line on what went wrong, or nothing."""
         return self.finding.words if self.finding else ""
 
 
@@ -105,7 +105,7 @@ def recorder_of(linkage: Linkage, start: Start, plan: Plan) -> Recorder:
 
 
 def described(linkage: Linkage, model: str) -> str:
-    """What was modelled, in a sentence.
+    """A sentence on the model that was built.
 
     Parameters
     ----------

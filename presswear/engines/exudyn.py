@@ -1,4 +1,4 @@
-"""What every Exudyn engine shares: the callback after a step, the solve, how it ends."""
+"""Parts that both Exudyn engines share: the callback after a step, the solve, how it ends."""
 
 import math
 import time as clock
@@ -87,10 +87,10 @@ class Solve:
             self.sums[name] += value
 
     def is_sound(self) -> bool:
-        """Whether the contacts have made no energy; False ends the run."""
-        ledger = self.recorder.book.ledger
+        """True while the contacts have made no energy; False ends the run."""
+        ledger = self.recorder.book.ledger[0]
         if self.time > SETTLED * self.plan.cycle:
-            self.reason = made_energy(float(ledger[2]), float(ledger[1]))
+            self.reason = made_energy(ledger["contact_loss"], ledger["drive_exchange"])
         return not self.reason
 
 

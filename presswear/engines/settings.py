@@ -10,6 +10,7 @@ engine needs to run is imported when it runs.
 """
 
 from dataclasses import dataclass, replace
+from importlib import import_module
 from typing import TYPE_CHECKING, ClassVar, Literal, Self
 
 from presswear.tools.quantities import choice, quantity
@@ -61,10 +62,7 @@ class ExudynTree:
 
     def simulate(self, linkage: "Linkage", start: "Start", plan: "Plan") -> "Run":
         """Run a linkage from a start; InputError where it is no open tree."""
-        from presswear.engines.driver import simulate
-        from presswear.engines.exudyn_tree.engine import prepare
-
-        return simulate(prepare, linkage, start, self, plan)
+        return _simulate("exudyn_tree", self, linkage, start, plan)
 
 
 @dataclass(frozen=True)
@@ -126,10 +124,7 @@ class ExudynJoints:
 
     def simulate(self, linkage: "Linkage", start: "Start", plan: "Plan") -> "Run":
         """Run a linkage from a start."""
-        from presswear.engines.driver import simulate
-        from presswear.engines.exudyn_joints.engine import prepare
-
-        return simulate(prepare, linkage, start, self, plan)
+        return _simulate("exudyn_joints", self, linkage, start, plan)
 
 
 @dataclass(frozen=True)
@@ -179,7 +174,7 @@ class InHouse:
 
     @property
     def has_equal_steps(self) -> bool:
-        """Whether steps are equal, without control of their error."""
+        """True where steps are equal, without control of their error."""
         return self.integrator.startswith("rk4")
 
     @property
@@ -197,11 +192,17 @@ class InHouse:
 
     def simulate(self, linkage: "Linkage", start: "Start", plan: "Plan") -> "Run":
         """Run a linkage from a start; InputError where the start violates a joint."""
-        from presswear.engines.dae.engine import prepare
-        from presswear.engines.driver import simulate
-
-        return simulate(prepare, linkage, start, self, plan)
+        return _simulate("dae", self, linkage, start, plan)
 
 
 Engine = ExudynTree | ExudynJoints | InHouse
-"""What solves the motion, with its settings."""
+"""An engine with its settings."""
+
+
+def _simulate(room: str, engine: Engine, linkage: "Linkage", start: "Start", plan: "Plan") -> "Run":
+    """Run a linkage in the engine of a room, which is imported now."""
+    prepare = import_module(f"presswear.engines.{room}.engine").prepare
+    run: Run = import_module("presswear.engines.driver").simulate(
+        prepare, linkage, start, engine, plan
+    )
+    return run

@@ -1,4 +1,4 @@
-"""What a scene needs to know of the driven mechanism that it studies."""
+"""The driven mechanism that a scene studies, as far as the scene needs to know it."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -70,7 +70,7 @@ class Surface:
 
     @property
     def is_worn(self) -> bool:
-        """Whether any part of the surface has lost material."""
+        """True where any part of the surface has lost material."""
         return bool(np.any(self.depth != 0.0))
 
     def __call__(self, angle: Array) -> Array:

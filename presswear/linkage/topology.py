@@ -1,4 +1,4 @@
-"""What hangs from what: driven cranks, and linkages without a closed loop."""
+"""The order in which bodies hang from each other: driven cranks, linkages without a loop."""
 
 from typing import NamedTuple
 

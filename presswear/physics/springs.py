@@ -28,21 +28,47 @@ SPRING = np.dtype(
 
 
 @compiled
+def reach(
+    spring: Records, x1: float, y1: float, x2: float, y2: float, q: Array
+) -> tuple[float, float]:
+    """Vector from end to end, m, from the ends' places relative to their bodies'."""
+    dx, dy = x2 - x1, y2 - y1
+    if spring.first >= 0:
+        dx -= q[spring.first]
+        dy -= q[spring.first + 1]
+    if spring.second >= 0:
+        dx += q[spring.second]
+        dy += q[spring.second + 1]
+    return dx, dy
+
+
+@compiled
+def spring_energy(springs: Records, q: Array) -> float:
+    """Energy of all springs, J."""
+    energy = 0.0
+    for i in range(springs.shape[0]):
+        spring = springs[i]
+        x1, y1 = lever(spring.first, spring.x1, spring.y1, q)
+        x2, y2 = lever(spring.second, spring.x2, spring.y2, q)
+        dx, dy = reach(spring, x1, y1, x2, y2, q)
+        stretch = math.sqrt(dx * dx + dy * dy) - spring.length
+        energy += 0.5 * spring.stiffness * stretch * stretch
+    return energy
+
+
+@compiled
 def spring_forces(springs: Records, q: Array, v: Array, force: Array) -> None:
     """Add the forces of the springs to the generalized forces."""
     for i in range(springs.shape[0]):
         spring = springs[i]
         x1, y1 = lever(spring.first, spring.x1, spring.y1, q)
         x2, y2 = lever(spring.second, spring.x2, spring.y2, q)
-        dx, dy, dvx, dvy = x2 - x1, y2 - y1, 0.0, 0.0
+        dx, dy = reach(spring, x1, y1, x2, y2, q)
+        dvx = dvy = 0.0
         if spring.first >= 0:
-            dx -= q[spring.first]
-            dy -= q[spring.first + 1]
             dvx -= v[spring.first] - v[spring.first + 2] * y1
             dvy -= v[spring.first + 1] + v[spring.first + 2] * x1
         if spring.second >= 0:
-            dx += q[spring.second]
-            dy += q[spring.second + 1]
             dvx += v[spring.second] - v[spring.second + 2] * y2
             dvy += v[spring.second + 1] + v[spring.second + 2] * x2
         length = math.sqrt(dx * dx + dy * dy)

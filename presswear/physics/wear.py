@@ -12,22 +12,12 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import ClearanceJoint, Linkage
-from presswear.physics.joint_data import Contact, direction_of
+from presswear.linkage.elements import ClearanceJoint
+from presswear.physics.contact import direction_of
 from presswear.physics.surface import BEARING, PIN, SLOPE, bin_of, profile
 from presswear.tools.compiled import Records, compiled
 
 Array = NDArray[np.float64]
-
-WEAR = np.dtype(
-    [
-        ("coefficient", np.float64),  # K_d, 1/Pa; 0 keeps no account
-        ("bearing_share", np.float64),
-        ("slip_by_angle", np.bool_),
-        ("over_arc", np.bool_),
-    ]
-)
-"""A wear law as the kernels see it."""
 
 SLIGHTEST_PENETRATION = 1e-15
 """Penetration below which a contact arc is a point, m."""
@@ -40,7 +30,7 @@ BIN_SAMPLES = 4
 
 
 @compiled
-def slip_speed(by_angle: bool, pin_radius: float, contact: Contact) -> float:
+def slip_speed(by_angle: bool, pin_radius: float, contact: Records) -> float:
     """Rate of slip ds/dt, m/s: (R_j + delta) |phi_dot| (equation 24) or |v_t|."""
     if by_angle:
         return (pin_radius + contact.penetration) * abs(contact.turning)
@@ -71,16 +61,14 @@ def contact_area(
 
 
 @compiled
-def dose_rates(
-    law: Records, joint: Records, contact: Contact, normal: float
-) -> tuple[float, float]:
+def dose_rates(joint: Records, contact: Records, normal: float) -> tuple[float, float]:
     """Rates of the two doses of wear: F_n ds/dt, W, and p ds/dt, W/m^2, with p = F_n / A.
 
     Zero where no account is kept.
     """
-    if normal <= 0.0 or law.coefficient == 0.0:
+    if normal <= 0.0 or joint.wear_coefficient == 0.0:
         return 0.0, 0.0
-    work = normal * slip_speed(law.slip_by_angle, joint.pin_radius, contact)
+    work = normal * slip_speed(joint.slip_by_angle, joint.pin_radius, contact)
     indentation = 0.5 * contact.penetration
     area = contact_area(
         contact.penetration,
@@ -95,11 +83,8 @@ def dose_rates(
 @compiled
 def deposit_in_bin(
     depth: Array,
-    law: Records,
     joint: Records,
-    contact: Contact,
-    bearing_angle: float,
-    pin_angle: float,
+    contact: Records,
     pressure_dose: float,
 ) -> None:
     """Add the wear of a dose p ds, N/m, to the bins of the contact.
@@ -109,24 +94,21 @@ def deposit_in_bin(
     depth : ndarray, shape (2, m)
         Depth of bearing and pin, m.
     """
-    added = law.coefficient * pressure_dose
+    added = joint.wear_coefficient * pressure_dose
     count = depth.shape[1]
     turns = joint.map_turns
-    bearing_bin = bin_of(direction_of(contact) - turns * bearing_angle, count)
-    pin_bin = bin_of(direction_of(contact) - turns * pin_angle, count)
-    depth[0, bearing_bin] += law.bearing_share * added
-    depth[1, pin_bin] += (1.0 - law.bearing_share) * added
+    bearing_bin = bin_of(direction_of(contact) - turns * contact.bearing_angle, count)
+    pin_bin = bin_of(direction_of(contact) - turns * contact.pin_angle, count)
+    depth[0, bearing_bin] += joint.bearing_share * added
+    depth[1, pin_bin] += (1.0 - joint.bearing_share) * added
 
 
 @compiled
 def deposit_over_arc(
     depth: Array,
-    law: Records,
     joint: Records,
     surfaces: Array,
-    contact: Contact,
-    bearing_angle: float,
-    pin_angle: float,
+    contact: Records,
     dose: float,
     pressure: Array,
 ) -> None:
@@ -140,8 +122,8 @@ def deposit_over_arc(
     worn = surfaces.shape[1] > 0
     turns = joint.map_turns
     direction = direction_of(contact)
-    bearing_zero = turns * bearing_angle
-    pin_zero = turns * pin_angle
+    bearing_zero = turns * contact.bearing_angle
+    pin_zero = turns * contact.pin_angle
     # A step that ends with the separation leaves its wear where the pin last was.
     penetration = max(contact.penetration, SLIGHTEST_PENETRATION)
     half_arc = math.sqrt(2.0 * penetration / contact.eccentricity)
@@ -182,13 +164,13 @@ def deposit_over_arc(
         # An overlap so slight that round-off hides it: all of it at the contact.
         pressure[0], total, used, left = 1.0, 1.0, 1, 0
         direction = math.atan2(contact.normal_y, contact.normal_x)
-    scale = law.coefficient * dose / (joint.width * joint.bearing_radius * bin_width * total)
+    scale = joint.wear_coefficient * dose / (joint.width * joint.bearing_radius * bin_width * total)
     for i in range(used):
         offset = -(i + 0.5) * step if i < left else (i - left + 0.5) * step
         angle = direction + offset
         added = scale * pressure[i]
-        depth[0, bin_of(angle - bearing_zero, count)] += law.bearing_share * added
-        depth[1, bin_of(angle - pin_zero, count)] += (1.0 - law.bearing_share) * added
+        depth[0, bin_of(angle - bearing_zero, count)] += joint.bearing_share * added
+        depth[1, bin_of(angle - pin_zero, count)] += (1.0 - joint.bearing_share) * added
 
 
 def worn_volume(joint: ClearanceJoint, depth: Array) -> float:
@@ -201,15 +183,3 @@ def worn_volume(joint: ClearanceJoint, depth: Array) -> float:
     """
     bin_area = joint.width * joint.bearing_radius * 2.0 * math.pi / depth.shape[1]
     return float(depth.sum()) * bin_area
-
-
-def pack_wear(linkage: Linkage) -> Records:
-    """The wear laws of a linkage as records for the kernels, shape (joints,)."""
-    laws = np.zeros(len(linkage.clearances), WEAR)
-    for record, joint in zip(laws, linkage.clearances, strict=True):
-        if joint.wear is not None:
-            record["coefficient"] = joint.wear.coefficient
-            record["bearing_share"] = joint.wear.bearing_share
-            record["slip_by_angle"] = joint.wear.slip == "angle"
-            record["over_arc"] = joint.wear.footprint == "arc"
-    return laws

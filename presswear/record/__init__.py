@@ -1,1 +1,1 @@
-"""What is kept of a run while it runs, and whether it is still sound."""
+"""Records of a run while it runs, and the checks that it is still sound."""

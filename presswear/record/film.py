@@ -48,33 +48,33 @@ def shutter_of(cycle: float) -> Records:
 
 
 @compiled
-def take_frame(film: Array, shutters: Records, states: Records, t: float, q: Array) -> None:
+def take_frame(film: Array, shutters: Records, contacts: Records, t: float, q: Array) -> None:
     """Take a frame of an accepted state where one is due; peaks count between frames as well."""
     shutter = shutters[0]
     frame = film[shutter.frames]
     first = 1 + q.size
-    for k in range(states.shape[0]):
+    for k in range(contacts.shape[0]):
         peak = first + FILM_JOINT_COUNT * k + _PEAK
-        frame[peak] = max(frame[peak], states[k].normal)
+        frame[peak] = max(frame[peak], contacts[k].normal)
     if t < shutter.next:
         return
     frame[0] = t
     for i in range(q.size):
         frame[1 + i] = q[i]
-    for k in range(states.shape[0]):
-        state = states[k]
+    for k in range(contacts.shape[0]):
+        contact = contacts[k]
         base = first + FILM_JOINT_COUNT * k
-        frame[base] = state.normal
-        frame[base + 1] = state.tangential
-        frame[base + 2] = state.normal_x
-        frame[base + 3] = state.normal_y
-        frame[base + 4] = state.penetration
+        frame[base] = contact.normal
+        frame[base + 1] = contact.tangential
+        frame[base + 2] = contact.normal_x
+        frame[base + 3] = contact.normal_y
+        frame[base + 4] = contact.penetration
     while shutter.next <= t:
         shutter.next += shutter.interval
     if shutter.frames < film.shape[0] - 1:
         shutter.frames += 1
         return
-    for k in range(states.shape[0]):  # the row is taken again
+    for k in range(contacts.shape[0]):  # the row is taken again
         frame[first + FILM_JOINT_COUNT * k + _PEAK] = 0.0
 
 

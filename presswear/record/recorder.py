@@ -1,6 +1,6 @@
 """The recorder of a run: what was observed, cycle by cycle, and as a state of named arrays.
 
-Memory does not grow with the number of cycles: series and episodes are kept for
+Memory does not grow with the number of cycles: series and single contacts are kept for
 the first cycles only; everything else is one row a cycle or a running sum.
 """
 
@@ -11,17 +11,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import ClearanceJoint, Linkage
-from presswear.physics.clearance import STATE, note_contacts
-from presswear.physics.joint_data import pack_joints, pack_surfaces
-from presswear.physics.touchdown import LEAST_STEPS, TALLY, TOUCH
-from presswear.physics.wear import pack_wear
+from presswear.linkage.elements import Linkage
+from presswear.physics.contact import CONTACT, note_contacts
+from presswear.physics.energy import LEDGER
+from presswear.physics.packed import pack
+from presswear.physics.touchdown import CONTACT_COLUMNS, LEAST_STEPS, MEMORY, PAST_CONTACT, TALLY
 from presswear.record.film import Film, empty_film, shutter_of
 from presswear.record.observe import (
+    CONTACTS_AT_MOST,
     CYCLE_FIXED,
     CYCLE_JOINT,
-    EPISODE_COLUMNS,
-    EPISODES_AT_MOST,
+    DISPLACEMENT_MAX,
+    DOSE,
     FORCE_STEP,
     PRESSURE_POINTS,
     RECORD,
@@ -29,19 +30,21 @@ from presswear.record.observe import (
     ROWS_AT_MOST,
     SERIES_FIXED,
     SERIES_JOINT,
+    VELOCITY_MAX,
+    VELOCITY_MIN,
     Book,
     observe,
     settle_state,
 )
 from presswear.record.sampling import MapBatches
-from presswear.tools.state import State, named, part
+from presswear.tools.arrays import State, named, part
 
 Array = NDArray[np.float64]
 
 _SMALL = (
-    "states",
+    "contacts",
     "onset",
-    "touch",
+    "memory",
     "tally",
     "record",
     "shutter",
@@ -56,7 +59,7 @@ _SMALL = (
 
 @dataclass
 class Recorder:
-    """What one run has observed so far; made anew for every run.
+    """Everything that one run has observed so far; made anew for every run.
 
     Attributes
     ----------
@@ -88,18 +91,14 @@ class Recorder:
         ----------
         position : ndarray, shape (3 bodies,)
         recorded_cycles : int
-            Cycles whose series and episodes are kept.
+            Cycles whose series and single contacts are kept.
         cycle : float
             Duration of one cycle, s.
         torques : bool
             Whether series hold the torques of the drives.
         """
-        joints = pack_joints(linkage)
-        count = joints.size
+        count = len(linkage.clearances)
         angles = max((j.wear.angles for j in linkage.clearances if j.wear), default=1)
-        touch = np.zeros(count, TOUCH)
-        touch["effective_mass"] = [effective_mass(linkage, k) for k in range(count)]
-        touch["relief"] = [relief(joint) for joint in linkage.clearances]
         tally = np.zeros(count, TALLY)
         tally["fewest_steps"] = np.iinfo(np.int64).max
         record = np.zeros(1, RECORD)
@@ -117,24 +116,22 @@ class Recorder:
         columns = SERIES_FIXED + SERIES_JOINT * count + len(linkage.drives) * torques
         shape = (count, 2, angles)
         book = Book(
-            joints=joints,
-            wear=pack_wear(linkage),
-            surfaces=pack_surfaces(linkage),
-            states=np.zeros(count, STATE),
+            packed=pack(linkage),
+            contacts=np.zeros(count, CONTACT),
             onset=np.zeros(count),
-            touch=touch,
+            memory=np.zeros(count, MEMORY),
             tally=tally,
             record=record,
             series=np.zeros((rows, columns)),
-            episodes=np.zeros((count, recorded_cycles * EPISODES_AT_MOST, len(EPISODE_COLUMNS))),
+            past=np.zeros((count, recorded_cycles * CONTACTS_AT_MOST), PAST_CONTACT),
             film=empty_film(len(linkage.bodies), count),
             shutter=shutter_of(cycle),
             cycle=np.zeros(len(CYCLE_FIXED) + len(CYCLE_JOINT) * count),
             depth=np.zeros(shape),
-            doses=np.zeros((count, 2)),
+            doses=np.zeros(count, DOSE),
             pressure=np.zeros(PRESSURE_POINTS),
             torque=np.zeros(len(linkage.drives)),
-            ledger=np.zeros(7),
+            ledger=np.zeros(1, LEDGER),
         )
         recorder = Recorder(book, MapBatches(shape))
         recorder.start_cycle()
@@ -143,7 +140,7 @@ class Recorder:
     def begin(self, q: Array, v: Array, a: Array) -> None:
         """Settle contact in the initial state and write the first row of the series."""
         book = self.book
-        note_contacts(book.joints, book.surfaces, book.states, q, v)
+        note_contacts(book.packed, book.contacts, q, v)
         settle_state(book, 0.0, LEAST_STEPS)
         observe(book, 0.0, 0.0, q, v, a)
 
@@ -162,7 +159,7 @@ class Recorder:
         """Frames kept so far."""
         book = self.book
         rows = book.film[: int(book.shutter["frames"][0])]
-        return Film.of(rows, book.joints.size)
+        return Film.of(rows, book.memory.size)
 
     @property
     def last_frames(self) -> Film:
@@ -170,22 +167,23 @@ class Recorder:
         book = self.book
         frames = int(book.shutter["frames"][0])
         first = frames if frames == len(book.film) - 1 else 0
-        return Film.of(book.film[first : max(frames, first + 1)], book.joints.size)
+        return Film.of(book.film[first : max(frames, first + 1)], book.memory.size)
 
     def episodes(self, k: int) -> Array:
-        """Recorded contacts of joint ``k``, shape (n, 6), columns EPISODE_COLUMNS."""
-        return self.book.episodes[k, : int(self.book.tally["episodes"][k])]
+        """Recorded contacts of joint ``k``, shape (n, 6), columns CONTACT_COLUMNS."""
+        rows = self.book.past[k, : int(self.book.tally["rows"][k])]
+        return np.asarray(rows.view(np.float64).reshape(-1, len(CONTACT_COLUMNS)))
 
     def stop_recording(self) -> None:
-        """Keep no further series rows and episodes."""
+        """Keep no further series rows and contacts."""
         self.book.record["room"] = 0
         self.book.tally["full"] = True
 
     def start_cycle(self) -> None:
         """Clear the row and the maps of the present cycle."""
         self.book.cycle[:] = 0.0
-        self.book.cycle[0] = self.book.cycle[2] = -math.inf
-        self.book.cycle[1] = math.inf
+        self.book.cycle[[DISPLACEMENT_MAX, VELOCITY_MAX]] = -math.inf
+        self.book.cycle[VELOCITY_MIN] = math.inf
         self.book.depth[:] = 0.0
 
     @property
@@ -208,14 +206,14 @@ class Recorder:
     def state(self) -> dict[str, NDArray[Any]]:
         """Everything that is not in the linkage, the start and the plan.
 
-        Rows of series, episodes, film and cycles are views: once written they stay.
+        Rows of series, contacts, film and cycles are views: once written they stay.
         """
         book = self.book
         frames = int(book.shutter["frames"][0])
         return {
             **{name: getattr(book, name).copy() for name in _SMALL},
             "series": self.rows,
-            **{f"episodes_{k}": self.episodes(k) for k in range(book.joints.size)},
+            **{f"past_{k}": book.past[k, :n] for k, n in enumerate(book.tally["rows"])},
             "film": book.film[:frames],
             "frame": book.film[frames].copy(),
             "cycles": self.cycles,
@@ -228,35 +226,11 @@ class Recorder:
         for name in _SMALL:
             getattr(book, name)[...] = stored[name]
         book.series[: len(stored["series"])] = stored["series"]
-        for k in range(book.joints.size):
-            book.episodes[k, : len(stored[f"episodes_{k}"])] = stored[f"episodes_{k}"]
+        for k in range(book.memory.size):
+            book.past[k, : len(stored[f"past_{k}"])] = stored[f"past_{k}"]
         frames = len(stored["film"])
         book.film[:frames] = stored["film"]
         book.film[frames] = stored["frame"]
         self._rows = np.array(stored["cycles"])
         self._finished = len(self._rows)
         self.maps.restore(part(stored, "maps"))
-
-
-def relief(joint: ClearanceJoint) -> float:
-    """Greatest difference of depth that a pin can meet on the worn surfaces, m."""
-    return sum(
-        float(np.ptp(surface.depth)) if surface.is_worn else 0.0
-        for surface in (joint.bearing_surface, joint.pin_surface)
-    )
-
-
-def effective_mass(linkage: Linkage, k: int) -> float:
-    """Lower bound of the mass that meets in clearance joint ``k``, kg.
-
-    Both bodies taken as free: 1/m = sum of 1/m + r^2/I.  Constraints only add mass.
-    A driven body and the frame do not give way.
-    """
-    joint = linkage.clearances[k]
-    driven = {drive.body for drive in linkage.drives}
-    mobility = 0.0
-    for end in (joint.bearing, joint.pin):
-        for body in linkage.bodies:
-            if body.name == end.body and body.name not in driven:
-                mobility += 1.0 / body.mass + (end.x**2 + end.y**2) / body.inertia
-    return 1.0 / mobility if mobility > 0.0 else math.inf

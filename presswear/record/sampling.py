@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.tools.state import State
+from presswear.tools.arrays import State
 
 Array = NDArray[np.float64]
 
@@ -329,7 +329,7 @@ def pooled(runs: Sequence[Array]) -> tuple[Estimate, bool]:
 
 
 def differ(samples: Sequence[Array]) -> bool:
-    """Whether some groups of samples have means that differ (analysis of variance, 1 %)."""
+    """True where some groups of samples have means that differ (analysis of variance, 1 %)."""
     groups = [some for some in samples if some.size >= LEAST_SAMPLES]
     if len(groups) < 2 or all(np.ptp(some) == 0.0 for some in groups):
         return False

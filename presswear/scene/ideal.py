@@ -1,7 +1,5 @@
 """The slider's motion with every joint closed, which what is computed is held against."""
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -23,11 +21,4 @@ def ideal_slider(scene: Scene, time: Array) -> Array:
     ndarray, shape (n, 3)
         m, m/s, m/s^2.
     """
-    linkage = scene.mechanism.linkage()
-    column = 3 * linkage.index(linkage.probe.body)
-    along = np.array([math.cos(linkage.probe.direction), math.sin(linkage.probe.direction)])
-    motion = scene.mechanism.ideal_motion(np.append(0.0, time))
-    levels = (motion.position, motion.velocity, motion.acceleration)
-    slider = np.column_stack([level[:, column : column + 2] @ along for level in levels])
-    slider[:, 0] -= slider[0, 0]
-    return slider[1:]
+    return scene.ideal_slider(time)

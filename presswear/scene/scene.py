@@ -1,9 +1,13 @@
 """A scene: everything a person chooses, as data that prints and stores itself."""
 
+import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
 from itertools import combinations
 from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.elements import (
@@ -28,8 +32,11 @@ from presswear.linkage.press import Press
 from presswear.linkage.slider_crank import SliderCrank
 from presswear.linkage.surface import Surface
 from presswear.linkage.topology import branches_of
+from presswear.tools.documents import typed
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import Choice, check_fields, choice, quantity
+
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -149,7 +156,7 @@ _RESTORED: Mapping[str, Callable[[Mapping[str, Any]], Press | SliderCrank]] = {
     Press.kind: Press.from_dict,
     SliderCrank.kind: SliderCrank.from_dict,
 }
-"""What makes a stored mechanism anew, by its kind."""
+"""Functions that make a stored mechanism anew, by its kind."""
 
 
 ENGINES = ("exudyn", ExudynTree.word, ExudynJoints.word, InHouse.word)
@@ -302,7 +309,7 @@ class Scene:
 
     @property
     def wears_in_steps(self) -> bool:
-        """Whether a wear is applied in steps.
+        """True where a wear is applied in steps.
 
         By the conventions where the scene leaves it to them: a profile whose depth depends on
         the width of its bins has no step that is small enough.
@@ -337,6 +344,30 @@ class Scene:
         named = {engine.word: engine for engine in (numerics.tree, numerics.joints, numerics.dae)}
         return named[self.engine]
 
+    def ideal_slider(self, time: Array) -> Array:
+        """Displacement from the start, velocity and acceleration of the slider, joints closed.
+
+        In closed form.
+
+        Parameters
+        ----------
+        time : ndarray, shape (n,)
+            s.
+
+        Returns
+        -------
+        ndarray, shape (n, 3)
+            m, m/s, m/s^2.
+        """
+        linkage = self.mechanism.linkage()
+        column = 3 * linkage.index(linkage.probe.body)
+        along = np.array([math.cos(linkage.probe.direction), math.sin(linkage.probe.direction)])
+        motion = self.mechanism.ideal_motion(np.append(0.0, time))
+        levels = (motion.position, motion.velocity, motion.acceleration)
+        slider = np.column_stack([level[:, column : column + 2] @ along for level in levels])
+        slider[:, 0] -= slider[0, 0]
+        return slider[1:]
+
     def as_dict(self) -> dict[str, Any]:
         """The scene as plain data, SI units, radians; its mechanism says of which kind it is."""
         plain = asdict(self)
@@ -363,6 +394,9 @@ class Scene:
             lacking = next(_lacking(scene.as_dict(), data), None)
             if lacking is not None:
                 raise InputError(f"this is no whole scene: {lacking!r} is missing")
+            # What no person can set has no range of its own.
+            for part in ("mechanism", "numerics"):
+                typed(data[part], type(getattr(scene, part)), f"this is no stored scene: {part}")
             return scene
         except InputError:
             raise

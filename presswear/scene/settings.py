@@ -1,4 +1,4 @@
-"""What a person can change in a scene: keys, values, and text that changes them.
+"""Settings of a scene: keys, values, and text that changes them.
 
 Keys are the names of the fields of a scene and its parts, without the parts' names.
 """

@@ -15,8 +15,9 @@ from presswear.results.folder import ResultFolder
 from presswear.results.result import SCHEMA, Result, load, plain
 from presswear.scene.catalog import slider_crank, wear_times
 from presswear.scene.scene import CONVENTIONS, Scene
+from presswear.tools.documents import sealed_json
 from presswear.tools.errors import InputError
-from presswear.tools.files import sealed_json, write_whole
+from presswear.tools.files import write_whole
 
 Ran = tuple[Scene, Result, Result]
 """A scene, its result in memory, and its result on disk."""
@@ -159,10 +160,11 @@ def _restored(path: Path, schema: object, scene: object) -> Result:
     document = {
         "schema": schema,
         "scene": scene,
+        "conventions": scene.get("conventions", {}) if isinstance(scene, dict) else {},
         "engine": "exudyn",
         "provenance": {
             "packages": {},
-            **dict.fromkeys(("python", "revision", "machine", "started"), ""),
+            **dict.fromkeys(("python", "revision", "source", "machine", "started"), ""),
         },
         "status": "running",
         "message": "",
@@ -190,7 +192,7 @@ def test_scenes_say_which_mechanism_they_hold(tmp_path: Path) -> None:
         (float(SCHEMA), {}, f"schema {SCHEMA}.0"),
         (None, {}, "schema None"),
         (SCHEMA, {"mechanism": {}}, "not a stored scene: 'kind'"),
-        (SCHEMA, 3, "'scene' is not what it should be: 3"),
+        (SCHEMA, 3, "scene: Expected `object`, got `int`"),
         (SCHEMA, {"press": {}}, "not a stored scene.*mechanism"),
     ],
 )

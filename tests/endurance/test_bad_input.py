@@ -1,40 +1,87 @@
-"""Bad command lines, drawn at random, and what tries them."""
+"""Bad command lines, drawn at random: refused in one line, before anything runs or is written."""
 
-import sys
+from multiprocessing.process import BaseProcess
+from pathlib import Path
 
 import pytest
 
-from presswear.tools.errors import InputError, one_line
-from presswear.trials.endure import inputs
-from presswear.trials.endure.cases import beyond_ranges, wrong_units
-from presswear.trials.endure.inputs import Answer, answered, bad_scenes, drawn, nothing_runs
+from endurance.bad_lines import FAMILIES, FILE, FOLDER, bad_line
+from endurance.subject import PATIENCE, Answer, Ran, answered, begin, end
+from endurance.trial import SEED, Trial
+from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
+from presswear.tools.errors import one_line
 
 
-def test_bad_input_is_refused_in_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
-    # A process takes seconds to start: three of them.
-    monkeypatch.setattr(inputs, "IN_PROCESSES", 2)
-    found = bad_scenes(500, seed=1)
-    assert found.tried == 500
-    assert found.survived == 500, found.note
+def refuse(trial: Trial, here: Path, count: int, seed: int, in_processes: int) -> None:
+    """Give so many bad lines in a new folder, some of them to processes of their own as well."""
+    trial.what = "bad command lines refused with one line and exit code 2"
+    trial.note = f"{len(FAMILIES)} kinds, {in_processes} in processes of their own"
+    (here / FILE).write_text("somebody's")
+    (here / FOLDER).mkdir()
+    (here / FOLDER / "precious").write_text("somebody's")
+    every = count // in_processes
+    for place in range(count):
+        line = bad_line(place, seed)
+        answers = [answered(line)]
+        # The operating system passes no zero byte on.
+        if place % every == 0 and not any("\0" in word for word in line):
+            answers.append(end(begin(*line), PATIENCE))
+        wrong = [answer.problem for answer in answers if not answer.is_refusal]
+        if list(here.iterdir()) or len(list((here / FOLDER).iterdir())) != 1:
+            wrong.append("something was written")
+        trial.add(f"case {place} of seed {seed}: {line!r:.300}: {wrong[0]}" if wrong else "")
 
 
-@pytest.mark.slow
-def test_much_bad_input_is_refused_in_one_line() -> None:
-    found = bad_scenes(5000, seed=2)
-    assert found.tried == 5000
-    assert found.survived == 5000, found.note
+@pytest.fixture
+def nothing_runs(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever begins to compute is stopped at once, with ``Ran``."""
+
+    def stop(*arguments: object, **options: object) -> None:
+        raise Ran
+
+    for engine in (ExudynTree, ExudynJoints, InHouse):
+        monkeypatch.setattr(engine, "simulate", stop)
+    monkeypatch.setattr(BaseProcess, "start", stop)
 
 
-def test_a_line_that_runs_or_breaks_is_no_refusal() -> None:
-    with nothing_runs():
-        ran = answered(["run", "ideal"])
-    assert not ran.is_refusal
-    assert "run_campaign" in ran.problem
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A new folder to be in; what the program leaves there is seen."""
+    folder = tmp_path / "here"
+    folder.mkdir()
+    monkeypatch.chdir(folder)
+    return folder
+
+
+@pytest.mark.usefixtures("nothing_runs")
+def test_bad_input_is_refused_in_one_line(here: Path) -> None:
+    trial = Trial()
+    refuse(trial, here, 500, seed=1, in_processes=2)
+    assert trial.passed, trial.miss
+
+
+@pytest.mark.endurance
+@pytest.mark.usefixtures("nothing_runs")
+def test_much_bad_input(trial: Trial, here: Path, is_quick: bool) -> None:
+    count, in_processes = (300, 5) if is_quick else (5000, 24)
+    refuse(trial, here, count, SEED, in_processes)
+    assert trial.passed, trial.miss
+
+
+@pytest.mark.usefixtures("nothing_runs")
+def test_a_line_that_runs_or_breaks_is_no_refusal(tmp_path: Path) -> None:
+    for command in (["run", "ideal"], ["run", "paper"], ["crosscheck"], ["precision"], ["costs"]):
+        ran = answered(
+            [*command, *(["--out", str(tmp_path / command[-1])] * (command[0] != "costs"))]
+        )
+        assert "it ran" in ran.problem
+        assert not ran.is_refusal
     assert not answered(["list"]).is_refusal
     assert answered(["run", "nothing"]).is_refusal
     for answer in (
         Answer(1, "", "presswear: no\n"),
         Answer(2, "", "presswear: one\npresswear: two\n"),
+        Answer(2, "", "presswear: one\nTraceback\n"),
         Answer(2, "", "one\n"),
         Answer(2, "", ""),
         Answer(2, "something", "presswear: no\n"),
@@ -42,16 +89,10 @@ def test_a_line_that_runs_or_breaks_is_no_refusal() -> None:
         assert not answer.is_refusal
 
 
-def test_the_same_seed_draws_the_same() -> None:
-    one, same, other = (drawn(beyond_ranges(), 30, seed) for seed in (1, 1, 2))
-    assert one == same != other
-    assert len(drawn(wrong_units(), 30, 1)) == 30
-
-
-def test_what_is_missing_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "hypothesis", None)
-    with pytest.raises(InputError, match=r"pip install 'presswear\[test\]'"):
-        bad_scenes(1, seed=1)
+def test_lines_are_those_of_their_seed() -> None:
+    one, again, other = ([bad_line(k, seed) for k in range(90)] for seed in (1, 1, 2))
+    assert one == again
+    assert all(mine != theirs for mine, theirs in zip(one[:4], other[:4], strict=True))
 
 
 def test_a_message_is_one_short_line_of_what_can_be_shown() -> None:

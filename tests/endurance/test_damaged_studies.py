@@ -8,18 +8,19 @@ from typing import Any
 
 import pytest
 
+from endurance.forgery import NO_LEAVES, leaves
+from endurance.subject import answered
 from presswear.campaign.study import FILE, load_study, unchanged
 from presswear.commands.studies import check_study
+from presswear.results.provenance import provenance
 from presswear.results.result import plain
-from presswear.studies.runaway.variants import runaway
+from presswear.studies.runaway.variants import make as runaway
 from presswear.tools.errors import InputError
-from presswear.trials.endure.altered import NO_LEAVES, leaves
-from presswear.trials.endure.inputs import answered
 
 
 @pytest.fixture(scope="module")
 def document() -> dict[str, Any]:
-    found = plain(runaway(unchanged).as_dict())
+    found = plain({**runaway(unchanged).as_dict(), "provenance": provenance()})
     assert isinstance(found, dict)
     return found
 

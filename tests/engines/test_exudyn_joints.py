@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from listeners import EndsAfter, Interrupts
 from numpy.typing import NDArray
 
 from presswear.campaign.starts import start_of
@@ -26,7 +27,6 @@ from presswear.linkage.laws import (
     lankarani_nikravesh_damping,
 )
 from presswear.linkage.press import GEOMETRIES, Press
-from presswear.record.recorder import Recorder
 from presswear.scene.catalog import ideal, wear_times
 from presswear.scene.scene import CONVENTIONS
 
@@ -221,17 +221,12 @@ def test_the_drives_turn_exactly(press_runs: dict[str, Run]) -> None:
 
 def test_cycles_end_on_time_and_enough_stops() -> None:
     scene = ideal()
-    asked: list[int] = []
-
-    def enough(recorder: Recorder) -> bool:
-        asked.append(len(recorder.cycles))
-        return len(recorder.cycles) == 2
-
+    ends = EndsAfter(2)
     period = scene.mechanism.period
     coarse = replace(scene.numerics.joints.over(scene.mechanism.period), free_step=period / 300.0)
-    run = coarse.simulate(scene.linkage(), start_of(scene), Plan(period, 5, enough=enough))
+    run = coarse.simulate(scene.linkage(), start_of(scene), Plan(period, 5, trackers=(ends,)))
     assert run.status == "enough"
-    assert asked == [1, 2]
+    assert ends.asked == [1, 2]
     assert run.time == pytest.approx(2.0 * period, abs=1e-9)
 
 
@@ -244,11 +239,8 @@ def test_a_state_that_is_not_finite_ends_the_run_as_failed() -> None:
 
 def test_errors_and_interrupts_in_callbacks_arrive_as_they_are() -> None:
     scene = ideal()
-
-    def interrupt(part: float) -> None:
-        raise KeyboardInterrupt
-
+    plan = Plan(scene.mechanism.period, 1, trackers=(Interrupts(),))
     with pytest.raises(KeyboardInterrupt):
         scene.numerics.joints.over(scene.mechanism.period).simulate(
-            scene.linkage(), start_of(scene), Plan(scene.mechanism.period, 1, progress=interrupt)
+            scene.linkage(), start_of(scene), plan
         )

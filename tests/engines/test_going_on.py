@@ -1,20 +1,20 @@
 """Every engine goes on from a snapshot as if it had never stopped, bit for bit."""
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from presswear.results.checkpoint import read_checkpoint, write_checkpoint
+from listeners import EndsAfter, Keeps
 
 from presswear.campaign.starts import start_of
 from presswear.engines.base import Plan, Run
+from presswear.record.tracker import Tracker
 from presswear.scene.catalog import slider_crank, wear_times
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
-from presswear.tools.state import State
+from presswear.tools.arrays import State, read_arrays, write_arrays
 
 RECORDED = 2
 FAST = {"speed": "60rad/s"}
@@ -28,11 +28,10 @@ class Case:
     scene: Scene
     cycles: int
 
-    def run(self, resume: State | None, keep: Callable[[State], None] | None) -> Run:
+    def run(self, resume: State | None, *trackers: Tracker) -> Run:
         scene, accuracy = self.scene, self.scene.solver.over(self.scene.mechanism.period)
-        plan = Plan(
-            scene.mechanism.period, self.cycles, RECORDED, resume=resume, keep=keep, torques=True
-        )
+        period = scene.mechanism.period
+        plan = Plan(period, self.cycles, RECORDED, trackers=trackers, resume=resume)
         return accuracy.simulate(scene.linkage(), start_of(scene), plan)
 
 
@@ -62,7 +61,7 @@ def told(run: Run) -> dict[str, Any]:
         "end velocity": run.end.velocity,
     }
     return {
-        "words": (run.status, run.message, repr(run.time), repr(run.reactions), repr(diagnostics)),
+        "words": (run.status, run.message, repr(run.time), repr(diagnostics)),
         **{name: (array.shape, array.tobytes()) for name, array in arrays.items()},
     }
 
@@ -72,47 +71,48 @@ def test_a_run_goes_on_bit_for_bit_after_every_cycle(name: str, tmp_path: Path) 
     case = CASES[name]
     kept: list[dict[str, Any]] = []
 
-    def keep(snapshot: State) -> None:
+    def keep(state: State) -> None:
         # Through a file, as another process would have it.
-        write_checkpoint(tmp_path, {}, snapshot)
-        kept.append(dict(read_checkpoint(tmp_path)[1]))
+        file = tmp_path / "state.npz"
+        write_arrays(file, state, np.savez)
+        kept.append(read_arrays(file))
 
-    whole = told(case.run(None, keep))
+    whole = told(case.run(None, Keeps(keep)))
     assert len(kept) == case.cycles
-    for snapshot in kept:
-        again = told(case.run(snapshot, None))
+    for state in kept:
+        again = told(case.run(state))
         assert [key for key in whole if again[key] != whole[key]] == []
 
 
-def test_a_snapshot_does_not_change_as_the_run_goes_on() -> None:
+def test_a_state_does_not_change_as_the_run_goes_on() -> None:
     """It is written down later than it is taken."""
     case = CASES["in-house, order 8"]
     taken: list[State] = []
     then: list[dict[str, Any]] = []
 
-    def keep(snapshot: State) -> None:
-        taken.append(snapshot)
-        then.append({name: np.array(array) for name, array in snapshot.items()})
+    def keep(state: State) -> None:
+        taken.append(state)
+        then.append({name: np.array(array) for name, array in state.items()})
 
-    case.run(None, keep)
+    case.run(None, Keeps(keep))
     for now, before in zip(taken, then, strict=True):
         for name, array in before.items():
             assert now[name].tobytes() == array.tobytes(), name
 
 
-@pytest.mark.parametrize("name", ["y", "slope", "account/maps/startup", "account/series"])
+@pytest.mark.parametrize("name", ["y", "slope", "recorder/maps/startup", "recorder/series"])
 def test_a_last_digit_of_the_state_shows(name: str) -> None:
     """The comparison sees a difference of one part in 1e13."""
     case = CASES["in-house, order 8"]
     kept: list[State] = []
-    whole = told(case.run(None, kept.append))
+    whole = told(case.run(None, Keeps(kept.append)))
     moved = {**kept[0], name: kept[0][name] * (1.0 + 1e-13)}
-    assert told(case.run(moved, None)) != whole
+    assert told(case.run(moved)) != whole
 
 
 def test_contacts_are_kept_of_recorded_cycles_only() -> None:
     case = CASES["in-house, order 8"]
-    run = case.run(None, None)
+    run = case.run(None)
     recorded = RECORDED * case.scene.mechanism.period
     for k in range(2):
         episodes = run.recorder.episodes(k)
@@ -124,15 +124,8 @@ def test_contacts_are_kept_of_recorded_cycles_only() -> None:
 def test_a_run_that_was_enough_is_enough_again() -> None:
     case = CASES["in-house, order 8"]
     kept: list[State] = []
-    accuracy = case.scene.solver.over(case.scene.mechanism.period)
-    plan = Plan(
-        case.scene.mechanism.period,
-        case.cycles,
-        enough=lambda recorder: len(recorder.cycles) == 2,
-        keep=kept.append,
-    )
-    arguments = case.scene.linkage(), start_of(case.scene)
-    assert accuracy.simulate(*arguments, plan).status == "enough"
-    again = accuracy.simulate(*arguments, replace(plan, resume=kept[-1]))
+    trackers = EndsAfter(2), Keeps(kept.append)
+    assert case.run(None, *trackers).status == "enough"
+    again = case.run(kept[-1], *trackers)
     assert again.status == "enough"
     assert len(again.recorder.cycles) == 2

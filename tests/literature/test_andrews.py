@@ -10,6 +10,7 @@ from presswear.engines.base import Plan
 from presswear.engines.dae.dynamics import rates, system_of
 from presswear.engines.settings import InHouse
 from presswear.physics.constraints import constraints_of
+from presswear.physics.packed import pack
 from presswear.trials.verify import references
 from presswear.trials.verify.verify import ANDREWS_STEPS, andrews_with_exudyn, order_of
 
@@ -32,7 +33,8 @@ def test_bodies_join_at_the_start() -> None:
 def test_accelerations_at_the_start() -> None:
     """andrews.f: beta'' = 14222.4439199541138, Theta'' = -10666.8329399655854, the rest 0."""
     start = references.andrews_start()
-    system, _ = system_of(references.andrews(), 20.0, 20.0)
+    linkage = references.andrews()
+    system = system_of(pack(linkage), constraints_of(linkage), 20.0, 20.0)
     state = np.zeros(44)
     state[:21] = start.position
     slope = np.zeros(44)

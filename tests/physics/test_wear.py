@@ -21,7 +21,6 @@ from presswear.physics.wear import (
     deposit_in_bin,
     deposit_over_arc,
     dose_rates,
-    pack_wear,
     slip_speed,
     worn_volume,
 )
@@ -41,27 +40,24 @@ def _law(footprint: Footprint, share: float = 0.5) -> WearLaw:
 
 def _deposited(pair: Pair, count: int, dose: float) -> Array:
     """Depths that a dose F_n ds adds to empty maps of bearing and pin, shape (2, count)."""
-    contact, bearing, pin = pair.contact()
-    law = pack_wear(pair.linkage)[0]
+    contact = pair.contact()
+    packed = pair.packed.joints[0]
     depth = np.zeros((2, count))
-    if law["over_arc"]:
+    if packed["over_arc"]:
         deposit_over_arc(
             depth,
-            law,
-            pair.joints[0],
-            pair.surfaces[0],
+            packed,
+            pair.packed.surfaces[0],
             contact,
-            bearing.angle,
-            pin.angle,
             dose,
             np.zeros(WORKSPACE),
         )
     else:
         # The force that makes the dose at the contact's own slip.
-        slip = slip_speed(bool(law["slip_by_angle"]), JOINT.pin_radius, contact)
-        work, pressure = dose_rates(law, pair.joints[0], contact, dose / slip)
+        slip = slip_speed(bool(packed["slip_by_angle"]), JOINT.pin_radius, contact)
+        work, pressure = dose_rates(packed, contact, dose / slip)
         assert work == pytest.approx(dose, rel=1e-14)
-        deposit_in_bin(depth, law, pair.joints[0], contact, bearing.angle, pin.angle, pressure)
+        deposit_in_bin(depth, packed, contact, pressure)
     return depth
 
 
@@ -100,7 +96,7 @@ def test_area_by_hand() -> None:
 
 
 def test_slip_by_angle_and_by_sliding() -> None:
-    contact = placed(JOINT, 1e-5, 0.8, rates=SLIDING).contact()[0]
+    contact = placed(JOINT, 1e-5, 0.8, rates=SLIDING).contact()
     by_angle = (JOINT.pin_radius + 1e-5) * abs(contact.turning)
     assert slip_speed(True, JOINT.pin_radius, contact) == pytest.approx(by_angle, rel=1e-9)
     assert slip_speed(False, JOINT.pin_radius, contact) == abs(contact.sliding)
@@ -118,7 +114,7 @@ def test_one_bin_gets_all_of_equation_29(frame: str, worn: bool, count: int) -> 
     joint = replace(joint, wear=_law("bin", 0.3))
     direction, angles, dose = 2.5, (0.4, -2.1), 7.0
     pair = placed(joint, 2e-6, direction, angles=angles, rates=SLIDING)
-    contact = pair.contact()[0]
+    contact = pair.contact()
     places = [np.array([direction - turning * angle]) for angle in angles]
     bearing = Decimal(joint.bearing_radius) + Decimal(float(joint.bearing_surface(places[0])[0]))
     pin = Decimal(joint.pin_radius) - Decimal(float(joint.pin_surface(places[1])[0]))
@@ -135,11 +131,11 @@ def test_one_bin_gets_all_of_equation_29(frame: str, worn: bool, count: int) -> 
 
 def test_bins_accumulate() -> None:
     pair = placed(replace(JOINT, wear=_law("bin")), 2e-6, 0.3)
-    contact, bearing, pin = pair.contact()
-    law = pack_wear(pair.linkage)[0]
+    contact = pair.contact()
+    packed = pair.packed.joints[0]
     depth = np.zeros((2, 16))
     for _ in range(3):
-        deposit_in_bin(depth, law, pair.joints[0], contact, bearing.angle, pin.angle, 2e9)
+        deposit_in_bin(depth, packed, contact, 2e9)
     # K_d times 6e9 N/m is 7.2e-6 m, half of it on each surface.
     np.testing.assert_allclose(depth.max(axis=1), [3.6e-6, 3.6e-6], rtol=1e-14)
     assert np.count_nonzero(depth) == 2
@@ -147,19 +143,19 @@ def test_bins_accumulate() -> None:
 
 def test_dose_rates_follow_the_law_of_slip() -> None:
     pair = placed(replace(JOINT, wear=WearLaw(1e-15, "angle", "bin")), 1e-5, 0.8, rates=SLIDING)
-    contact = pair.contact()[0]
-    law = pack_wear(pair.linkage)[0]
-    work, pressure = dose_rates(law, pair.joints[0], contact, 50.0)
+    contact = pair.contact()
+    packed = pair.packed.joints[0]
+    work, pressure = dose_rates(packed, contact, 50.0)
     by_angle = (JOINT.pin_radius + contact.penetration) * abs(contact.turning)
     assert work == pytest.approx(50.0 * by_angle, rel=1e-14)
     area = contact_area(1e-5, JOINT.clearance + 1e-5, 0.015, JOINT.pin_radius, 0.02)
     assert pressure == pytest.approx(work / area, rel=1e-9)
-    assert dose_rates(law, pair.joints[0], contact, 0.0) == (0.0, 0.0)
-    law["slip_by_angle"] = False
-    work, _ = dose_rates(law, pair.joints[0], contact, 50.0)
+    assert dose_rates(packed, contact, 0.0) == (0.0, 0.0)
+    packed["slip_by_angle"] = False
+    work, _ = dose_rates(packed, contact, 50.0)
     assert work == pytest.approx(50.0 * abs(contact.sliding), rel=1e-14)
     open_one = placed(pair.joint, -1e-6, 0.8, rates=SLIDING)
-    assert dose_rates(law, open_one.joints[0], open_one.contact()[0], 0.0) == (0.0, 0.0)
+    assert dose_rates(open_one.packed.joints[0], open_one.contact(), 0.0) == (0.0, 0.0)
 
 
 wearing_joints = st.sampled_from(
@@ -284,10 +280,13 @@ def test_uniform_wear_has_the_volume_of_a_sleeve() -> None:
 
 
 def test_packed_law_holds_every_value() -> None:
-    law = WearLaw(3e-15, "angle", "bin", 0.2)
-    record = pack_wear(placed(replace(JOINT, wear=law), 0.0, 0.0).linkage)[0]
-    assert tuple(record) == (3e-15, 0.2, True, False)
-    law = WearLaw(3e-15, "sliding", "arc", 0.2)
-    record = pack_wear(placed(replace(JOINT, wear=law), 0.0, 0.0).linkage)[0]
-    assert tuple(record) == (3e-15, 0.2, False, True)
-    assert pack_wear(placed(JOINT, 0.0, 0.0).linkage)[0]["coefficient"] == 0.0
+    def packed(law: WearLaw | None) -> tuple[float | bool, ...]:
+        joint = placed(replace(JOINT, wear=law), 0.0, 0.0).packed.joints[0]
+        return tuple(
+            joint[name]
+            for name in ("wear_coefficient", "bearing_share", "slip_by_angle", "over_arc")
+        )
+
+    assert packed(WearLaw(3e-15, "angle", "bin", 0.2)) == (3e-15, 0.2, True, False)
+    assert packed(WearLaw(3e-15, "sliding", "arc", 0.2)) == (3e-15, 0.2, False, True)
+    assert packed(None)[0] == 0.0

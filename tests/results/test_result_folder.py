@@ -5,25 +5,26 @@ import json
 import os
 import shutil
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import pytest
+from endurance.sameness import folder_differences
 
 from presswear.__main__ import main
-from presswear.campaign.campaign import Watcher, run_campaign
-from presswear.campaign.standing import Standing
-from presswear.results.checkpoint import read_checkpoint, write_checkpoint
+from presswear.campaign.checkpoint import Checkpoint
+from presswear.campaign.single import run_into
+from presswear.record.tracker import Tracker
 from presswear.results.folder import INTERVAL, LEAST_WAIT, ResultFolder
 from presswear.results.result import load, read_document, unfinished
-from presswear.results.sameness import folder_differences
 from presswear.scene.catalog import wear_times
 from presswear.scene.scene import CONVENTIONS, Scene
 from presswear.scene.settings import changed
+from presswear.tools.arrays import write_arrays
+from presswear.tools.documents import sealed_json
 from presswear.tools.errors import InputError, RunFailed
-from presswear.tools.files import sealed_json
-from presswear.tools.lock import FolderLock
+from presswear.tools.folders import FolderLock
 
 SCENE = changed(
     replace(
@@ -50,34 +51,52 @@ class Stop(BaseException):
     """As a signal would."""
 
 
-def run(
-    path: Path, resume: bool = False, stop: Callable[[Standing, bool], None] = lambda at, end: None
-) -> ResultFolder:
-    """Run the scene into a folder with a checkpoint after every cycle."""
-    folder = ResultFolder(path, SCENE, 0.0, resume)
+@dataclass
+class Stopping(Tracker):
+    """Stops a campaign when it is told for the n-th time where it stands; 0: never."""
 
-    def keep(standing: Standing, is_stage: bool) -> None:
-        folder.keep(standing, is_stage)
-        stop(standing, is_stage)
+    place: int
+    told: int = 0
 
-    try:
-        folder.close(*run_campaign(SCENE, Watcher(stage=folder.add, keep=keep), folder.begun))
-    finally:
-        folder.release()
-    return folder
-
-
-def stop_at(place: int) -> Callable[[Standing, bool], None]:
-    """Stop when the campaign is told for the n-th time where it stands."""
-    count = 0
-
-    def stop(standing: Standing, is_stage: bool) -> None:
-        nonlocal count
-        count += 1
-        if count == place:
+    def checkpoint(self, checkpoint: Checkpoint, is_stage: bool) -> None:
+        self.told += 1
+        if self.told == self.place:
             raise Stop
 
-    return stop
+
+class Removing(Tracker):
+    """Removes a folder as soon as a campaign tells where it stands."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+
+    def checkpoint(self, checkpoint: Checkpoint, is_stage: bool) -> None:
+        shutil.rmtree(self.path, ignore_errors=True)
+
+
+def run(path: Path, resume: bool = False, stop: int = 0) -> None:
+    """Run the scene into a folder with a checkpoint after every cycle."""
+    run_into(ResultFolder(path, SCENE, 0.0, resume), SCENE, [Stopping(stop)])
+
+
+def edit(path: Path, change: Callable[[dict[str, Any]], object]) -> None:
+    """Change the document of a folder and seal it anew."""
+    document = read_document(path)
+    change(document)
+    (path / "result.json").write_bytes(sealed_json(document))
+
+
+def checkpoint_file(path: Path) -> Path:
+    """The file of a folder's checkpoint."""
+    (file,) = path.glob("checkpoint-*.npz")
+    return file
+
+
+def resumed(path: Path) -> Checkpoint:
+    """The checkpoint that a folder is gone on with from."""
+    with ResultFolder(path, SCENE, resume=True) as folder:
+        assert folder.resumed is not None
+        return Checkpoint.restored(SCENE, *folder.resumed)
 
 
 @pytest.fixture(scope="module")
@@ -93,7 +112,7 @@ def stopped(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A run that was stopped in the middle of a wear in steps."""
     path = tmp_path_factory.mktemp("stopped") / "out"
     with pytest.raises(Stop):
-        run(path, stop=stop_at(7))
+        run(path, stop=7)
     return path
 
 
@@ -112,7 +131,7 @@ def test_a_campaign_goes_on_from_wherever_it_stood(whole: Path, tmp_path: Path) 
     while True:
         # The first place is the one that it goes on from.
         try:
-            run(path, resume=True, stop=stop_at(1 if places == 0 else 2))
+            run(path, resume=True, stop=1 if places == 0 else 2)
         except Stop:
             places += 1
             continue
@@ -120,39 +139,38 @@ def test_a_campaign_goes_on_from_wherever_it_stood(whole: Path, tmp_path: Path) 
     # Two cycles of two starts for each step and the last stage, and the end of the stage.
     assert places >= 4 * (len(steps) + 1)
     assert folder_differences(whole, path) == []
-    assert len(load(path).document["provenance"]["resumed"]) == places
-    assert not (path / "checkpoint.npz").exists()
-    assert not (path / "lock").exists()
+    assert len(load(path).provenance["resumed"]) == places
+    files = {f"{kind}-{index}.npz" for kind in ("stage", "film") for index in (0, 1)}
+    assert {item.name for item in path.iterdir()} == {"result.json", *files}
 
 
 def test_what_differs_is_named(whole: Path, tmp_path: Path) -> None:
     other = tmp_path / "other"
     shutil.copytree(whole, other)
-    document = read_document(other)
-    document["stages"][1]["statistics"]["cycles"] = 5
-    del document["files"]["film-1.npz"]
-    document["wall_s"] = 1e9
-    (other / "result.json").write_bytes(sealed_json(document))
-    assert folder_differences(whole, other) == [
-        "result.json: stages 1: statistics: cycles: 4 and 5",
-        "film-1.npz is in one only",
-    ]
     arrays = dict(load(other).stages[0].arrays)
     arrays["slider"][-1, 0] *= 1.0 + 1e-15
-    from presswear.tools.files import write_arrays
+    arrays["more"] = arrays["time"]
+    digest = write_arrays(other / "stage-0.npz", arrays)
 
-    document["files"]["stage-0.npz"] = write_arrays(other / "stage-0.npz", arrays)
-    (other / "result.json").write_bytes(sealed_json(document))
-    assert "stage-0.npz: slider differs" in folder_differences(whole, other)
+    def change(document: dict[str, Any]) -> None:
+        document["stages"][1]["statistics"]["cycles"] = 5
+        document["files"]["stage-0.npz"] = digest
+        document["wall_s"] = 1e9
+
+    edit(other, change)
+    assert folder_differences(whole, other) == [
+        "result.json: stages: 1: statistics: cycles: 4 and 5",
+        "stage-0.npz: slider differs",
+        "stage-0.npz: more is in one only",
+    ]
 
 
 def test_stopping_stores_the_stage_and_where_the_run_stands(halted: Path) -> None:
-    document = read_document(halted)
-    assert [stage["index"] for stage in document["stages"]] == [0]
-    told, arrays = read_checkpoint(halted)
-    assert told["index"] == 0
-    assert told["growth"]["steps"]
-    assert Standing.restored(SCENE, told, arrays).words().startswith("stage 0, step 2 of the wear")
+    assert [stage["index"] for stage in read_document(halted)["stages"]] == [0]
+    checkpoint = resumed(halted)
+    assert checkpoint.growth is not None
+    assert checkpoint.growth.steps
+    assert checkpoint.words().startswith("stage 0, step 2 of the wear")
 
 
 def test_another_scene_is_refused_by_what_differs(halted: Path) -> None:
@@ -173,43 +191,33 @@ def test_another_scene_is_refused_by_what_differs(halted: Path) -> None:
     ],
 )
 def test_another_program_is_refused(change: dict[str, Any], words: str, halted: Path) -> None:
-    document = read_document(halted)
-    document["provenance"].update(change)
-    (halted / "result.json").write_bytes(sealed_json(document))
+    edit(halted, lambda document: document["provenance"].update(change))
     with pytest.raises(InputError, match=words):
         ResultFolder(halted, SCENE, resume=True)
 
 
 def test_the_same_source_is_the_same_program_where_git_does_not_know_it(halted: Path) -> None:
-    document = read_document(halted)
-    document["provenance"]["revision"] = "unknown"
-    (halted / "result.json").write_bytes(sealed_json(document))
-    ResultFolder(halted, SCENE, resume=True).release()
+    edit(halted, lambda document: document["provenance"].update(revision="unknown"))
+    resumed(halted)
 
 
 def test_another_machine_is_told(halted: Path) -> None:
-    document = read_document(halted)
-    document["provenance"]["machine"] = "another"
-    (halted / "result.json").write_bytes(sealed_json(document))
-    folder = ResultFolder(halted, SCENE, resume=True)
-    folder.release()
-    assert any("begun on another" in remark for remark in folder.remarks)
+    edit(halted, lambda document: document["provenance"].update(machine="another"))
+    with ResultFolder(halted, SCENE, resume=True) as folder:
+        assert any("begun on another" in remark for remark in folder.remarks)
 
 
-def test_a_checkpoint_of_another_run_is_refused(halted: Path) -> None:
-    told, arrays = read_checkpoint(halted)
-    write_checkpoint(halted, {**told, "started": "2001-01-01T00:00:00Z"}, arrays)
-    with pytest.raises(InputError, match="belongs to another run"):
-        ResultFolder(halted, SCENE, resume=True)
-
-
-def test_a_damaged_checkpoint_is_named_and_left(halted: Path) -> None:
-    file = halted / "checkpoint.npz"
-    data = file.read_bytes()
-    file.write_bytes(data[:-1])
-    with pytest.raises(InputError, match=r"checkpoint\.npz is cut off or altered"):
-        ResultFolder(halted, SCENE, resume=True)
-    assert file.read_bytes() == data[:-1]
+def test_a_checkpoint_that_is_damaged_or_of_another_run_is_named_and_left(
+    halted: Path, tmp_path: Path
+) -> None:
+    file = checkpoint_file(halted)
+    with pytest.raises(Stop):
+        run(tmp_path / "other", stop=3)
+    for data in (file.read_bytes()[:-1], checkpoint_file(tmp_path / "other").read_bytes()):
+        file.write_bytes(data)
+        with pytest.raises(InputError, match=f"{file.name} is cut off or altered"):
+            ResultFolder(halted, SCENE, resume=True)
+        assert file.read_bytes() == data
 
 
 def test_damaged_results_are_named(whole: Path, tmp_path: Path) -> None:
@@ -231,7 +239,7 @@ def test_a_run_in_a_folder_is_not_disturbed(tmp_path: Path) -> None:
     for resume in (False, True):
         with pytest.raises(InputError, match="is at work in it" if resume else "not empty"):
             ResultFolder(tmp_path / "out", SCENE, resume=resume)
-    assert "is at work in it" in unfinished(first.path, read_document(first.path))
+    assert "is at work in it" in unfinished(load(first.path))
     first.discard()
     assert not (tmp_path / "out").exists()
 
@@ -272,7 +280,7 @@ def test_a_full_disk_ends_the_run_with_one_line(
 def test_a_folder_that_is_gone_ends_the_run(tmp_path: Path) -> None:
     path = tmp_path / "out"
     with pytest.raises(RunFailed, match=f"{path} was removed or replaced"):
-        run(path, stop=lambda standing, is_stage: shutil.rmtree(path, ignore_errors=True))
+        run_into(ResultFolder(path, SCENE, 0.0), SCENE, [Removing(path)])
     assert not path.exists()
 
 
@@ -280,16 +288,15 @@ def test_checkpoints_are_written_when_due(
     halted: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """At the interval, and no sooner than a hundred times what the last one took."""
-    standing = Standing.restored(SCENE, *read_checkpoint(halted))
+    checkpoint = resumed(halted)
     now = 0.0
     monkeypatch.setattr("time.perf_counter", lambda: now)
     folder = ResultFolder(tmp_path / "out", SCENE)
-    file = tmp_path / "out" / "checkpoint.npz"
 
     def is_written(is_stage: bool = False) -> bool:
-        file.unlink(missing_ok=True)
-        folder.keep(standing, is_stage)
-        return file.exists()
+        before = set(folder.path.glob("checkpoint-*.npz"))
+        folder.checkpoint(checkpoint, is_stage)
+        return set(folder.path.glob("checkpoint-*.npz")) != before
 
     now = 0.9 * INTERVAL
     assert not is_written()
@@ -303,7 +310,7 @@ def test_checkpoints_are_written_when_due(
     assert not is_written()
     now += 0.6 * INTERVAL
     assert is_written()
-    folder.release()
+    folder.interrupt()
 
 
 def test_commands_work_on_what_is_there_and_say_so(
@@ -312,7 +319,7 @@ def test_commands_work_on_what_is_there_and_say_so(
     assert main(["export", str(halted), str(tmp_path / "table.csv")]) == 0
     said = " ".join(capsys.readouterr().out.split())
     assert "is unfinished (killed, or stopped by an error): 1 of 2 stages are stored" in said
-    lock = FolderLock.take(halted)
+    lock = FolderLock(halted)
     assert main(["export", str(halted), str(tmp_path / "again.csv")]) == 0
     assert f"process {os.getpid()} on" in capsys.readouterr().out
     lock.release()
@@ -323,7 +330,7 @@ def test_a_run_without_a_finished_stage_is_nothing_to_report(
 ) -> None:
     path = tmp_path / "out"
     with pytest.raises(Stop):
-        run(path, stop=stop_at(1))
+        run(path, stop=1)
     assert main(["report", str(path)]) == 2
     error = capsys.readouterr().err
     assert error.count("\n") == 1

@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from presswear.__main__ import main
-from presswear.campaign.campaign import Watcher, run_campaign
-from presswear.results.folder import ResultFolder
+from presswear.campaign.single import run_scene
 from presswear.results.tables import compare_tables, read_table, unit_of, write_table
 from presswear.scene.catalog import wear_times
 from presswear.tools.errors import InputError
@@ -163,8 +162,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         scene, mechanism=replace(scene.mechanism, speed=60.0), engine="dae", cycles=1, wears=0
     )
     path = tmp_path_factory.mktemp("result") / "run"
-    store = ResultFolder(path, scene)
-    store.close(*run_campaign(scene, Watcher(stage=store.add)))
+    run_scene(scene, path)
     return path
 
 

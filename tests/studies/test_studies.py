@@ -11,6 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from endurance.sameness import folder_differences
 
 from presswear.__main__ import main
 from presswear.campaign.parallel import run_study, run_variant
@@ -24,7 +25,6 @@ from presswear.campaign.study import (
 )
 from presswear.record.tracker import Tracker
 from presswear.results.result import load
-from presswear.results.sameness import folder_differences
 from presswear.scene.catalog import wear_times
 from presswear.scene.settings import changed
 from presswear.studies import STUDIES

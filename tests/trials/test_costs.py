@@ -10,8 +10,8 @@ from rich.console import Console
 
 from presswear.__main__ import main
 from presswear.commands import costs as command
-from presswear.engines import exudyn_tree
 from presswear.engines.base import Plan
+from presswear.engines.exudyn_tree import engine
 from presswear.engines.settings import InHouse
 from presswear.results.provenance import provenance
 from presswear.scene.catalog import scene_named
@@ -125,10 +125,10 @@ def test_stages_add_up_to_the_run(found: Costs) -> None:
 
 
 def test_a_profile_leaves_the_engine_as_it_was() -> None:
-    before = dict(vars(exudyn_tree))
+    before = dict(vars(engine))
     case = case_of("short", scene_named("wear-times"), 0.01)
     profile(case, 1, lambda name, part: None)
-    assert dict(vars(exudyn_tree)) == before
+    assert dict(vars(engine)) == before
 
 
 def test_recording_does_not_change_a_run() -> None:

@@ -113,8 +113,8 @@ def test_verdicts(case: Case, verdict: str) -> None:
 def test_a_run_that_goes_on_and_on_is_stopped() -> None:
     plan = guarded(1.0, patience=-1.0)
     with pytest.raises(RunFailed, match=r"stopped after -1 s of wall time at 20 %"):
-        plan.progress(0.2)
-    guarded(1.0, patience=60.0).progress(0.2)
+        plan.advanced(0.2)
+    guarded(1.0, patience=60.0).advanced(0.2)
 
 
 def test_command_prints_the_table_and_fails_on_a_miss(

@@ -11,15 +11,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import Linkage
-from presswear.physics.clearance import STATE, note_contacts
-from presswear.physics.constraints import DRIVE, Constraints, constraint_rows, constraints_of
-from presswear.physics.contacts import JOINT_RATES, add_contacts
-from presswear.physics.energy import mass_of, weight_of
-from presswear.physics.joint_data import pack_joints, pack_surfaces
+from presswear.physics.constraints import DRIVE, Constraints, constraint_rows
+from presswear.physics.contact import CONTACT, note_contacts
+from presswear.physics.forces import JOINT_RATES, add_contacts
+from presswear.physics.motion import drive_motion
 from presswear.physics.multipliers import Elimination, solve_multipliers, work_out
-from presswear.physics.springs import pack_springs, spring_forces
-from presswear.physics.wear import pack_wear
+from presswear.physics.packed import Packed
+from presswear.physics.springs import spring_forces
 from presswear.tools.compiled import Records, compiled, copy_to
 
 Array = NDArray[np.float64]
@@ -28,28 +26,23 @@ Indices = NDArray[np.int64]
 DRIVE_INTEGRALS = 2
 """Integrals before those of the joints: drive work and its absolute value, J."""
 JOINT_INTEGRALS = JOINT_RATES
-"""Integrals per joint: contact loss and friction loss, J; F_n ds, N m; p ds, N/m."""
+"""Integrals per joint: those of the rates of ``add_contacts``."""
 
 
 class System(NamedTuple):
     """A linkage as the kernels see it, with working space.
 
-    ``inverse_mass`` and ``weight`` are (3 bodies,); ``phi``, ``phi_t``, ``gamma``,
+    ``inverse_mass`` is (3 bodies,); ``phi``, ``phi_t``, ``gamma``,
     ``right`` and ``multipliers`` are (rows,).
     """
 
+    packed: Packed
     constraints: Records
     row_start: Indices
     column: Indices
     elimination: Elimination
-    mass: Array
     inverse_mass: Array
-    weight: Array
-    springs: Records
-    joints: Records
-    wear: Records
-    surfaces: Array
-    states: Records
+    contacts: Records
     alpha: float
     beta: float
     phi: Array
@@ -63,7 +56,7 @@ class System(NamedTuple):
 
 @compiled
 def evaluate_constraints(system: System, t: float, q: Array, v: Array) -> None:
-    """Phi, its derivative, gamma and the Jacobian into the system's working space."""
+    """Evaluate Phi, its derivative, gamma and the Jacobian in the system's working space."""
     constraint_rows(
         system.constraints,
         system.row_start,
@@ -79,7 +72,7 @@ def evaluate_constraints(system: System, t: float, q: Array, v: Array) -> None:
 
 @compiled
 def solve(system: System) -> None:
-    """Multipliers for the right-hand side in ``right``, which is overwritten."""
+    """Solve for the multipliers with the right-hand side in ``right``, which is overwritten."""
     solve_multipliers(
         system.elimination,
         system.jacobian,
@@ -92,16 +85,16 @@ def solve(system: System) -> None:
 
 @compiled
 def rates(system: System, onset: Array, t: float, y: Array, out: Array) -> None:
-    """dy/dt; leaves the multipliers in ``system``."""
-    n = system.mass.shape[0]
+    """Fill dy/dt; leaves the multipliers in ``system``."""
+    n = system.inverse_mass.shape[0]
     q = y[:n]
     v = y[n : 2 * n]
     force = out[n : 2 * n]
-    copy_to(force, system.weight)
-    spring_forces(system.springs, q, v, force)
+    copy_to(force, system.packed.weight)
+    spring_forces(system.packed.springs, q, v, force)
     rest = out[2 * n + DRIVE_INTEGRALS :]
-    note_contacts(system.joints, system.surfaces, system.states, q, v)
-    add_contacts(system.joints, system.wear, onset, system.states, force, rest)
+    note_contacts(system.packed, system.contacts, q, v)
+    add_contacts(system.packed.joints, onset, system.contacts, force, rest)
     evaluate_constraints(system, t, q, v)
     damping = 2.0 * system.alpha
     stiffness = system.beta * system.beta
@@ -120,7 +113,7 @@ def rates(system: System, onset: Array, t: float, y: Array, out: Array) -> None:
     for i in range(system.constraints.shape[0]):
         c = system.constraints[i]
         if c.kind == DRIVE:
-            power -= system.multipliers[c.row] * c.speed
+            power -= system.multipliers[c.row] * drive_motion(c.drive, t)[1]
     out[2 * n] = power
     out[2 * n + 1] = abs(power)
     for i in range(n):
@@ -135,7 +128,7 @@ def project(system: System, t: float, y: Array) -> None:
     Both in the metric of the mass matrix, so that the change of kinetic energy is
     of second order in the violation.
     """
-    n = system.mass.shape[0]
+    n = system.inverse_mass.shape[0]
     for level in range(2):
         evaluate_constraints(system, t, y[:n], y[n : 2 * n])
         copy_to(system.right, system.phi if level == 0 else system.phi_t)
@@ -148,25 +141,18 @@ def project(system: System, t: float, y: Array) -> None:
                 )
 
 
-def system_of(linkage: Linkage, alpha: float, beta: float) -> tuple[System, Constraints]:
-    """Pack a linkage; ``alpha`` and ``beta`` are Baumgarte's coefficients, 1/s."""
-    constraints = constraints_of(linkage)
+def system_of(packed: Packed, constraints: Constraints, alpha: float, beta: float) -> System:
+    """The equations of a linkage; ``alpha`` and ``beta`` are Baumgarte's coefficients, 1/s."""
     elimination = work_out(constraints)
-    mass = mass_of(linkage)
     rows = np.zeros((5, constraints.rows))
-    system = System(
+    return System(
+        packed=packed,
         constraints=constraints.records,
         row_start=constraints.row_start,
         column=constraints.column,
         elimination=elimination,
-        mass=mass,
-        inverse_mass=1.0 / mass,
-        weight=weight_of(linkage),
-        springs=pack_springs(linkage),
-        joints=pack_joints(linkage),
-        wear=pack_wear(linkage),
-        surfaces=pack_surfaces(linkage),
-        states=np.zeros(len(linkage.clearances), STATE),
+        inverse_mass=1.0 / packed.mass,
+        contacts=np.zeros(len(packed.joints), CONTACT),
         alpha=alpha,
         beta=beta,
         phi=rows[0],
@@ -177,4 +163,3 @@ def system_of(linkage: Linkage, alpha: float, beta: float) -> tuple[System, Cons
         work=np.zeros(elimination.slots),
         multipliers=rows[4],
     )
-    return system, constraints

@@ -22,11 +22,11 @@ from presswear.engines.dae.march import (
     march_fixed,
     note_torques,
 )
-from presswear.engines.dae.runge_kutta import MOST_STAGES, dormand_prince_5, dormand_prince_8
+from presswear.engines.dormand_prince import DOP853, DOPRI5
 from presswear.engines.driver import Simulation
 from presswear.engines.settings import InHouse
 from presswear.linkage.elements import Linkage
-from presswear.physics.constraints import Constraints
+from presswear.physics.constraints import Constraints, constraints_of
 from presswear.physics.energy import MADE_REMEDY, SETTLED, Ledger, made_energy, stored_energy
 from presswear.record.recorder import Recorder
 from presswear.record.soundness import Finding
@@ -35,7 +35,7 @@ from presswear.tools.errors import InputError
 Array = NDArray[np.float64]
 
 REMEDY = "a smaller integration_tolerance or equal_step, or integrator=dop853, may help"
-"""What makes a run finer."""
+"""Advice that makes a run finer."""
 
 _CHUNK = 2000
 """Steps between two looks at the clock and the keyboard."""
@@ -78,7 +78,7 @@ def dependent_joint(jacobian: Array, names: tuple[str, ...], least: float) -> st
 
 
 def _problem(state: int, time: float, constraints: Constraints, y: Array, n: int) -> Finding:
-    """What went wrong where a march ended as ``state`` says, and near which joint."""
+    """The finding on a march that ended in a status, with the joint near which it did."""
     if state != STUCK:
         return Finding("state", "the state is no longer finite", time, "", REMEDY)
     jacobian = constraints.evaluate(time, y[:n], y[n : 2 * n])[3]
@@ -96,14 +96,15 @@ def prepare(
 ) -> Simulation:
     """Pack a linkage in a start; see ``Simulation``."""
     began = clock.perf_counter()
-    system, constraints = system_of(linkage, settings.alpha, settings.beta)
+    constraints = constraints_of(linkage)
     check_start(constraints, start)
     book = recorder.book
-    n = system.mass.size
+    system = system_of(book.packed, constraints, settings.alpha, settings.beta)
+    n = start.position.size
     size = 2 * n + DRIVE_INTEGRALS + JOINT_INTEGRALS * len(linkage.clearances)
     y = np.zeros(size)
     y[:n], y[n : 2 * n] = start.position, start.velocity
-    motion = Motion(y, np.zeros(size), np.zeros((MOST_STAGES + 1, size)), np.ones(2 * n))
+    motion = Motion(y, np.zeros(size), np.zeros((DOP853.b.size + 1, size)), np.ones(2 * n))
     control = np.zeros(1, CONTROL)
     fixed = settings.has_equal_steps
     control["step"] = settings.step if fixed else 1e-6
@@ -111,7 +112,7 @@ def prepare(
     control["shortest"] = 1e-14
     control["tolerance"] = settings.integration_tolerance
     control["projected"] = settings.projection == "on"
-    tableau = dormand_prince_5() if settings.integrator == "dopri5" else dormand_prince_8()
+    tableau = DOPRI5 if settings.integrator == "dopri5" else DOP853
     rates(system, book.onset, 0.0, y, motion.slopes[0])
     note_torques(system, book)
     recorder.begin(y[:n], y[n : 2 * n], motion.slopes[0, n : 2 * n])
@@ -125,7 +126,7 @@ def prepare(
     ready = clock.perf_counter()
 
     def stored() -> float:
-        return stored_energy(linkage, book.touch["energy"], y[:n], y[n : 2 * n])
+        return stored_energy(book.packed, book.memory["energy"], y[:n], y[n : 2 * n])
 
     energy_before = stored()
     sums = {"solve": 0.0}

@@ -1,6 +1,6 @@
-"""The run loops: error-controlled with located touches, and fixed-step.
+"""The run loops: error-controlled with located touchdowns, and with equal steps.
 
-Error-controlled: a touch or separation inside an accepted step is located by
+Error-controlled: a touchdown or separation inside an accepted step is located by
 repeating the step until it ends there, and the integration starts anew from it, so
 that no step ever crosses a change of law.
 """
@@ -17,22 +17,20 @@ from presswear.engines.dae.dynamics import (
     project,
     rates,
 )
-from presswear.engines.dae.runge_kutta import (
-    Tableau,
-    classical_step,
-    embedded_step,
-)
-from presswear.physics.clearance import contact_of, note_contacts, note_forces
+from presswear.engines.dae.runge_kutta import classical_step, embedded_step
+from presswear.engines.dormand_prince import Tableau
 from presswear.physics.constraints import DRIVE
+from presswear.physics.contact import note_contact, note_contacts
+from presswear.physics.forces import PRESSURE, WORK, note_forces
 from presswear.physics.touchdown import (
     LEAST_STEPS,
-    close_episode,
     contact_step,
     crossing,
-    open_episode,
     remember,
+    separate,
     skim_step,
-    step_in_impact,
+    step_after_touchdown,
+    touch_down,
 )
 from presswear.record.observe import Book, observe, settle_state
 from presswear.tools.compiled import Records, compiled, copy_to
@@ -57,12 +55,12 @@ CONTROL = np.dtype(
         ("velocity_error", np.float64),  # greatest |dPhi/dt|
     ]
 )
-"""Where an integration stands."""
+"""State of an integration."""
 
 POSITION_SCALE = 1e-3
 """The tolerance times this is the error allowed in a position, m or rad, per step."""
 FIRST_PARTS = 40.0
-"""First step behind a touch, as a part of the expected contact."""
+"""First step behind a touchdown, as a part of the expected contact."""
 SAFETY, LEAST_FACTOR, GREATEST_FACTOR = 0.9, 0.2, 5.0
 NEWTON_STEPS = 60
 """Most repetitions that locate an event; four do, halving helps where Newton strays."""
@@ -84,8 +82,9 @@ class Motion(NamedTuple):
 @compiled
 def penetration_of(system: System, k: int, y: Array) -> tuple[float, float]:
     """Penetration and its rate of joint ``k`` in a state."""
-    n = system.mass.shape[0]
-    contact = contact_of(system.joints, k, system.surfaces, y[:n], y[n : 2 * n])[0]
+    n = system.inverse_mass.shape[0]
+    contact = system.contacts[k]
+    note_contact(system.packed, k, y[:n], y[n : 2 * n], contact)
     return contact.penetration, contact.rate
 
 
@@ -93,16 +92,16 @@ def penetration_of(system: System, k: int, y: Array) -> tuple[float, float]:
 def first_event(
     system: System, book: Book, trial: Array, h: float, apart: int
 ) -> tuple[int, float]:
-    """Joint that touches or separates first in a trial step, and at which part; or -1.
+    """Joint that touches down or separates first in a trial step, and at which part; or -1.
 
     Joint ``apart`` is not looked at.
     """
     found = -1
     part = 2.0
-    for k in range(system.joints.shape[0]):
+    for k in range(system.contacts.shape[0]):
         if k == apart:
             continue
-        last = book.touch[k]
+        last = book.memory[k]
         depth, rate = penetration_of(system, k, trial)
         sign = -1.0 if book.onset[k] > 0.0 else 1.0
         start = min(sign * last.penetration, 0.0)
@@ -125,7 +124,7 @@ def locate(
     h: float,
     part: float,
 ) -> tuple[float, bool]:
-    """Length of the step that ends where joint ``k`` has zero penetration, and whether it does.
+    """Find the length of the step that ends where joint ``k`` has zero penetration, if any.
 
     Newton's method, held between the ends of a step of length ``h``: where the surface is
     steep it would stray to lengths whose error nobody has looked at.
@@ -172,16 +171,16 @@ def switch(system: System, book: Book, k: int, t: float, y: Array) -> None:
     """Open or close joint ``k`` in a state placed on the event."""
     rate = penetration_of(system, k, y)[1]
     if book.onset[k] > 0.0:
-        close_episode(book.touch[k], book.tally[k], book.episodes[k], book.onset[k], t, rate, 0)
+        separate(book.memory[k], book.tally[k], book.past[k], book.onset[k], t, rate, 0)
         book.onset[k] = 0.0
     else:
         book.onset[k] = max(rate, 1e-300)
-        open_episode(book.touch[k], t, False)
+        touch_down(book.memory[k], t, False)
 
 
 @compiled
 def note_torques(system: System, book: Book) -> None:
-    """Torques of the drives in the state whose slopes were evaluated last."""
+    """Note the torques of the drives in the state whose slopes were evaluated last."""
     drive = 0
     for i in range(system.constraints.shape[0]):
         if system.constraints[i].kind == DRIVE:
@@ -194,18 +193,18 @@ def finish_step(
     system: System, book: Book, control: Records, motion: Motion, t: float, h: float
 ) -> None:
     """Account for an accepted state in ``motion.y``, whose slopes are in ``slopes[0]``."""
-    n = system.mass.shape[0]
+    n = system.inverse_mass.shape[0]
     y = motion.y
-    note_contacts(book.joints, book.surfaces, book.states, y[:n], y[n : 2 * n])
-    note_forces(book.joints, book.onset, book.states)
-    for k in range(system.joints.shape[0]):
-        base = 2 * n + DRIVE_INTEGRALS + JOINT_INTEGRALS * k + 2
+    note_contacts(book.packed, book.contacts, y[:n], y[n : 2 * n])
+    note_forces(book.packed.joints, book.onset, book.contacts)
+    for k in range(system.contacts.shape[0]):
+        base = 2 * n + DRIVE_INTEGRALS + JOINT_INTEGRALS * k
         # Integrals are emptied into the account, so that they never lose digits.
-        book.doses[k, 0] = y[base]
-        book.doses[k, 1] = y[base + 1]
-        y[base] = y[base + 1] = 0.0
-        last = book.touch[k]
-        remember(last, book.joints[k], book.states[k], t)
+        book.doses[k].work = y[base + WORK]
+        book.doses[k].pressure = y[base + PRESSURE]
+        y[base + WORK] = y[base + PRESSURE] = 0.0
+        last = book.memory[k]
+        remember(last, book.packed.joints[k], book.contacts[k], t)
         if book.onset[k] > 0.0:
             last.steps += 1
     note_torques(system, book)
@@ -228,16 +227,16 @@ def march_controlled(
     end: float,
     most: int,
 ) -> int:
-    """Integrate towards ``end`` for at most so many steps; returns where it stands."""
-    n = system.mass.shape[0]
+    """Integrate towards ``end`` for at most so many steps; returns how far it got."""
+    n = system.inverse_mass.shape[0]
     state = control[0]
     for _ in range(most):
         t = state.time
         left = end - t
         if left <= 0.0:
             return DONE
-        longest = skim_step(system.joints, book.touch, system.surfaces, state.longest)
-        longest = step_in_impact(system.joints, book.onset, book.touch, longest)
+        longest = skim_step(system.packed, book.memory, state.longest)
+        longest = step_after_touchdown(system.packed.joints, book.onset, book.memory, longest)
         h = min(state.step, longest, left)
         last_step = h >= left
         for i in range(n):
@@ -261,7 +260,7 @@ def march_controlled(
         state.step = h * min(max(factor, LEAST_FACTOR), GREATEST_FACTOR)
         if k >= 0:
             located, found = locate(system, tableau, book, control, motion, t, k, h, part)
-            for _ in range(system.joints.shape[0]):
+            for _ in range(system.contacts.shape[0]):
                 # The cubics may have seen events of two joints in the wrong order.
                 earlier, part = first_event(system, book, motion.trial, located, k)
                 if not found or earlier < 0:
@@ -282,15 +281,9 @@ def march_controlled(
         copy_to(motion.y, motion.trial)
         if k >= 0:
             switch(system, book, k, t, motion.y)
-            joint = system.joints[k]
-            last = book.touch[k]
             rate = penetration_of(system, k, motion.y)[1]
-            state.step = min(
-                state.step,
-                contact_step(
-                    joint.stiffness, joint.exponent, last.effective_mass, 0.0, rate, FIRST_PARTS
-                ),
-            )
+            part = contact_step(system.packed.joints[k], 0.0, rate, FIRST_PARTS)
+            state.step = min(state.step, part)
         if state.projected:
             project(system, t, motion.y)
         if state.projected or k >= 0:
@@ -306,8 +299,8 @@ def march_controlled(
 def march_fixed(
     system: System, book: Book, control: Records, motion: Motion, end: float, most: int
 ) -> int:
-    """The same with equal steps of order 4; contact state changes between steps only."""
-    n = system.mass.shape[0]
+    """Integrate with equal steps of order 4; contact state changes between steps only."""
+    n = system.inverse_mass.shape[0]
     state = control[0]
     for _ in range(most):
         t = state.time
@@ -323,7 +316,7 @@ def march_fixed(
         for i in range(2 * n):
             if not abs(motion.y[i]) < 1e30:
                 return BROKEN
-        note_contacts(book.joints, book.surfaces, book.states, motion.y[:n], motion.y[n : 2 * n])
+        note_contacts(book.packed, book.contacts, motion.y[:n], motion.y[n : 2 * n])
         settle_state(book, t, LEAST_STEPS)
         if state.projected:
             project(system, t, motion.y)

@@ -1,74 +1,25 @@
 """Explicit Runge-Kutta steps of the equations of motion.
 
-The classical method of order 4, and Dormand and Prince's embedded methods of order 8
-(error estimates of order 5 and 3) and of order 5 (Hairer, Norsett, Wanner: Solving
-Ordinary Differential Equations I, sections II.4 and II.5), coefficients as in SciPy.
+The classical method of order 4, and embedded methods by their tableau.
 """
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import DOP853, RK45
 
 from presswear.engines.dae.dynamics import System, rates
+from presswear.engines.dormand_prince import Tableau
 from presswear.tools.compiled import compiled, copy_to
 
 Array = NDArray[np.float64]
-
-MOST_STAGES = 12
-
-
-class Tableau(NamedTuple):
-    """Coefficients of an embedded method with ``n`` stages and one at the end of the step.
-
-    Attributes
-    ----------
-    a : ndarray, shape (n, n)
-    b, c : ndarray, shape (n,)
-    error, second_error : ndarray, shape (n + 1,)
-        Weights of the error estimate, and of the one of lower order that DOP853
-        blends in (zero where there is none).
-    exponent : float
-        The error goes with the step to minus one over this.
-    """
-
-    a: Array
-    b: Array
-    c: Array
-    error: Array
-    second_error: Array
-    exponent: float
-
-
-def dormand_prince_8() -> Tableau:
-    """The tableau of DOP853."""
-    return Tableau(
-        np.ascontiguousarray(DOP853.A[:MOST_STAGES, :MOST_STAGES]),
-        np.array(DOP853.B),
-        np.array(DOP853.C[:MOST_STAGES]),
-        np.array(DOP853.E5),
-        np.array(DOP853.E3),
-        -1.0 / 8.0,
-    )
-
-
-def dormand_prince_5() -> Tableau:
-    """The tableau of DOPRI5."""
-    stages = len(RK45.B)
-    a = np.zeros((stages, stages))
-    a[:, : RK45.A.shape[1]] = RK45.A
-    return Tableau(
-        a, np.array(RK45.B), np.array(RK45.C), np.array(RK45.E), np.zeros(stages + 1), -1.0 / 5.0
-    )
 
 
 @compiled
 def classical_step(
     system: System, onset: Array, t: float, h: float, y: Array, slopes: Array, new: Array
 ) -> None:
-    """One step of order 4; ``slopes[0]`` holds dy/dt at the start.
+    """Make one step of order 4; ``slopes[0]`` holds dy/dt at the start.
 
     Parameters
     ----------
@@ -100,7 +51,7 @@ def embedded_step(
     new: Array,
     scale: Array,
 ) -> float:
-    """One embedded step; returns its error as a multiple of the allowed one.
+    """Make one embedded step; returns its error as a multiple of the allowed one.
 
     ``slopes[0]`` holds dy/dt at the start, ``slopes[stages]`` afterwards that at the end.
 

@@ -27,8 +27,9 @@ from presswear.engines.exudyn_joints.model import Model, assemble, left_out
 from presswear.engines.settings import ExudynJoints
 from presswear.linkage.elements import Linkage
 from presswear.physics.constraints import constraints_of
-from presswear.physics.contacts import JOINT_RATES
-from presswear.physics.energy import Ledger, stored_energy, weight_of
+from presswear.physics.energy import Ledger, stored_energy
+from presswear.physics.forces import JOINT_RATES
+from presswear.physics.motion import MOTION, motion_of
 from presswear.physics.touchdown import STEPS
 from presswear.record.observe import Book
 from presswear.record.recorder import Recorder
@@ -38,7 +39,7 @@ from presswear.tools.compiled import Records, specialised
 Array = NDArray[np.float64]
 
 REMEDY = "more steps_per_contact may help"
-"""What makes a run finer."""
+"""Advice that makes a run finer."""
 
 _STAGES = (
     "forces_and_connectors",
@@ -48,7 +49,7 @@ _STAGES = (
     "end_of_step",
 )
 _SUMS = ("steps", "sent_back", "newton", "jacobians", "wall", "total", *_STAGES)
-"""What is summed over the cycles of a run."""
+"""Counts and times that are summed over the cycles of a run."""
 
 
 def _settings(accuracy: ExudynJoints, longest: float) -> Any:
@@ -84,9 +85,8 @@ def _drives(model: Model, linkage: Linkage) -> Drives:
             ],
             dtype=np.int64,
         ),
-        speed=np.array([drive.speed for drive in linkage.drives], dtype=np.float64),
+        motions=np.array([motion_of(drive) for drive in linkage.drives], dtype=MOTION),
         multipliers=model.multipliers,
-        weight=weight_of(linkage),
         force=np.zeros(count),
         rates=np.zeros(JOINT_RATES * len(linkage.clearances)),
     )
@@ -142,8 +142,8 @@ def prepare(
         model.system.SetPostStepUserFunction(post_step(solve, accept))
         if linkage.clearances:
             model.system.SetPostNewtonUserFunction(lambda system, t: send_back(system, t))
-    energies = book.touch["energy"]
-    before = stored_energy(linkage, energies, start.position, start.velocity)
+    energies = book.memory["energy"]
+    before = stored_energy(book.packed, energies, start.position, start.velocity)
     exudyn = _settings(settings, longest)
 
     def advance(end: float) -> Finding | None:
@@ -161,8 +161,8 @@ def prepare(
         return solve.time, np.array(model.frame.q), np.array(model.frame.v)
 
     def ledger() -> Ledger:
-        stored = stored_energy(linkage, energies, *state()[1:])
-        return Ledger.of(book.ledger, stored - before)
+        stored = stored_energy(book.packed, energies, *state()[1:])
+        return Ledger.of(book.ledger[0], stored - before)
 
     def diagnostics() -> dict[str, float | int | str]:
         sums = solve.sums

@@ -6,8 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.engines.stepping import accept_step
-from presswear.physics.clearance import load_of, note_contacts
-from presswear.physics.contacts import add_contacts
+from presswear.physics.contact import note_contacts
+from presswear.physics.forces import add_contacts, load_of
+from presswear.physics.motion import drive_motion
+from presswear.physics.packed import Packed
 from presswear.physics.prescribed import drive_torque, place_cranks
 from presswear.physics.touchdown import shorter_step
 from presswear.record.observe import Book
@@ -32,6 +34,8 @@ class Frame(NamedTuple):
     cranks : records of CRANK
         Driven bodies that are left out.
     q, v, a, axes : ndarray, shape (3 bodies,)
+    contacts : records of CONTACT
+        Working space of states on trial.
     """
 
     solved_q: Array
@@ -43,6 +47,7 @@ class Frame(NamedTuple):
     v: Array
     a: Array
     axes: Array
+    contacts: Records
 
 
 @compiled
@@ -61,31 +66,27 @@ def refresh(frame: Frame, t: float) -> None:
 @compiled
 def connector_forces(
     frame: Frame,
-    joints: Records,
+    packed: Packed,
     slots: Indices,
     onset: Array,
-    surfaces: Array,
-    states: Records,
     t: float,
     out: Array,
 ) -> None:
-    """Generalized forces of all clearance joints on the bodies of the connector.
+    """Fill the generalized forces of all clearance joints on the bodies of the connector.
 
     Parameters
     ----------
     slots : ndarray of int, shape (joints, 2)
         Where the forces on bearing and pin belong in ``out``; -1 for a body that Exudyn
         does not solve for.
-    states : records of STATE
-        Working space.
     out : ndarray, shape (3 bodies of the connector,)
     """
     refresh(frame, t)
     for i in range(out.shape[0]):
         out[i] = 0.0
-    note_contacts(joints, surfaces, states, frame.q, frame.v)
-    for k in range(joints.shape[0]):
-        load = load_of(joints[k], onset[k], states[k])
+    note_contacts(packed, frame.contacts, frame.q, frame.v)
+    for k in range(slots.shape[0]):
+        load = load_of(packed.joints[k], onset[k], frame.contacts[k])
         if load.normal == 0.0:
             continue
         i = slots[k, 0]
@@ -101,46 +102,46 @@ def connector_forces(
 
 
 class Drives(NamedTuple):
-    """Where the torques of the drives come from.
+    """Sources of the torques of the drives.
 
     Attributes
     ----------
     multiplier : ndarray of int, shape (drives,)
         Index of each drive's Lagrange multiplier; -1 for a crank that is left out.
-    speed : ndarray, shape (drives,)
-        rad/s.
+    motions : records of MOTION, shape (drives,)
     multipliers : ndarray
         Exudyn's live multipliers; the torque of a drive is minus its own.
-    weight, force : ndarray, shape (3 bodies,)
-        Constant generalized forces, and working space.
+    force : ndarray, shape (3 bodies,)
+        Working space.
     rates : ndarray, shape (JOINT_RATES joints,)
         Working space.
     """
 
     multiplier: Indices
-    speed: Array
+    motions: Records
     multipliers: Array
-    weight: Array
     force: Array
     rates: Array
 
 
 @compiled
-def drive_power(frame: Frame, drives: Drives, book: Book) -> float:
+def drive_power(frame: Frame, drives: Drives, book: Book, t: float) -> float:
     """Fill the torques of the drives, with contacts noted; returns their power, W."""
     if frame.cranks.shape[0] > 0:
-        copy_to(drives.force, drives.weight)
-        add_contacts(book.joints, book.wear, book.onset, book.states, drives.force, drives.rates)
+        copy_to(drives.force, book.packed.weight)
+        add_contacts(book.packed.joints, book.onset, book.contacts, drives.force, drives.rates)
     power = 0.0
     crank = 0
-    for i in range(drives.speed.shape[0]):
+    for i in range(drives.motions.shape[0]):
         if drives.multiplier[i] >= 0:
             torque = -drives.multipliers[drives.multiplier[i]]
         else:
-            torque = drive_torque(frame.cranks[crank], frame.q, drives.force)
+            own = frame.cranks[crank]
+            torque = drive_torque(own, frame.q, drives.force)
+            torque += own.inertia * frame.a[own.body + 2]
             crank += 1
         book.torque[i] = torque
-        power += torque * drives.speed[i]
+        power += torque * drive_motion(drives.motions[i], t)[1]
     return power
 
 
@@ -150,8 +151,8 @@ def accept_joint_step(
 ) -> float:
     """Account for an accepted step and choose the next; see ``accept_step``."""
     refresh(frame, t)
-    note_contacts(book.joints, book.surfaces, book.states, frame.q, frame.v)
-    power = drive_power(frame, drives, book)
+    note_contacts(book.packed, book.contacts, frame.q, frame.v)
+    power = drive_power(frame, drives, book, t)
     return accept_step(book, steps, power, t, h, frame.q, frame.v, frame.a)
 
 
@@ -160,5 +161,5 @@ def shorter_joint_step(frame: Frame, book: Book, steps: Records, t: float) -> fl
     """Step with which a trial step has to be repeated; see ``shorter_step``."""
     refresh(frame, t)
     return shorter_step(
-        book.joints, book.onset, book.touch, steps, book.surfaces, t, frame.q, frame.v
+        book.packed, book.onset, book.memory, steps, frame.contacts, t, frame.q, frame.v
     )

@@ -20,9 +20,10 @@ from numpy.typing import NDArray
 from presswear.engines.base import Start
 from presswear.engines.exudyn import Solve
 from presswear.engines.exudyn_joints.kernels import Frame, connector_forces
-from presswear.linkage.elements import GROUND, Attachment, Linkage
+from presswear.linkage.elements import GROUND, Attachment, Drive, Linkage
 from presswear.linkage.topology import cranks_of, hinge_of
-from presswear.physics.clearance import STATE
+from presswear.physics.contact import CONTACT
+from presswear.physics.motion import drive_motion, is_steady, motion_of
 from presswear.physics.prescribed import pack_cranks
 from presswear.record.observe import Book
 from presswear.record.recorder import Recorder
@@ -60,6 +61,12 @@ class Model:
         data.SetODE2Coordinates_tt(np.array(self.frame.solved_a), initial)
         data.SetAECoordinates(np.array(self.multipliers), initial)
         solve.set_span(settings, longest)
+
+
+def _speed_function(drive: Drive) -> Callable[..., float]:
+    """The function that Exudyn calls for the speed of a drive."""
+    motion = motion_of(drive)
+    return lambda system, t, item, offset: drive_motion(motion, t)[1]
 
 
 def left_out(linkage: Linkage) -> frozenset[str]:
@@ -168,14 +175,15 @@ def assemble(linkage: Linkage, start: Start, recorder: Recorder) -> Model:
             }
         )
         # At velocity level; the trapezoidal rule integrates a constant speed exactly.
-        constraints[drive.name] = system.AddObject(
-            {
-                "objectType": "ConnectorCoordinate",
-                "markerNumbers": [fixed, turned],
-                "velocityLevel": True,
-                "offset": drive.speed,
-            }
-        )
+        turning = {
+            "objectType": "ConnectorCoordinate",
+            "markerNumbers": [fixed, turned],
+            "velocityLevel": True,
+            "offset": drive.speed,
+        }
+        if not is_steady(drive):
+            turning |= {"offset": 0.0, "offsetUserFunction_t": _speed_function(drive)}
+        constraints[drive.name] = system.AddObject(turning)
     for spring in linkage.springs:
         system.AddObject(
             {
@@ -220,13 +228,14 @@ def _frame(model: Model, linkage: Linkage, start: Start, omitted: frozenset[str]
         data.GetODE2Coordinates_tt(copy=False),
     )
     count = 3 * len(linkage.bodies)
+    contacts = np.zeros(len(linkage.clearances), CONTACT)
     if not omitted:
         nowhere = np.zeros(0, dtype=np.int64)
-        return Frame(*solved, nowhere, model.cranks, *solved, np.zeros(count))
+        return Frame(*solved, nowhere, model.cranks, *solved, np.zeros(count), contacts)
     kept = [i for i, body in enumerate(linkage.bodies) if body.name not in omitted]
     places = np.array([3 * i + c for i in kept for c in range(3)])
     q, v = np.array(start.position), np.array(start.velocity)
-    return Frame(*solved, places, model.cranks, q, v, np.zeros(count), np.zeros(count))
+    return Frame(*solved, places, model.cranks, q, v, np.zeros(count), np.zeros(count), contacts)
 
 
 @dataclass
@@ -238,7 +247,7 @@ class _Connector:
     """
 
     bodies: tuple[str, ...]
-    arguments: tuple[Any, ...]  # joints, slots, onset, surfaces, states
+    arguments: tuple[Any, ...]  # packed, slots, onset
     out: Array
     frame: Any = None
     kernel: Any = None
@@ -249,11 +258,9 @@ class _Connector:
         bodies = tuple(name for name in dict.fromkeys(ends) if name in nodes)
         slots = [3 * bodies.index(name) if name in bodies else -1 for name in ends]
         arguments = (
-            book.joints,
+            book.packed,
             np.array(slots, dtype=np.int64).reshape(-1, 2),
             book.onset,
-            book.surfaces,
-            np.zeros(len(ends) // 2, STATE),
         )
         return _Connector(bodies, arguments, np.zeros(3 * len(bodies)))
 
@@ -262,10 +269,10 @@ class _Connector:
         self.kernel = specialised(connector_forces, frame, *self.arguments, 0.0, self.out)
 
     def function(self) -> Callable[..., Array]:
-        joints, slots, onset, surfaces, states = self.arguments
+        packed, slots, onset = self.arguments
 
         def force(system: Any, t: float, item: int, q: Any, v: Any) -> Array:
-            self.kernel(self.frame, joints, slots, onset, surfaces, states, t, self.out)
+            self.kernel(self.frame, packed, slots, onset, t, self.out)
             return self.out
 
         return force

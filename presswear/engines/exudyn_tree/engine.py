@@ -42,9 +42,8 @@ from presswear.engines.exudyn_tree.model import Model, assemble
 from presswear.engines.settings import ExudynTree
 from presswear.linkage.elements import Linkage
 from presswear.linkage.topology import cranks_of
-from presswear.physics.contacts import JOINT_RATES
-from presswear.physics.energy import Ledger, mass_of, stored_energy, weight_of
-from presswear.physics.springs import pack_springs
+from presswear.physics.energy import Ledger, stored_energy
+from presswear.physics.forces import JOINT_RATES
 from presswear.physics.tree import CARRIED, Tree, tree_of
 from presswear.record.observe import Book
 from presswear.record.recorder import Recorder
@@ -55,7 +54,7 @@ from presswear.tools.errors import InputError
 Array = NDArray[np.float64]
 
 REMEDY = "a smaller tree_tolerance may help"
-"""What makes a run finer."""
+"""Advice that makes a run finer."""
 SHORTEST_STEP = 1e-13
 """s."""
 FIRST_STEP = 1e-7
@@ -69,7 +68,7 @@ _INSTANT = 1e-12
 
 _STAGES = ("forces", "mass_matrix", "integrator", "end_of_step")
 _SUMS = ("steps", "sent_back", "wall", "total", *_STAGES)
-"""What is summed over the cycles of a run."""
+"""Counts and times that are summed over the cycles of a run."""
 
 
 def system_of(tree: Tree, linkage: Linkage, longest: float) -> TreeSystem:
@@ -83,9 +82,6 @@ def system_of(tree: Tree, linkage: Linkage, longest: float) -> TreeSystem:
     return TreeSystem(
         links=tree.links,
         cranks=tree.cranks,
-        springs=pack_springs(linkage),
-        mass=mass_of(linkage),
-        weight=weight_of(linkage),
         expected=np.zeros(joints),
         pace=pace,
         stages=np.zeros((STAGES, 1 + JOINT_RATES * joints)),
@@ -113,19 +109,17 @@ class _Forces:
     calls: int = 0
 
     def function(self) -> Callable[..., Array]:
-        """What Exudyn calls in every stage; its own copies of the state are not needed."""
+        """The function that Exudyn calls in every stage; its copies of the state are not needed."""
         system, out = self.system, self.out
         book = self.book
-        joints, wear, surfaces, states = book.joints, book.wear, book.surfaces, book.states
-        kernel = specialised(
-            stage_forces, system, joints, wear, surfaces, states, 0.0, out, out, out
-        )
+        packed, contacts = book.packed, book.contacts
+        kernel = specialised(stage_forces, system, packed, contacts, 0.0, out, out, out)
 
         def force(mbs: Any, t: float, item: int, q: Any, q_t: Any) -> Array:
             self.calls += 1
             if self.calls > MOST_CALLS:
                 raise StuckError
-            kernel(system, joints, wear, surfaces, states, t, self.x, self.u, out)
+            kernel(system, packed, contacts, t, self.x, self.u, out)
             return out
 
         return force
@@ -201,11 +195,11 @@ def prepare(
 
     def energy() -> tuple[float, float]:
         q, v = system.state[0], system.state[1]
-        stored = stored_energy(linkage, book.touch["energy"], q, v)
+        stored = stored_energy(book.packed, book.memory["energy"], q, v)
         return stored, hinge_power_integral(system)
 
     tree_state(system, book, 0.0, model.x, model.u, np.zeros(len(tree.links)))
-    book.touch["energy"] = book.states["energy"]  # of pins that start pressed in
+    book.memory["energy"] = book.contacts["energy"]  # of pins that start pressed in
     stored_before, momentum_before = energy()
     exudyn = _settings(settings, longest)
 
@@ -220,8 +214,8 @@ def prepare(
 
     def ledger() -> Ledger:
         stored, momentum = energy()
-        sums = book.ledger.copy()
-        sums[0] += momentum - momentum_before
+        sums = book.ledger[0].copy()
+        sums["drive_work"] += momentum - momentum_before
         return Ledger.of(sums, stored - stored_before)
 
     def diagnostics() -> dict[str, float | int | str]:
@@ -269,7 +263,7 @@ def _warm_up(tree: Tree, linkage: Linkage, start: Start) -> None:
     book = Recorder.of(linkage, start.position, 1, 1.0).book
     system = system_of(tree, linkage, 1.0)
     x = np.zeros(len(tree.links))
-    arguments = book.joints, book.wear, book.surfaces, book.states
+    arguments = book.packed, book.contacts
     specialised(stage_forces, system, *arguments, 0.0, x, x, x)
     specialised(accept_tree_step, system, book, 0.0, x, x, x)
     specialised(tree_state, system, book, 0.0, x, x, x)

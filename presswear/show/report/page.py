@@ -9,6 +9,8 @@ from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 
 from presswear.show.figures import Figure
 
+_ROOM = "presswear.show.report"
+
 
 @dataclass(frozen=True)
 class Illustration:
@@ -25,16 +27,20 @@ class Illustration:
         return Illustration(figure.title, figure.caption, data)
 
 
-def render_page(template: str, package: str = "presswear", **content: Any) -> str:
+def render_page(template: str, package: str = _ROOM, **content: Any) -> str:
     """The text of a page; everything in it is escaped.
 
     Parameters
     ----------
+    template : str
+        File in the ``templates`` of a package; it may build on those of the report.
     package : str
-        Whose ``templates`` hold it; those that all pages share stand beside them.
+        Name of that package.
+    content
+        Names that the template knows.
     """
     environment = Environment(
-        loader=ChoiceLoader([PackageLoader(package), PackageLoader("presswear")]),
+        loader=ChoiceLoader([PackageLoader(package), PackageLoader(_ROOM)]),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,

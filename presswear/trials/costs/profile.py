@@ -187,7 +187,7 @@ class _Record:
 
             def noted_step(system: TreeSystem, book: Book, t: float, *state: Array) -> float:
                 times = t, float(system.pace[0]["noted"])
-                copies = (each.copy() for each in (*state, system.stages, book.states))
+                copies = (each.copy() for each in (*state, system.stages, book.contacts))
                 self.steps.append((*times, *copies))
                 return float(entry(system, book, t, *state))
 
@@ -230,7 +230,7 @@ def _timed_loop(case: Case, loop: Callable[[TreeSystem, Book], None], unaware: b
     tree, accuracy = _tree(case)
     book = recorder_of(case.linkage, case.start, case.plan).book
     if unaware:
-        book.wear["coefficient"] = 0.0
+        book.packed.joints["wear_coefficient"] = 0.0
     system = engine.system_of(tree, case.linkage, accuracy.longest(case.plan.cycle))
     began = clock.perf_counter()
     loop(system, book)

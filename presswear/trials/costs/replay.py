@@ -19,8 +19,8 @@ from presswear.engines.exudyn_tree.kernels import (
     sum_stages,
     tree_state,
 )
-from presswear.physics.clearance import note_contacts
-from presswear.physics.contacts import add_contacts
+from presswear.physics.contact import note_contacts
+from presswear.physics.forces import add_contacts
 from presswear.physics.prescribed import place_cranks
 from presswear.physics.tree import place_links
 from presswear.record.observe import Book, observe, settle_state
@@ -61,7 +61,7 @@ class StepCalls(NamedTuple):
     x, u, u_t : ndarray, shape (n, links)
     stages : ndarray, shape (n, STAGES, columns)
         Powers that the stages of the step had left.
-    states : records of STATE, shape (n, joints)
+    contacts : records of CONTACT, shape (n, joints)
         Contacts as they were noted.
     """
 
@@ -71,7 +71,7 @@ class StepCalls(NamedTuple):
     u: Array
     u_t: Array
     stages: Array
-    states: Records
+    contacts: Records
 
 
 class StepParts(NamedTuple):
@@ -108,10 +108,8 @@ def replay_stages(
         if forces:
             stage_forces(
                 system,
-                book.joints,
-                book.wear,
-                book.surfaces,
-                book.states,
+                book.packed,
+                book.contacts,
                 t,
                 calls.x[i],
                 calls.u[i],
@@ -123,8 +121,8 @@ def replay_stages(
         if contacts:
             # As in ``stage_forces``.
             if pace.evaluations % STAGES > 0 or t != pace.noted:
-                note_contacts(book.joints, book.surfaces, book.states, q, v)
-            add_contacts(book.joints, book.wear, system.expected, book.states, force, rates)
+                note_contacts(book.packed, book.contacts, q, v)
+            add_contacts(book.packed.joints, system.expected, book.contacts, force, rates)
 
 
 @compiled
@@ -139,8 +137,8 @@ def replay_steps(system: TreeSystem, book: Book, calls: StepCalls, parts: StepPa
         for j in range(calls.stages.shape[1]):
             for c in range(calls.stages.shape[2]):
                 system.stages[j, c] = calls.stages[i, j, c]
-        for k in range(calls.states.shape[1]):
-            book.states[k] = calls.states[i, k]
+        for k in range(calls.contacts.shape[1]):
+            book.contacts[k] = calls.contacts[i, k]
         if parts.whole:
             accept_tree_step(system, book, t, calls.x[i], calls.u[i], calls.u_t[i])
             continue

@@ -69,11 +69,11 @@ def touches_of(run: Run) -> tuple[Touch, ...]:
     """Recorded touches of all joints and those that still last, in order of time."""
     found = []
     book, rows = run.recorder.book, run.recorder.rows
-    for k in range(book.joints.size):
+    for k in range(book.memory.size):
         spans = [(row[0], row[1], row[2]) for row in run.recorder.episodes(k).tolist()]
-        last = book.touch[k]
+        last = book.memory[k]
         if book.onset[k] > 0.0 and not last["started_closed"]:
-            spans.append((float(last["onset_time"]), math.inf, float(book.onset[k])))
+            spans.append((float(last["touchdown_time"]), math.inf, float(book.onset[k])))
         force = rows[:, SERIES_FIXED + SERIES_JOINT * k + 3]
         for onset, end, closing in spans:
             within = slice(*np.searchsorted(rows[:, 0], [onset, end]))
@@ -114,7 +114,7 @@ def trace_of(run: Run) -> Trace:
     if run.status == "failed":
         raise RunFailed(run.message)
     rows = run.recorder.rows
-    joints = run.recorder.book.joints.size
+    joints = run.recorder.book.memory.size
     columns = [SERIES_FIXED + SERIES_JOINT * k + axis for k in range(joints) for axis in range(2)]
     # The series holds displacements, and a disturbed start is displaced already.
     slider = rows[:, 1:3] + [float(run.recorder.book.record["start"][0]), 0.0]

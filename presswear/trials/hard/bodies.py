@@ -45,7 +45,7 @@ FRICTION = FrictionLaw(0.1, 1e-4, 1e-3)
 
 def first_contacts(run: Run) -> Array:
     """The first contact of every joint, shape (joints, 6); RunFailed if one has none."""
-    rows = [run.recorder.episodes(k)[:1] for k in range(len(run.recorder.book.joints))]
+    rows = [run.recorder.episodes(k)[:1] for k in range(len(run.recorder.book.memory))]
     if any(len(row) == 0 for row in rows):
         raise RunFailed("a contact that must happen was not seen")
     return np.concatenate(rows)

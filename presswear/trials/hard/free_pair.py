@@ -10,7 +10,7 @@ from presswear.engines.settings import InHouse
 from presswear.linkage.elements import Attachment, Body, ClearanceJoint, Linkage, Probe
 from presswear.linkage.laws import NormalLaw
 from presswear.linkage.surface import Surface, bin_centres
-from presswear.physics.energy import mass_of
+from presswear.physics.packed import mass_of
 from presswear.trials.hard.case import guarded, ran
 
 Array = NDArray[np.float64]
@@ -100,7 +100,7 @@ def kept(tolerance: float, duration: float) -> Kept:
     linkage, start = worn_pair()
     run = ran(linkage, start, InHouse(integration_tolerance=tolerance), guarded(duration))
     before = kinetic_energy(linkage, start)
-    elastic = float(run.recorder.book.touch["energy"].sum())
+    elastic = float(run.recorder.book.memory["energy"].sum())
     change = kinetic_energy(linkage, run.end) + elastic - before
     turned = angular_momentum(linkage, run.end) - angular_momentum(linkage, start)
     return Kept(

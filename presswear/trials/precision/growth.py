@@ -168,8 +168,8 @@ class _Sampler(Tracker):
 
     def cycle(self, recorder: Recorder, state: object) -> bool:
         """File a state; it never ends the run."""
-        states = recorder.book.states
-        self.places.append(np.array([states["eccentricity_x"], states["eccentricity_y"]]))
+        contacts = recorder.book.contacts
+        self.places.append(np.array([contacts["eccentricity_x"], contacts["eccentricity_y"]]))
         self.touches.append(int(recorder.book.tally["contacts"].sum()))
         return False
 

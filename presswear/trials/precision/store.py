@@ -8,11 +8,12 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from presswear.results.provenance import Provenance
 from presswear.results.result import plain
-from presswear.results.stored import is_provenance, schema_of
 from presswear.scene.scene import Scene
+from presswear.tools.documents import read_json, schema_of, typed
 from presswear.tools.errors import InputError
-from presswear.tools.files import read_json, write_bytes
+from presswear.tools.files import write_bytes
 from presswear.tools.typed import misfits
 from presswear.trials.precision.chaos import Chaos
 from presswear.trials.precision.extent import Extent
@@ -174,7 +175,7 @@ def load(folder: Path) -> Precision:
         found = Precision(
             Scene.from_dict(data["scene"]),
             Extent.from_dict(data["extent"]),
-            data["provenance"],
+            typed(data["provenance"], Provenance, "provenance"),
             data["processor"],
             data["wall_s"],
             data["horizon_s"],
@@ -187,8 +188,6 @@ def load(folder: Path) -> Precision:
     except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError) as error:
         raise InputError(f"{file} is not whole: {error!r}") from None
     wrong = next(misfits(found), None)
-    if wrong is None and not is_provenance(found.provenance):
-        wrong = "provenance"
     if wrong is not None:
         raise InputError(f"{file}: {wrong} is not what it should be")
     return found

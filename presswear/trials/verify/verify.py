@@ -112,7 +112,7 @@ def delivered(run: Run, speed: float) -> float:
 
 
 def first_contact(run: Run) -> Array:
-    """Row of the first contact, columns ``EPISODE_COLUMNS``; RunFailed if there is none."""
+    """Row of the first contact, columns ``CONTACT_COLUMNS``; RunFailed if there is none."""
     episodes = _finished(run).recorder.episodes(0)
     if not len(episodes):
         raise RunFailed("a contact that must happen was not seen")

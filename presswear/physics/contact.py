@@ -1,0 +1,361 @@
+"""How pins meet their bearings: a state of the linkage in, a record of each contact out.
+
+e = pin centre - bearing centre, n = e / |e|, phi its direction, t = n turned by
++90 degrees.  Round surfaces, and worn ones under ``radial`` contact, meet where e points;
+worn ones on a ``foundation`` over all of the arc.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.physics.foundation import Bed, press
+from presswear.physics.laws import elastic_force
+from presswear.physics.packed import Packed
+from presswear.physics.surface import BEARING, PIN, SLOPE, curvature, profile
+from presswear.tools.compiled import Records, compiled
+
+Array = NDArray[np.float64]
+
+CONTACT = np.dtype(
+    [
+        ("penetration", np.float64),  # greatest overlap of the surfaces, m; below zero if open
+        ("rate", np.float64),  # at which it grows, m/s
+        ("sliding", np.float64),  # v_t at the contact point, m/s
+        ("eccentricity", np.float64),  # |e|, m
+        ("eccentricity_x", np.float64),
+        ("eccentricity_y", np.float64),
+        ("velocity_x", np.float64),  # rate of e, m/s
+        ("velocity_y", np.float64),
+        ("turning", np.float64),  # rate of the direction of e, rad/s
+        ("normal_x", np.float64),  # direction in which the pin presses on the bearing
+        ("normal_y", np.float64),
+        ("pin_arm", np.float64),  # from the two centres to the contact point along the normal, m
+        ("bearing_arm", np.float64),
+        ("approach", np.float64),  # speed on which the normal force works, m/s
+        ("closing", np.float64),  # rate that damps the elastic force, m/s
+        ("elastic", np.float64),  # force, N
+        ("energy", np.float64),  # elastic, J
+        ("place", np.float64),  # on a foundation the direction of the greatest overlap, rad
+        # Of the pressure on the worn pin about the contact point, N m; the bearing's is opposite.
+        ("couple", np.float64),
+        ("bearing_angle", np.float64),  # rad
+        ("bearing_spin", np.float64),  # rad/s
+        ("bearing_lever_x", np.float64),  # from the body's mass centre to the bearing's, m
+        ("bearing_lever_y", np.float64),
+        ("pin_angle", np.float64),
+        ("pin_spin", np.float64),
+        ("pin_lever_x", np.float64),
+        ("pin_lever_y", np.float64),
+        ("normal", np.float64),  # forces, N, see ``note_forces``
+        ("tangential", np.float64),
+    ]
+)
+"""A pin in its bearing at one instant, open or closed."""
+
+
+class Pose(NamedTuple):
+    """Position, angle and rates of one joint end: centre (m, m/s), body angle (rad, rad/s)."""
+
+    x: float
+    y: float
+    vx: float
+    vy: float
+    lever_x: float
+    lever_y: float
+    angle: float
+    spin: float
+
+
+@compiled
+def joint_end(body: int, local_x: float, local_y: float, q: Array, v: Array) -> Pose:
+    """Place and motion of a point of a body; a body of -1 is the frame."""
+    if body < 0:
+        return Pose(local_x, local_y, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    angle = q[body + 2]
+    spin = v[body + 2]
+    cosine = math.cos(angle)
+    sine = math.sin(angle)
+    lever_x = cosine * local_x - sine * local_y
+    lever_y = sine * local_x + cosine * local_y
+    return Pose(
+        q[body] + lever_x,
+        q[body + 1] + lever_y,
+        v[body] - spin * lever_y,
+        v[body + 1] + spin * lever_x,
+        lever_x,
+        lever_y,
+        angle,
+        spin,
+    )
+
+
+@compiled
+def direction_of(contact: Records) -> float:
+    """Direction phi of the eccentricity, rad."""
+    return math.atan2(contact.eccentricity_y, contact.eccentricity_x)
+
+
+@compiled
+def note_contacts(packed: Packed, contacts: Records, q: Array, v: Array) -> None:
+    """Fill the contacts of all joints in a state but for their forces.
+
+    Parameters
+    ----------
+    contacts : records of CONTACT, shape (joints,)
+    q, v : ndarray, shape (3 bodies,)
+    """
+    for k in range(contacts.shape[0]):
+        note_contact(packed, k, q, v, contacts[k])
+
+
+@compiled
+def note_contact(packed: Packed, k: int, q: Array, v: Array, contact: Records) -> None:
+    """Fill the contact of joint ``k`` in a state but for its forces; see ``note_forces``."""
+    joint = packed.joints[k]
+    bearing = joint_end(joint.bearing_body, joint.bearing_x, joint.bearing_y, q, v)
+    pin = joint_end(joint.pin_body, joint.pin_x, joint.pin_y, q, v)
+    ex = pin.x - bearing.x
+    ey = pin.y - bearing.y
+    vx = pin.vx - bearing.vx
+    vy = pin.vy - bearing.vy
+    eccentricity = math.sqrt(ex * ex + ey * ey)
+    turning = (ex * vy - ey * vx) / (eccentricity * eccentricity) if eccentricity > 0.0 else 0.0
+    contact.eccentricity = eccentricity
+    contact.eccentricity_x = ex
+    contact.eccentricity_y = ey
+    contact.velocity_x = vx
+    contact.velocity_y = vy
+    contact.turning = turning
+    contact.bearing_angle = bearing.angle
+    contact.bearing_spin = bearing.spin
+    contact.bearing_lever_x = bearing.lever_x
+    contact.bearing_lever_y = bearing.lever_y
+    contact.pin_angle = pin.angle
+    contact.pin_spin = pin.spin
+    contact.pin_lever_x = pin.lever_x
+    contact.pin_lever_y = pin.lever_y
+    if joint.foundation > 0.0 and packed.surfaces.shape[2] > 0:
+        note_foundation(joint, packed.surfaces[k], contact)
+    else:
+        note_radial(joint, packed.surfaces[k], contact)
+    contact.sliding = (
+        vy * contact.normal_x
+        - vx * contact.normal_y
+        + pin.spin * contact.pin_arm
+        - bearing.spin * contact.bearing_arm
+    )
+
+
+@compiled
+def note_radial(joint: Records, surfaces: Array, contact: Records) -> None:
+    """Fill in the contact of the pin with the point of the surface that faces it.
+
+    The rate of penetration follows the worn profile: delta_dot = e_dot . n minus the
+    change of both depths under the moving contact.
+    """
+    eccentricity = contact.eccentricity
+    # A pin exactly in the centre touches nothing: any direction serves.
+    nx = contact.eccentricity_x / eccentricity if eccentricity > 0.0 else 1.0
+    ny = contact.eccentricity_y / eccentricity if eccentricity > 0.0 else 0.0
+    penetration = eccentricity - joint.clearance
+    approach = contact.velocity_x * nx + contact.velocity_y * ny
+    rate = approach
+    pin_radius = joint.pin_radius
+    bearing_radius = joint.bearing_radius
+    if surfaces.shape[1] > 0:
+        turns = joint.map_turns
+        turning = contact.turning
+        direction = math.atan2(ny, nx)
+        depth, slope = profile(
+            surfaces[BEARING], surfaces[BEARING + SLOPE], direction - turns * contact.bearing_angle
+        )
+        penetration -= depth
+        bearing_radius += depth
+        rate -= slope * (turning - turns * contact.bearing_spin)
+        depth, slope = profile(
+            surfaces[PIN], surfaces[PIN + SLOPE], direction - turns * contact.pin_angle
+        )
+        penetration -= depth
+        pin_radius -= depth
+        rate -= slope * (turning - turns * contact.pin_spin)
+    # Half the penetration on either side, so that both arms end at one point.
+    indentation = 0.5 * max(penetration, 0.0)
+    elastic = elastic_force(penetration, joint.stiffness, joint.exponent)
+    contact.penetration = penetration
+    contact.rate = rate
+    contact.normal_x = nx
+    contact.normal_y = ny
+    contact.pin_arm = pin_radius - indentation
+    contact.bearing_arm = bearing_radius + indentation
+    contact.approach = approach
+    contact.closing = rate
+    contact.elastic = elastic
+    contact.energy = elastic * penetration / (joint.exponent + 1.0)
+    contact.place = 0.0
+    contact.couple = 0.0
+
+
+@compiled
+def bed_of(joint: Records, surfaces: Array, contact: Records) -> Bed:
+    """The foundation's bed between the worn surfaces."""
+    direction = direction_of(contact)
+    return press(
+        surfaces,
+        contact.eccentricity,
+        joint.clearance,
+        joint.least_depth,
+        direction - joint.map_turns * contact.bearing_angle,
+        direction - joint.map_turns * contact.pin_angle,
+    )
+
+
+@compiled
+def note_foundation(joint: Records, surfaces: Array, contact: Records) -> None:
+    """Fill in the contact of the pin with all of the worn arc, through an elastic foundation.
+
+    Force and couples are the gradient of the elastic energy in e and in both bodies'
+    angles.  The pin's couple follows from the bearing's: turned together, nothing
+    changes.  Damping multiplies all of them, with the rate at which they are worked
+    against.
+    """
+    ex = contact.eccentricity_x
+    ey = contact.eccentricity_y
+    vx = contact.velocity_x
+    vy = contact.velocity_y
+    bearing_spin = contact.bearing_spin
+    pin_spin = contact.pin_spin
+    turns = joint.map_turns
+    bed = bed_of(joint, surfaces, contact)
+    direction = direction_of(contact)
+    place = direction + bed.place
+    nx = math.cos(place)
+    ny = math.sin(place)
+    _, bearing_slope = profile(
+        surfaces[BEARING], surfaces[BEARING + SLOPE], place - turns * contact.bearing_angle
+    )
+    pin_depth, pin_slope = profile(
+        surfaces[PIN], surfaces[PIN + SLOPE], place - turns * contact.pin_angle
+    )
+    rate = vx * nx + vy * ny
+    rate += turns * (bearing_slope * bearing_spin + pin_slope * pin_spin)
+    elastic = 0.0
+    closing = approach = rate
+    couple = 0.0
+    if bed.overlap > 0.0:
+        size = math.sqrt(bed.along * bed.along + bed.across * bed.across)
+        if size > 0.0:
+            k = joint.foundation
+            elastic = k * size
+            cosine = math.cos(direction)
+            sine = math.sin(direction)
+            nx = (cosine * bed.along - sine * bed.across) / size
+            ny = (sine * bed.along + cosine * bed.across) / size
+            on_bearing = -k * turns * bed.slope
+            couple = elastic * (ex * ny - ey * nx) - on_bearing
+            turned = (couple * pin_spin + on_bearing * bearing_spin) / elastic
+            approach = vx * nx + vy * ny - turned
+            # Maps fixed in direction store no energy when the bodies turn.
+            closing = approach if turns > 0.0 else approach + turned
+    pin_arm = joint.pin_radius - pin_depth - 0.5 * max(bed.overlap, 0.0)
+    contact.penetration = bed.overlap
+    contact.rate = rate
+    contact.normal_x = nx
+    contact.normal_y = ny
+    contact.pin_arm = pin_arm
+    contact.bearing_arm = pin_arm + ex * nx + ey * ny
+    contact.approach = approach
+    contact.closing = closing
+    contact.elastic = elastic
+    contact.energy = 0.5 * joint.foundation * bed.square
+    contact.place = place
+    contact.couple = couple
+
+
+@compiled
+def end_acceleration(
+    body: int, lever_x: float, lever_y: float, spin: float, a: Array
+) -> tuple[float, float, float]:
+    """Acceleration of a joint end, m/s^2, and angular acceleration of its body, rad/s^2."""
+    if body < 0:
+        return 0.0, 0.0, 0.0
+    spin_t = a[body + 2]
+    square = spin * spin
+    return (
+        a[body] - spin_t * lever_y - square * lever_x,
+        a[body + 1] + spin_t * lever_x - square * lever_y,
+        spin_t,
+    )
+
+
+@compiled
+def penetration_acceleration(joint: Records, surfaces: Array, contact: Records, a: Array) -> float:
+    """Second time derivative of the penetration, m/s^2.
+
+    Follows the worn profile: a pin that runs over a bump is thrown off by the
+    profile's curvature times the square of the turning.
+
+    Parameters
+    ----------
+    surfaces : ndarray, shape (ROWS, m)
+    contact : record of CONTACT
+        In the state whose accelerations are given.
+    a : ndarray, shape (3 bodies,)
+    """
+    eccentricity = contact.eccentricity
+    if eccentricity == 0.0:
+        return 0.0
+    pin_x, pin_y, pin_spin_t = end_acceleration(
+        joint.pin_body, contact.pin_lever_x, contact.pin_lever_y, contact.pin_spin, a
+    )
+    bearing_x, bearing_y, bearing_spin_t = end_acceleration(
+        joint.bearing_body,
+        contact.bearing_lever_x,
+        contact.bearing_lever_y,
+        contact.bearing_spin,
+        a,
+    )
+    ex = contact.eccentricity_x
+    ey = contact.eccentricity_y
+    vx = contact.velocity_x
+    vy = contact.velocity_y
+    ax = pin_x - bearing_x
+    ay = pin_y - bearing_y
+    ends = (
+        (BEARING, contact.bearing_angle, contact.bearing_spin, bearing_spin_t),
+        (PIN, contact.pin_angle, contact.pin_spin, pin_spin_t),
+    )
+    worn = surfaces.shape[1] > 0
+    turns = joint.map_turns
+    if joint.foundation > 0.0 and worn:
+        # The greatest overlap follows its place: p_tt - p_ts^2 / p_ss.
+        nx = math.cos(contact.place)
+        ny = math.sin(contact.place)
+        second = ax * nx + ay * ny
+        mixed = vy * nx - vx * ny
+        across = -(ex * nx + ey * ny)
+        for row, angle, spin, spin_t in ends:
+            where = contact.place - turns * angle
+            bend = curvature(surfaces[row], surfaces[row + SLOPE], where)
+            slope = profile(surfaces[row], surfaces[row + SLOPE], where)[1]
+            second += turns * (slope * spin_t - bend * spin * spin)
+            mixed += turns * bend * spin
+            across -= bend
+        return second - mixed * mixed / across if across < 0.0 else second
+    nx = ex / eccentricity
+    ny = ey / eccentricity
+    turning = (vy * nx - vx * ny) / eccentricity
+    result = ax * nx + ay * ny + turning * turning * eccentricity
+    if worn:
+        approach = vx * nx + vy * ny
+        turning_t = (ay * nx - ax * ny - 2.0 * approach * turning) / eccentricity
+        direction = math.atan2(ny, nx)
+        for row, angle, spin, spin_t in ends:
+            where = direction - turns * angle
+            sweep = turning - turns * spin
+            result -= curvature(surfaces[row], surfaces[row + SLOPE], where) * sweep * sweep
+            slope = profile(surfaces[row], surfaces[row + SLOPE], where)[1]
+            result -= slope * (turning_t - turns * spin_t)
+    return result

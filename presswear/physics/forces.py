@@ -1,0 +1,124 @@
+"""Forces of contacts on the bodies, and the powers that go with them.
+
+Both forces of a joint act at one common point, so that linear and angular momentum are
+exact.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.physics.energy import loss_powers
+from presswear.physics.laws import ONSET_SPEED_FLOOR, damped_force, friction_force
+from presswear.physics.wear import dose_rates
+from presswear.tools.compiled import Records, compiled
+
+Array = NDArray[np.float64]
+
+CONTACT_LOSS, FRICTION_LOSS, WORK, PRESSURE = range(4)
+"""Rates of a joint: powers lost in contact and in friction, W; of its two doses of wear,
+F_n ds/dt, W, and p ds/dt, W/m^2."""
+JOINT_RATES = 4
+"""Their number."""
+
+
+class Load(NamedTuple):
+    """Forces of a joint: magnitudes normal and tangential, force on the pin, moments.
+
+    The bearing gets the opposite force; both moments are about the mass centres.
+    """
+
+    normal: float
+    tangential: float
+    x: float
+    y: float
+    pin_moment: float
+    bearing_moment: float
+
+
+@compiled
+def contact_forces(joint: Records, onset_speed: float, contact: Records) -> tuple[float, float]:
+    """Normal and tangential force of the contact, N; zero when open.
+
+    ``onset_speed`` is the latched closing speed of the contact, or 0 while the joint
+    counts as open: a state that penetrates within its first step closes at its
+    present rate.
+    """
+    if contact.penetration <= 0.0:
+        return 0.0, 0.0
+    onset = max(onset_speed if onset_speed > 0.0 else contact.rate, ONSET_SPEED_FLOOR)
+    normal = damped_force(contact.elastic, contact.closing, onset, joint.damping)
+    tangential = 0.0
+    if joint.friction.coefficient > 0.0:
+        tangential = friction_force(contact.sliding, normal, joint.friction)
+    return normal, tangential
+
+
+@compiled
+def note_forces(joints: Records, onset: Array, contacts: Records) -> None:
+    """Fill in the forces of contacts, once ``onset`` is that of their state."""
+    for k in range(joints.shape[0]):
+        contact = contacts[k]
+        contact.normal, contact.tangential = contact_forces(joints[k], onset[k], contact)
+
+
+@compiled
+def load_of(joint: Records, onset_speed: float, contact: Records) -> Load:
+    """Forces of a contact and their moments; ``onset_speed`` as in ``contact_forces``."""
+    normal, tangential = contact_forces(joint, onset_speed, contact)
+    if normal == 0.0:
+        return Load(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    nx = contact.normal_x
+    ny = contact.normal_y
+    fx = -normal * nx - tangential * ny
+    fy = -normal * ny + tangential * nx
+    # The contact point, the same from both mass centres.
+    px = contact.pin_lever_x + contact.pin_arm * nx
+    py = contact.pin_lever_y + contact.pin_arm * ny
+    bx = contact.bearing_lever_x + contact.eccentricity_x + contact.pin_arm * nx
+    by = contact.bearing_lever_y + contact.eccentricity_y + contact.pin_arm * ny
+    pin_moment = px * fy - py * fx
+    bearing_moment = by * fx - bx * fy
+    if contact.elastic > 0.0:
+        couple = normal / contact.elastic * contact.couple
+        pin_moment += couple
+        bearing_moment -= couple
+    return Load(normal, tangential, fx, fy, pin_moment, bearing_moment)
+
+
+@compiled
+def add_contacts(
+    joints: Records, onset: Array, contacts: Records, force: Array, rates: Array
+) -> None:
+    """Add the contact forces to the generalized forces, and fill the rates of all joints.
+
+    Parameters
+    ----------
+    onset : ndarray, shape (joints,)
+        As in ``contact_forces``.
+    force : ndarray, shape (3 bodies,)
+    rates : ndarray, shape (JOINT_RATES joints,)
+    """
+    for k in range(joints.shape[0]):
+        joint = joints[k]
+        base = JOINT_RATES * k
+        contact = contacts[k]
+        load = load_of(joint, onset[k], contact)
+        lost, rubbed = loss_powers(contact, load.normal, load.tangential)
+        work, pressure = dose_rates(joint, contact, load.normal)
+        rates[base + CONTACT_LOSS] = lost
+        rates[base + FRICTION_LOSS] = rubbed
+        rates[base + WORK] = work
+        rates[base + PRESSURE] = pressure
+        if load.normal > 0.0:
+            b = joint.pin_body
+            if b >= 0:
+                force[b] += load.x
+                force[b + 1] += load.y
+                force[b + 2] += load.pin_moment
+            b = joint.bearing_body
+            if b >= 0:
+                force[b] -= load.x
+                force[b + 1] -= load.y
+                force[b + 2] += load.bearing_moment

@@ -1,0 +1,157 @@
+"""A linkage as the kernels see it: arrays and records instead of objects."""
+
+import math
+from dataclasses import astuple
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.linkage.elements import GROUND, ClearanceJoint, Linkage
+from presswear.linkage.surface import Surface
+from presswear.physics.foundation import foundation_stiffness
+from presswear.physics.laws import FRICTION
+from presswear.physics.springs import pack_springs
+from presswear.physics.surface import BEARING, PIN, ROWS, packed_rows
+from presswear.tools.compiled import Records
+
+Array = NDArray[np.float64]
+
+JOINT = np.dtype(
+    [
+        ("bearing_body", np.int64),  # index in q of the body's x; -1 for the frame
+        ("pin_body", np.int64),
+        ("bearing_x", np.float64),  # centres in the bodies' frames, m
+        ("bearing_y", np.float64),
+        ("pin_x", np.float64),
+        ("pin_y", np.float64),
+        ("bearing_radius", np.float64),
+        ("pin_radius", np.float64),
+        ("clearance", np.float64),
+        ("width", np.float64),
+        ("effective_mass", np.float64),  # lower bound of the mass that meets in it, kg
+        ("stiffness", np.float64),
+        ("exponent", np.float64),
+        ("damping", np.float64),
+        ("friction", FRICTION),
+        ("map_turns", np.float64),  # 1 where the wear maps turn with their bodies
+        ("foundation", np.float64),  # its stiffness k_w b R, N/m^2 per rad; 0 for radial contact
+        ("least_depth", np.float64),  # sum of the least depths of both surfaces, m
+        ("relief", np.float64),  # greatest difference of depth that a pin can meet, m
+        ("wear_coefficient", np.float64),  # K_d, 1/Pa; 0 keeps no account
+        ("bearing_share", np.float64),  # part of the worn depth that the bearing loses
+        ("slip_by_angle", np.bool_),
+        ("over_arc", np.bool_),
+    ]
+)
+"""A clearance joint as the kernels see it; SI units."""
+
+
+class Packed(NamedTuple):
+    """A linkage as the kernels see it.
+
+    Attributes
+    ----------
+    joints : records of JOINT
+    surfaces : ndarray, shape (joints, ROWS, m)
+        The worn surfaces, see ``packed_rows``; m = 0 where none is worn.
+    springs : records of SPRING
+    mass, weight : ndarray, shape (3 bodies,)
+        Diagonal of the mass matrix; constant generalized forces.
+    """
+
+    joints: Records
+    surfaces: Array
+    springs: Records
+    mass: Array
+    weight: Array
+
+
+def pack(linkage: Linkage) -> Packed:
+    """Pack a linkage for the kernels."""
+    return Packed(
+        pack_joints(linkage),
+        pack_surfaces(linkage),
+        pack_springs(linkage),
+        mass_of(linkage),
+        weight_of(linkage),
+    )
+
+
+def mass_of(linkage: Linkage) -> Array:
+    """Diagonal of the mass matrix, shape (3 bodies,): m, m, I of each body."""
+    return np.array([x for body in linkage.bodies for x in (body.mass, body.mass, body.inertia)])
+
+
+def weight_of(linkage: Linkage) -> Array:
+    """Constant generalized forces, shape (3 bodies,): gravity and loads."""
+    weight = np.zeros(3 * len(linkage.bodies))
+    weight[1::3] = [-linkage.gravity * body.mass for body in linkage.bodies]
+    for load in linkage.loads:
+        i = 3 * linkage.index(load.body)
+        weight[i : i + 3] += load.x, load.y, load.moment
+    return weight
+
+
+def pack_joints(linkage: Linkage) -> Records:
+    """The clearance joints of a linkage as records of JOINT, shape (joints,)."""
+    joints = np.zeros(len(linkage.clearances), JOINT)
+
+    def offset(body: str) -> int:
+        return -1 if body == GROUND else 3 * linkage.index(body)
+
+    for record, joint in zip(joints, linkage.clearances, strict=True):
+        record["bearing_body"] = offset(joint.bearing.body)
+        record["pin_body"] = offset(joint.pin.body)
+        record["bearing_x"], record["bearing_y"] = joint.bearing.x, joint.bearing.y
+        record["pin_x"], record["pin_y"] = joint.pin.x, joint.pin.y
+        record["bearing_radius"], record["pin_radius"] = joint.bearing_radius, joint.pin_radius
+        record["clearance"], record["width"] = joint.clearance, joint.width
+        record["effective_mass"] = effective_mass(linkage, joint)
+        record["stiffness"] = joint.normal.stiffness
+        record["exponent"] = joint.normal.exponent
+        record["damping"] = joint.normal.damping
+        record["friction"] = astuple(joint.friction)
+        record["map_turns"] = float(joint.map_frame == "body")
+        if joint.contact == "foundation":
+            record["foundation"] = foundation_stiffness(joint.normal.stiffness, joint.clearance)
+        depths = [surface.depth for surface in worn_surfaces(joint)]
+        record["least_depth"] = sum(float(depth.min()) for depth in depths)
+        record["relief"] = sum(float(np.ptp(depth)) for depth in depths)
+        if joint.wear is not None:
+            record["wear_coefficient"] = joint.wear.coefficient
+            record["bearing_share"] = joint.wear.bearing_share
+            record["slip_by_angle"] = joint.wear.slip == "angle"
+            record["over_arc"] = joint.wear.footprint == "arc"
+    return joints
+
+
+def effective_mass(linkage: Linkage, joint: ClearanceJoint) -> float:
+    """Lower bound of the mass that meets in a clearance joint, kg.
+
+    Both bodies taken as free: 1/m = sum of 1/m + r^2/I.  Constraints only add mass.
+    A driven body and the frame do not give way.
+    """
+    driven = {drive.body for drive in linkage.drives}
+    mobility = 0.0
+    for end in (joint.bearing, joint.pin):
+        for body in linkage.bodies:
+            if body.name == end.body and body.name not in driven:
+                mobility += 1.0 / body.mass + (end.x**2 + end.y**2) / body.inertia
+    return 1.0 / mobility if mobility > 0.0 else math.inf
+
+
+def worn_surfaces(joint: ClearanceJoint) -> list[Surface]:
+    """Select the surfaces of a joint that have lost material."""
+    return [s for s in (joint.bearing_surface, joint.pin_surface) if s.is_worn]
+
+
+def pack_surfaces(linkage: Linkage) -> Array:
+    """The worn surfaces of a linkage, shape (joints, ROWS, m); m = 0 where none is worn."""
+    worn = [surface for joint in linkage.clearances for surface in worn_surfaces(joint)]
+    count = worn[0].depth.size if worn else 0
+    packed = np.zeros((len(linkage.clearances), ROWS, count))
+    for k, joint in enumerate(linkage.clearances):
+        packed[k, BEARING:PIN] = packed_rows(joint.bearing_surface, count)
+        packed[k, PIN:] = packed_rows(joint.pin_surface, count)
+    return packed

@@ -1,0 +1,1 @@
+"""A result: written whole, gone on with, read back and exported."""

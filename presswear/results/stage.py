@@ -1,0 +1,269 @@
+"""One stage of a result: what ran, what it observed, and the wear after it."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.physics.touchdown import CONTACT_COLUMNS
+from presswear.record.film import Film
+from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
+from presswear.record.soundness import Finding
+from presswear.scene.scene import stage_name
+from presswear.tools.errors import InputError
+
+if TYPE_CHECKING:
+    from presswear.results.stored import StoredStage
+
+Array = NDArray[np.float64]
+
+SIDES = ("bearing", "pin")
+
+
+@dataclass(frozen=True)
+class WearStep:
+    """One step of a wear; its fields are the names in ``result.json``.
+
+    Attributes
+    ----------
+    represented_cycles : float
+        Cycles that the step stands for.
+    cycles : int
+        Cycles of the run that it multiplies.
+    factor : float
+        Their quotient.
+    largest_change_of_clearance : float
+        Largest change of a profile, part of its clearance.
+    deepest_m : dict
+        Deepest depth of all wears so far by joint, then ``bearing`` and ``pin``, m.
+    force_max_N : dict
+        Peak normal force of the run by joint, N.
+    wall_s : float
+        Wall time of the run, s.
+    """
+
+    represented_cycles: float
+    cycles: int
+    factor: float
+    largest_change_of_clearance: float
+    deepest_m: Mapping[str, Mapping[str, float]]
+    force_max_N: Mapping[str, float]  # noqa: N815
+    wall_s: float
+
+
+@dataclass(frozen=True)
+class JointResult:
+    """One clearance joint in a stage.
+
+    Attributes
+    ----------
+    name : str
+    statistics : mapping
+        Numbers of the joint over the stage, by name; SI units.
+    arrays : mapping
+        All its arrays under their names in the file, without the joint's.
+    """
+
+    name: str
+    statistics: Mapping[str, Any]
+    arrays: Mapping[str, Array]
+
+    @property
+    def eccentricity(self) -> Array:
+        """Pin centre less bearing centre, shape (n, 2), m."""
+        return self.arrays["eccentricity"]
+
+    @property
+    def penetration(self) -> Array:
+        """Penetration of the pin, shape (n,), m; below zero while open."""
+        return self.arrays["penetration"]
+
+    @property
+    def force(self) -> Array:
+        """Normal and tangential force, shape (n, 2), N."""
+        return self.arrays["force"]
+
+    @property
+    def sliding(self) -> Array:
+        """Sliding speed at the contact, shape (n,), m/s."""
+        return self.arrays["sliding"]
+
+    def contact(self, name: str) -> Array:
+        """A number of each recorded contact, by a name of ``CONTACT_COLUMNS``, shape (k,); SI."""
+        return self.arrays["contacts"][:, CONTACT_COLUMNS.index(name)]
+
+    def each_cycle(self, name: str) -> Array:
+        """A number of each cycle, by its name in ``CYCLE_JOINT``, shape (cycles,); SI units."""
+        return self.arrays["cycles"][:, CYCLE_JOINT.index(name)]
+
+    def depth(self, side: str) -> Array:
+        """Depth that the stage ran on, bearing or pin, shape (m,), m."""
+        return self.arrays[f"depth_{side}"]
+
+    def wear(self, side: str) -> Array:
+        """Depth that the wear after the stage adds, bearing or pin, shape (m,), m."""
+        return self.arrays[f"wear_{side}"]
+
+
+@dataclass(frozen=True)
+class StageResult:
+    """One run of the outer loop, and the wear after it; the same in memory and on disk.
+
+    Attributes
+    ----------
+    index : int
+        0 unworn, 1 after the first wear, and so on.
+    status : str
+        ``completed``, ``enough`` where its wear maps were known early, or ``failed``.
+    message : str
+        Why it failed, or nothing.
+    finding : Finding or None
+        What ended the stage, or the wear after it.
+    amplification : float
+        Multiplier of the depth of the cycles that the stage ran.
+    wear_steps : tuple of WearStep
+        How the wear after it was applied; empty after the last stage.
+    simulated, wall : float
+        Simulated time of all its starts, and the wall time that took, s.
+    diagnostics : mapping
+        What the solver says.
+    statistics : mapping
+        Numbers of the stage by name; SI units.
+    arrays : mapping
+        Arrays by their names in ``stage-K.npz``.
+    joint_names : tuple of str
+        Joints with clearance.
+    read_film : callable
+        Gives its film.
+    """
+
+    index: int
+    status: str
+    message: str
+    finding: Finding | None
+    amplification: float
+    wear_steps: tuple[WearStep, ...]
+    simulated: float
+    wall: float
+    diagnostics: Mapping[str, Any]
+    statistics: Mapping[str, Any]
+    arrays: Mapping[str, Array]
+    joint_names: tuple[str, ...]
+    read_film: Callable[[], Film]
+
+    @property
+    def name(self) -> str:
+        """Name of the stage: ``no wear``, ``first wear``, ..."""
+        return stage_name(self.index)
+
+    @property
+    def failed(self) -> bool:
+        """True where the run of the stage failed, so that its numbers are worth nothing."""
+        return self.status == "failed"
+
+    @property
+    def film(self) -> Film:
+        """Frames of its first start; InputError where they are missing or damaged."""
+        return self.read_film()
+
+    @property
+    def cycles(self) -> int:
+        """Cycles that ran, of all starts."""
+        return int(self.statistics["cycles"])
+
+    @property
+    def time(self) -> Array:
+        """Times of the recorded series, shape (n,), s."""
+        return self.arrays["time"]
+
+    @property
+    def displacement(self) -> Array:
+        """Displacement of what the scene watches, shape (n,), m."""
+        return self.arrays["slider"][:, 0]
+
+    @property
+    def velocity(self) -> Array:
+        """Velocity of what the scene watches, shape (n,), m/s."""
+        return self.arrays["slider"][:, 1]
+
+    @property
+    def acceleration(self) -> Array:
+        """Acceleration of what the scene watches, shape (n,), m/s^2."""
+        return self.arrays["slider"][:, 2]
+
+    @property
+    def angle(self) -> Array:
+        """Angles of the wear maps, shape (m,), rad."""
+        return self.arrays["angle"]
+
+    @property
+    def joints(self) -> dict[str, JointResult]:
+        """Joints with clearance by name."""
+        told = self.statistics.get("joints", {})
+        found = {}
+        for k, name in enumerate(self.joint_names):
+            own = {
+                key.removeprefix(f"{name}_"): array
+                for key, array in self.arrays.items()
+                if key.startswith(f"{name}_")
+            }
+            first = len(CYCLE_FIXED) + len(CYCLE_JOINT) * k
+            own["cycles"] = self.arrays["cycles"][:, first : first + len(CYCLE_JOINT)]
+            found[name] = JointResult(name, told.get(name, {}), own)
+        return found
+
+    def each_cycle(self, name: str) -> Array:
+        """A number of each cycle, by its name in ``CYCLE_FIXED``, shape (cycles,); SI units."""
+        return self.arrays["cycles"][:, CYCLE_FIXED.index(name)]
+
+    def as_dict(self) -> dict[str, Any]:
+        """Give everything but its arrays as ``result.json`` holds it."""
+        return {
+            "index": self.index,
+            "status": self.status,
+            "message": self.message,
+            "finding": asdict(self.finding) if self.finding else None,
+            "amplification": self.amplification,
+            "wear_steps": [asdict(step) for step in self.wear_steps],
+            "simulated_s": self.simulated,
+            "wall_s": self.wall,
+            "diagnostics": dict(self.diagnostics),
+            "statistics": dict(self.statistics),
+        }
+
+    @staticmethod
+    def restored(
+        stored: "StoredStage",
+        arrays: Mapping[str, Array],
+        joint_names: tuple[str, ...],
+        read_film: Callable[[], Film],
+    ) -> "StageResult":
+        """Put together what ``as_dict`` gave, read and checked, and its arrays."""
+        return StageResult(
+            stored.index,
+            stored.status,
+            stored.message,
+            stored.finding,
+            stored.amplification,
+            stored.wear_steps,
+            stored.simulated_s,
+            stored.wall_s,
+            stored.diagnostics,
+            stored.statistics,
+            arrays,
+            joint_names,
+            read_film,
+        )
+
+
+def stage_at(stages: tuple[StageResult, ...], index: int, where: str) -> StageResult:
+    """The stage of an index; InputError tells which there are."""
+    for stage in stages:
+        if stage.index == index:
+            return stage
+    held = [stage.index for stage in stages]
+    told = ", ".join(map(str, held)) or "none"
+    near = f"; did you mean {min(held, key=lambda own: abs(own - index))}?" if held else ""
+    raise InputError(f"{where} has no stage {index}; it has {told}{near}")

@@ -1,0 +1,10 @@
+"""The press with clearance in one joint only: which of the two shakes the slider more?
+
+Run:  python scenarios/one_joint.py
+"""
+
+import presswear as pw
+
+for scene in (pw.scenes.clearance_a(cycles=2), pw.scenes.clearance_c(cycles=2)):
+    peak = pw.run(scene, engine="dae").stages[0].statistics["slider"]["acceleration_max_m_s2"]
+    print(f"{scene.title}: slider acceleration up to {peak:.0f} m/s^2")

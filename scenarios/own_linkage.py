@@ -1,0 +1,19 @@
+"""Two bodies that the program has never seen: a pendulum on a worn pin, in the in-house solver.
+
+Run:  python scenarios/own_linkage.py
+"""
+
+import numpy as np
+
+import presswear as pw
+from presswear.engines.base import Plan, Start
+
+pin = pw.ClearanceJoint(
+    "pin", pw.Attachment("bob", 0.0, 0.2), pw.Attachment("frame", 0.0, 0.0), 0.015, 1e-3, 0.02,
+    pw.NormalLaw(1e10, damping=0.1), pw.FrictionLaw(0.05),
+)  # fmt: skip
+bob = pw.Body("bob", mass=1.0, inertia=0.01)
+pendulum = pw.Linkage("pendulum", (bob,), (), (), (), (pin,), pw.Probe("bob", 0.0))
+swung = Start(0.2 * np.array([np.sin(0.5), -np.cos(0.5), 2.5]), np.zeros(3))
+run = pw.InHouse().simulate(pendulum, swung, Plan(1.0, 2))
+print(f"after {run.time:g} s: {run.recorder.book.tally['contacts'][0]} contacts, {run.status}")

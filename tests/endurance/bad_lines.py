@@ -1,0 +1,285 @@
+"""Command lines that must be refused, drawn at random; each is bad by the way it is made.
+
+Nothing here asks the code that is tried whether a line is bad: it is misspelt, beyond a range
+that the scene states, without its unit, or together with what it contradicts.
+"""
+
+import math
+import re
+from collections.abc import Callable, Sequence
+from random import Random
+from typing import Any
+
+from presswear.scene.catalog import SCENES, slider_crank, wear_times
+from presswear.scene.scene import Scene
+from presswear.scene.settings import settings_of
+from presswear.tools.quantities import Choice, Meaning
+
+Family = Callable[[Random], list[str]]
+"""Draws a command line of a kind."""
+
+FILE, FOLDER = "../a-file", "../a-folder"
+"""A file and a folder that holds something, as seen from where the lines are given."""
+_PRESS, _CRANK = wear_times(), slider_crank()
+_KEYS = {scene.name: {setting.key for setting in settings_of(scene)} for scene in (_PRESS, _CRANK)}
+_NO_UNIT_OF = {
+    "m": "kg, Pa, s, rad/s, m/s, %, M, MM, inch",
+    "rad/s": "m, kg, s, rad, Hz, m/s, 1/s",
+    "kg": "m, Pa, lb, kg m^2, t, N",
+    "kg m^2": "kg, m, kg m, kg m^3, g m^2",
+    "Pa": "m, kg, mPa, bar, 1/Pa, N",
+    "1/Pa": "Pa, m, /GPa, 1/m, /",
+    "m/s": "m, s, rad/s, m/s^2, km/h",
+    "m/s^2": "m/s, m, g, N",
+    "s": "m, min, Hz, 1/s, h",
+    "": "m, mm, %, rad, kg, x, pi",
+}
+"""Units that are none of a dimension."""
+_NO_NUMBERS = (
+    *[
+        "nan",
+        "NaN",
+        "-nan",
+        "inf",
+        "-inf",
+        "Infinity",
+        "none",
+        "None",
+        "null",
+        "True",
+        "e5",
+        ".",
+        "-",
+        "--5",
+        "+-5",
+        "1e",
+        "0x10",
+        "1,5",
+        "1_000",
+    ],
+    *[
+        "1+1",
+        "2*3",
+        "2**8",
+        "1/3",
+        "(1)",
+        "__import__('os').getcwd()",
+        "${HOME}",
+        "`ls`",
+        "%s",
+        "{0}",
+        "1e400",
+        "-1e400",
+    ],
+    *["1e99999999", "١٢٣", "１２", "²", "½", "−5", "\x1b[31m5", "�", "\u202e5"],
+    *("", " ", "5\x00", "5\n6", "9" * 5000),
+)
+"""What is no number that a computer can hold, with or without a unit behind it."""
+_NO_COUNTS = ("0", "-1", "1.5", "many", "", "1e400", "nan", "٣", "9" * 5000)
+_PLACES = (
+    *(FOLDER, FILE, f"{FILE}/below", "", " ", "a\0b", "n" * 300, "x/" + "y" * 256),
+    *("a\nb", "\udcff", "\x1b[2J", "/proc/none/x", "/dev/null", "/dev/null/x"),
+)
+"""Folders that cannot be written into, as they are somebody's or no folders."""
+_ALPHABETS = (range(32, 127), range(32), range(0x80, 0xD800), range(0xE000, 0x110000))
+
+_AT_ODDS = """
+run wear-times --set=joints=A --engine=exudyn-tree
+run clearance-c --engine=exudyn-tree
+run ideal --engine=exudyn-tree
+run slider-crank --set=joints=AB --engine=exudyn-tree
+run slider-crank --set=joints=AC
+run ideal --set=starts=2
+run wear-times --set=joints=none --set=starts=3
+run wear-times --set=contact=foundation --set=exponent=1.2
+run runaway --set=exponent=1.2
+run wear-times --wears=1 --set=wears=21
+run wear-times --set=friction=0.1 --set=friction=0.2
+run wear-times --jobs=2
+run wear-times --resume
+run paper --resume
+precision ideal --quick
+precision --quick --set=joints=none
+precision --quick --set=wear_coefficient=0/Pa
+precision --quick --set=exponent=2
+"""
+_OPTIONS = {
+    "run {scene}": "cycles={count} wears={text} wears=-1 wears={many} tolerance={count} "
+    "engine={text} conventions={text} out={place}",
+    "run paper": "jobs={count}",
+    "run ideal": "set={word}",
+    "crosscheck": "duration={text} duration=1e300 until={no_count} set=clearance=1",
+    "crosscheck ideal": "against={text}.csv",
+    "costs": "repeats={count}",
+    "precision": "repeats={count} out={place}",
+    "export {folder} a.csv": "stage={count}",
+}
+"""Values of options that none of them has, by what stands before them."""
+_LINES = (
+    *("export no/{text} a.csv", "report no/{text}", "report", "run", "run --set", "export x"),
+    *("run ideal --engine", "run ideal ideal", "verify x", "verify --long", "list ideal friction"),
+    *("crosscheck --out=x --until=1", "crosscheck {folder} --against {file}"),
+    *(f"{line} --{option}" for line, options in _OPTIONS.items() for option in options.split()),
+)
+_NAMES = ("no{text}", "{command} no{text}", "{command} --x{word}", "{command} --x{word}={text}")
+
+
+def _text(draw: Random, most: int = 40) -> str:
+    """Any text, half of it such as people type."""
+    length = draw.randrange(most)
+    return "".join(
+        chr(draw.choice(draw.choice((_ALPHABETS[0], *_ALPHABETS)))) for _ in range(length)
+    )
+
+
+def _wild(draw: Random) -> str:
+    """Any text that does not begin like a number."""
+    text = _text(draw)
+    while re.match(r"\s*[+-]?\.?[0-9]", text):
+        text = _text(draw)
+    return text
+
+
+def _within(draw: Random, low: float, high: float) -> float:
+    """A number of a range; its ends now and then."""
+    return draw.choice((low, high, *(draw.uniform(low, high) for _ in range(8))))
+
+
+def _filled(lines: Sequence[str]) -> Family:
+    """Lines like given ones, a word for each of theirs."""
+
+    def line(draw: Random) -> list[str]:
+        text, no_count = _wild(draw), draw.choice(_NO_COUNTS)
+        fills = {
+            "text": text,
+            "word": text.replace("=", ""),
+            "no_count": no_count,
+            "count": draw.choice((no_count, text)),
+            "many": draw.randint(21, 10**30),
+            "scene": draw.choice([*SCENES, "paper"]),
+            "command": draw.choice(("run", "list", "precision", "crosscheck")),
+            "place": draw.choice(_PLACES),
+            "folder": FOLDER,
+            "file": FILE,
+        }
+        return [word.format(**fills) for word in draw.choice(lines).split()]
+
+    return line
+
+
+def _set(scene: Scene, **values: str) -> list[str]:
+    return ["run", scene.name, *(f"--set={key}={value}" for key, value in values.items())]
+
+
+def _given(
+    kind: type,
+    text: Callable[[Random, Any], str],
+    fits: Callable[[Any], bool] = lambda meaning: True,
+) -> Family:
+    """Lines that give a quantity or choice of a scene a text that is none for it."""
+    owners = [
+        (scene, setting)
+        for scene in (_PRESS, _CRANK)
+        for setting in settings_of(scene)
+        if isinstance(setting.meaning, kind) and fits(setting.meaning)
+    ]
+
+    def line(draw: Random) -> list[str]:
+        scene, setting = draw.choice(owners)
+        return _set(scene, **{setting.key: text(draw, setting.meaning)})
+
+    return line
+
+
+def _no_number(draw: Random, meaning: Meaning) -> str:
+    text = draw.choice((draw.choice(_NO_NUMBERS), _wild(draw)))
+    return draw.choice((text, f"{text} {meaning.unit}".rstrip(" ")))
+
+
+def _wrong_unit(draw: Random, meaning: Meaning) -> str:
+    """A number with the unit of something else, or none; only a pure number has none to forget."""
+    units = _NO_UNIT_OF[meaning.unit].split(", ") + ([""] if meaning.unit else [])
+    return f"{_within(draw, 0.0, 100.0)!r} {draw.choice(units)}".strip()
+
+
+def _beyond(draw: Random, meaning: Meaning) -> str:
+    """A value outside its range, on either side, by a hair or by far."""
+    far = draw.choice((0.0, 5e-324, 1e-12, 1.0, 1e10, 1e300, draw.uniform(0.0, 1e300)))
+    is_above = draw.random() < 0.5
+    if meaning.whole:
+        value = meaning.high + 1 + int(far) if is_above else meaning.low - 1 - int(far)
+        return f"{value:.0f}"
+    if is_above:
+        value = max(math.nextafter(meaning.high, math.inf), meaning.high + far)
+    elif meaning.open_low and far < 1.0:
+        value = meaning.low
+    else:
+        value = min(math.nextafter(meaning.low, -math.inf), meaning.low - far)
+    return f"{value!r} {'/Pa' if meaning.unit == '1/Pa' else meaning.unit}".strip()
+
+
+def _no_choice(draw: Random, choice: Choice) -> str:
+    text = draw.choice(("", "Paper", "PAPER", "paper ,", "all", "0", "on;off", _wild(draw)))
+    return text if text.strip() not in choice.words else f"no {text}"
+
+
+def _unknown_key(draw: Random) -> list[str]:
+    """Keys that no scene has, that are misspelt, or that belong to another mechanism."""
+    scene = draw.choice((_PRESS, _CRANK))
+    here, all_keys = _KEYS[scene.name], sorted(_KEYS[_PRESS.name] | _KEYS[_CRANK.name])
+    strange = ("__class__", "name", "title", "statuses", "mechanism", "bearings.width")
+    while True:
+        known = draw.choice(all_keys)
+        place = draw.randrange(len(known))
+        misspelt = known[:place] + chr(draw.choice(draw.choice(_ALPHABETS))) + known[place + 1 :]
+        key = draw.choice((_text(draw), misspelt, known, known.upper(), draw.choice(strange)))
+        if key.partition("=")[0].strip() not in here:
+            return _set(scene, **{key: "1"})
+
+
+def _at_odds(draw: Random) -> list[str]:
+    """Values that are allowed alone but not together."""
+    size, part = _within(draw, 1e-4, 1.0), _within(draw, 0.0, 1.0)
+    speed, length = _within(draw, 1e-9, 1.0), _within(draw, 1e-3, 10.0)
+    short, long = _within(draw, 1e-3, 0.1), _within(draw, 0.5, 10.0)
+    bc, cd = _within(draw, 1e-3, 4.0), _within(draw, 1e-3, 4.0)
+    exponent = draw.choice((1.0, 2.5, draw.uniform(1.0, 1.49), draw.uniform(1.51, 2.5)))
+
+    def lengths(scene: Scene, **values: float) -> list[str]:
+        return _set(scene, **{key: f"{value!r}m" for key, value in values.items()})
+
+    ramp = {"upper_speed": f"{speed!r}m/s", "lower_speed": f"{min(speed * (1.0 + part), 1.0)!r}m/s"}
+    return draw.choice(
+        (
+            lengths(_PRESS, bearing_radius=size, clearance=min(size * (1.0 + part), 1.0)),
+            lengths(_PRESS, length_3=short),
+            lengths(_PRESS, **{draw.choice(("length_2", "length_7")): long}),
+            lengths(_PRESS, side_bc=bc, side_cd=cd, side_bd=(bc + cd) * (1.0 + short)),
+            lengths(_CRANK, crank_length=length, rod_length=max(length * part, 1e-3)),
+            _set(_PRESS, **ramp),
+            [*_set(_PRESS, exponent=f"{exponent!r}"), "--conventions=refined"],
+            _filled(_AT_ODDS.strip().splitlines())(draw),
+        )
+    )
+
+
+FAMILIES: dict[str, Family] = {
+    "unknown keys": _unknown_key,
+    "no numbers": _given(Meaning, _no_number),
+    "wrong units": _given(Meaning, _wrong_unit),
+    "beyond ranges": _given(Meaning, _beyond),
+    "no choices": _given(Choice, _no_choice),
+    "no whole numbers": _given(
+        Meaning, lambda draw, own: f"{draw.randrange(90)}.5", lambda own: own.whole
+    ),
+    "contradictions": _at_odds,
+    "bad options": _filled(_LINES),
+    "bad names": _filled(_NAMES),
+}
+"""All kinds of bad command lines."""
+
+
+def bad_line(place: int, seed: int) -> list[str]:
+    """The line at a place of all those of a seed; kinds take turns."""
+    family = list(FAMILIES.values())[place % len(FAMILIES)]
+    return family(Random(f"{seed} {place}"))

@@ -1,0 +1,59 @@
+"""Trials at their lengths, what they share, and the table at the end of ``pytest -m endurance``."""
+
+import time
+from collections.abc import Callable, Iterator
+from functools import cache
+
+import pytest
+from rich.console import Console
+from rich.markup import escape
+
+from endurance.subject import Alone, Subject
+from endurance.trial import Trial
+from presswear.commands.terminal import print_table
+
+TRIALS = pytest.StashKey[list[Trial]]()
+
+
+@pytest.fixture
+def trial(
+    request: pytest.FixtureRequest, record_property: Callable[[str, object], None]
+) -> Iterator[Trial]:
+    """A row of the table, also in what ``--junitxml`` writes."""
+    found = Trial()
+    request.config.stash.setdefault(TRIALS, []).append(found)
+    yield found
+    for name, cell in zip(("what", "tried", "survived", "verdict", "note"), found.row, strict=True):
+        record_property(name, cell)
+
+
+@pytest.fixture
+def is_quick(request: pytest.FixtureRequest) -> bool:
+    """Whether a few of each are enough."""
+    return bool(request.config.getoption("--quick"))
+
+
+def pytest_terminal_summary(
+    terminalreporter: pytest.TerminalReporter, config: pytest.Config
+) -> None:
+    """The table of what was tried."""
+    trials = config.stash.get(TRIALS, [])
+    if trials:
+        terminalreporter.section("endurance")
+        rows = [[escape(cell) for cell in trial.row] for trial in trials]
+        print_table(Console(), ("what", "", "note"), ("tried", "survived"), rows)
+
+
+@pytest.fixture(scope="session")
+def alone(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Subject], Alone]:
+    """Each subject's run that is left alone, made when it is first asked for."""
+
+    @cache
+    def run(subject: Subject) -> Alone:
+        folder = tmp_path_factory.mktemp("alone") / "out"
+        began = time.monotonic()
+        answer = subject.finish(folder)
+        assert answer.code == 0, answer.problem
+        return Alone(folder, time.monotonic() - began)
+
+    return run

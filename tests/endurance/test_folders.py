@@ -1,0 +1,163 @@
+"""Folders that fill up, cannot be written, vanish or are written by two; files that are damaged."""
+
+import os
+import shutil
+import subprocess
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from random import Random
+
+import pytest
+
+from endurance.sameness import folder_differences
+from endurance.subject import (
+    TREE,
+    Alone,
+    Check,
+    Subject,
+    check_checkpoint,
+    check_result,
+    end,
+    is_at_work,
+    is_one_line,
+    wait_for,
+)
+from endurance.trial import SEED, Trial
+from presswear.tools.errors import InputError
+
+Runs = Callable[[Subject], Alone]
+
+
+@contextmanager
+def small_disk(folder: Path, size: str, options: str = "") -> Iterator[Path]:
+    """A file system of its own of so many bytes; the test is skipped where that is not allowed."""
+    folder.mkdir()
+    command = ["mount", "-t", "tmpfs", "-o", f"size={size}{options}", "tmpfs", str(folder)]
+    if shutil.which("mount") is None:
+        pytest.skip("no disk of its own can be made: there is no mount")
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        pytest.skip(f"no disk of its own can be made: {done.stderr.strip()}")
+    try:
+        yield folder
+    finally:
+        subprocess.run(["umount", "-l", str(folder)], capture_output=True, check=False)
+
+
+@pytest.mark.endurance
+def test_disk_full(trial: Trial, alone: Runs, tmp_path: Path, is_quick: bool) -> None:
+    """A disk too small for a run ends it with one line; where there is room again it goes on."""
+    trial.what, trial.note = "disk full", "one line; with room again it goes on, equal"
+    whole = alone(TREE).folder
+    for size in ("600k",) if is_quick else ("16k", "300k", "600k", "900k", "1200k"):
+        with small_disk(tmp_path / size, size) as disk:
+            problems = []
+            answer = TREE.finish(disk / "out")
+            told = is_one_line(answer.errors) and "space" in answer.errors
+            if answer.code not in (1, 2) or not told:
+                problems.append(answer.problem)
+            subprocess.run(["mount", "-o", "remount,size=200m", str(disk)], check=True)
+            answer = TREE.finish(disk / "out", "--resume")
+            if answer.code != 0:
+                problems.append(f"gone on, {answer.problem}")
+            else:
+                problems += folder_differences(whole, disk / "out")[:3]
+            trial.add(f"{size}: {'; '.join(problems)}" if problems else "")
+    assert trial.passed, trial.miss
+
+
+@pytest.mark.endurance
+def test_read_only_folder(trial: Trial, tmp_path: Path) -> None:
+    """A folder that cannot be written is refused before anything is computed."""
+    trial.what, trial.note = "read-only folder", "refused with one line at the start"
+    closed = tmp_path / "closed"
+    closed.mkdir(mode=0o500)
+    if os.access(closed, os.W_OK):  # as root
+        with small_disk(tmp_path / "disk", "1m", ",ro") as disk:
+            answer = TREE.finish(disk / "out")
+    else:
+        answer = TREE.finish(closed / "out")
+    is_named = is_one_line(answer.errors) and "out" in answer.errors
+    trial.add("" if answer.code == 2 and is_named else answer.problem)
+    assert trial.passed, trial.miss
+
+
+@pytest.mark.endurance
+def test_folder_deleted_while_running(trial: Trial, tmp_path: Path, is_quick: bool) -> None:
+    trial.what = "folder deleted while running"
+    trial.note = "one line, and nothing is written in its place"
+    wait = Random(SEED)
+    for k in range(1 if is_quick else 5):
+        out = tmp_path / f"out-{k}"
+        process = TREE.start(out)
+        wait_for((out / "result.json").exists)
+        time.sleep(wait.uniform(0.0, 1.0))
+        shutil.rmtree(out, ignore_errors=True)
+        answer = end(process)
+        is_named = is_one_line(answer.errors) and str(out) in answer.errors
+        wrong = "" if answer.code == 1 and is_named else answer.problem
+        trial.add("something was written into its place" if out.exists() else wrong)
+    assert trial.passed, trial.miss
+
+
+@pytest.mark.endurance
+def test_two_runs_into_one_folder(
+    trial: Trial, alone: Runs, tmp_path: Path, is_quick: bool
+) -> None:
+    """A second run into a folder is refused and leaves the first alone."""
+    trial.what = "two runs into one folder"
+    trial.note = "the second is refused, the first ends as if alone"
+    out = tmp_path / "out"
+    first = TREE.start(out)
+    wait_for(lambda: is_at_work(first, out))
+    for k in range(1 if is_quick else 3):
+        second = TREE.finish(out, *(("--resume",) if k % 2 else ()))
+        is_refused = second.code == 2 and is_one_line(second.errors)
+        trial.add("" if is_refused or first.poll() is not None else second.problem)
+    answer = end(first)
+    assert answer.code == 0, answer.problem
+    assert folder_differences(alone(TREE).folder, out) == []
+    assert trial.passed, trial.miss
+
+
+def missed(check: Check, file: Path) -> str:
+    """What is wrong with how a damaged file is found and named."""
+    try:
+        check(file.parent)
+    except InputError as error:
+        return "" if file.name in str(error) else f"{error}"
+    return "not noticed"
+
+
+@pytest.mark.endurance
+def test_damaged_files(trial: Trial, alone: Runs, tmp_path: Path, is_quick: bool) -> None:
+    """Every file of data is cut off, changed in a bit, and removed."""
+    trial.what = "files cut off or altered"
+    whole, stopped = tmp_path / "whole", tmp_path / "stopped"
+    shutil.copytree(alone(TREE).folder, whole)
+    process = TREE.start(stopped)
+    wait_for((stopped / "checkpoint.npz").exists)
+    process.kill()
+    end(process)
+    files = [*whole.glob("*.json"), *sorted(whole.glob("*.npz"))]
+    cases = [(check_result, file) for file in files]
+    cases.append((check_checkpoint, stopped / "checkpoint.npz"))
+    trial.note = f"{len(cases)} files; every one is found and named"
+    chance = Random(SEED)
+    for check, file in cases:
+        data = file.read_bytes()
+        for _ in range(5 if is_quick else 100):
+            place = chance.randrange(len(data))
+            flipped = bytes([data[place] ^ (1 << chance.randrange(8))])
+            for bad in (data[:place], data[:place] + flipped + data[place + 1 :]):
+                file.write_bytes(bad)
+                wrong = missed(check, file)
+                trial.add(f"{file.name}, byte {place}: {wrong}" if wrong else "")
+        file.unlink()
+        wrong = missed(check, file)
+        trial.add(f"{file.name} gone: {wrong}" if wrong else "")
+        file.write_bytes(data)
+        check(file.parent)
+    assert trial.passed, trial.miss

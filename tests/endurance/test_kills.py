@@ -1,0 +1,144 @@
+"""Runs stopped at random moments, gone on with, and held against one that was left alone."""
+
+import contextlib
+import json
+import signal
+import subprocess
+import time
+from collections.abc import Callable
+from pathlib import Path
+from random import Random
+
+import pytest
+
+from endurance.sameness import folder_differences
+from endurance.subject import (
+    IN_HOUSE,
+    SUBJECTS,
+    Alone,
+    Answer,
+    Subject,
+    end,
+    is_at_work,
+    is_one_line,
+    wait_for,
+)
+from endurance.trial import SEED, Trial
+
+MOST_RUNS = 4
+"""Runs that are tried for each stop wanted: most end before they are stopped where this fails."""
+STOPS = 4
+"""Of one run, at most."""
+
+
+def stop(subject: Subject, out: Path, number: signal.Signals, after: float) -> str | None:
+    """Stop a run after a time, s: what is wrong with how it ended; None: before it was stopped."""
+    process = subject.start(out, "--resume")
+    with contextlib.suppress(subprocess.TimeoutExpired):
+        process.wait(after)
+    had_begun = is_at_work(process, out)
+    process.send_signal(number)
+    answer = end(process)
+    if answer.code == 0:
+        return None
+    if number == signal.SIGKILL:
+        return "" if answer.code == -number else f"stopped, {answer.problem}"
+    # As Python itself starts, it answers in its own way.
+    if answer.code != 128 + number and (had_begun or answer.code != -number):
+        return f"stopped, {answer.problem}"
+    return f"not one line, {answer.problem}" if had_begun and "\n" in answer.errors.strip() else ""
+
+
+def kill(
+    trial: Trial,
+    number: signal.Signals,
+    count: int,
+    alone: Callable[[Subject], Alone],
+    folder: Path,
+) -> None:
+    """Stop runs of all engines in turn so many times in all; each goes on until its end."""
+    trial.what = f"{number.name} at a random moment, gone on with"
+    wait = Random(SEED)
+    longest: dict[Subject, float] = {}
+    runs = 0
+    while trial.tried < count and runs < MOST_RUNS * count:
+        subject, out = SUBJECTS[runs % len(SUBJECTS)], folder / f"run-{runs}"
+        runs += 1
+        whole = alone(subject)
+        most = longest.setdefault(subject, whole.lasts)
+        stops = 0
+        problems: list[str] = []
+        while stops < min(STOPS, count - trial.tried):
+            began = time.monotonic()
+            problem = stop(subject, out, number, wait.uniform(0.0, most))
+            if problem is None:
+                break
+            stops += 1
+            problems.append(problem)
+        else:
+            answer = subject.finish(out, "--resume")
+            problems.append(answer.problem if answer.code else "")
+        if not stops:
+            # The one that was left alone may have waited for the compiler.
+            longest[subject] = min(most, time.monotonic() - began)
+            continue
+        wrong = [problem for problem in problems if problem] or folder_differences(
+            whole.folder, out
+        )[:3]
+        trial.add(f"{subject.engine}: {'; '.join(wrong)}" if wrong else "", stops)
+    trial.note = f"{runs} runs of {min(runs, len(SUBJECTS))} engines end equal, bit for bit"
+
+
+@pytest.mark.endurance
+@pytest.mark.parametrize(
+    ("number", "count", "few"),
+    [(signal.SIGKILL, 50, 3), (signal.SIGINT, 20, 2), (signal.SIGTERM, 20, 2)],
+)
+def test_stops_at_random_moments(
+    number: signal.Signals,
+    count: int,
+    few: int,
+    trial: Trial,
+    alone: Callable[[Subject], Alone],
+    tmp_path: Path,
+    is_quick: bool,
+) -> None:
+    wanted = few if is_quick else count
+    kill(trial, number, wanted, alone, tmp_path)
+    assert trial.passed, trial.miss
+    assert trial.tried == wanted, f"only {trial.tried} stops"
+
+
+def test_a_run_stopped_by_a_signal_goes_on(tmp_path: Path) -> None:
+    """SIGTERM as soon as something is kept: one line, 143, and the command that it names."""
+    out = tmp_path / "out"
+    process = IN_HOUSE.start(out)
+    assert wait_for((out / "checkpoint.npz").exists)
+    process.send_signal(signal.SIGTERM)
+    answer = end(process)
+    assert answer.code == 143, answer.problem
+    assert is_one_line(answer.errors)
+    assert f"go on with: presswear run wear-times --resume --out {out}" in answer.errors
+    assert json.loads((out / "result.json").read_text())["status"] == "interrupted"
+    assert not (out / "lock").exists()
+
+
+@pytest.mark.parametrize(
+    ("stopped", "differs", "survived"),
+    [("", [], 5), ("", ["stage-0.npz: slider differs"], 0), ("exit code 1", [], 0)],
+)
+def test_a_kill_that_loses_something_is_seen(
+    stopped: str,
+    differs: list[str],
+    survived: int,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """No stop of a run counts as survived where the folders differ at its end."""
+    monkeypatch.setattr("endurance.test_kills.stop", lambda *arguments: stopped)
+    monkeypatch.setattr("endurance.test_kills.folder_differences", lambda *folders: differs)
+    monkeypatch.setattr(Subject, "finish", lambda *arguments: Answer(0, "", ""))
+    trial = Trial()
+    kill(trial, signal.SIGKILL, 5, lambda subject: Alone(tmp_path, 1.0), tmp_path)
+    assert (trial.tried, trial.survived, trial.passed) == (5, survived, survived == 5)
+    assert (stopped or "".join(differs)) in trial.miss

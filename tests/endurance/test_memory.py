@@ -1,0 +1,80 @@
+"""Memory and files of long runs: ten times the cycles, the same peak."""
+
+import re
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from endurance.subject import begin, end
+from endurance.trial import Trial
+
+ALLOWED = 0.1
+"""Part by which the longer run may take more."""
+_PROGRAM = """
+import re, sys
+from presswear.__main__ import main
+code = main(sys.argv[1:])
+print("peak", re.search(r"VmHWM:\\s*(\\d+)", open("/proc/self/status").read())[1])
+sys.exit(code)
+"""
+"""Tells the peak of its own memory; what ``getrusage`` tells begins with that of its parent."""
+
+
+@dataclass(frozen=True)
+class Size:
+    """Peak memory of a run, kB, and size of its stored arrays and checkpoints, bytes."""
+
+    memory: int
+    files: int
+
+
+def size_of(engine: str, cycles: int, out: Path) -> Size:
+    """Run so many fast cycles of the press in a process of its own."""
+    line = ["run", "wear-times", "--engine", engine, "--cycles", f"{cycles}", "--wears", "0"]
+    quick = ("speed=60rad/s", "integration_tolerance=1e-6", "tree_tolerance=1e-4")
+    settings = [f"--set={one}" for one in quick]
+    answer = end(begin(*line, *settings, "--out", str(out), program=_PROGRAM))
+    assert answer.code == 0, answer.problem
+    found = re.search(r"^peak (\d+)$", answer.output, re.MULTILINE)
+    assert found is not None
+    return Size(int(found[1]), sum(file.stat().st_size for file in out.glob("*.npz")))
+
+
+def compare(trial: Trial, engine: str, few: int, many: int, place: Path) -> None:
+    """Try whether many cycles take no more memory and files than few, within ALLOWED."""
+    trial.what = f"{many} cycles in the memory and files of {few}, {engine}"
+    # Where nothing was compiled before, the compiler needs more than a run.
+    size_of(engine, 1, place / "compiled")
+    first, second = (size_of(engine, cycles, place / f"{cycles}") for cycles in (few, many))
+    memory, files = second.memory / first.memory, second.files / first.files
+    trial.note = (
+        f"peak {first.memory / 1024:.0f} and {second.memory / 1024:.0f} MB ({memory:.3f}), "
+        f"files {first.files / 1e6:.2f} and {second.files / 1e6:.2f} MB ({files:.3f})"
+    )
+    is_bounded = max(memory, files) <= 1.0 + ALLOWED
+    trial.add("" if is_bounded else f"more than {ALLOWED:.0%} apart: {trial.note}")
+
+
+@pytest.mark.endurance
+@pytest.mark.skipif(sys.platform != "linux", reason="peak memory is read from Linux's /proc")
+@pytest.mark.parametrize("engine", ["dae", "exudyn-tree"])
+def test_ten_times_the_cycles(engine: str, trial: Trial, tmp_path: Path, is_quick: bool) -> None:
+    few, many = (20, 200) if is_quick else (200, 2000)
+    compare(trial, engine, few, many, tmp_path)
+    assert trial.passed, trial.miss
+
+
+@pytest.mark.parametrize(
+    ("second", "survived"),
+    [(Size(1090, 109), 1), (Size(1110, 100), 0), (Size(1000, 111), 0)],
+)
+def test_growth_of_memory_and_files_is_seen(
+    second: Size, survived: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sizes = {1: Size(5000, 1), 10: Size(1000, 100), 100: second}
+    monkeypatch.setattr("endurance.test_memory.size_of", lambda engine, cycles, out: sizes[cycles])
+    trial = Trial()
+    compare(trial, "dae", 10, 100, tmp_path)
+    assert (trial.tried, trial.survived) == (1, survived)

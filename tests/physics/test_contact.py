@@ -1,0 +1,261 @@
+"""One clearance joint: kinematics, forces, momentum and degenerate positions."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+from two_bodies import JOINT, Pair, gap_of, placed, worn_joint
+
+from presswear.linkage.elements import GROUND, Attachment, ClearanceJoint, MapFrame
+from presswear.linkage.laws import FrictionLaw
+from presswear.physics.contact import direction_of, joint_end
+from presswear.physics.laws import FRICTION, ONSET_SPEED_FLOOR, friction_force, normal_force
+
+Array = NDArray[np.float64]
+
+EPS = float(np.finfo(float).eps)
+NO_CENTRE = Attachment("pin", 0.0, 0.0)
+FRAMES: tuple[MapFrame, ...] = ("fixed", "body")
+NO_LOAD = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+
+joints = st.sampled_from([JOINT, worn_joint("fixed"), worn_joint("body")])
+directions = st.floats(-math.pi, math.pi)
+angle_pairs = st.tuples(st.floats(-10.0, 10.0), st.floats(-10.0, 10.0))
+
+
+def rates(speed: float, spin: float) -> st.SearchStrategy[Array]:
+    """Rates of both bodies up to a speed, m/s, and a spin, rad/s."""
+    translation = st.floats(-speed, speed)
+    rotation = st.floats(-spin, spin)
+    body = translation, translation, rotation
+    return st.tuples(*body, *body).map(np.array)
+
+
+def pairs(
+    penetrations: st.SearchStrategy[float], speed: float = 3.0, spin: float = 300.0
+) -> st.SearchStrategy[Pair]:
+    """Bodies anywhere, moving, with the pin at one of the penetrations, m."""
+    return st.builds(
+        lambda joint, penetration, direction, angles, v: placed(
+            joint, penetration, direction, angles=angles, rates=v
+        ),
+        joints,
+        penetrations,
+        directions,
+        angle_pairs,
+        rates(speed, spin),
+    )
+
+
+def _contact_point(pair: Pair) -> Array:
+    """The common point, from the bearing's side and without the kernel."""
+    joint = pair.joint
+    bearing = joint_end(0, joint.bearing.x, joint.bearing.y, pair.q, pair.v)
+    pin = joint_end(3, joint.pin.x, joint.pin.y, pair.q, pair.v)
+    e = np.array([pin.x - bearing.x, pin.y - bearing.y])
+    n = e / np.hypot(*e)
+    turns = float(joint.map_frame == "body")
+    own = np.array([math.atan2(e[1], e[0]) - turns * pair.q[2]])
+    gap = gap_of(joint, math.atan2(e[1], e[0]), pair.q[2], pair.q[5])
+    indentation = 0.5 * max(float(np.hypot(*e)) - gap, 0.0)
+    reach = joint.bearing_radius + float(joint.bearing_surface(own)[0]) + indentation
+    return np.asarray(np.array([bearing.x, bearing.y]) + reach * n)
+
+
+def _arms(pair: Pair) -> Array:
+    """The common point from the mass centres of bearing and pin, shape (2, 2)."""
+    return np.asarray(_contact_point(pair) - np.array([pair.q[0:2], pair.q[3:5]]))
+
+
+@given(pairs(st.floats(1e-9, 1e-4)), st.floats(1e-3, 3.0))
+def test_momentum_is_exact(pair: Pair, onset: float) -> None:
+    load = pair.load(onset)
+    force = math.hypot(load.x, load.y)
+    # Points within 1 m of the origin, a handful of operations.
+    assert abs(pair.moment_of(load)) <= 16.0 * EPS * force
+    assert force == pytest.approx(math.hypot(load.normal, load.tangential), rel=1e-14)
+
+
+@given(pairs(st.floats(1e-9, 1e-4)))
+def test_force_acts_at_one_point_and_has_the_laws_parts(pair: Pair) -> None:
+    contact = pair.contact()
+    load = pair.load(0.5)
+    assert load.normal == normal_force(
+        contact.penetration, contact.rate, 0.5, 1.25e10, 1.5, pair.joint.normal.damping
+    )
+    assert load.tangential == friction_force(
+        contact.sliding, load.normal, np.array([(0.1, 1e-4, 1e-3)], FRICTION)[0]
+    )
+    n = np.array([contact.normal_x, contact.normal_y])
+    t = np.array([-n[1], n[0]])
+    force = np.array([load.x, load.y])
+    scale = 8.0 * EPS * max(load.normal, 1e-300)
+    # The bearing pushes the pin back, friction along t.
+    assert force @ n == pytest.approx(-load.normal, abs=scale)
+    assert force @ t == pytest.approx(load.tangential, abs=scale)
+    on_bearing, on_pin = _arms(pair)
+    moment = on_pin[0] * load.y - on_pin[1] * load.x
+    assert load.pin_moment == pytest.approx(moment, abs=20.0 * scale)
+    moment = on_bearing[1] * load.x - on_bearing[0] * load.y
+    assert load.bearing_moment == pytest.approx(moment, abs=20.0 * scale)
+
+
+@given(joints, st.floats(-4e-4, 1e-4), directions, angle_pairs)
+def test_penetration_is_measured_from_the_worn_gap(
+    joint: ClearanceJoint, penetration: float, direction: float, angles: tuple[float, float]
+) -> None:
+    contact = placed(joint, penetration, direction, angles=angles).contact()
+    # Positions of order 1 m are rounded; a worn profile adds slope 1e-3 times that angle.
+    assert contact.penetration == pytest.approx(penetration, abs=8.0 * EPS)
+    assert contact.eccentricity == pytest.approx(
+        penetration + gap_of(joint, direction, *angles), abs=8.0 * EPS
+    )
+    assert math.cos(direction_of(contact) - direction) == pytest.approx(1.0, abs=1e-12)
+
+
+@given(pairs(st.floats(0.0, 1e-4)))
+def test_sliding_is_that_of_the_material_points(pair: Pair) -> None:
+    contact = pair.contact()
+    velocity = [
+        pair.v[body : body + 2] + pair.v[body + 2] * np.array([-arm[1], arm[0]])
+        for body, arm in zip((0, 3), _arms(pair), strict=True)
+    ]
+    n = np.array([contact.normal_x, contact.normal_y])
+    t = np.array([-contact.normal_y, contact.normal_x])
+    # Speeds up to 300 rad/s times 0.2 m.
+    assert contact.sliding == pytest.approx((velocity[1] - velocity[0]) @ t, abs=1e-12)
+    if pair.joint is JOINT:
+        assert contact.rate == pytest.approx((velocity[1] - velocity[0]) @ n, abs=1e-12)
+
+
+@given(pairs(st.floats(-1e-4, 1e-4), 0.05, 0.3))
+def test_rate_is_the_derivative_of_penetration(pair: Pair) -> None:
+    step = 1e-7
+    ahead = pair.after(step).contact().penetration
+    behind = pair.after(-step).contact().penetration
+    # Positions rounded to 1e-16 m over 2e-7 s; curvature of the worn profile (at most
+    # 12 depth / width^2 = 0.02 m) times (250 rad/s)^2 times the step where a knot is crossed.
+    contact = pair.contact()
+    turning = abs(contact.turning) + 0.3
+    curvature = 0.0 if pair.joint is JOINT else 0.02 * turning**2 * step
+    tolerance = 1e-8 + curvature + 1e-3 * (turning * step) ** 2 * turning
+    assert contact.rate == pytest.approx((ahead - behind) / (2.0 * step), abs=tolerance)
+
+
+@pytest.mark.parametrize("frame", FRAMES)
+def test_wear_maps_follow_their_frame(frame: MapFrame) -> None:
+    joint = worn_joint(frame)
+    here = placed(joint, 0.0, 0.7, angles=(0.0, 0.0))
+    assert here.contact().penetration == pytest.approx(0.0, abs=8.0 * EPS)
+    # Both bodies turned about the pin's and the bearing's centres: only the maps may notice.
+    bearing_turned = placed(replace(joint, clearance=1e-3), 0.0, 0.7, angles=(0.9, 0.0))
+    gap = bearing_turned.contact().eccentricity - 1e-3
+    own = joint.bearing_surface(np.array([0.7 - (0.9 if frame == "body" else 0.0)]))[0]
+    other = joint.pin_surface(np.array([0.7]))[0]
+    assert gap == pytest.approx(own + other, abs=8.0 * EPS)
+    # The pin's body spins about the pin's own centre.
+    spinning = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 40.0])
+    pair = placed(replace(joint, pin=NO_CENTRE), 1e-6, 0.3, rates=spinning)
+    assert (pair.contact().rate != 0.0) == (frame == "body")
+
+
+def _knot_is_near(pair: Pair, span: float) -> bool:
+    """Whether the contact crosses the centre of a bin within so many radians."""
+    count = pair.packed.surfaces.shape[2]
+    turns = float(pair.joint.map_frame == "body")
+    positions = [
+        (direction_of(pair.contact()) - turns * pair.q[body + 2]) * count / (2.0 * math.pi) - 0.5
+        for body in (0, 3)
+    ]
+    width = 2.0 * math.pi / max(count, 1)
+    return any(abs(x - round(x)) * width <= span for x in positions)
+
+
+@given(pairs(st.floats(-5e-4, 1e-4), 0.1, 3.0), rates(1e2, 1e3))
+def test_penetration_acceleration_is_the_derivative_of_the_rate(
+    pair: Pair, acceleration: Array
+) -> None:
+    formula = pair.penetration_acceleration(acceleration)
+    eccentricity = pair.contact().eccentricity
+    # Centres move at up to 1.5 m/s against each other: a small part of the time in which
+    # the pin would cross the joint.
+    speed = 1.5
+    step = 2e-5 * eccentricity / speed
+    assume(pair.joint is JOINT or not _knot_is_near(pair, 4e-5))
+    ahead = pair.after(step, acceleration).contact().rate
+    behind = pair.after(-step, acceleration).contact().rate
+    centripetal = speed**2 / eccentricity
+    # Truncation is (2e-5)^2 of it but for a small factor; positions rounded to 2e-16 m turn
+    # the normal by 2e-16 / e, and worn slopes (to 1e-3 m/rad) with it.
+    noise = 8e-16 / eccentricity * speed / step * (1.0 + 1e-2 * speed / eccentricity)
+    assert formula == pytest.approx(
+        (ahead - behind) / (2.0 * step), abs=1e-8 * (centripetal + 2e3) + noise
+    )
+
+
+@pytest.mark.parametrize("joint", [JOINT, worn_joint("fixed"), worn_joint("body")])
+def test_centred_pin_touches_nothing(joint: ClearanceJoint) -> None:
+    centred = replace(joint, bearing=Attachment("bearing", 0.0, 0.0), pin=NO_CENTRE)
+    q = np.array([0.3, 0.2, 0.7, 0.3, 0.2, -0.4])
+    v = np.array([0.1, 0.2, 30.0, -0.3, 0.1, -20.0])
+    pair = Pair(centred, q, v)
+    contact = pair.contact()
+    assert contact.eccentricity == 0.0
+    assert contact.penetration <= -joint.clearance
+    assert all(math.isfinite(value) for value in contact)
+    assert pair.load(0.0) == NO_LOAD
+    assert math.isfinite(pair.penetration_acceleration(np.ones(6)))
+
+
+def test_open_joint_has_no_force_even_with_a_latched_speed() -> None:
+    pair = placed(JOINT, -1e-9, 1.0, rates=np.array([0.0, 0.0, 5.0, 1.0, -2.0, 9.0]))
+    assert pair.load(0.7) == NO_LOAD
+
+
+def test_first_step_of_a_contact_uses_its_own_rate() -> None:
+    pair = placed(JOINT, 1e-6, 0.0, rates=np.array([0.0, 0.0, 0.0, 0.4, 0.0, 0.0]))
+    assert pair.contact().rate == pytest.approx(0.4, rel=1e-12)
+    elastic = 1.25e10 * 1e-6**1.5
+    assert pair.load(0.0).normal == pytest.approx(elastic * 1.1425, rel=1e-8)
+    assert pair.load(0.8).normal == pytest.approx(elastic * (1.0 + 0.1425 * 0.5), rel=1e-8)
+    slow = pair.after(0.0)
+    slow.v[3] = 1e-9
+    floored = elastic * (1.0 + 0.1425 * 1e-9 / ONSET_SPEED_FLOOR)
+    assert slow.load(0.0).normal == pytest.approx(floored, rel=1e-8)
+
+
+def test_without_friction_the_force_is_central() -> None:
+    smooth = replace(JOINT, friction=FrictionLaw())
+    load = placed(smooth, 1e-5, 0.5, rates=np.array([0.1, 0.0, 50.0, 0.0, 0.3, -40.0])).load(90.0)
+    assert load.normal > 0.0
+    assert load.tangential == 0.0
+    assert math.atan2(-load.y, -load.x) == pytest.approx(0.5, abs=1e-11)
+
+
+def test_joint_end_on_the_frame_and_on_a_body() -> None:
+    end = joint_end(-1, 0.3, -0.4, np.full(3, 7.0), np.full(3, 9.0))
+    assert end == (0.3, -0.4, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    q = np.array([9.0, 9.0, 9.0, 1.0, 2.0, 0.5 * math.pi])
+    v = np.array([9.0, 9.0, 9.0, 0.1, 0.2, 3.0])
+    end = joint_end(3, 0.5, 0.25, q, v)
+    expected = (0.75, 2.5, 0.1 - 3.0 * 0.5, 0.2 - 3.0 * 0.25, -0.25, 0.5, 0.5 * math.pi, 3.0)
+    assert tuple(end) == pytest.approx(expected, rel=1e-14)
+
+
+@given(st.floats(-1e-4, 1e-4), directions, rates(1.0, 30.0))
+def test_a_bearing_on_the_frame_is_a_bearing_on_a_body_at_rest(
+    penetration: float, direction: float, v: Array
+) -> None:
+    fixed = replace(JOINT, bearing=Attachment(GROUND, 0.3, -0.2))
+    free = placed(replace(JOINT, bearing=Attachment("bearing", 0.0, 0.0)), penetration, direction)
+    free.q[2] = 0.0
+    free.v[3:] = v[3:]
+    alone = Pair(fixed, free.q[3:], free.v[3:])
+    assert alone.contact() == free.contact()
+    a = 100.0 * v[:3]
+    whole = free.penetration_acceleration(np.concatenate([np.zeros(3), a]))
+    assert alone.penetration_acceleration(a) == whole
