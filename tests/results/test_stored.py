@@ -86,7 +86,8 @@ def test_what_is_missing_is_named(document: dict[str, Any]) -> None:
     for _, place in places(document):
         is_mean = "_per_cycle" in str(place[-2:-1])
         if isinstance(place[-1], str) and (is_mean or not OPEN.intersection(place)):
-            here = owner = copy.deepcopy(document)
+            here: Any = copy.deepcopy(document)
+            owner = here
             for key in place[:-1]:
                 owner = owner[key]
             del owner[place[-1]]
