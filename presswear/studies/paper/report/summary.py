@@ -1,25 +1,64 @@
 """The first screen of the report: what stands and what does not, in plain words."""
 
+import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 
+from presswear.show.report.parts import Table
 from presswear.studies.paper.claims import Comparison
 from presswear.studies.paper.evidence import Evidence
-from presswear.studies.paper.printed import LOST_FACTOR, PRINTED, Place
-from presswear.studies.paper.report.chosen import fit_of
+from presswear.studies.paper.printed import DOUBTFUL, Place
+from presswear.studies.paper.report.chosen import factors_of, fit_of
 from presswear.studies.paper.report.numbers import standings
 from presswear.studies.paper.variants import (
     BASE,
     FAST,
     FRICTION,
+    GEOMETRIES,
     HIGH_FRICTION,
+    JUDGED,
     PAPER_STEP,
     SLOW,
     WEAR,
 )
-from presswear.studies.paper.verdicts import Judged, Standing, Verdict, compared
-from presswear.studies.paper.words import ratio_text
+from presswear.studies.paper.verdicts import Judged, Standing, Verdict, compared, verdict
+from presswear.studies.paper.words import QUANTITIES, compared_text, ratio_text
 from presswear.tools.numbers import readable
+
+STYLES = {
+    Verdict.HOLDS: "good",
+    Verdict.FAILS: "bad",
+    Verdict.IN_PART: "bad",
+    Verdict.OPEN: "open",
+    Verdict.MISSING: "open",
+}
+"""How a verdict is coloured."""
+
+
+def details(evidence: Evidence, claim: Judged) -> list[str]:
+    """Each comparison on the standard geometry: of what, ours, the printed one, the verdict."""
+    return [_detail(evidence, part) for part in claim.claim.parts]
+
+
+def _detail(evidence: Evidence, part: Comparison) -> str:
+    ours = compared(evidence, BASE, part)
+    shown = QUANTITIES[part.quantity]
+    factor, sign, unit = 1.0, "×", ""
+    if part.is_difference:
+        factor, sign, unit = shown.factor, "", f" {shown.unit}"
+    text = f"{shown.label}, {compared_text(part)}: {sign}{ratio_text(ours, factor)}{unit}"
+    if part.printed is not None:
+        text += f"; printed {sign}{readable(factor * part.printed)}{unit}"
+    return f"{text}; {verdict(ours, part)}"
+
+
+def counts_table(claims: Sequence[Judged]) -> Table:
+    """How many claims have which verdict, by case."""
+    rows = tuple(
+        (str(word), *(str(sum(claim.verdict(case) is word for claim in claims)) for case in JUDGED))
+        for word in Verdict
+    )
+    return Table(("claims", *GEOMETRIES, "refined conventions"), (("", rows),))
 
 
 def headline(evidence: Evidence, claims: Sequence[Judged]) -> str:
@@ -112,13 +151,12 @@ def _peaks(evidence: Evidence) -> list[str]:
 
 def _scale(evidence: Evidence) -> list[str]:
     """The one factor on K_d / b."""
-    fit = fit_of(evidence, BASE)
-    if not fit.logs:
+    best, spread = fit_of(factors_of(evidence, BASE))
+    if math.isnan(best):
         return []
-    lost = sum(item.misprint == LOST_FACTOR for item in PRINTED)
     return [
-        f"One number for K_d / b, {readable(fit.best)} times ours, meets the other printed "
-        f"first-wear depths within a factor of {readable(fit.spread)}; {lost} at A are printed ten "
-        "times or more below it and below C, against the paper's own text: their power of ten is "
-        "probably a misprint."
+        f"One number for K_d / b, {readable(best)} times ours, meets the other printed "
+        f"first-wear depths within a factor of {readable(spread)}; {len(DOUBTFUL)} at A are "
+        "printed ten times or more below it and below C, against the paper's own text: their "
+        "power of ten is probably a misprint."
     ]
