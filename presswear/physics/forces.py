@@ -23,7 +23,7 @@ JOINT_RATES = 4
 """Their number."""
 
 
-class Load(NamedTuple):
+class JointLoad(NamedTuple):
     """Forces of a joint: magnitudes normal and tangential, force on the pin, moments.
 
     The bearing gets the opposite force; both moments are about the mass centres.
@@ -64,11 +64,11 @@ def note_forces(joints: Records, onset: Array, contacts: Records) -> None:
 
 
 @compiled
-def load_of(joint: Records, onset_speed: float, contact: Records) -> Load:
+def load_of(joint: Records, onset_speed: float, contact: Records) -> JointLoad:
     """Forces of a contact and their moments; ``onset_speed`` as in ``contact_forces``."""
     normal, tangential = contact_forces(joint, onset_speed, contact)
     if normal == 0.0:
-        return Load(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        return JointLoad(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     nx = contact.normal_x
     ny = contact.normal_y
     fx = -normal * nx - tangential * ny
@@ -84,7 +84,7 @@ def load_of(joint: Records, onset_speed: float, contact: Records) -> Load:
         couple = normal / contact.elastic * contact.couple
         pin_moment += couple
         bearing_moment -= couple
-    return Load(normal, tangential, fx, fy, pin_moment, bearing_moment)
+    return JointLoad(normal, tangential, fx, fy, pin_moment, bearing_moment)
 
 
 @compiled

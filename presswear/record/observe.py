@@ -18,12 +18,16 @@ from presswear.tools.compiled import Records, compiled
 
 Array = NDArray[np.float64]
 
-SERIES_FIXED = 4
-"""Columns of a series row before the joints: time, displacement, velocity, acceleration."""
-SERIES_JOINT = 6
-"""Columns per joint: e_x, e_y, penetration, normal and tangential force, sliding speed."""
-NORMAL = 3
-"""Place of the normal force among them."""
+SERIES_NAMES = ("time", "displacement", "velocity", "acceleration")
+TIME, DISPLACEMENT, VELOCITY, ACCELERATION = range(4)
+"""Columns of a series row before the joints."""
+SERIES_JOINT_NAMES = (
+    *("eccentricity_x", "eccentricity_y", "penetration"),
+    *("normal", "tangential", "sliding"),
+)
+ECCENTRICITY_X, ECCENTRICITY_Y, PENETRATION, NORMAL, TANGENTIAL, SLIDING = range(6)
+"""Columns of a series row for each joint."""
+SERIES_FIXED, SERIES_JOINT = len(SERIES_NAMES), len(SERIES_JOINT_NAMES)
 CYCLE_FIXED = ("displacement_max", "velocity_min", "velocity_max", "acceleration_max", "steps")
 DISPLACEMENT_MAX, VELOCITY_MIN, VELOCITY_MAX, ACCELERATION_MAX, STEPS = range(5)
 CYCLE_JOINT = ("force_max", "dose", "contacts")
@@ -189,21 +193,21 @@ def observe(book: Book, t: float, h: float, q: Array, v: Array, a: Array) -> Non
         cycle[base + CONTACTS] = counts.contacts
         if has_room:
             column = SERIES_FIXED + SERIES_JOINT * k
-            series[row, column] = contact.eccentricity_x
-            series[row, column + 1] = contact.eccentricity_y
-            series[row, column + 2] = contact.penetration
+            series[row, column + ECCENTRICITY_X] = contact.eccentricity_x
+            series[row, column + ECCENTRICITY_Y] = contact.eccentricity_y
+            series[row, column + PENETRATION] = contact.penetration
             series[row, column + NORMAL] = contact.normal
-            series[row, column + 4] = contact.tangential
-            series[row, column + 5] = contact.sliding
+            series[row, column + TANGENTIAL] = contact.tangential
+            series[row, column + SLIDING] = contact.sliding
             if row > 0:
                 change = abs(contact.normal - series[row - 1, column + NORMAL])
                 is_due = is_due or change > state.force_step * counts.peak_force
     take_frame(book.film, book.shutter, book.contacts, t, q)
     if has_room and is_due:
-        series[row, 0] = t
-        series[row, 1] = displacement
-        series[row, 2] = velocity
-        series[row, 3] = acceleration
+        series[row, TIME] = t
+        series[row, DISPLACEMENT] = displacement
+        series[row, VELOCITY] = velocity
+        series[row, ACCELERATION] = acceleration
         first = SERIES_FIXED + SERIES_JOINT * count
         for column in range(first, series.shape[1]):
             series[row, column] = book.torque[column - first]

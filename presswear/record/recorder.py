@@ -30,6 +30,8 @@ from presswear.record.observe import (
     ROWS_AT_MOST,
     SERIES_FIXED,
     SERIES_JOINT,
+    SERIES_JOINT_NAMES,
+    SERIES_NAMES,
     VELOCITY_MAX,
     VELOCITY_MIN,
     Book,
@@ -64,7 +66,7 @@ class Recorder:
     Attributes
     ----------
     book : Book
-        What the kernels fill.
+        Arrays that the kernels fill.
     maps : MapBatches
         Depth that the finished cycles added to bearing and pin, m.
     """
@@ -85,7 +87,7 @@ class Recorder:
         cycle: float,
         torques: bool = True,
     ) -> "Recorder":
-        """An empty account for a linkage that starts in a position.
+        """An empty recorder for a linkage that starts in a position.
 
         Parameters
         ----------
@@ -153,6 +155,24 @@ class Recorder:
     def rows(self) -> Array:
         """Series rows written so far, shape (n, SERIES_FIXED + SERIES_JOINT joints + drives)."""
         return self.book.series[: int(self.book.record["rows"][0])]
+
+    def series(self, name: str, joint: int | None = None) -> Array:
+        """A recorded series by its name, of the linkage or of a joint, shape (n,); SI units."""
+        if joint is None:
+            return self.rows[:, SERIES_NAMES.index(name)]
+        return self.rows[:, SERIES_FIXED + SERIES_JOINT * joint + SERIES_JOINT_NAMES.index(name)]
+
+    @property
+    def torques(self) -> Array:
+        """Recorded torques of the drives, shape (n, drives), N m; no column without them."""
+        return self.rows[:, SERIES_FIXED + SERIES_JOINT * self.book.memory.size :]
+
+    def each_cycle(self, name: str, joint: int | None = None) -> Array:
+        """A number of each finished cycle by its name, shape (cycles,); SI units."""
+        if joint is None:
+            return self.cycles[:, CYCLE_FIXED.index(name)]
+        first = len(CYCLE_FIXED) + len(CYCLE_JOINT) * joint
+        return self.cycles[:, first + CYCLE_JOINT.index(name)]
 
     @property
     def film(self) -> Film:

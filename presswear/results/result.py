@@ -5,7 +5,7 @@ digests of all files; ``stage-K.npz`` the arrays of stage K, ``film-K.npz`` its 
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from importlib import import_module
 from pathlib import Path
@@ -62,7 +62,7 @@ class Result:
         Why it is not completed, or nothing.
     provenance : mapping
         Versions, revision, machine and date.
-    wall : float
+    wall_s : float
         Wall time, s.
     path : Path or None
         Its folder; None: in memory only.
@@ -73,7 +73,7 @@ class Result:
     status: str
     message: str
     provenance: Mapping[str, Any]
-    wall: float
+    wall_s: float
     path: Path | None = None
 
     def stage(self, index: int) -> StageResult:
@@ -184,7 +184,7 @@ def read_document(path: Path) -> dict[str, Any]:
     document = read_json(file, f"{path} is no result folder: it has no {FILE}")
     schema_of(document, file, SCHEMA)
     found: dict[str, Any] = document
-    check_seal(read_checked(file, None), found, file)
+    check_seal(read_checked(file), found, file)
     return found
 
 
@@ -197,13 +197,13 @@ def load(path: str | Path) -> Result:
     joints = scene.clearance_joints
     check_joints(stored, joints, scene.wears, file)
     stages = []
-    for entry in stored.stages:
-        name, film = files_of(entry.index)
+    for stage in stored.stages:
+        name, film = files_of(stage.index)
         arrays = read_numbers(path / name, stored.files[name])
         check_arrays(arrays, joints, scene.bearings.angles, path / name)
         read_checked(path / film, stored.files[film])
         read = partial(_film, path / film, stored.files[film], scene)
-        stages.append(StageResult.restored(entry, arrays, joints, read))
+        stages.append(replace(stage, arrays=arrays, joint_names=joints, read_film=read))
     if stored.checkpoint is not None:
         name = checkpoint_file(stored.checkpoint.turn)
         read_checked(path / name, stored.files[name])

@@ -1,21 +1,19 @@
 """One stage of a result: what ran, what it observed, and the wear after it."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any
+from dataclasses import asdict, dataclass, field, fields
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.engines.base import Status
 from presswear.physics.touchdown import CONTACT_COLUMNS
 from presswear.record.film import Film
 from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
 from presswear.record.soundness import Finding
 from presswear.scene.scene import stage_name
 from presswear.tools.errors import InputError
-
-if TYPE_CHECKING:
-    from presswear.results.stored import StoredStage
 
 Array = NDArray[np.float64]
 
@@ -111,24 +109,26 @@ class JointResult:
 class StageResult:
     """One run of the outer loop, and the wear after it; the same in memory and on disk.
 
+    Its fields are the names in ``result.json``, but for arrays, film and joints.
+
     Attributes
     ----------
     index : int
         0 unworn, 1 after the first wear, and so on.
-    status : str
+    status : {"completed", "enough", "failed"}
         ``completed``, ``enough`` where its wear maps were known early, or ``failed``.
     message : str
         Why it failed, or nothing.
     finding : Finding or None
-        What ended the stage, or the wear after it.
+        Cause that ended the stage, or the wear after it; None where nothing did.
     amplification : float
         Multiplier of the depth of the cycles that the stage ran.
     wear_steps : tuple of WearStep
         How the wear after it was applied; empty after the last stage.
-    simulated, wall : float
+    simulated_s, wall_s : float
         Simulated time of all its starts, and the wall time that took, s.
     diagnostics : mapping
-        What the solver says.
+        Numbers and words of the solver, by name.
     statistics : mapping
         Numbers of the stage by name; SI units.
     arrays : mapping
@@ -140,18 +140,18 @@ class StageResult:
     """
 
     index: int
-    status: str
+    status: Status
     message: str
     finding: Finding | None
     amplification: float
     wear_steps: tuple[WearStep, ...]
-    simulated: float
-    wall: float
-    diagnostics: Mapping[str, Any]
+    simulated_s: float
+    wall_s: float
+    diagnostics: Mapping[str, str | int | float | None]
     statistics: Mapping[str, Any]
-    arrays: Mapping[str, Array]
-    joint_names: tuple[str, ...]
-    read_film: Callable[[], Film]
+    arrays: Mapping[str, Array] = field(default_factory=dict)
+    joint_names: tuple[str, ...] = ()
+    read_film: Callable[[], Film] | None = None
 
     @property
     def name(self) -> str:
@@ -166,6 +166,8 @@ class StageResult:
     @property
     def film(self) -> Film:
         """Frames of its first start; InputError where they are missing or damaged."""
+        if self.read_film is None:
+            raise InputError(f"{self.name}: no film was kept")
         return self.read_film()
 
     @property
@@ -219,43 +221,13 @@ class StageResult:
         return self.arrays["cycles"][:, CYCLE_FIXED.index(name)]
 
     def as_dict(self) -> dict[str, Any]:
-        """Give everything but its arrays as ``result.json`` holds it."""
-        return {
-            "index": self.index,
-            "status": self.status,
-            "message": self.message,
-            "finding": asdict(self.finding) if self.finding else None,
-            "amplification": self.amplification,
-            "wear_steps": [asdict(step) for step in self.wear_steps],
-            "simulated_s": self.simulated,
-            "wall_s": self.wall,
-            "diagnostics": dict(self.diagnostics),
-            "statistics": dict(self.statistics),
-        }
-
-    @staticmethod
-    def restored(
-        stored: "StoredStage",
-        arrays: Mapping[str, Array],
-        joint_names: tuple[str, ...],
-        read_film: Callable[[], Film],
-    ) -> "StageResult":
-        """Put together what ``as_dict`` gave, read and checked, and its arrays."""
-        return StageResult(
-            stored.index,
-            stored.status,
-            stored.message,
-            stored.finding,
-            stored.amplification,
-            stored.wear_steps,
-            stored.simulated_s,
-            stored.wall_s,
-            stored.diagnostics,
-            stored.statistics,
-            arrays,
-            joint_names,
-            read_film,
-        )
+        """Give everything but its arrays, film and joints, as ``result.json`` holds it."""
+        told = {item.name: getattr(self, item.name) for item in fields(self)}
+        for name in ("arrays", "joint_names", "read_film"):
+            del told[name]
+        told["finding"] = asdict(self.finding) if self.finding else None
+        told["wear_steps"] = [asdict(step) for step in self.wear_steps]
+        return told
 
 
 def stage_at(stages: tuple[StageResult, ...], index: int, where: str) -> StageResult:

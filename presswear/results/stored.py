@@ -1,4 +1,4 @@
-"""What a result folder must hold; all of it is looked at before any of it is used.
+"""Contents of a result folder: all of it is looked at before any of it is used.
 
 Files may be damaged, of another version or made by somebody else.  Nothing in them is
 executed: JSON holds plain data, and arrays are read as numbers of a size that the file
@@ -14,19 +14,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.linkage.surface import bin_centres
-from presswear.record.soundness import Finding
 from presswear.results.provenance import Provenance
-from presswear.results.stage import SIDES, WearStep
+from presswear.results.stage import SIDES, StageResult
 from presswear.tools.documents import typed
 from presswear.tools.errors import InputError
 
 Array = NDArray[np.float64]
 
 LARGEST_ENTRY = 1e100
-"""Of an array: a state that runs away is ended at 1e30."""
+"""Bound of the values in an array: a state that runs away is ended at 1e30."""
 
 Number = int | float | None
 """A number of a document; None where it was not finite."""
+
+
+class StoredEstimate(TypedDict):
+    """A mean over cycles; see ``sampling.Estimate``."""
+
+    mean: Number
+    half_width: Number
+    cycles: int
 
 
 class StoredStatistics(TypedDict):
@@ -37,22 +44,6 @@ class StoredStatistics(TypedDict):
     joints: NotRequired[dict[str, dict[str, Any]]]
     energy_residual_J: Number
     energy_exchanged_J: Number
-
-
-@dataclass(frozen=True)
-class StoredStage:
-    """A stage in ``result.json``; see ``StageResult``."""
-
-    index: int
-    status: Literal["completed", "enough", "failed"]
-    message: str
-    finding: Finding | None
-    amplification: float
-    wear_steps: tuple[WearStep, ...]
-    simulated_s: float
-    wall_s: float
-    diagnostics: dict[str, str | Number]
-    statistics: StoredStatistics
 
 
 @dataclass(frozen=True)
@@ -70,6 +61,8 @@ class StoredResult:
 
     Attributes
     ----------
+    stages : tuple of StageResult
+        Without their arrays.
     files : dict
         Digests by the names of files.
     """
@@ -81,7 +74,7 @@ class StoredResult:
     status: Literal["running", "interrupted", "completed", "failed"]
     message: str
     wall_s: float
-    stages: tuple[StoredStage, ...]
+    stages: tuple[StageResult, ...]
     files: dict[str, str]
     checkpoint: StoredCheckpoint | None
 
@@ -109,7 +102,7 @@ def stored_result(document: Any, file: Path) -> StoredResult:
         if stage.index != place:
             raise InputError(f"{where}.index is {stage.index}; {place} is expected")
         files |= {*files_of(place)}
-        own = stage.statistics
+        own = typed(stage.statistics, StoredStatistics, f"{where}.statistics")
         for owner, numbers in {"slider": own.get("slider", {}), **own.get("joints", {})}.items():
             for name, value in numbers.items():
                 typed(value, kind_of(name), f"{where}.statistics, {owner}, {name}")
@@ -122,7 +115,7 @@ def stored_result(document: Any, file: Path) -> StoredResult:
 def kind_of(name: str) -> Any:
     """The kind of a number of the slider or a joint, which its name tells."""
     if "_per_cycle" in name:
-        return dict[str, Number]
+        return StoredEstimate
     return tuple[float, float] | None if "_interval" in name else Number
 
 
@@ -162,7 +155,6 @@ def check_joints(stored: StoredResult, joints: tuple[str, ...], wears: int, file
 SHAPES = {
     "time": "rows",
     "slider": "rows 3",
-    "angle": "bins",
     "wear_batch_cycles": "batches",
     "cycles": "cycles numbers",
     "cycle_start": "cycles",
@@ -184,7 +176,7 @@ JOINT_SHAPES = {
 }
 """Arrays of each joint."""
 DEPTHS = ("depth_bearing", "depth_pin", "wear_bearing", "wear_pin")
-"""Arrays of a joint of which no value is below zero."""
+"""Endings of the arrays of which no value is below zero."""
 
 
 def check_arrays(
@@ -204,25 +196,25 @@ def check_arrays(
             raise InputError(
                 f"{file}: {name} holds a value that is not finite, or beyond {LARGEST_ENTRY:g}"
             )
-    shapes = {name: shape for name, shape in SHAPES.items() if joints or name != "angle"}
+    shapes = dict(SHAPES)
     if "drive_torque" in arrays:
         shapes["drive_torque"] = "rows drives"
+    if joints:
+        shapes["angle"] = "bins"
     for joint in joints:
         shapes |= {f"{joint}_{name}": shape for name, shape in JOINT_SHAPES.items()}
         shapes[f"{joint}_contacts"] = f"contacts_{joint} 6"
     lengths: dict[str, int] = {}
     for name, shape in shapes.items():
         _check_shape(arrays, name, shape.split(), lengths, file)
-    time = arrays["time"]
-    if time.size and (time[0] < 0.0 or np.any(np.diff(time) < 0.0)):
-        raise InputError(f"{file}: time goes backwards")
-    bins = lengths.get("bins", 1)
-    if joints and not (
-        bins in (1, angles) and np.allclose(arrays["angle"], bin_centres(bins), 0.0, 1e-9)
-    ):
-        raise InputError(f"{file}: angle does not hold the middles of {angles} bins of a turn")
-    for name in (f"{joint}_{name}" for joint in joints for name in DEPTHS):
-        if np.any(arrays[name] < 0.0):
+        values = arrays[name]
+        if name == "time" and values.size and (values[0] < 0.0 or np.any(np.diff(values) < 0.0)):
+            raise InputError(f"{file}: time goes backwards")
+        if name == "angle" and not (
+            values.size in (1, angles) and np.allclose(values, bin_centres(values.size), 0.0, 1e-9)
+        ):
+            raise InputError(f"{file}: angle does not hold the middles of {angles} bins of a turn")
+        if name.endswith(DEPTHS) and np.any(values < 0.0):
             raise InputError(f"{file}: {name} holds a depth below zero")
 
 

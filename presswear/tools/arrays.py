@@ -32,7 +32,7 @@ def named(prefix: str, state: State) -> dict[str, NDArray[Any]]:
 
 
 def part(state: State, prefix: str) -> dict[str, NDArray[Any]]:
-    """What ``named`` put into a larger state; empty where it is not there."""
+    """The part of a larger state that ``named`` put there; empty where there is none."""
     start = f"{prefix}/"
     return {
         name.removeprefix(start): array for name, array in state.items() if name.startswith(start)

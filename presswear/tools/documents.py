@@ -20,7 +20,7 @@ LARGEST = 1e300
 
 
 def read_json(file: Path, missing: str) -> Any:
-    """What a JSON file holds; InputError says that it is missing, in given words, or damaged.
+    """Read a JSON file; InputError says that it is missing, in given words, or damaged.
 
     Nothing is chosen between two values of one name, and every number can be computed with:
     files are written so.

@@ -3,11 +3,12 @@
 import errno
 import os
 from pathlib import Path
+from typing import BinaryIO
 
 import pytest
 
 from presswear.tools.errors import InputError
-from presswear.tools.files import digest, read_checked, write_bytes
+from presswear.tools.files import digest, read_checked, write_bytes, write_whole
 
 
 def test_a_full_disk_leaves_the_last_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -21,6 +22,20 @@ def test_a_full_disk_leaves_the_last_file(tmp_path: Path, monkeypatch: pytest.Mo
     with pytest.raises(OSError, match="No space left on device") as raised:
         write_bytes(target, b"new")
     assert raised.value.filename == str(target)
+    assert target.read_bytes() == b"old"
+    assert list(tmp_path.iterdir()) == [target]
+
+
+def test_a_file_appears_whole_or_not_at_all(tmp_path: Path) -> None:
+    target = tmp_path / "file"
+    target.write_bytes(b"old")
+
+    def broken(file: BinaryIO) -> None:
+        file.write(b"new")
+        raise OSError("no errno, no name")
+
+    with pytest.raises(OSError, match="no errno, no name"):
+        write_whole(target, broken)
     assert target.read_bytes() == b"old"
     assert list(tmp_path.iterdir()) == [target]
 

@@ -70,7 +70,7 @@ FOUND_DEPTH = 1e-12
 """Penetration up to which a place that round-off keeps from it is one, m."""
 
 
-class Motion(NamedTuple):
+class Integration(NamedTuple):
     """The state y, its trial successor, stage slopes and error scale."""
 
     y: Array
@@ -118,7 +118,7 @@ def locate(
     tableau: Tableau,
     book: Book,
     control: Records,
-    motion: Motion,
+    motion: Integration,
     t: float,
     k: int,
     h: float,
@@ -190,7 +190,7 @@ def note_torques(system: System, book: Book) -> None:
 
 @compiled
 def finish_step(
-    system: System, book: Book, control: Records, motion: Motion, t: float, h: float
+    system: System, book: Book, control: Records, motion: Integration, t: float, h: float
 ) -> None:
     """Account for an accepted state in ``motion.y``, whose slopes are in ``slopes[0]``."""
     n = system.inverse_mass.shape[0]
@@ -223,7 +223,7 @@ def march_controlled(
     tableau: Tableau,
     book: Book,
     control: Records,
-    motion: Motion,
+    motion: Integration,
     end: float,
     most: int,
 ) -> int:
@@ -297,7 +297,7 @@ def march_controlled(
 
 @compiled
 def march_fixed(
-    system: System, book: Book, control: Records, motion: Motion, end: float, most: int
+    system: System, book: Book, control: Records, motion: Integration, end: float, most: int
 ) -> int:
     """Integrate with equal steps of order 4; contact state changes between steps only."""
     n = system.inverse_mass.shape[0]

@@ -38,7 +38,7 @@ from presswear.engines.exudyn_tree.kernels import (
     stage_forces,
     tree_state,
 )
-from presswear.engines.exudyn_tree.model import Model, assemble
+from presswear.engines.exudyn_tree.model import TreeModel, assemble
 from presswear.engines.settings import ExudynTree
 from presswear.linkage.elements import Linkage
 from presswear.linkage.topology import cranks_of
@@ -139,7 +139,7 @@ def _settings(accuracy: ExudynTree, longest: float) -> Any:
     return settings
 
 
-def _accelerations_at_start(model: Model) -> Array:
+def _accelerations_at_start(model: TreeModel) -> Array:
     """Accelerations of the coordinates at t = 0, from one vanishing step of Exudyn's."""
     settings = settings_of(_INSTANT, _INSTANT)
     settings.timeIntegration.explicit.computeEndOfStepAccelerations = False
@@ -150,7 +150,7 @@ def _accelerations_at_start(model: Model) -> Array:
     return np.array(model.u_t)
 
 
-def _accept(model: Model, system: TreeSystem, book: Book, forces: _Forces) -> Accept:
+def _accept(model: TreeModel, system: TreeSystem, book: Book, forces: _Forces) -> Accept:
     """Account for accepted steps and choose the next."""
     x, u, u_t = model.x, model.u, model.u_t
     at_start = _accelerations_at_start(model)

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from functools import cache, partial
+from functools import cache
 from itertools import pairwise
 from typing import Any
 
@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.linkage.surface import bin_centres
-from presswear.record.film import Film
 from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
 from presswear.results.result import Result
 from presswear.results.stage import StageResult
@@ -112,8 +111,8 @@ def result(
             finding=None,
             amplification=1e5,
             wear_steps=(),
-            simulated=1.0,
-            wall=2.0,
+            simulated_s=1.0,
+            wall_s=2.0,
             diagnostics={"model": "made up"},
             statistics={
                 "cycles": len(arrays["cycles"]),
@@ -122,7 +121,6 @@ def result(
             },
             arrays=arrays,
             joint_names=scene.clearance_joints,
-            read_film=partial(Film.from_arrays, {}, 0, []),
         )
         for k, arrays in enumerate(stages)
     ]

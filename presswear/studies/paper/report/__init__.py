@@ -101,7 +101,7 @@ def _runs_table(study: Study, results: Mapping[str, Result]) -> Table:
                 ", ".join(whole(own.get("cycles", 0)) for own in told),
                 f"failed: {result.message}" if failed else result.status,
                 readable(max(residuals, default=None), 1),
-                readable(result.wall, 2),
+                readable(result.wall_s, 2),
             )
         )
     head = ("run", "cycles of each stage", "status", "energy residual", "wall time (s)")
