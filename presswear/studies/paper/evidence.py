@@ -119,8 +119,12 @@ def _samples(result: Result, place: Place, quantity: str) -> list[Array]:
 # directions in space; two where they are on the bodies.
 
 
-def _deepest(maps: Array) -> Array:
-    return np.asarray(maps.max(axis=-1).sum(axis=-1))
+_Functional = Callable[[Array], Array]
+
+
+def _summed(of_surface: Callable[..., Array]) -> _Functional:
+    """Add up what surfaces have over their angles."""
+    return lambda maps: np.asarray(of_surface(maps, axis=-1).sum(axis=-1))
 
 
 def _range(maps: Array) -> Array:
@@ -129,21 +133,13 @@ def _range(maps: Array) -> Array:
     return np.asarray(2.0 * math.pi * worn.mean(axis=(-2, -1)))
 
 
-def _unevenness(maps: Array) -> Array:
-    return np.asarray(maps.std(axis=-1).sum(axis=-1))
-
-
-def _mean_depth(maps: Array) -> Array:
-    return np.asarray(maps.mean(axis=-1).sum(axis=-1))
-
-
-_MAPS: Mapping[str, Callable[[Array], Array]] = {
-    "depth": _deepest,
+_MAPS: Mapping[str, _Functional] = {
+    "depth": _summed(np.max),
     "range": _range,
-    "unevenness": _unevenness,
-    "mean_depth": _mean_depth,
-    "added_depth": _deepest,
-    "added_mean": _mean_depth,
+    "unevenness": _summed(np.std),
+    "mean_depth": _summed(np.mean),
+    "added_depth": _summed(np.max),
+    "added_mean": _summed(np.mean),
     "contact_range": _range,
 }
 """Quantities of the wear map of both surfaces together, but the angle of its deepest place."""
@@ -230,9 +226,8 @@ def _of_maps(result: Result, place: Place, quantity: str) -> Measured | None:
     if result.scene.wears_in_steps and place.wears > result.scene.wears:
         return None
     last = place.wears - 1
-    mean, draws, count = _drawn(
-        result, place.joint, range(last if quantity in _LAST else 0, place.wears)
-    )
+    stages = range(last if quantity in _LAST else 0, place.wears)
+    mean, draws, count = _drawn(result, place.joint, stages)
     if quantity in _MAPS:
         functional = _MAPS[quantity]
         found = basic_interval(float(functional(mean)), functional(draws), count)

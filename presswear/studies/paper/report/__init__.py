@@ -19,7 +19,7 @@ from presswear.studies.paper.report.chosen import (
     stopped_table,
 )
 from presswear.studies.paper.report.numbers import numbers_table, ranges_table, ratios_table
-from presswear.studies.paper.report.summary import STYLES, counts_table, details, findings, headline
+from presswear.studies.paper.report.summary import STYLES, counts_table, detail, findings, headline
 from presswear.studies.paper.variants import BASE, JUDGED, SETTINGS, STARTS, variant_key
 from presswear.studies.paper.verdicts import judged
 from presswear.tools.files import write_bytes
@@ -60,7 +60,7 @@ def render(study: Study, evidence: Evidence, figures: Sequence[Illustration]) ->
         findings=findings(evidence, failures),
         counts=counts_table(claims),
         cases=JUDGED,
-        claims=[(claim, details(evidence, claim)) for claim in claims],
+        claims=[(own, [detail(evidence, part) for part in own.claim.parts]) for own in claims],
         styles=STYLES,
         numbers=numbers,
         remarks=remarks,

@@ -5,21 +5,17 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 
 from presswear.show.report.parts import Table
-from presswear.studies.paper.claims import Comparison
+from presswear.studies.paper.claims import Comparison, by_friction, by_speed, by_wear, c_and_a, more
 from presswear.studies.paper.evidence import Evidence
-from presswear.studies.paper.printed import DOUBTFUL, Place
+from presswear.studies.paper.printed import DOUBTFUL
 from presswear.studies.paper.report.chosen import factors_of, fit_of
 from presswear.studies.paper.report.numbers import standings
 from presswear.studies.paper.variants import (
     BASE,
     FAST,
-    FRICTION,
     GEOMETRIES,
-    HIGH_FRICTION,
     JUDGED,
     PAPER_STEP,
-    SLOW,
-    WEAR,
 )
 from presswear.studies.paper.verdicts import Judged, Standing, Verdict, compared, verdict
 from presswear.studies.paper.words import QUANTITIES, compared_text, ratio_text
@@ -35,12 +31,8 @@ STYLES = {
 """How a verdict is coloured."""
 
 
-def details(evidence: Evidence, claim: Judged) -> list[str]:
-    """Each comparison on the standard geometry: of what, ours, the printed one, the verdict."""
-    return [_detail(evidence, part) for part in claim.claim.parts]
-
-
-def _detail(evidence: Evidence, part: Comparison) -> str:
+def detail(evidence: Evidence, part: Comparison) -> str:
+    """Tell a comparison on the standard geometry: ours, what is printed, the verdict."""
     ours = compared(evidence, BASE, part)
     shown = QUANTITIES[part.quantity]
     factor, sign, unit = 1.0, "×", ""
@@ -81,25 +73,21 @@ def headline(evidence: Evidence, claims: Sequence[Judged]) -> str:
 
 def findings(evidence: Evidence, failures: Mapping[str, str]) -> list[str]:
     """Tell what matters most, each with its figures."""
-    return [
-        *_trends(evidence),
-        *_peaks(evidence),
-        *_scale(evidence),
-        *(
-            f"The paper's own step, 1e-4 s, is as long as a contact: the same equations stepped "
-            f"so end early ({failures[case]})."
-            for case in (PAPER_STEP,)
-            if case in failures
-        ),
-    ]
+    found = [*_trends(evidence), *_peaks(evidence), *_scale(evidence)]
+    if PAPER_STEP in failures:
+        found.append(
+            "The paper's own step, 1e-4 s, is as long as a contact: the same equations stepped "
+            f"so end early ({failures[PAPER_STEP]})."
+        )
+    return found
 
 
 _RATIOS = {
-    "second": Comparison("depth", (Place(WEAR, 2, "A"),), (Place(WEAR, 1, "A"),)),
-    "wear": Comparison("depth", (Place(HIGH_FRICTION, 1, "A"),), (Place(FRICTION, 1, "A"),)),
-    "force": Comparison("force", (Place(HIGH_FRICTION, 0, "A"),), (Place(FRICTION, 0, "A"),)),
-    "fast": Comparison("depth", (Place(FAST, 1, "A"),), (Place(SLOW, 1, "A"),)),
-    "joints": Comparison("depth", (Place(FAST, 1, "A"),), (Place(FAST, 1, "C"),)),
+    "second": more("depth", by_wear(("A",), 1, 2)),
+    "wear": more("depth", by_friction(("A",), 1)),
+    "force": more("force", by_friction(("A",), 0)),
+    "fast": more("depth", by_speed(("A",), 1)),
+    "joints": more("depth", c_and_a((FAST, 1))),
 }
 _TRENDS = (
     (
@@ -125,7 +113,7 @@ _TRENDS = (
 def _trends(evidence: Evidence) -> list[str]:
     """Sentences whose ratios are all known."""
     texts: dict[str, str] = {}
-    for name, part in _RATIOS.items():
+    for name, (part,) in _RATIOS.items():
         ours = compared(evidence, BASE, part)
         if ours is not None:
             texts |= {name: ratio_text(ours), f"{name}_printed": readable(part.printed)}
