@@ -28,8 +28,8 @@ from presswear.results.result import load
 from presswear.scene.catalog import wear_times
 from presswear.scene.settings import changed
 from presswear.studies import STUDIES
-from presswear.studies.runaway.figure import two_wears
-from presswear.studies.runaway.variants import Outcome, answer, make, outcome_of
+from presswear.studies.runaway.report import Outcome, answer, outcome_of, two_wears
+from presswear.studies.runaway.variants import make
 from presswear.tools.errors import InputError
 
 

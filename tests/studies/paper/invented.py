@@ -154,7 +154,7 @@ def every_result() -> dict[str, Result]:
 @cache
 def every_evidence() -> Evidence:
     """Evidence of all runs."""
-    return Evidence.of(every_result())
+    return Evidence(every_result())
 
 
 def cut(whole: Result, stages: int | None = None, **changes: Any) -> Result:
@@ -164,4 +164,4 @@ def cut(whole: Result, stages: int | None = None, **changes: Any) -> Result:
 
 def evidence_of(setting: str, *stages: dict[str, Array], **changes: Any) -> Evidence:
     """Evidence of the standard case of one setting alone, from its stages."""
-    return Evidence({(BASE, setting): result(setting, stages, **changes)})
+    return Evidence({variant_key(BASE, setting): result(setting, stages, **changes)})

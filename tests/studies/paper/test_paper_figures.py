@@ -30,7 +30,7 @@ def study(stages: dict[str, int], **changes: Any) -> Evidence:
     whole = every_result()
     return Evidence(
         {
-            (BASE, setting): cut(whole[variant_key(BASE, setting)], count, **changes)
+            variant_key(BASE, setting): cut(whole[variant_key(BASE, setting)], count, **changes)
             for setting, count in stages.items()
         }
     )
@@ -104,7 +104,7 @@ def test_peaks_are_those_of_the_evidence(drawn: dict[int, Drawing]) -> None:
 def test_peaks_of_the_shown_cycle_are_marked(drawn: dict[int, Drawing]) -> None:
     """Figure 17: of every step of the first cycle."""
     marked = [float(np.ravel(line.get_xdata())[0]) for line in lines_of(drawn[17].sheet, "shown")]
-    stages = every_evidence().runs[BASE, "wear-times"].stages
+    stages = every_evidence().results[variant_key(BASE, "wear-times")].stages
     names = ("displacement_max", "velocity_max", "acceleration_max")
     expected = [own.arrays["cycles"][0, CYCLE_FIXED.index(n)] for n in names for own in stages]
     np.testing.assert_allclose(marked, expected)
@@ -162,7 +162,7 @@ def test_missing_runs_leave_the_rest(stages: dict[str, int], missing: set[int]) 
 
 
 def test_failed_stage_is_not_shown(drawn: dict[int, Drawing]) -> None:
-    ((key, run),) = study({"wear-times": 3}).runs.items()
+    ((key, run),) = study({"wear-times": 3}).results.items()
     stages = (*run.stages[:2], replace(run.stages[2], status="failed"))
     found = by_number(Evidence({key: replace(run, stages=stages)}))
     assert len(found[19].sheet.axes) == 4

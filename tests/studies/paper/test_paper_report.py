@@ -44,7 +44,7 @@ class Words(HTMLParser):
 
 @pytest.fixture(scope="module")
 def page() -> Words:
-    return Words(render(make(), every_result(), every_evidence(), []))
+    return Words(render(make(), every_evidence(), []))
 
 
 def test_every_printed_number_and_claim_is_on_the_page(page: Words) -> None:
@@ -102,18 +102,18 @@ def test_the_tables_show_ours_beside_the_paper() -> None:
 
 def test_a_study_that_was_interrupted_says_what_is_missing() -> None:
     some = {key: cut(found, 1) for key, found in list(every_result().items())[:2]}
-    text = Words(render(make(), some, Evidence.of(some), [])).text
+    text = Words(render(make(), Evidence(some), [])).text
     assert f"{len(make().variants) - 2} of {len(make().variants)} runs are missing" in text
     assert "not computed" in text
-    empty = Words(render(make(), {}, Evidence.of({}), [])).text
+    empty = Words(render(make(), Evidence({}), [])).text
     assert "Nothing ran far enough to be drawn" in empty
 
 
 def test_a_joint_without_clearance_is_left_out() -> None:
     """A person may have closed joint C in all runs: its rows stay, empty."""
     results = {key: cut(found, joints="A") for key, found in every_result().items()}
-    evidence = Evidence.of(results)
-    text = Words(render(make(), results, evidence, list(map(drawn, paper_drawings(evidence))))).text
+    evidence = Evidence(results)
+    text = Words(render(make(), evidence, list(map(drawn, paper_drawings(evidence))))).text
     assert "not computed" in text
     rows = [row for _, group in numbers_table(evidence)[0].groups for row in group]
     assert all((row[3] == "–") == ("joint C" in row[0]) for row in rows)

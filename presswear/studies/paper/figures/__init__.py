@@ -7,12 +7,9 @@ import matplotlib
 
 from presswear.show.figures.style import SETTINGS, Drawing, Sheet
 from presswear.studies.paper.evidence import Evidence
-from presswear.studies.paper.figures.forces import contact_forces
 from presswear.studies.paper.figures.lines import FRICTIONS, SPEEDS, WEARS, Line
-from presswear.studies.paper.figures.motion import responses
-from presswear.studies.paper.figures.paths import centre_paths
-from presswear.studies.paper.figures.surfaces import surfaces
-from presswear.studies.paper.figures.wear import depths
+from presswear.studies.paper.figures.response import centre_paths, contact_forces, responses
+from presswear.studies.paper.figures.wear import depths, surfaces
 
 _Drawer = Callable[[Evidence, int, tuple[Line, ...]], tuple[str, Sheet] | None]
 """Draws a figure of the paper from its lines: caption and sheet; None where nothing ran."""

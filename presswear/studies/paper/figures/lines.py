@@ -9,7 +9,7 @@ from matplotlib.lines import Line2D
 from presswear.results.result import Result
 from presswear.scene.scene import stage_name
 from presswear.show.figures.style import LINES, LineStyle, ShownStage
-from presswear.studies.paper.evidence import Evidence, Measured, cycle_column
+from presswear.studies.paper.evidence import Evidence, Measured, each_cycle
 from presswear.studies.paper.printed import JOINTS, Place
 from presswear.studies.paper.variants import BASE, FAST, FRICTION, HIGH_FRICTION, SLOW, WEAR
 
@@ -96,7 +96,7 @@ class Shown:
 
     def peak(self, quantity: str, joint: str = "") -> float:
         """Largest of the cycle, SI units: of every step, while the series leaves steps out."""
-        rows = cycle_column(self.result, self.line.wears, joint, f"{quantity}_max")
+        rows = each_cycle(self.result.stages[self.line.wears], joint, f"{quantity}_max")
         return float(rows[0]) if rows.size else math.nan
 
 

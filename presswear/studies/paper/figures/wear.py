@@ -1,4 +1,4 @@
-"""Figures 8, 11 and 14: wear depth over angle."""
+"""Figures 8 to 16: wear depth over angle, worn surfaces of pin and bearing."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,7 +9,18 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MultipleLocator
 
-from presswear.show.figures.style import MICRONS, REFERENCE, WIDTH, Axes, Sheet, maps_turn
+from presswear.results.result import Result
+from presswear.show.figures.style import (
+    MICRONS,
+    REFERENCE,
+    SIDES,
+    WIDTH,
+    Axes,
+    Sheet,
+    ShownStage,
+    maps_turn,
+)
+from presswear.show.figures.surfaces import worn_surface
 from presswear.studies.paper.evidence import Evidence, Measured, WearMap
 from presswear.studies.paper.figures.lines import Line, counted, joint_title
 from presswear.studies.paper.printed import (
@@ -169,3 +180,39 @@ def _draw_range(axes: Axes, printed: PrintedRange) -> None:
             linewidth=4.0,
             solid_capstyle="butt",
         )
+
+
+def surfaces(
+    joint: str, evidence: Evidence, number: int, lines: tuple[Line, ...]
+) -> tuple[str, Sheet] | None:
+    """Surfaces of a joint, outlines and an enlarged part."""
+    shown = [found for line in lines if (found := _worn(evidence, line, joint)) is not None]
+    if not shown:
+        return None
+    drawing = worn_surface(shown[0][0], joint, [stage for _, stage in shown])
+    caption = (
+        f"{drawing.caption} The surfaces are those that the stage before left on average "
+        "over the cycles of all its starts: how uneven they are is partly chance, and the "
+        f"depths with their intervals are in Fig. {number - (1 if joint == 'A' else 2)}. The "
+        f"enlarged part is around the deepest wear of “{shown[-1][1].label}”."
+    )
+    return caption, drawing.sheet
+
+
+def _worn(evidence: Evidence, line: Line, joint: str) -> tuple[Result, ShownStage] | None:
+    """The run of a line, with its surfaces; None where nothing is worn."""
+    result = evidence.worn_at(BASE, line.at(joint))
+    if result is None:
+        return None
+    before = result.stages[line.wears - 1].arrays
+    arrays = {"angle": before["angle"]}
+    for side in SIDES:
+        name = f"{joint}_depth_{side}"
+        # What a stage ran on is what is known best: a wear may have gone in steps.
+        if line.wears < len(result.stages):
+            arrays[name] = result.stages[line.wears].arrays[name]
+        else:
+            arrays[name] = before[name] + before[f"{joint}_wear_{side}"]
+    if not any(np.any(arrays[f"{joint}_depth_{side}"] > 0.0) for side in SIDES):
+        return None
+    return result, ShownStage(line.wears, line.wear_name, line.colour, line.dashes, arrays)

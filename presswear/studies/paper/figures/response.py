@@ -1,4 +1,4 @@
-"""Figures 17, 20 and 23: displacement, velocity and acceleration of the slider."""
+"""Figures 17 to 25: motion of the slider, contact forces and paths of the pin centres."""
 
 from collections.abc import Sequence
 from functools import partial
@@ -9,15 +9,26 @@ from matplotlib.lines import Line2D
 
 from presswear.scene.ideal import ideal_slider
 from presswear.scene.scene import stage_name
-from presswear.show.figures.motion import IDEAL_DASHES, draw_ideal, draw_stage
-from presswear.show.figures.style import REFERENCE, Array, Axes, Sheet, note
+from presswear.show.figures.motion import (
+    IDEAL_DASHES,
+    circle_line,
+    draw_ideal,
+    draw_path,
+    draw_stage,
+    gap_limit,
+    limit_line,
+    set_path_limits,
+)
+from presswear.show.figures.style import REFERENCE, WIDTH, Array, Axes, Sheet, note
 from presswear.studies.paper.evidence import Evidence
 from presswear.studies.paper.figures.lines import (
     MILLIMETRES,
     ONE_CYCLE,
     Line,
     Shown,
+    joint_title,
     shown_cycles,
+    shown_joints,
 )
 from presswear.studies.paper.figures.peaks import ROW, Peak, draw_peaks, sheet_over_peaks
 from presswear.tools.numbers import readable
@@ -39,7 +50,7 @@ def responses(evidence: Evidence, number: int, lines: tuple[Line, ...]) -> tuple
     rows = max(len(column) for column in columns.values())
     upper = sum(_HEIGHTS) + _ACCELERATION_HEIGHT * rows + 0.75
     sheet, top, bottom = sheet_over_peaks(upper, 0.95 + ROW * len(shown))
-    _draw_cycles(top, columns, rows)
+    _draw_motion(top, columns, rows)
     handles = [Line2D([], [], color=REFERENCE, linestyle=IDEAL_DASHES, label="ideal")]
     if len(shown) > _BESIDE:
         # Legends fill their columns downwards: the lines of a setting one below the other.
@@ -69,7 +80,7 @@ def _columns(number: int, shown: Sequence[Shown]) -> dict[str, list[Shown]]:
     return columns
 
 
-def _draw_cycles(sheet: SubFigure, columns: dict[str, list[Shown]], rows: int) -> None:
+def _draw_motion(sheet: SubFigure, columns: dict[str, list[Shown]], rows: int) -> None:
     """Time histories: three rows for all lines of a column, and one for each acceleration."""
     grid = sheet.subplots(
         3 + rows,
@@ -150,3 +161,84 @@ def _ideal_peak(column: int, one: Shown) -> float:
     """Largest value of the ideal motion in a cycle; the acceleration's has either sign."""
     values = ideal_slider(one.result.scene, np.linspace(0.0, one.period, 2001))[:, column]
     return float(np.abs(values).max() if column == 2 else values.max())
+
+
+def contact_forces(
+    evidence: Evidence, number: int, lines: tuple[Line, ...]
+) -> tuple[str, Sheet] | None:
+    """Normal force over one cycle, and its peaks over all cycles."""
+    shown = shown_cycles(evidence, lines)
+    joints = shown_joints(shown)
+    if not shown or not joints:
+        return None
+    sheet, top, bottom = sheet_over_peaks(0.5 + 1.2 * len(shown), 0.85 + ROW * len(shown))
+    _draw_forces(top, shown, joints)
+    panels = [Peak("force", f"largest force at {joint} in a cycle (N)", joint) for joint in joints]
+    caption = (
+        f"Normal contact force over time: {ONE_CYCLE}. Each panel has its own scale and names its "
+        f"largest force. {draw_peaks(bottom, evidence, number, shown, panels)}"
+    )
+    return caption, sheet
+
+
+def _draw_forces(sheet: SubFigure, shown: Sequence[Shown], joints: Sequence[str]) -> None:
+    grid = sheet.subplots(len(shown), len(joints), squeeze=False)
+    for row, one in zip(grid, shown, strict=True):
+        for axes, joint in zip(row, joints, strict=True):
+            _draw_force(axes, one, joint)
+        row[0].set_ylabel("normal force (N)")
+    for column, joint in zip(grid.T, joints, strict=True):
+        column[0].set_title(joint_title(joint), loc="left", fontweight="bold")
+        for k, axes in enumerate(column):
+            # Times are named again where the period changes.
+            last = k == len(shown) - 1 or shown[k + 1].period != shown[k].period
+            axes.tick_params(labelbottom=last)
+            if last:
+                axes.set_xlabel("time (s)")
+    sheet.align_ylabels(list(grid[:, 0]))
+
+
+def _draw_force(axes: Axes, one: Shown, joint: str) -> None:
+    force = one.stage.arrays[f"{joint}_force"][:, 0]
+    axes.plot(one.stage.arrays["time"], force, color=one.line.colour, linewidth=0.7)
+    largest = float(force.max())
+    axes.set_xlim(0.0, one.period)
+    axes.set_ylim(0.0, 1.35 * largest if largest > 0.0 else 1.0)
+    note(axes, f"{one.line.name}, largest {readable(one.peak('force', joint))} N")
+
+
+def centre_paths(
+    evidence: Evidence, number: int, lines: tuple[Line, ...]
+) -> tuple[str, Sheet] | None:
+    """Path of each pin's centre over one cycle, a panel for each line and joint."""
+    shown = shown_cycles(evidence, lines)
+    joints = shown_joints(shown)
+    if not shown or not joints:
+        return None
+    side = (WIDTH - 0.9) / max(len(shown), 2) - 0.1
+    sheet = Sheet(figsize=(WIDTH, 1.1 + (side + 0.1) * len(joints)), layout="constrained")
+    grid = sheet.subplots(len(joints), len(shown), squeeze=False, sharex=True, sharey=True)
+    clearance = shown[0].result.scene.bearings.clearance
+    widest, bounded = clearance, False
+    for row, joint in zip(grid, joints, strict=True):
+        for axes, one in zip(row, shown, strict=True):
+            path = one.stage.arrays[f"{joint}_eccentricity"]
+            limit = gap_limit(one.result, joint, one.stage)
+            reach = draw_path(axes, path, limit, clearance, MILLIMETRES, one.line.colour)
+            widest, bounded = max(widest, reach), bounded or limit.size > 0
+        row[0].set_ylabel(f"{joint_title(joint)}\n$e_y$ (mm)")
+    for axes, one in zip(grid[0], shown, strict=True):
+        axes.set_title(one.line.name.replace(", ", "\n"))
+    for axes in grid[-1]:
+        axes.set_xlabel("$e_x$ (mm)")
+    set_path_limits(grid.flat, 1.06 * MILLIMETRES * widest)
+    handles = [circle_line(f"clearance circle, c = {readable(MILLIMETRES * clearance, 2)} mm")]
+    if bounded:
+        handles.append(limit_line())
+    sheet.legend(handles=handles, loc="outside upper center", ncols=len(handles))
+    caption = (
+        "Centre of the pin from the centre of its bearing, in fixed directions, over "
+        f"{ONE_CYCLE}. It starts in the middle. Dashed: how far the pin of a new joint can go; "
+        "where it leaves the circle, it presses into the bearing or the bearing is worn."
+    )
+    return caption, sheet
