@@ -2,7 +2,6 @@
 
 import json
 import random
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -12,20 +11,9 @@ from made_up_precision import precision
 
 from presswear.__main__ import main
 from presswear.tools.errors import InputError
+from presswear.trials.precision.diagram import Diagram
 from presswear.trials.precision.store import FILE, load, store
-
-NO_LEAVES: tuple[Any, ...] = (True, False, [], {}, 10**400, -(10**400), float("nan"), float("inf"))
-"""What can stand nowhere in the place of a number or a text."""
-
-
-def leaves(owner: Any) -> Iterator[tuple[Any, Any]]:
-    """Every place of a number, text or null: what holds it, and its key there."""
-    items = owner.items() if isinstance(owner, dict) else enumerate(owner)
-    for key, value in items:
-        if isinstance(value, dict | list):
-            yield from leaves(value)
-        else:
-            yield owner, key
+from presswear.trials.timing import Timing
 
 
 @pytest.fixture(scope="module")
@@ -37,14 +25,11 @@ def document(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     return found
 
 
-DERIVED = ("orders", "family", "wall_median_s", "wall_per_step_s")
-"""Written for other programs; not read back."""
-
-
 def _read(owner: Any) -> Any:
-    """The document without what is not read back."""
+    """The document without what is written for other programs and not read back."""
     if isinstance(owner, dict):
-        return {key: _read(value) for key, value in owner.items() if key not in DERIVED}
+        derived = (*Diagram.DERIVED, *(Timing.DERIVED if "walls" in owner else ()))
+        return {key: _read(value) for key, value in owner.items() if key not in derived}
     return [_read(value) for value in owner] if isinstance(owner, list) else owner
 
 
@@ -68,7 +53,7 @@ def test_no_leaf_of_another_kind_is_read(
 
 
 def test_parts_that_are_missing_are_refused(tmp_path: Path, document: dict[str, Any]) -> None:
-    assert load(_written(tmp_path, _read(document))).scene == precision().scene
+    assert load(_written(tmp_path, _read(document))) == precision()
     for key in document:
         altered = {name: value for name, value in document.items() if name != key}
         with pytest.raises(InputError, match=FILE):
