@@ -11,7 +11,7 @@ from rich.console import Console
 
 from presswear.commands.terminal import folder_given, free_folder, repeats_given, scene_given
 from presswear.commands.trials import print_text_table, telling
-from presswear.tools.lock import only_writer
+from presswear.tools.folders import only_writer
 
 SCENE = "wear-times"
 

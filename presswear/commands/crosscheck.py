@@ -20,7 +20,7 @@ from presswear.commands.terminal import (
 from presswear.commands.trials import telling
 from presswear.scene.settings import changed
 from presswear.tools.errors import InputError
-from presswear.tools.lock import only_writer
+from presswear.tools.folders import only_writer
 
 _CYCLES = (1e-3, 100.0)
 """Shortest and longest time over which trajectories are compared, cycles."""

@@ -19,7 +19,7 @@ from presswear.commands.terminal import (
 )
 from presswear.commands.trials import print_text_table, telling
 from presswear.scene.settings import changed
-from presswear.tools.lock import only_writer
+from presswear.tools.folders import only_writer
 
 SCENE = "wear-times"
 FILE = "precision.json"

@@ -79,10 +79,6 @@ class Drive:
     angle: float
     speed: float
 
-    def angle_at(self, time: float) -> float:
-        """Prescribed angle, rad, at a time, s."""
-        return self.angle + self.speed * time
-
 
 @dataclass(frozen=True)
 class Spring:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.linkage.elements import GROUND, Attachment, Linkage
+from presswear.physics.motion import MOTION, drive_motion, pack_motion
 from presswear.tools.compiled import Records, compiled
 
 Array = NDArray[np.float64]
@@ -29,8 +30,8 @@ CONSTRAINT = np.dtype(
         ("y1", np.float64),
         ("x2", np.float64),
         ("y2", np.float64),
-        ("angle", np.float64),  # of the body on a guide, of a drive at t = 0, rad
-        ("speed", np.float64),  # of a drive, rad/s
+        ("angle", np.float64),  # of the body on a guide, rad
+        ("drive", MOTION),
         ("normal_x", np.float64),  # of a guide
         ("normal_y", np.float64),
     ]
@@ -110,9 +111,10 @@ def constraint_rows(
             phi_t[row + 1] = v[c.first + 2]
             gamma[row] = gamma[row + 1] = 0.0
         else:
-            phi[row] = q[c.first + 2] - c.angle - c.speed * t
-            phi_t[row] = v[c.first + 2] - c.speed
-            gamma[row] = 0.0
+            turned, speed, faster = drive_motion(c.drive, t)
+            phi[row] = q[c.first + 2] - c.drive.angle - turned
+            phi_t[row] = v[c.first + 2] - speed
+            gamma[row] = faster
 
 
 @dataclass(frozen=True)
@@ -203,7 +205,7 @@ def constraints_of(linkage: Linkage) -> Constraints:
         record = next(place)
         record["kind"], record["row"] = DRIVE, len(rows)
         record["first"] = body = 3 * linkage.index(drive.body)
-        record["angle"], record["speed"] = drive.angle, drive.speed
+        pack_motion(drive, record["drive"])
         rows.append([(body + 2, 1.0)])
         names.append(drive.name)
     sizes = [len(entries) for entries in rows]

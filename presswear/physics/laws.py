@@ -1,14 +1,21 @@
 """Contact forces of a pin on its bearing, compiled; see ``presswear.linkage.laws``."""
 
 import math
+from dataclasses import fields
 
-from presswear.tools.compiled import compiled
+import numpy as np
+
+from presswear.linkage.laws import FrictionLaw
+from presswear.tools.compiled import Records, compiled
+
+FRICTION = np.dtype([(item.name, np.float64) for item in fields(FrictionLaw)])
+"""A law of friction as the kernels see it, by the names of its fields."""
 
 ONSET_SPEED_FLOOR = 1e-6
 """Smallest closing speed used in the damping term, m/s.
 
-The damping term divides by the closing speed at first touch, which goes to zero
-for a grazing touch; below this speed the impact energy of a gram is 5e-16 J.
+The damping term divides by the closing speed at touchdown, which goes to zero
+where a pin grazes; below this speed the kinetic energy of a gram is 5e-16 J.
 """
 
 
@@ -46,7 +53,7 @@ def normal_force(
     penetration, rate : float
         delta, m, and its time derivative, m/s.
     onset_speed : float
-        Closing speed at first touch delta_dot_0, m/s, above zero.
+        Closing speed at touchdown delta_dot_0, m/s, above zero.
     stiffness, exponent, damping : float
         K, N/m^n; n; chi.
     """
@@ -66,8 +73,16 @@ def friction_ramp(speed: float, lower: float, upper: float) -> float:
 
 
 @compiled
-def friction_force(
-    sliding: float, normal: float, coefficient: float, lower: float, upper: float
-) -> float:
-    """Friction force along t, N: -c_f c_d F_n sign(v_t) (equation 9)."""
-    return -math.copysign(coefficient * friction_ramp(sliding, lower, upper) * normal, sliding)
+def friction_force(sliding: float, normal: float, law: Records) -> float:
+    """Friction force along t, N: -c_f c_d F_n sign(v_t) (equation 9).
+
+    Parameters
+    ----------
+    sliding : float
+        v_t, m/s.
+    normal : float
+        F_n, N.
+    law : record of FRICTION
+    """
+    ramp = friction_ramp(sliding, law.lower, law.upper)
+    return -math.copysign(law.coefficient * ramp * normal, sliding)

@@ -1,6 +1,7 @@
 """A linkage as the kernels see it: arrays and records instead of objects."""
 
 import math
+from dataclasses import astuple
 from typing import NamedTuple
 
 import numpy as np
@@ -9,6 +10,7 @@ from numpy.typing import NDArray
 from presswear.linkage.elements import GROUND, ClearanceJoint, Linkage
 from presswear.linkage.surface import Surface
 from presswear.physics.foundation import foundation_stiffness
+from presswear.physics.laws import FRICTION
 from presswear.physics.springs import pack_springs
 from presswear.physics.surface import BEARING, PIN, ROWS, packed_rows
 from presswear.tools.compiled import Records
@@ -31,9 +33,7 @@ JOINT = np.dtype(
         ("stiffness", np.float64),
         ("exponent", np.float64),
         ("damping", np.float64),
-        ("friction", np.float64),
-        ("lower_speed", np.float64),
-        ("upper_speed", np.float64),
+        ("friction", FRICTION),
         ("map_turns", np.float64),  # 1 where the wear maps turn with their bodies
         ("foundation", np.float64),  # its stiffness k_w b R, N/m^2 per rad; 0 for radial contact
         ("least_depth", np.float64),  # sum of the least depths of both surfaces, m
@@ -111,8 +111,7 @@ def pack_joints(linkage: Linkage) -> Records:
         record["stiffness"] = joint.normal.stiffness
         record["exponent"] = joint.normal.exponent
         record["damping"] = joint.normal.damping
-        record["friction"] = joint.friction.coefficient
-        record["lower_speed"], record["upper_speed"] = joint.friction.lower, joint.friction.upper
+        record["friction"] = astuple(joint.friction)
         record["map_turns"] = float(joint.map_frame == "body")
         if joint.contact == "foundation":
             record["foundation"] = foundation_stiffness(joint.normal.stiffness, joint.clearance)
@@ -143,7 +142,7 @@ def effective_mass(linkage: Linkage, joint: ClearanceJoint) -> float:
 
 
 def worn_surfaces(joint: ClearanceJoint) -> list[Surface]:
-    """Those of a joint's two surfaces that have lost material."""
+    """Select the surfaces of a joint that have lost material."""
     return [s for s in (joint.bearing_surface, joint.pin_surface) if s.is_worn]
 
 

@@ -1,6 +1,6 @@
 """Bodies whose motion is known beforehand: driven cranks hinged to the frame.
 
-They turn at constant speed about a fixed point, so that no equation has to be
+They turn about a fixed point as their drives say, so that no equation has to be
 solved for them; what their drives have to do follows from the forces on them.
 """
 
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from presswear.linkage.elements import GROUND, Linkage
 from presswear.linkage.topology import hinge_of
+from presswear.physics.motion import MOTION, drive_motion, pack_motion
 from presswear.tools.compiled import Records, compiled
 
 Array = NDArray[np.float64]
@@ -22,8 +23,8 @@ CRANK = np.dtype(
         ("hinge_y", np.float64),
         ("local_x", np.float64),  # the same point in the body's frame, m
         ("local_y", np.float64),
-        ("angle", np.float64),  # at t = 0, rad
-        ("speed", np.float64),  # rad/s
+        ("inertia", np.float64),  # about the hinge, kg m^2
+        ("drive", MOTION),
     ]
 )
 """A prescribed body as the kernels see it, in the order of ``Linkage.drives``."""
@@ -41,8 +42,8 @@ def place_cranks(cranks: Records, t: float, q: Array, v: Array, a: Array, axes: 
     for i in range(cranks.shape[0]):
         crank = cranks[i]
         b = crank.body
-        speed = crank.speed
-        theta = crank.angle + speed * t
+        turned, speed, faster = drive_motion(crank.drive, t)
+        theta = crank.drive.angle + turned
         cosine = math.cos(theta)
         sine = math.sin(theta)
         axes[b] = cosine
@@ -55,14 +56,17 @@ def place_cranks(cranks: Records, t: float, q: Array, v: Array, a: Array, axes: 
         v[b] = -speed * ry
         v[b + 1] = speed * rx
         v[b + 2] = speed
-        a[b] = -speed * speed * rx
-        a[b + 1] = -speed * speed * ry
-        a[b + 2] = 0.0
+        a[b] = -speed * speed * rx - faster * ry
+        a[b + 1] = -speed * speed * ry + faster * rx
+        a[b + 2] = faster
 
 
 @compiled
 def drive_torque(crank: Records, q: Array, force: Array) -> float:
-    """Torque, N m, that a drive must give against the generalized forces on its body."""
+    """Torque, N m, that a drive must give against the generalized forces on its body.
+
+    Those of its inertia are among them.
+    """
     b = crank.body
     rx = q[b] - crank.hinge_x
     ry = q[b + 1] - crank.hinge_y
@@ -71,12 +75,14 @@ def drive_torque(crank: Records, q: Array, force: Array) -> float:
 
 
 @compiled
-def forced_power(cranks: Records, v: Array, force: Array) -> float:
-    """Power, W, of the generalized forces on the prescribed bodies."""
+def forced_power(cranks: Records, v: Array, a: Array, force: Array) -> float:
+    """Power, W, of the generalized forces on the prescribed bodies, less what speeds them up."""
     power = 0.0
     for i in range(cranks.shape[0]):
-        for c in range(cranks[i].body, cranks[i].body + 3):
+        b = cranks[i].body
+        for c in range(b, b + 3):
             power += force[c] * v[c]
+        power -= cranks[i].inertia * a[b + 2] * v[b + 2]
     return power
 
 
@@ -94,5 +100,7 @@ def pack_cranks(linkage: Linkage, bodies: frozenset[str]) -> Records:
         record["body"] = 3 * linkage.index(drive.body)
         record["hinge_x"], record["hinge_y"] = on_frame.x, on_frame.y
         record["local_x"], record["local_y"] = on_body.x, on_body.y
-        record["angle"], record["speed"] = drive.angle, drive.speed
+        pack_motion(drive, record["drive"])
+        body = linkage.bodies[linkage.index(drive.body)]
+        record["inertia"] = body.inertia + body.mass * (on_body.x**2 + on_body.y**2)
     return cranks

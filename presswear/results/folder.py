@@ -17,23 +17,17 @@ from typing import Any, Protocol, Self
 import numpy as np
 
 from presswear.record.tracker import Tracker
-from presswear.results.provenance import provenance, provenance_differs
-from presswear.results.result import FILE, FINISHED, SCHEMA, files_of, plain, read_document
+from presswear.results.provenance import Provenance, provenance, provenance_differs
+from presswear.results.result import FILE, FINISHED, SCHEMA, read_document
 from presswear.results.stage import StageResult
-from presswear.results.stored import check_document
+from presswear.results.stored import checkpoint_file, files_of, stored_result
 from presswear.scene.scene import Scene
 from presswear.scene.settings import differences
+from presswear.tools.arrays import State, read_arrays, write_arrays
+from presswear.tools.documents import plain, sealed_json
 from presswear.tools.errors import InputError, RunFailed
-from presswear.tools.files import (
-    PART,
-    arrays_in,
-    read_checked,
-    sealed_json,
-    write_arrays,
-    write_bytes,
-)
-from presswear.tools.lock import is_free, make_folder, remove_empty, take_folder
-from presswear.tools.state import State
+from presswear.tools.files import PART, write_bytes
+from presswear.tools.folders import FolderLock, is_free
 from presswear.tools.stopping import is_stopped
 
 INTERVAL = 60.0
@@ -42,14 +36,8 @@ LEAST_WAIT = 100.0
 """A checkpoint waits at least so many times as long as the last one took to write, so that all
 of them cost less than 1 % of a run."""
 
-
 CHECKPOINT = "checkpoint"
-"""Key of ``result.json``, and beginning of the file's name."""
-
-
-def _checkpoint_file(turn: int) -> str:
-    """Name of a checkpoint's file; two take turns, so that one is always whole."""
-    return f"{CHECKPOINT}-{turn}.npz"
+"""Key of ``result.json``."""
 
 
 class Storable(Protocol):
@@ -107,8 +95,7 @@ class ResultFolder(Tracker):
         self._interval = interval
         self._latest: Storable | None = None
         self._took = 0.0
-        new = make_folder(path)
-        self._lock = take_folder(path)
+        self._lock = FolderLock(path)
         if self._lock.warning:
             self.remarks.append(self._lock.warning)
         try:
@@ -121,7 +108,6 @@ class ResultFolder(Tracker):
                 self._write()
         except BaseException:
             self._lock.release()
-            remove_empty(new)
             raise
 
     @property
@@ -148,31 +134,30 @@ class ResultFolder(Tracker):
     def _stored(self) -> dict[str, Any]:
         """The document of the run that is gone on with, and its checkpoint."""
         document = read_document(self.path)
-        check_document(document, self.path / FILE)
+        stored_result(document, self.path / FILE)
         here = provenance()
         _check_same(self.path, document, self._scene, here)
         if document["status"] in FINISHED:
             return document
         told = document[CHECKPOINT]
-        name = "" if told is None else _checkpoint_file(told["turn"])
+        name = "" if told is None else checkpoint_file(told["turn"])
         for item in self.path.iterdir():
             ours = item.name.startswith((FILE, CHECKPOINT, "stage-", "film-", "report.html"))
             is_left = item.name.startswith(CHECKPOINT) and item.name != name
             if ours and (item.name.endswith(PART) or is_left):
                 item.unlink()
         first = 0
-        if told is not None and (self.path / name).exists():
-            data = read_checked(self.path / name, document["files"][name])
-            self.resumed = told["state"], arrays_in(data, self.path / name)
-            first = told["state"]["index"]
-            self.remarks.append(f"going on after {told['words']}")
-        else:
+        kept = []
+        if told is None:
             self.remarks.append(f"{self.path} has no checkpoint yet: the run begins anew")
-        document["stages"] = [stage for stage in document["stages"] if stage["index"] < first]
-        kept = [name for k in range(first) for name in files_of(k)]
-        kept += [name] if self.resumed else []
+        else:
+            arrays = read_arrays(self.path / name, document["files"][name])
+            self.resumed = told["state"], arrays
+            first, kept = told["state"]["index"], [name]
+            self.remarks.append(f"going on after {told['words']}")
+        document["stages"] = document["stages"][:first]
+        kept += [name for k in range(first) for name in files_of(k)]
         document["files"] = {name: document["files"][name] for name in kept}
-        document[CHECKPOINT] = told if self.resumed else None
         if document["provenance"]["machine"] != here["machine"]:
             self.remarks.append(
                 f"begun on {document['provenance']['machine']}, going on on {here['machine']}: "
@@ -213,7 +198,7 @@ class ResultFolder(Tracker):
         state, arrays = self._latest.stored()
         before = self._document[CHECKPOINT]
         turn = 1 if before is None else 3 - before["turn"]
-        name = _checkpoint_file(turn)
+        name = checkpoint_file(turn)
         with self._writing():
             digest = write_arrays(self.path / name, arrays, np.savez)
         self._forget_checkpoint()
@@ -222,7 +207,7 @@ class ResultFolder(Tracker):
         self._document[CHECKPOINT] = {"turn": turn, "words": words, "state": state}
         self._write()
         if before is not None:
-            (self.path / _checkpoint_file(before["turn"])).unlink(missing_ok=True)
+            (self.path / checkpoint_file(before["turn"])).unlink(missing_ok=True)
         self._saved = time.perf_counter()
         self._took = self._saved - began
 
@@ -240,7 +225,7 @@ class ResultFolder(Tracker):
         checkpoint = self._document[CHECKPOINT]
         if checkpoint is None:
             return ""
-        name = _checkpoint_file(checkpoint["turn"])
+        name = checkpoint_file(checkpoint["turn"])
         del self._document["files"][name]
         self._document[CHECKPOINT] = None
         return name
@@ -262,8 +247,6 @@ class ResultFolder(Tracker):
             for name in (FILE, *self._document["files"]):
                 (self.path / name).unlink(missing_ok=True)
             self._lock.release()
-            if not any(self.path.iterdir()):
-                self.path.rmdir()
 
     def __enter__(self) -> Self:
         return self
@@ -312,7 +295,7 @@ class ResultFolder(Tracker):
             ) from error
 
 
-def _check_same(path: Path, document: dict[str, Any], scene: Scene, here: dict[str, Any]) -> None:
+def _check_same(path: Path, document: dict[str, Any], scene: Scene, here: Provenance) -> None:
     """InputError naming what differs unless a folder's run is one of this scene and program."""
     # Through JSON, as the folder's own has gone.
     wanted = json.loads(json.dumps(plain(scene.as_dict())))

@@ -32,9 +32,9 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
 
 from presswear.results.result import Result
-from presswear.results.stored import read_arrays
+from presswear.tools.arrays import read_numbers, write_arrays
 from presswear.tools.errors import InputError
-from presswear.tools.files import write_arrays, write_whole
+from presswear.tools.files import write_whole
 from presswear.tools.folders import check_name
 
 Array = NDArray[np.float64]
@@ -174,7 +174,7 @@ def _suffix(path: Path) -> str:
 
 
 def _from_npz(path: Path) -> dict[str, Array]:
-    arrays = read_arrays(path)
+    arrays = read_numbers(path)
     for name, values in arrays.items():
         if values.ndim != 1:
             raise InputError(f"{path}: {name} is no array of real numbers with one dimension")

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.engines.base import Plan, Run
-from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT, EPISODE_COLUMNS, SERIES_FIXED
+from presswear.physics.touchdown import CONTACT_COLUMNS
 from presswear.record.tracker import Telling
 from presswear.tools.errors import RunFailed
 
@@ -75,36 +75,9 @@ def finished(run: Run, name: str = "") -> Run:
     return run
 
 
-_FIXED = ("time", "displacement", "velocity", "acceleration")
-_OF_JOINT = ("eccentricity_x", "eccentricity_y", "penetration", "normal", "tangential", "sliding")
-
-
-def series_of(run: Run, k: int = 0) -> dict[str, Array]:
-    """Recorded series by name, those of clearance joint ``k`` included, each shape (n,); SI."""
-    rows = run.recorder.rows
-    found = dict(zip(_FIXED, rows.T, strict=False))
-    if k < run.recorder.book.touch.size:
-        of_joint = rows[:, SERIES_FIXED + len(_OF_JOINT) * k :]
-        found |= zip(_OF_JOINT, of_joint.T, strict=False)
-    return found
-
-
 def contacts_of(run: Run, k: int = 0) -> dict[str, Array]:
-    """Recorded contacts of clearance joint ``k`` by ``EPISODE_COLUMNS``, each shape (n,); SI."""
-    return dict(zip(EPISODE_COLUMNS, run.recorder.episodes(k).T, strict=True))
-
-
-def of_cycles(rows: Array, name: str, k: int = 0) -> Array:
-    """A number of each cycle, of ``CYCLE_FIXED`` or of clearance joint ``k``, shape (n,); SI.
-
-    Parameters
-    ----------
-    rows : ndarray, shape (n, columns)
-        As a recorder's ``cycles``.
-    """
-    if name in CYCLE_FIXED:
-        return rows[:, CYCLE_FIXED.index(name)]
-    return rows[:, len(CYCLE_FIXED) + len(CYCLE_JOINT) * k + CYCLE_JOINT.index(name)]
+    """Recorded contacts of clearance joint ``k`` by ``CONTACT_COLUMNS``, each shape (n,); SI."""
+    return dict(zip(CONTACT_COLUMNS, run.recorder.episodes(k).T, strict=True))
 
 
 def missing_energy(run: Run) -> float:

@@ -5,10 +5,11 @@ import platform
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from pathlib import Path
-from types import UnionType
-from typing import Any, Union, get_args, get_origin, get_type_hints
+from types import NoneType, UnionType
+from typing import Any, get_args, get_origin, get_type_hints
 
-from presswear.results.result import plain
+from presswear.tools.documents import plain, typed
+from presswear.tools.errors import InputError
 from presswear.tools.files import write_bytes
 
 
@@ -32,33 +33,48 @@ def as_plain(owner: Any) -> Any:
     return owner
 
 
-def restored(kind: Any, data: Any) -> Any:
+def restored(kind: Any, data: Any, place: str = "it") -> Any:
     """Make a value of an annotated kind from what ``as_plain`` gave.
 
-    Whether the leaves are of their kinds is left to ``presswear.tools.typed``.
+    Parameters
+    ----------
+    place : str
+        Where the data stand, for messages.
 
     Raises
     ------
-    LookupError, TypeError, ValueError, AttributeError
-        For data of another shape.
+    InputError
+        Telling the place of the first value that is missing or of a wrong kind.
     """
-    origin, inner = get_origin(kind), get_args(kind)
-    if data is None or kind is Any:
-        return data
-    if origin in (Union, UnionType):
-        words = {getattr(one, "word", None): one for one in inner}
-        return restored(words[data["word"]] if None not in words else inner[0], data)
+    inner = get_args(kind)
+    if not _holds_class(kind):
+        return typed(data, kind, place)
+    if isinstance(kind, UnionType):
+        if data is None and NoneType in inner:
+            return None
+        words = {getattr(one, "word", ""): one for one in inner if one is not NoneType}
+        word = typed(data, dict[str, Any], place).get("word", "")
+        if word not in words:
+            raise InputError(f"{place}: the word {word!r} is unknown")
+        return restored(words[word], data, place)
+    if get_origin(kind) is tuple:
+        items = typed(data, list[Any], place)
+        return tuple(restored(inner[0], item, place) for item in items)
+    own = typed(data, dict[str, Any], place)
+    if inner:
+        return {name: restored(inner[1], value, f"{place}.{name}") for name, value in own.items()}
     if hasattr(kind, "from_dict"):
-        return kind.from_dict(data)
-    if isinstance(kind, type) and is_dataclass(kind):
-        kinds = get_type_hints(kind)
-        return kind(**{f.name: restored(kinds[f.name], data[f.name]) for f in fields(kind)})
-    if origin is tuple:
-        each = inner[:1] * len(data) if inner[-1] is Ellipsis else inner
-        return tuple(restored(one, value) for one, value in zip(each, data, strict=True))
-    if isinstance(origin, type) and issubclass(origin, Mapping):
-        return {name: restored(inner[1], value) for name, value in data.items()}
-    return data
+        return kind.from_dict(own)
+    kinds = get_type_hints(kind)
+    names = [item.name for item in fields(kind)]
+    for name in names:
+        if name not in own:
+            raise InputError(f"{place}.{name} is missing")
+    return kind(**{name: restored(kinds[name], own[name], f"{place}.{name}") for name in names})
+
+
+def _holds_class(kind: Any) -> bool:
+    return is_dataclass(kind) or any(map(_holds_class, get_args(kind)))
 
 
 def write_document(folder: Path, name: str, schema: int, owner: Any) -> None:

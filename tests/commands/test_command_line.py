@@ -50,6 +50,13 @@ from presswear.commands import scenes
         (["costs", "--repeats", "-1"], ("--repeats", "-1")),
         (["costs", "--repeats", "many"], ("--repeats many", "whole number")),
         (["costs", "--fast"], ("--fast",)),
+        (["run", "weartimes"], ("'weartimes'; did you mean wear-times?",)),
+        (["run", "wear-times", "--cycels", "5"], ("--cycels 5; did you mean --cycles?",)),
+        (["run", "wear-times", "--set", "clearence=1mm"], ("did you mean clearance?",)),
+        (["run", "wear-times", "--engine", "exudyntree"], ("did you mean exudyn-tree?",)),
+        (["reprot", "nowhere"], ("'reprot'; did you mean report?",)),
+        (["replay", "nowhere"], ("nowhere: there is no such folder",)),
+        (["replay", "nowhere", "--size", "one"], ("nowhere: there is no such folder",)),
     ],
 )
 def test_bad_input_is_one_line_and_exit_code_2(
@@ -123,6 +130,31 @@ def test_every_help_has_an_example(command: list[str], capsys: pytest.CaptureFix
         main([*command, "--help"])
     assert ended.value.code == 0
     assert "example: presswear" in capsys.readouterr().out
+
+
+def test_what_an_interrupt_left_half_made_says_nothing(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    class Half:
+        def __init__(self) -> None:
+            if "signal" in chosen:
+                signal.raise_signal(signal.SIGTERM)
+
+        def __del__(self) -> None:
+            raise AttributeError("it has no other half")
+
+    def listed(arguments: object, console: object) -> int:
+        Half()
+        return 0
+
+    monkeypatch.setattr(scenes, "_list", listed)
+    monkeypatch.setattr(sys, "unraisablehook", sys.__unraisablehook__)
+    chosen = ["signal"]
+    assert main(["list"]) == 143
+    assert capsys.readouterr().err == "presswear: interrupted\n"
+    chosen.clear()
+    assert main(["list"]) == 0
+    assert "it has no other half" in capsys.readouterr().err
 
 
 def test_the_module_runs_as_a_command() -> None:

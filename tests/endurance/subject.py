@@ -23,7 +23,7 @@ from presswear.results.result import load, read_document
 from presswear.scene.scene import Scene
 from presswear.tools.errors import RunFailed
 from presswear.tools.files import read_checked
-from presswear.tools.lock import holder
+from presswear.tools.folders import holder
 from presswear.trials.hard.case import sound
 
 PATIENCE = 60.0

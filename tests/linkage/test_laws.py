@@ -2,6 +2,7 @@
 
 import math
 from decimal import Decimal, localcontext
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,7 +19,7 @@ from presswear.linkage.laws import (
     hertz_stiffness,
     lankarani_nikravesh_damping,
 )
-from presswear.physics.laws import friction_force, friction_ramp, normal_force
+from presswear.physics.laws import FRICTION, friction_force, friction_ramp, normal_force
 
 GRAVITY = 9.81
 LOWER, UPPER = 1e-4, 1e-3
@@ -44,6 +45,10 @@ def test_no_force_while_open(
     gap: float, rate: float, onset: float, exponent: float, damping: float
 ) -> None:
     assert normal_force(gap, rate, onset, 1e10, exponent, damping) == 0.0
+
+
+def friction_law(*numbers: float) -> Any:
+    return np.array([numbers], FRICTION)[0]
 
 
 @pytest.mark.parametrize("exponent", [1.0, 1.5, 2.0, 2.2])
@@ -96,8 +101,8 @@ def test_friction_ramp_piecewise(speed: float, part: float) -> None:
 def test_friction_is_odd_opposes_sliding_and_is_bounded(
     speed: float, normal: float, coefficient: float
 ) -> None:
-    force = friction_force(speed, normal, coefficient, LOWER, UPPER)
-    assert force == -friction_force(-speed, normal, coefficient, LOWER, UPPER)
+    force = friction_force(speed, normal, friction_law(coefficient, LOWER, UPPER))
+    assert force == -friction_force(-speed, normal, friction_law(coefficient, LOWER, UPPER))
     assert force * speed <= 0.0
     assert abs(force) <= coefficient * normal
     if abs(speed) >= UPPER:
@@ -106,8 +111,8 @@ def test_friction_is_odd_opposes_sliding_and_is_bounded(
 
 @given(st.floats(-2e-3, 2e-3), st.floats(1e-9, 1e-6))
 def test_friction_is_continuous_in_speed(speed: float, change: float) -> None:
-    here = friction_force(speed, 100.0, 0.1, LOWER, UPPER)
-    there = friction_force(speed + change, 100.0, 0.1, LOWER, UPPER)
+    here = friction_force(speed, 100.0, friction_law(0.1, LOWER, UPPER))
+    there = friction_force(speed + change, 100.0, friction_law(0.1, LOWER, UPPER))
     steepest = 0.1 * 100.0 / (UPPER - LOWER)
     assert abs(there - here) <= steepest * change * (1.0 + 1e-6)
 
@@ -203,7 +208,7 @@ def _slide(pull: float, start: float, coefficient: float, duration: float) -> fl
     normal = math.sqrt(GRAVITY**2 - pull**2)
 
     def rate(_: float, speed: NDArray[np.float64]) -> list[float]:
-        friction = friction_force(float(speed[0]), normal, coefficient, LOWER, UPPER)
+        friction = friction_force(float(speed[0]), normal, friction_law(coefficient, LOWER, UPPER))
         return [pull + friction]
 
     motion = solve_ivp(rate, (0.0, duration), [start], method="DOP853", rtol=1e-10, atol=1e-14)
@@ -236,7 +241,7 @@ def test_mass_on_a_spring_with_dry_friction() -> None:
     stiffness, coefficient, gravity, sharp = 1e4, 0.1, 10.0, 1e-7
 
     def rate(_: float, state: NDArray[np.float64]) -> list[float]:
-        friction = friction_force(float(state[1]), gravity, coefficient, 0.0, sharp)
+        friction = friction_force(float(state[1]), gravity, friction_law(coefficient, 0.0, sharp))
         return [float(state[1]), -stiffness * float(state[0]) + friction]
 
     def standing(_: float, state: NDArray[np.float64]) -> float:

@@ -75,8 +75,10 @@ def test_elastic_impact_lasts_as_hertz_says(speed: float) -> None:
     plan = Plan(2.0 * impact.clearance / speed, 1)
     run = TIGHT.simulate(impact.linkage, impact.start, plan)
     contact = first_contact(run)
-    assert contact["onset"] == pytest.approx(impact.clearance / speed, rel=1e-12)
-    assert contact["end"] - contact["onset"] == pytest.approx(impact.elastic_duration, rel=1e-8)
+    assert contact["touchdown"] == pytest.approx(impact.clearance / speed, rel=1e-12)
+    assert contact["separation"] - contact["touchdown"] == pytest.approx(
+        impact.elastic_duration, rel=1e-8
+    )
     # The tolerance in velocity is one of 1 m/s, not of the closing speed.
     assert delivered(run, speed) == pytest.approx(1.0, abs=2.5e-9 / speed)
 

@@ -4,6 +4,7 @@ import re
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import matplotlib
 import numpy as np
@@ -11,8 +12,10 @@ import pytest
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Sheet
 
+from presswear.engines.base import Status
 from presswear.linkage.surface import bin_centres
 from presswear.results.result import Result
+from presswear.results.stage import SIDES, StageResult
 from presswear.scene.catalog import wear_times
 from presswear.scene.ideal import ideal_slider
 from presswear.scene.scene import CONVENTIONS, Scene, stage_name
@@ -29,74 +32,82 @@ UNIT = re.compile(r"\((m|mm|µm|nm|s|N|m/s|m/s²|degrees)\)")
 
 def made_up(scene: Scene, stages: int, status: str = "completed", message: str = "") -> Result:
     """A result as a run of the scene would leave it, from formulas; stage depth grows."""
-    time = np.linspace(0.0, 2.0 * scene.mechanism.period, 400)
-    angle = bin_centres(BINS)
-    listed, arrays = [], []
-    for k in range(stages):
-        stage = {
-            "time": time,
-            "slider": ideal_slider(scene, time) * (1.0 + 0.01 * (k + 1)),
-            "angle": angle,
-        }
-        joints = {}
-        for joint in scene.clearance_joints:
-            turn = 6.0 * np.pi * time / time[-1]
-            stage[f"{joint}_eccentricity"] = 8e-4 * np.column_stack([np.cos(turn), np.sin(turn)])
-            stage[f"{joint}_force"] = np.column_stack([100.0 * np.cos(turn) ** 8, 0.0 * turn])
-            one = 5e-6 * np.exp(-((angle - np.radians(92.5)) ** 2) / 0.1)
-            for side in ("bearing", "pin"):
-                stage[f"{joint}_depth_{side}"] = k * one
-                stage[f"{joint}_wear_{side}"] = one
-            each = {"mean": 80.0, "half_width": 12.0, "cycles": 2}
-            joints[joint] = {
-                "force_max_N": 100.0 + k,
-                "force_max_per_cycle_N": each,
-                "dose_per_cycle_Nm": each | {"half_width": None},
-                "contacts": 1234,
-                "fewest_steps_in_a_contact": 50,
-                "part_of_time_in_contact": 0.5,
-                "wear_volume_m3": 3e-9,
-                "wear_map_error": 0.1,
-            }
-        each = {"mean": 0.107, "half_width": 0.001, "cycles": 2}
-        slider = {
-            "displacement_max_m": 0.10731,
-            "velocity_min_m_s": -0.9,
-            "velocity_max_m_s": 1.0,
-            "acceleration_max_m_s2": 1221.0,
-            "displacement_max_per_cycle_m": each,
-            "velocity_max_per_cycle_m_s": each,
-            "acceleration_max_per_cycle_m_s2": each,
-        }
-        arrays.append(stage)
-        listed.append(
-            {
-                "index": k,
-                "status": status if k == stages - 1 else "completed",
-                "message": message if k == stages - 1 else "",
-                "amplification": 2e6,
-                "simulated_s": float(time[-1]),
-                "wall_s": 1.0,
-                "diagnostics": {"model": "6 bodies, 2 drives", "steps": 4000},
-                "statistics": {"cycles": 2, "slider": slider, "joints": joints},
-            }
-        )
-    document = {
-        "schema": 2,
-        "engine": scene.engine,
-        "provenance": {
+    ends = [("completed", "")] * (stages - 1) + [(status, message)]
+    return Result(
+        scene,
+        tuple(_stage(scene, k, *end) for k, end in enumerate(ends)),
+        status,
+        message,
+        {
             "python": "3.12.0",
             "packages": {"presswear": "0.1.0"},
             "revision": "0123456789ab",
             "machine": "a machine",
             "started": "2024-01-01T00:00:00Z",
         },
-        "status": status,
-        "message": message,
-        "wall_s": 3.0,
-        "stages": listed,
+        wall_s=3.0,
+    )
+
+
+def _stage(scene: Scene, index: int, status: Any, message: str) -> StageResult:
+    time = np.linspace(0.0, 2.0 * scene.mechanism.period, 400)
+    angle = bin_centres(BINS)
+    arrays = {
+        "time": time,
+        "slider": ideal_slider(scene, time) * (1.0 + 0.01 * (index + 1)),
+        "angle": angle,
     }
-    return Result(Path("nowhere"), document, scene, arrays)
+    joints = {}
+    for joint in scene.clearance_joints:
+        turn = 6.0 * np.pi * time / time[-1]
+        arrays[f"{joint}_eccentricity"] = 8e-4 * np.column_stack([np.cos(turn), np.sin(turn)])
+        arrays[f"{joint}_force"] = np.column_stack([100.0 * np.cos(turn) ** 8, 0.0 * turn])
+        one = 5e-6 * np.exp(-((angle - np.radians(92.5)) ** 2) / 0.1)
+        for side in SIDES:
+            arrays[f"{joint}_depth_{side}"] = index * one
+            arrays[f"{joint}_wear_{side}"] = one
+        each = {"mean": 80.0, "half_width": 12.0, "cycles": 2}
+        joints[joint] = {
+            "force_max_N": 100.0 + index,
+            "force_max_per_cycle_N": each,
+            "dose_per_cycle_Nm": each | {"half_width": None},
+            "contacts": 1234,
+            "fewest_steps_in_a_contact": 50,
+            "part_of_time_in_contact": 0.5,
+            "wear_volume_m3": 3e-9,
+            "wear_map_error": 0.1,
+        }
+    each = {"mean": 0.107, "half_width": 0.001, "cycles": 2}
+    slider = {
+        "displacement_max_m": 0.10731,
+        "velocity_min_m_s": -0.9,
+        "velocity_max_m_s": 1.0,
+        "acceleration_max_m_s2": 1221.0,
+        "displacement_max_per_cycle_m": each,
+        "velocity_max_per_cycle_m_s": each,
+        "acceleration_max_per_cycle_m_s2": each,
+    }
+    return StageResult(
+        index,
+        status,
+        message,
+        finding=None,
+        amplification=2e6,
+        wear_steps=(),
+        simulated_s=float(time[-1]),
+        wall_s=1.0,
+        diagnostics={"model": "6 bodies, 2 drives", "steps": 4000},
+        statistics={"cycles": 2, "slider": slider, "joints": joints},
+        arrays=arrays,
+        joint_names=scene.clearance_joints,
+    )
+
+
+def altered(result: Result, index: int, **changes: Any) -> Result:
+    """A result with one stage changed."""
+    stages = list(result.stages)
+    stages[index] = replace(stages[index], **changes)
+    return replace(result, stages=tuple(stages))
 
 
 BOTH = replace(wear_times(), cycles=2)
@@ -174,8 +185,9 @@ def test_depth_is_the_cumulative_total_in_microns() -> None:
 
 def test_very_different_depths_share_a_logarithmic_scale() -> None:
     result = made_up(BOTH, 3)
-    result.stages[2].arrays["A_depth_pin"] = 1e3 * result.stages[2].arrays["A_depth_pin"]
-    at_a, at_c = sheet_of(wear_depth, result).axes
+    arrays = result.stages[2].arrays
+    deeper = {**arrays, "A_depth_pin": 1e3 * arrays["A_depth_pin"]}
+    at_a, at_c = sheet_of(wear_depth, altered(result, 2, arrays=deeper)).axes
     assert (at_a.get_yscale(), at_c.get_yscale()) == ("log", "linear")
 
 
@@ -220,11 +232,17 @@ def test_many_stages_are_thinned_out() -> None:
     assert legend_of(sheet_of(response, result))[-1] == "eighth wear"
 
 
-def test_stage_without_motion_is_left_out() -> None:
-    result = made_up(BOTH, 2, status="failed")
-    last = result.stages[1].arrays
-    for name in ("time", "slider", "A_force", "C_force", "A_eccentricity", "C_eccentricity"):
-        last[name] = last[name][:1]
+@pytest.mark.parametrize(
+    ("status", "rows"), [("failed", None), ("completed", 1)], ids=["failed", "too short"]
+)
+def test_stage_without_motion_is_left_out(status: Status, rows: int | None) -> None:
+    result = made_up(BOTH, 2, status)
+    arrays = result.stages[1].arrays
+    length = arrays["time"].size
+    short = {
+        name: array[:rows] if len(array) == length else array for name, array in arrays.items()
+    }
+    result = altered(result, 1, arrays=short)
     assert legend_of(sheet_of(response, result)) == ["ideal", "no wear"]
 
 

@@ -6,7 +6,7 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
-from test_figures import BODY, BOTH, IDEAL, ONE, made_up
+from test_figures import BODY, BOTH, IDEAL, ONE, altered, made_up
 
 from presswear.results.result import Result
 from presswear.scene.catalog import slider_crank
@@ -85,8 +85,7 @@ def test_failed_status_is_shown_with_its_message() -> None:
 
 def test_stage_that_failed_at_once_leaves_dashes() -> None:
     result = made_up(BOTH, 2, "failed", "no step")
-    result.stages[1].statistics = {"cycles": 0}
-    page = page_of(result)
+    page = page_of(altered(result, 1, statistics={"cycles": 0}))
     assert page.row("largest acceleration (m/s²)")[1:] == ["1\u202f220", "–"]
     assert page.row("largest normal force (N)")[1:] == ["100", "–"]
 

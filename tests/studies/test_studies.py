@@ -252,7 +252,11 @@ def test_a_stored_study_is_the_same_study(ran: tuple[Path, Heard]) -> None:
 
 @pytest.mark.parametrize(
     ("text", "words"),
-    [("{", "cannot be read"), ('{"schema": 99}', "schema 99"), ('{"schema": 2}', "not whole")],
+    [
+        ("{", "cannot be read"),
+        ('{"schema": 99}', "schema 99"),
+        ('{"schema": 2}', "missing required field"),
+    ],
 )
 def test_a_damaged_study_is_named(tmp_path: Path, text: str, words: str) -> None:
     (tmp_path / "study.json").write_text(text)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from presswear.physics.constraints import DRIVE, Constraints, constraint_rows
 from presswear.physics.contact import CONTACT, note_contacts
 from presswear.physics.forces import JOINT_RATES, add_contacts
+from presswear.physics.motion import drive_motion
 from presswear.physics.multipliers import Elimination, solve_multipliers, work_out
 from presswear.physics.packed import Packed
 from presswear.physics.springs import spring_forces
@@ -25,7 +26,7 @@ Indices = NDArray[np.int64]
 DRIVE_INTEGRALS = 2
 """Integrals before those of the joints: drive work and its absolute value, J."""
 JOINT_INTEGRALS = JOINT_RATES
-"""Integrals per joint: contact loss and friction loss, J; F_n ds, N m; p ds, N/m."""
+"""Integrals per joint: those of the rates of ``add_contacts``."""
 
 
 class System(NamedTuple):
@@ -55,7 +56,7 @@ class System(NamedTuple):
 
 @compiled
 def evaluate_constraints(system: System, t: float, q: Array, v: Array) -> None:
-    """Phi, its derivative, gamma and the Jacobian into the system's working space."""
+    """Evaluate Phi, its derivative, gamma and the Jacobian in the system's working space."""
     constraint_rows(
         system.constraints,
         system.row_start,
@@ -71,7 +72,7 @@ def evaluate_constraints(system: System, t: float, q: Array, v: Array) -> None:
 
 @compiled
 def solve(system: System) -> None:
-    """Multipliers for the right-hand side in ``right``, which is overwritten."""
+    """Solve for the multipliers with the right-hand side in ``right``, which is overwritten."""
     solve_multipliers(
         system.elimination,
         system.jacobian,
@@ -84,7 +85,7 @@ def solve(system: System) -> None:
 
 @compiled
 def rates(system: System, onset: Array, t: float, y: Array, out: Array) -> None:
-    """dy/dt; leaves the multipliers in ``system``."""
+    """Fill dy/dt; leaves the multipliers in ``system``."""
     n = system.inverse_mass.shape[0]
     q = y[:n]
     v = y[n : 2 * n]
@@ -112,7 +113,7 @@ def rates(system: System, onset: Array, t: float, y: Array, out: Array) -> None:
     for i in range(system.constraints.shape[0]):
         c = system.constraints[i]
         if c.kind == DRIVE:
-            power -= system.multipliers[c.row] * c.speed
+            power -= system.multipliers[c.row] * drive_motion(c.drive, t)[1]
     out[2 * n] = power
     out[2 * n + 1] = abs(power)
     for i in range(n):

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from presswear.engines.stepping import accept_step
 from presswear.physics.contact import note_contacts
 from presswear.physics.forces import add_contacts, load_of
+from presswear.physics.motion import drive_motion
 from presswear.physics.packed import Packed
 from presswear.physics.prescribed import drive_torque, place_cranks
 from presswear.physics.touchdown import shorter_step
@@ -71,7 +72,7 @@ def connector_forces(
     t: float,
     out: Array,
 ) -> None:
-    """Generalized forces of all clearance joints on the bodies of the connector.
+    """Fill the generalized forces of all clearance joints on the bodies of the connector.
 
     Parameters
     ----------
@@ -101,14 +102,13 @@ def connector_forces(
 
 
 class Drives(NamedTuple):
-    """Where the torques of the drives come from.
+    """Sources of the torques of the drives.
 
     Attributes
     ----------
     multiplier : ndarray of int, shape (drives,)
         Index of each drive's Lagrange multiplier; -1 for a crank that is left out.
-    speed : ndarray, shape (drives,)
-        rad/s.
+    motions : records of MOTION, shape (drives,)
     multipliers : ndarray
         Exudyn's live multipliers; the torque of a drive is minus its own.
     force : ndarray, shape (3 bodies,)
@@ -118,28 +118,30 @@ class Drives(NamedTuple):
     """
 
     multiplier: Indices
-    speed: Array
+    motions: Records
     multipliers: Array
     force: Array
     rates: Array
 
 
 @compiled
-def drive_power(frame: Frame, drives: Drives, book: Book) -> float:
+def drive_power(frame: Frame, drives: Drives, book: Book, t: float) -> float:
     """Fill the torques of the drives, with contacts noted; returns their power, W."""
     if frame.cranks.shape[0] > 0:
         copy_to(drives.force, book.packed.weight)
         add_contacts(book.packed.joints, book.onset, book.contacts, drives.force, drives.rates)
     power = 0.0
     crank = 0
-    for i in range(drives.speed.shape[0]):
+    for i in range(drives.motions.shape[0]):
         if drives.multiplier[i] >= 0:
             torque = -drives.multipliers[drives.multiplier[i]]
         else:
-            torque = drive_torque(frame.cranks[crank], frame.q, drives.force)
+            own = frame.cranks[crank]
+            torque = drive_torque(own, frame.q, drives.force)
+            torque += own.inertia * frame.a[own.body + 2]
             crank += 1
         book.torque[i] = torque
-        power += torque * drives.speed[i]
+        power += torque * drive_motion(drives.motions[i], t)[1]
     return power
 
 
@@ -150,7 +152,7 @@ def accept_joint_step(
     """Account for an accepted step and choose the next; see ``accept_step``."""
     refresh(frame, t)
     note_contacts(book.packed, book.contacts, frame.q, frame.v)
-    power = drive_power(frame, drives, book)
+    power = drive_power(frame, drives, book, t)
     return accept_step(book, steps, power, t, h, frame.q, frame.v, frame.a)
 
 
@@ -159,5 +161,5 @@ def shorter_joint_step(frame: Frame, book: Book, steps: Records, t: float) -> fl
     """Step with which a trial step has to be repeated; see ``shorter_step``."""
     refresh(frame, t)
     return shorter_step(
-        book.packed, book.onset, book.touch, steps, frame.contacts, t, frame.q, frame.v
+        book.packed, book.onset, book.memory, steps, frame.contacts, t, frame.q, frame.v
     )

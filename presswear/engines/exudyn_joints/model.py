@@ -20,9 +20,10 @@ from numpy.typing import NDArray
 from presswear.engines.base import Start
 from presswear.engines.exudyn import Solve
 from presswear.engines.exudyn_joints.kernels import Frame, connector_forces
-from presswear.linkage.elements import GROUND, Attachment, Linkage
+from presswear.linkage.elements import GROUND, Attachment, Drive, Linkage
 from presswear.linkage.topology import cranks_of, hinge_of
 from presswear.physics.contact import CONTACT
+from presswear.physics.motion import drive_motion, is_steady, motion_of
 from presswear.physics.prescribed import pack_cranks
 from presswear.record.observe import Book
 from presswear.record.recorder import Recorder
@@ -32,7 +33,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass
-class Model:
+class JointsModel:
     """An assembled Exudyn system; the views of ``frame`` stay live during the solve."""
 
     container: Any
@@ -62,6 +63,12 @@ class Model:
         solve.set_span(settings, longest)
 
 
+def _speed_function(drive: Drive) -> Callable[..., float]:
+    """The function that Exudyn calls for the speed of a drive."""
+    motion = motion_of(drive)
+    return lambda system, t, item, offset: drive_motion(motion, t)[1]
+
+
 def left_out(linkage: Linkage) -> frozenset[str]:
     """Cranks that hold on to the rest by clearance joints only: their motion is known."""
     held = {
@@ -75,7 +82,7 @@ def left_out(linkage: Linkage) -> frozenset[str]:
     return cranks_of(linkage) - held
 
 
-def assemble(linkage: Linkage, start: Start, recorder: Recorder) -> Model:
+def assemble(linkage: Linkage, start: Start, recorder: Recorder) -> JointsModel:
     """Build and assemble the Exudyn system of a linkage in its initial state."""
     container = exu.SystemContainer()
     system = container.AddSystem()
@@ -168,14 +175,15 @@ def assemble(linkage: Linkage, start: Start, recorder: Recorder) -> Model:
             }
         )
         # At velocity level; the trapezoidal rule integrates a constant speed exactly.
-        constraints[drive.name] = system.AddObject(
-            {
-                "objectType": "ConnectorCoordinate",
-                "markerNumbers": [fixed, turned],
-                "velocityLevel": True,
-                "offset": drive.speed,
-            }
-        )
+        turning = {
+            "objectType": "ConnectorCoordinate",
+            "markerNumbers": [fixed, turned],
+            "velocityLevel": True,
+            "offset": drive.speed,
+        }
+        if not is_steady(drive):
+            turning |= {"offset": 0.0, "offsetUserFunction_t": _speed_function(drive)}
+        constraints[drive.name] = system.AddObject(turning)
     for spring in linkage.springs:
         system.AddObject(
             {
@@ -195,7 +203,7 @@ def assemble(linkage: Linkage, start: Start, recorder: Recorder) -> Model:
             ("TorqueVector", [0.0, 0.0, load.moment]),
         ):
             system.AddLoad({"loadType": kind, "markerNumber": at_centre, "loadVector": vector})
-    model = Model(container, system, constraints, pack_cranks(linkage, omitted))
+    model = JointsModel(container, system, constraints, pack_cranks(linkage, omitted))
     connector = _Connector.of(linkage, nodes, recorder.book)
     if linkage.clearances:
         system.AddObject(
@@ -212,7 +220,7 @@ def assemble(linkage: Linkage, start: Start, recorder: Recorder) -> Model:
     return model
 
 
-def _frame(model: Model, linkage: Linkage, start: Start, omitted: frozenset[str]) -> Frame:
+def _frame(model: JointsModel, linkage: Linkage, start: Start, omitted: frozenset[str]) -> Frame:
     data = model.system.systemData
     solved = (
         data.GetODE2Coordinates(copy=False),

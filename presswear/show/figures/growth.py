@@ -44,9 +44,8 @@ def wear_growth(result: Result) -> list[Drawing]:
     for axes, joint in zip(grid.flat, joints, strict=True):
         for side in SIDES:
             colour, dashes = _LINES[side]
-            depth = [0.0] + [
-                MICRONS * step.deepest[joint][side] for stage in wears for step in stage.wear_steps
-            ]
+            steps = [step for stage in wears for step in stage.wear_steps]
+            depth = [0.0] + [MICRONS * step.deepest_m[joint][side] for step in steps]
             axes.plot(cycles, depth, color=colour, linestyle=dashes, marker=marker, markersize=4.0)
         _mark_wears(axes, ends)
         axes.set_xlim(0.0, None)

@@ -69,9 +69,9 @@ def growth(result: Result) -> Table | None:
         row("depth multiplied by", spread),
         row(
             "largest change in a step (% of the clearance)",
-            lambda steps: readable(100.0 * max(step.change for step in steps)),
+            lambda steps: readable(100.0 * max(step.largest_change_of_clearance for step in steps)),
         ),
-        row("computed in (s)", lambda steps: readable(sum(step.wall for step in steps))),
+        row("computed in (s)", lambda steps: readable(sum(step.wall_s for step in steps))),
     )
     joints = [
         (
@@ -90,11 +90,11 @@ def growth(result: Result) -> Table | None:
 
 
 def _deepest_then(joint: str, side: str, steps: Steps) -> str:
-    return readable(MICRONS * steps[-1].deepest[joint][side])
+    return readable(MICRONS * steps[-1].deepest_m[joint][side])
 
 
 def _largest_force(joint: str, steps: Steps) -> str:
-    return readable(max(step.force[joint] for step in steps))
+    return readable(max(step.force_max_N[joint] for step in steps))
 
 
 def spread(steps: Steps) -> str:

@@ -56,6 +56,7 @@ def write_report(study: Study, folder: Path) -> tuple[str, Path]:
     figure = save(drawing, folder)
     text = render_page(
         "study.html",
+        package="presswear.studies",
         study=study,
         answer=sentence,
         outcomes=Table(_HEAD, (("", tuple(map(_row, outcomes))),)),

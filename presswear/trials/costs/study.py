@@ -3,10 +3,9 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 from presswear.engines.settings import ExudynJoints, ExudynTree
-from presswear.results.provenance import provenance
+from presswear.results.provenance import Provenance, provenance
 from presswear.scene.scene import Scene
 from presswear.tools.files import write_bytes
 from presswear.trials.costs.equal_work import EqualWork, equal_work
@@ -71,8 +70,7 @@ class Costs:
     Attributes
     ----------
     scene : Scene
-    provenance : mapping
-        Versions, revision, machine and time.
+    provenance : Provenance
     processor : str
     extent : CostsExtent
     deepest : dict
@@ -84,7 +82,7 @@ class Costs:
     """
 
     scene: Scene
-    provenance: Mapping[str, Any]
+    provenance: Provenance
     processor: str
     extent: CostsExtent
     deepest: Mapping[str, float]

@@ -35,7 +35,7 @@ from presswear.trials.crosscheck.traces import (
     trace_of,
     velocity_difference,
 )
-from presswear.trials.runs import Check, Told, finished, of_cycles, order_of
+from presswear.trials.runs import Check, Told, finished, order_of
 
 Array = NDArray[np.float64]
 
@@ -221,7 +221,7 @@ def check_engines(scene: Scene, duration: float | None, told: Told) -> Crosschec
         checks += _reported("disturbed start", reference, moved, horizon)
     if first:
         # Far enough to hold the last of the touchdowns.
-        until = min(1.001 * first[-1].onset, horizon)
+        until = min(1.001 * first[-1].time, horizon)
         second = replace(precise, integrator="dopri5")
         other = trace_of(runner.run("dae with dopri5", start, second, Plan(until, 1, 1)))
         apart = float(touchdown_differences(first, other.touchdowns)[:, 0].max())
@@ -257,7 +257,7 @@ def _exudyn_checks(
     name, distance = curve.label, curve.slider
     checks = [Check(f"{name}: slider", float(distance.max()), SLIDER_BOUND, "m")]
     if first:
-        last = first[-1].onset
+        last = first[-1].time
         times, speeds, forces = apart[-1].max(axis=0).tolist()
         speed = velocity_difference(reference, finest, last)
         time_bound = TREE_TIME_BOUND if is_tree else TIME_BOUND
@@ -289,7 +289,7 @@ def _reported(name: str, reference: Trace, trace: Trace, end: float) -> list[Che
     """Report differences up to the horizon, where no bound could be kept by any solver."""
     # A touchdown just before the horizon may come just behind it in the other run.
     apart = [
-        abs(twin.onset - own.onset)
+        abs(twin.time - own.time)
         for own, twin in matched(reference.touchdowns, trace.touchdowns)
         if twin is not None
     ]
@@ -308,9 +308,9 @@ def _check_means(scene: Scene, start: Start, runner: _Runner) -> tuple[list[Chec
     means: dict[str, dict[str, Estimate]] = {}
     exudyn = next(iter(exudyn_of(scene).values()))
     for word, engine in (("dae", scene.numerics.dae), ("Exudyn", exudyn)):
-        rows = runner.run(f"{word}, {cycles} cycles", start, engine, plan).recorder.cycles
+        recorder = runner.run(f"{word}, {cycles} cycles", start, engine, plan).recorder
         means[word.lower()] = {
-            quantity: estimate(of_cycles(rows, name, k))
+            quantity: estimate(recorder.each_cycle(name, k))
             for quantity, (name, k, _) in quantities.items()
         }
     checks = []
@@ -329,11 +329,11 @@ def _check_means(scene: Scene, start: Start, runner: _Runner) -> tuple[list[Chec
     }
 
 
-def mean_quantities(scene: Scene) -> dict[str, tuple[str, int, str]]:
+def mean_quantities(scene: Scene) -> dict[str, tuple[str, int | None, str]]:
     """Quantities whose means are compared: name in a recorder's cycles, joint, and unit."""
-    found = {
-        "greatest slider velocity": ("velocity_max", 0, "m/s"),
-        "greatest slider acceleration": ("acceleration_max", 0, "m/s^2"),
+    found: dict[str, tuple[str, int | None, str]] = {
+        "greatest slider velocity": ("velocity_max", None, "m/s"),
+        "greatest slider acceleration": ("acceleration_max", None, "m/s^2"),
     }
     for k, joint in enumerate(scene.linkage().clearances):
         found[f"peak force in {joint.name}"] = ("force_max", k, "N")

@@ -11,7 +11,7 @@ from scipy.interpolate import CubicHermiteSpline
 
 from presswear.engines.base import Run
 from presswear.linkage.elements import Linkage
-from presswear.trials.runs import contacts_of, finished, series_of
+from presswear.trials.runs import contacts_of, finished
 
 Array = NDArray[np.float64]
 
@@ -28,8 +28,8 @@ class Touchdown:
     Attributes
     ----------
     joint : int
-    onset : float
-        Its time, s.
+    time : float
+        s.
     closing_speed : float
         m/s.
     peak_force : float
@@ -37,7 +37,7 @@ class Touchdown:
     """
 
     joint: int
-    onset: float
+    time: float
     closing_speed: float
     peak_force: float
 
@@ -88,18 +88,18 @@ def slider_at_end(linkage: Linkage, run: Run) -> Array:
 def touchdowns_of(run: Run) -> tuple[Touchdown, ...]:
     """Touchdowns of all recorded contacts and of those that still last, in order of time."""
     found = []
-    book = run.recorder.book
-    for k, last in enumerate(book.touch):
-        contacts, series = contacts_of(run, k), series_of(run, k)
-        columns = (contacts[name].tolist() for name in ("onset", "end", "closing_speed"))
+    recorder = run.recorder
+    time, book = recorder.series("time"), recorder.book
+    for k, last in enumerate(book.memory):
+        contacts, force = contacts_of(run, k), recorder.series("normal", k)
+        columns = (contacts[name].tolist() for name in ("touchdown", "separation", "closing_speed"))
         spans = list(zip(*columns, strict=True))
         if book.onset[k] > 0.0 and not last["started_closed"]:
-            spans.append((float(last["onset_time"]), math.inf, float(book.onset[k])))
-        for onset, end, closing in spans:
-            within = slice(*np.searchsorted(series["time"], [onset, end]))
-            greatest = peak(series["time"][within], series["normal"][within])
-            found.append(Touchdown(k, onset, closing, greatest))
-    return tuple(sorted(found, key=lambda touchdown: touchdown.onset))
+            spans.append((float(last["touchdown_time"]), math.inf, float(book.onset[k])))
+        for begin, end, closing in spans:
+            within = slice(*np.searchsorted(time, [begin, end]))
+            found.append(Touchdown(k, begin, closing, peak(time[within], force[within])))
+    return tuple(sorted(found, key=lambda touchdown: touchdown.time))
 
 
 def peak(time: Array, value: Array) -> float:
@@ -128,18 +128,17 @@ def peak(time: Array, value: Array) -> float:
 
 def trace_of(run: Run) -> Trace:
     """Copy the parts of a run that are compared; RunFailed if it failed."""
-    book = finished(run).recorder.book
-    series = [series_of(run, k) for k in range(max(book.touch.size, 1))]
+    recorder = finished(run).recorder
     # The series holds displacements, and a disturbed start is displaced already.
-    position = series[0]["displacement"] + float(book.record["start"][0])
+    position = recorder.series("displacement") + float(recorder.book.record["start"][0])
     eccentricity = [
-        own[name]
-        for own in series[: book.touch.size]
+        recorder.series(name, k)
+        for k in range(recorder.book.memory.size)
         for name in ("eccentricity_x", "eccentricity_y")
     ]
     return Trace(
-        series[0]["time"].copy(),
-        np.column_stack([position, series[0]["velocity"]]),
+        recorder.series("time").copy(),
+        np.column_stack([position, recorder.series("velocity")]),
         np.array(eccentricity).reshape(-1, position.size).T,
         touchdowns_of(run),
     )
@@ -183,7 +182,7 @@ def touchdown_differences(reference: tuple[Touchdown, ...], other: tuple[Touchdo
         [math.inf] * 3
         if twin is None
         else [
-            abs(twin.onset - own.onset),
+            abs(twin.time - own.time),
             abs(twin.closing_speed / own.closing_speed - 1.0),
             abs(twin.peak_force / own.peak_force - 1.0),
         ]

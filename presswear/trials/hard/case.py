@@ -107,7 +107,7 @@ def sound(run: Run, plan: Plan) -> Run:
         "position": run.end.position,
         "velocity": run.end.velocity,
         "energy": np.array([x for x in run.diagnostics.values() if isinstance(x, float)]),
-        **{f"contacts {k}": recorder.episodes(k) for k in range(len(recorder.book.touch))},
+        **{f"contacts {k}": recorder.episodes(k) for k in range(len(recorder.book.memory))},
     }
     for name, values in arrays.items():
         if not np.all(np.isfinite(values)):

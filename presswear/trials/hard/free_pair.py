@@ -93,7 +93,7 @@ def kept(tolerance: float, duration: float) -> Kept:
     linkage, start = worn_pair()
     run = ran(linkage, start, InHouse(integration_tolerance=tolerance), guarded(duration))
     before = kinetic_energy(linkage, start)
-    elastic = float(run.recorder.book.touch["energy"].sum())
+    elastic = float(run.recorder.book.memory["energy"].sum())
     change = kinetic_energy(linkage, run.end) + elastic - before
     turned = angular_momentum(linkage, run.end) - angular_momentum(linkage, start)
     return Kept(

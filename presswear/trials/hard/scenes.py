@@ -21,7 +21,7 @@ from presswear.scene.ideal import ideal_slider
 from presswear.scene.scene import CONVENTIONS, Scene
 from presswear.tools.errors import InputError
 from presswear.trials.hard.case import HardCase, energy_of, ran
-from presswear.trials.runs import PATIENCE, Check, contacts_of, guarded, order_of, series_of
+from presswear.trials.runs import PATIENCE, Check, contacts_of, guarded, order_of
 
 Array = NDArray[np.float64]
 
@@ -120,9 +120,9 @@ def law_cases() -> Iterator[HardCase]:
 def slider_distance(scene: Scene, clearance: float) -> float:
     """Greatest distance of the slider from that of the ideal press, m."""
     tight = replace(scene, bearings=replace(scene.bearings, clearance=clearance))
-    series = series_of(run_scene(tight, APPROACH))
-    ideal = ideal_slider(tight, series["time"])[:, 0]
-    return float(np.abs(series["displacement"] - ideal).max())
+    recorder = run_scene(tight, APPROACH).recorder
+    ideal = ideal_slider(tight, recorder.series("time"))[:, 0]
+    return float(np.abs(recorder.series("displacement") - ideal).max())
 
 
 def approach(scene: Scene) -> Iterator[Check]:
@@ -227,7 +227,7 @@ def met_together(scene: Scene, speed: float) -> Iterator[Check]:
     """See both joints touch within a picosecond, each at its closing speed."""
     run = run_scene(scene, start=displaced(scene, -1e-9, speed))
     one, other = (contacts_of(run, k) for k in range(2))
-    apart = float(one["onset"][0] - other["onset"][0])
+    apart = float(one["touchdown"][0] - other["touchdown"][0])
     yield Check("time between the two touches (s)", apart, 1e-12)
     worst = max(abs(float(own["closing_speed"][0]) / speed - 1.0) for own in (one, other))
     yield Check("closing speed over that of the start, less 1", worst, 1e-5)

@@ -25,6 +25,7 @@ from presswear.trials.precision.growth import Growth, measure_growth
 from presswear.trials.precision.methods import Method, by_family, finest, statistics_methods
 from presswear.trials.precision.statistic import (
     Draws,
+    Names,
     Statistic,
     StepError,
     honest_cycles,
@@ -198,6 +199,7 @@ class _Gathered:
     """Numbers that the runs of a method have given so far; large series are not kept."""
 
     method: Method
+    names: Names
     runs: int = 0
     draws: Draws = Draws((), ())
     rates: tuple[float, ...] = ()
@@ -217,12 +219,9 @@ class _Gathered:
             self.failure = f"start {self.runs}: {run.message}"
             return
         self.rates += (float(run.diagnostics["wall_solve_s"]) / run.time,)
-        recorder = run.recorder
-        self.draws = Draws(
-            (*self.draws.rows, np.array(recorder.cycles)), (*self.draws.maps, recorder.maps)
-        )
+        self.draws = self.draws.and_of(run.recorder, self.names)
 
-    def point(self, names: Mapping[str, tuple[str, int]], reference: Draws) -> StatisticPoint:
+    def point(self, reference: Draws) -> StatisticPoint:
         """The method's point."""
         known = not self.failure
         return StatisticPoint(
@@ -231,8 +230,8 @@ class _Gathered:
             self.warm_up,
             self.simulated,
             self.steps,
-            statistics_of(names, self.draws) if known else {},
-            step_errors(names, self.draws, reference) if known else {},
+            statistics_of(self.names, self.draws) if known else {},
+            step_errors(self.names, self.draws, reference) if known else {},
             self.failure,
         )
 
@@ -257,8 +256,9 @@ def follow(scene: Scene, extent: ChaosExtent, told: Told) -> Chaos:
     growing = part_of(told, 0.0, _GROWTH_SHARE)
     growths = measure_growth(scene, extent.duration, extent.pairs, growing)
     linkage, period = scene.linkage(), scene.mechanism.period
-    reference = _Gathered(finest(scene))
-    methods = [_Gathered(own) for own in statistics_methods(scene) if extent.methods(own)]
+    names = names_of(linkage)
+    reference = _Gathered(finest(scene), names)
+    methods = [_Gathered(own, names) for own in statistics_methods(scene) if extent.methods(own)]
     # In turn, so that a slow minute of the machine is shared by all.  The finest method has
     # starts of its own: where it is among the others as well, it is held against other draws.
     tasks = [(gathered, start) for start in range(extent.starts) for gathered in methods]
@@ -277,11 +277,10 @@ def follow(scene: Scene, extent: ChaosExtent, told: Told) -> Chaos:
         gathered.add(method.engine.simulate(linkage, start_of(scene, start), plan))
     if reference.failure:
         raise RunFailed(f"{reference.method.label}: {reference.failure}")
-    names = names_of(linkage)
     return Chaos(
         growths,
-        reference.point(names, reference.draws),
-        tuple(gathered.point(names, reference.draws) for gathered in methods),
+        reference.point(reference.draws),
+        tuple(gathered.point(reference.draws) for gathered in methods),
         stage_cycles(scene, reference.draws),
     )
 

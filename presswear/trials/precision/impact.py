@@ -22,7 +22,7 @@ from presswear.tools.errors import RunFailed
 from presswear.trials.precision.diagram import Diagram, Numbers, Quantity, Task
 from presswear.trials.precision.extent import PrecisionExtent
 from presswear.trials.precision.methods import contact_methods
-from presswear.trials.runs import contacts_of, series_of
+from presswear.trials.runs import contacts_of
 from presswear.trials.verify.references import Impact
 
 Array = NDArray[np.float64]
@@ -97,9 +97,9 @@ def deepest(run: Run) -> float:
     The quintic through penetration, rate and acceleration of the rows on both sides: a
     cubic's error is larger than that of the better methods.
     """
-    series = series_of(run)
-    time, velocity, depth = series["time"], series["velocity"], series["penetration"]
-    force = series["normal"]
+    series = run.recorder.series
+    time, velocity = series("time"), series("velocity")
+    depth, force = series("penetration", 0), series("normal", 0)
     # The momentum of ring and shaft is the shaft's at the start.
     rate = velocity - _SHAFT * (IMPACT.speed - velocity) / _RING
     turns = np.flatnonzero((rate[:-1] > 0.0) & (rate[1:] <= 0.0) & (force[:-1] > 0.0))
@@ -134,10 +134,9 @@ def single(scene: Scene, extent: PrecisionExtent) -> Task:
 
     def assess(run: Run) -> tuple[Numbers, Numbers]:
         contacts = contacts_of(run)
-        if contacts["onset"].size != 1:
-            raise RunFailed(
-                f"{contacts['onset'].size} contacts began and ended, where there is one"
-            )
+        count = contacts["touchdown"].size
+        if count != 1:
+            raise RunFailed(f"{count} contacts began and ended, where there is one")
         # Behind the contact nothing acts: its end follows from where the pin is now.
         gap = run.end.position[3] - run.end.position[0] - IMPACT.clearance
         rate = run.end.velocity[3] - run.end.velocity[0]
@@ -145,7 +144,7 @@ def single(scene: Scene, extent: PrecisionExtent) -> Task:
             raise RunFailed("still in contact, or through the bearing")
         found = {
             "delivered restitution": -float(contacts["release_speed"][0]) / speed,
-            "contact time": run.time - gap / rate - float(contacts["onset"][0]),
+            "contact time": run.time - gap / rate - float(contacts["touchdown"][0]),
             "deepest penetration": deepest(run),
         }
         errors = {name: abs(found[name] - value) for name, value in exact.items()}

@@ -15,7 +15,6 @@ from presswear.scene.scene import Numerics, Scene
 from presswear.trials.precision.diagram import Diagram, Numbers, Quantity, Task, check_finite
 from presswear.trials.precision.extent import PrecisionExtent
 from presswear.trials.precision.methods import smooth_methods
-from presswear.trials.runs import series_of
 from presswear.trials.verify import references
 
 Array = NDArray[np.float64]
@@ -47,11 +46,11 @@ def ideal_mechanism(scene: Scene, extent: PrecisionExtent) -> Task:
     duration = CYCLES * period
 
     def assess(run: Run) -> tuple[Numbers, Numbers]:
-        series = series_of(run)
-        exact = ideal_slider(scene, series["time"])
+        series = run.recorder.series
+        exact = ideal_slider(scene, series("time"))
         slider = {
-            "slider position": float(np.abs(series["displacement"] - exact[:, 0]).max()),
-            "slider velocity": float(np.abs(series["velocity"] - exact[:, 1]).max()),
+            "slider position": float(np.abs(series("displacement") - exact[:, 0]).max()),
+            "slider velocity": float(np.abs(series("velocity") - exact[:, 1]).max()),
         }
         return slider | constraint_errors(linkage, run), {}
 

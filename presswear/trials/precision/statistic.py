@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from scipy.stats import norm
 
 from presswear.linkage.elements import Linkage
+from presswear.record.recorder import Recorder
 from presswear.record.sampling import (
     LEVEL,
     MapBatches,
@@ -26,11 +27,14 @@ from presswear.record.sampling import (
     pooled,
     resampled,
 )
-from presswear.trials.runs import of_cycles
 
 Array = NDArray[np.float64]
+Names = Mapping[str, tuple[str, int]]
+"""Kind and joint of each statistic by its name."""
 
 DOSE, MAP, FORCE = "wear total", "wear map", "peak force"
+COLUMNS = {DOSE: "dose", FORCE: "force_max"}
+"""Names of statistics in a recorder's cycles."""
 FOR_WEAR = (DOSE, MAP)
 """The statistics that a setting has to have right to be honest for wear."""
 _NORMAL = float(norm.ppf(0.5 + 0.5 * LEVEL))
@@ -97,16 +101,25 @@ class Draws:
 
     Attributes
     ----------
-    rows : tuple of ndarray, shape (cycles, columns)
-        Cycles of the recorders.
+    cycles : tuple of mapping of str to ndarray, shape (cycles,)
+        Numbers of each cycle by the names of their statistics.
     maps : tuple of MapBatches
     """
 
-    rows: tuple[Array, ...]
+    cycles: tuple[Mapping[str, Array], ...]
     maps: tuple[MapBatches, ...]
 
+    def and_of(self, recorder: Recorder, names: Names) -> "Draws":
+        """These and what a recorder holds."""
+        numbers = {
+            name: recorder.each_cycle(COLUMNS[kind], k).copy()
+            for name, (kind, k) in names.items()
+            if kind != MAP
+        }
+        return Draws((*self.cycles, numbers), (*self.maps, recorder.maps))
 
-def names_of(linkage: Linkage) -> dict[str, tuple[str, int]]:
+
+def names_of(linkage: Linkage) -> Names:
     """Kind and joint of each statistic by its name."""
     return {
         f"{kind} at {joint.name}": (kind, k)
@@ -115,8 +128,6 @@ def names_of(linkage: Linkage) -> dict[str, tuple[str, int]]:
     }
 
 
-COLUMNS = {DOSE: "dose", FORCE: "force_max"}
-"""Names of statistics in a recorder's cycles."""
 UNITS = {DOSE: "N m", MAP: "m", FORCE: "N"}
 """Unit of each kind, in a cycle."""
 
@@ -131,14 +142,14 @@ def is_for_wear(name: str) -> bool:
     return name.startswith(FOR_WEAR)
 
 
-def statistics_of(names: Mapping[str, tuple[str, int]], draws: Draws) -> dict[str, Statistic]:
+def statistics_of(names: Names, draws: Draws) -> dict[str, Statistic]:
     """All statistics of a method."""
     found = {}
     for name, (kind, k) in names.items():
         if kind == MAP:
             found[name] = map_statistic(draws.maps, k)
         else:
-            estimate, _ = pooled([of_cycles(rows, COLUMNS[kind], k) for rows in draws.rows])
+            estimate, _ = pooled([numbers[name] for numbers in draws.cycles])
             found[name] = Statistic(estimate.mean, estimate.half_width, estimate.cycles)
     return found
 
@@ -160,9 +171,7 @@ def together(count: int) -> float:
     return float(norm.ppf(1.0 - 0.5 * (1.0 - LEVEL) / count)) / _NORMAL
 
 
-def step_errors(
-    names: Mapping[str, tuple[str, int]], draws: Draws, finest: Draws
-) -> dict[str, StepError]:
+def step_errors(names: Names, draws: Draws, finest: Draws) -> dict[str, StepError]:
     """Difference of each statistic from the finest method's."""
     here, there = statistics_of(names, draws), statistics_of(names, finest)
     widening = together(len(names))

@@ -1,11 +1,9 @@
 """The whole study of speed against error."""
 
 import time as clock
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
-from presswear.results.provenance import provenance
+from presswear.results.provenance import Provenance, provenance
 from presswear.scene.scene import Scene
 from presswear.trials.precision import chaos as beyond
 from presswear.trials.precision import horizon, impact, smooth
@@ -32,8 +30,7 @@ class Precision:
     ----------
     scene : Scene
     extent : PrecisionExtent
-    provenance : mapping
-        Versions, revision, machine and time; see ``presswear.results.provenance``.
+    provenance : Provenance
     processor : str
         Name that the operating system gives it.
     wall : float
@@ -50,7 +47,7 @@ class Precision:
 
     scene: Scene
     extent: PrecisionExtent
-    provenance: Mapping[str, Any]
+    provenance: Provenance
     processor: str
     wall: float
     horizon: float

@@ -12,8 +12,9 @@ from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import ExudynJoints, InHouse
 from presswear.linkage.elements import Linkage
 from presswear.linkage.laws import FrictionLaw
+from presswear.record.observe import SERIES_NAMES
 from presswear.tools.errors import RunFailed
-from presswear.trials.runs import Told, contacts_of, finished, order_of, series_of
+from presswear.trials.runs import Told, contacts_of, finished, order_of
 from presswear.trials.verify import references
 
 Array = NDArray[np.float64]
@@ -102,19 +103,20 @@ def delivered(run: Run, speed: float) -> float:
 
 
 def first_contact(run: Run, k: int = 0) -> dict[str, float]:
-    """First contact of joint ``k`` by ``EPISODE_COLUMNS``, SI; RunFailed if there is none."""
+    """First contact of joint ``k`` by ``CONTACT_COLUMNS``, SI; RunFailed if there is none."""
     contacts = contacts_of(finished(run), k)
-    if not contacts["onset"].size:
+    if not contacts["touchdown"].size:
         raise RunFailed("a contact that must happen was not seen")
     return {name: float(column[0]) for name, column in contacts.items()}
 
 
 def deepest_penetration(run: Run, speed: float) -> float:
     """Greatest penetration of a free ``Impact``, m, between the recorded rows too."""
-    series = series_of(finished(run))
+    recorder = finished(run).recorder
+    velocity = recorder.series("velocity")
     # The momentum of ring, 0.3 kg, and shaft, 0.1 kg, is the shaft's at the start.
-    rate = series["velocity"] - (speed - series["velocity"]) / 3.0
-    course = CubicHermiteSpline(series["time"], series["penetration"], rate)
+    rate = velocity - (speed - velocity) / 3.0
+    course = CubicHermiteSpline(recorder.series("time"), recorder.series("penetration", 0), rate)
     return float(course(course.derivative().roots(extrapolate=False)).max())
 
 
@@ -135,7 +137,7 @@ def impact_rows() -> Iterator[Comparison]:
     yield Comparison("penetration over closed form, dae", 1.0, part, 1e-8)
     impact = references.Impact(1.0)
     contact = first_contact(TIGHT.simulate(impact.linkage, impact.start, plan))
-    lasted = (contact["end"] - contact["onset"]) * impact.speed / impact.deepest
+    lasted = (contact["separation"] - contact["touchdown"]) * impact.speed / impact.deepest
     expected = references.HERTZ_DURATION
     yield Comparison("Hertz: duration (delta_max/v), dae", expected, lasted, 1e-8)
 
@@ -151,12 +153,10 @@ def turning_points(run: Run, begin: float) -> tuple[Array, Array]:
     begin : float
         Watched coordinate at the start, m.
     """
-    series = series_of(finished(run))
-    velocity = series["velocity"]
+    recorder = finished(run).recorder
+    velocity = recorder.series("velocity")
     before = np.flatnonzero(velocity[:-1] * velocity[1:] < 0.0)
-    t, x, v, a = (
-        series[name][before] for name in ("time", "displacement", "velocity", "acceleration")
-    )
+    t, x, v, a = (recorder.series(name)[before] for name in SERIES_NAMES)
     left = -v / a
     return t + left, begin + x + left * (v + 0.5 * a * left)
 
@@ -218,9 +218,9 @@ def bounced(ball: references.Ball, duration: float) -> Bounces:
     run = TIGHT.simulate(ball.linkage, ball.start, Plan(duration, 1, recorded_cycles=1))
     first_contact(run)
     contacts = contacts_of(run)
-    onset, end = contacts["onset"], contacts["end"]
-    left = np.concatenate([[0.0], end[:-1]])
-    return Bounces(onset - left, -contacts["release_speed"], end - onset)
+    touchdown, separation = contacts["touchdown"], contacts["separation"]
+    left = np.concatenate([[0.0], separation[:-1]])
+    return Bounces(touchdown - left, -contacts["release_speed"], separation - touchdown)
 
 
 def stiff_limit(values: Sequence[float], ratio: float) -> float:

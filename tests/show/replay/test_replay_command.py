@@ -107,7 +107,7 @@ def test_what_cannot_be_shown_is_refused_in_one_line(
     directory.mkdir()
     assert "is a folder" in refused(capsys, here, "--still", str(directory))
     assert "no result folder" in refused(capsys, str(tmp_path), "--still", png)
-    assert "no result folder" in refused(
+    assert "there is no such folder" in refused(
         capsys, here, "--still", png, "--compare", str(tmp_path / "nothing")
     )
     assert list(tmp_path.iterdir()) == []

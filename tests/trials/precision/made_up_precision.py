@@ -153,6 +153,7 @@ def precision(whole: bool = True) -> Precision:
             "packages": {"presswear": "0.1.0", "exudyn": "1.13.6"},
             "python": "3.11.0",
             "revision": "abc",
+            "source": "0123456789abcdef",
             "machine": "Linux, 2 cores",
             "started": "2024-01-01T00:00:00Z",
         },

@@ -11,9 +11,9 @@ from made_up_precision import NAMES, SCENE, STAGE_CYCLES, chaos
 
 from presswear.campaign.starts import start_of
 from presswear.record.sampling import MapBatches
-from presswear.results.result import plain
 from presswear.scene.catalog import ideal
 from presswear.scene.scene import Numerics
+from presswear.tools.documents import plain
 from presswear.tools.errors import InputError
 from presswear.trials.precision.chaos import ChaosExtent, follow, stage_cycles
 from presswear.trials.precision.growth import (

@@ -4,59 +4,38 @@ from collections.abc import Sequence
 
 from matplotlib.figure import SubFigure
 
-from presswear.show.figures.style import WIDTH, Axes, Drawing, Sheet, note
+from presswear.show.figures.style import Axes, Sheet, note
 from presswear.studies.paper.evidence import Evidence
 from presswear.studies.paper.figures.lines import (
-    JOINTS,
     ONE_CYCLE,
     Line,
     Shown,
+    joint_title,
     shown_cycles,
     shown_joints,
 )
-from presswear.studies.paper.figures.peaks import (
-    ROW,
-    draw_peaks,
-    peak_handles,
-    peaks,
-    peaks_caption,
-)
+from presswear.studies.paper.figures.peaks import ROW, Peak, draw_peaks, sheet_over_peaks
 from presswear.tools.numbers import readable
 
-_TITLES = {
-    18: "Contact force with the wears",
-    21: "Contact force at two friction coefficients",
-    24: "Contact force at two speeds",
-}
 _ROW_HEIGHT = 1.2
 
 
-def contact_forces(evidence: Evidence, number: int, lines: tuple[Line, ...]) -> Drawing | None:
+def contact_forces(
+    evidence: Evidence, number: int, lines: tuple[Line, ...]
+) -> tuple[str, Sheet] | None:
     """Normal force over one cycle, and its peaks over all cycles."""
     shown = shown_cycles(evidence, lines)
     joints = shown_joints(shown)
     if not shown or not joints:
         return None
-    upper, lower = 0.5 + _ROW_HEIGHT * len(shown), 0.85 + ROW * len(shown)
-    sheet = Sheet(figsize=(WIDTH, upper + lower), layout="constrained")
-    top, bottom = sheet.subfigures(2, 1, squeeze=False, height_ratios=(upper, lower))[:, 0]
+    sheet, top, bottom = sheet_over_peaks(0.5 + _ROW_HEIGHT * len(shown), 0.85 + ROW * len(shown))
     _draw_cycles(top, shown, joints)
-    drawn = [one.line for one in shown]
-    known = {joint: peaks(evidence, drawn, "force", joint) for joint in joints}
-    panels = bottom.subplots(1, len(joints), sharey=True, squeeze=False)[0]
-    for axes, joint in zip(panels, joints, strict=True):
-        cycle = {one.line: one.peak("force", joint) for one in shown}
-        draw_peaks(axes, drawn, known[joint], "force", joint, cycle)
-        axes.set_xlabel(f"largest force at {joint} in a cycle (N)")
-        axes.set_xlim(0.0, None)
-    marks = peak_handles(with_ideal=False)
-    bottom.legend(handles=marks, loc="outside lower center", ncols=len(marks))
+    panels = [Peak("force", f"largest force at {joint} in a cycle (N)", joint) for joint in joints]
     caption = (
         f"Normal contact force over time: {ONE_CYCLE}. Each panel has its own scale and names its "
-        "largest force. "
+        f"largest force. {draw_peaks(bottom, evidence, number, shown, panels)}"
     )
-    caption += peaks_caption(known, number)
-    return Drawing(f"fig-{number:02d}.png", f"Fig. {number} {_TITLES[number]}", caption, sheet)
+    return caption, sheet
 
 
 def _draw_cycles(sheet: SubFigure, shown: Sequence[Shown], joints: Sequence[str]) -> None:
@@ -66,8 +45,7 @@ def _draw_cycles(sheet: SubFigure, shown: Sequence[Shown], joints: Sequence[str]
             _draw_force(axes, one, joint)
         row[0].set_ylabel("normal force (N)")
     for column, joint in zip(grid.T, joints, strict=True):
-        letter = "ab"[JOINTS.index(joint)]
-        column[0].set_title(f"{letter}  joint {joint}", loc="left", fontweight="bold")
+        column[0].set_title(joint_title(joint), loc="left", fontweight="bold")
         for k, axes in enumerate(column):
             # Times are named again where the period changes.
             last = k == len(shown) - 1 or shown[k + 1].period != shown[k].period

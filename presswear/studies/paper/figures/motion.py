@@ -1,6 +1,7 @@
 """Figures 17, 20 and 23: displacement, velocity and acceleration of the slider."""
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 from matplotlib.figure import SubFigure
@@ -9,39 +10,27 @@ from matplotlib.lines import Line2D
 from presswear.scene.ideal import ideal_slider
 from presswear.scene.scene import stage_name
 from presswear.show.figures.motion import IDEAL_DASHES, draw_ideal, draw_stage
-from presswear.show.figures.style import REFERENCE, WIDTH, Array, Axes, Drawing, Sheet, note
+from presswear.show.figures.style import REFERENCE, Array, Axes, Sheet, note
 from presswear.studies.paper.evidence import Evidence
 from presswear.studies.paper.figures.lines import (
     MILLIMETRES,
     ONE_CYCLE,
     Line,
     Shown,
-    letter,
     shown_cycles,
 )
-from presswear.studies.paper.figures.peaks import (
-    ROW,
-    draw_peaks,
-    peak_handles,
-    peaks,
-    peaks_caption,
-)
+from presswear.studies.paper.figures.peaks import ROW, Peak, draw_peaks, sheet_over_peaks
 from presswear.tools.numbers import readable
 
-_TITLES = {
-    17: "Motion of the slider with the wears",
-    20: "Motion of the slider at two friction coefficients",
-    23: "Motion of the slider at two speeds",
-}
 _QUANTITIES = (("displacement", "m"), ("velocity", "m/s"), ("acceleration", "m/s²"))
 _HEIGHTS = (1.15, 0.95, 1.15)
-"""Of displacement, its distance from the ideal, and velocity, inches."""
+"""Heights of displacement, its distance from the ideal, and velocity, inches."""
 _ACCELERATION_HEIGHT = 1.05
 _BESIDE = 3
 """Most lines whose names fit beside each other."""
 
 
-def responses(evidence: Evidence, number: int, lines: tuple[Line, ...]) -> Drawing | None:
+def responses(evidence: Evidence, number: int, lines: tuple[Line, ...]) -> tuple[str, Sheet] | None:
     """The slider over one cycle against the ideal motion, and its peaks over all cycles."""
     shown = shown_cycles(evidence, lines)
     if not shown:
@@ -49,9 +38,7 @@ def responses(evidence: Evidence, number: int, lines: tuple[Line, ...]) -> Drawi
     columns = _columns(number, shown)
     rows = max(len(column) for column in columns.values())
     upper = sum(_HEIGHTS) + _ACCELERATION_HEIGHT * rows + 0.75
-    lower = 0.95 + ROW * len(shown)
-    sheet = Sheet(figsize=(WIDTH, upper + lower), layout="constrained")
-    top, bottom = sheet.subfigures(2, 1, squeeze=False, height_ratios=(upper, lower))[:, 0]
+    sheet, top, bottom = sheet_over_peaks(upper, 0.95 + ROW * len(shown))
     _draw_cycles(top, columns, rows)
     handles = [Line2D([], [], color=REFERENCE, linestyle=IDEAL_DASHES, label="ideal")]
     if len(shown) > _BESIDE:
@@ -60,23 +47,17 @@ def responses(evidence: Evidence, number: int, lines: tuple[Line, ...]) -> Drawi
     handles += [one.line.handle(one.line.name) for one in shown]
     columns_of_legend = len(handles) if len(shown) <= _BESIDE else -(-len(handles) // 2)
     top.legend(handles=handles, loc="outside upper center", ncols=columns_of_legend)
-    drawn = [one.line for one in shown]
-    known = {name: peaks(evidence, drawn, name) for name, _ in _QUANTITIES}
-    panels = bottom.subplots(1, len(_QUANTITIES), sharey=True)
-    for k, (axes, (name, unit)) in enumerate(zip(panels, _QUANTITIES, strict=True)):
-        ideal = {one.line: _ideal_peak(one, k) for one in shown}
-        cycle = {one.line: one.peak(name) for one in shown}
-        draw_peaks(axes, drawn, known[name], name, "", cycle, ideal)
-        axes.set_xlabel(f"largest {name}\nof a cycle ({unit})")
-    marks = peak_handles(with_ideal=True)
-    bottom.legend(handles=marks, loc="outside lower center", ncols=len(marks))
+    panels = [
+        Peak(name, f"largest {name}\nof a cycle ({unit})", ideal=partial(_ideal_peak, column))
+        for column, (name, unit) in enumerate(_QUANTITIES)
+    ]
     caption = (
         f"Time histories: {ONE_CYCLE}. Dashed: the ideal motion in closed form; the second row "
         "shows how far the displacement is from it. Each panel of acceleration has its own scale, "
         "for impacts dwarf the ideal acceleration, and names its largest value of either sign. "
+        + draw_peaks(bottom, evidence, number, shown, panels)
     )
-    caption += peaks_caption(known, number)
-    return Drawing(f"fig-{number:02d}.png", f"Fig. {number} {_TITLES[number]}", caption, sheet)
+    return caption, sheet
 
 
 def _columns(number: int, shown: Sequence[Shown]) -> dict[str, list[Shown]]:
@@ -120,8 +101,22 @@ def _draw_cycles(sheet: SubFigure, columns: dict[str, list[Shown]], rows: int) -
     for axes in first[3:]:
         axes.set_ylabel("acceleration\n(m/s²)")
     for axes, text in zip(first[[0, 2, 3]], "abc", strict=True):
-        letter(axes, text)
+        _letter(axes, text)
     sheet.align_ylabels(list(first))
+
+
+def _letter(axes: Axes, text: str) -> None:
+    """The letter of a panel, as in the paper, in its upper left corner."""
+    axes.text(
+        0.008,
+        0.95,
+        text,
+        transform=axes.transAxes,
+        ha="left",
+        va="top",
+        fontweight="bold",
+        bbox={"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 1.0},
+    )
 
 
 def _draw_column(panels: Sequence[Axes], shown: Sequence[Shown]) -> None:
@@ -151,7 +146,7 @@ def _draw_acceleration(axes: Axes, one: Shown, time: Array, ideal: Array) -> Non
     note(axes, f"{one.line.name}, largest {readable(one.peak('acceleration'))} m/s²")
 
 
-def _ideal_peak(one: Shown, column: int) -> float:
-    """Largest of the ideal motion in a cycle; of the acceleration, of either sign."""
+def _ideal_peak(column: int, one: Shown) -> float:
+    """Largest value of the ideal motion in a cycle; the acceleration's has either sign."""
     values = ideal_slider(one.result.scene, np.linspace(0.0, one.period, 2001))[:, column]
     return float(np.abs(values).max() if column == 2 else values.max())

@@ -1,7 +1,5 @@
 """Figures 19, 22 and 25: path of the pin's centre in its bearing."""
 
-from matplotlib.lines import Line2D
-
 from presswear.show.figures.motion import (
     circle_line,
     draw_path,
@@ -9,26 +7,22 @@ from presswear.show.figures.motion import (
     limit_line,
     set_path_limits,
 )
-from presswear.show.figures.style import WIDTH, Drawing, Sheet
+from presswear.show.figures.style import WIDTH, Sheet
 from presswear.studies.paper.evidence import Evidence
 from presswear.studies.paper.figures.lines import (
-    JOINTS,
     MILLIMETRES,
     ONE_CYCLE,
     Line,
+    joint_title,
     shown_cycles,
     shown_joints,
 )
 from presswear.tools.numbers import readable
 
-_TITLES = {
-    19: "Path of the pin centre with the wears",
-    22: "Path of the pin centre at two friction coefficients",
-    25: "Path of the pin centre at two speeds",
-}
 
-
-def centre_paths(evidence: Evidence, number: int, lines: tuple[Line, ...]) -> Drawing | None:
+def centre_paths(
+    evidence: Evidence, number: int, lines: tuple[Line, ...]
+) -> tuple[str, Sheet] | None:
     """Path of each pin's centre over one cycle, a panel for each line and joint."""
     shown = shown_cycles(evidence, lines)
     joints = shown_joints(shown)
@@ -45,16 +39,13 @@ def centre_paths(evidence: Evidence, number: int, lines: tuple[Line, ...]) -> Dr
             limit = gap_limit(one.result, joint, one.stage)
             reach = draw_path(axes, path, limit, clearance, MILLIMETRES, one.line.colour)
             widest, bounded = max(widest, reach), bounded or limit.size > 0
-        letter = "ab"[JOINTS.index(joint)]
-        row[0].set_ylabel(f"{letter}  joint {joint}\n$e_y$ (mm)")
+        row[0].set_ylabel(f"{joint_title(joint)}\n$e_y$ (mm)")
     for axes, one in zip(grid[0], shown, strict=True):
         axes.set_title(one.line.name.replace(", ", "\n"))
     for axes in grid[-1]:
         axes.set_xlabel("$e_x$ (mm)")
     set_path_limits(grid.flat, 1.06 * MILLIMETRES * widest)
-    handles: list[Line2D] = [
-        circle_line(f"clearance circle, c = {readable(MILLIMETRES * clearance, 2)} mm")
-    ]
+    handles = [circle_line(f"clearance circle, c = {readable(MILLIMETRES * clearance, 2)} mm")]
     if bounded:
         handles.append(limit_line())
     sheet.legend(handles=handles, loc="outside upper center", ncols=len(handles))
@@ -63,4 +54,4 @@ def centre_paths(evidence: Evidence, number: int, lines: tuple[Line, ...]) -> Dr
         f"{ONE_CYCLE}. It starts in the middle. Dashed: how far the pin of a new joint can go; "
         "where it leaves the circle, it presses into the bearing or the bearing is worn."
     )
-    return Drawing(f"fig-{number:02d}.png", f"Fig. {number} {_TITLES[number]}", caption, sheet)
+    return caption, sheet

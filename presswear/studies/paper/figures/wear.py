@@ -9,59 +9,49 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MultipleLocator
 
-from presswear.show.figures.style import (
-    MICRONS,
-    REFERENCE,
-    WIDTH,
-    Axes,
-    Drawing,
-    Sheet,
-    maps_turn,
-)
-from presswear.studies.paper.evidence import Evidence, WearMap
-from presswear.studies.paper.figures.lines import (
+from presswear.show.figures.style import MICRONS, REFERENCE, WIDTH, Axes, Sheet, maps_turn
+from presswear.studies.paper.evidence import Evidence, Measured, WearMap
+from presswear.studies.paper.figures.lines import Line, counted, joint_title
+from presswear.studies.paper.printed import (
     JOINTS,
-    Line,
-    counted,
-    printed_in,
+    RANGES,
+    Printed,
+    PrintedRange,
+    printed_at,
+    shown_in,
 )
-from presswear.studies.paper.printed import RANGES, Printed, PrintedRange, printed_at
 from presswear.studies.paper.variants import BASE
 from presswear.tools.numbers import readable
 
 _LINEAR_RATIO = 20.0
 """Ratio of the largest to the smallest peak up to which one linear scale shows both."""
-_TITLES = {
-    8: "Wear depth after the first and the second wear",
-    11: "Wear depth after the first wear at two friction coefficients",
-    14: "Wear depth after the first wear at two speeds",
-}
 
 
 @dataclass(frozen=True)
 class _Curve:
-    """A wear map with what the paper prints of its deepest place.
+    """A wear map with our measure of its deepest place and what the paper prints of it.
 
     Attributes
     ----------
     turns : bool
-        Whether its angles are on the bodies.
+        True where its angles are on the bodies.
     """
 
     line: Line
     map: WearMap
+    known: Measured
     depth: Printed | None
     angle: Printed | None
     turns: bool
 
 
-def depths(evidence: Evidence, number: int, lines: tuple[Line, ...]) -> Drawing | None:
+def depths(evidence: Evidence, number: int, lines: tuple[Line, ...]) -> tuple[str, Sheet] | None:
     """Depth of pin and bearing together over the direction of contact, at A and at C."""
     panels = {joint: _curves(evidence, joint, lines) for joint in JOINTS}
     panels = {joint: curves for joint, curves in panels.items() if curves}
     if not panels:
         return None
-    ranges = [one for one in RANGES if one.figure.rstrip("abc") == str(number)]
+    ranges = [one for one in RANGES if one.figure[:-1] == str(number)]
     sheet = Sheet(figsize=(WIDTH, 0.8 + 2.5 * len(panels)), layout="constrained")
     grid = sheet.subplots(len(panels), 1, squeeze=False)
     everything = [curve for curves in panels.values() for curve in curves]
@@ -73,7 +63,7 @@ def depths(evidence: Evidence, number: int, lines: tuple[Line, ...]) -> Drawing 
                 _draw_range(axes, one)
         axes.set_xlabel(f"{where} (degrees)")
         axes.set_ylabel("depth, bearing + pin (µm)")
-        axes.set_title(f"{'ab'[JOINTS.index(joint)]}  joint {joint}", loc="left", fontweight="bold")
+        axes.set_title(joint_title(joint), loc="left", fontweight="bold")
     drawn = {curve.line: curve.line.handle(curve.line.wear_name) for curve in everything}
     handles: list[Line2D | Patch] = list(drawn.values())
     handles.append(
@@ -82,35 +72,30 @@ def depths(evidence: Evidence, number: int, lines: tuple[Line, ...]) -> Drawing 
     if ranges:
         handles.append(Patch(color=_RANGE_COLOUR, label="printed, mainly worn"))
     sheet.legend(handles=handles, loc="outside upper center", ncols=len(handles))
-    known = [evidence.measured(BASE, c.line.at(j), "depth") for j, cs in panels.items() for c in cs]
     caption = (
         "Depth that pin and bearing lose together, all wears so far added up, over the direction "
-        f"in which they touch. Lines: mean over {counted(known)}; bands: 95 % interval of that "
-        "mean at each angle by itself. Diamonds: deepest wear and its angle as the paper prints "
-        "them."
+        f"in which they touch. Lines: mean over {counted([c.known for c in everything])}; bands: "
+        "95 % interval of that mean at each angle by itself. Diamonds: deepest wear and its angle "
+        "as the paper prints them."
     )
     if ranges:
         caption += " Grey bars: where the paper says that the joint is mainly worn."
     if any(axes.get_yscale() == "log" for axes in grid.flat):
         caption += " The scale is logarithmic where peaks differ much; lower depths are cut."
-    doubts = dict.fromkeys(one.misprint for one in printed_in(number) if one.misprint)
+    doubts = dict.fromkeys(one.misprint for one in shown_in(number) if one.misprint)
     if doubts:
         caption += f" *: {'; '.join(doubts)}."
-    return Drawing(f"fig-{number:02d}.png", f"Fig. {number} {_TITLES[number]}", caption, sheet)
+    return caption, sheet
 
 
 def _curves(evidence: Evidence, joint: str, lines: Sequence[Line]) -> list[_Curve]:
     found = []
-    for line in lines:
-        result = evidence.at_stage(BASE, line.setting, line.wears - 1)
-        # A person may have closed a joint in all runs.
-        if result is None or joint not in result.scene.clearance_joints:
-            continue
-        known = evidence.wear_map(BASE, line.setting, joint, line.wears)
-        if known is not None and np.any(known.mean > 0.0):
-            place = line.at(joint)
-            depth, angle = printed_at(place, "depth"), printed_at(place, "angle")
-            found.append(_Curve(line, known, depth, angle, maps_turn(result)))
+    for place, line in ((line.at(joint), line) for line in lines):
+        result, worn = evidence.worn_at(BASE, place), evidence.wear_map(BASE, place)
+        known = evidence.measured(BASE, place, "depth")
+        if result and worn and known and np.any(worn.mean > 0.0):
+            printed = (printed_at(place, "depth"), printed_at(place, "angle"))
+            found.append(_Curve(line, worn, known, *printed, maps_turn(result)))
     return found
 
 
@@ -154,7 +139,7 @@ def _draw(axes: Axes, curves: Sequence[_Curve]) -> None:
 
 
 def _mark(axes: Axes, curve: _Curve) -> None:
-    """The printed deepest place."""
+    """Mark the printed deepest place."""
     if curve.depth is None or curve.angle is None:
         return
     at = (np.degrees(curve.angle.value), MICRONS * curve.depth.value)

@@ -1,0 +1,95 @@
+"""The face: everything that a script may import, and how a run ends for it."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import presswear as pw
+from presswear.record.recorder import Recorder
+
+QUICK = {"engine": "dae", "integrator": "dopri5", "integration_tolerance": 1e-6}
+
+
+def test_every_name_can_be_asked_for() -> None:
+    for name in dir(pw):
+        assert getattr(pw, name) is not None
+    with pytest.raises(AttributeError, match="no attribute 'Sceen'"):
+        _ = pw.Sceen
+
+
+@pytest.mark.parametrize("program", ["import presswear", "main(['list'])", "main(['run', 'no'])"])
+def test_what_does_not_compute_loads_neither_numba_nor_exudyn(program: str) -> None:
+    code = (
+        f"import sys; from presswear.__main__ import main; {program}; "
+        "sys.exit(bool({'numba', 'exudyn', 'scipy', 'matplotlib', 'msgspec'} & set(sys.modules)))"
+    )
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True).returncode == 0
+
+
+def test_scenes_take_text_with_units_and_numbers() -> None:
+    scene = pw.scenes.wear_times(clearance="0.6 mm", friction=0.05, cycles=5)
+    assert (scene.bearings.clearance, scene.bearings.friction, scene.cycles) == (6e-4, 0.05, 5)
+    assert scene.statuses["friction"] == "set by the user"
+    with pytest.raises(pw.InputError, match=r"friction = 3: allowed is 0 to 0\.8"):
+        pw.scenes.wear_times(friction=3)
+    with pytest.raises(pw.InputError, match="did you mean clearance"):
+        pw.scenes.wear_times(clearence=1e-3)
+
+
+class Stops(pw.Tracker):
+    """Ends each run after two cycles."""
+
+    def cycle(self, recorder: Recorder, state: object) -> bool:
+        return len(recorder.cycles) == 2
+
+
+def test_a_tracker_can_end_a_run() -> None:
+    scene = pw.scenes.wear_times(wears=0, cycles=9, **QUICK)
+    result = pw.run(scene, trackers=[Stops()])
+    assert (result.stages[0].cycles, result.stages[0].status) == (2, "enough")
+
+
+def test_a_run_goes_on_in_its_folder_and_is_read_when_it_is_finished(tmp_path: Path) -> None:
+    scene = pw.scenes.wear_times(wears=1, cycles=2, **QUICK)
+
+    class Breaks(pw.Tracker):
+        def stage(self, stage: pw.StageResult) -> None:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        pw.run(scene, tmp_path / "run", trackers=[Breaks()])
+    assert pw.load(tmp_path / "run").status == "interrupted"
+    result = pw.run(scene, tmp_path / "run")
+    assert (result.status, len(result.stages)) == ("completed", 2)
+    again = pw.run(scene, tmp_path / "run", trackers=[Breaks()])
+    assert str(again) == str(result)
+    with pytest.raises(pw.InputError, match="another scene: cycles is 2 there and 3 here"):
+        pw.run(pw.scenes.wear_times(wears=1, cycles=3, **QUICK), tmp_path / "run")
+
+
+def test_a_run_that_failed_raises_with_its_finding(tmp_path: Path) -> None:
+    scene = pw.scenes.wear_times(wears=0, cycles=1)
+    paper = pw.InHouse(integrator="rk4-paper")
+    with pytest.raises(pw.RunFailed, match="no longer finite") as failed:
+        pw.run(scene, tmp_path / "run", engine=paper)
+    assert failed.value.finding.kind == "state"
+    assert failed.value.finding.time_s > 0.0
+    with pytest.raises(pw.RunFailed):
+        pw.run(scene, tmp_path / "run", engine=paper)
+    result = pw.run(scene, tmp_path / "run", engine=paper, check=False)
+    assert result.status == "failed"
+    assert result.stages[0].failed
+    assert "failed" in str(result)
+
+
+def test_settings_of_an_engine_are_checked_like_any_other() -> None:
+    with pytest.raises(pw.InputError, match=r"tree_tolerance = -1: allowed is 1e-13 to 0\.001"):
+        pw.run(pw.scenes.wear_times(), engine=pw.ExudynTree(tree_tolerance=-1.0))
+    with pytest.raises(pw.InputError, match="did you mean exudyn-tree"):
+        pw.run(pw.scenes.wear_times(), engine="exudyn-tee")
+    with pytest.raises(pw.InputError, match="jobs = 2: a scene takes 1"):
+        pw.run(pw.scenes.wear_times(), jobs=2)
+    with pytest.raises(pw.InputError, match="'papre'; did you mean paper"):
+        pw.study("papre")
