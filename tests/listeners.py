@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 from presswear.record.recorder import Recorder
 from presswear.record.tracker import Tracker
-from presswear.tools.state import State
+from presswear.tools.arrays import State
 
 
 @dataclass

@@ -18,7 +18,7 @@ from presswear.linkage.elements import (
 from presswear.linkage.laws import FrictionLaw, NormalLaw
 from presswear.linkage.surface import Surface
 from presswear.physics.contact import CONTACT, note_contacts, penetration_acceleration
-from presswear.physics.forces import Load, load_of
+from presswear.physics.forces import JointLoad, load_of
 from presswear.physics.packed import Packed, pack
 from presswear.tools.compiled import Records
 
@@ -58,7 +58,7 @@ def joint_contact(packed: Packed, q: Array, v: Array) -> Records:
     return contacts.view(np.recarray)[0]
 
 
-def joint_load(packed: Packed, onset: float, q: Array, v: Array) -> Load:
+def joint_load(packed: Packed, onset: float, q: Array, v: Array) -> JointLoad:
     """Forces of the one joint in a state of the linkage, for a closing speed at touchdown."""
     return load_of(packed.joints[0], onset, joint_contact(packed, q, v))
 
@@ -92,9 +92,15 @@ class Pair:
         packed = self.packed
         return penetration_acceleration(packed.joints[0], packed.surfaces[0], self.contact(), a)
 
-    def load(self, onset: float) -> Load:
+    def load(self, onset: float) -> JointLoad:
         """Forces, for a closing speed at first touch."""
         return joint_load(self.packed, onset, self.q, self.v)
+
+    def moment_of(self, load: JointLoad) -> float:
+        """Sum of all moments about the origin, N m, that forces put on the two bodies."""
+        q = self.q
+        of_forces = (q[3] - q[0]) * load.y - (q[4] - q[1]) * load.x
+        return float(of_forces + load.pin_moment + load.bearing_moment)
 
     def after(self, time: float, acceleration: Array | None = None) -> "Pair":
         """The state a time later at constant acceleration."""

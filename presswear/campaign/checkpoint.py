@@ -1,7 +1,7 @@
 """Checkpoints: all that is needed to go on with a campaign, as a document and arrays."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from presswear.campaign.amplification import Growth, Worn
@@ -12,7 +12,7 @@ from presswear.linkage.surface import Surface
 from presswear.record.soundness import Finding
 from presswear.results.stage import WearStep
 from presswear.scene.scene import Scene
-from presswear.tools.state import State, named, part
+from presswear.tools.arrays import State, named, part
 
 Document = Mapping[str, Any]
 
@@ -79,7 +79,7 @@ class Checkpoint:
             arrays |= {"growth/added": growth.added, **_surfaces("growth/worn", growth.worn)}
             document["growth"] = {
                 "worn": list(growth.worn),
-                "steps": [step.as_dict() for step in growth.steps],
+                "steps": [asdict(step) for step in growth.steps],
                 "remaining": growth.remaining,
             }
         return document, arrays
@@ -98,7 +98,7 @@ class Checkpoint:
             growth = Growth(
                 _restored_surfaces("growth/worn", told["worn"], arrays),
                 arrays["growth/added"],
-                tuple(map(WearStep.from_dict, told["steps"])),
+                tuple(WearStep(**step) for step in told["steps"]),
                 told["remaining"],
             )
             linkage = scene.linkage(growth.worn)
@@ -135,7 +135,7 @@ def _run(prefix: str, run: Run, arrays: dict[str, Any]) -> dict[str, Any]:
     arrays |= {f"{prefix}/q": run.end.position, f"{prefix}/v": run.end.velocity}
     return {
         "status": run.status,
-        "finding": run.finding.as_dict() if run.finding else None,
+        "finding": asdict(run.finding) if run.finding else None,
         "time": run.time,
         "diagnostics": run.diagnostics,
     }
@@ -152,7 +152,7 @@ def _restored_runs(
         found.append(
             Run(
                 told["status"],
-                Finding.from_dict(told["finding"]) if told["finding"] else None,
+                Finding(**told["finding"]) if told["finding"] else None,
                 recorder,
                 Start(own["q"], own["v"]),
                 told["time"],

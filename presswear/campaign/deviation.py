@@ -7,8 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.campaign.ensemble import Ensemble
-from presswear.record.observe import SERIES_FIXED, SERIES_JOINT
-from presswear.scene.ideal import ideal_slider
 from presswear.scene.scene import Scene
 
 Array = NDArray[np.float64]
@@ -31,13 +29,14 @@ def deviations(scene: Scene, ensemble: Ensemble) -> dict[str, Array]:
     slider: list[list[float]] = []
     flight: dict[str, list[float]] = {joint.name: [] for joint in ensemble.linkage.clearances}
     for index, recorder in enumerate(ensemble.recorders):
-        series = recorder.rows
-        for rows in whole_cycles(series[:, 0], period):
+        time = recorder.series("time")
+        moved, speed = recorder.series("displacement"), recorder.series("velocity")
+        for rows in whole_cycles(time, period):
             starts.append(index)
-            slider.append(slider_deviation(scene, series[rows, 0], series[rows, 1:SERIES_FIXED]))
+            slider.append(slider_deviation(scene, time[rows], moved[rows], speed[rows]))
             for k, own in enumerate(flight.values()):
-                penetration = series[rows, SERIES_FIXED + SERIES_JOINT * k + 2]
-                own.append(mean_over_time(series[rows, 0], (penetration <= 0.0).astype(float)))
+                is_open = recorder.series("penetration", k)[rows] <= 0.0
+                own.append(mean_over_time(time[rows], is_open.astype(float)))
     return {
         "deviation_start": np.array(starts, dtype=np.float64),
         "deviation": np.array(slider).reshape(-1, len(COLUMNS)),
@@ -67,7 +66,7 @@ def mean_over_time(time: Array, values: Array) -> float:
     return float(np.trapezoid(values, time) / (time[-1] - time[0]))
 
 
-def slider_deviation(scene: Scene, time: Array, slider: Array) -> list[float]:
+def slider_deviation(scene: Scene, time: Array, moved: Array, speed: Array) -> list[float]:
     """One cycle's row of ``deviation``.
 
     The delay is the one by which the ideal motion fits best, a constant offset apart: by
@@ -75,18 +74,17 @@ def slider_deviation(scene: Scene, time: Array, slider: Array) -> list[float]:
 
     Parameters
     ----------
-    slider : ndarray, shape (n, 3)
-        Displacement, velocity and acceleration, SI units.
+    moved, speed : ndarray, shape (n,)
+        Displacement, m, and velocity, m/s.
     """
-    ideal = ideal_slider(scene, time)
-    off = slider[:, 0] - ideal[:, 0]
-    faster = slider[:, 1] - ideal[:, 1]
-    speed = ideal[:, 1]
+    ideal = scene.ideal_slider(time)
+    off, faster = moved - ideal[:, 0], speed - ideal[:, 1]
+    wanted = ideal[:, 1]
     centred = off - mean_over_time(time, off)
-    lag = -mean_over_time(time, centred * speed) / mean_over_time(time, speed**2)
+    lag = -mean_over_time(time, centred * wanted) / mean_over_time(time, wanted**2)
     return [
         math.sqrt(mean_over_time(time, off**2)),
         math.sqrt(mean_over_time(time, faster**2)),
         lag,
-        float(np.ptp(slider[:, 0])),
+        float(np.ptp(moved)),
     ]

@@ -15,9 +15,8 @@ from numpy.typing import NDArray
 from presswear.campaign.amplification import Amplification, Sample, Worn, fastest_change
 from presswear.campaign.progress import Forecast
 from presswear.campaign.starts import start_of
-from presswear.engines.base import Plan, Run, recorder_of
+from presswear.engines.base import Plan, Run, Status, recorder_of
 from presswear.linkage.elements import Linkage
-from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
 from presswear.record.recorder import Recorder
 from presswear.record.sampling import (
     LEAST_SAMPLES,
@@ -29,7 +28,7 @@ from presswear.record.sampling import (
 from presswear.record.soundness import Finding
 from presswear.record.tracker import Tracker
 from presswear.scene.scene import Scene
-from presswear.tools.state import State
+from presswear.tools.arrays import State
 
 Array = NDArray[np.float64]
 
@@ -80,7 +79,7 @@ class Ensemble:
         return self.runs[-1].finding
 
     @property
-    def status(self) -> str:
+    def status(self) -> Status:
         """``failed``, ``enough`` where the maps were known early, or ``completed``."""
         if self.failure:
             return "failed"
@@ -118,14 +117,17 @@ class Ensemble:
 
     def sample(self) -> Sample:
         """The outcome of all runs as far as it tells about wear."""
-        rows = np.concatenate([recorder.cycles for recorder in self.recorders])
-        peaks = np.max(rows, axis=0, initial=0.0)[len(CYCLE_FIXED) :]
         joints = self.linkage.clearances
+
+        def peak(k: int) -> float:
+            found = [own.each_cycle("force_max", k) for own in self.recorders]
+            return float(np.max(np.concatenate(found), initial=0.0))
+
         return Sample(
             joints,
             max(self.cycles, 1),
             self.depth(),
-            {joint.name: float(peaks[k * len(CYCLE_JOINT)]) for k, joint in enumerate(joints)},
+            {joint.name: peak(k) for k, joint in enumerate(joints)},
             self.wall,
         )
 

@@ -20,11 +20,11 @@ from presswear.campaign.study import FILE, Study, Variant, waiting
 from presswear.record.tracker import Progress, Tracker
 from presswear.results.folder import INTERVAL, ResultFolder
 from presswear.results.provenance import provenance
-from presswear.results.result import plain
 from presswear.scene.scene import Scene
+from presswear.tools.documents import plain
 from presswear.tools.errors import RunFailed
 from presswear.tools.files import write_bytes
-from presswear.tools.lock import make_folder, take_folder
+from presswear.tools.folders import FolderLock
 
 _POLL = 0.2
 """Time between two looks at the processes, s."""
@@ -101,8 +101,7 @@ def run_study(
         Where a process ended in a way of its own.
     """
     left = waiting(study, folder, resume)
-    make_folder(folder)
-    lock = take_folder(folder)
+    lock = FolderLock(folder)
 
     def tell(key: str, part: float, word: str) -> None:
         for tracker in trackers:

@@ -39,7 +39,7 @@ def run_scene(
     if folder is None:
         kept = _Kept()
         status, message, finding = run_campaign(scene, (kept, *trackers))
-        wall = sum(stage.wall for stage in kept.stages)
+        wall = sum(stage.wall_s for stage in kept.stages)
         result = Result(scene, tuple(kept.stages), status, message, provenance(), wall)
     else:
         store = ResultFolder(Path(folder), scene, resume=True)

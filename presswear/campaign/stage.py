@@ -8,7 +8,6 @@ from presswear.campaign.deviation import deviations
 from presswear.campaign.ensemble import Ensemble
 from presswear.campaign.statistics import stage_statistics
 from presswear.linkage.surface import bin_centres
-from presswear.record.observe import SERIES_FIXED, SERIES_JOINT
 from presswear.record.soundness import Finding
 from presswear.results.stage import StageResult, WearStep
 from presswear.scene.scene import Scene
@@ -51,8 +50,8 @@ def stage_of(
         finding=finding,
         amplification=steps[0].factor if steps else factor,
         wear_steps=steps,
-        simulated=ran.time,
-        wall=ran.wall,
+        simulated_s=ran.time,
+        wall_s=ran.wall,
         diagnostics=diagnostics,
         statistics=statistics,
         arrays=_arrays(scene, ran, added, batches, weights),
@@ -76,18 +75,23 @@ def _arrays(
     """
     joints = ran.linkage.clearances
     recorder = ran.recorders[0]
-    series = recorder.rows.copy()  # the recorder has room for much more
-    arrays: dict[str, Array] = {"time": series[:, 0], "slider": series[:, 1:SERIES_FIXED]}
-    torques = series[:, SERIES_FIXED + SERIES_JOINT * len(joints) :]
-    if torques.shape[1] > 0:
-        arrays["drive_torque"] = torques
+
+    def stacked(*names: str, joint: int | None = None) -> Array:
+        return np.column_stack([recorder.series(name, joint) for name in names])
+
+    # Copies: the recorder has room for much more.
+    arrays: dict[str, Array] = {
+        "time": recorder.series("time").copy(),
+        "slider": stacked("displacement", "velocity", "acceleration"),
+    }
+    if recorder.torques.size:
+        arrays["drive_torque"] = recorder.torques.copy()
     for k, joint in enumerate(joints):
-        own = series[:, SERIES_FIXED + SERIES_JOINT * k :][:, :SERIES_JOINT]
         name = joint.name
-        arrays[f"{name}_eccentricity"] = own[:, 0:2]
-        arrays[f"{name}_penetration"] = own[:, 2]
-        arrays[f"{name}_force"] = own[:, 3:5]
-        arrays[f"{name}_sliding"] = own[:, 5]
+        arrays[f"{name}_eccentricity"] = stacked("eccentricity_x", "eccentricity_y", joint=k)
+        arrays[f"{name}_penetration"] = recorder.series("penetration", k).copy()
+        arrays[f"{name}_force"] = stacked("normal", "tangential", joint=k)
+        arrays[f"{name}_sliding"] = recorder.series("sliding", k).copy()
         arrays[f"{name}_contacts"] = recorder.episodes(k).copy()
         bins = added.shape[2]
         arrays["angle"] = bin_centres(bins)

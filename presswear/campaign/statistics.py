@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from presswear.linkage.elements import ClearanceJoint, Linkage
 from presswear.linkage.surface import bin_centres
 from presswear.physics.wear import worn_volume
-from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
 from presswear.record.recorder import Recorder
 from presswear.record.sampling import Interval, half_width, map_errors, peak_of, pooled, resampled
 
@@ -49,9 +48,10 @@ def joint_statistics(
     weights : ndarray, shape (n,)
         Cycles in each batch.
     """
-    first = len(CYCLE_FIXED) + len(CYCLE_JOINT) * k
-    rows = [recorder.cycles[:, first : first + len(CYCLE_JOINT)] for recorder in recorders]
-    force, dose, counted = ([own[:, c] for own in rows] for c in range(len(CYCLE_JOINT)))
+    force, dose, counted = (
+        [recorder.each_cycle(name, k) for recorder in recorders]
+        for name in ("force_max", "dose", "contacts")
+    )
     tallies = np.array([recorder.book.tally[k] for recorder in recorders])
     contacts = int(tallies["contacts"].sum())
     fewest = int(tallies["fewest_steps"].min()) if contacts else None
@@ -104,10 +104,12 @@ def stage_statistics(
     ran = [recorder for recorder in recorders if len(recorder.cycles)]
     if not ran:
         return {"cycles": 0}
-    rows = [recorder.cycles for recorder in ran]
-    displacement, slowest, fastest, acceleration = ([own[:, c] for own in rows] for c in range(4))
+    displacement, slowest, fastest, acceleration = (
+        [recorder.each_cycle(name) for recorder in ran]
+        for name in ("displacement_max", "velocity_min", "velocity_max", "acceleration_max")
+    )
     return {
-        "cycles": sum(len(own) for own in rows),
+        "cycles": sum(len(own) for own in displacement),
         "slider": {
             "displacement_max_m": float(max(own.max() for own in displacement)),
             "velocity_min_m_s": float(min(own.min() for own in slowest)),

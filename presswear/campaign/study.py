@@ -10,14 +10,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from presswear.results.provenance import provenance, provenance_differs
+from presswear.results.provenance import Provenance, provenance, provenance_differs
 from presswear.results.result import FINISHED, Result, load, read_document
-from presswear.results.stored import schema_of
 from presswear.scene.scene import Scene
+from presswear.tools.documents import read_json, schema_of, typed
 from presswear.tools.errors import InputError
-from presswear.tools.files import read_json
-from presswear.tools.lock import is_free
-from presswear.tools.typed import misfits
+from presswear.tools.folders import is_free
 
 Change = Callable[[Scene], Scene]
 """A change that a person asks for in the scene that a study starts from."""
@@ -43,7 +41,7 @@ class Variant:
     key : str
         Name of its folder.
     label : str
-        What is varied, in a few words.
+        The change from the others, in a few words.
     """
 
     key: str
@@ -89,6 +87,26 @@ class Study:
         }
 
 
+@dataclass(frozen=True)
+class StoredVariant:
+    """A variant in ``study.json``; the scene is checked by ``Scene`` itself."""
+
+    key: str
+    label: str
+    scene: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class StoredStudy:
+    """The whole of ``study.json``; see ``Study``."""
+
+    name: str
+    title: str
+    question: str
+    variants: tuple[StoredVariant, ...]
+    provenance: Provenance
+
+
 def is_study(folder: Path) -> bool:
     """True where a folder is that of a study."""
     return (folder / FILE).exists()
@@ -96,27 +114,28 @@ def is_study(folder: Path) -> bool:
 
 def load_study(folder: Path) -> Study:
     """The study of a folder; InputError says what is wrong with it."""
+    return _study_of(_stored(folder), folder)
+
+
+def _stored(folder: Path) -> StoredStudy:
     file = folder / FILE
     data = read_json(file, f"{folder} is no study's folder: it has no {FILE}")
     schema_of(data, file, SCHEMA)
+    return typed(data, StoredStudy, f"{file}")
+
+
+def _study_of(stored: StoredStudy, folder: Path) -> Study:
+    file = folder / FILE
     try:
-        variants = tuple(
-            Variant(v["key"], v["label"], Scene.from_dict(v["scene"])) for v in data["variants"]
-        )
-        study = Study(data["name"], data["title"], data["question"], variants)
+        variants = tuple(Variant(v.key, v.label, Scene.from_dict(v.scene)) for v in stored.variants)
     except InputError as error:
         raise InputError(f"{file}: {error}") from None
-    except (LookupError, TypeError) as error:
-        raise InputError(f"{file} is not whole: {error!r}") from None
-    wrong = next(misfits(study), None)
-    if wrong is not None:
-        raise InputError(f"{file}: {wrong} is not what it should be")
     keys = [variant.key for variant in variants]
     # A key names a folder: it must not lead anywhere else.
     strange = [key for key in keys if not _KEY.fullmatch(key) or keys.count(key) > 1]
     if strange or not keys:
         raise InputError(f"{file}: {strange[:1] or 'nothing'} cannot name a variant's folder")
-    return study
+    return Study(stored.name, stored.title, stored.question, variants)
 
 
 def is_finished(path: Path) -> bool:
@@ -136,25 +155,20 @@ def waiting(study: Study, folder: Path, resume: bool) -> list[Variant]:
         Where the folder holds something and nothing is to be resumed, or another study, or one
         begun with other versions.
     """
-    if not resume:
-        if not is_free(folder):
-            raise InputError(
-                f"--out {folder}: it exists and is not empty; name a new one or --resume"
-            )
-        return list(study.variants)
     if is_free(folder):
         return list(study.variants)
-    found = load_study(folder)
+    if not resume:
+        raise InputError(f"--out {folder}: it exists and is not empty; name a new one or --resume")
+    stored = _stored(folder)
     wanted = {v.key: v.scene for v in study.variants}
-    there = {v.key: v.scene for v in found.variants}
+    there = {v.key: v.scene for v in _study_of(stored, folder).variants}
     for key in dict.fromkeys([*wanted, *there]):
         if wanted.get(key) != there.get(key):
             raise InputError(
                 f"--out {folder}: it holds another study ({key} differs); "
                 "give the options of the first start, or name a new folder"
             )
-    here = provenance()
-    versions = provenance_differs(read_json(folder / FILE, "").get("provenance", here), here)
+    versions = provenance_differs(stored.provenance, provenance())
     if versions:
         raise InputError(
             f"--out {folder}: it was begun by another program, with which its numbers would not "

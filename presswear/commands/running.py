@@ -32,7 +32,7 @@ class Terminal(Tracker):
 
 def _stage_line(stage: StageResult) -> str:
     """One line on a finished stage: how much ran, how finely, and what came out."""
-    speed = stage.wall / stage.simulated if stage.simulated > 0.0 else float("nan")
+    speed = stage.wall_s / stage.simulated_s if stage.simulated_s > 0.0 else float("nan")
     parts = [
         f"  {stage.cycles} cycles, {stage.diagnostics['steps']} steps, "
         f"{speed:.2f} s per simulated second"

@@ -11,7 +11,7 @@ from presswear.linkage.elements import Linkage
 from presswear.record.recorder import Recorder
 from presswear.record.soundness import Finding
 from presswear.record.tracker import Tracker
-from presswear.tools.state import State
+from presswear.tools.arrays import State
 
 Array = NDArray[np.float64]
 

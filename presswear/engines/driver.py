@@ -13,7 +13,7 @@ from presswear.physics.constraints import Constraints
 from presswear.physics.energy import Ledger
 from presswear.record.recorder import Recorder
 from presswear.record.soundness import Condition, Finding, examine
-from presswear.tools.state import State, named, numbers, part, set_numbers
+from presswear.tools.arrays import State, named, numbers, part, set_numbers
 
 Array = NDArray[np.float64]
 

@@ -88,9 +88,9 @@ class Solve:
 
     def is_sound(self) -> bool:
         """True while the contacts have made no energy; False ends the run."""
-        ledger = self.recorder.book.ledger
+        ledger = self.recorder.book.ledger[0]
         if self.time > SETTLED * self.plan.cycle:
-            self.reason = made_energy(float(ledger[2]), float(ledger[1]))
+            self.reason = made_energy(ledger["contact_loss"], ledger["drive_exchange"])
         return not self.reason
 
 

@@ -25,32 +25,32 @@ def all_finite(q: Array, v: Array) -> bool:
 
 @compiled
 def sum_step(book: Book, drive_power: float, t: float, h: float) -> None:
-    """Doses of wear of a step, and its share of the energy ledger.
+    """Fill the doses of wear of a step, and add to the ledger of energy.
 
     Doses are taken from the state at the step's end: over a whole contact that is the
     trapezoidal rule, since the force is zero at both ends.  A step that began open
-    carries force only since the touch.  Powers are summed by the trapezoidal rule.
+    carries force only since its touchdown.  Powers are summed by the trapezoidal rule.
     """
     contact_power = 0.0
     friction_power = 0.0
-    for k in range(book.touch.shape[0]):
+    for k in range(book.memory.shape[0]):
         contact = book.contacts[k]
         work, pressure = dose_rates(book.packed.joints[k], contact, contact.normal)
-        duration = min(h, t - book.touch[k].onset_time)
-        book.doses[k, 0] = work * duration
-        book.doses[k, 1] = pressure * duration
+        duration = min(h, t - book.memory[k].touchdown_time)
+        book.doses[k].work = work * duration
+        book.doses[k].pressure = pressure * duration
         lost, rubbed = loss_powers(contact, contact.normal, contact.tangential)
         contact_power += lost
         friction_power += rubbed
-    ledger = book.ledger
+    ledger = book.ledger[0]
     half = 0.5 * h
-    ledger[0] += half * (ledger[4] + drive_power)
-    ledger[1] += half * (abs(ledger[4]) + abs(drive_power))
-    ledger[2] += half * (ledger[5] + contact_power)
-    ledger[3] += half * (ledger[6] + friction_power)
-    ledger[4] = drive_power
-    ledger[5] = contact_power
-    ledger[6] = friction_power
+    ledger.drive_work += half * (ledger.drive_power + drive_power)
+    ledger.drive_exchange += half * (abs(ledger.drive_power) + abs(drive_power))
+    ledger.contact_loss += half * (ledger.contact_power + contact_power)
+    ledger.friction_loss += half * (ledger.friction_power + friction_power)
+    ledger.drive_power = drive_power
+    ledger.contact_power = contact_power
+    ledger.friction_power = friction_power
 
 
 @compiled
@@ -78,4 +78,4 @@ def accept_step(
     settle_state(book, t, LEAST_STEPS)
     sum_step(book, power, t, h)
     observe(book, t, h, q, v, a)
-    return next_step(book.packed, book.onset, book.touch, steps, book.contacts, a)
+    return next_step(book.packed, book.onset, book.memory, steps, book.contacts, a)

@@ -71,7 +71,7 @@ class Pose(NamedTuple):
 
 @compiled
 def joint_end(body: int, local_x: float, local_y: float, q: Array, v: Array) -> Pose:
-    """Where a point of a body is and how it moves; the frame for body -1."""
+    """Place and motion of a point of a body; a body of -1 is the frame."""
     if body < 0:
         return Pose(local_x, local_y, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     angle = q[body + 2]

@@ -1,6 +1,6 @@
 """Powers and energies of a linkage in motion.
 
-The ledger that both engines keep: drive work = change of kinetic, potential and
+The ledger that every engine keeps: drive work = change of kinetic, potential and
 elastic contact energy + contact loss + friction loss + residual.  The normal force
 does its work along n, on the approach e_dot . n; what it does beyond loading the
 elastic law is the contact loss, which for a round joint is the damping.
@@ -16,6 +16,19 @@ from presswear.physics.springs import spring_energy
 from presswear.tools.compiled import Records, compiled
 
 Array = NDArray[np.float64]
+
+LEDGER = np.dtype(
+    [
+        ("drive_work", np.float64),  # J
+        ("drive_exchange", np.float64),  # integral of the absolute drive power, J
+        ("contact_loss", np.float64),  # J
+        ("friction_loss", np.float64),  # J
+        ("drive_power", np.float64),  # in the last accepted state, W
+        ("contact_power", np.float64),
+        ("friction_power", np.float64),
+    ]
+)
+"""Sums that an engine keeps step by step, and the powers they went on from."""
 
 
 @compiled
@@ -50,7 +63,7 @@ SETTLED = 0.05
 
 
 def made_energy(contact_loss: float, exchange: float) -> str:
-    """What is wrong where contacts gave back more than they took, or nothing.
+    """Say what is wrong where contacts gave back more than they took; else nothing.
 
     A radial force over a steep worn profile is not the gradient of an energy: pin and
     wall can drive each other, ever faster.
@@ -60,7 +73,7 @@ def made_energy(contact_loss: float, exchange: float) -> str:
     contact_loss, exchange : float
         So far, J; see ``Ledger``.
     """
-    # Of energies that are not numbers nothing is said: the state is broken.
+    # Energies that are no numbers come from a broken state, which is told elsewhere.
     if not (exchange > 0.0 and contact_loss < -MADE * exchange):
         return ""
     return (
@@ -75,7 +88,7 @@ MADE_REMEDY = "contact = foundation can follow steep surfaces; else finer steps"
 
 @dataclass(frozen=True)
 class Ledger:
-    """Where the energy of a run came from and went, J.
+    """Balance of the energy of a run, J.
 
     Attributes
     ----------
@@ -93,18 +106,23 @@ class Ledger:
     friction_loss: float
 
     @staticmethod
-    def of(sums: Array, stored: float) -> "Ledger":
-        """From the sums that an engine kept step by step (``Book.ledger``)."""
-        work, exchange, contact_loss, friction_loss = (float(x) for x in sums[:4])
-        return Ledger(work, exchange, stored, contact_loss, friction_loss)
+    def of(sums: Records, stored: float) -> "Ledger":
+        """The ledger from one record of LEDGER and the change of stored energy, J."""
+        return Ledger(
+            drive_work=float(sums["drive_work"]),
+            drive_exchange=float(sums["drive_exchange"]),
+            stored=stored,
+            contact_loss=float(sums["contact_loss"]),
+            friction_loss=float(sums["friction_loss"]),
+        )
 
     @property
     def residual(self) -> float:
-        """What does not add up, J: the integration's error."""
+        """Energy that does not add up, J: the integration's error."""
         return self.drive_work - self.stored - self.contact_loss - self.friction_loss
 
     def as_dict(self) -> dict[str, float]:
-        """Ready for ``result.json``."""
+        """The balance with the names of ``result.json``."""
         return {
             "drive_work_J": self.drive_work,
             "drive_exchange_J": self.drive_exchange,

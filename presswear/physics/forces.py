@@ -16,11 +16,14 @@ from presswear.tools.compiled import Records, compiled
 
 Array = NDArray[np.float64]
 
+CONTACT_LOSS, FRICTION_LOSS, WORK, PRESSURE = range(4)
+"""Rates of a joint: powers lost in contact and in friction, W; of its two doses of wear,
+F_n ds/dt, W, and p ds/dt, W/m^2."""
 JOINT_RATES = 4
-"""Per joint: powers of contact loss and friction loss, W; F_n ds/dt, W; p ds/dt, W/m^2."""
+"""Their number."""
 
 
-class Load(NamedTuple):
+class JointLoad(NamedTuple):
     """Forces of a joint: magnitudes normal and tangential, force on the pin, moments.
 
     The bearing gets the opposite force; both moments are about the mass centres.
@@ -38,7 +41,7 @@ class Load(NamedTuple):
 def contact_forces(joint: Records, onset_speed: float, contact: Records) -> tuple[float, float]:
     """Normal and tangential force of the contact, N; zero when open.
 
-    ``onset_speed`` is the latched closing speed of the touch, or 0 while the joint
+    ``onset_speed`` is the latched closing speed of the contact, or 0 while the joint
     counts as open: a state that penetrates within its first step closes at its
     present rate.
     """
@@ -61,11 +64,11 @@ def note_forces(joints: Records, onset: Array, contacts: Records) -> None:
 
 
 @compiled
-def load_of(joint: Records, onset_speed: float, contact: Records) -> Load:
+def load_of(joint: Records, onset_speed: float, contact: Records) -> JointLoad:
     """Forces of a contact and their moments; ``onset_speed`` as in ``contact_forces``."""
     normal, tangential = contact_forces(joint, onset_speed, contact)
     if normal == 0.0:
-        return Load(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        return JointLoad(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     nx = contact.normal_x
     ny = contact.normal_y
     fx = -normal * nx - tangential * ny
@@ -81,7 +84,7 @@ def load_of(joint: Records, onset_speed: float, contact: Records) -> Load:
         couple = normal / contact.elastic * contact.couple
         pin_moment += couple
         bearing_moment -= couple
-    return Load(normal, tangential, fx, fy, pin_moment, bearing_moment)
+    return JointLoad(normal, tangential, fx, fy, pin_moment, bearing_moment)
 
 
 @compiled
@@ -102,8 +105,12 @@ def add_contacts(
         base = JOINT_RATES * k
         contact = contacts[k]
         load = load_of(joint, onset[k], contact)
-        rates[base], rates[base + 1] = loss_powers(contact, load.normal, load.tangential)
-        rates[base + 2], rates[base + 3] = dose_rates(joint, contact, load.normal)
+        lost, rubbed = loss_powers(contact, load.normal, load.tangential)
+        work, pressure = dose_rates(joint, contact, load.normal)
+        rates[base + CONTACT_LOSS] = lost
+        rates[base + FRICTION_LOSS] = rubbed
+        rates[base + WORK] = work
+        rates[base + PRESSURE] = pressure
         if load.normal > 0.0:
             b = joint.pin_body
             if b >= 0:

@@ -8,7 +8,7 @@ grooves are bridged, and two patches are two patches without a case for it.
 Between neighbouring nodes of the two maps the overlap is smooth: a cubic and a cosine,
 which a polynomial of degree six gives to round-off over a segment of a tenth of a radian.
 Each segment is integrated from root to root of the overlap with Gauss points enough for
-its square.  Segments that cannot touch are passed over by a bound.
+its square.  Segments that cannot meet are passed over by a bound.
 """
 
 import math
@@ -39,14 +39,14 @@ ROOT_STEPS = 60
 
 
 class Bed(NamedTuple):
-    """What the foundation of unit stiffness gives.
+    """Sums over a foundation of unit stiffness.
 
     Attributes
     ----------
     overlap : float
         Greatest overlap, m; below zero while open.
     place : float
-        Where it is, rad from the direction of the eccentricity.
+        Its direction, rad from that of the eccentricity.
     along, across : float
         Integrals of p cos(s) and p sin(s), m rad.
     slope : float
@@ -103,7 +103,7 @@ def value_at(g: Segment, x: float) -> float:
 
 @compiled
 def slope_at(g: Segment, x: float) -> float:
-    """Its derivative, m/rad."""
+    """Derivative of the overlap at a place of a segment, m/rad."""
     return g.a1 + x * (
         2.0 * g.a2 + x * (3.0 * g.a3 + x * (4.0 * g.a4 + x * (5.0 * g.a5 + x * 6.0 * g.a6)))
     )
@@ -111,7 +111,7 @@ def slope_at(g: Segment, x: float) -> float:
 
 @compiled
 def bend_at(g: Segment, x: float) -> float:
-    """Its second derivative, m/rad^2."""
+    """Second derivative of the overlap at a place of a segment, m/rad^2."""
     return 2.0 * g.a2 + x * (6.0 * g.a3 + x * (12.0 * g.a4 + x * (20.0 * g.a5 + x * 30.0 * g.a6)))
 
 
@@ -119,7 +119,7 @@ def bend_at(g: Segment, x: float) -> float:
 def root_between(
     g: Segment, of_slope: bool, low: float, high: float, at_low: float, at_high: float
 ) -> float:
-    """Where the overlap or its slope, of opposite signs at two places, is zero."""
+    """Root of the overlap or of its slope between two places at which their signs differ."""
     rises = at_high > at_low
     x = low - at_low * (high - low) / (at_high - at_low)
     for _ in range(ROOT_STEPS):
@@ -207,7 +207,7 @@ def add_pressed(g: Segment, low: float, high: float, bed: Bed) -> Bed:
 
 @compiled
 def inflection(g: Segment, half: float) -> float:
-    """Where the slope of the overlap turns back, or the segment's end if it does not.
+    """Inflection of the overlap in a segment, or its end where there is none.
 
     The second derivative is all but linear: two steps of Newton's method from the
     secant's root leave nothing.
@@ -226,7 +226,7 @@ def inflection(g: Segment, half: float) -> float:
 
 @compiled
 def extremum(g: Segment, low: float, high: float) -> float:
-    """Where the overlap is extreme between places with a monotone slope, or the second."""
+    """Extremum of the overlap between two places with a monotone slope, or the second place."""
     if high <= low:
         return high
     at_low = slope_at(g, low)

@@ -14,8 +14,8 @@ FRICTION = np.dtype([(item.name, np.float64) for item in fields(FrictionLaw)])
 ONSET_SPEED_FLOOR = 1e-6
 """Smallest closing speed used in the damping term, m/s.
 
-The damping term divides by the closing speed at first touch, which goes to zero
-for a grazing touch; below this speed the impact energy of a gram is 5e-16 J.
+The damping term divides by the closing speed at touchdown, which goes to zero
+where a pin grazes; below this speed the kinetic energy of a gram is 5e-16 J.
 """
 
 
@@ -53,7 +53,7 @@ def normal_force(
     penetration, rate : float
         delta, m, and its time derivative, m/s.
     onset_speed : float
-        Closing speed at first touch delta_dot_0, m/s, above zero.
+        Closing speed at touchdown delta_dot_0, m/s, above zero.
     stiffness, exponent, damping : float
         K, N/m^n; n; chi.
     """

@@ -142,7 +142,7 @@ def effective_mass(linkage: Linkage, joint: ClearanceJoint) -> float:
 
 
 def worn_surfaces(joint: ClearanceJoint) -> list[Surface]:
-    """Those of a joint's two surfaces that have lost material."""
+    """Select the surfaces of a joint that have lost material."""
     return [s for s in (joint.bearing_surface, joint.pin_surface) if s.is_worn]
 
 

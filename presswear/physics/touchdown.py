@@ -1,13 +1,13 @@
-"""Touch and separation: contact state per accepted step, onset speed, step length.
+"""Touchdown and separation of pins: the state of contact between accepted steps, and their length.
 
-The force law needs the closing speed at first touch.  Taken from the first
-penetrated state it is wrong by parts in a thousand; here the penetration between
-two accepted states is the cubic through both values and both rates, and its root
-is the moment of touch.
+The force law needs the closing speed at touchdown.  Taken from the first penetrated
+state it is wrong by parts in a thousand; here the penetration between two accepted
+states is the cubic through both values and both rates, and its root is the moment of
+touchdown.
 
-Steps are chosen before they are made.  In free flight the time to the next touch
-is predicted and the step ends just behind it; in contact a step is a set part of
-the time that the contact will last.
+Steps are chosen before they are made.  In free flight the time to the next touchdown is
+predicted and the step ends just behind it; in contact a step is a set part of the time
+that the contact will last.
 """
 
 import math
@@ -21,30 +21,30 @@ from presswear.tools.compiled import Records, compiled
 
 Array = NDArray[np.float64]
 
-TOUCH = np.dtype(
+MEMORY = np.dtype(
     [
         ("time", np.float64),  # of the last accepted state, s
+        ("step", np.float64),  # that led to it, s
         ("penetration", np.float64),
         ("rate", np.float64),
-        ("onset_time", np.float64),  # of the present touch, s
-        ("steps", np.int64),  # accepted in the present touch
-        ("started_closed", np.bool_),  # the run began inside this touch
-        ("peak_force", np.float64),
-        ("longest_step", np.float64),  # allowed by the expected duration of the touch
-        ("acceleration", np.float64),  # of the penetration at the last accepted state, m/s^2
-        ("step", np.float64),  # that led to it, s
-        ("sweep", np.float64),  # speed at which the contact runs over the wear maps, rad/s
+        ("acceleration", np.float64),  # of the penetration, m/s^2
         ("energy", np.float64),  # elastic, J
+        ("sweep", np.float64),  # speed at which the contact runs over the wear maps, rad/s
+        ("touchdown_time", np.float64),  # of the present contact, s
+        ("started_closed", np.bool_),  # the run began inside the present contact
+        ("steps", np.int64),  # accepted in the present contact
+        ("longest_step", np.float64),  # allowed by the expected duration of the contact
+        ("peak_force", np.float64),  # of the present contact, N
     ]
 )
-"""What is remembered of each joint between accepted steps."""
+"""Memory of a joint between accepted steps: its last state and its present contact."""
 
 TALLY = np.dtype(
     [
-        ("contacts", np.int64),  # completed
-        ("episodes", np.int64),  # of them kept as rows
+        ("contacts", np.int64),  # that have ended
+        ("rows", np.int64),  # of them kept
         ("full", np.bool_),  # no further ones are kept
-        ("unresolved", np.int64),  # of fewer than LEAST_STEPS
+        ("unresolved", np.int64),  # of too few steps
         ("fewest_steps", np.int64),
         ("peak_force", np.float64),  # of the run so far, N
         ("deepest", np.float64),  # penetration of the run so far, m
@@ -53,10 +53,24 @@ TALLY = np.dtype(
 )
 """Counts of one joint."""
 
+PAST_CONTACT = np.dtype(
+    [
+        ("touchdown", np.float64),  # s
+        ("separation", np.float64),  # s
+        ("closing_speed", np.float64),  # rate of penetration at touchdown, m/s
+        ("release_speed", np.float64),  # and at separation, below zero
+        ("peak_force", np.float64),  # N
+        ("steps", np.float64),
+    ]
+)
+"""A contact that has ended."""
+CONTACT_COLUMNS: tuple[str, ...] = PAST_CONTACT.names or ()
+"""Its numbers, where they are stored as columns."""
+
 STEPS = np.dtype(
     [
         ("free", np.float64),  # longest step in free flight, s
-        ("per_contact", np.float64),  # steps in one impact
+        ("per_contact", np.float64),  # steps in one free impact
         ("sustained", np.float64),  # steps in half a period of a pin at rest on its bearing
         ("least", np.float64),  # shortest step, s
     ]
@@ -70,19 +84,19 @@ LEAST_STEPS = 20
 """Steps that every contact gets, unless it is shorter than so many shortest steps."""
 
 LANDING = 0.02
-"""A step towards a touch ends this part of a contact step behind it."""
+"""A step towards a touchdown ends this part of a contact step behind it."""
 
 FLIGHT_STEPS_PER_BIN = 4.0
 """Steps in which a pin that skims a worn surface crosses one bin of its map."""
 
-IMPACT_PARTS = 15
-"""Steps of an error-controlled method in one impact, at least: enough to show its peak."""
+LEAST_PARTS = 15
+"""Steps of an error-controlled method in a free impact, at least: enough to show its peak."""
 
 SKIM_STEPS = 2.0
 """Steps of an error-controlled method in which a pin crosses one bin of a worn map, at least."""
 
 OVERSHOOT = 0.2
-"""A step that ends more than this part of a contact step behind a touch is redone."""
+"""A step that ends more than this part of a contact step behind a touchdown is redone."""
 
 
 @compiled
@@ -106,7 +120,7 @@ def hermite(p0: float, r0: float, p1: float, r1: float, h: float, s: float) -> t
 def crossing(p0: float, r0: float, p1: float, r1: float, h: float) -> float:
     """Part s of a step at which the penetration first becomes positive; 2 if it does not.
 
-    A touch that has ended again within the step is found where the cubic shows it.
+    A contact that has ended again within the step is found where the cubic shows it.
     """
     a = r0 * h
     b = r1 * h
@@ -114,7 +128,7 @@ def crossing(p0: float, r0: float, p1: float, r1: float, h: float) -> float:
     quadratic = 3.0 * (a + b - 2.0 * rise)
     linear = 2.0 * (3.0 * rise - 2.0 * a - b)
     # Between its turning points (roots of quadratic s^2 + linear s + a) the cubic is
-    # monotone: the first piece that rises from open to closed holds the touch.
+    # monotone: the first piece that rises from open to closed holds the touchdown.
     first = second = 1.0
     discriminant = linear * linear - 4.0 * quadratic * a
     if discriminant >= 0.0:
@@ -145,7 +159,7 @@ def contact_step(joint: Records, penetration: float, rate: float, parts: float) 
     """Step, s, that divides a contact into equal parts.
 
     The duration is half a period of the oscillation at the deepest penetration
-    that the present energy allows: pi sqrt(8/15) = 2.29 delta_max / v at the touch
+    that the present energy allows: pi sqrt(8/15) = 2.29 delta_max / v at the touchdown
     of an elastic Hertz impact, which lasts 2.94 delta_max / v.
     """
     mass = joint.effective_mass
@@ -166,16 +180,16 @@ def contact_step(joint: Records, penetration: float, rate: float, parts: float) 
 def step_in_contact(last: Records, steps: Records, part: float, acceleration: float) -> float:
     """Next step, s, while a joint is closed.
 
-    An impact is divided into equal parts.  A pin that has come to rest on its
+    A free impact is divided into equal parts.  A pin that has come to rest on its
     bearing oscillates less than the deepest possible penetration suggests: there
     the step grows until its error, h^2 / 12 times the change of acceleration for
     the trapezoidal rule, is the part of the penetration that the equal parts of
-    an impact would make, but no further than ``sustained`` parts.
+    a free impact would make, but no further than ``sustained`` parts.
     """
     parts = steps.per_contact
     if last.steps <= 1:
-        # A touch that the surrounding motion pulls open again may be far shorter
-        # than an impact.
+        # A contact that the surrounding motion pulls open again may be far shorter
+        # than a free impact.
         if last.rate > 0.0 and acceleration < 0.0:
             last.longest_step = min(last.longest_step, 2.0 * last.rate / -acceleration / parts)
     elif last.steps > parts:
@@ -189,8 +203,10 @@ def step_in_contact(last: Records, steps: Records, part: float, acceleration: fl
 
 
 @compiled
-def late_touch(joint: Records, last: Records, steps: Records, contact: Records, h: float) -> float:
-    """Step, s, that ends just behind a touch which the trial state is too far past; else -1."""
+def late_touchdown(
+    joint: Records, last: Records, steps: Records, contact: Records, h: float
+) -> float:
+    """Step, s, that ends just behind a touchdown too far before the trial state; else -1."""
     s = crossing(last.penetration, last.rate, contact.penetration, contact.rate, h)
     if s > 1.0:
         return -1.0
@@ -208,10 +224,10 @@ def late_touch(joint: Records, last: Records, steps: Records, contact: Records, 
 
 @compiled
 def early_separation(last: Records, steps: Records, contact: Records, h: float) -> float:
-    """Step, s, that still divides a touch finely which the trial state has ended; else -1.
+    """Step, s, that still divides a contact finely which the trial state has ended; else -1.
 
-    A pin that skims a bump can leave sooner than the state at its touch let expect.
-    The shorter step holds for the rest of the touch.
+    A pin that skims a bump can leave sooner than the state at its touchdown let expect.
+    The shorter step holds for the rest of the contact.
     """
     missing = LEAST_STEPS - last.steps
     if contact.penetration > 0.0 or missing <= 0 or last.started_closed:
@@ -228,7 +244,7 @@ def early_separation(last: Records, steps: Records, contact: Records, h: float) 
 def shorter_step(
     packed: Packed,
     onset: Array,
-    touch: Records,
+    memory: Records,
     steps: Records,
     contacts: Records,
     t: float,
@@ -242,7 +258,7 @@ def shorter_step(
     joints = packed.joints
     shortest = -1.0
     for k in range(joints.shape[0]):
-        last = touch[k]
+        last = memory[k]
         h = t - last.time
         if h <= steps[0].least:
             continue
@@ -251,16 +267,16 @@ def shorter_step(
         if onset[k] > 0.0:
             wanted = early_separation(last, steps[0], contact, h)
         else:
-            wanted = late_touch(joints[k], last, steps[0], contact, h)
+            wanted = late_touchdown(joints[k], last, steps[0], contact, h)
         if wanted > 0.0 and (shortest < 0.0 or wanted < shortest):
             shortest = wanted
     return shortest
 
 
 @compiled
-def open_episode(last: Records, onset_time: float, started_closed: bool) -> None:
-    """Begin the record of a touch."""
-    last.onset_time = onset_time
+def touch_down(last: Records, t: float, started_closed: bool) -> None:
+    """Begin a contact."""
+    last.touchdown_time = t
     last.started_closed = started_closed
     last.steps = 0
     last.peak_force = 0.0
@@ -268,34 +284,34 @@ def open_episode(last: Records, onset_time: float, started_closed: bool) -> None
 
 
 @compiled
-def close_episode(
+def separate(
     last: Records,
-    count: Records,
-    episodes: Array,
+    tally: Records,
+    past: Records,
     onset_speed: float,
     t: float,
     rate: float,
     needed: int,
 ) -> None:
-    """End the record of a touch; one of fewer than ``needed`` steps counts as unresolved.
+    """End a contact and file it; one of fewer than ``needed`` steps counts as unresolved.
 
-    A touch in which the run began is no whole contact and is not counted.
+    A contact in which the run began is not whole and is not counted.
     """
     if last.started_closed:
         return
-    count.contacts += 1
-    count.fewest_steps = min(count.fewest_steps, last.steps)
+    tally.contacts += 1
+    tally.fewest_steps = min(tally.fewest_steps, last.steps)
     if last.steps < needed:
-        count.unresolved += 1
-    row = count.episodes
-    if row < episodes.shape[0] and not count.full:
-        episodes[row, 0] = last.onset_time
-        episodes[row, 1] = t
-        episodes[row, 2] = onset_speed
-        episodes[row, 3] = rate
-        episodes[row, 4] = last.peak_force
-        episodes[row, 5] = last.steps
-        count.episodes += 1
+        tally.unresolved += 1
+    if tally.rows < past.shape[0] and not tally.full:
+        row = past[tally.rows]
+        row.touchdown = last.touchdown_time
+        row.separation = t
+        row.closing_speed = onset_speed
+        row.release_speed = rate
+        row.peak_force = last.peak_force
+        row.steps = last.steps
+        tally.rows += 1
 
 
 @compiled
@@ -317,38 +333,45 @@ def remember(last: Records, joint: Records, contact: Records, t: float) -> None:
 def settle(
     joints: Records,
     onset: Array,
-    touch: Records,
+    memory: Records,
     tally: Records,
-    episodes: Array,
+    past: Records,
     contacts: Records,
     t: float,
     needed: int = LEAST_STEPS,
 ) -> int:
-    """Bring the contact state up to accepted states of the joints: latch touches, close episodes.
+    """Bring memory up to an accepted state: latch closing speeds, file contacts that ended.
 
-    A contact of fewer than ``needed`` steps counts as unresolved.  Returns the number of
-    joints that have touched or separated.
+    Returns the number of joints that have touched down or separated.
+
+    Parameters
+    ----------
+    onset : ndarray, shape (joints,)
+        Latched closing speeds, m/s; 0 where open.
+    past : records of PAST_CONTACT, shape (joints, rows)
+    needed : int
+        A contact of fewer steps counts as unresolved.
     """
     events = 0
     for k in range(joints.shape[0]):
-        last = touch[k]
+        last = memory[k]
         contact = contacts[k]
         if onset[k] == 0.0 and contact.penetration > 0.0:
             h = t - last.time
             started_closed = last.penetration > 0.0 or h <= 0.0
-            touched, closing = t, contact.rate
+            touchdown, closing = t, contact.rate
             if not started_closed:
                 s = crossing(last.penetration, last.rate, contact.penetration, contact.rate, h)
-                touched = last.time + s * h
+                touchdown = last.time + s * h
                 closing = hermite(
                     last.penetration, last.rate, contact.penetration, contact.rate, h, s
                 )[1]
             # A joint counts as closed while its onset speed is not zero.
             onset[k] = max(closing, 1e-300)
-            open_episode(last, touched, started_closed)
+            touch_down(last, touchdown, started_closed)
             events += 1
         elif onset[k] > 0.0 and contact.penetration <= 0.0:
-            close_episode(last, tally[k], episodes[k], onset[k], t, contact.rate, needed)
+            separate(last, tally[k], past[k], onset[k], t, contact.rate, needed)
             onset[k] = 0.0
             events += 1
         if onset[k] > 0.0:
@@ -358,21 +381,21 @@ def settle(
 
 
 @compiled
-def step_in_impact(joints: Records, onset: Array, touch: Records, longest: float) -> float:
-    """Step limit, s, of an error-controlled method from joints that touched a moment ago.
+def step_after_touchdown(joints: Records, onset: Array, memory: Records, longest: float) -> float:
+    """Step limit, s, of an error-controlled method where a pin has touched down a moment ago.
 
-    A touch that the surrounding motion pulls open again may be far shorter than an
+    A contact that the surrounding motion pulls open again may be far shorter than a free
     impact; its ``longest_step`` tells how short.
     """
     for k in range(joints.shape[0]):
-        if onset[k] > 0.0 and touch[k].steps < 2 * IMPACT_PARTS:
-            part = contact_step(joints[k], 0.0, onset[k], IMPACT_PARTS)
-            longest = min(longest, part, touch[k].longest_step)
+        if onset[k] > 0.0 and memory[k].steps < 2 * LEAST_PARTS:
+            part = contact_step(joints[k], 0.0, onset[k], LEAST_PARTS)
+            longest = min(longest, part, memory[k].longest_step)
     return longest
 
 
 @compiled
-def skim_step(packed: Packed, touch: Records, longest: float) -> float:
+def skim_step(packed: Packed, memory: Records, longest: float) -> float:
     """Step limit, s, of an error-controlled method from the bumps that a pin runs over.
 
     Its error estimate sees a bump only where a stage happens to fall on it.
@@ -380,8 +403,8 @@ def skim_step(packed: Packed, touch: Records, longest: float) -> float:
     count = packed.surfaces.shape[2]
     if count == 0:
         return longest
-    for k in range(touch.shape[0]):
-        last = touch[k]
+    for k in range(memory.shape[0]):
+        last = memory[k]
         if last.sweep > 0.0 and last.penetration > -packed.joints[k].relief:
             bins = 2.0 * math.pi / count / last.sweep
             longest = min(longest, bins / SKIM_STEPS)
@@ -392,7 +415,7 @@ def skim_step(packed: Packed, touch: Records, longest: float) -> float:
 def next_step(
     packed: Packed,
     onset: Array,
-    touch: Records,
+    memory: Records,
     steps: Records,
     contacts: Records,
     a: Array,
@@ -400,9 +423,9 @@ def next_step(
     """Length of the next step, s, from the state just settled."""
     count = packed.surfaces.shape[2]
     chosen = steps[0].free
-    for k in range(touch.shape[0]):
+    for k in range(memory.shape[0]):
         joint = packed.joints[k]
-        last = touch[k]
+        last = memory[k]
         depth = last.penetration
         rate = last.rate
         part = contact_step(joint, depth, rate, steps[0].per_contact)

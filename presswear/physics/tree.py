@@ -52,7 +52,7 @@ def arm(x: float, y: float, axes: Array, body: int) -> tuple[float, float]:
 
 @compiled
 def place_links(links: Records, x: Array, u: Array, q: Array, v: Array, axes: Array) -> None:
-    """Coordinates and rates of all free bodies from those of the tree.
+    """Fill coordinates and rates of all free bodies from those of the tree.
 
     Parameters
     ----------
@@ -102,7 +102,7 @@ def place_links(links: Records, x: Array, u: Array, q: Array, v: Array, axes: Ar
 
 @compiled
 def accelerate_links(links: Records, u_t: Array, v: Array, axes: Array, a: Array) -> None:
-    """Accelerations of all free bodies; those of the cranks must be there already."""
+    """Fill the accelerations of all free bodies; those of the cranks must be there already."""
     for i in range(links.shape[0]):
         link = links[i]
         b = link.body
@@ -130,7 +130,7 @@ def accelerate_links(links: Records, u_t: Array, v: Array, axes: Array, a: Array
 
 @compiled
 def carry_branches(links: Records, v: Array, a: Array, axes: Array, carried: Array) -> None:
-    """Velocity and acceleration of the point each branch hangs from, shape (links, CARRIED)."""
+    """Fill velocity and acceleration of what each branch hangs from, shape (links, CARRIED)."""
     for i in range(links.shape[0]):
         link = links[i]
         p = link.before
@@ -150,7 +150,7 @@ def carry_branches(links: Records, v: Array, a: Array, axes: Array, carried: Arr
 
 @compiled
 def gather_forces(links: Records, q: Array, axes: Array, force: Array, out: Array) -> None:
-    """Forces on the bodies as forces on the coordinates of the tree, J^T f.
+    """Turn forces on the bodies into forces on the coordinates of the tree, J^T f.
 
     Parameters
     ----------
@@ -218,7 +218,7 @@ class Tree:
 
 
 def tree_of(linkage: Linkage) -> Tree | str:
-    """The linkage as an open tree, or in words why it is none."""
+    """Describe a linkage as an open tree, or say in words why it is none."""
     branches = branches_of(linkage)
     if isinstance(branches, str):
         return branches

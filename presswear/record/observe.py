@@ -1,6 +1,6 @@
 """Records that the kernels keep of a run, step by step: series, contacts, peaks and wear.
 
-Memory does not grow with the number of cycles: series and episodes are kept for
+Memory does not grow with the number of cycles: series and single contacts are kept for
 the first cycles only; everything else is one row a cycle or a running sum.
 """
 
@@ -18,13 +18,21 @@ from presswear.tools.compiled import Records, compiled
 
 Array = NDArray[np.float64]
 
-SERIES_FIXED = 4
-"""Columns of a series row before the joints: time, displacement, velocity, acceleration."""
-SERIES_JOINT = 6
-"""Columns per joint: e_x, e_y, penetration, normal and tangential force, sliding speed."""
-EPISODE_COLUMNS = ("onset", "end", "closing_speed", "release_speed", "peak_force", "steps")
+SERIES_NAMES = ("time", "displacement", "velocity", "acceleration")
+TIME, DISPLACEMENT, VELOCITY, ACCELERATION = range(4)
+"""Columns of a series row before the joints."""
+SERIES_JOINT_NAMES = (
+    *("eccentricity_x", "eccentricity_y", "penetration"),
+    *("normal", "tangential", "sliding"),
+)
+ECCENTRICITY_X, ECCENTRICITY_Y, PENETRATION, NORMAL, TANGENTIAL, SLIDING = range(6)
+"""Columns of a series row for each joint."""
+SERIES_FIXED, SERIES_JOINT = len(SERIES_NAMES), len(SERIES_JOINT_NAMES)
 CYCLE_FIXED = ("displacement_max", "velocity_min", "velocity_max", "acceleration_max", "steps")
+DISPLACEMENT_MAX, VELOCITY_MIN, VELOCITY_MAX, ACCELERATION_MAX, STEPS = range(5)
 CYCLE_JOINT = ("force_max", "dose", "contacts")
+FORCE_MAX, WORK_DOSE, CONTACTS = range(3)
+"""Columns of a cycle's row: those of the linkage, then those of each joint."""
 CYCLE_FIXED_COUNT = len(CYCLE_FIXED)
 CYCLE_JOINT_COUNT = len(CYCLE_JOINT)
 
@@ -32,12 +40,20 @@ ROWS_AT_LEAST = 2000
 """Series rows in one cycle without contact."""
 ROWS_AT_MOST = 40_000
 """Room for series rows, per recorded cycle."""
-EPISODES_AT_MOST = 5000
-"""Room for episodes, per joint and recorded cycle."""
+CONTACTS_AT_MOST = 5000
+"""Room for single contacts, per joint and recorded cycle."""
 FORCE_STEP = 0.02
 """A row is written when a force has changed by this part of its peak so far."""
 PRESSURE_POINTS = 8192
 """Room for the pressure distribution over one contact arc."""
+
+DOSE = np.dtype(
+    [
+        ("work", np.float64),  # F_n ds, N m
+        ("pressure", np.float64),  # p ds, N/m
+    ]
+)
+"""Doses of wear of a joint in one step."""
 
 RECORD = np.dtype(
     [
@@ -54,7 +70,7 @@ RECORD = np.dtype(
         ("room", np.int64),  # rows that may be written
     ]
 )
-"""Where the recording stands."""
+"""State of the recording."""
 
 
 class Book(NamedTuple):
@@ -68,44 +84,43 @@ class Book(NamedTuple):
         With their forces, in the last accepted state.
     onset : ndarray, shape (joints,)
         Latched closing speeds, 0 where open, m/s.
-    touch, tally : records of TOUCH and TALLY
+    memory, tally : records of MEMORY and TALLY
+    past : records of PAST_CONTACT, shape (joints, rows)
     record : one record of RECORD
     series : ndarray, shape (rows, SERIES_FIXED + SERIES_JOINT joints + drives)
         Without the torques of the drives where they are not asked for.
-    episodes : ndarray, shape (joints, rows, 6)
     film, shutter : ndarray and one record of SHUTTER
         See ``presswear.record.film``.
     cycle : ndarray, shape (CYCLE_FIXED + CYCLE_JOINT joints,)
         Row of the present cycle.
     depth : ndarray, shape (joints, 2, m)
         Depth that the present cycle added to bearing and pin, m.
-    doses : ndarray, shape (joints, 2)
-        F_n ds, N m, and p ds, N/m, of the last step.
+    doses : records of DOSE
+        Doses in the last step.
     pressure : ndarray
         Working space of one contact arc.
     torque : ndarray, shape (drives,)
         Torques of the drives in the present state, N m.
-    ledger : ndarray, shape (7,)
-        Of engines that sum powers by steps: drive work, its absolute value, contact
-        loss, friction loss, J; then the last powers of drives, contact, friction, W.
+    ledger : one record of LEDGER
+        Filled by engines that sum powers by steps.
     """
 
     packed: Packed
     contacts: Records
     onset: Array
-    touch: Records
+    memory: Records
     tally: Records
+    past: Records
     record: Records
     series: Array
-    episodes: Array
     film: Array
     shutter: Records
     cycle: Array
     depth: Array
-    doses: Array
+    doses: Records
     pressure: Array
     torque: Array
-    ledger: Array
+    ledger: Records
 
 
 @compiled
@@ -119,11 +134,11 @@ def deposit(book: Book, k: int) -> None:
             joint,
             book.packed.surfaces[k],
             contact,
-            book.doses[k, 0],
+            book.doses[k].work,
             book.pressure,
         )
     else:
-        deposit_in_bin(book.depth[k], joint, contact, book.doses[k, 1])
+        deposit_in_bin(book.depth[k], joint, contact, book.doses[k].pressure)
 
 
 @compiled
@@ -131,7 +146,7 @@ def settle_state(book: Book, t: float, needed: int) -> int:
     """Settle an accepted state whose contacts are noted; see ``settle``."""
     joints = book.packed.joints
     events = settle(
-        joints, book.onset, book.touch, book.tally, book.episodes, book.contacts, t, needed
+        joints, book.onset, book.memory, book.tally, book.past, book.contacts, t, needed
     )
     note_forces(joints, book.onset, book.contacts)
     return events
@@ -143,19 +158,19 @@ def observe(book: Book, t: float, h: float, q: Array, v: Array, a: Array) -> Non
 
     The state's contacts are in the book, settled.
     """
-    touch, tally, series = book.touch, book.tally, book.series
+    memory, tally, series = book.memory, book.tally, book.series
     cycle = book.cycle
     state = book.record[0]
-    count = touch.shape[0]
+    count = memory.shape[0]
     i = state.probe
     displacement = state.probe_cos * q[i] + state.probe_sin * q[i + 1] - state.start
     velocity = state.probe_cos * v[i] + state.probe_sin * v[i + 1]
     acceleration = state.probe_cos * a[i] + state.probe_sin * a[i + 1]
-    cycle[0] = max(cycle[0], displacement)
-    cycle[1] = min(cycle[1], velocity)
-    cycle[2] = max(cycle[2], velocity)
-    cycle[3] = max(cycle[3], abs(acceleration))
-    cycle[4] += 1
+    cycle[DISPLACEMENT_MAX] = max(cycle[DISPLACEMENT_MAX], displacement)
+    cycle[VELOCITY_MIN] = min(cycle[VELOCITY_MIN], velocity)
+    cycle[VELOCITY_MAX] = max(cycle[VELOCITY_MAX], velocity)
+    cycle[ACCELERATION_MAX] = max(cycle[ACCELERATION_MAX], abs(acceleration))
+    cycle[STEPS] += 1
     state.steps += 1
     state.now = t
     row = state.rows
@@ -166,33 +181,33 @@ def observe(book: Book, t: float, h: float, q: Array, v: Array, a: Array) -> Non
         counts = tally[k]
         base = CYCLE_FIXED_COUNT + CYCLE_JOINT_COUNT * k
         if contact.normal > 0.0:
-            duration = min(h, t - touch[k].onset_time)
+            duration = min(h, t - memory[k].touchdown_time)
             counts.closed_time += duration
             counts.peak_force = max(counts.peak_force, contact.normal)
             counts.deepest = max(counts.deepest, contact.penetration)
-            touch[k].peak_force = max(touch[k].peak_force, contact.normal)
-            cycle[base] = max(cycle[base], contact.normal)
-        cycle[base + 1] += book.doses[k, 0]
-        if book.doses[k, 0] > 0.0:
+            memory[k].peak_force = max(memory[k].peak_force, contact.normal)
+            cycle[base + FORCE_MAX] = max(cycle[base + FORCE_MAX], contact.normal)
+        cycle[base + WORK_DOSE] += book.doses[k].work
+        if book.doses[k].work > 0.0:
             deposit(book, k)
-        cycle[base + 2] = counts.contacts
+        cycle[base + CONTACTS] = counts.contacts
         if has_room:
             column = SERIES_FIXED + SERIES_JOINT * k
-            series[row, column] = contact.eccentricity_x
-            series[row, column + 1] = contact.eccentricity_y
-            series[row, column + 2] = contact.penetration
-            series[row, column + 3] = contact.normal
-            series[row, column + 4] = contact.tangential
-            series[row, column + 5] = contact.sliding
+            series[row, column + ECCENTRICITY_X] = contact.eccentricity_x
+            series[row, column + ECCENTRICITY_Y] = contact.eccentricity_y
+            series[row, column + PENETRATION] = contact.penetration
+            series[row, column + NORMAL] = contact.normal
+            series[row, column + TANGENTIAL] = contact.tangential
+            series[row, column + SLIDING] = contact.sliding
             if row > 0:
-                change = abs(contact.normal - series[row - 1, column + 3])
+                change = abs(contact.normal - series[row - 1, column + NORMAL])
                 is_due = is_due or change > state.force_step * counts.peak_force
     take_frame(book.film, book.shutter, book.contacts, t, q)
     if has_room and is_due:
-        series[row, 0] = t
-        series[row, 1] = displacement
-        series[row, 2] = velocity
-        series[row, 3] = acceleration
+        series[row, TIME] = t
+        series[row, DISPLACEMENT] = displacement
+        series[row, VELOCITY] = velocity
+        series[row, ACCELERATION] = acceleration
         first = SERIES_FIXED + SERIES_JOINT * count
         for column in range(first, series.shape[1]):
             series[row, column] = book.torque[column - first]

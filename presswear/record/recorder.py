@@ -1,6 +1,6 @@
 """The recorder of a run: what was observed, cycle by cycle, and as a state of named arrays.
 
-Memory does not grow with the number of cycles: series and episodes are kept for
+Memory does not grow with the number of cycles: series and single contacts are kept for
 the first cycles only; everything else is one row a cycle or a running sum.
 """
 
@@ -13,14 +13,16 @@ from numpy.typing import NDArray
 
 from presswear.linkage.elements import Linkage
 from presswear.physics.contact import CONTACT, note_contacts
+from presswear.physics.energy import LEDGER
 from presswear.physics.packed import pack
-from presswear.physics.touchdown import LEAST_STEPS, TALLY, TOUCH
+from presswear.physics.touchdown import CONTACT_COLUMNS, LEAST_STEPS, MEMORY, PAST_CONTACT, TALLY
 from presswear.record.film import Film, empty_film, shutter_of
 from presswear.record.observe import (
+    CONTACTS_AT_MOST,
     CYCLE_FIXED,
     CYCLE_JOINT,
-    EPISODE_COLUMNS,
-    EPISODES_AT_MOST,
+    DISPLACEMENT_MAX,
+    DOSE,
     FORCE_STEP,
     PRESSURE_POINTS,
     RECORD,
@@ -28,19 +30,23 @@ from presswear.record.observe import (
     ROWS_AT_MOST,
     SERIES_FIXED,
     SERIES_JOINT,
+    SERIES_JOINT_NAMES,
+    SERIES_NAMES,
+    VELOCITY_MAX,
+    VELOCITY_MIN,
     Book,
     observe,
     settle_state,
 )
 from presswear.record.sampling import MapBatches
-from presswear.tools.state import State, named, part
+from presswear.tools.arrays import State, named, part
 
 Array = NDArray[np.float64]
 
 _SMALL = (
     "contacts",
     "onset",
-    "touch",
+    "memory",
     "tally",
     "record",
     "shutter",
@@ -60,7 +66,7 @@ class Recorder:
     Attributes
     ----------
     book : Book
-        What the kernels fill.
+        Arrays that the kernels fill.
     maps : MapBatches
         Depth that the finished cycles added to bearing and pin, m.
     """
@@ -81,13 +87,13 @@ class Recorder:
         cycle: float,
         torques: bool = True,
     ) -> "Recorder":
-        """An empty account for a linkage that starts in a position.
+        """An empty recorder for a linkage that starts in a position.
 
         Parameters
         ----------
         position : ndarray, shape (3 bodies,)
         recorded_cycles : int
-            Cycles whose series and episodes are kept.
+            Cycles whose series and single contacts are kept.
         cycle : float
             Duration of one cycle, s.
         torques : bool
@@ -115,19 +121,19 @@ class Recorder:
             packed=pack(linkage),
             contacts=np.zeros(count, CONTACT),
             onset=np.zeros(count),
-            touch=np.zeros(count, TOUCH),
+            memory=np.zeros(count, MEMORY),
             tally=tally,
             record=record,
             series=np.zeros((rows, columns)),
-            episodes=np.zeros((count, recorded_cycles * EPISODES_AT_MOST, len(EPISODE_COLUMNS))),
+            past=np.zeros((count, recorded_cycles * CONTACTS_AT_MOST), PAST_CONTACT),
             film=empty_film(len(linkage.bodies), count),
             shutter=shutter_of(cycle),
             cycle=np.zeros(len(CYCLE_FIXED) + len(CYCLE_JOINT) * count),
             depth=np.zeros(shape),
-            doses=np.zeros((count, 2)),
+            doses=np.zeros(count, DOSE),
             pressure=np.zeros(PRESSURE_POINTS),
             torque=np.zeros(len(linkage.drives)),
-            ledger=np.zeros(7),
+            ledger=np.zeros(1, LEDGER),
         )
         recorder = Recorder(book, MapBatches(shape))
         recorder.start_cycle()
@@ -150,12 +156,30 @@ class Recorder:
         """Series rows written so far, shape (n, SERIES_FIXED + SERIES_JOINT joints + drives)."""
         return self.book.series[: int(self.book.record["rows"][0])]
 
+    def series(self, name: str, joint: int | None = None) -> Array:
+        """A recorded series by its name, of the linkage or of a joint, shape (n,); SI units."""
+        if joint is None:
+            return self.rows[:, SERIES_NAMES.index(name)]
+        return self.rows[:, SERIES_FIXED + SERIES_JOINT * joint + SERIES_JOINT_NAMES.index(name)]
+
+    @property
+    def torques(self) -> Array:
+        """Recorded torques of the drives, shape (n, drives), N m; no column without them."""
+        return self.rows[:, SERIES_FIXED + SERIES_JOINT * self.book.memory.size :]
+
+    def each_cycle(self, name: str, joint: int | None = None) -> Array:
+        """A number of each finished cycle by its name, shape (cycles,); SI units."""
+        if joint is None:
+            return self.cycles[:, CYCLE_FIXED.index(name)]
+        first = len(CYCLE_FIXED) + len(CYCLE_JOINT) * joint
+        return self.cycles[:, first + CYCLE_JOINT.index(name)]
+
     @property
     def film(self) -> Film:
         """Frames kept so far."""
         book = self.book
         rows = book.film[: int(book.shutter["frames"][0])]
-        return Film.of(rows, book.touch.size)
+        return Film.of(rows, book.memory.size)
 
     @property
     def last_frames(self) -> Film:
@@ -163,22 +187,23 @@ class Recorder:
         book = self.book
         frames = int(book.shutter["frames"][0])
         first = frames if frames == len(book.film) - 1 else 0
-        return Film.of(book.film[first : max(frames, first + 1)], book.touch.size)
+        return Film.of(book.film[first : max(frames, first + 1)], book.memory.size)
 
     def episodes(self, k: int) -> Array:
-        """Recorded contacts of joint ``k``, shape (n, 6), columns EPISODE_COLUMNS."""
-        return self.book.episodes[k, : int(self.book.tally["episodes"][k])]
+        """Recorded contacts of joint ``k``, shape (n, 6), columns CONTACT_COLUMNS."""
+        rows = self.book.past[k, : int(self.book.tally["rows"][k])]
+        return np.asarray(rows.view(np.float64).reshape(-1, len(CONTACT_COLUMNS)))
 
     def stop_recording(self) -> None:
-        """Keep no further series rows and episodes."""
+        """Keep no further series rows and contacts."""
         self.book.record["room"] = 0
         self.book.tally["full"] = True
 
     def start_cycle(self) -> None:
         """Clear the row and the maps of the present cycle."""
         self.book.cycle[:] = 0.0
-        self.book.cycle[0] = self.book.cycle[2] = -math.inf
-        self.book.cycle[1] = math.inf
+        self.book.cycle[[DISPLACEMENT_MAX, VELOCITY_MAX]] = -math.inf
+        self.book.cycle[VELOCITY_MIN] = math.inf
         self.book.depth[:] = 0.0
 
     @property
@@ -201,14 +226,14 @@ class Recorder:
     def state(self) -> dict[str, NDArray[Any]]:
         """Everything that is not in the linkage, the start and the plan.
 
-        Rows of series, episodes, film and cycles are views: once written they stay.
+        Rows of series, contacts, film and cycles are views: once written they stay.
         """
         book = self.book
         frames = int(book.shutter["frames"][0])
         return {
             **{name: getattr(book, name).copy() for name in _SMALL},
             "series": self.rows,
-            **{f"episodes_{k}": self.episodes(k) for k in range(book.touch.size)},
+            **{f"past_{k}": book.past[k, :n] for k, n in enumerate(book.tally["rows"])},
             "film": book.film[:frames],
             "frame": book.film[frames].copy(),
             "cycles": self.cycles,
@@ -221,8 +246,8 @@ class Recorder:
         for name in _SMALL:
             getattr(book, name)[...] = stored[name]
         book.series[: len(stored["series"])] = stored["series"]
-        for k in range(book.touch.size):
-            book.episodes[k, : len(stored[f"episodes_{k}"])] = stored[f"episodes_{k}"]
+        for k in range(book.memory.size):
+            book.past[k, : len(stored[f"past_{k}"])] = stored[f"past_{k}"]
         frames = len(stored["film"])
         book.film[:frames] = stored["film"]
         book.film[frames] = stored["frame"]

@@ -5,8 +5,8 @@ that a run ends where one is passed.
 """
 
 import math
-from dataclasses import asdict, dataclass
-from typing import Any, Literal
+from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,14 +43,14 @@ DRIFT_IDEAL = 1e-4
 
 @dataclass(frozen=True)
 class Finding:
-    """Something that ends a run.
+    """Something that ends a run; its fields are the names in ``result.json``.
 
     Attributes
     ----------
     kind : Kind
     what : str
         With values and limits.
-    time : float
+    time_s : float
         Since the run began, s.
     joint : str
         Where, or nothing where no single joint can be blamed.
@@ -60,7 +60,7 @@ class Finding:
 
     kind: Kind
     what: str
-    time: float
+    time_s: float
     joint: str
     remedy: str
 
@@ -69,19 +69,7 @@ class Finding:
         """In a line."""
         where = f"joint {self.joint}: " if self.joint else ""
         remedy = f"; {self.remedy}" if self.remedy else ""
-        return f"{where}{self.what} (t = {self.time:.6g} s){remedy}"
-
-    def as_dict(self) -> dict[str, Any]:
-        """Ready for ``result.json``."""
-        found = asdict(self)
-        found["time_s"] = found.pop("time")
-        return found
-
-    @staticmethod
-    def from_dict(stored: dict[str, Any]) -> "Finding":
-        """Read what ``as_dict`` gave."""
-        plain = dict(stored)
-        return Finding(time=plain.pop("time_s"), **plain)
+        return f"{where}{self.what} (t = {self.time_s:.6g} s){remedy}"
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from presswear.linkage.elements import Linkage
-from presswear.tools.state import State
+from presswear.tools.arrays import State
 
 if TYPE_CHECKING:
     from presswear.record.recorder import Recorder

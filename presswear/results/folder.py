@@ -17,23 +17,17 @@ from typing import Any, Protocol, Self
 import numpy as np
 
 from presswear.record.tracker import Tracker
-from presswear.results.provenance import provenance, provenance_differs
-from presswear.results.result import FILE, FINISHED, SCHEMA, files_of, plain, read_document
+from presswear.results.provenance import Provenance, provenance, provenance_differs
+from presswear.results.result import FILE, FINISHED, SCHEMA, read_document
 from presswear.results.stage import StageResult
-from presswear.results.stored import check_document
+from presswear.results.stored import checkpoint_file, files_of, stored_result
 from presswear.scene.scene import Scene
 from presswear.scene.settings import differences
+from presswear.tools.arrays import State, read_arrays, write_arrays
+from presswear.tools.documents import plain, sealed_json
 from presswear.tools.errors import InputError, RunFailed
-from presswear.tools.files import (
-    PART,
-    arrays_in,
-    read_checked,
-    sealed_json,
-    write_arrays,
-    write_bytes,
-)
-from presswear.tools.lock import is_free, make_folder, remove_empty, take_folder
-from presswear.tools.state import State
+from presswear.tools.files import PART, write_bytes
+from presswear.tools.folders import FolderLock, is_free
 from presswear.tools.stopping import is_stopped
 
 INTERVAL = 60.0
@@ -42,14 +36,8 @@ LEAST_WAIT = 100.0
 """A checkpoint waits at least so many times as long as the last one took to write, so that all
 of them cost less than 1 % of a run."""
 
-
 CHECKPOINT = "checkpoint"
-"""Key of ``result.json``, and beginning of the file's name."""
-
-
-def _checkpoint_file(turn: int) -> str:
-    """Name of a checkpoint's file; two take turns, so that one is always whole."""
-    return f"{CHECKPOINT}-{turn}.npz"
+"""Key of ``result.json``."""
 
 
 class Storable(Protocol):
@@ -74,7 +62,7 @@ class ResultFolder(Tracker):
     resumed : tuple or None
         Document and arrays of the checkpoint to go on from; None: from the start.
     remarks : list of str
-        What a person has to know about it.
+        Lines for the person who started it.
     kept : str
         Up to where everything is kept, once it is given free.
     """
@@ -89,7 +77,7 @@ class ResultFolder(Tracker):
         interval : float
             Time between two checkpoints within a stage, s; 0: one after every cycle.
         resume : bool
-            Whether a run of the same scene in it is gone on with.
+            True: go on with a run of the same scene that is in it.
         """
         free = is_free(path)
         if not free and not resume:
@@ -107,8 +95,7 @@ class ResultFolder(Tracker):
         self._interval = interval
         self._latest: Storable | None = None
         self._took = 0.0
-        new = make_folder(path)
-        self._lock = take_folder(path)
+        self._lock = FolderLock(path)
         if self._lock.warning:
             self.remarks.append(self._lock.warning)
         try:
@@ -121,12 +108,11 @@ class ResultFolder(Tracker):
                 self._write()
         except BaseException:
             self._lock.release()
-            remove_empty(new)
             raise
 
     @property
     def is_finished(self) -> bool:
-        """Whether the run in it has come to its end."""
+        """True where the run in it has come to its end."""
         return self._document["status"] in FINISHED
 
     def _new(self) -> dict[str, Any]:
@@ -148,31 +134,31 @@ class ResultFolder(Tracker):
     def _stored(self) -> dict[str, Any]:
         """The document of the run that is gone on with, and its checkpoint."""
         document = read_document(self.path)
-        check_document(document, self.path / FILE)
+        stored_result(document, self.path / FILE)
         here = provenance()
         _check_same(self.path, document, self._scene, here)
         if document["status"] in FINISHED:
             return document
         told = document[CHECKPOINT]
-        name = "" if told is None else _checkpoint_file(told["turn"])
+        name = "" if told is None else checkpoint_file(told["turn"])
         for item in self.path.iterdir():
             ours = item.name.startswith((FILE, CHECKPOINT, "stage-", "film-", "report.html"))
             is_left = item.name.startswith(CHECKPOINT) and item.name != name
             if ours and (item.name.endswith(PART) or is_left):
                 item.unlink()
         first = 0
-        if told is not None and (self.path / name).exists():
-            data = read_checked(self.path / name, document["files"][name])
-            self.resumed = told["state"], arrays_in(data, self.path / name)
+        if told is None:
+            self.remarks.append(f"{self.path} has no checkpoint yet: the run begins anew")
+        else:
+            arrays = read_arrays(self.path / name, document["files"][name])
+            self.resumed = told["state"], arrays
             first = told["state"]["index"]
             self.remarks.append(f"going on after {told['words']}")
-        else:
-            self.remarks.append(f"{self.path} has no checkpoint yet: the run begins anew")
-        document["stages"] = [stage for stage in document["stages"] if stage["index"] < first]
-        kept = [name for k in range(first) for name in files_of(k)]
-        kept += [name] if self.resumed else []
-        document["files"] = {name: document["files"][name] for name in kept}
-        document[CHECKPOINT] = told if self.resumed else None
+        # The stage that is gone on with is stored again, with all of the wear after it.
+        for stage in document["stages"][first:]:
+            for name in files_of(stage["index"]):
+                del document["files"][name]
+        del document["stages"][first:]
         if document["provenance"]["machine"] != here["machine"]:
             self.remarks.append(
                 f"begun on {document['provenance']['machine']}, going on on {here['machine']}: "
@@ -213,7 +199,7 @@ class ResultFolder(Tracker):
         state, arrays = self._latest.stored()
         before = self._document[CHECKPOINT]
         turn = 1 if before is None else 3 - before["turn"]
-        name = _checkpoint_file(turn)
+        name = checkpoint_file(turn)
         with self._writing():
             digest = write_arrays(self.path / name, arrays, np.savez)
         self._forget_checkpoint()
@@ -222,7 +208,7 @@ class ResultFolder(Tracker):
         self._document[CHECKPOINT] = {"turn": turn, "words": words, "state": state}
         self._write()
         if before is not None:
-            (self.path / _checkpoint_file(before["turn"])).unlink(missing_ok=True)
+            (self.path / checkpoint_file(before["turn"])).unlink(missing_ok=True)
         self._saved = time.perf_counter()
         self._took = self._saved - began
 
@@ -240,7 +226,7 @@ class ResultFolder(Tracker):
         checkpoint = self._document[CHECKPOINT]
         if checkpoint is None:
             return ""
-        name = _checkpoint_file(checkpoint["turn"])
+        name = checkpoint_file(checkpoint["turn"])
         del self._document["files"][name]
         self._document[CHECKPOINT] = None
         return name
@@ -262,8 +248,6 @@ class ResultFolder(Tracker):
             for name in (FILE, *self._document["files"]):
                 (self.path / name).unlink(missing_ok=True)
             self._lock.release()
-            if not any(self.path.iterdir()):
-                self.path.rmdir()
 
     def __enter__(self) -> Self:
         return self
@@ -283,11 +267,8 @@ class ResultFolder(Tracker):
         finally:
             self._lock.release()
 
-    def _wall(self) -> float:
-        return self._earlier + time.perf_counter() - self._began
-
     def _write(self) -> None:
-        self._document["wall_s"] = self._wall()
+        self._document["wall_s"] = self._earlier + time.perf_counter() - self._began
         with self._writing():
             write_bytes(self.path / FILE, sealed_json(plain(self._document)))
 
@@ -312,7 +293,7 @@ class ResultFolder(Tracker):
             ) from error
 
 
-def _check_same(path: Path, document: dict[str, Any], scene: Scene, here: dict[str, Any]) -> None:
+def _check_same(path: Path, document: dict[str, Any], scene: Scene, here: Provenance) -> None:
     """InputError naming what differs unless a folder's run is one of this scene and program."""
     # Through JSON, as the folder's own has gone.
     wanted = json.loads(json.dumps(plain(scene.as_dict())))

@@ -8,11 +8,11 @@ import time
 from collections.abc import Mapping
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import Any, NotRequired, TypedDict
 
 PACKAGES = ("presswear", "exudyn", "numpy", "scipy", "numba", "matplotlib")
 BINDING = ("python", "revision", "source")
-"""What must be the same for a run to go on with the same numbers, beside the packages.
+"""Parts that must agree for a run to go on with the same numbers, beside the packages.
 
 The same source may be installed in one place and checked out in another, where alone git knows
 its revision: where the source is the same, so is the revision.
@@ -55,8 +55,20 @@ def machine() -> str:
     return f"{platform.system()} {platform.machine()}, {os.cpu_count()} cores"
 
 
-def provenance() -> dict[str, Any]:
-    """Versions, revision and machine."""
+class Provenance(TypedDict):
+    """Versions, revision, machine and date; ``resumed`` for each time that a run went on."""
+
+    python: str
+    packages: dict[str, str]
+    revision: str
+    source: str
+    machine: str
+    started: str
+    resumed: NotRequired[list[dict[str, str]]]
+
+
+def provenance() -> Provenance:
+    """Where numbers that are computed here and now come from."""
     return {
         "python": platform.python_version(),
         "packages": {name: version(name) for name in PACKAGES},
@@ -69,12 +81,12 @@ def provenance() -> dict[str, Any]:
 
 def provenance_differs(stored: Mapping[str, Any], here: Mapping[str, Any]) -> str:
     """Versions or sources that differ and so make other numbers, in words, or nothing."""
-    pairs = {name: (stored.get(name), here[name]) for name in BINDING}
-    if stored.get("source") == here["source"]:
+    pairs = {name: (stored[name], here[name]) for name in BINDING}
+    if stored["source"] == here["source"]:
         del pairs["revision"]
-    packages = stored.get("packages", {})
     # What draws the figures changes no number.
-    pairs |= {name: (packages.get(name), here["packages"][name]) for name in PACKAGES[:-1]}
+    for name in PACKAGES[:-1]:
+        pairs[name] = (stored["packages"].get(name), here["packages"][name])
     return ", ".join(
         f"{name} {there} there and {own} here"
         for name, (there, own) in pairs.items()

@@ -4,9 +4,8 @@ On disk ``result.json`` holds the scene, where the numbers come from, the statis
 digests of all files; ``stage-K.npz`` the arrays of stage K, ``film-K.npz`` its film.
 """
 
-import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from importlib import import_module
 from pathlib import Path
@@ -18,16 +17,19 @@ from numpy.typing import NDArray
 from presswear.record.film import Film
 from presswear.results.stage import StageResult, stage_at
 from presswear.results.stored import (
+    StoredResult,
     check_arrays,
-    check_document,
-    check_stages,
-    read_arrays,
-    schema_of,
+    check_joints,
+    files_of,
+    stored_result,
 )
 from presswear.scene.scene import Scene
+from presswear.tools.arrays import read_numbers
+from presswear.tools.documents import plain as plain
+from presswear.tools.documents import read_sealed
 from presswear.tools.errors import InputError
-from presswear.tools.files import check_seal, read_checked, read_json
-from presswear.tools.lock import holder
+from presswear.tools.files import read_checked
+from presswear.tools.folders import holder
 
 if TYPE_CHECKING:
     import pandas
@@ -59,7 +61,7 @@ class Result:
         Why it is not completed, or nothing.
     provenance : mapping
         Versions, revision, machine and date.
-    wall : float
+    wall_s : float
         Wall time, s.
     path : Path or None
         Its folder; None: in memory only.
@@ -70,7 +72,7 @@ class Result:
     status: str
     message: str
     provenance: Mapping[str, Any]
-    wall: float
+    wall_s: float
     path: Path | None = None
 
     def stage(self, index: int) -> StageResult:
@@ -175,70 +177,46 @@ def _flat(numbers: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]
     return found
 
 
-def plain(value: Any) -> Any:
-    """Data that JSON can hold: a number that is not finite becomes null."""
-    if isinstance(value, Mapping):
-        return {str(key): plain(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [plain(item) for item in value]
-    if isinstance(value, np.integer):
-        return int(value)
-    if isinstance(value, float | np.floating):
-        return float(value) if math.isfinite(value) else None
-    return value
-
-
-def files_of(index: int) -> tuple[str, str]:
-    """Files of a stage: its arrays and its film."""
-    return f"stage-{index}.npz", f"film-{index}.npz"
-
-
 def read_document(path: Path) -> dict[str, Any]:
     """Content of ``result.json`` in a folder; InputError where it is not what was written."""
-    file = path / FILE
-    document = read_json(file, f"{path} is no result folder: it has no {FILE}")
-    schema_of(document, file, SCHEMA)
-    found: dict[str, Any] = document
-    check_seal(read_checked(file, None), found, file)
-    return found
+    missing = f"{path} is no result folder: it has no {FILE}"
+    return read_sealed(path / FILE, missing, SCHEMA)
 
 
 def load(path: str | Path) -> Result:
-    """Read a result folder; InputError names what is missing, cut off, altered or too new."""
+    """Read a result folder; InputError names what is missing, cut off, altered or too new.
+
+    A checkpoint is left to whoever goes on from it: a run that is at work may replace it.
+    """
     path = Path(path)
     file = path / FILE
-    document = read_document(path)
-    check_document(document, file)
-    scene = stored_scene(document, file)
+    stored = stored_result(read_document(path), file)
+    scene = stored_scene(stored, file)
     joints = scene.clearance_joints
-    check_stages(document, joints, scene.wears, file)
-    digests = document["files"]
+    check_joints(stored, joints, scene.wears, file)
     stages = []
-    for entry in document["stages"]:
-        name, film = files_of(entry["index"])
-        arrays = read_arrays(path / name, digests.get(name))
+    for stage in stored.stages:
+        name, film = files_of(stage.index)
+        arrays = read_numbers(path / name, stored.files[name])
         check_arrays(arrays, joints, scene.bearings.angles, path / name)
-        read = partial(_film, path / film, digests.get(film), scene)
-        stages.append(StageResult.from_dict(entry, arrays, joints, read))
-    for name in digests.keys() - {files_of(entry["index"])[0] for entry in document["stages"]}:
-        read_checked(path / name, digests[name])
+        read_checked(path / film, stored.files[film])
+        read = partial(_film, path / film, stored.files[film], scene)
+        stages.append(replace(stage, arrays=arrays, joint_names=joints, read_film=read))
     return Result(
         scene,
         tuple(stages),
-        document["status"],
-        document["message"],
-        document["provenance"],
-        document["wall_s"],
+        stored.status,
+        stored.message,
+        stored.provenance,
+        stored.wall_s,
         path,
     )
 
 
-def _film(file: Path, digest: str | None, scene: Scene) -> Film:
+def _film(file: Path, digest: str, scene: Scene) -> Film:
     """The film in a file; InputError where there is none or it is damaged."""
-    if not file.exists():
-        raise InputError(f"{file} is missing: this run was stored without a film; run it again")
     linkage = scene.linkage()
-    arrays = read_arrays(file, digest)
+    arrays = read_numbers(file, digest)
     names = [joint.name for joint in linkage.clearances]
     try:
         return Film.from_arrays(arrays, len(linkage.bodies), names)
@@ -261,15 +239,14 @@ def unfinished(result: Result) -> str:
     )
 
 
-def stored_scene(document: Mapping[str, Any], file: Path) -> Scene:
-    """The scene of a document; InputError names the file."""
+def stored_scene(stored: StoredResult, file: Path) -> Scene:
+    """The scene of a stored result; InputError names the file."""
     try:
-        scene = Scene.from_dict(document["scene"])
+        scene = Scene.from_dict(stored.scene)
     except InputError as error:
         raise InputError(f"{file}: {error}") from None
     # Both are told twice, for whoever reads the file without us.
-    for key in ("engine", "conventions"):
-        inside = document["scene"].get(key)
-        if document.get(key, inside) != inside:
-            raise InputError(f"{file}: {key!r} is not what it is in 'scene', {inside!r}")
+    for key, told in {"engine": stored.engine, "conventions": stored.conventions}.items():
+        if told != stored.scene[key]:
+            raise InputError(f"{file}: {key!r} is not what it is in 'scene', {stored.scene[key]!r}")
     return scene

@@ -1,14 +1,16 @@
 """One stage of a result: what ran, what it observed, and the wear after it."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, field, fields
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.engines.base import Status
+from presswear.physics.touchdown import CONTACT_COLUMNS
 from presswear.record.film import Film
-from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT, EPISODE_COLUMNS
+from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
 from presswear.record.soundness import Finding
 from presswear.scene.scene import stage_name
 from presswear.tools.errors import InputError
@@ -20,7 +22,7 @@ SIDES = ("bearing", "pin")
 
 @dataclass(frozen=True)
 class WearStep:
-    """One step of a wear.
+    """One step of a wear; its fields are the names in ``result.json``.
 
     Attributes
     ----------
@@ -30,48 +32,23 @@ class WearStep:
         Cycles of the run that it multiplies.
     factor : float
         Their quotient.
-    change : float
+    largest_change_of_clearance : float
         Largest change of a profile, part of its clearance.
-    deepest : dict
+    deepest_m : dict
         Deepest depth of all wears so far by joint, then ``bearing`` and ``pin``, m.
-    force : dict
+    force_max_N : dict
         Peak normal force of the run by joint, N.
-    wall : float
+    wall_s : float
         Wall time of the run, s.
     """
 
     represented_cycles: float
     cycles: int
     factor: float
-    change: float
-    deepest: Mapping[str, Mapping[str, float]]
-    force: Mapping[str, float]
-    wall: float
-
-    def as_dict(self) -> dict[str, Any]:
-        """Give the step as ``result.json`` holds it."""
-        return {
-            "represented_cycles": self.represented_cycles,
-            "cycles": self.cycles,
-            "factor": self.factor,
-            "largest_change_of_clearance": self.change,
-            "deepest_m": {joint: dict(sides) for joint, sides in self.deepest.items()},
-            "force_max_N": dict(self.force),
-            "wall_s": self.wall,
-        }
-
-    @staticmethod
-    def from_dict(stored: Mapping[str, Any]) -> "WearStep":
-        """Read what ``as_dict`` gave."""
-        return WearStep(
-            stored["represented_cycles"],
-            stored["cycles"],
-            stored["factor"],
-            stored["largest_change_of_clearance"],
-            stored["deepest_m"],
-            stored["force_max_N"],
-            stored["wall_s"],
-        )
+    largest_change_of_clearance: float
+    deepest_m: Mapping[str, Mapping[str, float]]
+    force_max_N: Mapping[str, float]  # noqa: N815
+    wall_s: float
 
 
 @dataclass(frozen=True)
@@ -112,8 +89,8 @@ class JointResult:
         return self.arrays["sliding"]
 
     def contact(self, name: str) -> Array:
-        """A number of each recorded contact, by a name of ``EPISODE_COLUMNS``, shape (k,); SI."""
-        return self.arrays["contacts"][:, EPISODE_COLUMNS.index(name)]
+        """A number of each recorded contact, by a name of ``CONTACT_COLUMNS``, shape (k,); SI."""
+        return self.arrays["contacts"][:, CONTACT_COLUMNS.index(name)]
 
     def each_cycle(self, name: str) -> Array:
         """A number of each cycle, by its name in ``CYCLE_JOINT``, shape (cycles,); SI units."""
@@ -132,24 +109,26 @@ class JointResult:
 class StageResult:
     """One run of the outer loop, and the wear after it; the same in memory and on disk.
 
+    Its fields are the names in ``result.json``, but for arrays, film and joints.
+
     Attributes
     ----------
     index : int
         0 unworn, 1 after the first wear, and so on.
-    status : str
+    status : {"completed", "enough", "failed"}
         ``completed``, ``enough`` where its wear maps were known early, or ``failed``.
     message : str
         Why it failed, or nothing.
     finding : Finding or None
-        What ended the stage, or the wear after it.
+        Cause that ended the stage, or the wear after it; None where nothing did.
     amplification : float
         Multiplier of the depth of the cycles that the stage ran.
     wear_steps : tuple of WearStep
         How the wear after it was applied; empty after the last stage.
-    simulated, wall : float
+    simulated_s, wall_s : float
         Simulated time of all its starts, and the wall time that took, s.
     diagnostics : mapping
-        What the solver says.
+        Numbers and words of the solver, by name.
     statistics : mapping
         Numbers of the stage by name; SI units.
     arrays : mapping
@@ -161,18 +140,18 @@ class StageResult:
     """
 
     index: int
-    status: str
+    status: Status
     message: str
     finding: Finding | None
     amplification: float
     wear_steps: tuple[WearStep, ...]
-    simulated: float
-    wall: float
-    diagnostics: Mapping[str, Any]
+    simulated_s: float
+    wall_s: float
+    diagnostics: Mapping[str, str | int | float | None]
     statistics: Mapping[str, Any]
-    arrays: Mapping[str, Array]
-    joint_names: tuple[str, ...]
-    read_film: Callable[[], Film]
+    arrays: Mapping[str, Array] = field(default_factory=dict)
+    joint_names: tuple[str, ...] = ()
+    read_film: Callable[[], Film] | None = None
 
     @property
     def name(self) -> str:
@@ -187,6 +166,8 @@ class StageResult:
     @property
     def film(self) -> Film:
         """Frames of its first start; InputError where they are missing or damaged."""
+        if self.read_film is None:
+            raise InputError(f"{self.name}: no film was kept")
         return self.read_film()
 
     @property
@@ -240,43 +221,13 @@ class StageResult:
         return self.arrays["cycles"][:, CYCLE_FIXED.index(name)]
 
     def as_dict(self) -> dict[str, Any]:
-        """Give everything but its arrays as ``result.json`` holds it."""
-        return {
-            "index": self.index,
-            "status": self.status,
-            "message": self.message,
-            "finding": self.finding.as_dict() if self.finding else None,
-            "amplification": self.amplification,
-            "wear_steps": [step.as_dict() for step in self.wear_steps],
-            "simulated_s": self.simulated,
-            "wall_s": self.wall,
-            "diagnostics": dict(self.diagnostics),
-            "statistics": dict(self.statistics),
-        }
-
-    @staticmethod
-    def from_dict(
-        stored: Mapping[str, Any],
-        arrays: Mapping[str, Array],
-        joint_names: tuple[str, ...],
-        read_film: Callable[[], Film],
-    ) -> "StageResult":
-        """Read what ``as_dict`` gave, checked, with its arrays."""
-        return StageResult(
-            stored["index"],
-            stored["status"],
-            stored["message"],
-            Finding.from_dict(stored["finding"]) if stored["finding"] else None,
-            stored["amplification"],
-            tuple(map(WearStep.from_dict, stored["wear_steps"])),
-            stored["simulated_s"],
-            stored["wall_s"],
-            stored["diagnostics"],
-            stored["statistics"],
-            arrays,
-            joint_names,
-            read_film,
-        )
+        """Give everything but its arrays, film and joints, as ``result.json`` holds it."""
+        told = {item.name: getattr(self, item.name) for item in fields(self)}
+        for name in ("arrays", "joint_names", "read_film"):
+            del told[name]
+        told["finding"] = asdict(self.finding) if self.finding else None
+        told["wear_steps"] = [asdict(step) for step in self.wear_steps]
+        return told
 
 
 def stage_at(stages: tuple[StageResult, ...], index: int, where: str) -> StageResult:

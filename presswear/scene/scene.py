@@ -32,9 +32,9 @@ from presswear.linkage.press import Press
 from presswear.linkage.slider_crank import SliderCrank
 from presswear.linkage.surface import Surface
 from presswear.linkage.topology import branches_of
+from presswear.tools.documents import typed
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import Choice, check_fields, choice, quantity
-from presswear.tools.typed import misfits
 
 Array = NDArray[np.float64]
 
@@ -394,10 +394,9 @@ class Scene:
             lacking = next(_lacking(scene.as_dict(), data), None)
             if lacking is not None:
                 raise InputError(f"this is no whole scene: {lacking!r} is missing")
-            # Settings of an engine that no person can set have no range of their own.
-            wrong = next(misfits(scene), None)
-            if wrong is not None:
-                raise InputError(f"this is no stored scene: {wrong} is not what it should be")
+            # What no person can set has no range of its own.
+            for part in ("mechanism", "numerics"):
+                typed(data[part], type(getattr(scene, part)), f"this is no stored scene: {part}")
             return scene
         except InputError:
             raise

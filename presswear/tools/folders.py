@@ -1,13 +1,32 @@
-"""Where results may go: said before anything is computed, not when they are to be written."""
+"""Where results may go, and who writes there: said before anything is computed.
 
+One process at a time writes into a folder.  Its lock is the system's own on an open file, so
+that a process that is killed leaves none behind; the file says who holds it.
+"""
+
+import errno
 import os
+import platform
+import sys
 import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import IO
 
 from presswear.tools.errors import InputError
 
+LOCK = "lock"
+"""Name of the file that is locked."""
 LONGEST_NAME = 255
 """Bytes of a name in common file systems."""
+_LEFT = {LOCK, "result.json.part"}
+"""Files that a run leaves that is killed as it begins."""
+_BUSY = (errno.EACCES, errno.EAGAIN, errno.EDEADLK)
+_TRIES = 5
+_PAUSE = 0.02
+"""Between two tries, s: whoever looks who holds a lock, has it for a moment."""
 
 
 def check_name(path: Path) -> None:
@@ -19,21 +38,157 @@ def check_name(path: Path) -> None:
         raise InputError(f"{text}: names of at most {LONGEST_NAME} bytes are expected")
 
 
-def check_new_folder(path: Path) -> None:
-    """InputError unless a folder of this name is empty, or can be made and written into."""
+def is_free(path: Path) -> bool:
+    """Tell whether a folder can be begun in: it is not there, or holds nothing of anybody.
+
+    InputError where none of this name can be made and written into.
+    """
     check_name(path)
-    text = os.fspath(path)
     try:
-        if path.is_symlink() and not path.exists():
-            raise InputError(f"--out {text}: it is a link that leads nowhere")
-        if path.exists() and (not path.is_dir() or any(path.iterdir())):
-            raise InputError(f"--out {text}: it exists and is not empty; name a new folder")
-        there = path
-        while not there.exists():
-            there = there.parent
+        if path.exists():
+            return path.is_dir() and {item.name for item in path.iterdir()} <= _LEFT
+        if path.is_symlink():
+            raise InputError(f"--out {path}: it is a link that leads nowhere")
+        there = next(folder for folder in path.parents if folder.exists())
         if not there.is_dir():
-            raise InputError(f"--out {text}: {there} is no folder")
+            raise InputError(f"--out {path}: {there} is no folder")
         # Permissions do not tell for every kind of file system: trying does.
         os.rmdir(tempfile.mkdtemp(dir=there))
     except OSError as error:
-        raise InputError(f"--out {text}: nothing can be written there: {error.strerror}") from None
+        raise _unwritable(path, error) from None
+    return True
+
+
+def check_free(path: Path) -> None:
+    """InputError unless a folder can be begun in."""
+    if not is_free(path):
+        raise InputError(f"--out {path}: it exists and is not empty; name a new folder")
+
+
+def _unwritable(path: Path, error: OSError) -> InputError:
+    return InputError(f"--out {path}: nothing can be written there: {error.strerror}")
+
+
+class FolderLock:
+    """The right to write into a folder, until it is released or the process ends.
+
+    Attributes
+    ----------
+    path : Path
+        The folder's.
+    warning : str
+        Words for where this file system has no locks, or nothing.
+    """
+
+    def __init__(self, path: Path) -> None:
+        """Lock a folder, made where it is not there.
+
+        InputError where nothing can be written there, or naming who is at work in it.
+        """
+        self.path = path
+        self.warning = ""
+        self._made = tuple(folder for folder in (path, *path.parents) if not folder.exists())
+        try:
+            path.mkdir(parents=True, exist_ok=True)
+            self._file = self._locked()
+        except OSError as error:
+            raise _unwritable(path, error) from None
+
+    def _locked(self) -> IO[str]:
+        for _ in range(_TRIES):
+            file = (self.path / LOCK).open("a+", encoding="utf-8")
+            try:
+                _lock(file)
+            except OSError as error:
+                if error.errno in _BUSY:
+                    file.close()
+                    time.sleep(_PAUSE)
+                    continue
+                self.warning = (
+                    f"{self.path} is on a file system without locks ({error.strerror}): "
+                    "start no second run in it"
+                )
+            # It may have been released, and removed, since it was opened.
+            if _is_same(self.path / LOCK, file):
+                file.truncate(0)
+                file.write(f"process {os.getpid()} on {platform.node()}\n")
+                file.flush()
+                return file
+            file.close()
+        who = holder(self.path) or "another process"
+        raise InputError(f"--out {self.path}: {who} is at work in it; wait for it, or name another")
+
+    def is_held(self) -> bool:
+        """True while the folder is still there and still ours."""
+        return not self._file.closed and _is_same(self.path / LOCK, self._file)
+
+    @property
+    def is_released(self) -> bool:
+        """True once it was given free."""
+        return self._file.closed
+
+    def release(self) -> None:
+        """Give the folder free, and remove it where it was made for nothing; twice does no harm."""
+        is_held = self.is_held()
+        if os.name != "posix":  # where no open file can be removed
+            self._file.close()
+        if is_held:
+            (self.path / LOCK).unlink(missing_ok=True)
+            with suppress(OSError):  # up to the first folder that holds something
+                for folder in self._made:
+                    folder.rmdir()
+        self._file.close()
+
+
+def _lock(file: IO[str]) -> None:
+    """Take the system's lock on a file; OSError where another has it or there is none."""
+    if sys.platform == "win32":
+        import msvcrt
+
+        file.seek(1 << 30)  # behind the text, which others may read
+        msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
+        return
+    import fcntl
+
+    fcntl.flock(file.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
+
+
+def _is_same(path: Path, file: IO[str]) -> bool:
+    """True while a path leads to an open file."""
+    try:
+        return os.path.samestat(os.stat(path), os.fstat(file.fileno()))
+    except OSError:
+        return False
+
+
+def holder(path: Path) -> str | None:
+    """Who is at work in a folder, in words; None where nobody is."""
+    try:
+        with (path / LOCK).open("r+", encoding="utf-8") as file:
+            try:
+                _lock(file)
+            except OSError as error:
+                if error.errno not in _BUSY:
+                    return None
+                file.seek(0)
+                return file.readline().strip() or "another process"
+    except OSError:
+        pass
+    return None
+
+
+@contextmanager
+def only_writer(path: Path) -> Iterator[None]:
+    """Be the only one that writes into a new folder; left empty it is removed again.
+
+    Raises
+    ------
+    InputError
+        Where the folder holds something, cannot be made, or somebody is at work in it.
+    """
+    check_free(path)
+    lock = FolderLock(path)
+    try:
+        yield
+    finally:
+        lock.release()

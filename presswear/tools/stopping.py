@@ -6,6 +6,7 @@ another error of it, as Python does inside ``__set_name__``: any error behind a 
 """
 
 import signal
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
@@ -23,6 +24,14 @@ def _stop(number: int, frame: FrameType | None) -> None:
 def stoppable() -> Iterator[None]:
     """Let signals stop what is inside; those that somebody had ignored stay ignored."""
     _received.clear()
+    complain = sys.unraisablehook
+
+    def dropped(problem: "sys.UnraisableHookArgs") -> None:
+        # An object that a signal left half made fails as it is dropped, and nobody need know.
+        if not is_stopped():
+            complain(problem)
+
+    sys.unraisablehook = dropped
     before = {}
     for name in NAMES:
         number = getattr(signal, name, None)
@@ -36,10 +45,13 @@ def stoppable() -> Iterator[None]:
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
+        # Such objects may live until the program ends.
+        if not is_stopped():
+            sys.unraisablehook = complain
 
 
 def is_stopped() -> bool:
-    """Whether a signal has come."""
+    """True once a signal has come."""
     return bool(_received)
 
 

@@ -179,7 +179,8 @@ def test_no_step_exceeds_its_limit(campaign: Campaign, law: Law, limit: float) -
     depths = [surfaces[run * CYCLES][0] for run in range(len(surfaces) // CYCLES)]
     changes = [np.max(b - a) / CLEARANCE for a, b in pairwise(depths)]
     assert max(changes) <= limit * (1.0 + 1e-8)
-    np.testing.assert_allclose([step.change for step in seen.steps], changes, rtol=1e-9)
+    told = [step.largest_change_of_clearance for step in seen.steps]
+    np.testing.assert_allclose(told, changes, rtol=1e-9)
     # Equal shares of what remains: a step may be below the limit by as much as one in n.
     assert np.mean(changes) > 0.75 * limit
 
@@ -234,7 +235,7 @@ def test_a_stage_runs_on_the_sum_of_the_steps_before_it(campaign: Campaign) -> N
             there = both(after.joints[name], after.joints[name].depth)
             added = both(joint, joint.wear)
             np.testing.assert_allclose(there, both(joint, joint.depth) + added, rtol=1e-12)
-            deepest = before.wear_steps[-1].deepest[name]
+            deepest = before.wear_steps[-1].deepest_m[name]
             assert [deepest["bearing"], deepest["pin"]] == list(there.max(axis=1))
             area = 0.02 * 0.015 * 2.0 * math.pi / 360
             volume = joint.statistics["wear_volume_m3"]
@@ -410,18 +411,18 @@ def test_the_press_wears_in_steps(real: Path) -> None:
     assert len(steps) >= 3
     assert result.stages[1].wear_steps == ()
     assert sum(step.represented_cycles for step in steps) == pytest.approx(1e6, rel=1e-13)
-    assert all(0.0 < step.change <= LIMIT * (1 + 1e-8) for step in steps)
+    assert all(0.0 < step.largest_change_of_clearance <= LIMIT * (1 + 1e-8) for step in steps)
     for joint in "AC":
         for side in ("bearing", "pin"):
             before, after = (stage.joints[joint].depth(side) for stage in result.stages)
             np.testing.assert_allclose(after - before, result.stages[0].joints[joint].wear(side))
-            deepest = [step.deepest[joint][side] for step in steps]
+            deepest = [step.deepest_m[joint][side] for step in steps]
             assert deepest == sorted(deepest)
             assert deepest[-1] == after.max()
     # Of the run that each step multiplies, the first of which is the stage's.
     peak = result.stages[0].statistics["joints"]["A"]["force_max_N"]
-    assert steps[0].force["A"] == peak
-    assert len({step.force["A"] for step in steps}) == len(steps)
+    assert steps[0].force_max_N["A"] == peak
+    assert len({step.force_max_N["A"] for step in steps}) == len(steps)
 
 
 def test_growth_is_a_table_and_a_figure(real: Path) -> None:

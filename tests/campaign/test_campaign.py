@@ -11,12 +11,10 @@ from presswear.campaign.amplification import worn_out
 from presswear.campaign.campaign import run_stage
 from presswear.campaign.single import run_scene
 from presswear.linkage.surface import Surface
-from presswear.results.folder import ResultFolder
-from presswear.results.result import SCHEMA, Result, load, plain
-from presswear.scene.catalog import slider_crank, wear_times
+from presswear.results.result import Result, plain
+from presswear.scene.catalog import wear_times
 from presswear.scene.scene import CONVENTIONS, Scene
 from presswear.tools.errors import InputError
-from presswear.tools.files import sealed_json, write_whole
 
 Ran = tuple[Scene, Result, Result]
 """A scene, its result in memory, and its result on disk."""
@@ -132,80 +130,6 @@ def test_result_json_says_where_it_comes_from(
         joint = stage["statistics"]["joints"]["A"]
         assert joint["unresolved_contacts"] == 0
         assert joint["fewest_steps_in_a_contact"] >= 5
-
-
-def test_a_folder_with_anything_in_it_is_refused(tmp_path: Path) -> None:
-    (tmp_path / "precious").write_text("mine")
-    with pytest.raises(InputError, match="not empty"):
-        ResultFolder(tmp_path, wear_times())
-    assert (tmp_path / "precious").read_text() == "mine"
-
-
-def test_a_file_appears_whole_or_not_at_all(tmp_path: Path) -> None:
-    target = tmp_path / "file"
-    target.write_bytes(b"old")
-
-    def broken(file: object) -> None:
-        raise OSError("disk full")
-
-    with pytest.raises(OSError, match="disk full"):
-        write_whole(target, broken)
-    assert target.read_bytes() == b"old"
-    assert list(tmp_path.iterdir()) == [target]
-
-
-def _restored(path: Path, schema: object, scene: object) -> Result:
-    """A folder without stages, read back."""
-    document = {
-        "schema": schema,
-        "scene": scene,
-        "engine": "exudyn",
-        "provenance": {
-            "packages": {},
-            **dict.fromkeys(("python", "revision", "machine", "started"), ""),
-        },
-        "status": "running",
-        "message": "",
-        "wall_s": 0.0,
-        "stages": [],
-        "files": {},
-        "checkpoint": None,
-    }
-    (path / "result.json").write_bytes(sealed_json(document))
-    return load(path)
-
-
-def test_scenes_say_which_mechanism_they_hold(tmp_path: Path) -> None:
-    scene = slider_crank()
-    assert _restored(tmp_path, SCHEMA, plain(scene.as_dict())).scene == scene
-
-
-@pytest.mark.parametrize(
-    ("schema", "scene", "says"),
-    [
-        (SCHEMA + 1, {}, f"schema {SCHEMA + 1}; this version reads {SCHEMA}"),
-        (SCHEMA - 1, {}, f"schema {SCHEMA - 1}"),
-        (str(SCHEMA), {}, f"schema '{SCHEMA}'"),
-        (True, {}, "schema True"),
-        (float(SCHEMA), {}, f"schema {SCHEMA}.0"),
-        (None, {}, "schema None"),
-        (SCHEMA, {"mechanism": {}}, "not a stored scene: 'kind'"),
-        (SCHEMA, 3, "'scene' is not what it should be: 3"),
-        (SCHEMA, {"press": {}}, "not a stored scene.*mechanism"),
-    ],
-)
-def test_other_schemas_are_refused(
-    tmp_path: Path, schema: object, scene: object, says: str
-) -> None:
-    with pytest.raises(InputError, match=says):
-        _restored(tmp_path, schema, scene)
-
-
-@pytest.mark.parametrize("text", ["", "[]", '{"schema": 99}', "{", "\x00\xff"])
-def test_a_folder_that_holds_no_result_is_refused(tmp_path: Path, text: str) -> None:
-    (tmp_path / "result.json").write_text(text, encoding="latin-1")
-    with pytest.raises(InputError):
-        load(tmp_path)
 
 
 def test_wear_through_the_pin_is_named() -> None:

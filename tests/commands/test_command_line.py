@@ -132,6 +132,31 @@ def test_every_help_has_an_example(command: list[str], capsys: pytest.CaptureFix
     assert "example: presswear" in capsys.readouterr().out
 
 
+def test_what_an_interrupt_left_half_made_says_nothing(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    class Half:
+        def __init__(self) -> None:
+            if "signal" in chosen:
+                signal.raise_signal(signal.SIGTERM)
+
+        def __del__(self) -> None:
+            raise AttributeError("it has no other half")
+
+    def listed(arguments: object, console: object) -> int:
+        Half()
+        return 0
+
+    monkeypatch.setattr(scenes, "_list", listed)
+    monkeypatch.setattr(sys, "unraisablehook", sys.__unraisablehook__)
+    chosen = ["signal"]
+    assert main(["list"]) == 143
+    assert capsys.readouterr().err == "presswear: interrupted\n"
+    chosen.clear()
+    assert main(["list"]) == 0
+    assert "it has no other half" in capsys.readouterr().err
+
+
 def test_the_module_runs_as_a_command() -> None:
     found = subprocess.run(
         [sys.executable, "-m", "presswear", "list"], capture_output=True, text=True, check=True

@@ -23,7 +23,7 @@ from presswear.results.result import load, read_document
 from presswear.scene.scene import Scene
 from presswear.tools.errors import RunFailed
 from presswear.tools.files import read_checked
-from presswear.tools.lock import holder
+from presswear.tools.folders import holder
 from presswear.trials.hard.case import sound
 
 PATIENCE = 60.0
@@ -169,6 +169,14 @@ def check_checkpoint(folder: Path) -> None:
     for name, digest in read_document(folder)["files"].items():
         if name.startswith("checkpoint"):
             read_checked(folder / name, digest)
+
+
+def checkpoint_of(folder: Path) -> Path | None:
+    """The file that a run goes on from, where its folder names one already."""
+    if not (folder / "result.json").exists():
+        return None
+    names = read_document(folder)["files"]
+    return next((folder / name for name in names if name.startswith("checkpoint")), None)
 
 
 def wait_for(is_so: Callable[[], object]) -> bool:

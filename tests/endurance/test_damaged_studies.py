@@ -12,6 +12,7 @@ from endurance.forgery import NO_LEAVES, leaves
 from endurance.subject import answered
 from presswear.campaign.study import FILE, load_study, unchanged
 from presswear.commands.studies import check_study
+from presswear.results.provenance import provenance
 from presswear.results.result import plain
 from presswear.studies.runaway.variants import make as runaway
 from presswear.tools.errors import InputError
@@ -19,7 +20,7 @@ from presswear.tools.errors import InputError
 
 @pytest.fixture(scope="module")
 def document() -> dict[str, Any]:
-    found = plain(runaway(unchanged).as_dict())
+    found = plain({**runaway(unchanged).as_dict(), "provenance": provenance()})
     assert isinstance(found, dict)
     return found
 
@@ -55,7 +56,7 @@ Edit = Callable[[dict[str, Any]], object]
     ("edit", "says"),
     [
         (lambda d: d.update(schema=True), "schema True"),
-        (lambda d: d.update(schema=2), "schema 2; this version reads 1"),
+        (lambda d: d.update(schema=3), "schema 3; this version reads 2"),
         (lambda d: d["variants"][0].update(key="../../elsewhere"), "cannot name a variant's"),
         (lambda d: d["variants"][0].update(key=d["variants"][1]["key"]), "cannot name"),
         (lambda d: d["variants"][0].update(key=""), "cannot name"),

@@ -41,11 +41,12 @@ def run_scenes(trial: Trial, count: int, seed: int) -> None:
         ]
         trial.add("; ".join(problems))
     trial.allowed = min(stopped, int(ALLOWED * count))
-    trial.note = (
+    note = (
         f"{stopped} ended with a message; largest residual {worst:.1e} of the energy exchanged; "
         f"{parts} in part, at {STEPS} steps; {refused} more did not assemble, in "
         f"{outside} pins sank in deeper than they are thick"
     )
+    trial.note, trial.miss = note, f"{note}; first {trial.miss}" if trial.miss else ""
 
 
 def test_random_scenes_run_in_both_engines() -> None:

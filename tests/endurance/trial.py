@@ -51,5 +51,4 @@ class Trial:
     def row(self) -> list[str]:
         """Cells of the table: what, tried, survived, verdict, note."""
         told = ("pass" if self.passed else "MISS") if self.tried else ""
-        note = "; ".join(text for text in (self.miss, self.note) if text)
-        return [self.what, str(self.tried), str(self.survived), told, note]
+        return [self.what, f"{self.tried}", f"{self.survived}", told, self.miss or self.note]

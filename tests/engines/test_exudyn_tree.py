@@ -40,7 +40,7 @@ def touches(run: Run) -> list[tuple[float, int, float, float]]:
     """Onset, joint, closing speed and end of all finished contacts, by time."""
     rows = [
         (float(row[0]), k, float(row[2]), float(row[1]))
-        for k in range(len(run.recorder.book.touch))
+        for k in range(len(run.recorder.book.memory))
         for row in run.recorder.episodes(k)
     ]
     return sorted(rows)

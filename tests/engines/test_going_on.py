@@ -14,8 +14,7 @@ from presswear.record.tracker import Tracker
 from presswear.scene.catalog import slider_crank, wear_times
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
-from presswear.tools.files import arrays_in, write_arrays
-from presswear.tools.state import State
+from presswear.tools.arrays import State, read_arrays, write_arrays
 
 RECORDED = 2
 FAST = {"speed": "60rad/s"}
@@ -76,7 +75,7 @@ def test_a_run_goes_on_bit_for_bit_after_every_cycle(name: str, tmp_path: Path) 
         # Through a file, as another process would have it.
         file = tmp_path / "state.npz"
         write_arrays(file, state, np.savez)
-        kept.append(arrays_in(file.read_bytes(), file))
+        kept.append(read_arrays(file))
 
     whole = told(case.run(None, Keeps(keep)))
     assert len(kept) == case.cycles

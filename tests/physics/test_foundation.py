@@ -9,12 +9,11 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
-from two_bodies import JOINT, Pair, joint_contact, joint_load
+from two_bodies import JOINT, Pair, placed
 
-from presswear.linkage.elements import ClearanceJoint
 from presswear.linkage.surface import Surface, bin_centres
 from presswear.physics.foundation import Bed, foundation_stiffness, press
-from presswear.physics.surface import BEARING, CUBE, PIN, ROWS, SLOPE, SQUARE, packed_rows
+from presswear.physics.surface import ROWS, packed_rows
 
 Array = NDArray[np.float64]
 
@@ -40,12 +39,19 @@ def bed(bearing: Surface, pin: Surface, eccentricity: float, *places: float) -> 
     return press(surfaces, eccentricity, C, least, *places)
 
 
+def overlaps(
+    s: Array, bearing: Surface, pin: Surface, eccentricity: float, *places: float
+) -> Array:
+    """Overlap at angles from the direction of the eccentricity."""
+    depth = bearing(places[0] + s) + pin(places[1] + s)
+    return np.asarray(eccentricity * np.cos(s) - C - depth)
+
+
 def directly(bearing: Surface, pin: Surface, eccentricity: float, *places: float) -> Array:
     """Greatest overlap and sums of a bed by the rectangle rule on a fine grid."""
     s = np.linspace(-0.6, 0.6, 400_001)
     slope_at = 1e-7
-    h = bearing(places[0] + s)
-    overlap = eccentricity * np.cos(s) - C - h - pin(places[1] + s)
+    overlap = overlaps(s, bearing, pin, eccentricity, *places)
     rise = (bearing(places[0] + s + slope_at) - bearing(places[0] + s - slope_at)) / (2 * slope_at)
     p = np.maximum(overlap, 0.0)
     width = s[1] - s[0]
@@ -98,43 +104,24 @@ def test_a_round_joint_gives_back_the_normal_law(penetration: float) -> None:
 
 
 def worn(bearing: Surface, pin: Surface) -> Pair:
-    """Two free bodies in contact, both turning."""
-    joint = replace(
-        JOINT, bearing_surface=bearing, pin_surface=pin, map_frame="body", contact="foundation"
-    )
-    count = max(bearing.depth.size, pin.depth.size)
-    direction = 1.1
+    """Two free bodies, both turning, with the pin where it overlaps by some micrometres."""
+    joint = replace(JOINT, bearing_surface=bearing, pin_surface=pin, contact="foundation")
     rates = np.array([0.3, -0.2, 4.0, 0.1, 0.25, -7.0])
-    q = np.array([0.0, 0.0, 0.2, 0.0, 0.0, -0.4])
-    pair = Pair(joint, q, rates)
-    # The pin is put where it overlaps by some micrometres.
-    low, high = 0.0, 2.0 * joint.clearance
+    low, high = -5e-4, 5e-4
     for _ in range(60):
         middle = 0.5 * (low + high)
-        pair = Pair(joint, at(joint, q, middle, direction), rates)
-        depth = pair.contact().penetration
-        low, high = (middle, high) if depth < 4e-6 else (low, middle)
-    assert count > 0
+        pair = placed(joint, middle, 1.1, angles=(0.2, -0.4), rates=rates)
+        low, high = (middle, high) if pair.contact().penetration < 4e-6 else (low, middle)
     return pair
-
-
-def at(joint: ClearanceJoint, q: Array, eccentricity: float, direction: float) -> Array:
-    """Coordinates with the pin's centre at a place seen from the bearing's."""
-    pair = Pair(joint, q, np.zeros(6))
-    contact = pair.contact()
-    moved = q.copy()
-    moved[3] += eccentricity * math.cos(direction) - contact.eccentricity_x
-    moved[4] += eccentricity * math.sin(direction) - contact.eccentricity_y
-    return moved
 
 
 @given(seed=st.integers(0, 10_000), bins=st.sampled_from([16, 90, 360, 720]))
 def test_forces_are_the_gradient_of_the_energy(seed: int, bins: int) -> None:
     bearing = Surface(1e-5 * np.random.default_rng(seed).random(bins))
     pair = worn(bearing, groove(0.5, 8e-6, bins))
-    calm = replace_rates(pair)
+    calm = at_rest(pair)
     # With no damping, at rest, nothing but the elastic force is left.
-    load = joint_load(calm.packed, 1.0, calm.q, calm.v)
+    load = calm.load(1.0)
     force = np.array([-load.x, -load.y, load.bearing_moment, load.x, load.y, load.pin_moment])
     for i in range(6):
         h = 1e-10 if i % 3 < 2 else 1e-8
@@ -142,13 +129,13 @@ def test_forces_are_the_gradient_of_the_energy(seed: int, bins: int) -> None:
         for sign in (1.0, -1.0):
             q = calm.q.copy()
             q[i] += sign * h
-            energies.append(joint_contact(calm.packed, q, calm.v).energy)
+            energies.append(replace(calm, q=q).contact().energy)
         slope = -(energies[0] - energies[1]) / (2.0 * h)
         scale = abs(load.normal) * (1.0 if i % 3 < 2 else 0.02)
         assert force[i] == pytest.approx(slope, abs=3e-6 * scale)
 
 
-def replace_rates(pair: Pair) -> Pair:
+def at_rest(pair: Pair) -> Pair:
     """The same pair at rest, without friction and damping."""
     joint = replace(
         pair.joint,
@@ -163,9 +150,7 @@ def test_angular_momentum_is_exact(seed: int) -> None:
     pair = worn(Surface(1e-5 * np.random.default_rng(seed).random(90)), groove(0.5, 8e-6, 90))
     load = pair.load(0.3)
     assert load.normal > 0.0
-    moment = pair.q[3] * load.y - pair.q[4] * load.x - pair.q[0] * load.y + pair.q[1] * load.x
-    total = moment + load.pin_moment + load.bearing_moment
-    assert total == pytest.approx(0.0, abs=1e-14 * load.normal)
+    assert pair.moment_of(load) == pytest.approx(0.0, abs=1e-14 * load.normal)
 
 
 def test_rates_of_the_overlap_are_its_derivatives() -> None:
@@ -176,7 +161,7 @@ def test_rates_of_the_overlap_are_its_derivatives() -> None:
 
     def overlap(time: float) -> float:
         q = pair.q + pair.v * time + 0.5 * acceleration * time**2
-        return joint_contact(pair.packed, q, pair.v).penetration
+        return float(replace(pair, q=q).contact().penetration)
 
     assert contact.rate == pytest.approx((overlap(h) - overlap(-h)) / (2.0 * h), rel=1e-6)
     h = 5e-7
@@ -189,9 +174,7 @@ def test_the_closing_rate_is_that_of_the_energy() -> None:
     pair = worn(groove(0.3, 2e-5), groove(0.2, 1e-5))
     contact = pair.contact()
     h = 1e-8
-    energies = [
-        joint_contact(pair.packed, pair.q + s * h * pair.v, pair.v).energy for s in (1.0, -1.0)
-    ]
+    energies = [pair.after(s * h).contact().energy for s in (1.0, -1.0)]
     rate = (energies[0] - energies[1]) / (2.0 * h)
     assert contact.elastic * contact.closing == pytest.approx(rate, rel=1e-6)
 
@@ -235,22 +218,6 @@ def test_results_converge_as_angles_are_added() -> None:
         assert fine < 0.45 * coarse
 
 
-def on_a_grid(surfaces: Array, eccentricity: float, *places: float) -> tuple[float, float]:
-    """Greatest overlap, and the integral of p cos(s) by the rectangle rule."""
-    count = surfaces.shape[1]
-    width = 2.0 * math.pi / count
-    s = np.linspace(-1.5, 1.5, 300_001)
-    overlap = eccentricity * np.cos(s) - C
-    for first, place in ((BEARING, places[0]), (PIN, places[1])):
-        position = (place + s) / width - 0.5
-        k = np.floor(position).astype(int)
-        x = (position - k) * width
-        rows = surfaces[first : first + 5, k % count]
-        overlap -= rows[0] + x * (rows[SLOPE] + x * (rows[SQUARE] + x * rows[CUBE]))
-    along = (np.maximum(overlap, 0.0) * np.cos(s)).sum() * (s[1] - s[0])
-    return float(overlap.max()), float(along)
-
-
 @given(seed=st.integers(0, 10_000), above=st.floats(0.0, 2e-5))
 @example(seed=626, above=3e-6)
 @example(seed=1790, above=3e-6)
@@ -258,11 +225,12 @@ def test_no_patch_hides_between_two_nodes(seed: int, above: float) -> None:
     """On coarse rough maps the overlap can rise and fall twice inside one segment."""
     random = np.random.default_rng(seed)
     bearing, pin = Surface(3e-5 * random.random(24)), Surface(3e-5 * random.random(24))
-    surfaces = np.vstack([packed_rows(bearing, 24), packed_rows(pin, 24)])
     places = (float(random.uniform(0.0, 6.0)), float(random.uniform(0.0, 6.0)))
     eccentricity = C + 1e-6 + above - bed(bearing, pin, C, *places).overlap
     found = bed(bearing, pin, eccentricity, *places)
     assert found.along > 0.0
-    overlap, along = on_a_grid(surfaces, eccentricity, *places)
-    assert found.overlap == pytest.approx(overlap, abs=1e-12)
+    s = np.linspace(-1.5, 1.5, 300_001)
+    overlap = overlaps(s, bearing, pin, eccentricity, *places)
+    assert found.overlap == pytest.approx(overlap.max(), abs=1e-12)
+    along = (np.maximum(overlap, 0.0) * np.cos(s)).sum() * (s[1] - s[0])
     assert found.along == pytest.approx(along, rel=2e-4, abs=1e-12)

@@ -12,8 +12,8 @@ import pytest
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Sheet
 
+from presswear.engines.base import Status
 from presswear.linkage.surface import bin_centres
-from presswear.record.film import Film
 from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
 from presswear.results.result import Result
 from presswear.results.stage import SIDES, StageResult, WearStep
@@ -43,11 +43,11 @@ def made_up(scene: Scene, stages: int, status: str = "completed", message: str =
             "machine": "a machine",
             "started": "2024-01-01T00:00:00Z",
         },
-        wall=3.0,
+        wall_s=3.0,
     )
 
 
-def _stage(scene: Scene, index: int, status: str, message: str) -> StageResult:
+def _stage(scene: Scene, index: int, status: Any, message: str) -> StageResult:
     time = np.linspace(0.0, 2.0 * scene.mechanism.period, 400)
     angle = bin_centres(BINS)
     arrays = {
@@ -93,18 +93,13 @@ def _stage(scene: Scene, index: int, status: str, message: str) -> StageResult:
         finding=None,
         amplification=2e6,
         wear_steps=(),
-        simulated=float(time[-1]),
-        wall=1.0,
+        simulated_s=float(time[-1]),
+        wall_s=1.0,
         diagnostics={"model": "6 bodies, 2 drives", "steps": 4000},
         statistics={"cycles": 2, "slider": slider, "joints": joints},
         arrays=arrays,
         joint_names=scene.clearance_joints,
-        read_film=_no_film,
     )
-
-
-def _no_film() -> Film:
-    raise AssertionError("nobody needs a film")
 
 
 def altered(result: Result, index: int, **changes: Any) -> Result:
@@ -239,7 +234,7 @@ def test_many_stages_are_thinned_out() -> None:
 @pytest.mark.parametrize(
     ("status", "rows"), [("failed", None), ("completed", 1)], ids=["failed", "too short"]
 )
-def test_stage_without_motion_is_left_out(status: str, rows: int | None) -> None:
+def test_stage_without_motion_is_left_out(status: Status, rows: int | None) -> None:
     result = made_up(BOTH, 2, status)
     arrays = result.stages[1].arrays
     length = arrays["time"].size

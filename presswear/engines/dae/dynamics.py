@@ -26,7 +26,7 @@ Indices = NDArray[np.int64]
 DRIVE_INTEGRALS = 2
 """Integrals before those of the joints: drive work and its absolute value, J."""
 JOINT_INTEGRALS = JOINT_RATES
-"""Integrals per joint: contact loss and friction loss, J; F_n ds, N m; p ds, N/m."""
+"""Integrals per joint: those of the rates of ``add_contacts``."""
 
 
 class System(NamedTuple):
@@ -56,7 +56,7 @@ class System(NamedTuple):
 
 @compiled
 def evaluate_constraints(system: System, t: float, q: Array, v: Array) -> None:
-    """Phi, its derivative, gamma and the Jacobian into the system's working space."""
+    """Evaluate Phi, its derivative, gamma and the Jacobian in the system's working space."""
     constraint_rows(
         system.constraints,
         system.row_start,
@@ -72,7 +72,7 @@ def evaluate_constraints(system: System, t: float, q: Array, v: Array) -> None:
 
 @compiled
 def solve(system: System) -> None:
-    """Multipliers for the right-hand side in ``right``, which is overwritten."""
+    """Solve for the multipliers with the right-hand side in ``right``, which is overwritten."""
     solve_multipliers(
         system.elimination,
         system.jacobian,
@@ -85,7 +85,7 @@ def solve(system: System) -> None:
 
 @compiled
 def rates(system: System, onset: Array, t: float, y: Array, out: Array) -> None:
-    """dy/dt; leaves the multipliers in ``system``."""
+    """Fill dy/dt; leaves the multipliers in ``system``."""
     n = system.inverse_mass.shape[0]
     q = y[:n]
     v = y[n : 2 * n]

@@ -17,7 +17,7 @@ from presswear.engines.dae.march import (
     DONE,
     RUNNING,
     STUCK,
-    Motion,
+    Integration,
     march_controlled,
     march_fixed,
     note_torques,
@@ -104,7 +104,7 @@ def prepare(
     size = 2 * n + DRIVE_INTEGRALS + JOINT_INTEGRALS * len(linkage.clearances)
     y = np.zeros(size)
     y[:n], y[n : 2 * n] = start.position, start.velocity
-    motion = Motion(y, np.zeros(size), np.zeros((DOP853.b.size + 1, size)), np.ones(2 * n))
+    motion = Integration(y, np.zeros(size), np.zeros((DOP853.b.size + 1, size)), np.ones(2 * n))
     control = np.zeros(1, CONTROL)
     fixed = settings.has_equal_steps
     control["step"] = settings.step if fixed else 1e-6
@@ -126,7 +126,7 @@ def prepare(
     ready = clock.perf_counter()
 
     def stored() -> float:
-        return stored_energy(book.packed, book.touch["energy"], y[:n], y[n : 2 * n])
+        return stored_energy(book.packed, book.memory["energy"], y[:n], y[n : 2 * n])
 
     energy_before = stored()
     sums = {"solve": 0.0}

@@ -1,6 +1,6 @@
-"""The run loops: error-controlled with located touches, and fixed-step.
+"""The run loops: error-controlled with located touchdowns, and with equal steps.
 
-Error-controlled: a touch or separation inside an accepted step is located by
+Error-controlled: a touchdown or separation inside an accepted step is located by
 repeating the step until it ends there, and the integration starts anew from it, so
 that no step ever crosses a change of law.
 """
@@ -21,16 +21,16 @@ from presswear.engines.dae.runge_kutta import classical_step, embedded_step
 from presswear.engines.dormand_prince import Tableau
 from presswear.physics.constraints import DRIVE
 from presswear.physics.contact import note_contact, note_contacts
-from presswear.physics.forces import note_forces
+from presswear.physics.forces import PRESSURE, WORK, note_forces
 from presswear.physics.touchdown import (
     LEAST_STEPS,
-    close_episode,
     contact_step,
     crossing,
-    open_episode,
     remember,
+    separate,
     skim_step,
-    step_in_impact,
+    step_after_touchdown,
+    touch_down,
 )
 from presswear.record.observe import Book, observe, settle_state
 from presswear.tools.compiled import Records, compiled, copy_to
@@ -55,12 +55,12 @@ CONTROL = np.dtype(
         ("velocity_error", np.float64),  # greatest |dPhi/dt|
     ]
 )
-"""Where an integration stands."""
+"""State of an integration."""
 
 POSITION_SCALE = 1e-3
 """The tolerance times this is the error allowed in a position, m or rad, per step."""
 FIRST_PARTS = 40.0
-"""First step behind a touch, as a part of the expected contact."""
+"""First step behind a touchdown, as a part of the expected contact."""
 SAFETY, LEAST_FACTOR, GREATEST_FACTOR = 0.9, 0.2, 5.0
 NEWTON_STEPS = 60
 """Most repetitions that locate an event; four do, halving helps where Newton strays."""
@@ -70,7 +70,7 @@ FOUND_DEPTH = 1e-12
 """Penetration up to which a place that round-off keeps from it is one, m."""
 
 
-class Motion(NamedTuple):
+class Integration(NamedTuple):
     """The state y, its trial successor, stage slopes and error scale."""
 
     y: Array
@@ -92,7 +92,7 @@ def penetration_of(system: System, k: int, y: Array) -> tuple[float, float]:
 def first_event(
     system: System, book: Book, trial: Array, h: float, apart: int
 ) -> tuple[int, float]:
-    """Joint that touches or separates first in a trial step, and at which part; or -1.
+    """Joint that touches down or separates first in a trial step, and at which part; or -1.
 
     Joint ``apart`` is not looked at.
     """
@@ -101,7 +101,7 @@ def first_event(
     for k in range(system.contacts.shape[0]):
         if k == apart:
             continue
-        last = book.touch[k]
+        last = book.memory[k]
         depth, rate = penetration_of(system, k, trial)
         sign = -1.0 if book.onset[k] > 0.0 else 1.0
         start = min(sign * last.penetration, 0.0)
@@ -118,13 +118,13 @@ def locate(
     tableau: Tableau,
     book: Book,
     control: Records,
-    motion: Motion,
+    motion: Integration,
     t: float,
     k: int,
     h: float,
     part: float,
 ) -> tuple[float, bool]:
-    """Length of the step that ends where joint ``k`` has zero penetration, and whether it does.
+    """Find the length of the step that ends where joint ``k`` has zero penetration, if any.
 
     Newton's method, held between the ends of a step of length ``h``: where the surface is
     steep it would stray to lengths whose error nobody has looked at.
@@ -171,16 +171,16 @@ def switch(system: System, book: Book, k: int, t: float, y: Array) -> None:
     """Open or close joint ``k`` in a state placed on the event."""
     rate = penetration_of(system, k, y)[1]
     if book.onset[k] > 0.0:
-        close_episode(book.touch[k], book.tally[k], book.episodes[k], book.onset[k], t, rate, 0)
+        separate(book.memory[k], book.tally[k], book.past[k], book.onset[k], t, rate, 0)
         book.onset[k] = 0.0
     else:
         book.onset[k] = max(rate, 1e-300)
-        open_episode(book.touch[k], t, False)
+        touch_down(book.memory[k], t, False)
 
 
 @compiled
 def note_torques(system: System, book: Book) -> None:
-    """Torques of the drives in the state whose slopes were evaluated last."""
+    """Note the torques of the drives in the state whose slopes were evaluated last."""
     drive = 0
     for i in range(system.constraints.shape[0]):
         if system.constraints[i].kind == DRIVE:
@@ -190,7 +190,7 @@ def note_torques(system: System, book: Book) -> None:
 
 @compiled
 def finish_step(
-    system: System, book: Book, control: Records, motion: Motion, t: float, h: float
+    system: System, book: Book, control: Records, motion: Integration, t: float, h: float
 ) -> None:
     """Account for an accepted state in ``motion.y``, whose slopes are in ``slopes[0]``."""
     n = system.inverse_mass.shape[0]
@@ -198,12 +198,12 @@ def finish_step(
     note_contacts(book.packed, book.contacts, y[:n], y[n : 2 * n])
     note_forces(book.packed.joints, book.onset, book.contacts)
     for k in range(system.contacts.shape[0]):
-        base = 2 * n + DRIVE_INTEGRALS + JOINT_INTEGRALS * k + 2
+        base = 2 * n + DRIVE_INTEGRALS + JOINT_INTEGRALS * k
         # Integrals are emptied into the account, so that they never lose digits.
-        book.doses[k, 0] = y[base]
-        book.doses[k, 1] = y[base + 1]
-        y[base] = y[base + 1] = 0.0
-        last = book.touch[k]
+        book.doses[k].work = y[base + WORK]
+        book.doses[k].pressure = y[base + PRESSURE]
+        y[base + WORK] = y[base + PRESSURE] = 0.0
+        last = book.memory[k]
         remember(last, book.packed.joints[k], book.contacts[k], t)
         if book.onset[k] > 0.0:
             last.steps += 1
@@ -223,11 +223,11 @@ def march_controlled(
     tableau: Tableau,
     book: Book,
     control: Records,
-    motion: Motion,
+    motion: Integration,
     end: float,
     most: int,
 ) -> int:
-    """Integrate towards ``end`` for at most so many steps; returns where it stands."""
+    """Integrate towards ``end`` for at most so many steps; returns how far it got."""
     n = system.inverse_mass.shape[0]
     state = control[0]
     for _ in range(most):
@@ -235,8 +235,8 @@ def march_controlled(
         left = end - t
         if left <= 0.0:
             return DONE
-        longest = skim_step(system.packed, book.touch, state.longest)
-        longest = step_in_impact(system.packed.joints, book.onset, book.touch, longest)
+        longest = skim_step(system.packed, book.memory, state.longest)
+        longest = step_after_touchdown(system.packed.joints, book.onset, book.memory, longest)
         h = min(state.step, longest, left)
         last_step = h >= left
         for i in range(n):
@@ -297,9 +297,9 @@ def march_controlled(
 
 @compiled
 def march_fixed(
-    system: System, book: Book, control: Records, motion: Motion, end: float, most: int
+    system: System, book: Book, control: Records, motion: Integration, end: float, most: int
 ) -> int:
-    """The same with equal steps of order 4; contact state changes between steps only."""
+    """Integrate with equal steps of order 4; contact state changes between steps only."""
     n = system.inverse_mass.shape[0]
     state = control[0]
     for _ in range(most):

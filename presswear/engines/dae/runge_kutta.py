@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 def classical_step(
     system: System, onset: Array, t: float, h: float, y: Array, slopes: Array, new: Array
 ) -> None:
-    """One step of order 4; ``slopes[0]`` holds dy/dt at the start.
+    """Make one step of order 4; ``slopes[0]`` holds dy/dt at the start.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ def embedded_step(
     new: Array,
     scale: Array,
 ) -> float:
-    """One embedded step; returns its error as a multiple of the allowed one.
+    """Make one embedded step; returns its error as a multiple of the allowed one.
 
     ``slopes[0]`` holds dy/dt at the start, ``slopes[stages]`` afterwards that at the end.
 

@@ -23,7 +23,7 @@ from presswear.engines.exudyn import (
     timed,
 )
 from presswear.engines.exudyn_joints.kernels import Drives, accept_joint_step, shorter_joint_step
-from presswear.engines.exudyn_joints.model import Model, assemble, left_out
+from presswear.engines.exudyn_joints.model import JointsModel, assemble, left_out
 from presswear.engines.settings import ExudynJoints
 from presswear.linkage.elements import Linkage
 from presswear.physics.constraints import constraints_of
@@ -73,7 +73,7 @@ def pack_steps(accuracy: ExudynJoints, cycle: float) -> Records:
     return steps
 
 
-def _drives(model: Model, linkage: Linkage) -> Drives:
+def _drives(model: JointsModel, linkage: Linkage) -> Drives:
     """Where the torques of the drives come from."""
     number = model.system.systemData.GetObjectLTGAE
     count = 3 * len(linkage.bodies)
@@ -92,7 +92,7 @@ def _drives(model: Model, linkage: Linkage) -> Drives:
     )
 
 
-def _accept(model: Model, drives: Drives, book: Book, steps: Records) -> Accept:
+def _accept(model: JointsModel, drives: Drives, book: Book, steps: Records) -> Accept:
     """Account for accepted steps and choose the next."""
     frame = model.frame
     kernel = specialised(accept_joint_step, frame, drives, book, steps, 0.0, 0.0)
@@ -106,7 +106,7 @@ def _accept(model: Model, drives: Drives, book: Book, steps: Records) -> Accept:
 class _SendBack:
     """The function for PostNewton: repeats a step that ran too far past a touch."""
 
-    def __init__(self, model: Model, book: Book, steps: Records):
+    def __init__(self, model: JointsModel, book: Book, steps: Records):
         self.count = 0
         self._arguments = model.frame, book, steps
         self._kernel = specialised(shorter_joint_step, *self._arguments, 0.0)
@@ -142,7 +142,7 @@ def prepare(
         model.system.SetPostStepUserFunction(post_step(solve, accept))
         if linkage.clearances:
             model.system.SetPostNewtonUserFunction(lambda system, t: send_back(system, t))
-    energies = book.touch["energy"]
+    energies = book.memory["energy"]
     before = stored_energy(book.packed, energies, start.position, start.velocity)
     exudyn = _settings(settings, longest)
 
@@ -162,7 +162,7 @@ def prepare(
 
     def ledger() -> Ledger:
         stored = stored_energy(book.packed, energies, *state()[1:])
-        return Ledger.of(book.ledger, stored - before)
+        return Ledger.of(book.ledger[0], stored - before)
 
     def diagnostics() -> dict[str, float | int | str]:
         sums = solve.sums
@@ -191,7 +191,7 @@ def prepare(
     )
 
 
-def _model_words(model: Model, linkage: Linkage) -> str:
+def _model_words(model: JointsModel, linkage: Linkage) -> str:
     omitted = sorted(left_out(linkage))
     words = f"{len(linkage.bodies) - len(omitted)} bodies, {len(model.joints)} joints and drives"
     return f"{words}, {listed(omitted)} prescribed" if omitted else words

@@ -72,7 +72,7 @@ def connector_forces(
     t: float,
     out: Array,
 ) -> None:
-    """Generalized forces of all clearance joints on the bodies of the connector.
+    """Fill the generalized forces of all clearance joints on the bodies of the connector.
 
     Parameters
     ----------
@@ -102,7 +102,7 @@ def connector_forces(
 
 
 class Drives(NamedTuple):
-    """Where the torques of the drives come from.
+    """Sources of the torques of the drives.
 
     Attributes
     ----------
@@ -161,5 +161,5 @@ def shorter_joint_step(frame: Frame, book: Book, steps: Records, t: float) -> fl
     """Step with which a trial step has to be repeated; see ``shorter_step``."""
     refresh(frame, t)
     return shorter_step(
-        book.packed, book.onset, book.touch, steps, frame.contacts, t, frame.q, frame.v
+        book.packed, book.onset, book.memory, steps, frame.contacts, t, frame.q, frame.v
     )

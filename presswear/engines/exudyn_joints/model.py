@@ -33,7 +33,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass
-class Model:
+class JointsModel:
     """An assembled Exudyn system; the views of ``frame`` stay live during the solve."""
 
     container: Any
@@ -82,7 +82,7 @@ def left_out(linkage: Linkage) -> frozenset[str]:
     return cranks_of(linkage) - held
 
 
-def assemble(linkage: Linkage, start: Start, recorder: Recorder) -> Model:
+def assemble(linkage: Linkage, start: Start, recorder: Recorder) -> JointsModel:
     """Build and assemble the Exudyn system of a linkage in its initial state."""
     container = exu.SystemContainer()
     system = container.AddSystem()
@@ -203,7 +203,7 @@ def assemble(linkage: Linkage, start: Start, recorder: Recorder) -> Model:
             ("TorqueVector", [0.0, 0.0, load.moment]),
         ):
             system.AddLoad({"loadType": kind, "markerNumber": at_centre, "loadVector": vector})
-    model = Model(container, system, constraints, pack_cranks(linkage, omitted))
+    model = JointsModel(container, system, constraints, pack_cranks(linkage, omitted))
     connector = _Connector.of(linkage, nodes, recorder.book)
     if linkage.clearances:
         system.AddObject(
@@ -220,7 +220,7 @@ def assemble(linkage: Linkage, start: Start, recorder: Recorder) -> Model:
     return model
 
 
-def _frame(model: Model, linkage: Linkage, start: Start, omitted: frozenset[str]) -> Frame:
+def _frame(model: JointsModel, linkage: Linkage, start: Start, omitted: frozenset[str]) -> Frame:
     data = model.system.systemData
     solved = (
         data.GetODE2Coordinates(copy=False),

@@ -38,7 +38,7 @@ from presswear.engines.exudyn_tree.kernels import (
     stage_forces,
     tree_state,
 )
-from presswear.engines.exudyn_tree.model import Model, assemble
+from presswear.engines.exudyn_tree.model import TreeModel, assemble
 from presswear.engines.settings import ExudynTree
 from presswear.linkage.elements import Linkage
 from presswear.linkage.topology import cranks_of
@@ -139,7 +139,7 @@ def _settings(accuracy: ExudynTree, longest: float) -> Any:
     return settings
 
 
-def _accelerations_at_start(model: Model) -> Array:
+def _accelerations_at_start(model: TreeModel) -> Array:
     """Accelerations of the coordinates at t = 0, from one vanishing step of Exudyn's."""
     settings = settings_of(_INSTANT, _INSTANT)
     settings.timeIntegration.explicit.computeEndOfStepAccelerations = False
@@ -150,7 +150,7 @@ def _accelerations_at_start(model: Model) -> Array:
     return np.array(model.u_t)
 
 
-def _accept(model: Model, system: TreeSystem, book: Book, forces: _Forces) -> Accept:
+def _accept(model: TreeModel, system: TreeSystem, book: Book, forces: _Forces) -> Accept:
     """Account for accepted steps and choose the next."""
     x, u, u_t = model.x, model.u, model.u_t
     at_start = _accelerations_at_start(model)
@@ -195,11 +195,11 @@ def prepare(
 
     def energy() -> tuple[float, float]:
         q, v = system.state[0], system.state[1]
-        stored = stored_energy(book.packed, book.touch["energy"], q, v)
+        stored = stored_energy(book.packed, book.memory["energy"], q, v)
         return stored, hinge_power_integral(system)
 
     tree_state(system, book, 0.0, model.x, model.u, np.zeros(len(tree.links)))
-    book.touch["energy"] = book.contacts["energy"]  # of pins that start pressed in
+    book.memory["energy"] = book.contacts["energy"]  # of pins that start pressed in
     stored_before, momentum_before = energy()
     exudyn = _settings(settings, longest)
 
@@ -214,8 +214,8 @@ def prepare(
 
     def ledger() -> Ledger:
         stored, momentum = energy()
-        sums = book.ledger.copy()
-        sums[0] += momentum - momentum_before
+        sums = book.ledger[0].copy()
+        sums["drive_work"] += momentum - momentum_before
         return Ledger.of(sums, stored - stored_before)
 
     def diagnostics() -> dict[str, float | int | str]:

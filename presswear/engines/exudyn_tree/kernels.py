@@ -4,7 +4,7 @@ Exudyn's DOPRI5 evaluates seven stages a step, the last in the state that the st
 ends in.  Each leaves its powers in a row, so that work, losses and doses of wear are
 integrated with the weights of the method and at its order.
 
-The law of force changes where a pin touches or leaves.  Steps end there: the moment
+The law of force changes where a pin touches down or leaves.  Steps end there: the moment
 is predicted from penetration, rate, acceleration and its change, a first step goes
 as near as the prediction can be trusted, a second one ends just behind.
 """
@@ -18,11 +18,18 @@ from numpy.typing import NDArray
 from presswear.engines.dormand_prince import DOPRI5
 from presswear.engines.stepping import all_finite
 from presswear.physics.contact import note_contacts, penetration_acceleration
-from presswear.physics.forces import JOINT_RATES, add_contacts
+from presswear.physics.forces import (
+    CONTACT_LOSS,
+    FRICTION_LOSS,
+    JOINT_RATES,
+    PRESSURE,
+    WORK,
+    add_contacts,
+)
 from presswear.physics.packed import Packed
 from presswear.physics.prescribed import drive_torque, forced_power, place_cranks
 from presswear.physics.springs import spring_forces
-from presswear.physics.touchdown import IMPACT_PARTS, contact_step, skim_step, step_in_impact
+from presswear.physics.touchdown import LEAST_PARTS, contact_step, skim_step, step_after_touchdown
 from presswear.physics.tree import accelerate_links, carry_branches, gather_forces, place_links
 from presswear.record.observe import Book, observe, settle_state
 from presswear.tools.compiled import Records, compiled, copy_to
@@ -36,11 +43,11 @@ STAGES = WEIGHTS.size
 GROWTH = 5.0
 """A step is at most so many times the one before."""
 LEAST_STEPS = 5
-"""A contact of fewer steps counts as unresolved: its peak could be missed.  An impact gets
-IMPACT_PARTS; a bump of a worn surface can cut a touch short that began like one, and
+"""A contact of fewer steps counts as unresolved: its peak could be missed.  A free impact gets
+LEAST_PARTS; a bump of a worn surface can cut a contact short that began like one, and
 there the error control decides."""
 LANDING_DEPTH = 1e-11
-"""A step that ends on a touch or separation goes this far behind it, m."""
+"""A step that ends on a touchdown or separation goes this far behind it, m."""
 LANDING_PART = 1e-3
 """... but no further than this part of the contact's duration."""
 UNKNOWN_DOUBT = 0.05
@@ -52,15 +59,15 @@ PACE = np.dtype(
         ("shortest", np.float64),  # s
         ("reach", np.float64),  # last step that was not cut short, s
         ("asked", np.float64),  # limit that was set to the step, s
-        ("cut", np.bool_),  # whether that was an event's
-        ("smooth", np.bool_),  # no joint has touched or left in the last step
+        ("cut", np.bool_),  # an event set that limit
+        ("smooth", np.bool_),  # no pin has touched down or left in the last step
         ("evaluations", np.int64),
         ("noted", np.float64),  # time of the state whose contacts are noted, s
         ("events", np.int64),
-        ("deepest_touch", np.float64),  # penetration of the first state in a touch, m
+        ("deepest_touch", np.float64),  # penetration of the first state in a contact, m
     ]
 )
-"""Where the choice of steps stands."""
+"""State of the choice of steps."""
 
 
 class TreeSystem(NamedTuple):
@@ -101,7 +108,7 @@ def stage_forces(
     u: Array,
     out: Array,
 ) -> None:
-    """Forces on the coordinates of the tree in a stage, without those of inertia.
+    """Fill the forces on the coordinates of the tree in a stage, without those of inertia.
 
     The drives' power is that against the forces on their cranks: what is applied
     there, and dP/dt - F of each branch times the velocity of its hinge.  The part
@@ -139,7 +146,7 @@ def stage_forces(
 
 @compiled
 def hinge_power_integral(system: TreeSystem) -> float:
-    """Momentum of each branch times the velocity of its hinge, summed, J: see ``stage_forces``."""
+    """Sum of each branch's momentum times the velocity of its hinge, J: see ``stage_forces``."""
     _, v, a, _, axes = system.state
     carry_branches(system.links, v, a, axes, system.carried)
     total = 0.0
@@ -189,15 +196,15 @@ def step_to_events(book: Book, system: TreeSystem, h: float) -> float:
     """
     pace = system.pace[0]
     a = system.state[2]
-    for k in range(book.touch.shape[0]):
+    for k in range(book.memory.shape[0]):
         joint = book.packed.joints[k]
-        last = book.touch[k]
+        last = book.memory[k]
         closed = book.onset[k] > 0.0
         acceleration = penetration_acceleration(joint, book.packed.surfaces[k], book.contacts[k], a)
         jerk = (acceleration - last.acceleration) / last.step if last.step > 0.0 else 0.0
         last.acceleration = acceleration
         if closed and last.steps == 1 and last.rate > 0.0 and acceleration < 0.0:
-            last.longest_step = 2.0 * last.rate / -acceleration / IMPACT_PARTS
+            last.longest_step = 2.0 * last.rate / -acceleration / LEAST_PARTS
             h = min(h, last.longest_step)
         system.expected[k] = book.onset[k]
         sign = -1.0 if closed else 1.0
@@ -225,24 +232,25 @@ def step_to_events(book: Book, system: TreeSystem, h: float) -> float:
 
 @compiled
 def sum_stages(book: Book, system: TreeSystem, h: float) -> None:
-    """Doses and energies of a step of length ``h`` from the powers of its stages."""
-    ledger = book.ledger
-    count = book.touch.shape[0]
-    book.doses[:] = 0.0
+    """Sum doses and energies of a step of length ``h`` from the powers of its stages."""
+    ledger = book.ledger[0]
+    count = book.memory.shape[0]
+    for k in range(count):
+        book.doses[k].work = book.doses[k].pressure = 0.0
     for j in range(STAGES):
         weight = h * WEIGHTS[j]
         row = system.stages[j]
-        ledger[0] += weight * row[0]
+        ledger.drive_work += weight * row[0]
         for k in range(count):
             base = 1 + JOINT_RATES * k
-            ledger[2] += weight * row[base]
-            ledger[3] += weight * row[base + 1]
-            book.doses[k, 0] += weight * row[base + 2]
-            book.doses[k, 1] += weight * row[base + 3]
+            ledger.contact_loss += weight * row[base + CONTACT_LOSS]
+            ledger.friction_loss += weight * row[base + FRICTION_LOSS]
+            book.doses[k].work += weight * row[base + WORK]
+            book.doses[k].pressure += weight * row[base + PRESSURE]
     for k in range(count):
-        # One weight is negative: a step at the end of a touch may sum to less than nothing.
-        book.doses[k, 0] = max(book.doses[k, 0], 0.0)
-        book.doses[k, 1] = max(book.doses[k, 1], 0.0)
+        # One weight is negative: a step at the end of a contact may sum to less than nothing.
+        book.doses[k].work = max(book.doses[k].work, 0.0)
+        book.doses[k].pressure = max(book.doses[k].pressure, 0.0)
 
 
 @compiled
@@ -280,14 +288,14 @@ def next_tree_step(book: Book, system: TreeSystem, h: float, events: int) -> flo
     if not (pace.cut and h >= 0.999 * pace.asked):
         # A step cut short says little: what was reached before it still holds.
         pace.reach = max(h, pace.shortest)
-    for k in range(book.touch.shape[0]):
-        if book.onset[k] > 0.0 and book.touch[k].steps == 1:
-            pace.deepest_touch = max(pace.deepest_touch, book.touch[k].penetration)
+    for k in range(book.memory.shape[0]):
+        if book.onset[k] > 0.0 and book.memory[k].steps == 1:
+            pace.deepest_touch = max(pace.deepest_touch, book.memory[k].penetration)
     pace.events += events
     pace.smooth = events == 0
     limit = min(
-        step_in_impact(book.packed.joints, book.onset, book.touch, GROWTH * pace.reach),
-        skim_step(book.packed, book.touch, pace.longest),
+        step_after_touchdown(book.packed.joints, book.onset, book.memory, GROWTH * pace.reach),
+        skim_step(book.packed, book.memory, pace.longest),
     )
     pace.asked = step_to_events(book, system, limit)
     pace.cut = pace.asked < limit
@@ -310,8 +318,9 @@ def accept_tree_step(
     h = t - book.record[0].now
     sum_stages(book, system, h)
     power = tree_state(system, book, t, x, u, u_t)
-    book.ledger[1] += 0.5 * h * (abs(book.ledger[4]) + abs(power))
-    book.ledger[4] = power
+    ledger = book.ledger[0]
+    ledger.drive_exchange += 0.5 * h * (abs(ledger.drive_power) + abs(power))
+    ledger.drive_power = power
     q, v, a, _, _ = system.state
     events = settle_state(book, t, LEAST_STEPS)
     observe(book, t, h, q, v, a)

@@ -20,7 +20,7 @@ _EXUDYN: Any = exu  # its type hints do not know the arguments of its lists
 
 
 @dataclass
-class Model:
+class TreeModel:
     """An assembled tree; the three views of its coordinates stay live during the solve."""
 
     container: Any
@@ -44,7 +44,7 @@ def _turned(angle: float) -> Array:
     return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
 
-def assemble(tree: Tree, linkage: Linkage, start: Start, force: Callable[..., Array]) -> Model:
+def assemble(tree: Tree, linkage: Linkage, start: Start, force: Callable[..., Array]) -> TreeModel:
     """Build and assemble the tree with a user function for the forces on its coordinates."""
     container = exu.SystemContainer()
     system = container.AddSystem()
@@ -96,7 +96,7 @@ def assemble(tree: Tree, linkage: Linkage, start: Start, force: Callable[..., Ar
     )
     system.Assemble()
     data = system.systemData
-    return Model(
+    return TreeModel(
         container,
         system,
         data.GetODE2Coordinates(copy=False),

@@ -127,7 +127,7 @@ def wear_growth(result: Result, stages: Stages) -> list[Drawing]:
     grid = sheet.subplots(1, len(joints), squeeze=False)
     for axes, joint in zip(grid.flat, joints, strict=True):
         for side, pen in _SURFACES.items():
-            depth = [0.0, *(MICRONS * step.deepest[joint][side] for step in steps)]
+            depth = [0.0, *(MICRONS * step.deepest_m[joint][side] for step in steps)]
             pen.draw(axes, cycles[shown], depth[shown], marker=marker, markersize=4.0)
         _mark_wears(axes, ends)
         axes.set_xlim(cycles[first], None)

@@ -167,8 +167,8 @@ def endings(result: Result) -> Table:
                 whole(stage.statistics.get("cycles")),
                 f"{readable(100.0 * max(errors), 2)} %" if errors else "–",
                 _multiplied(stage) if errors else "–",
-                readable(stage.simulated),
-                readable(stage.wall),
+                readable(stage.simulated_s),
+                readable(stage.wall_s),
             )
         )
     head = (

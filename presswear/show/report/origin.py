@@ -66,7 +66,7 @@ def provenance(result: Result) -> Table:
         ("Python", origin["python"]),
         ("machine", origin["machine"]),
         ("started", origin["started"]),
-        ("wall time", f"{readable(result.wall)} s"),
+        ("wall time", f"{readable(result.wall_s)} s"),
         ("schema of the result", str(SCHEMA)),
     )
     return Table(("", ""), (("", rows),), numeric=False)

@@ -79,7 +79,7 @@ def growth(result: Result) -> Table | None:
         return {
             **{f"deepest then, {side} (µm)": partial(_then, joint, side) for side in SIDES},
             "largest normal force in its runs (N)": lambda steps: readable(
-                max(step.force[joint] for step in steps)
+                max(step.force_max_N[joint] for step in steps)
             ),
         }
 
@@ -91,9 +91,9 @@ def growth(result: Result) -> Table | None:
         "cycles run": lambda steps: whole(sum(step.cycles for step in steps)),
         "depth multiplied by": spread,
         "largest change in a step (% of the clearance)": lambda steps: readable(
-            100.0 * max(step.change for step in steps)
+            100.0 * max(step.largest_change_of_clearance for step in steps)
         ),
-        "computed in (s)": lambda steps: readable(sum(step.wall for step in steps)),
+        "computed in (s)": lambda steps: readable(sum(step.wall_s for step in steps)),
     }
     worn = [stage for stage in result.stages if stage.wear_steps]
     return column_table(
@@ -105,7 +105,7 @@ def growth(result: Result) -> Table | None:
 
 
 def _then(joint: str, side: str, steps: Steps) -> str:
-    return readable(MICRONS * steps[-1].deepest[joint][side])
+    return readable(MICRONS * steps[-1].deepest_m[joint][side])
 
 
 def spread(steps: Steps) -> str:

@@ -1,4 +1,4 @@
-"""What our runs say about a quantity of the paper: its value, its interval, its scatter."""
+"""Quantities of the paper as our runs have them: value, interval, scatter of single cycles."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.campaign.deviation import COLUMNS
-from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
 from presswear.record.sampling import (
     LEAST_SAMPLES,
     after_startup,
@@ -20,61 +19,43 @@ from presswear.record.sampling import (
     resampled,
 )
 from presswear.results.result import Result
-from presswear.studies.paper.variants import cases, variant_key
+from presswear.results.stage import StageResult
+from presswear.studies.paper.printed import Place
+from presswear.studies.paper.variants import variant_key
 
 Array = NDArray[np.float64]
+Ends = tuple[float, float]
 
 RANGE_DEPTH = 0.05
-"""The worn range of a surface is where it is at least so deep, part of its deepest."""
-
-
-@dataclass(frozen=True)
-class Place:
-    """What a quantity belongs to.
-
-    Attributes
-    ----------
-    setting : str
-        Key of SETTINGS.
-    wears : int
-        Wears before the stage; of wear depths the wears that are added up.
-    joint : str
-        Name of the joint, or nothing for the slider.
-    """
-
-    setting: str
-    wears: int
-    joint: str = ""
+"""Depth from which on a place is worn, part of the deepest of its surface."""
 
 
 @dataclass(frozen=True)
 class Measured:
-    """A quantity as our runs have it, SI units and rad.
+    """A quantity as our runs have it, or a ratio or difference of some, SI units and rad.
 
     Attributes
     ----------
     value : float
-        Of a peak, the mean over cycles.
-    low, high : float or None
-        Ends of the 95 % interval; None where there are too few samples.
+        For a peak, the mean over cycles.
+    ends : (float, float) or None
+        Its 95 % interval; None where there are too few samples.
     draws : (float, float) or None
         Range that holds 95 % of single cycles, for what is read from one.
     first : (float, float) or None
         Range of the first cycles of all starts, which are not among the samples.
-    samples : int
-        Cycles.
-    starts : int
+    samples, starts : int
+        Cycles and starts that it is from.
     differ : bool
-        Whether the starts differ by more than their cycles explain.
+        True where the starts differ by more than their cycles explain.
     """
 
     value: float
-    low: float | None
-    high: float | None
-    draws: tuple[float, float] | None
-    first: tuple[float, float] | None
-    samples: int
-    starts: int
+    ends: Ends | None
+    draws: Ends | None = None
+    first: Ends | None = None
+    samples: int = 0
+    starts: int = 0
     differ: bool = False
 
 
@@ -82,7 +63,7 @@ class Measured:
 class WearMap:
     """Depth of both surfaces of a joint together, pooled over the starts, m.
 
-    Of maps that turn with their bodies, which have no common angle, the bearing's alone.
+    Maps that turn with their bodies have no common angle: the bearing's stands alone.
 
     Attributes
     ----------
@@ -98,72 +79,52 @@ class WearMap:
     high: Array
 
 
-Sampler = Callable[[Result, int, str], list[Array]]
-"""Result, stage and joint -> one number a cycle, by start."""
-
-
-def _column(name: str) -> Sampler:
-    """Samples from a column of the account's cycles."""
-
-    def samples(result: Result, stage: int, joint: str) -> list[Array]:
-        arrays = result.stages[stage].arrays
-        column = CYCLE_FIXED.index(name) if name in CYCLE_FIXED else len(CYCLE_FIXED)
-        if name in CYCLE_JOINT:
-            column += len(CYCLE_JOINT) * result.scene.clearance_joints.index(joint)
-            column += CYCLE_JOINT.index(name)
-        return by_start(arrays["cycles"][:, column], arrays["cycle_start"])
-
-    return samples
-
-
-def by_start(values: Array, start: Array) -> list[Array]:
-    """Values apart by the start that they are of."""
-    return [values[start == index] for index in np.unique(start)]
-
-
-def _contact_rate(result: Result, stage: int, joint: str) -> list[Array]:
-    """Contacts in a second, 1/s; they are stored counted through."""
-    period = result.scene.mechanism.period
-    counted = _column("contacts")(result, stage, joint)
-    return [np.asarray(np.diff(own, prepend=0.0) / period) for own in counted]
-
-
-def _deviation(name: str) -> Sampler:
-    """Samples from the recorded cycles."""
-
-    def samples(result: Result, stage: int, joint: str) -> list[Array]:
-        arrays = result.stages[stage].arrays
-        values = arrays["deviation"][:, COLUMNS.index(name)]
-        return by_start(values, arrays["deviation_start"])
-
-    return samples
-
-
-def _flight(result: Result, stage: int, joint: str) -> list[Array]:
-    """Part of the time in which the pin touches nothing."""
-    arrays = result.stages[stage].arrays
-    return by_start(arrays[f"{joint}_flight"], arrays["deviation_start"])
-
-
-_CYCLES: Mapping[str, Sampler] = {
-    "displacement": _column("displacement_max"),
-    "velocity": _column("velocity_max"),
-    "acceleration": _column("acceleration_max"),
-    "force": _column("force_max"),
-    "contact_rate": _contact_rate,
-    "dose": _column("dose"),
-    **{name: _deviation(name) for name in COLUMNS},
-    "flight": _flight,
+CYCLES: Mapping[str, str] = {
+    "displacement": "displacement_max",
+    "velocity": "velocity_max",
+    "acceleration": "acceleration_max",
+    "force": "force_max",
+    "contact_rate": "contacts",
+    "dose": "dose",
+    "flight": "flight",
+    **{name: name for name in COLUMNS},
 }
-"""Quantities of which every cycle is a sample."""
+"""Quantities of which every cycle is a sample, and what a stage keeps of its cycles for them."""
+
+
+def each_cycle(stage: StageResult, joint: str, name: str) -> Array:
+    """Values of all cycles of a stage, of a joint or, without one, of the slider."""
+    return stage.joints[joint].each_cycle(name) if joint else stage.each_cycle(name)
+
+
+def _samples(result: Result, place: Place, quantity: str) -> list[Array]:
+    """One number a cycle, by start."""
+    stage, name = result.stages[place.wears], CYCLES[quantity]
+    if name in COLUMNS:
+        values = stage.arrays["deviation"][:, COLUMNS.index(name)]
+    elif name == "flight":
+        values = stage.joints[place.joint].arrays[name]
+    else:
+        values = each_cycle(stage, place.joint, name)
+    is_recorded = name in (*COLUMNS, "flight")
+    start = stage.arrays["deviation_start" if is_recorded else "cycle_start"]
+    rows = [values[start == index] for index in np.unique(start)]
+    if quantity == "contact_rate":  # stored counted through, given in a second
+        period = result.scene.mechanism.period
+        rows = [np.asarray(np.diff(own, prepend=0.0) / period) for own in rows]
+    return rows
 
 
 # A map is given as its surfaces, shape (..., surfaces, m): one, both added up, where angles are
 # directions in space; two where they are on the bodies.
 
 
-def _deepest(maps: Array) -> Array:
-    return np.asarray(maps.max(axis=-1).sum(axis=-1))
+_Functional = Callable[[Array], Array]
+
+
+def _summed(of_surface: Callable[..., Array]) -> _Functional:
+    """Add up what surfaces have over their angles."""
+    return lambda maps: np.asarray(of_surface(maps, axis=-1).sum(axis=-1))
 
 
 def _range(maps: Array) -> Array:
@@ -172,132 +133,112 @@ def _range(maps: Array) -> Array:
     return np.asarray(2.0 * math.pi * worn.mean(axis=(-2, -1)))
 
 
-def _unevenness(maps: Array) -> Array:
-    return np.asarray(maps.std(axis=-1).sum(axis=-1))
-
-
-def _mean_depth(maps: Array) -> Array:
-    return np.asarray(maps.mean(axis=-1).sum(axis=-1))
-
-
-_MAPS: Mapping[str, Callable[[Array], Array]] = {
-    "depth": _deepest,
+_MAPS: Mapping[str, _Functional] = {
+    "depth": _summed(np.max),
     "range": _range,
-    "unevenness": _unevenness,
-    "mean_depth": _mean_depth,
-}
-"""Quantities of the wear map of both surfaces together, all wears so far added up."""
-
-_LAST: Mapping[str, Callable[[Array], Array]] = {
-    "added_depth": _deepest,
-    "added_mean": _mean_depth,
+    "unevenness": _summed(np.std),
+    "mean_depth": _summed(np.mean),
+    "added_depth": _summed(np.max),
+    "added_mean": _summed(np.mean),
     "contact_range": _range,
 }
-"""The same of the last wear alone."""
+"""Quantities of the wear map of both surfaces together, but the angle of its deepest place."""
 
-ANGLE = "angle"
-"""Where a wear map is deepest."""
+_LAST = ("added_depth", "added_mean", "contact_range")
+"""Quantities of the last wear alone; for the others all wears so far are added up."""
 
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
-    """The finished runs of a study, by case and setting."""
+    """The results of a study, by the keys of its variants."""
 
-    runs: Mapping[tuple[str, str], Result]
+    results: Mapping[str, Result]
     _known: dict[tuple[str, Place, str], Measured | None] = field(default_factory=dict)
 
-    @staticmethod
-    def of(results: Mapping[str, Result]) -> "Evidence":
-        """From the results by the keys of their variants."""
-        return Evidence(
-            {
-                (case.key, setting): results[key]
-                for case in cases()
-                for setting in case.settings
-                if (key := variant_key(case.key, setting)) in results
-            }
-        )
-
-    def at_stage(self, case: str, setting: str, stage: int) -> Result | None:
-        """The run of a case, where it reached a stage and ran it to its end."""
-        result = self.runs.get((case, setting))
-        if result is None or not 0 <= stage < len(result.stages):
+    def at_stage(self, case: str, setting: str, stage: int, joint: str = "") -> Result | None:
+        """The run of a case, where it ran a stage to its end with clearance at a joint, if any."""
+        result = self.results.get(variant_key(case, setting))
+        if result is None or not 0 <= stage < len(result.stages) or result.stages[stage].failed:
             return None
-        return None if result.stages[stage].status == "failed" else result
+        # A person may have closed a joint in all runs.
+        return result if not joint or joint in result.scene.clearance_joints else None
+
+    def worn_at(self, case: str, place: Place) -> Result | None:
+        """The run of a case whose stage gave a place its last wear."""
+        return self.at_stage(case, place.setting, place.wears - 1, place.joint)
 
     def measured(self, case: str, place: Place, quantity: str) -> Measured | None:
         """A quantity under a case, pooled over its starts; None where nothing says it."""
         key = (case, place, quantity)
-        result = self.runs.get((case, place.setting))
-        if place.joint and result and place.joint not in result.scene.clearance_joints:
-            return None
         if key not in self._known:
-            measure = self._of_cycles if quantity in _CYCLES else self._of_maps
-            self._known[key] = measure(case, place, quantity)
+            is_of_cycles = quantity in CYCLES
+            stage = place.wears if is_of_cycles else place.wears - 1
+            result = self.at_stage(case, place.setting, stage, place.joint)
+            measure = _of_cycles if is_of_cycles else _of_maps
+            self._known[key] = None if result is None else measure(result, place, quantity)
         return self._known[key]
 
-    def _of_cycles(self, case: str, place: Place, quantity: str) -> Measured | None:
-        result = self.at_stage(case, place.setting, place.wears)
+    def wear_map(self, case: str, place: Place) -> WearMap | None:
+        """Depth after some wears, bearing and pin together, with its pointwise interval."""
+        result = self.worn_at(case, place)
         if result is None:
             return None
-        rows = [r for r in _CYCLES[quantity](result, place.wears, place.joint) if r.size]
-        if not rows:
-            return None
-        estimate, apart = pooled(rows)
-        half = estimate.half_width
-        samples = np.concatenate([after_startup(own) for own in rows])
-        draws = None
-        if samples.size >= LEAST_SAMPLES:
-            low, high = np.quantile(samples, (0.025, 0.975))
-            draws = (float(low), float(high))
-        return Measured(
-            estimate.mean,
-            None if half is None else estimate.mean - half,
-            None if half is None else estimate.mean + half,
-            draws,
-            (float(min(own[0] for own in rows)), float(max(own[0] for own in rows))),
-            estimate.cycles,
-            len(rows),
-            apart,
-        )
-
-    def _of_maps(self, case: str, place: Place, quantity: str) -> Measured | None:
-        last = place.wears - 1
-        result = self.at_stage(case, place.setting, last)
-        # The wear that the last stage would cause is a single jump, no measure of one in steps.
-        if result is None or (result.scene.wears_in_steps and place.wears > result.scene.wears):
-            return None
-        stages = range(last, place.wears) if quantity in _LAST else range(place.wears)
-        mean, draws, count = _drawn(result, place.joint, stages)
-        dose = _CYCLES["dose"](result, last, place.joint)
-        cycles = sum(after_startup(rows).size for rows in dose)
-        if quantity == ANGLE:
-            if len(mean) > 1:
-                return None
-            interval = peak_of(mean[0], draws[:, 0], count).angle
-        else:
-            functional = (_LAST if quantity in _LAST else _MAPS)[quantity]
-            interval = basic_interval(float(functional(mean)), functional(draws), count)
-        return Measured(interval.value, interval.low, interval.high, None, None, cycles, len(dose))
-
-    def wear_map(self, case: str, setting: str, joint: str, wears: int) -> WearMap | None:
-        """Depth after some wears, bearing and pin together, with its pointwise interval."""
-        result = self.at_stage(case, setting, wears - 1)
-        if result is None or joint not in result.scene.clearance_joints:
-            return None
-        mean, draws, count = _drawn(result, joint, range(wears))
+        mean, draws, count = _drawn(result, place.joint, range(place.wears))
         low, high = pointwise_interval(mean[0], draws[:, 0], count)
-        return WearMap(result.stages[0].arrays["angle"], mean[0], np.maximum(low, 0.0), high)
+        return WearMap(result.stages[0].angle, mean[0], np.maximum(low, 0.0), high)
 
-    def map_error(self, case: str, setting: str, joint: str, stage: int) -> float | None:
-        """Standard error of the wear map of a stage, part of its rms."""
-        result = self.at_stage(case, setting, stage)
-        if result is None or joint not in result.scene.clearance_joints:
+    def map_error(self, case: str, place: Place) -> float | None:
+        """Standard error of the map of the last wear at a place, part of its rms."""
+        result = self.worn_at(case, place)
+        if result is None:
             return None
-        arrays = result.stages[stage].arrays
-        maps = arrays[f"{joint}_wear_batches"][:, np.newaxis]
+        arrays = result.stages[place.wears - 1].arrays
+        maps = arrays[f"{place.joint}_wear_batches"][:, np.newaxis]
         error = float(map_errors(maps, arrays["wear_batch_cycles"])[0])
         return error if math.isfinite(error) else None
+
+
+def _of_cycles(result: Result, place: Place, quantity: str) -> Measured | None:
+    rows = _samples(result, place, quantity)
+    if not rows:
+        return None
+    estimate, apart = pooled(rows)
+    mean, half = estimate.mean, estimate.half_width
+    samples = np.concatenate([after_startup(own) for own in rows])
+    draws = None
+    if samples.size >= LEAST_SAMPLES:
+        low, high = np.quantile(samples, (0.025, 0.975))
+        draws = (float(low), float(high))
+    begun = [float(own[0]) for own in rows]
+    return Measured(
+        mean,
+        None if half is None else (mean - half, mean + half),
+        draws,
+        (min(begun), max(begun)),
+        estimate.cycles,
+        len(rows),
+        apart,
+    )
+
+
+def _of_maps(result: Result, place: Place, quantity: str) -> Measured | None:
+    # The wear that the last stage would cause is a single jump, no measure of one in steps.
+    if result.scene.wears_in_steps and place.wears > result.scene.wears:
+        return None
+    last = place.wears - 1
+    stages = range(last if quantity in _LAST else 0, place.wears)
+    mean, draws, count = _drawn(result, place.joint, stages)
+    if quantity in _MAPS:
+        functional = _MAPS[quantity]
+        found = basic_interval(float(functional(mean)), functional(draws), count)
+    elif len(mean) == 1:
+        found = peak_of(mean[0], draws[:, 0], count).angle
+    else:
+        return None
+    ends = None if found.low is None or found.high is None else (found.low, found.high)
+    rows = _samples(result, Place(place.setting, last, place.joint), "dose")
+    cycles = sum(after_startup(own).size for own in rows)
+    return Measured(found.value, ends, samples=cycles, starts=len(rows))
 
 
 def _drawn(result: Result, joint: str, stages: range) -> tuple[Array, Array, int]:

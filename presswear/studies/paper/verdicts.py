@@ -1,19 +1,18 @@
-"""How a claim or a printed number stands against our intervals."""
+"""Verdicts on claims and printed numbers: how they stand against our intervals."""
 
 import math
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Literal
 
-from presswear.record.sampling import Interval
-from presswear.studies.paper.evidence import Evidence, Measured, Place
-from presswear.studies.paper.printed import Printed, printed_at
-
-Expected = Literal["more", "less", "same"]
+from presswear.studies.paper.claims import CLAIMS, Claim, Comparison, turned
+from presswear.studies.paper.evidence import Ends, Evidence, Measured
+from presswear.studies.paper.printed import Printed
+from presswear.studies.paper.variants import BASE, GEOMETRIES, JUDGED
 
 SAME = 0.02
-"""What changes by less, for certain, is the same."""
+"""Change below which, for certain, a quantity stays the same."""
 
 
 class Verdict(StrEnum):
@@ -24,135 +23,6 @@ class Verdict(StrEnum):
     FAILS = "does not hold"
     OPEN = "cannot be told"
     MISSING = "not computed"
-
-
-@dataclass(frozen=True)
-class Comparison:
-    """Quantities over quantities, or less them, and what a claim expects of that.
-
-    Attributes
-    ----------
-    quantity : str
-        As ``Evidence`` names it.
-    over, under : tuple of Place
-        Numerators and denominators, as many of each; one of each for a difference.
-    expected : {"more", "less", "same"}
-        What becomes of the second against the first.
-    """
-
-    quantity: str
-    over: tuple[Place, ...]
-    under: tuple[Place, ...]
-    expected: Expected = "more"
-
-    @property
-    def is_difference(self) -> bool:
-        """Whether the quantity has no natural zero, or may change its sign."""
-        return self.quantity in DIFFERENCES
-
-    @property
-    def printed(self) -> float | None:
-        """The paper's own ratio or difference, where it prints the numbers."""
-        over = [printed_at(place, self.quantity) for place in self.over]
-        under = [printed_at(place, self.quantity) for place in self.under]
-        values = [number.value for number in (*over, *under) if number is not None]
-        if len(values) < len(over) + len(under):
-            return None
-        if self.is_difference:
-            return (
-                turned(values[0] - values[1]) if self.quantity == "angle" else values[0] - values[1]
-            )
-        return math.prod(values[: len(over)]) / math.prod(values[len(over) :])
-
-
-DIFFERENCES = ("angle", "lag")
-
-
-def turned(angle: float) -> float:
-    """An angle between -pi and pi, rad."""
-    return (angle + math.pi) % (2.0 * math.pi) - math.pi
-
-
-def ratio(over: Sequence[Measured], under: Sequence[Measured]) -> Interval:
-    """Products over products with the interval that their intervals give.
-
-    The method of variance estimates recovery on logarithms (Donner and Zou, Statistical
-    Methods in Medical Research 21, 2012, 347).
-    """
-    value = math.prod(m.value for m in over) / math.prod(m.value for m in under)
-    if any(m.low is None or m.high is None for m in (*over, *under)):
-        return Interval(value, None, None)
-    down = [_logs(m)[0] for m in over] + [_logs(m)[1] for m in under]
-    up = [_logs(m)[1] for m in over] + [_logs(m)[0] for m in under]
-    return Interval(value, value * math.exp(-math.hypot(*down)), value * math.exp(math.hypot(*up)))
-
-
-def _logs(m: Measured) -> tuple[float, float]:
-    """Distances from a value to the ends of its interval, as logarithms."""
-    assert m.low is not None
-    assert m.high is not None
-    below = math.log(m.value / m.low) if m.low > 0.0 else math.inf
-    return below, math.log(max(m.high / m.value, 1.0))
-
-
-def difference(over: Measured, under: Measured, is_angle: bool) -> Interval:
-    """One less the other, with the interval that their intervals give."""
-    value = over.value - under.value
-    if is_angle:
-        value = turned(value)
-    if over.low is None or over.high is None or under.low is None or under.high is None:
-        return Interval(value, None, None)
-    down = math.hypot(over.value - over.low, under.high - under.value)
-    up = math.hypot(over.high - over.value, under.value - under.low)
-    return Interval(value, value - down, value + up)
-
-
-def compared(evidence: Evidence, case: str, comparison: Comparison) -> Interval | None:
-    """What our runs say of a comparison; None where one of its quantities is missing."""
-    found = [
-        evidence.measured(case, place, comparison.quantity)
-        for place in (*comparison.over, *comparison.under)
-    ]
-    known = [m for m in found if m is not None]
-    if len(known) < len(found):
-        return None
-    over, under = known[: len(comparison.over)], known[len(comparison.over) :]
-    if comparison.is_difference:
-        return difference(over[0], under[0], comparison.quantity == "angle")
-    if any(m.value <= 0.0 for m in known):
-        return None
-    return ratio(over, under)
-
-
-def verdict(interval: Interval | None, comparison: Comparison) -> Verdict:
-    """Whether an interval bears out what is expected."""
-    if interval is None:
-        return Verdict.MISSING
-    if interval.low is None or interval.high is None:
-        return Verdict.OPEN
-    neutral = 0.0 if comparison.is_difference else 1.0
-    if comparison.expected == "same":
-        low, high = neutral - SAME, neutral + SAME
-        if low <= interval.low and interval.high <= high:
-            return Verdict.HOLDS
-        return Verdict.FAILS if interval.low > high or interval.high < low else Verdict.OPEN
-    above, below = interval.low > neutral, interval.high < neutral
-    if comparison.expected == "less":
-        above, below = below, above
-    if above:
-        return Verdict.HOLDS
-    return Verdict.FAILS if below else Verdict.OPEN
-
-
-def together(verdicts: Iterable[Verdict]) -> Verdict:
-    """The verdict on a claim from those on its parts."""
-    told = [v for v in verdicts if v is not Verdict.MISSING]
-    if not told:
-        return Verdict.MISSING
-    if Verdict.FAILS in told or Verdict.IN_PART in told:
-        has_support = Verdict.HOLDS in told or Verdict.IN_PART in told
-        return Verdict.IN_PART if has_support else Verdict.FAILS
-    return Verdict.HOLDS if all(v is Verdict.HOLDS for v in told) else Verdict.OPEN
 
 
 class Standing(StrEnum):
@@ -168,8 +38,131 @@ class Standing(StrEnum):
     MISSING = "not computed"
 
 
+def ratio(over: Sequence[Measured], under: Sequence[Measured]) -> Measured:
+    """Products over products with the interval that their intervals give.
+
+    The method of variance estimates recovery on logarithms (Donner and Zou, Statistical
+    Methods in Medical Research 21, 2012, 347).
+    """
+    value = math.prod(m.value for m in over) / math.prod(m.value for m in under)
+    above, below = ([_logs(m.value, m.ends) for m in some if m.ends] for some in (over, under))
+    if len(above) + len(below) < len(over) + len(under):
+        return Measured(value, None)
+    down = math.hypot(*(low for low, _ in above), *(high for _, high in below))
+    up = math.hypot(*(high for _, high in above), *(low for low, _ in below))
+    return Measured(value, (value * math.exp(-down), value * math.exp(up)))
+
+
+def _logs(value: float, ends: Ends) -> Ends:
+    """Distances from a value to the ends of its interval, as logarithms."""
+    below = math.log(value / ends[0]) if ends[0] > 0.0 else math.inf
+    return below, math.log(max(ends[1] / value, 1.0))
+
+
+def difference(over: Measured, under: Measured, is_angle: bool) -> Measured:
+    """One less the other, with the interval that their intervals give."""
+    value = over.value - under.value
+    if is_angle:
+        value = turned(value)
+    if over.ends is None or under.ends is None:
+        return Measured(value, None)
+    down = math.hypot(over.value - over.ends[0], under.ends[1] - under.value)
+    up = math.hypot(over.ends[1] - over.value, under.value - under.ends[0])
+    return Measured(value, (value - down, value + up))
+
+
+def compared(evidence: Evidence, case: str, comparison: Comparison) -> Measured | None:
+    """Our own ratio or difference; None where one of its quantities is missing."""
+    places = (*comparison.over, *comparison.under)
+    found = [evidence.measured(case, place, comparison.quantity) for place in places]
+    known = [m for m in found if m is not None]
+    if len(known) < len(found):
+        return None
+    if comparison.is_difference:
+        return difference(known[0], known[1], comparison.quantity == "angle")
+    if any(m.value <= 0.0 for m in known):
+        return None
+    count = len(comparison.over)
+    return ratio(known[:count], known[count:])
+
+
+def verdict(ours: Measured | None, comparison: Comparison) -> Verdict:
+    """Judge whether an interval bears out what is expected."""
+    if ours is None:
+        return Verdict.MISSING
+    if ours.ends is None:
+        return Verdict.OPEN
+    low, high = ours.ends
+    neutral = 0.0 if comparison.is_difference else 1.0
+    above, below = low > neutral, high < neutral
+    match comparison.expected:
+        case "more":
+            holds, fails = above, below
+        case "less":
+            holds, fails = below, above
+        case "same":
+            least, most = neutral - SAME, neutral + SAME
+            holds, fails = least <= low and high <= most, low > most or high < least
+    if holds:
+        return Verdict.HOLDS
+    return Verdict.FAILS if fails else Verdict.OPEN
+
+
+def together(verdicts: Iterable[Verdict]) -> Verdict:
+    """The verdict on a claim from those on its parts."""
+    told = set(verdicts) - {Verdict.MISSING}
+    if not told:
+        return Verdict.MISSING
+    if Verdict.FAILS in told:
+        return Verdict.IN_PART if Verdict.HOLDS in told else Verdict.FAILS
+    return Verdict.HOLDS if told == {Verdict.HOLDS} else Verdict.OPEN
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A claim with the verdicts on its comparisons, by case."""
+
+    claim: Claim
+    parts: dict[str, tuple[Verdict, ...]]
+
+    def verdict(self, case: str = BASE) -> Verdict:
+        """The verdict under a case."""
+        return together(self.parts[case])
+
+    @property
+    def survives(self) -> str:
+        """How the verdicts on all geometries go together, in words."""
+        told = {self.verdict(name) for name in GEOMETRIES}
+        if len(told) == 1 and told <= {Verdict.HOLDS, Verdict.FAILS, Verdict.IN_PART}:
+            return "same on all three geometries"
+        if Verdict.HOLDS in told and told & {Verdict.FAILS, Verdict.IN_PART}:
+            return "changes with the geometry"
+        return "not decided on all three"
+
+    def count(self, case: str) -> str:
+        """How many comparisons hold where they disagree, and how many are missing, in words."""
+        count = Counter(self.parts[case])
+        missing = count.pop(Verdict.MISSING, 0)
+        text = f"{count[Verdict.HOLDS]} of {count.total()} hold" if len(count) > 1 else ""
+        return text + (f" ({missing} not computed)" if missing and count else "")
+
+
+def judged(evidence: Evidence) -> list[Judged]:
+    """Judge every claim under every case."""
+    return [
+        Judged(
+            claim,
+            {
+                case: tuple(verdict(compared(evidence, case, part), part) for part in claim.parts)
+                for case in JUDGED
+            },
+        )
+        for claim in CLAIMS
+    ]
+
+
 def standing(number: Printed, ours: Measured | None) -> Standing:
-    """How a printed number stands against what our runs have.
+    """How a printed number stands against our own.
 
     A printed peak is one draw, so it is held against single cycles.  A printed depth scales
     with K_d / b, which the paper does not print: ratios of depths are compared instead.
@@ -179,25 +172,21 @@ def standing(number: Printed, ours: Measured | None) -> Standing:
     if number.quantity == "depth":
         return Standing.FREE
     if number.quantity == "angle":
-        if ours.low is None or ours.high is None:
-            return Standing.OPEN
-        off = turned(number.value - ours.value)
-        inside = ours.low - ours.value <= off <= ours.high - ours.value
-        return Standing.AGREES if inside else Standing.DIFFERS
+        # Turned to the side of our own.
+        return agreement(ours.value + turned(number.value - ours.value), ours)
     if ours.draws is None or ours.first is None:
         return Standing.OPEN
     # The paper shows the first cycle of its run; ours is among what it is held against.
-    low = min(ours.draws[0], ours.first[0])
-    high = max(ours.draws[1], ours.first[1])
-    if number.value > high:
+    if number.value > max(ours.draws[1], ours.first[1]):
         return Standing.ABOVE
-    return Standing.BELOW if number.value < low else Standing.INSIDE
+    is_below = number.value < min(ours.draws[0], ours.first[0])
+    return Standing.BELOW if is_below else Standing.INSIDE
 
 
-def ratio_standing(printed: float, ours: Interval | None) -> Standing:
-    """How a printed ratio stands against ours."""
+def agreement(printed: float, ours: Measured | None) -> Standing:
+    """How a printed number stands against our interval."""
     if ours is None:
         return Standing.MISSING
-    if ours.low is None or ours.high is None:
+    if ours.ends is None:
         return Standing.OPEN
-    return Standing.AGREES if ours.low <= printed <= ours.high else Standing.DIFFERS
+    return Standing.AGREES if ours.ends[0] <= printed <= ours.ends[1] else Standing.DIFFERS

@@ -1,28 +1,19 @@
-"""How quantities, places and settings are called where people read them."""
+"""Names of quantities and places, and numbers, as people read them."""
 
 import math
 from dataclasses import dataclass
 
-from presswear.record.sampling import Interval
 from presswear.scene.scene import stage_name
-from presswear.studies.paper.evidence import Measured, Place
+from presswear.studies.paper.claims import Comparison
+from presswear.studies.paper.evidence import CYCLES, Ends, Measured
+from presswear.studies.paper.printed import Place
 from presswear.studies.paper.variants import SETTINGS
 from presswear.tools.numbers import readable
 
 
 @dataclass(frozen=True)
 class Shown:
-    """How a quantity is shown.
-
-    Attributes
-    ----------
-    label : str
-    unit : str
-    factor : float
-        From SI units and rad.
-    digits : int
-        Significant digits.
-    """
+    """Label, unit, factor from SI units and rad to it, and significant digits of a quantity."""
 
     label: str
     unit: str
@@ -30,6 +21,7 @@ class Shown:
     digits: int = 3
 
 
+_DEGREES = 180.0 / math.pi
 QUANTITIES: dict[str, Shown] = {
     "displacement": Shown("peak displacement", "m", 1.0, 4),
     "velocity": Shown("peak velocity", "m/s", 1.0, 4),
@@ -43,82 +35,84 @@ QUANTITIES: dict[str, Shown] = {
     "lag": Shown("lag behind the ideal motion", "µs", 1e6),
     "flight": Shown("part of the time out of contact", "%", 100.0),
     "depth": Shown("deepest wear", "µm", 1e6),
-    "angle": Shown("angle of deepest wear", "°", 180.0 / math.pi),
-    "range": Shown("worn range", "°", 180.0 / math.pi),
+    "angle": Shown("angle of deepest wear", "°", _DEGREES),
+    "range": Shown("worn range", "°", _DEGREES),
     "unevenness": Shown("unevenness of the wear (standard deviation)", "µm", 1e6),
     "mean_depth": Shown("mean depth", "µm", 1e6),
     "added_depth": Shown("deepest place of this wear alone", "µm", 1e6),
     "added_mean": Shown("mean depth of this wear alone", "µm", 1e6),
-    "contact_range": Shown("range of directions worn in the stage", "°", 180.0 / math.pi),
+    "contact_range": Shown("range of directions worn in the stage", "°", _DEGREES),
 }
 """Every quantity of ``Evidence``."""
 
-OF_MAPS = frozenset(
-    ("depth", "angle", "range", "unevenness", "mean_depth", "added_depth", "added_mean")
-)
-"""Quantities of what wears have left; the others are of a stage's motion."""
 
-
-def number(value: float, quantity: str) -> str:
-    """A value of a quantity in its unit, without the unit."""
-    shown = QUANTITIES[quantity]
-    return readable(shown.factor * value, shown.digits)
-
-
-def as_printed(value: float, quantity: str) -> str:
+def as_printed(value: float | None, quantity: str) -> str:
     """A printed value with all its digits, in the unit of our own, without the unit."""
-    return readable(QUANTITIES[quantity].factor * value, 4)
+    return readable(None if value is None else QUANTITIES[quantity].factor * value, 4)
 
 
-def between(low: float | None, high: float | None, quantity: str) -> str:
+def between(ends: Ends | None, quantity: str) -> str:
     """An interval of a quantity; a dash where there is none."""
-    if low is None or high is None:
-        return "–"
     shown = QUANTITIES[quantity]
-    return span(shown.factor * low, shown.factor * high, shown.digits)
+    return "–" if ends is None else _span(ends, shown.factor, shown.digits)
 
 
-def span(low: float, high: float, digits: int = 3) -> str:
+def _span(ends: Ends, factor: float, digits: int) -> str:
     """Two numbers as from, to; no upper end is said so, and one number twice is told once."""
-    if readable(low, digits) == readable(high, digits):
-        return readable(low, digits)
-    if math.isinf(high):
-        return f"from {readable(low, digits)}"
-    return f"{readable(low, digits)} to {readable(high, digits)}"
+    low, high = (readable(factor * end, digits) for end in ends)
+    if low == high:
+        return low
+    return f"from {low}" if math.isinf(ends[1]) else f"{low} to {high}"
 
 
-def value_with_interval(ours: Measured | None, quantity: str) -> str:
-    """A value with its interval in brackets."""
+def _with_ends(ours: Measured | None, factor: float, digits: int) -> str:
+    """A value with its interval in brackets; a dash where there is none."""
     if ours is None:
         return "–"
-    if ours.low is None or ours.high is None:
-        return f"{number(ours.value, quantity)} (too few cycles)"
-    return f"{number(ours.value, quantity)} ({between(ours.low, ours.high, quantity)})"
+    ends = "too few cycles" if ours.ends is None else _span(ours.ends, factor, digits)
+    return f"{readable(factor * ours.value, digits)} ({ends})"
 
 
-def ratio_text(interval: Interval | None, factor: float = 1.0) -> str:
-    """A ratio or difference with its interval in brackets."""
-    if interval is None:
-        return "–"
-    value = readable(factor * interval.value)
-    if interval.low is None or interval.high is None:
-        return f"{value} (too few cycles)"
-    return f"{value} ({span(factor * interval.low, factor * interval.high)})"
+def value_text(ours: Measured | None, quantity: str) -> str:
+    """A quantity in its unit, without the unit, with its interval."""
+    shown = QUANTITIES[quantity]
+    return _with_ends(ours, shown.factor, shown.digits)
+
+
+def ratio_text(ours: Measured | None, factor: float = 1.0) -> str:
+    """A ratio or difference with its interval."""
+    return _with_ends(ours, factor, 3)
 
 
 def stage_text(place: Place, quantity: str) -> str:
-    """Which wear a place belongs to."""
-    if quantity in OF_MAPS or quantity == "contact_range":
-        return f"after the {stage_name(place.wears)}"
-    return stage_name(place.wears)
+    """Name the wear that a place belongs to."""
+    stage = stage_name(place.wears)
+    return stage if quantity in CYCLES else f"after the {stage}"
 
 
 def place_text(place: Place, quantity: str) -> str:
-    """A place in words, without its setting."""
+    """A quantity at a place in words, with its unit and without its setting."""
+    shown = QUANTITIES[quantity]
     joint = f"joint {place.joint}, " if place.joint else ""
-    return f"{joint}{stage_text(place, quantity)}"
+    return f"{shown.label}, {joint}{stage_text(place, quantity)} ({shown.unit})"
 
 
-def setting_text(setting: str) -> str:
-    """A setting in words."""
-    return SETTINGS[setting][0]
+def joint_text(place: Place) -> str:
+    """A joint in a setting, in words."""
+    return f"joint {place.joint}, {SETTINGS[place.setting].label}"
+
+
+def compared_text(part: Comparison) -> str:
+    """Name both sides of a comparison."""
+    first, second = part.under[0], part.over[0]
+    stage = stage_text(second, part.quantity)
+    settings = [SETTINGS[place.setting].short for place in (first, second)]
+    if first.setting != second.setting:
+        change = f"{' → '.join(settings)}, {stage}"
+    else:
+        change = f"{settings[1]}, {stage_text(first, part.quantity)} → {stage}"
+    if len(part.over) > 1:
+        return f"{change}, growth at A over growth at C"
+    if first.joint != second.joint:
+        return f"{first.joint} → {second.joint}, {SETTINGS[second.setting].label}, {stage}"
+    return f"joint {second.joint}, {change}" if second.joint else change

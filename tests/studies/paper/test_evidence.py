@@ -1,23 +1,21 @@
 """Quantities of a study: each against numbers put in by hand."""
 
 import math
-from typing import Any
+from functools import partial
 
 import numpy as np
 import pytest
-from invented import BINS, CYCLES, every_result, evidence_of, result, stage
+from invented import BINS, CYCLES, EVEN, every_evidence, evidence_of, stage
 
 from presswear.scene.scene import Conventions
-from presswear.studies.paper.evidence import Evidence, Measured, Place
+from presswear.studies.paper.evidence import Evidence, Measured
+from presswear.studies.paper.printed import Place
+from presswear.studies.paper.variants import base_scene
 from presswear.studies.paper.words import QUANTITIES
 
 SETTING = "wear-times"
-EVEN = {"A": 200.0, "C": 100.0}
 SLIDER = ("displacement", "velocity", "acceleration", "lag", "stroke")
-
-
-def one(wears: int = 0, seed: int = 1, **numbers: object) -> dict[str, np.ndarray]:
-    return stage(SETTING, wears, seed, **numbers)
+one = partial(stage, SETTING)
 
 
 def known(evidence: Evidence, quantity: str, wears: int = 0, joint: str = "") -> Measured:
@@ -27,27 +25,26 @@ def known(evidence: Evidence, quantity: str, wears: int = 0, joint: str = "") ->
 
 
 def test_a_peak_is_the_mean_over_cycles_behind_the_first_of_each_start() -> None:
-    arrays = one(force=[EVEN] * 3)
+    arrays = one(0, 1, force=[EVEN] * 3)
     found = known(evidence_of(SETTING, arrays), "force", joint="A")
     samples = arrays["cycles"].reshape(3, CYCLES, -1)[:, 1:, 5]
     assert found.value == pytest.approx(samples.mean())
     assert (found.samples, found.starts, found.differ) == (3 * (CYCLES - 1), 3, False)
-    assert found.low is not None
-    assert found.high is not None
-    assert found.low < 200.0 < found.high
+    assert found.ends is not None
+    assert found.ends[0] < 200.0 < found.ends[1]
     assert found.draws is not None
     assert found.draws[0] < 170.0
     assert found.draws[1] > 230.0
 
 
 def test_contacts_are_counted_by_cycle_and_start_and_given_by_second() -> None:
-    evidence = evidence_of(SETTING, one(force=[EVEN] * 2))
-    period = evidence.runs["standard", SETTING].scene.mechanism.period
+    evidence = evidence_of(SETTING, one(0, 1, force=[EVEN] * 2))
+    period = base_scene(SETTING).mechanism.period
     assert known(evidence, "contact_rate", joint="C").value == pytest.approx(7.0 / period)
 
 
 def test_recorded_cycles_are_read_by_their_columns() -> None:
-    evidence = evidence_of(SETTING, one())
+    evidence = evidence_of(SETTING, one(0, 1))
     values = [known(evidence, name).value for name in ("displacement_off", "velocity_off", "lag")]
     assert values == pytest.approx([3e-4, 0.02, 1e-4])
     assert known(evidence, "stroke").value == pytest.approx(0.1071)
@@ -57,8 +54,8 @@ def test_recorded_cycles_are_read_by_their_columns() -> None:
 def test_depths_add_up_over_wears() -> None:
     evidence = evidence_of(
         SETTING,
-        one(0, 1, peak={"A": 20e-6, "C": 8e-6}),
-        one(1, 6, peak={"A": 30e-6, "C": 4e-6}),
+        one(0, 1, peak=(20e-6, 8e-6)),
+        one(1, 6, peak=(30e-6, 4e-6)),
     )
 
     def value(quantity: str, wears: int, joint: str = "A") -> float:
@@ -71,7 +68,7 @@ def test_depths_add_up_over_wears() -> None:
     assert value("angle", 1) == pytest.approx(2.0 * math.pi * 18.5 / BINS)
     # A bell of standard deviation 4 bins is at least a twentieth deep within 2.45 of those.
     assert value("range", 1) == pytest.approx(2.0 * math.pi * 19 / BINS, rel=0.06)
-    drawn = evidence.wear_map("standard", SETTING, "A", 2)
+    drawn = evidence.wear_map("standard", Place(SETTING, 2, "A"))
     assert drawn is not None
     assert drawn.mean.max() == pytest.approx(value("depth", 2))
     assert np.all((drawn.low <= drawn.mean) & (drawn.mean <= drawn.high))
@@ -79,59 +76,55 @@ def test_depths_add_up_over_wears() -> None:
 
 def test_the_error_of_a_map_falls_with_the_starts() -> None:
     for starts, tolerance in ((1, 0.5), (4, 0.3), (16, 0.15)):
-        evidence = evidence_of(SETTING, one(force=[EVEN] * starts))
+        evidence = evidence_of(SETTING, one(0, 1, force=[EVEN] * starts))
         expected = 0.05 / math.sqrt(starts * (CYCLES - 1))
-        error = evidence.map_error("standard", SETTING, "A", 0)
+        error = evidence.map_error("standard", Place(SETTING, 1, "A"))
         assert error == pytest.approx(expected, rel=tolerance)
 
 
 def test_starts_that_differ_widen_the_interval() -> None:
     apart = [{"A": mean, "C": 100.0} for mean in (150.0, 200.0, 250.0)]
-    narrow = known(evidence_of(SETTING, one(force=[EVEN] * 3)), "force", joint="A")
-    wide = known(evidence_of(SETTING, one(force=apart)), "force", joint="A")
+    narrow = known(evidence_of(SETTING, one(0, 1, force=[EVEN] * 3)), "force", joint="A")
+    wide = known(evidence_of(SETTING, one(0, 1, force=apart)), "force", joint="A")
     assert wide.differ
-    assert wide.high is not None
-    assert narrow.high is not None
-    assert wide.high - wide.value > 10.0 * (narrow.high - narrow.value)
+    assert wide.ends is not None
+    assert narrow.ends is not None
+    assert np.ptp(wide.ends) > 10.0 * np.ptp(narrow.ends)
 
 
 def test_a_wear_of_few_cycles_has_a_value_and_no_interval() -> None:
-    arrays = one()
+    arrays = one(0, 1)
     arrays["A_wear_batches"] = arrays["A_wear_batches"][:0]
     arrays["wear_batch_cycles"] = np.zeros(0)
     evidence = evidence_of(SETTING, arrays)
     found = known(evidence, "depth", 1, "A")
     assert found.value == pytest.approx(20e-6, rel=0.05)
-    assert found.low is None
-    assert evidence.map_error("standard", SETTING, "A", 0) is None
+    assert found.ends is None
+    assert evidence.map_error("standard", Place(SETTING, 1, "A")) is None
 
 
 def test_what_did_not_run_is_missing() -> None:
-    evidence = evidence_of(SETTING, one())
+    evidence = evidence_of(SETTING, one(0, 1))
     assert evidence.measured("standard", Place(SETTING, 1, "A"), "force") is None
     assert evidence.measured("standard", Place(SETTING, 2, "A"), "depth") is None
     assert evidence.measured("standard", Place(SETTING, 0, "A"), "depth") is None
     assert evidence.measured("swapped", Place(SETTING, 0, "A"), "force") is None
-    none = Evidence({("standard", SETTING): result(SETTING, [one()], status="failed")})
+    none = evidence_of(SETTING, one(0, 1), status="failed")
     assert none.measured("standard", Place(SETTING, 0, "A"), "force") is None
 
 
 def test_every_quantity_has_words_and_can_be_measured() -> None:
-    evidence = Evidence.of(every_result())
     for quantity in QUANTITIES:
         joint = "" if quantity.endswith("_off") or quantity in SLIDER else "A"
-        assert math.isfinite(known(evidence, quantity, 1, joint).value)
+        assert math.isfinite(known(every_evidence(), quantity, 1, joint).value)
 
 
-def turning(arrays: dict[str, np.ndarray], **changes: Any) -> Evidence:
-    conventions = Conventions(map_frame="body")
-    turned = result(SETTING, [arrays], conventions=conventions, **changes)
-    return Evidence({("standard", SETTING): turned})
+turning = partial(evidence_of, SETTING, conventions=Conventions(map_frame="body"))
 
 
 def test_maps_that_turn_are_not_added_up_by_their_angles() -> None:
     """Each surface's own deepest place counts, wherever it is; there is no common angle."""
-    arrays = one()
+    arrays = one(0, 1)
     arrays["A_wear_batches"][:, 1] = np.roll(arrays["A_wear_batches"][:, 1], 30, axis=-1)
     fixed = known(evidence_of(SETTING, arrays), "depth", 1, "A").value
     turned = known(turning(arrays), "depth", 1, "A").value
@@ -142,6 +135,6 @@ def test_maps_that_turn_are_not_added_up_by_their_angles() -> None:
 
 def test_a_jump_after_the_last_stage_is_no_wear_in_steps() -> None:
     place = Place(SETTING, 1, "A")
-    assert turning(one(), wears=0).measured("standard", place, "depth") is not None
-    stepped = turning(one(), wears=0, extrapolation="steps")
+    assert turning(one(0, 1), wears=0).measured("standard", place, "depth") is not None
+    stepped = turning(one(0, 1), wears=0, extrapolation="steps")
     assert stepped.measured("standard", place, "depth") is None

@@ -8,60 +8,37 @@ from typing import Any
 import matplotlib
 import numpy as np
 import pytest
-from invented import result, stage
+from invented import cut, every_evidence, every_result
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Sheet
 from matplotlib.lines import Line2D
 
 from presswear.record.observe import CYCLE_FIXED
-from presswear.results.result import Result
 from presswear.show.figures import Drawing
 from presswear.show.figures.style import SETTINGS
 from presswear.studies.paper.evidence import Evidence
 from presswear.studies.paper.figures import paper_drawings
-from presswear.studies.paper.printed import PRINTED
+from presswear.studies.paper.printed import PRINTED, Place
 from presswear.studies.paper.variants import BASE, variant_key
 
 NUMBERS = range(8, 26)
 UNIT = re.compile(r"\((m|mm|µm|s|N|m/s|m/s²|degrees)\)")
-STAGES = {
-    "wear-times": 3,
-    "friction-0.05": 2,
-    "friction-0.1": 2,
-    "speed-4pi": 2,
-    "speed-8pi": 2,
-}
 
 
-def run(setting: str, stages: int, status: str = "completed", **changes: Any) -> Result:
-    """A run of two starts, whose motion grows with each wear."""
-    listed = []
-    for k in range(stages):
-        arrays = stage(setting, k, seed=10 * k, force=[{"A": 200.0, "C": 100.0}] * 2)
-        arrays["slider"] = arrays["slider"] * (1.0 + 0.01 * (k + 1))
-        arrays["cycles"] = (k + 1.0) * arrays["cycles"]
-        listed.append(arrays)
-    return result(setting, listed, status, **changes)
-
-
-def study(stages: dict[str, int], **settings: Any) -> Evidence:
+def study(stages: dict[str, int], **changes: Any) -> Evidence:
     """Some settings, each with so many stages."""
-    return Evidence.of(
+    whole = every_result()
+    return Evidence(
         {
-            variant_key(BASE, setting): run(setting, count, **settings)
+            variant_key(BASE, setting): cut(whole[variant_key(BASE, setting)], count, **changes)
             for setting, count in stages.items()
         }
     )
 
 
 @pytest.fixture(scope="module")
-def evidence() -> Evidence:
-    return study(STAGES)
-
-
-@pytest.fixture(scope="module")
-def drawn(evidence: Evidence) -> dict[int, Drawing]:
-    return by_number(evidence)
+def drawn() -> dict[int, Drawing]:
+    return by_number(every_evidence())
 
 
 def by_number(evidence: Evidence) -> dict[int, Drawing]:
@@ -103,7 +80,7 @@ def test_printed_values_are_marked_where_they_are(drawn: dict[int, Drawing], num
         (float(np.ravel(line.get_xdata())[0]), float(np.ravel(line.get_ydata())[0]))
         for line in lines_of(drawn[number].sheet, "printed")
     )
-    own = [one for one in PRINTED if one.figure.rstrip("abc") == str(number)]
+    own = [one for one in PRINTED if one.figure[:-1] == str(number)]
     if number < 17:
         angles = [float(np.degrees(one.value)) for one in own if one.quantity == "angle"]
         depths = [1e6 * one.value for one in own if one.quantity == "depth"]
@@ -112,37 +89,32 @@ def test_printed_values_are_marked_where_they_are(drawn: dict[int, Drawing], num
         np.testing.assert_allclose([x for x, _ in marked], sorted(one.value for one in own))
 
 
-def test_peaks_are_those_of_the_evidence(drawn: dict[int, Drawing], evidence: Evidence) -> None:
+def test_peaks_are_those_of_the_evidence(drawn: dict[int, Drawing]) -> None:
     """Figure 18: the mean of each stage at each joint."""
     expected = []
     for joint in "AC":
         for wears in range(3):
-            place = next(
-                one.place
-                for one in PRINTED
-                if one.figure.startswith("18") and one.place.joint == joint
-            )
-            known = evidence.measured(BASE, replace(place, wears=wears), "force")
+            known = every_evidence().measured(BASE, Place("wear-times", wears, joint), "force")
             assert known is not None
             expected.append(known.value)
     means = [float(np.ravel(line.get_xdata())[0]) for line in lines_of(drawn[18].sheet, "mean")]
     np.testing.assert_allclose(means, expected)
 
 
-def test_peaks_of_the_shown_cycle_are_marked(drawn: dict[int, Drawing], evidence: Evidence) -> None:
+def test_peaks_of_the_shown_cycle_are_marked(drawn: dict[int, Drawing]) -> None:
     """Figure 17: of every step of the first cycle."""
     marked = [float(np.ravel(line.get_xdata())[0]) for line in lines_of(drawn[17].sheet, "shown")]
-    stages = evidence.runs[BASE, "wear-times"].stages
+    stages = every_evidence().results[variant_key(BASE, "wear-times")].stages
     names = ("displacement_max", "velocity_max", "acceleration_max")
     expected = [own.arrays["cycles"][0, CYCLE_FIXED.index(n)] for n in names for own in stages]
     np.testing.assert_allclose(marked, expected)
 
 
-def test_depth_is_the_mean_map(drawn: dict[int, Drawing], evidence: Evidence) -> None:
+def test_depth_is_the_mean_map(drawn: dict[int, Drawing]) -> None:
     for axes, joint in zip(drawn[8].sheet.axes, "AC", strict=True):
         curves = [line for line in axes.get_lines() if len(np.ravel(line.get_xdata())) > 2]
         for wears, line in enumerate(curves, start=1):
-            known = evidence.wear_map(BASE, "wear-times", joint, wears)
+            known = every_evidence().wear_map(BASE, Place("wear-times", wears, joint))
             assert known is not None
             np.testing.assert_allclose(np.asarray(line.get_ydata()), 1e6 * known.mean)
         assert len(curves) == 2
@@ -190,7 +162,9 @@ def test_missing_runs_leave_the_rest(stages: dict[str, int], missing: set[int]) 
 
 
 def test_failed_stage_is_not_shown(drawn: dict[int, Drawing]) -> None:
-    found = by_number(study({"wear-times": 3}, status="failed"))
+    ((key, run),) = study({"wear-times": 3}).results.items()
+    stages = (*run.stages[:2], replace(run.stages[2], status="failed"))
+    found = by_number(Evidence({key: replace(run, stages=stages)}))
     assert len(found[19].sheet.axes) == 4
     assert len(drawn[19].sheet.axes) == 6
 
@@ -203,7 +177,7 @@ def test_closed_joint_is_left_out() -> None:
     assert set(by_number(study({"wear-times": 1}, joints="none", wears=0))) == {17}
 
 
-def test_settings_of_matplotlib_are_left_alone(evidence: Evidence) -> None:
+def test_settings_of_matplotlib_are_left_alone() -> None:
     before = dict(matplotlib.rcParams)
-    next(paper_drawings(evidence))
+    next(paper_drawings(every_evidence()))
     assert dict(matplotlib.rcParams) == before

@@ -1,12 +1,12 @@
 """The page of the study ``paper``: all numbers, all claims, one file, and what is missing."""
 
 import re
-from dataclasses import replace
+import runpy
 from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
-from invented import every_result
+from invented import cut, every_evidence, every_result
 
 from presswear.__main__ import main
 from presswear.show.figures import Drawing
@@ -18,9 +18,11 @@ from presswear.studies.paper.printed import PRINTED
 from presswear.studies.paper.report import render
 from presswear.studies.paper.report.numbers import numbers_table, ranges_table, ratios_table
 from presswear.studies.paper.report.summary import findings, headline
-from presswear.studies.paper.report.trends import judged
 from presswear.studies.paper.variants import make
+from presswear.studies.paper.verdicts import judged
 from presswear.studies.paper.words import as_printed
+
+SCRIPT = Path(__file__).parents[3] / "scenarios" / "paper.py"
 
 
 class Words(HTMLParser):
@@ -45,8 +47,7 @@ class Words(HTMLParser):
 
 @pytest.fixture(scope="module")
 def page() -> Words:
-    results = every_result()
-    return Words(render(make(), results, Evidence.of(results), []))
+    return Words(render(make(), every_evidence(), []))
 
 
 def test_every_printed_number_and_claim_is_on_the_page(page: Words) -> None:
@@ -63,7 +64,7 @@ def test_the_page_needs_no_network(page: Words) -> None:
 
 
 def test_the_first_screen_counts_right() -> None:
-    evidence = Evidence.of(every_result())
+    evidence = every_evidence()
     claims = judged(evidence)
     text = headline(evidence, claims)
     held, part, failed, rest = map(
@@ -85,7 +86,7 @@ def test_the_first_screen_counts_right() -> None:
 
 def test_the_tables_show_ours_beside_the_paper() -> None:
     """Made up: 20 um at A after each wear, so 40 um after two and a ratio of two."""
-    evidence = Evidence.of(every_result())
+    evidence = every_evidence()
     table, remarks = numbers_table(evidence)
     rows = [row for _, group in table.groups for row in group]
     marks = {int(mark) for row in rows for mark in re.findall(r"\[(\d+)\]", row[0])}
@@ -103,23 +104,19 @@ def test_the_tables_show_ours_beside_the_paper() -> None:
 
 
 def test_a_study_that_was_interrupted_says_what_is_missing() -> None:
-    results = every_result(stages=1)
-    some = dict(list(results.items())[:2])
-    text = Words(render(make(), some, Evidence.of(some), [])).text
+    some = {key: cut(found, 1) for key, found in list(every_result().items())[:2]}
+    text = Words(render(make(), Evidence(some), [])).text
     assert f"{len(make().variants) - 2} of {len(make().variants)} runs are missing" in text
     assert "not computed" in text
-    empty = Words(render(make(), {}, Evidence.of({}), [])).text
+    empty = Words(render(make(), Evidence({}), [])).text
     assert "Nothing ran far enough to be drawn" in empty
 
 
 def test_a_joint_without_clearance_is_left_out() -> None:
     """A person may have closed joint C in all runs: its rows stay, empty."""
-    results = {
-        key: replace(found, scene=replace(found.scene, joints="A"))
-        for key, found in every_result().items()
-    }
-    evidence = Evidence.of(results)
-    text = Words(render(make(), results, evidence, list(map(drawn, paper_drawings(evidence))))).text
+    results = {key: cut(found, joints="A") for key, found in every_result().items()}
+    evidence = Evidence(results)
+    text = Words(render(make(), evidence, list(map(drawn, paper_drawings(evidence))))).text
     assert "not computed" in text
     rows = [row for _, group in numbers_table(evidence)[0].groups for row in group]
     assert all((row[3] == "–") == ("joint C" in row[0]) for row in rows)
@@ -130,15 +127,10 @@ def drawn(drawing: Drawing) -> Illustration:
 
 
 @pytest.mark.slow
-def test_the_whole_study_runs_and_is_reported(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_whole_study_runs_and_is_reported(tmp_path: Path) -> None:
     """Two cycles of everything: too few for any verdict, enough for every path."""
-    out = tmp_path / "paper"
-    command = ["run", "paper", "--engine", "dae", "--cycles", "2", "--set", "most_cycles=2"]
-    assert main([*command, "--jobs", "2", "--out", str(out)]) == 0
-    assert "report in" in capsys.readouterr().out
-    text = (out / "report.html").read_text()
-    assert text.count("<figure>") == 18
-    assert len(list((out / "figures").iterdir())) == 18
-    assert main(["report", str(out)]) == 0
+    folder = tmp_path / "paper"
+    runpy.run_path(str(SCRIPT))["main"](str(folder), engine="dae", cycles=2, most_cycles=2)
+    assert (folder / "report.html").read_text().count("<figure>") == 18
+    assert len(list((folder / "figures").iterdir())) == 18
+    assert main(["report", str(folder)]) == 0

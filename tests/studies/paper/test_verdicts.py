@@ -5,20 +5,17 @@ import math
 import numpy as np
 import pytest
 
-from presswear.record.sampling import Interval
-from presswear.studies.paper.evidence import Measured, Place
-from presswear.studies.paper.printed import PRINTED, Printed
+from presswear.studies.paper.claims import Comparison, Expected, turned
+from presswear.studies.paper.evidence import Ends, Measured
+from presswear.studies.paper.printed import PRINTED, Place, Printed
 from presswear.studies.paper.verdicts import (
-    Comparison,
-    Expected,
     Standing,
     Verdict,
+    agreement,
     difference,
     ratio,
-    ratio_standing,
     standing,
     together,
-    turned,
     verdict,
 )
 
@@ -26,69 +23,67 @@ A, B = Place("speed-4pi", 0, "A"), Place("speed-8pi", 0, "A")
 
 
 def known(
-    value: float,
-    half: float,
-    draws: tuple[float, float] | None = None,
-    first: tuple[float, float] | None = None,
+    value: float, half: float, draws: Ends | None = None, first: Ends | None = None
 ) -> Measured:
-    return Measured(value, value - half, value + half, draws, first, 30, 3)
+    return Measured(value, (value - half, value + half), draws, first)
 
 
 def test_the_interval_of_a_ratio_covers_it() -> None:
     generator = np.random.default_rng(2)
     inside, draws = 0, 400
     for _ in range(draws):
-        over, under = (generator.normal(mean, 0.3 * mean, 40) for mean in (3.0, 2.0))
-        estimates = [
-            known(float(s.mean()), 2.02 * float(s.std(ddof=1)) / math.sqrt(40))
-            for s in (over, under)
-        ]
-        found = ratio([estimates[0]], [estimates[1]])
-        assert found.low is not None
-        assert found.high is not None
-        inside += found.low <= 1.5 <= found.high
+        samples = [generator.normal(mean, 0.3 * mean, 40) for mean in (3.0, 2.0)]
+        over, under = (
+            known(float(s.mean()), 2.02 * float(s.std(ddof=1)) / math.sqrt(40)) for s in samples
+        )
+        ends = ratio([over], [under]).ends
+        assert ends is not None
+        inside += ends[0] <= 1.5 <= ends[1]
     assert 0.92 <= inside / draws <= 0.98
 
 
-def test_an_interval_that_reaches_zero_bounds_no_ratio_from_above() -> None:
-    found = ratio([known(2.0, 0.1)], [known(1.0, 1.5)])
-    assert found.high == math.inf
-    found = ratio([known(1.0, 1.5)], [known(2.0, 0.1)])
-    assert found.low == 0.0
+@pytest.mark.parametrize(("over", "under", "end"), [(0.1, 1.5, math.inf), (1.5, 0.1, 0.0)])
+def test_an_interval_that_reaches_zero_leaves_a_side_open(
+    over: float, under: float, end: float
+) -> None:
+    ends = ratio([known(1.0, over)], [known(1.0, under)]).ends
+    assert ends is not None
+    assert end in ends
 
 
 def test_differences_of_angles_go_the_short_way() -> None:
     found = difference(known(math.radians(5.0), 0.01), known(math.radians(355.0), 0.01), True)
     assert found.value == pytest.approx(math.radians(10.0))
-    assert found.low == pytest.approx(math.radians(10.0) - 0.01 * math.sqrt(2.0))
+    half = 0.01 * math.sqrt(2.0)
+    assert found.ends == pytest.approx((math.radians(10.0) - half, math.radians(10.0) + half))
     assert turned(math.pi + 0.1) == pytest.approx(0.1 - math.pi)
 
 
 @pytest.mark.parametrize(
     ("interval", "expected", "word"),
     [
-        (Interval(2.0, 1.5, 3.0), "more", Verdict.HOLDS),
-        (Interval(2.0, 1.5, 3.0), "less", Verdict.FAILS),
-        (Interval(2.0, 0.9, 3.0), "more", Verdict.OPEN),
-        (Interval(0.5, 0.3, 0.9), "less", Verdict.HOLDS),
-        (Interval(0.5, 0.3, 0.9), "more", Verdict.FAILS),
-        (Interval(1.0, 0.99, 1.01), "same", Verdict.HOLDS),
-        (Interval(1.0, 0.9, 1.1), "same", Verdict.OPEN),
-        (Interval(1.3, 1.2, 1.4), "same", Verdict.FAILS),
-        (Interval(2.0, None, None), "more", Verdict.OPEN),
+        (Measured(2.0, (1.5, 3.0)), "more", Verdict.HOLDS),
+        (Measured(2.0, (1.5, 3.0)), "less", Verdict.FAILS),
+        (Measured(2.0, (0.9, 3.0)), "more", Verdict.OPEN),
+        (Measured(0.5, (0.3, 0.9)), "less", Verdict.HOLDS),
+        (Measured(0.5, (0.3, 0.9)), "more", Verdict.FAILS),
+        (Measured(1.0, (0.99, 1.01)), "same", Verdict.HOLDS),
+        (Measured(1.0, (0.9, 1.1)), "same", Verdict.OPEN),
+        (Measured(1.3, (1.2, 1.4)), "same", Verdict.FAILS),
+        (Measured(2.0, None), "more", Verdict.OPEN),
         (None, "more", Verdict.MISSING),
     ],
 )
 def test_a_verdict_needs_the_whole_interval(
-    interval: Interval | None, expected: Expected, word: Verdict
+    interval: Measured | None, expected: Expected, word: Verdict
 ) -> None:
     assert verdict(interval, Comparison("force", (B,), (A,), expected)) is word
 
 
 def test_differences_are_held_against_zero() -> None:
     part = Comparison("angle", (B,), (A,))
-    assert verdict(Interval(0.2, 0.1, 0.3), part) is Verdict.HOLDS
-    assert verdict(Interval(-0.2, -0.3, -0.1), part) is Verdict.FAILS
+    assert verdict(Measured(0.2, (0.1, 0.3)), part) is Verdict.HOLDS
+    assert verdict(Measured(-0.2, (-0.3, -0.1)), part) is Verdict.FAILS
 
 
 @pytest.mark.parametrize(
@@ -132,9 +127,9 @@ def test_a_printed_depth_is_not_compared_and_an_angle_is_across_zero() -> None:
 
 
 def test_printed_ratios_are_held_against_the_interval() -> None:
-    assert ratio_standing(2.0, Interval(1.9, 1.5, 2.5)) is Standing.AGREES
-    assert ratio_standing(3.0, Interval(1.9, 1.5, 2.5)) is Standing.DIFFERS
-    assert ratio_standing(3.0, Interval(1.9, None, None)) is Standing.OPEN
+    assert agreement(2.0, Measured(1.9, (1.5, 2.5))) is Standing.AGREES
+    assert agreement(3.0, Measured(1.9, (1.5, 2.5))) is Standing.DIFFERS
+    assert agreement(3.0, Measured(1.9, None)) is Standing.OPEN
 
 
 def test_a_comparison_knows_what_the_paper_prints() -> None:

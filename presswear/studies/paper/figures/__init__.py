@@ -1,49 +1,48 @@
 """Counterparts of the paper's figures 8 to 25, from the runs of a study."""
 
 from collections.abc import Callable, Iterator
+from functools import partial
 
 import matplotlib
 
-from presswear.show.figures.style import SETTINGS, Drawing
+from presswear.show.figures.style import SETTINGS, Drawing, Sheet
 from presswear.studies.paper.evidence import Evidence
-from presswear.studies.paper.figures.forces import contact_forces
 from presswear.studies.paper.figures.lines import FRICTIONS, SPEEDS, WEARS, Line
-from presswear.studies.paper.figures.motion import responses
-from presswear.studies.paper.figures.paths import centre_paths
-from presswear.studies.paper.figures.surfaces import surfaces
-from presswear.studies.paper.figures.wear import depths
+from presswear.studies.paper.figures.response import centre_paths, contact_forces, responses
+from presswear.studies.paper.figures.wear import depths, surfaces
 
-__all__ = ["paper_drawings"]
+_Drawer = Callable[[Evidence, int, tuple[Line, ...]], tuple[str, Sheet] | None]
+"""Draws a figure of the paper from its lines: caption and sheet; None where nothing ran."""
 
-_Drawer = Callable[[Evidence, int, tuple[Line, ...]], Drawing | None]
-
-# In the paper's order: section 5.3, then 5.4.
-_FIGURES: tuple[tuple[int, _Drawer, tuple[Line, ...]], ...] = (
-    (8, depths, WEARS),
-    (9, surfaces("A"), WEARS),
-    (10, surfaces("C"), WEARS),
-    (11, depths, FRICTIONS),
-    (12, surfaces("A"), FRICTIONS),
-    (13, surfaces("C"), FRICTIONS),
-    (14, depths, SPEEDS),
-    (15, surfaces("A"), SPEEDS),
-    (16, surfaces("C"), SPEEDS),
-    (17, responses, WEARS),
-    (18, contact_forces, WEARS),
-    (19, centre_paths, WEARS),
-    (20, responses, FRICTIONS),
-    (21, contact_forces, FRICTIONS),
-    (22, centre_paths, FRICTIONS),
-    (23, responses, SPEEDS),
-    (24, contact_forces, SPEEDS),
-    (25, centre_paths, SPEEDS),
-)
+_AT_A: _Drawer = partial(surfaces, "A")
+_AT_C: _Drawer = partial(surfaces, "C")
+_FIGURES: dict[int, tuple[_Drawer, tuple[Line, ...], str]] = {
+    8: (depths, WEARS, "Wear depth after the first and the second wear"),
+    9: (_AT_A, WEARS, "Worn surfaces at A after the first and the second wear"),
+    10: (_AT_C, WEARS, "Worn surfaces at C after the first and the second wear"),
+    11: (depths, FRICTIONS, "Wear depth after the first wear at two friction coefficients"),
+    12: (_AT_A, FRICTIONS, "Worn surfaces at A after the first wear at two friction coefficients"),
+    13: (_AT_C, FRICTIONS, "Worn surfaces at C after the first wear at two friction coefficients"),
+    14: (depths, SPEEDS, "Wear depth after the first wear at two speeds"),
+    15: (_AT_A, SPEEDS, "Worn surfaces at A after the first wear at two speeds"),
+    16: (_AT_C, SPEEDS, "Worn surfaces at C after the first wear at two speeds"),
+    17: (responses, WEARS, "Motion of the slider with the wears"),
+    18: (contact_forces, WEARS, "Contact force with the wears"),
+    19: (centre_paths, WEARS, "Path of the pin centre with the wears"),
+    20: (responses, FRICTIONS, "Motion of the slider at two friction coefficients"),
+    21: (contact_forces, FRICTIONS, "Contact force at two friction coefficients"),
+    22: (centre_paths, FRICTIONS, "Path of the pin centre at two friction coefficients"),
+    23: (responses, SPEEDS, "Motion of the slider at two speeds"),
+    24: (contact_forces, SPEEDS, "Contact force at two speeds"),
+    25: (centre_paths, SPEEDS, "Path of the pin centre at two speeds"),
+}
+"""Drawer, lines and title by the number in the paper."""
 
 
 def paper_drawings(evidence: Evidence) -> Iterator[Drawing]:
     """Draw the figures for which there are runs, by their numbers in the paper."""
-    for number, draw, lines in _FIGURES:
+    for number, (draw, lines, title) in _FIGURES.items():
         with matplotlib.rc_context(SETTINGS):
-            drawing = draw(evidence, number, lines)
-        if drawing is not None:
-            yield drawing
+            drawn = draw(evidence, number, lines)
+        if drawn is not None:
+            yield Drawing(f"fig-{number:02d}.png", f"Fig. {number} {title}", *drawn)

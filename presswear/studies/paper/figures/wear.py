@@ -1,7 +1,7 @@
-"""Figures 8, 11 and 14: wear depth over angle."""
+"""Figures 8 to 16: wear depth over angle, worn surfaces of pin and bearing."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -9,59 +9,60 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MultipleLocator
 
+from presswear.results.result import Result
+from presswear.results.stage import SIDES
 from presswear.show.figures.style import (
     MICRONS,
     REFERENCE,
     WIDTH,
     Axes,
-    Drawing,
     Sheet,
+    ShownStage,
     maps_turn,
 )
-from presswear.studies.paper.evidence import Evidence, WearMap
-from presswear.studies.paper.figures.lines import (
+from presswear.show.figures.surfaces import worn_surface
+from presswear.studies.paper.evidence import Evidence, Measured, WearMap
+from presswear.studies.paper.figures.lines import Line, counted, joint_title
+from presswear.studies.paper.printed import (
     JOINTS,
-    Line,
-    counted,
-    printed_in,
+    RANGES,
+    Printed,
+    PrintedRange,
+    printed_at,
+    shown_in,
 )
-from presswear.studies.paper.printed import RANGES, Printed, PrintedRange, printed_at
 from presswear.studies.paper.variants import BASE
 from presswear.tools.numbers import readable
 
 _LINEAR_RATIO = 20.0
 """Ratio of the largest to the smallest peak up to which one linear scale shows both."""
-_TITLES = {
-    8: "Wear depth after the first and the second wear",
-    11: "Wear depth after the first wear at two friction coefficients",
-    14: "Wear depth after the first wear at two speeds",
-}
 
 
 @dataclass(frozen=True)
 class _Curve:
-    """A wear map with what the paper prints of its deepest place.
+    """A wear map with our measure of its deepest place and what the paper prints of it.
 
     Attributes
     ----------
     turns : bool
-        Whether its angles are on the bodies.
+        True where its angles are on the bodies.
     """
 
     line: Line
     map: WearMap
+    known: Measured
     depth: Printed | None
     angle: Printed | None
     turns: bool
 
 
-def depths(evidence: Evidence, number: int, lines: tuple[Line, ...]) -> Drawing | None:
+def depths(evidence: Evidence, number: int, lines: tuple[Line, ...]) -> tuple[str, Sheet] | None:
     """Depth of pin and bearing together over the direction of contact, at A and at C."""
     panels = {joint: _curves(evidence, joint, lines) for joint in JOINTS}
     panels = {joint: curves for joint, curves in panels.items() if curves}
     if not panels:
         return None
-    ranges = [one for one in RANGES if one.figure.rstrip("abc") == str(number)]
+    ranges = [one for one in RANGES if one.figure[:-1] == str(number)]
     sheet = Sheet(figsize=(WIDTH, 0.8 + 2.5 * len(panels)), layout="constrained")
     grid = sheet.subplots(len(panels), 1, squeeze=False)
     everything = [curve for curves in panels.values() for curve in curves]
@@ -73,7 +74,7 @@ def depths(evidence: Evidence, number: int, lines: tuple[Line, ...]) -> Drawing 
                 _draw_range(axes, one)
         axes.set_xlabel(f"{where} (degrees)")
         axes.set_ylabel("depth, bearing + pin (µm)")
-        axes.set_title(f"{'ab'[JOINTS.index(joint)]}  joint {joint}", loc="left", fontweight="bold")
+        axes.set_title(joint_title(joint), loc="left", fontweight="bold")
     drawn = {curve.line: curve.line.pen(curve.line.wear_name).handle() for curve in everything}
     handles: list[Line2D | Patch] = list(drawn.values())
     handles.append(
@@ -82,35 +83,30 @@ def depths(evidence: Evidence, number: int, lines: tuple[Line, ...]) -> Drawing 
     if ranges:
         handles.append(Patch(color=_RANGE_COLOUR, label="printed, mainly worn"))
     sheet.legend(handles=handles, loc="outside upper center", ncols=len(handles))
-    known = [evidence.measured(BASE, c.line.at(j), "depth") for j, cs in panels.items() for c in cs]
     caption = (
         "Depth that pin and bearing lose together, all wears so far added up, over the direction "
-        f"in which they touch. Lines: mean over {counted(known)}; bands: 95 % interval of that "
-        "mean at each angle by itself. Diamonds: deepest wear and its angle as the paper prints "
-        "them."
+        f"in which they touch. Lines: mean over {counted([c.known for c in everything])}; bands: "
+        "95 % interval of that mean at each angle by itself. Diamonds: deepest wear and its angle "
+        "as the paper prints them."
     )
     if ranges:
         caption += " Grey bars: where the paper says that the joint is mainly worn."
     if any(axes.get_yscale() == "log" for axes in grid.flat):
         caption += " The scale is logarithmic where peaks differ much; lower depths are cut."
-    doubts = dict.fromkeys(one.misprint for one in printed_in(number) if one.misprint)
+    doubts = dict.fromkeys(one.misprint for one in shown_in(number) if one.misprint)
     if doubts:
         caption += f" *: {'; '.join(doubts)}."
-    return Drawing(f"fig-{number:02d}.png", f"Fig. {number} {_TITLES[number]}", caption, sheet)
+    return caption, sheet
 
 
 def _curves(evidence: Evidence, joint: str, lines: Sequence[Line]) -> list[_Curve]:
     found = []
-    for line in lines:
-        result = evidence.at_stage(BASE, line.setting, line.wears - 1)
-        # A person may have closed a joint in all runs.
-        if result is None or joint not in result.scene.clearance_joints:
-            continue
-        known = evidence.wear_map(BASE, line.setting, joint, line.wears)
-        if known is not None and np.any(known.mean > 0.0):
-            place = line.at(joint)
-            depth, angle = printed_at(place, "depth"), printed_at(place, "angle")
-            found.append(_Curve(line, known, depth, angle, maps_turn(result)))
+    for place, line in ((line.at(joint), line) for line in lines):
+        result, worn = evidence.worn_at(BASE, place), evidence.wear_map(BASE, place)
+        known = evidence.measured(BASE, place, "depth")
+        if result and worn and known and np.any(worn.mean > 0.0):
+            printed = (printed_at(place, "depth"), printed_at(place, "angle"))
+            found.append(_Curve(line, worn, known, *printed, maps_turn(result)))
     return found
 
 
@@ -134,13 +130,7 @@ def _draw(axes: Axes, curves: Sequence[_Curve]) -> None:
         # A band that ends at nothing has no lower end on a logarithmic scale.
         low, high = (np.maximum(MICRONS * end, floor) for end in (curve.map.low, curve.map.high))
         axes.fill_between(degrees, low, high, color=curve.line.colour, alpha=0.2, linewidth=0.0)
-        axes.plot(
-            degrees,
-            MICRONS * curve.map.mean,
-            color=curve.line.colour,
-            linestyle=curve.line.dashes,
-            linewidth=1.2,
-        )
+        curve.line.pen("").draw(axes, degrees, MICRONS * curve.map.mean, linewidth=1.2)
     axes.set_xlim(0.0, 360.0)
     axes.xaxis.set_major_locator(MultipleLocator(60.0))
     if logarithmic:
@@ -154,7 +144,7 @@ def _draw(axes: Axes, curves: Sequence[_Curve]) -> None:
 
 
 def _mark(axes: Axes, curve: _Curve) -> None:
-    """The printed deepest place."""
+    """Mark the printed deepest place."""
     if curve.depth is None or curve.angle is None:
         return
     at = (np.degrees(curve.angle.value), MICRONS * curve.depth.value)
@@ -184,3 +174,39 @@ def _draw_range(axes: Axes, printed: PrintedRange) -> None:
             linewidth=4.0,
             solid_capstyle="butt",
         )
+
+
+def surfaces(
+    joint: str, evidence: Evidence, number: int, lines: tuple[Line, ...]
+) -> tuple[str, Sheet] | None:
+    """Surfaces of a joint, outlines and an enlarged part."""
+    shown = [found for line in lines if (found := _worn(evidence, line, joint)) is not None]
+    if not shown:
+        return None
+    drawing = worn_surface(shown[0][0], joint, [stage for _, stage in shown])
+    caption = (
+        f"{drawing.caption} The surfaces are those that the stage before left on average "
+        "over the cycles of all its starts: how uneven they are is partly chance, and the "
+        f"depths with their intervals are in Fig. {number - (1 if joint == 'A' else 2)}. The "
+        f"enlarged part is around the deepest wear of “{shown[-1][1].pen.label}”."
+    )
+    return caption, drawing.sheet
+
+
+def _worn(evidence: Evidence, line: Line, joint: str) -> tuple[Result, ShownStage] | None:
+    """The run of a line, with its surfaces; None where nothing is worn."""
+    result = evidence.worn_at(BASE, line.at(joint))
+    if result is None:
+        return None
+    stage = result.stages[line.wears - 1]
+    before, arrays = stage.arrays, dict(stage.arrays)
+    for side in SIDES:
+        name = f"{joint}_depth_{side}"
+        # What a stage ran on is what is known best: a wear may have gone in steps.
+        if line.wears < len(result.stages):
+            arrays[name] = result.stages[line.wears].arrays[name]
+        else:
+            arrays[name] = before[name] + before[f"{joint}_wear_{side}"]
+    if not any(np.any(arrays[f"{joint}_depth_{side}"] > 0.0) for side in SIDES):
+        return None
+    return result, ShownStage(replace(stage, arrays=arrays), line.pen(line.wear_name))

@@ -1,5 +1,6 @@
 """The report of the study ``paper``: one HTML file with every number, claim and figure."""
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from presswear.campaign.study import Study, results_of
@@ -7,58 +8,60 @@ from presswear.results.result import Result
 from presswear.show.figures import save
 from presswear.show.report.origin import convention_set, conventions, parameters, provenance
 from presswear.show.report.page import Illustration, render_page
+from presswear.show.report.parts import Table
 from presswear.studies.paper.evidence import Evidence
 from presswear.studies.paper.figures import paper_drawings
 from presswear.studies.paper.report.chosen import (
     distances_table,
-    failures_of,
     fit_table,
     geometry_table,
     sensitivity_table,
     stopped_table,
 )
 from presswear.studies.paper.report.numbers import numbers_table, ranges_table, ratios_table
-from presswear.studies.paper.report.runs import runs_table
-from presswear.studies.paper.report.summary import counts_table, findings, headline
-from presswear.studies.paper.report.trends import judged
-from presswear.studies.paper.variants import BASE, STARTS
+from presswear.studies.paper.report.summary import STYLES, counts_table, detail, findings, headline
+from presswear.studies.paper.variants import BASE, JUDGED, SETTINGS, STARTS, variant_key
+from presswear.studies.paper.verdicts import judged
 from presswear.tools.files import write_bytes
+from presswear.tools.numbers import readable, whole
 
 
 def write_report(study: Study, folder: Path) -> tuple[str, Path]:
     """Write ``report.html`` and its figures into a study's folder; returns answer and path."""
-    results = {v.key: found for v, found in results_of(study, folder) if found is not None}
-    evidence = Evidence.of(results)
+    evidence = Evidence({v.key: found for v, found in results_of(study, folder) if found})
     figures = [
         Illustration.of(save(drawing, folder / "figures"), folder / "figures")
         for drawing in paper_drawings(evidence)
     ]
-    text = render(study, results, evidence, figures)
+    text = render(study, evidence, figures)
     path = folder / "report.html"
     write_bytes(path, text.encode())
     return headline(evidence, judged(evidence)), path
 
 
-def render(
-    study: Study,
-    results: dict[str, Result],
-    evidence: Evidence,
-    figures: list[Illustration],
-) -> str:
+def render(study: Study, evidence: Evidence, figures: Sequence[Illustration]) -> str:
     """The page as text."""
-    claims = judged(evidence)
-    failures = failures_of(results)
-    first = next((found for place, found in evidence.runs.items() if place[0] == BASE), None)
+    claims, results = judged(evidence), evidence.results
+    failures = {
+        key.partition("--")[0]: result.message
+        for key, result in results.items()
+        if result.status == "failed"
+    }
+    standard = (results.get(variant_key(BASE, setting)) for setting in SETTINGS)
+    first = next(filter(None, standard), None)
     numbers, remarks = numbers_table(evidence)
     return render_page(
         "paper.html",
+        package="presswear.studies",
         study=study,
         missing=len(study.variants) - len(results),
         starts=STARTS,
         headline=headline(evidence, claims),
         findings=findings(evidence, failures),
         counts=counts_table(claims),
-        claims=claims,
+        cases=JUDGED,
+        claims=[(own, [detail(evidence, part) for part in own.claim.parts]) for own in claims],
+        styles=STYLES,
         numbers=numbers,
         remarks=remarks,
         ratios=ratios_table(evidence),
@@ -69,9 +72,37 @@ def render(
         sensitivities=sensitivity_table(evidence, failures),
         stopped=stopped_table(evidence),
         distances=distances_table(evidence),
-        runs=runs_table(study, results),
+        runs=_runs_table(study, results),
         convention_set="" if first is None else convention_set(first.scene.conventions),
         conventions=None if first is None else conventions(first),
         parameters=None if first is None else parameters(first),
         provenance=None if first is None else provenance(first),
     )
+
+
+def _runs_table(study: Study, results: Mapping[str, Result]) -> Table:
+    """Each run: cycles of its stages, how it ended, its energy residual and wall time."""
+    rows = []
+    for variant in study.variants:
+        result = results.get(variant.key)
+        if result is None:
+            rows.append((variant.label, "–", "not finished", "–", "–"))
+            continue
+        told = [stage.statistics for stage in result.stages]
+        residuals = [
+            abs(own["energy_residual_J"]) / own["energy_exchanged_J"]
+            for own in told
+            if own.get("energy_exchanged_J")
+        ]
+        failed = result.status == "failed"
+        rows.append(
+            (
+                variant.label,
+                ", ".join(whole(own.get("cycles", 0)) for own in told),
+                f"failed: {result.message}" if failed else result.status,
+                readable(max(residuals, default=None), 1),
+                readable(result.wall_s, 2),
+            )
+        )
+    head = ("run", "cycles of each stage", "status", "energy residual", "wall time (s)")
+    return Table(head, (("", tuple(rows)),), numeric=False)

@@ -1,52 +1,90 @@
 """Tables of what was chosen: its fit, how much hangs on it, and when runs stopped."""
 
-from presswear.results.result import Result
+import math
+from collections.abc import Mapping
+
 from presswear.show.report.parts import Row, Table
-from presswear.studies.paper.choices import (
-    WATCHED,
-    early_stop,
-    fit_of,
-    map_distances,
-    moves,
-    sensitivities,
+from presswear.studies.paper.evidence import Evidence, Measured
+from presswear.studies.paper.printed import DOUBTFUL, JOINTS, PRINTED, SLIDER, Place, printed_at
+from presswear.studies.paper.variants import (
+    BASE,
+    GEOMETRIES,
+    JUDGED,
+    LONG,
+    LONG_SETTINGS,
+    SENSITIVITIES,
+    WEAR,
 )
-from presswear.studies.paper.evidence import Evidence, Place
-from presswear.studies.paper.printed import WEAR, printed_at
-from presswear.studies.paper.variants import GEOMETRIES, REFINED
+from presswear.studies.paper.verdicts import ratio
 from presswear.studies.paper.words import (
-    QUANTITIES,
     as_printed,
+    joint_text,
     place_text,
     ratio_text,
-    setting_text,
     stage_text,
-    value_with_interval,
+    value_text,
 )
 from presswear.tools.numbers import readable
+
+_SMOOTH = (("displacement", (1, 2)), ("stroke", (0,)), ("velocity", (0, 1, 2)))
+"""Quantities of the slider, and after how many wears, that geometries are told apart by."""
+
+WATCHED = (
+    *(("depth", "deepest wear", Place(WEAR, 1, joint)) for joint in JOINTS),
+    *(("force", "force", Place(WEAR, wears, joint)) for wears in (0, 1) for joint in JOINTS),
+    ("displacement", "displacement,", Place(WEAR, 0)),
+)
+"""Quantities that sensitivities are shown of, with short names."""
+
+_STOPPED = (
+    ("depth", 1, JOINTS),
+    ("added_mean", 1, JOINTS),
+    ("range", 1, JOINTS),
+    ("added_mean", 2, JOINTS),
+    ("force", 0, JOINTS),
+    ("force", 1, JOINTS),
+    ("velocity", 0, SLIDER),
+    ("acceleration", 0, SLIDER),
+    ("acceleration", 1, SLIDER),
+)
+"""Quantities compared between runs that stopped early and 200 cycles: wears, joints."""
+
+
+def factors_of(evidence: Evidence, case: str) -> dict[Place, float]:
+    """Printed depths after a first wear over ours; one K_d / b would have one factor for all."""
+    found = {}
+    for number in PRINTED:
+        if (number.quantity, number.place.wears) == ("depth", 1):
+            ours = evidence.measured(case, number.place, "depth")
+            if ours is not None and ours.value > 0.0:
+                found[number.place] = number.value / ours.value
+    return found
+
+
+def fit_of(factors: Mapping[Place, float]) -> tuple[float, float]:
+    """The factor on K_d / b that fits best, and the one by which single depths miss it.
+
+    The geometric mean, and the root mean square of logarithms, of all but the doubtful prints;
+    nan where there are no others.
+    """
+    logs = [math.log(factor) for place, factor in factors.items() if place not in DOUBTFUL]
+    if not logs:
+        return math.nan, math.nan
+    mean = sum(logs) / len(logs)
+    return math.exp(mean), math.exp(math.sqrt(sum((log - mean) ** 2 for log in logs) / len(logs)))
 
 
 def geometry_table(evidence: Evidence) -> Table:
     """How each geometry meets the printed peaks of smooth motion."""
-    places = [
-        ("displacement", Place(WEAR, 1)),
-        ("displacement", Place(WEAR, 2)),
-        ("stroke", Place(WEAR, 0)),
-        ("velocity", Place(WEAR, 0)),
-        ("velocity", Place(WEAR, 1)),
-        ("velocity", Place(WEAR, 2)),
-    ]
     rows = []
-    for quantity, place in places:
+    for quantity, place in ((name, Place(WEAR, k)) for name, wears in _SMOOTH for k in wears):
         printed = printed_at(place, quantity)
-        shown = QUANTITIES[quantity]
+        ours = [evidence.measured(name, place, quantity) for name in GEOMETRIES]
         rows.append(
             (
-                f"{shown.label}, {place_text(place, quantity)} ({shown.unit})",
-                "–" if printed is None else as_printed(printed.value, quantity),
-                *(
-                    value_with_interval(evidence.measured(name, place, quantity), quantity)
-                    for name in GEOMETRIES
-                ),
+                place_text(place, quantity),
+                as_printed(printed.value if printed else None, quantity),
+                *(value_text(found, quantity) for found in ours),
             )
         )
     return Table(("", "paper", *GEOMETRIES), (("", tuple(rows)),))
@@ -54,70 +92,79 @@ def geometry_table(evidence: Evidence) -> Table:
 
 def fit_table(evidence: Evidence) -> Table:
     """Printed first-wear depth over ours: one number for all would be a perfect fit."""
-    names = (*GEOMETRIES, REFINED)
-    fits = [fit_of(evidence, name) for name in names]
-    places = list(dict.fromkeys(place for fit in fits for place in fit.factors))
+    factors = [factors_of(evidence, name) for name in JUDGED]
     rows: list[Row] = []
-    for place in places:
-        doubtful = any(place in fit.left_out for fit in fits)
-        label = f"joint {place.joint}, {setting_text(place.setting)}"
-        rows.append(
-            (
-                f"{label} (doubtful print, left out)" if doubtful else label,
-                *(readable(fit.factors.get(place)) for fit in fits),
-            )
-        )
+    for place in dict.fromkeys(place for own in factors for place in own):
+        label = joint_text(place)
+        if place in DOUBTFUL:
+            label += " (doubtful print, left out)"
+        rows.append((label, *(readable(own.get(place)) for own in factors)))
+    best, spread = zip(*map(fit_of, factors), strict=True)
     summary = (
-        ("best factor on K_d / b", *(readable(fit.best) for fit in fits)),
-        ("single depths miss it by a factor of", *(readable(fit.spread) for fit in fits)),
+        ("best factor on K_d / b", *map(readable, best)),
+        ("single depths miss it by a factor of", *map(readable, spread)),
     )
-    head = ("paper / ours, deepest after the first wear", *names)
+    head = ("paper / ours, deepest after the first wear", *JUDGED)
     return Table(head, (("", tuple(rows)), ("One number for all", summary)))
 
 
-_SHORT = {"depth": "deepest wear", "force": "force", "displacement": "displacement, "}
+def across(
+    evidence: Evidence, place: Place, quantity: str, case: str, other: str = BASE
+) -> Measured | None:
+    """A quantity under a case over itself under another; None where one is missing."""
+    pair = [evidence.measured(name, place, quantity) for name in (case, other)]
+    known = [found for found in pair if found is not None and found.value > 0.0]
+    return ratio(known[:1], known[1:]) if len(known) == 2 else None
 
 
-def sensitivity_table(evidence: Evidence, failures: dict[str, str]) -> Table:
+def moves(ours: Measured | None) -> bool:
+    """Tell whether a ratio is certainly not one."""
+    return ours is not None and ours.ends is not None and not ours.ends[0] <= 1.0 <= ours.ends[1]
+
+
+def sensitivity_table(evidence: Evidence, failures: Mapping[str, str]) -> Table:
     """Each changed choice: what it makes of some results.
 
     Parameters
     ----------
-    failures : dict
-        Message by case, of those that ended in failure.
+    failures : mapping
+        Message by case, for those that ended in failure.
     """
     rows = []
-    for found in sensitivities(evidence):
-        label = found.label
-        if found.key in failures:
-            label += f": {failures[found.key]}"
-        cells = [
-            f"{ratio_text(interval)}{' *' if moves(interval) else ''}" for interval in found.ratios
-        ]
-        rows.append((label, *cells))
-    head = tuple(
-        f"{_SHORT[quantity]} {place.joint}{', ' if place.joint else ''}"
-        f"{stage_text(place, quantity)}"
-        for quantity, place in WATCHED
-    )
+    for case, (label, _) in SENSITIVITIES.items():
+        found = [across(evidence, place, quantity, case) for quantity, _, place in WATCHED]
+        cells = [f"{ratio_text(own)}{' *' if moves(own) else ''}" for own in found]
+        rows.append((f"{label}: {failures[case]}" if case in failures else label, *cells))
+    head = [
+        f"{short} {f'{place.joint}, ' if place.joint else ''}{stage_text(place, quantity)}"
+        for quantity, short, place in WATCHED
+    ]
     return Table(("changed alone", *head), (("", tuple(rows)),))
 
 
 def stopped_table(evidence: Evidence) -> Table:
-    """Runs that stopped early beside 200 cycles."""
-    rows = [
-        (
-            f"{QUANTITIES[found.quantity].label}, {place_text(found.place, found.quantity)} "
-            f"({QUANTITIES[found.quantity].unit})",
-            value_with_interval(found.early, found.quantity),
-            f"{found.early.samples} from {found.early.starts}",
-            value_with_interval(found.full, found.quantity),
-            str(found.full.samples),
-            ratio_text(found.ratio),
-            "yes" if found.agrees else "no",
-        )
-        for found in early_stop(evidence)
-    ]
+    """Runs that stopped early beside 200 cycles, where both ran."""
+    rows = []
+    for setting in LONG_SETTINGS:
+        for quantity, wears, joints in _STOPPED:
+            for joint in joints:
+                place = Place(setting, wears, joint)
+                early = evidence.measured(BASE, place, quantity)
+                full = evidence.measured(LONG, place, quantity)
+                found = across(evidence, place, quantity, BASE, LONG)
+                if early is None or full is None or found is None:
+                    continue
+                rows.append(
+                    (
+                        place_text(place, quantity),
+                        value_text(early, quantity),
+                        f"{early.samples} from {early.starts}",
+                        value_text(full, quantity),
+                        str(full.samples),
+                        ratio_text(found),
+                        "no" if moves(found) else "yes",
+                    )
+                )
     head = (
         "",
         "stopped early",
@@ -131,17 +178,16 @@ def stopped_table(evidence: Evidence) -> Table:
 
 
 def distances_table(evidence: Evidence) -> Table:
-    """Wear maps of early runs beside those of 200 cycles."""
-    rows = [
-        (
-            f"joint {found.joint}, {setting_text(found.setting)}",
-            *(
-                f"{readable(100.0 * part, 2)} %"
-                for part in (found.error, found.full_error, found.expected, found.distance)
-            ),
-        )
-        for found in map_distances(evidence)
-    ]
+    """Wear maps of early runs beside those of 200 cycles: errors that both state, and distance."""
+    rows = []
+    for place in (Place(setting, 1, joint) for setting in LONG_SETTINGS for joint in JOINTS):
+        early, full = (evidence.wear_map(case, place) for case in (BASE, LONG))
+        error, full_error = (evidence.map_error(case, place) for case in (BASE, LONG))
+        if early is None or full is None or error is None or full_error is None:
+            continue
+        apart = float(((early.mean - full.mean) ** 2).sum() / (full.mean**2).sum())
+        parts = (error, full_error, math.hypot(error, full_error), math.sqrt(apart))
+        rows.append((joint_text(place), *(f"{readable(100.0 * part, 2)} %" for part in parts)))
     head = (
         "wear map, root mean square",
         "error stated by the early runs",
@@ -150,12 +196,3 @@ def distances_table(evidence: Evidence) -> Table:
         "distance found",
     )
     return Table(head, (("", tuple(rows)),))
-
-
-def failures_of(results: dict[str, Result]) -> dict[str, str]:
-    """Messages of runs that failed, by case."""
-    return {
-        key.partition("--")[0]: str(result.message)
-        for key, result in results.items()
-        if result.status == "failed"
-    }
