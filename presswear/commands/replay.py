@@ -146,38 +146,29 @@ def _still(
 def _movie(
     arguments: argparse.Namespace, console: Console, reels: "list[Reel]", size: tuple[int, int]
 ) -> int:
-    from presswear.show.replay.clip import played
+    from presswear.show.replay.clip import frames_between, played
     from presswear.show.replay.movie import pictures, write_movie
-
-    clip = _clip(arguments, reels)
-    count = len(clip.frames)
-    with progress_bar(console) as bar:
-        task = bar.add_task(f"{count} pictures", total=1.0)
-        write_movie(
-            arguments.movie,
-            pictures(reels, clip, size),
-            count,
-            clip.rate,
-            lambda part: bar.update(task, completed=part),
-        )
-    console.print(
-        f"film in {arguments.movie}: {count} pictures, {count / clip.rate:.1f} s, "
-        f"{played(clip.slowed)}",
-        highlight=False,
-    )
-    return 0
-
-
-def _clip(arguments: argparse.Namespace, reels: "list[Reel]") -> Any:
-    from presswear.show.replay.clip import clip_of
 
     first = reels[0]
     start = _time("--from", arguments.start, first, first.start)
     end = _time("--to", arguments.end, first, min(start + first.period, first.span[1]))
     if end <= start:
         raise InputError(f"--to {end:g} s: it must be after --from, {start:g} s")
+    slowed = _slowed(arguments, first)
     rate = float(parse_quantity("--rate", arguments.rate, Meaning("", 1.0, 60.0, "", "")))
-    return clip_of(reels, start, end, _slowed(arguments, first), rate)
+    frames = frames_between(reels, start, end, slowed, rate)
+    count, note = len(frames), played(slowed)
+    with progress_bar(console) as bar:
+        task = bar.add_task(f"{count} pictures", total=1.0)
+        images = pictures(reels, frames, note, size)
+        write_movie(
+            arguments.movie, images, count, rate, lambda part: bar.update(task, completed=part)
+        )
+    console.print(
+        f"film in {arguments.movie}: {count} pictures, {count / rate:.1f} s, {note}",
+        highlight=False,
+    )
+    return 0
 
 
 def _slowed(arguments: argparse.Namespace, reel: "Reel") -> float:

@@ -19,7 +19,7 @@ from presswear.results.result import Result
 from presswear.results.stage import SIDES, StageResult, WearStep
 from presswear.scene.catalog import wear_times
 from presswear.scene.scene import CONVENTIONS, Scene, stage_name
-from presswear.show.figures import NAMES, draw_all, drawings
+from presswear.show.figures import NAMES, drawings, save
 from presswear.show.figures.style import length_scale, round_down
 from presswear.tools.errors import InputError
 from presswear.tools.numbers import given, readable, whole, with_interval
@@ -130,13 +130,13 @@ MOTION = ["response.png", "contact-force.png", "centre-trajectory.png"]
 def test_draws_what_makes_sense(
     scene: Scene, stages: int, files: list[str], tmp_path: Path
 ) -> None:
-    figures = draw_all(made_up(scene, stages), tmp_path / "figures")
-    assert [figure.file for figure in figures] == files
-    assert sorted(p.name for p in (tmp_path / "figures").iterdir()) == sorted(files)
-    for figure in figures:
-        assert (tmp_path / "figures" / figure.file).read_bytes().startswith(b"\x89PNG")
-        assert figure.title
-        assert figure.caption.endswith(".")
+    found = list(drawings(made_up(scene, stages)))
+    assert [drawing.file for drawing in found] == files
+    for drawing in found:
+        assert save(drawing, tmp_path / "figures").read_bytes().startswith(b"\x89PNG")
+        assert drawing.title
+        assert drawing.caption.endswith(".")
+    assert sorted(path.name for path in (tmp_path / "figures").iterdir()) == sorted(files)
 
 
 def sheet_of(name: str, result: Result) -> Sheet:

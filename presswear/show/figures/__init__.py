@@ -2,7 +2,6 @@
 
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from typing import BinaryIO
@@ -24,7 +23,7 @@ from presswear.show.figures.wear import wear_depth, wear_growth
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.files import write_whole
 
-__all__ = ["NAMES", "Drawing", "Figure", "draw_all", "drawings", "plot", "save"]
+__all__ = ["NAMES", "Drawing", "drawings", "plot", "save"]
 
 NAMES: dict[str, Callable[[Result, Stages], list[Drawing]]] = {
     "wear": wear_depth,
@@ -38,15 +37,6 @@ NAMES: dict[str, Callable[[Result, Stages], list[Drawing]]] = {
 least one, and gives nothing where it would say nothing."""
 _PYPLOT = "matplotlib.pyplot"
 """Keeps figures until they are closed, so that only those for the screen are given to it."""
-
-
-@dataclass(frozen=True)
-class Figure:
-    """A figure that was written: file name inside its folder, title and caption."""
-
-    file: str
-    title: str
-    caption: str
 
 
 def drawings(
@@ -98,8 +88,8 @@ def _show(sheet: Sheet) -> None:
         import_module(_PYPLOT).figure(FigureClass=lambda **_: sheet)
 
 
-def save(drawing: Drawing, folder: Path) -> Figure:
-    """Write a drawing into a folder, which is made where needed."""
+def save(drawing: Drawing, folder: Path) -> Path:
+    """Write a drawing into a folder, which is made where needed; gives the file."""
 
     def write(file: BinaryIO) -> None:
         drawing.sheet.savefig(file, format="png", dpi=DOTS_PER_INCH)
@@ -107,9 +97,4 @@ def save(drawing: Drawing, folder: Path) -> Figure:
     folder.mkdir(parents=True, exist_ok=True)
     with matplotlib.rc_context(SETTINGS):
         write_whole(folder / drawing.file, write)
-    return Figure(drawing.file, drawing.title, drawing.caption)
-
-
-def draw_all(result: Result, folder: Path) -> list[Figure]:
-    """Write the figures of a result into a folder."""
-    return [save(drawing, folder) for drawing in drawings(result)]
+    return folder / drawing.file

@@ -3,9 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from presswear.record.film import FRAMES_PER_CYCLE
 from presswear.show.replay.reel import Instant, Reel
 from presswear.tools.errors import InputError
@@ -18,29 +15,6 @@ SPACE, RIGHT, LEFT, DOWN, UP, HOME, END = 32, 262, 263, 264, 265, 268, 269
 
 FASTER = 1.5
 """Factor of one change of speed."""
-
-
-@dataclass(frozen=True)
-class Clip:
-    """Pictures that are played.
-
-    Attributes
-    ----------
-    frames : ndarray of int, shape (n, reels)
-        Stored frames of each picture.
-    rate : float
-        Pictures a second.
-    slowed : float
-        Time on the screen over time of the first reel.
-    """
-
-    frames: NDArray[np.int64]
-    rate: float
-    slowed: float
-
-    def part(self, picture: int) -> float:
-        """Where a picture is in the clip, 0 .. 1."""
-        return picture / max(len(self.frames) - 1, 1)
 
 
 def played(slowed: float) -> str:
@@ -70,10 +44,19 @@ def frames_at(reels: Sequence[Reel], time: float) -> tuple[int, ...]:
     return tuple(found)
 
 
-def clip_of(reels: Sequence[Reel], start: float, end: float, slowed: float, rate: float) -> Clip:
-    """Pictures from one time of the first reel to another, s, evenly spaced.
+def frames_between(
+    reels: Sequence[Reel], start: float, end: float, slowed: float, rate: float
+) -> list[tuple[int, ...]]:
+    """The frame of each reel in every picture from one time of the first reel to another, s.
 
-    InputError where they are more than anybody would look at.
+    InputError where the pictures are more than anybody would look at.
+
+    Parameters
+    ----------
+    slowed : float
+        Time on the screen over time of the first reel.
+    rate : float
+        Pictures a second.
     """
     count = max(round((end - start) * slowed * rate), 1)
     if count > MOST_PICTURES:
@@ -81,16 +64,13 @@ def clip_of(reels: Sequence[Reel], start: float, end: float, slowed: float, rate
             f"{count} pictures, {slowed:g} times slower at {rate:g} a second: at most "
             f"{MOST_PICTURES} are drawn; choose a smaller --slow or --rate, or a shorter time"
         )
-    times = start + np.arange(count) / (slowed * rate)
-    frames = np.array([frames_at(reels, float(time)) for time in times])
-    return Clip(frames, rate, slowed)
+    return [frames_at(reels, start + k / (slowed * rate)) for k in range(count)]
 
 
 def instants(reels: Sequence[Reel], before: Sequence[int], frames: Sequence[int]) -> list[Instant]:
     """A frame of each reel, where others were shown before."""
     return [
-        reel.instant(int(frame), int(last))
-        for reel, last, frame in zip(reels, before, frames, strict=True)
+        reel.instant(frame, last) for reel, last, frame in zip(reels, before, frames, strict=True)
     ]
 
 

@@ -13,13 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from presswear.show.replay.clip import Clip, instants, played
+from presswear.show.replay.clip import instants
 from presswear.show.replay.picture import Picture
 from presswear.show.replay.reel import Reel
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.files import write_whole
 
 Pixels = NDArray[np.uint8]
+Frames = Sequence[Sequence[int]]
 
 MOVIES = (".mp4", ".gif")
 _COLOURS = 64
@@ -44,30 +45,39 @@ def write_still(file: Path, pixels: Pixels) -> None:
 
 
 _worker: dict[str, Any] = {}
-"""Reels, clip and picture of a worker process."""
+"""Reels, frames and picture of a worker process."""
 
 
-def _begin(reels: Sequence[Reel], clip: Clip, size: tuple[int, int]) -> None:
+def _begin(reels: Sequence[Reel], frames: Frames, note: str, size: tuple[int, int]) -> None:
     picture = Picture([reel.subject for reel in reels], size)
     picture.container.visualizationSettings.raytracer.numberOfThreads = 1
-    _worker.update(reels=reels, clip=clip, picture=picture)
+    _worker.update(reels=reels, frames=frames, note=note, picture=picture)
 
 
 def _draw(number: int) -> Pixels:
-    clip, reels, picture = _worker["clip"], _worker["reels"], _worker["picture"]
-    frames = clip.frames[number]
-    before = clip.frames[max(number - 1, 0)]
-    picture.set(instants(reels, before, frames), clip.part(number), played(clip.slowed))
+    frames, picture = _worker["frames"], _worker["picture"]
+    shown = instants(_worker["reels"], frames[max(number - 1, 0)], frames[number])
+    picture.set(shown, number / max(len(frames) - 1, 1), _worker["note"])
     image: Pixels = picture.image()
     return image
 
 
-def pictures(reels: Sequence[Reel], clip: Clip, size: tuple[int, int]) -> Iterator[Pixels]:
-    """All pictures of a clip in order, drawn by as many processes as there are cores."""
+def pictures(
+    reels: Sequence[Reel], frames: Frames, note: str, size: tuple[int, int]
+) -> Iterator[Pixels]:
+    """Pictures in order, drawn by as many processes as there are cores.
+
+    Parameters
+    ----------
+    frames : sequence of sequence of int
+        Frame of each reel in every picture.
+    note : str
+        Words on how they are played.
+    """
     context = multiprocessing.get_context("spawn")
-    jobs = min(os.cpu_count() or 1, len(clip.frames))
-    with context.Pool(jobs, _begin, (reels, clip, size)) as pool:
-        yield from pool.imap(_draw, range(len(clip.frames)))
+    jobs = min(os.cpu_count() or 1, len(frames))
+    with context.Pool(jobs, _begin, (reels, frames, note, size)) as pool:
+        yield from pool.imap(_draw, range(len(frames)))
 
 
 def check_movie(file: Path) -> None:

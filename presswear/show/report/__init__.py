@@ -6,7 +6,7 @@ from presswear.linkage.laws import delivered_restitution, lankarani_nikravesh_da
 from presswear.results.result import FINISHED, Result
 from presswear.results.stage import StageResult
 from presswear.scene.settings import SET, settings_of
-from presswear.show.figures import draw_all
+from presswear.show.figures import drawings
 from presswear.show.figures.style import stage_names
 from presswear.show.report.origin import (
     convention_set,
@@ -15,7 +15,7 @@ from presswear.show.report.origin import (
     parameters,
     provenance,
 )
-from presswear.show.report.page import Illustration, render_page
+from presswear.show.report.page import Illustration, illustrate, render_page
 from presswear.show.report.parts import (
     CUBIC_MILLIMETRES,
     MILLI,
@@ -43,8 +43,7 @@ def write_report(result: Result) -> Path:
     if result.path is None:
         raise InputError(f"{result.scene.name} ran in memory: a report needs a folder")
     folder = result.path / "figures"
-    figures = draw_all(result, folder)
-    text = render(result, [Illustration.of(figure, folder) for figure in figures])
+    text = render(result, [illustrate(drawing, folder) for drawing in drawings(result)])
     path = result.path / "report.html"
     write_bytes(path, text.encode())
     return path

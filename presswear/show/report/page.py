@@ -7,7 +7,7 @@ from typing import Any
 
 from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 
-from presswear.show.figures import Figure
+from presswear.show.figures import Drawing, save
 
 _ROOM = "presswear.show.report"
 
@@ -20,11 +20,11 @@ class Illustration:
     caption: str
     data: str
 
-    @staticmethod
-    def of(figure: Figure, folder: Path) -> "Illustration":
-        """From a figure that was written into a folder."""
-        data = base64.b64encode((folder / figure.file).read_bytes()).decode()
-        return Illustration(figure.title, figure.caption, data)
+
+def illustrate(drawing: Drawing, folder: Path) -> Illustration:
+    """Write a drawing into a folder, and give it for a page."""
+    data = base64.b64encode(save(drawing, folder).read_bytes()).decode()
+    return Illustration(drawing.title, drawing.caption, data)
 
 
 def render_page(template: str, package: str = _ROOM, **content: Any) -> str:

@@ -11,9 +11,8 @@ import numpy as np
 from presswear.campaign.study import Study, Variant, results_of
 from presswear.results.result import Result
 from presswear.results.stage import SIDES
-from presswear.show.figures import save
 from presswear.show.figures.style import MICRONS, REFERENCE, SETTINGS, WIDTH, Drawing, Sheet
-from presswear.show.report.page import Illustration, render_page
+from presswear.show.report.page import illustrate, render_page
 from presswear.show.report.parts import Table
 from presswear.studies.runaway.variants import CYCLES
 from presswear.tools.files import write_bytes
@@ -205,7 +204,7 @@ def write_report(study: Study, folder: Path) -> tuple[str, Path]:
         study=study,
         answer=sentence,
         outcomes=Table(_HEAD, (("", tuple(outcome.row() for outcome in outcomes)),)),
-        figures=[Illustration.of(save(drawing, folder), folder)],
+        figures=[illustrate(drawing, folder)],
         notes=_NOTES,
     )
     path = folder / "report.html"

@@ -5,8 +5,7 @@ from pathlib import Path
 
 from presswear.campaign.starts import APART
 from presswear.scene.scene import Numerics
-from presswear.show.figures import save
-from presswear.show.report.page import Illustration, render_page
+from presswear.show.report.page import Illustration, illustrate, render_page
 from presswear.tools.files import write_bytes
 from presswear.tools.numbers import given, readable, with_interval
 from presswear.trials.precision.figures import precision_drawings
@@ -130,7 +129,7 @@ def write_precision_report(precision: Precision, taken: Numerics, folder: Path) 
         Engines that the study of the paper takes for statistics.
     """
     figures = {
-        drawing.file: Illustration.of(save(drawing, folder / "figures"), folder / "figures")
+        drawing.file: illustrate(drawing, folder / "figures")
         for drawing in precision_drawings(precision)
     }
     found = recommend(precision, taken)

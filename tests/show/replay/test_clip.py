@@ -1,6 +1,5 @@
 """What is played: which frames, how fast, and what keys do."""
 
-import numpy as np
 import pytest
 from made_up_reel import made_up_reel
 
@@ -13,8 +12,8 @@ from presswear.show.replay.clip import (
     SPACE,
     UP,
     Player,
-    clip_of,
     frames_at,
+    frames_between,
     instants,
     played,
 )
@@ -33,11 +32,8 @@ def test_a_frame_is_the_nearest_in_time() -> None:
 
 
 def test_a_clip_takes_its_time_and_ends_in_time() -> None:
-    clip = clip_of([REEL], 0.0, PERIOD, 10.0 / PERIOD, 5.0)
-    assert len(clip.frames) == 50
-    assert clip.frames[:, 0] == pytest.approx(np.arange(50) * 2)
-    assert clip.part(0) == 0.0
-    assert clip.part(49) == 1.0
+    frames = frames_between([REEL], 0.0, PERIOD, 10.0 / PERIOD, 5.0)
+    assert frames == [(2 * k,) for k in range(50)]
     assert REEL.slowed == pytest.approx(10.0 / PERIOD, rel=0.05)
     assert REEL.start == 0.0  # a film of one cycle
 
@@ -51,7 +47,7 @@ def test_a_time_outside_the_film_is_refused_by_name() -> None:
 
 def test_a_film_that_nobody_would_see_the_end_of_is_refused() -> None:
     with pytest.raises(InputError, match="at most 20000 are drawn"):
-        clip_of([REEL], 0.0, PERIOD, 1e5, 25.0)
+        frames_between([REEL], 0.0, PERIOD, 1e5, 25.0)
 
 
 def test_no_peak_between_two_pictures_is_missed() -> None:

@@ -11,7 +11,7 @@ from made_up_reel import made_up_reel
 from numpy.typing import NDArray
 from PIL import Image
 
-from presswear.show.replay.clip import clip_of
+from presswear.show.replay.clip import frames_between
 from presswear.show.replay.movie import check_movie, pictures, still, write_movie, write_still
 from presswear.tools.errors import InputError
 
@@ -77,10 +77,10 @@ def test_without_ffmpeg_an_mp4_is_refused_by_name(monkeypatch: pytest.MonkeyPatc
 
 
 def test_pictures_come_in_order_from_all_processes(tmp_path: Path) -> None:
-    clip = clip_of([REEL], 0.0, 0.2 * REEL.period, 2.0, 40.0)
-    drawn = list(pictures([REEL], clip, SIZE))
-    assert len(drawn) == len(clip.frames) > 5
-    one = still([REEL], [int(clip.frames[3, 0])], SIZE)
+    frames = frames_between([REEL], 0.0, 0.2 * REEL.period, 2.0, 40.0)
+    drawn = list(pictures([REEL], frames, "", SIZE))
+    assert len(drawn) == len(frames) > 5
+    one = still([REEL], frames[3], SIZE)
     # Head, bar and words on peaks and speed differ; the press must not.
     assert np.array_equal(drawn[3][30:185, :200], one[30:185, :200])
     assert not np.array_equal(drawn[3][30:185, :200], drawn[4][30:185, :200])
