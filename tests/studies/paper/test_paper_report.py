@@ -1,6 +1,7 @@
 """The page of the study ``paper``: all numbers, all claims, one file, and what is missing."""
 
 import re
+import runpy
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -20,6 +21,8 @@ from presswear.studies.paper.report.summary import findings, headline
 from presswear.studies.paper.variants import make
 from presswear.studies.paper.verdicts import judged
 from presswear.studies.paper.words import as_printed
+
+SCRIPT = Path(__file__).parents[3] / "scenarios" / "paper.py"
 
 
 class Words(HTMLParser):
@@ -124,15 +127,10 @@ def drawn(drawing: Drawing) -> Illustration:
 
 
 @pytest.mark.slow
-def test_the_whole_study_runs_and_is_reported(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_whole_study_runs_and_is_reported(tmp_path: Path) -> None:
     """Two cycles of everything: too few for any verdict, enough for every path."""
-    out = tmp_path / "paper"
-    command = ["run", "paper", "--engine", "dae", "--cycles", "2", "--set", "most_cycles=2"]
-    assert main([*command, "--jobs", "2", "--out", str(out)]) == 0
-    assert "report in" in capsys.readouterr().out
-    text = (out / "report.html").read_text()
-    assert text.count("<figure>") == 18
-    assert len(list((out / "figures").iterdir())) == 18
-    assert main(["report", str(out)]) == 0
+    folder = tmp_path / "paper"
+    runpy.run_path(str(SCRIPT))["main"](str(folder), engine="dae", cycles=2, most_cycles=2)
+    assert (folder / "report.html").read_text().count("<figure>") == 18
+    assert len(list((folder / "figures").iterdir())) == 18
+    assert main(["report", str(folder)]) == 0
