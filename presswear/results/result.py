@@ -25,7 +25,6 @@ from presswear.results.stored import (
 )
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import read_numbers
-from presswear.tools.documents import plain as plain
 from presswear.tools.documents import read_sealed
 from presswear.tools.errors import InputError
 from presswear.tools.files import read_checked

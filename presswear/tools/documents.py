@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from presswear.tools.errors import InputError
-from presswear.tools.files import digest, read_checked
+from presswear.tools.files import digest, read_checked, write_bytes
 
 T = TypeVar("T")
 
@@ -102,9 +102,14 @@ def plain(value: Any) -> Any:
     return value
 
 
+def write_json(file: Path, document: Mapping[str, Any]) -> None:
+    """Write a document as ``write_whole`` does."""
+    write_bytes(file, json.dumps(plain(document), indent=1, allow_nan=False).encode())
+
+
 def sealed_json(document: Mapping[str, Any]) -> bytes:
     """A document as JSON with the digest of this very text, in which its own place is zeros."""
-    text = json.dumps({**document, "digest": 64 * "0"}, indent=1, allow_nan=False)
+    text = json.dumps(plain({**document, "digest": 64 * "0"}), indent=1, allow_nan=False)
     return text.replace(_NO_DIGEST, f'"digest": "{digest(text.encode())}"').encode()
 
 
