@@ -5,7 +5,7 @@ COMMANDS = {
     "run": ("run", "run a scene or a study and write its folder and report"),
     "report": ("run", "figures and report anew from the folder of a run, a study or a precision"),
     "replay": ("replay", "play a stored run in the Exudyn renderer, or make a film or a still"),
-    "export": ("crosscheck", "write the recorded motion of a run as a table for other programs"),
+    "export": ("export", "write the recorded motion of a run as a table for other programs"),
     "crosscheck": ("crosscheck", "engine against engine, or a run against a solver of yours"),
     "verify": ("verify", "both engines against published references; --hard: on hard cases"),
     "precision": ("precision", "speed against error of every engine and integrator"),

@@ -5,24 +5,13 @@ It measures and does not judge: a verdict is printed, and the exit code is 0.
 
 import argparse
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from rich.box import SIMPLE
 from rich.console import Console
-from rich.markup import escape
-from rich.table import Table
 
-from presswear.commands.terminal import (
-    folder_given,
-    free_folder,
-    progress_bar,
-    repeats_given,
-    scene_given,
-)
+from presswear.commands.terminal import folder_given, free_folder, repeats_given, scene_given
+from presswear.commands.trials import print_text_table, telling
 from presswear.tools.folders import only_writer
-
-if TYPE_CHECKING:
-    from presswear.trials.costs.text import TextTable
 
 SCENE = "wear-times"
 
@@ -48,45 +37,17 @@ def _costs(arguments: argparse.Namespace, console: Console) -> int:
     repeats = None if arguments.repeats is None else repeats_given(arguments.repeats)
     scene = scene_given(SCENE)
     folder = arguments.out if arguments.out is not None else free_folder("costs")
-    from presswear.results.provenance import provenance
-
     with only_writer(folder):
-        from presswear.trials.costs.study import QUICK, Extent, store, study
-        from presswear.trials.costs.text import markdown_of, tables_of
+        from presswear.trials.costs.study import QUICK, CostsExtent, store, study
+        from presswear.trials.costs.tables import markdown_of, tables_of
 
-        extent = QUICK if arguments.quick else Extent()
+        extent = QUICK if arguments.quick else CostsExtent()
         if repeats is not None:
             extent = replace(extent, repeats=repeats)
-        with progress_bar(console) as bar:
-            task = bar.add_task("start", total=1.0)
-            found = study(
-                scene,
-                extent,
-                lambda name, part: bar.update(task, description=name, completed=part),
-            )
-        store(found, markdown_of(found, provenance()), folder)
+        with telling(console, "start") as told:
+            found = study(scene, extent, told)
+        store(found, markdown_of(found), folder)
         for table in tables_of(found):
             print_text_table(console, table)
         console.print(f"tables and all times in {folder}", highlight=False)
         return 0
-
-
-def print_text_table(console: Console, table: "TextTable") -> None:
-    """A table and the sentences that explain it."""
-    shown = Table(
-        box=SIMPLE,
-        pad_edge=False,
-        collapse_padding=True,
-        title=table.title,
-        title_justify="left",
-    )
-    for name in table.texts:
-        shown.add_column(name, overflow="fold")
-    for name in table.numbers:
-        shown.add_column(name, justify="right", no_wrap=True)
-    for row in table.rows:
-        shown.add_row(*(escape(cell) for cell in row))
-    console.print(shown, highlight=False)
-    for sentence in table.sentences:
-        console.print(escape(sentence), highlight=False)
-    console.print()

@@ -1,4 +1,4 @@
-"""``presswear crosscheck`` and ``presswear export``: comparing runs and handing them on."""
+"""``presswear crosscheck``: engine against engine, or a run against another solver's table."""
 
 import argparse
 from pathlib import Path
@@ -6,34 +6,28 @@ from typing import Any
 
 from rich.console import Console
 
+from presswear.commands.export import TABLE_TEXT
 from presswear.commands.terminal import (
     finished_part,
     folder_given,
     free_folder,
     number_given,
-    place_given,
     print_table,
-    progress_bar,
     scene_given,
     settings_given,
     verdict,
 )
+from presswear.commands.trials import telling
 from presswear.scene.settings import changed
 from presswear.tools.errors import InputError
 from presswear.tools.folders import only_writer
 
 _CYCLES = (1e-3, 100.0)
 """Shortest and longest time over which trajectories are compared, cycles."""
-_TABLE_TEXT = (
-    "Columns, in SI units: time, displacement, velocity, acceleration (of the slider), and for "
-    "each clearance joint J: J_eccentricity_x, J_eccentricity_y, J_penetration, J_normal_force, "
-    "J_tangential_force, J_sliding (speed). CSV with a header line of names and # comments, or "
-    "NPZ with one array per column; another program's table may hold any subset beside time."
-)
 
 
 def add(commands: Any) -> None:
-    """Add the parsers of ``crosscheck`` and ``export``."""
+    """Add the parser of ``crosscheck``."""
     check = commands.add_parser(
         "crosscheck",
         description="Without --against: Exudyn (the open tree where there is one, or what --set "
@@ -41,7 +35,7 @@ def add(commands: Any) -> None:
         "start. They are compared one by one up to the horizon, where a start moved by 1e-9 m has "
         "grown apart a thousand times, and by means over cycles beyond it (8 cycles, or as many as "
         "--set cycles=N says). With --against: stage 0 of a result folder is compared with "
-        f"another solver's table. {_TABLE_TEXT} Ours is interpolated at their times; between "
+        f"another solver's table. {TABLE_TEXT} Ours is interpolated at their times; between "
         "stored rows forces and accelerations are known to some per cent only, so export first "
         "and let the other solver write its rows at our times.",
         epilog="example: presswear crosscheck wear-times --set 'speed=8pi rad/s'; "
@@ -77,22 +71,6 @@ def add(commands: Any) -> None:
     )
     check.set_defaults(run=_crosscheck)
 
-    export = commands.add_parser(
-        "export",
-        description=f"Writes the recorded series of a stage. {_TABLE_TEXT}",
-        epilog="example: presswear export results/wear-times first.csv --stage 0",
-    )
-    export.add_argument("folder", type=Path, metavar="DIR")
-    export.add_argument("file", type=Path, metavar="FILE", help="new file, .csv or .npz")
-    export.add_argument(
-        "--stage",
-        type=place_given,
-        default=0,
-        metavar="K",
-        help="0 unworn (default), 1 after a wear, ...",
-    )
-    export.set_defaults(run=_export)
-
 
 def _crosscheck(arguments: argparse.Namespace, console: Console) -> int:
     own, foreign = ("set", "out", "duration"), ("until", "tolerance")
@@ -115,26 +93,23 @@ def _crosscheck(arguments: argparse.Namespace, console: Console) -> int:
             f"{_CYCLES[0]:g} to {_CYCLES[1]:g} cycles"
         )
     folder = arguments.out or free_folder(f"crosscheck-{scene.name}")
-    from presswear.trials.crosscheck.check import check_engines, store
-    from presswear.trials.crosscheck.figure import write_differences
+    from presswear.show.figures import save
+    from presswear.trials.crosscheck.check import check_engines
+    from presswear.trials.crosscheck.figure import draw_differences
+    from presswear.trials.stored import write_document
 
     with only_writer(folder):
-        with progress_bar(console) as bar:
-            task = bar.add_task("start", total=1.0)
-            outcome = check_engines(
-                scene,
-                arguments.duration,
-                lambda name, part: bar.update(task, description=name, completed=part),
-            )
-        store(outcome, folder)
-        write_differences(outcome, folder / "difference.png")
+        with telling(console, "start") as told:
+            outcome = check_engines(scene, arguments.duration, told)
+        write_document(folder, "crosscheck.json", 1, outcome)
+        save(draw_differences(outcome), folder)
         how = "where trajectories part" if outcome.parted else "the end; trajectories did not part"
         console.print(f"compared up to {outcome.horizon:.4g} s, {how}", highlight=False)
         _print_checks(
             console,
             ("difference", "bound"),
             [
-                (check.quantity, check.unit, (check.difference, check.bound), check.passed)
+                (check.quantity, check.unit, (check.value, check.bound), check.passed)
                 for check in outcome.checks
             ],
         )
@@ -167,19 +142,9 @@ def _print_checks(
     names: tuple[str, ...],
     rows: list[tuple[str, str, tuple[float | None, ...], bool]],
 ) -> None:
-    """A table of quantities with their numbers, and whether each is within its bound."""
+    """Print quantities with their numbers, and whether each is within its bound."""
     cells = []
     for quantity, unit, numbers, passed in rows:
         shown = ["" if number is None else f"{number:.2e}" for number in numbers]
         cells.append([quantity, *shown, unit, "" if numbers[-1] is None else verdict(passed)])
     print_table(console, ("quantity", "unit", ""), names, cells)
-
-
-def _export(arguments: argparse.Namespace, console: Console) -> int:
-    from presswear.results.tables import table_of, write_table
-
-    table = table_of(finished_part(arguments.folder, console), arguments.stage)
-    write_table(arguments.file, table)
-    rows = table["time"].size
-    console.print(f"{rows} rows of {len(table)} columns in {arguments.file}", highlight=False)
-    return 0

@@ -10,15 +10,14 @@ from typing import Any
 
 from rich.console import Console
 
-from presswear.commands.costs import print_text_table
 from presswear.commands.terminal import (
     folder_given,
     free_folder,
-    progress_bar,
     repeats_given,
     scene_given,
     settings_given,
 )
+from presswear.commands.trials import print_text_table, telling
 from presswear.scene.settings import changed
 from presswear.tools.folders import only_writer
 
@@ -65,13 +64,8 @@ def _precision(arguments: argparse.Namespace, console: Console) -> int:
         extent = QUICK if arguments.quick else FULL
         if repeats is not None:
             extent = replace(extent, repeats=repeats)
-        with progress_bar(console) as bar:
-            task = bar.add_task("start", total=1.0)
-            found = study(
-                scene,
-                extent,
-                lambda name, part: bar.update(task, description=name, completed=part),
-            )
+        with telling(console, "start") as told:
+            found = study(scene, extent, told)
         store(found, folder)
         for table in tables_of(found):
             print_text_table(console, table)
@@ -79,16 +73,18 @@ def _precision(arguments: argparse.Namespace, console: Console) -> int:
 
 
 def is_precision(folder: Path) -> bool:
-    """Whether a folder holds a study of precision."""
+    """True where a folder holds a study of precision."""
     return (folder / FILE).exists()
 
 
 def report(folder: Path, console: Console) -> int:
-    """Figures and report anew from a stored study."""
+    """Write figures and report anew from a stored study."""
+    from presswear.studies.paper.variants import base_scene
     from presswear.trials.precision.report import write_precision_report
     from presswear.trials.precision.store import load
 
-    answer, path = write_precision_report(load(folder), folder)
+    taken = base_scene("wear-times").numerics
+    answer, path = write_precision_report(load(folder), taken, folder)
     console.print(answer, highlight=False)
     console.print(f"data in {folder}, report in {path}", highlight=False)
     return 0

@@ -7,6 +7,7 @@ from rich.console import Console
 from rich.markup import escape
 
 from presswear.commands.terminal import print_table, progress_bar, verdict
+from presswear.commands.trials import telling
 from presswear.tools.errors import InputError
 
 
@@ -33,9 +34,8 @@ def _verify(arguments: argparse.Namespace, console: Console) -> int:
         raise InputError("--long goes only with --hard; see presswear verify --help")
     from presswear.trials.verify.verify import verify
 
-    with progress_bar(console) as bar:
-        task = bar.add_task("verify", total=1.0)
-        rows = verify(lambda name, part: bar.update(task, description=name, completed=part))
+    with telling(console, "verify") as told:
+        rows = verify(told)
     print_table(
         console,
         ("problem", ""),
@@ -77,11 +77,11 @@ def _hard(console: Console, *, long: bool) -> int:
         [
             [
                 outcome.case.name,
-                "" if outcome.finding is None else f"{outcome.finding.figure:.1e}",
-                "" if outcome.finding is None else f"{outcome.finding.bound:.0e}",
+                "" if outcome.check is None else f"{outcome.check.value:.1e}",
+                "" if outcome.check is None else f"{outcome.check.bound:.0e}",
                 f"{outcome.seconds:.1f}",
                 outcome.case.engine,
-                escape(outcome.message or (outcome.finding.what if outcome.finding else "")),
+                escape(outcome.message or (outcome.check.quantity if outcome.check else "")),
                 outcome.verdict if outcome.verdict != "MISS" else verdict(False),
             ]
             for outcome in found

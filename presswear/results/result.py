@@ -20,14 +20,13 @@ from presswear.results.stored import (
     StoredResult,
     check_arrays,
     check_joints,
-    checkpoint_file,
     files_of,
     stored_result,
 )
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import read_numbers
-from presswear.tools.documents import check_seal, read_json, schema_of
 from presswear.tools.documents import plain as plain
+from presswear.tools.documents import read_sealed
 from presswear.tools.errors import InputError
 from presswear.tools.files import read_checked
 from presswear.tools.folders import holder
@@ -180,16 +179,15 @@ def _flat(numbers: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]
 
 def read_document(path: Path) -> dict[str, Any]:
     """Content of ``result.json`` in a folder; InputError where it is not what was written."""
-    file = path / FILE
-    document = read_json(file, f"{path} is no result folder: it has no {FILE}")
-    schema_of(document, file, SCHEMA)
-    found: dict[str, Any] = document
-    check_seal(read_checked(file), found, file)
-    return found
+    missing = f"{path} is no result folder: it has no {FILE}"
+    return read_sealed(path / FILE, missing, SCHEMA)
 
 
 def load(path: str | Path) -> Result:
-    """Read a result folder; InputError names what is missing, cut off, altered or too new."""
+    """Read a result folder; InputError names what is missing, cut off, altered or too new.
+
+    A checkpoint is left to whoever goes on from it: a run that is at work may replace it.
+    """
     path = Path(path)
     file = path / FILE
     stored = stored_result(read_document(path), file)
@@ -204,9 +202,6 @@ def load(path: str | Path) -> Result:
         read_checked(path / film, stored.files[film])
         read = partial(_film, path / film, stored.files[film], scene)
         stages.append(replace(stage, arrays=arrays, joint_names=joints, read_film=read))
-    if stored.checkpoint is not None:
-        name = checkpoint_file(stored.checkpoint.turn)
-        read_checked(path / name, stored.files[name])
     return Result(
         scene,
         tuple(stages),

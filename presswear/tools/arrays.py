@@ -5,6 +5,7 @@ import math
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
+from zipfile import ZIP_DEFLATED, ZIP_STORED, ZipFile
 
 import numpy as np
 from numpy.lib import format as npy
@@ -80,9 +81,6 @@ def read_arrays(file: Path, expected: str | None = None) -> dict[str, NDArray[An
         Naming a file that is missing, damaged or holds anything else.
     """
     data = read_checked(file, expected)
-    # As numpy's own reader does: a start without arrays needs neither module.
-    from zipfile import ZIP_DEFLATED, ZIP_STORED, ZipFile
-
     try:
         with ZipFile(io.BytesIO(data)) as archive:
             members = archive.infolist()

@@ -1,1 +1,1 @@
-"""What holds the program against the truth; imported by nothing but its commands."""
+"""Trials that hold the program against the truth."""

@@ -12,8 +12,8 @@ from presswear.engines.settings import ExudynJoints, InHouse
 from presswear.linkage.elements import GROUND, Attachment, Body, Linkage, Probe, Spring
 from presswear.linkage.press import GEOMETRIES, Press
 from presswear.scene.catalog import ideal
+from presswear.trials.runs import order_of
 from presswear.trials.verify import references
-from presswear.trials.verify.verify import order_of
 
 FREQUENCY, AMPLITUDE, DURATION = 1000.0, 0.01, 0.5
 

@@ -11,8 +11,9 @@ from presswear.engines.dae.dynamics import rates, system_of
 from presswear.engines.settings import InHouse
 from presswear.physics.constraints import constraints_of
 from presswear.physics.packed import pack
+from presswear.trials.runs import order_of
 from presswear.trials.verify import references
-from presswear.trials.verify.verify import ANDREWS_STEPS, andrews_with_exudyn, order_of
+from presswear.trials.verify.verify import ANDREWS_STEPS, andrews_with_exudyn
 
 ANGLES = np.array(references.ANDREWS_ANGLES)
 RATES = np.array(references.ANDREWS_RATES)

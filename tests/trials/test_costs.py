@@ -9,22 +9,21 @@ import pytest
 from rich.console import Console
 
 from presswear.__main__ import main
-from presswear.commands import costs as command
+from presswear.commands.trials import print_text_table
 from presswear.engines.base import Plan
 from presswear.engines.exudyn_tree import engine
-from presswear.engines.settings import InHouse
-from presswear.results.provenance import provenance
+from presswear.engines.settings import ExudynJoints, InHouse
 from presswear.scene.catalog import scene_named
-from presswear.tools.errors import RunFailed
+from presswear.tools.errors import InputError, RunFailed
 from presswear.trials.costs import study as costs_study
 from presswear.trials.costs.equal_work import FIXED_STEP, check_fixed, equal_work, fixed_steps
-from presswear.trials.costs.features import JOINTS, deepest, wear_once
+from presswear.trials.costs.features import SWITCHES, deepest, plan_of, timed_run, wear_once
 from presswear.trials.costs.profile import call_costs, profile, record
-from presswear.trials.costs.study import Costs, Extent, document_of, store, study
-from presswear.trials.costs.text import markdown_of, tables_of
-from presswear.trials.costs.timing import Timing, case_of, model_of, plan_of, time_cases
+from presswear.trials.costs.study import Costs, CostsExtent, store, study
+from presswear.trials.costs.tables import markdown_of, tables_of
+from presswear.trials.timing import Timing, model_of, time_runs
 
-SHORT = Extent(
+SHORT = CostsExtent(
     repeats=2,
     tree_cycles=0.05,
     joints_cycles=0.02,
@@ -32,7 +31,12 @@ SHORT = Extent(
     wear_cycles=1,
     equal_time=0.0105,
 )
-FEATURES = ["friction", "worn surfaces", "wear account", "torques stored"]
+JOINTS = replace(scene_named("wear-times"), engine=ExudynJoints.word)
+SHORTEST = timed_run("short", scene_named("wear-times"), 0.01)
+
+
+def silent(name: str, part: float) -> None:
+    """No progress."""
 
 
 @pytest.fixture(scope="module")
@@ -46,33 +50,35 @@ def found(told: list[tuple[str, float]]) -> Costs:
 
 
 def test_every_feature_has_its_rows(found: Costs) -> None:
-    chosen, tree, joints = ([(row.feature, row.state) for row in t.rows] for t in found.tables)
+    chosen, tree, joints = ([(row.feature, row.state) for row in t.rows] for t in found.features)
     clearances = [("clearance", state) for state in ("none", "A", "C", "A and C")]
-    switches = [(feature, state) for feature in FEATURES for state in ("off", "on")]
+    switches = [(feature, state) for feature, _, _ in SWITCHES for state in ("off", "on")]
     assert chosen == clearances
     assert tree == switches
     assert joints == clearances + switches
-    assert {row.timing.model for row in found.tables[1].rows} == {"tree 4"}
-    models = [row.timing.model for row in found.tables[2].rows]
+    assert {row.timing.model for row in found.features[1].rows} == {"tree 4"}
+    models = [row.timing.model for row in found.features[2].rows]
     assert all(model.startswith("joints ") for model in models)
     assert models[:4] == ["joints 18 + 18", "joints 15 + 13", "joints 18 + 16", "joints 15 + 11"]
 
 
 def test_ratios_follow_from_the_medians(found: Costs) -> None:
-    for table in found.tables:
+    for table in found.features:
+        without: dict[str, Timing] = {}
         for row in table.rows:
-            own, off = row.timing, row.without
+            own = row.timing
+            off = without.setdefault(row.feature, own)
+            assert (row.state in ("off", "none")) == (own is off)
             assert len(own.walls) in (SHORT.repeats, SHORT.joints_repeats)
             assert own.per_step * (own.steps + own.sent_back) == pytest.approx(median(own.walls))
             assert row.step_ratio == pytest.approx(own.per_step / off.per_step)
             assert row.wall_ratio == pytest.approx(own.per_second / off.per_second)
-            assert (row.state in ("off", "none")) == (own is off)
-            low, high = own.step_spread
-            assert low <= own.per_step <= high
+            low, high = own.ends
+            assert low <= own.wall <= high
 
 
 def test_a_switch_changes_what_is_modelled(found: Costs) -> None:
-    rows = {(row.feature, row.state): row.timing for row in found.tables[1].rows}
+    rows = {(row.feature, row.state): row.timing for row in found.features[1].rows}
     # Neither the account of wear nor stored torques change the motion, so the steps agree.
     for feature in ("wear account", "torques stored"):
         assert rows[feature, "off"].steps == rows[feature, "on"].steps
@@ -95,12 +101,11 @@ def test_engines_are_complete_and_compared_with_fixed_steps(found: Costs) -> Non
 
 
 def test_fixed_steps_are_all_of_one_length() -> None:
-    scene = replace(scene_named("wear-times"), engine=JOINTS)
     plan = Plan(3e-3, 1, 1, torques=False)
-    case = replace(case_of("fixed", scene, 1.0), accuracy=fixed_steps(), plan=plan)
-    rows = case.run().recorder.book.record
+    timed = replace(timed_run("fixed", JOINTS, 1.0), engine=fixed_steps(), plan=plan)
+    rows = timed.run().recorder.book.record
     assert int(rows["steps"][0]) == 3001  # the start is one
-    timing = time_cases([case], 1, lambda name, part: None)[0]
+    timing = time_runs([timed], 1, silent)[0]
     assert timing.steps * FIXED_STEP == pytest.approx(timing.simulated, rel=1e-12)
     check_fixed(timing)
     for broken in (replace(timing, steps=timing.steps + 1), replace(timing, sent_back=1)):
@@ -109,7 +114,7 @@ def test_fixed_steps_are_all_of_one_length() -> None:
 
 
 def test_an_end_without_touches_has_no_touch_error() -> None:
-    work = equal_work(scene_named("wear-times"), 1e-5, 1, lambda name, part: None)
+    work = equal_work(scene_named("wear-times"), 1e-5, 1, silent)
     assert work.touches == 0
     assert work.tree.touch_error == 0.0
 
@@ -117,32 +122,30 @@ def test_an_end_without_touches_has_no_touch_error() -> None:
 def test_stages_add_up_to_the_run(found: Costs) -> None:
     assert list(found.profiles) == ["unworn", "worn"]
     for each in found.profiles.values():
-        assert sum(stage.seconds for stage in each.stages) == pytest.approx(each.timing.wall)
-        assert each.evaluations >= 6 * each.timing.attempts
+        assert sum(part.seconds for part in each.parts) == pytest.approx(each.timing.wall)
+        assert each.calls >= 6 * each.timing.attempts
         assert each.share_of("Exudyn", "Python", "kernel") == pytest.approx(1.0)
         assert each.largest_python.kind == "Python"
-        assert {stage.kind for stage in each.stages} == {"Exudyn", "Python", "kernel"}
+        assert {part.kind for part in each.parts} == {"Exudyn", "Python", "kernel"}
 
 
 def test_a_profile_leaves_the_engine_as_it_was() -> None:
     before = dict(vars(engine))
-    case = case_of("short", scene_named("wear-times"), 0.01)
-    profile(case, 1, lambda name, part: None)
+    profile(SHORTEST, 1, silent)
     assert dict(vars(engine)) == before
 
 
 def test_recording_does_not_change_a_run() -> None:
-    case = case_of("short", scene_named("wear-times"), 0.02)
-    run = case.run()
-    kept = record(case)
-    assert len(kept.steps) == int(run.diagnostics["steps"]) + 1
-    assert kept.steps[-1][0] == pytest.approx(run.time)
+    run = SHORTEST.run()
+    stages, steps = record(SHORTEST)
+    assert len(steps.time) == int(run.diagnostics["steps"]) + 1
+    assert steps.time[-1] == pytest.approx(run.time)
+    assert len(stages.time) > int(run.diagnostics["evaluations"])
 
 
 def test_what_a_call_takes_is_known_for_the_tree_only() -> None:
-    case = case_of("joints", replace(scene_named("wear-times"), engine=JOINTS), 0.01)
-    with pytest.raises(Exception, match="no run of the open tree"):
-        call_costs(case)
+    with pytest.raises(InputError, match="no run of the open tree"):
+        call_costs(timed_run("joints", JOINTS, 0.01))
 
 
 def test_worn_surfaces_come_from_a_wear() -> None:
@@ -164,12 +167,10 @@ def test_plans_are_whole_cycles_or_a_part_of_one() -> None:
 
 
 def test_a_median_is_not_a_mean() -> None:
-    timing = Timing("case", "tree 4", 2.0, 90, 10, (1.0, 2.0, 9.0))
-    assert timing.wall == 2.0
+    timing = Timing("case", "tree 4", 2.0, 90, 10, None, (1.0, 2.0, 9.0))
+    assert (timing.wall, timing.ends, timing.attempts) == (2.0, (1.0, 9.0), 100)
     assert timing.per_second == 1.0
     assert timing.per_step == 0.02
-    assert timing.step_spread == (0.01, 0.09)
-    assert timing.steps_per_second == 50.0
 
 
 def test_progress_rises_to_the_end(found: Costs, told: list[tuple[str, float]]) -> None:
@@ -180,7 +181,7 @@ def test_progress_rises_to_the_end(found: Costs, told: list[tuple[str, float]]) 
 
 
 def test_the_markdown_holds_every_row(found: Costs) -> None:
-    text = markdown_of(found, provenance())
+    text = markdown_of(found)
     assert found.processor in text
     for table in tables_of(found):
         assert f"## {table.title}" in text
@@ -199,18 +200,16 @@ def test_both_files_hold_what_was_measured(found: Costs, tmp_path: Path) -> None
     store(found, "# tables\n", tmp_path / "new")
     assert (tmp_path / "new" / "costs.md").read_text() == "# tables\n"
     document = json.loads((tmp_path / "new" / "costs.json").read_text())
-    assert document == json.loads(json.dumps(document_of(found))) | {
-        "provenance": document["provenance"]
-    }
     assert document["provenance"]["packages"]["exudyn"]
     assert document["processor"]
     row = document["features"][1]["rows"][3]
     assert row["feature"] == "worn surfaces"
-    assert row["wall_per_step_s"] == pytest.approx(
-        median(row["walls"]) / (row["steps"] + row["sent_back"])
-    )
+    timing = row["timing"]
+    steps = timing["steps"] + timing["sent_back"]
+    assert timing["per_step"] == pytest.approx(median(timing["walls"]) / steps)
+    assert document["engines"]["passed"] == found.engines.passed
     for each in document["profiles"].values():
-        assert sum(stage["share"] for stage in each["stages"]) == pytest.approx(1.0)
+        assert sum(part["share"] for part in each["parts"]) == pytest.approx(1.0)
 
 
 def test_the_command_prints_and_stores(
@@ -221,7 +220,7 @@ def test_the_command_prints_and_stores(
 ) -> None:
     extents = []
 
-    def measured(scene: object, extent: Extent, progress: object) -> Costs:
+    def measured(scene: object, extent: CostsExtent, progress: object) -> Costs:
         extents.append(extent)
         return found
 
@@ -238,13 +237,12 @@ def test_the_command_prints_and_stores(
 def test_a_table_fits_a_terminal(found: Costs, capsys: pytest.CaptureFixture[str]) -> None:
     console = Console(width=80)
     for table in tables_of(found):
-        command.print_text_table(console, table)
+        print_text_table(console, table)
     assert "…" not in capsys.readouterr().out
 
 
 def test_repeats_that_take_other_steps_are_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
-    case = case_of("short", scene_named("wear-times"), 0.01)
-    runs = [case.run(), replace(case, plan=plan_of(0.5, 0.005)).run()]
-    monkeypatch.setattr(type(case), "run", lambda self: runs.pop(0))
+    runs = [SHORTEST.run(), replace(SHORTEST, plan=plan_of(0.5, 0.005)).run()]
+    monkeypatch.setattr(type(SHORTEST), "run", lambda self: runs.pop(0))
     with pytest.raises(RunFailed, match="other steps"):
-        time_cases([case], 2, lambda name, part: None)
+        time_runs([SHORTEST], 2, silent)

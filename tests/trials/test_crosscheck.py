@@ -16,8 +16,15 @@ from presswear.engines.settings import ExudynJoints, ExudynTree
 from presswear.linkage.elements import Linkage
 from presswear.physics.constraints import constraints_of
 from presswear.scene.catalog import ideal, wear_times
-from presswear.trials.crosscheck.check import DISTURBANCE, Check, finer, observed_order
-from presswear.trials.crosscheck.traces import Touch, Trace, parting_time, peak, touch_differences
+from presswear.trials.crosscheck.check import DISTURBANCE, finer
+from presswear.trials.crosscheck.traces import (
+    Touchdown,
+    Trace,
+    parting_time,
+    peak,
+    touchdown_differences,
+)
+from presswear.trials.runs import Check, order_of
 
 
 @pytest.mark.parametrize("joints", ["A", "C", "AC"])
@@ -54,10 +61,14 @@ def test_the_horizon_is_where_the_distance_is_reached() -> None:
 
 
 def test_touches_are_matched_joint_by_joint() -> None:
-    ours = (Touch(0, 1.0, 0.2, 50.0), Touch(1, 1.1, 0.4, 80.0), Touch(0, 2.0, 0.2, 50.0))
+    ours = (
+        Touchdown(0, 1.0, 0.2, 50.0),
+        Touchdown(1, 1.1, 0.4, 80.0),
+        Touchdown(0, 2.0, 0.2, 50.0),
+    )
     # The order of touches in different joints may change; their numbers may not.
-    theirs = (Touch(1, 0.9, 0.5, 80.0), Touch(0, 1.3, 0.2, 60.0))
-    apart = touch_differences(ours, theirs)
+    theirs = (Touchdown(1, 0.9, 0.5, 80.0), Touchdown(0, 1.3, 0.2, 60.0))
+    apart = touchdown_differences(ours, theirs)
     np.testing.assert_allclose(apart[:2], [[0.3, 0.0, 0.2], [0.2, 0.25, 0.0]], atol=1e-12)
     assert np.all(np.isinf(apart[2]))
 
@@ -69,9 +80,10 @@ def test_a_peak_between_samples_is_found() -> None:
 
 
 def test_the_order_is_the_slope() -> None:
-    assert observed_order((1, 2, 4), [1.6e-5, 4e-6, 1e-6]) == pytest.approx(2.0)
-    assert observed_order((1, 2, 4), [1.6e-5, 8e-6, 4e-6]) == pytest.approx(1.0)
-    assert math.isnan(observed_order((1, 2), [math.inf, 1e-6]))
+    assert order_of((4, 2, 1), [1.6e-5, 4e-6, 1e-6]) == pytest.approx(2.0)
+    assert order_of((4, 2, 1), [1.6e-5, 8e-6, 4e-6]) == pytest.approx(1.0)
+    assert math.isnan(order_of((1, 2), [math.inf, 1e-6]))
+    assert math.isnan(order_of((1, 1), [1e-6, 1e-6]))
 
 
 def test_no_number_is_no_agreement() -> None:

@@ -12,8 +12,10 @@ from presswear.linkage.laws import FrictionLaw
 from presswear.tools.errors import InputError, RunFailed
 from presswear.trials import hard
 from presswear.trials.hard import bodies, hard_cases
-from presswear.trials.hard.case import Case, Finding, energy_of, guarded, outcomes, ran, sound
+from presswear.trials.hard.case import HardCase, energy_of, outcomes, ran, sound
+from presswear.trials.runs import Check, guarded
 from presswear.trials.verify.references import block
+from presswear.trials.verify.verify import GRAVITY, TIGHT
 
 CASES = list(hard_cases())
 SLOW = (
@@ -25,7 +27,7 @@ SLOW = (
 """Cases of some ten seconds."""
 
 
-def _marked(case: Case) -> object:
+def _marked(case: HardCase) -> object:
     marks = []
     if case.long or case.name in SLOW:
         marks.append(pytest.mark.slow)
@@ -33,9 +35,9 @@ def _marked(case: Case) -> object:
 
 
 @pytest.mark.parametrize("case", [_marked(case) for case in CASES])
-def test_case_is_within_its_bounds_or_refused(case: Case) -> None:
+def test_case_is_within_its_bounds_or_refused(case: HardCase) -> None:
     found = list(outcomes(case))
-    told = [f"{o.message or o.finding} {o.verdict}" for o in found if o.verdict == "MISS"]
+    told = [f"{o.message or o.check} {o.verdict}" for o in found if o.verdict == "MISS"]
     assert told == []
     assert found
     assert all((o.verdict == "refused") == bool(case.refusal) for o in found)
@@ -54,16 +56,16 @@ def test_a_worse_engine_misses(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_a_law_that_is_off_misses(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(bodies, "ONSET_SPEED_FLOOR", 2e-6)
-    assert not next(iter(bodies.strikes(bodies.TIGHT, 8e-4, 1e-6, 1e-10, 0.9))).passed
+    assert not next(iter(bodies.strikes(TIGHT, 8e-4, 1e-6, 1e-10, 0.9))).passed
     monkeypatch.setattr(bodies, "FRICTION", FrictionLaw(0.1001, 1e-4, 1e-3))
-    linkage, start = block(0.0, bodies.GRAVITY, FrictionLaw(0.1, 1e-4, 1e-3), 0.0)
+    linkage, start = block(0.0, GRAVITY, FrictionLaw(0.1, 1e-4, 1e-3), 0.0)
     monkeypatch.setattr(bodies, "block", lambda *arguments: (linkage, start))
-    assert not next(iter(bodies.creeps(bodies.TIGHT, 0.05))).passed
+    assert not next(iter(bodies.creeps(TIGHT, 0.05))).passed
 
 
 def test_lost_energy_contacts_and_numbers_miss() -> None:
     plan = guarded(0.01)
-    run = ran(*bodies.twins(), bodies.TIGHT, plan)
+    run = ran(*bodies.twins(), TIGHT, plan)
     sound(run, plan)
     run.diagnostics["drive_exchange_J"] = 1.0
     run.diagnostics["energy_residual_J"] = -1e-5
@@ -79,13 +81,13 @@ def test_lost_energy_contacts_and_numbers_miss() -> None:
         sound(run, plan)
 
 
-def _case(refusal: str = "", *, error: Exception | None = None, figure: float = 0.5) -> Case:
-    def findings() -> Iterator[Finding]:
+def _case(refusal: str = "", *, error: Exception | None = None, figure: float = 0.5) -> HardCase:
+    def findings() -> Iterator[Check]:
         if error is not None:
             raise error
-        yield Finding("x", figure, 1.0)
+        yield Check("x", figure, 1.0)
 
-    return Case("made up", "nothing", "none", findings, refusal)
+    return HardCase("made up", "nothing", "none", findings, refusal)
 
 
 @pytest.mark.parametrize(
@@ -106,7 +108,7 @@ def _case(refusal: str = "", *, error: Exception | None = None, figure: float = 
         (_case("c = 0 m"), "MISS"),
     ],
 )
-def test_verdicts(case: Case, verdict: str) -> None:
+def test_verdicts(case: HardCase, verdict: str) -> None:
     assert [outcome.verdict for outcome in outcomes(case)] == [verdict]
 
 

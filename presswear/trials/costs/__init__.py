@@ -1,1 +1,1 @@
-"""What the features of a model cost, how engines compare, and where the time goes."""
+"""Costs: wall times of features, of engines at equal work, and of the stages of a run."""

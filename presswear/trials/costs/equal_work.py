@@ -4,53 +4,46 @@ The yardstick is the implicit model with joints at steps of 1e-6 s throughout, w
 what resolving a contact takes where steps cannot follow it.
 """
 
-import math
-from dataclasses import dataclass
-from itertools import islice
+from dataclasses import dataclass, replace
+from typing import ClassVar
 
 from presswear.campaign.starts import start_of
-from presswear.engines.base import Plan, Run
+from presswear.engines.base import Plan
 from presswear.engines.settings import Engine, ExudynJoints, InHouse
-from presswear.linkage.elements import Linkage
 from presswear.scene.scene import Scene
 from presswear.tools.errors import RunFailed
-from presswear.trials.costs.timing import Case, Progress, Timing, time_cases
-from presswear.trials.crosscheck.traces import Touch, touch_differences, touches_of
+from presswear.trials.crosscheck.traces import slider_at_end, touchdown_differences, touchdowns_of
+from presswear.trials.runs import Told, part_of
+from presswear.trials.timing import TimedRun, Timing, time_runs
 
-FIXED_STEP = 1e-6
-"""s."""
+FIXED_STEP = 1e-6  # s
 REFERENCE = InHouse(integration_tolerance=1e-12)
-FIRST_TOUCHES = 10
+FIRST_TOUCHDOWNS = 10
 TREE_TOLERANCES = (1e-6, 1e-7, 1e-10)
-"""Of the open tree, beside the default."""
+"""Tolerances of the open tree, beside the default."""
 WANTED = 30.0
 """Times that the open tree is to be faster than fixed steps, at no larger error."""
 
 
 @dataclass(frozen=True)
 class EngineRow:
-    """One engine at one accuracy.
+    """One engine with one setting.
 
     Attributes
     ----------
     timing : Timing
     slider_error : float
-        At the end, m.
+        Error at the end, m.
     touch_error : float
-        Greatest of the first touches' times, s; infinite where a touch is missing.
-    fixed : Timing
-        Of the run with fixed steps.
+        Greatest error of the first touchdowns' times, s; infinite where one is missing.
+    faster : float
+        Times faster than the run with fixed steps.
     """
 
     timing: Timing
     slider_error: float
     touch_error: float
-    fixed: Timing
-
-    @property
-    def faster(self) -> float:
-        """Times faster than the run with fixed steps."""
-        return self.fixed.per_second / self.timing.per_second
+    faster: float
 
 
 @dataclass(frozen=True)
@@ -59,16 +52,18 @@ class EqualWork:
 
     Attributes
     ----------
-    duration : float
-        s.
+    simulated : float
+        Time that all ran for, s.
     touches : int
-        Touches whose times are compared.
+        Touchdowns whose times are compared.
     fixed, tree : EngineRow
         The joints model at fixed steps, and the open tree as scenes take it.
     others : tuple of EngineRow
     """
 
-    duration: float
+    DERIVED: ClassVar = ("passed",)
+
+    simulated: float
     touches: int
     fixed: EngineRow
     tree: EngineRow
@@ -80,21 +75,17 @@ class EqualWork:
         return tuple(sorted((self.fixed, self.tree, *self.others), key=lambda row: row.faster))
 
     @property
-    def no_larger_error(self) -> bool:
-        """Whether the open tree is at least as good as fixed steps in both errors."""
-        return (
-            self.tree.slider_error <= self.fixed.slider_error
-            and self.tree.touch_error <= self.fixed.touch_error
-        )
-
-    @property
     def passed(self) -> bool:
-        """Whether the open tree is as much faster as wanted, at no larger error."""
-        return self.tree.faster >= WANTED and self.no_larger_error
+        """True where the open tree is as much faster as wanted, and neither error is larger."""
+        tree, fixed = self.tree, self.fixed
+        is_as_good = (
+            tree.slider_error <= fixed.slider_error and tree.touch_error <= fixed.touch_error
+        )
+        return tree.faster >= WANTED and is_as_good
 
 
 def fixed_steps() -> ExudynJoints:
-    """Steps of ``FIXED_STEP`` throughout: the longest allowed is shorter than any wanted."""
+    """An engine with steps of ``FIXED_STEP`` throughout: any that is wanted is longer."""
     return ExudynJoints(steps_per_contact=1, steps_sustained=1, free_step=FIXED_STEP)
 
 
@@ -110,47 +101,37 @@ def check_fixed(timing: Timing) -> None:
         )
 
 
-def slider_of(linkage: Linkage, run: Run) -> float:
-    """The watched coordinate at the end of a run, m."""
-    i, angle = 3 * linkage.index(linkage.probe.body), linkage.probe.direction
-    x, y = run.end.position[i : i + 2]
-    return float(x * math.cos(angle) + y * math.sin(angle))
-
-
-def equal_work(scene: Scene, duration: float, repeats: int, progress: Progress) -> EqualWork:
+def equal_work(scene: Scene, duration: float, repeats: int, told: Told) -> EqualWork:
     """Run every engine on the unworn linkage of a scene over a time, s."""
     linkage, start, period = scene.linkage(), start_of(scene), scene.mechanism.period
-    tree, joints, dae = (
-        scene.numerics.tree.over(period),
-        scene.numerics.joints.over(period),
-        scene.numerics.dae,
-    )
-    accuracies: dict[str, Engine] = {
+    numerics = scene.numerics
+    tree, joints, dae = numerics.tree.over(period), numerics.joints.over(period), numerics.dae
+    engines: dict[str, Engine] = {
         f"joints, all steps {FIXED_STEP:.0e} s": fixed_steps(),
         f"tree, tolerance {tree.tree_tolerance:.0e} (default)": tree,
         f"joints, {joints.steps_per_contact} steps per contact (default)": joints,
         f"dae, tolerance {dae.integration_tolerance:.0e} (default)": dae,
     }
     for tolerance in TREE_TOLERANCES:
-        accuracies[f"tree, tolerance {tolerance:.0e}"] = type(tree)(tolerance, tree.free_step)
+        engines[f"tree, tolerance {tolerance:.0e}"] = replace(tree, tree_tolerance=tolerance)
     plan = Plan(duration, 1, 1, torques=False)
-    cases = [Case(name, linkage, start, each, plan) for name, each in accuracies.items()]
-    progress("reference", 0.0)
-    reference = Case("reference", linkage, start, REFERENCE, plan).run()
-    first: tuple[Touch, ...] = tuple(islice(touches_of(reference), FIRST_TOUCHES))
-    end = slider_of(linkage, reference)
+    runs = [TimedRun(name, linkage, start, each, plan) for name, each in engines.items()]
+    told("reference", 0.0)
+    reference = TimedRun("reference", linkage, start, REFERENCE, plan).run()
+    first = touchdowns_of(reference)[:FIRST_TOUCHDOWNS]
+    end, _ = slider_at_end(linkage, reference)
     errors = []
     # These runs warm up for those that are timed.
-    for i, case in enumerate(cases):
-        progress(f"errors: {case.name}", i / len(cases) / (repeats + 1))
-        run = case.run()
-        apart = touch_differences(first, touches_of(run))[:, 0].max(initial=0.0)
-        errors.append((abs(slider_of(linkage, run) - end), float(apart)))
-    timings = time_cases(
-        cases, repeats, lambda name, part: progress(name, (1 + repeats * part) / (repeats + 1))
-    )
-    check_fixed(timings[0])
+    for i, timed in enumerate(runs):
+        told(f"errors: {timed.name}", i / len(runs) / (repeats + 1))
+        run = timed.run()
+        apart = touchdown_differences(first, touchdowns_of(run))[:, 0].max(initial=0.0)
+        errors.append((abs(slider_at_end(linkage, run)[0] - end), float(apart)))
+    timings = time_runs(runs, repeats, part_of(told, 1.0, float(repeats), repeats + 1.0))
+    fixed = timings[0]
+    check_fixed(fixed)
     rows = [
-        EngineRow(timing, *error, timings[0]) for timing, error in zip(timings, errors, strict=True)
+        EngineRow(timing, *error, fixed.per_second / timing.per_second)
+        for timing, error in zip(timings, errors, strict=True)
     ]
     return EqualWork(duration, len(first), rows[0], rows[1], tuple(rows[2:]))

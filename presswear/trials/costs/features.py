@@ -1,24 +1,33 @@
-"""What each feature of a model costs: the same run with the feature and without.
+"""The cost of each feature of a model: the same run with the feature and without.
 
 The motion differs between the two, and with it the number of steps.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 
+from presswear.campaign.amplification import Worn
 from presswear.campaign.campaign import run_stage
-from presswear.engines.settings import ExudynTree
+from presswear.campaign.starts import start_of
+from presswear.engines.base import Plan
 from presswear.scene.scene import Scene
 from presswear.tools.errors import RunFailed
-from presswear.trials.costs.timing import Case, Progress, Timing, Worn, case_of, time_cases
+from presswear.trials.runs import Told
+from presswear.trials.timing import TimedRun, Timing, time_runs
 
-JOINTS = "exudyn-joints"
-
+WARM_UP_PART = 0.05
+"""Part of a run's time that is run beforehand and thrown away."""
 CLEARANCES = (("none", "none"), ("A", "A"), ("C", "C"), ("A and C", "AC"))
-"""What a row is called, and the scene's word for it."""
+"""Name of a row, and the scene's word for it."""
+SWITCHES = (
+    ("friction", "no friction", "the scene"),
+    ("worn surfaces", "the scene", "worn surfaces"),
+    ("wear account", "no wear account", "the scene"),
+    ("torques stored", "the scene", "torques stored"),
+)
+"""Feature, and the names of the runs without it and with it."""
 
 
 @dataclass(frozen=True)
@@ -29,24 +38,22 @@ class FeatureRow:
     ----------
     feature, state : str
     timing : Timing
-    without : Timing
-        The run with the feature off.
+    step_ratio, wall_ratio : float
+        Wall time per attempted step and per simulated second, parts of those of the run with
+        the feature off.
     """
 
     feature: str
     state: str
     timing: Timing
-    without: Timing
+    step_ratio: float
+    wall_ratio: float
 
-    @property
-    def step_ratio(self) -> float:
-        """Wall time per attempted step, part of that without the feature."""
-        return self.timing.per_step / self.without.per_step
-
-    @property
-    def wall_ratio(self) -> float:
-        """Wall time per simulated second, part of that without the feature."""
-        return self.timing.per_second / self.without.per_second
+    @staticmethod
+    def of(feature: str, state: str, timing: Timing, off: Timing) -> "FeatureRow":
+        """Hold a run against that with the feature off."""
+        step_ratio, wall_ratio = timing.per_step / off.per_step, timing.per_second / off.per_second
+        return FeatureRow(feature, state, timing, step_ratio, wall_ratio)
 
 
 @dataclass(frozen=True)
@@ -55,6 +62,33 @@ class FeatureTable:
 
     title: str
     rows: tuple[FeatureRow, ...]
+
+
+def plan_of(period: float, cycles: float, torques: bool = False) -> Plan:
+    """A plan of so many whole cycles, or of a part of one below 1, all recorded."""
+    if cycles < 1.0:
+        return Plan(cycles * period, 1, 1, torques=torques)
+    return Plan(period, int(cycles), int(cycles), torques=torques)
+
+
+def timed_run(name: str, scene: Scene, cycles: float, worn: Worn | None = None) -> TimedRun:
+    """A scene as a run to be timed, on unworn or worn surfaces."""
+    period = scene.mechanism.period
+    plan = plan_of(period, cycles, scene.drive_torque == "on")
+    return TimedRun(name, scene.linkage(worn), start_of(scene), scene.solver.over(period), plan)
+
+
+def warm_up(timed: TimedRun) -> None:
+    """Compile, load and touch everything that a timed run needs."""
+    plan = replace(timed.plan, cycle=WARM_UP_PART * timed.plan.cycle, cycles=1)
+    replace(timed, plan=plan).run()
+
+
+def _timed(runs: Sequence[TimedRun], repeats: int, told: Told) -> tuple[Timing, ...]:
+    for run in runs:
+        told(run.name, 0.0)
+        warm_up(run)
+    return time_runs(runs, repeats, told)
 
 
 def wear_once(scene: Scene, cycles: int) -> Worn:
@@ -79,89 +113,38 @@ def deepest(worn: Worn) -> dict[str, float]:
     }
 
 
-def clearance_rows(
-    scene: Scene, cycles: float, repeats: int, progress: Progress
-) -> tuple[FeatureRow, ...]:
-    """The scene with neither, one and both of its joints open, in the engine it names."""
-    cases = [
-        case_of(f"clearance {state}", replace(scene, joints=joints), cycles)
+def clearance_rows(scene: Scene, cycles: float, repeats: int, told: Told) -> tuple[FeatureRow, ...]:
+    """Time a scene with neither, one and both of its joints open, in the engine it names."""
+    runs = [
+        timed_run(f"clearance {state}", replace(scene, joints=joints), cycles)
         for state, joints in CLEARANCES
     ]
-    timings = _timed(cases, repeats, progress)
-    states = [state for state, _ in CLEARANCES]
+    timings = _timed(runs, repeats, told)
     return tuple(
-        FeatureRow("clearance", state, timing, timings[0])
-        for state, timing in zip(states, timings, strict=True)
+        FeatureRow.of("clearance", state, timing, timings[0])
+        for (state, _), timing in zip(CLEARANCES, timings, strict=True)
     )
 
 
 def switched_rows(
-    scene: Scene, worn: Worn, cycles: float, repeats: int, progress: Progress
+    scene: Scene, worn: Worn, cycles: float, repeats: int, told: Told
 ) -> tuple[FeatureRow, ...]:
-    """Friction, worn surfaces, wear account and stored torques, each on and off."""
+    """Time a scene with friction, worn surfaces, wear account and stored torques on and off."""
     bearings = scene.bearings
-    cases = [
-        case_of("the scene", scene, cycles),
-        case_of("no friction", replace(scene, bearings=replace(bearings, friction=0.0)), cycles),
-        case_of("worn surfaces", scene, cycles, worn),
-        case_of(
-            "no wear account",
-            replace(scene, bearings=replace(bearings, wear_coefficient=0.0)),
-            cycles,
-        ),
-        case_of("torques stored", replace(scene, drive_torque="on"), cycles),
+    scenes = {
+        "the scene": scene,
+        "no friction": replace(scene, bearings=replace(bearings, friction=0.0)),
+        "worn surfaces": scene,
+        "no wear account": replace(scene, bearings=replace(bearings, wear_coefficient=0.0)),
+        "torques stored": replace(scene, drive_torque="on"),
+    }
+    runs = [
+        timed_run(name, own, cycles, worn if name == "worn surfaces" else None)
+        for name, own in scenes.items()
     ]
-    own, frictionless, rough, unaccounted, torques = _timed(cases, repeats, progress)
+    timings = dict(zip(scenes, _timed(runs, repeats, told), strict=True))
     return tuple(
-        row
-        for feature, off, on in (
-            ("friction", frictionless, own),
-            ("worn surfaces", own, rough),
-            ("wear account", unaccounted, own),
-            ("torques stored", own, torques),
-        )
-        for row in (FeatureRow(feature, "off", off, off), FeatureRow(feature, "on", on, off))
+        FeatureRow.of(feature, state, timings[name], timings[off])
+        for feature, off, on in SWITCHES
+        for state, name in (("off", off), ("on", on))
     )
-
-
-def _timed(cases: Sequence[Case], repeats: int, progress: Progress) -> tuple[Timing, ...]:
-    for case in cases:
-        progress(case.name, 0.0)
-        case.warm_up()
-    return time_cases(cases, repeats, progress)
-
-
-def feature_table(
-    scene: Scene,
-    model: Literal["chosen", "tree", "joints"],
-    worn: Worn,
-    cycles: float,
-    repeats: int,
-    progress: Progress,
-) -> FeatureTable:
-    """Costs of the features of a scene.
-
-    Parameters
-    ----------
-    model : {"chosen", "tree", "joints"}
-        Clearance in the model that the scene chooses for each; all other features in the
-        open tree; all features in the model with bodies and joints.
-    worn : dict
-        The worn surfaces.
-    cycles : float
-        Simulated time, cycles.
-    """
-    if model == "chosen":
-        rows = clearance_rows(scene, cycles, repeats, progress)
-        return FeatureTable("Clearance, in the model that Exudyn gets for each", rows)
-    if model == "tree":
-        rows = switched_rows(
-            replace(scene, engine=ExudynTree.word), worn, cycles, repeats, progress
-        )
-        return FeatureTable("Features, clearance at A and C, open tree", rows)
-    whole = replace(scene, engine=JOINTS)
-    rows = clearance_rows(whole, cycles, repeats, lambda name, part: progress(name, 0.5 * part))
-    rows += switched_rows(
-        whole, worn, cycles, repeats, lambda name, part: progress(name, 0.5 + 0.5 * part)
-    )
-    return FeatureTable("Features, bodies and joints", rows)

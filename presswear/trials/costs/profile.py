@@ -1,9 +1,9 @@
-"""Where the time of a run of the open tree goes: Exudyn, Python, compiled kernels.
+"""The time of a run of the open tree by its parts: Exudyn, Python, compiled kernels.
 
 Three looks at the same run.  Timed: a clock around the three functions that Exudyn
-calls.  Recorded: every call of the two kernels with what it was given, so that they
+calls.  Recorded: every call of the two kernels with its arguments, so that they
 and their parts are timed in compiled loops (``replay``).  Idle: Exudyn's own steps with
-functions that do nothing and without any, which is what a call into Python takes.
+functions that do nothing and without any, whose difference a call into Python takes.
 Kernels in a loop find their data in the cache more often than between two calls of
 Exudyn's; what they lose there counts as Python.  The end of a step is compiled as one
 function, and takes longer than its parts one by one in a loop.
@@ -12,7 +12,7 @@ function, and takes longer than its parts one by one in a loop.
 import time as clock
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from statistics import median
 from typing import Any, Literal
 
@@ -30,65 +30,64 @@ from presswear.physics.tree import Tree, tree_of
 from presswear.record.observe import Book
 from presswear.tools.compiled import specialised
 from presswear.tools.errors import InputError
+from presswear.trials.costs.features import warm_up
 from presswear.trials.costs.replay import (
+    STAGE_PARTS,
+    STEP_PARTS,
     StageCalls,
     StepCalls,
-    StepParts,
     replay_stages,
     replay_steps,
 )
-from presswear.trials.costs.timing import Case, Progress, Timing, time_cases
+from presswear.trials.runs import Told
+from presswear.trials.timing import TimedRun, Timing, time_runs
 
 Array = NDArray[np.float64]
 Kind = Literal["Exudyn", "Python", "kernel"]
-KERNEL: Kind = "kernel"
 
 LARGEST_PYTHON_SHARE = 0.3
-"""Of a run, that no stage of Python may be above."""
+"""Share of a run that no part of Python may be above."""
 
 _IDLE_STEP, _IDLE_STEPS, _IDLE_REPEATS = 1e-9, 4000, 7
 _EMPTY_CALLS = 20_000
 
 
 @dataclass(frozen=True)
-class Stage:
-    """A part of a run and its wall time, s."""
+class PartOfRun:
+    """A part of a run, its wall time, s, and its share of the run."""
 
     name: str
     kind: Kind
     seconds: float
+    share: float
 
 
 @dataclass(frozen=True)
 class Profile:
-    """Where the time of a run went.
+    """The time of a run by its parts.
 
     Attributes
     ----------
     timing : Timing
         Of the run without any clock in it.
-    evaluations : int
+    calls : int
         Calls of the force function.
-    stages : tuple of Stage
+    parts : tuple of PartOfRun
         They add up to the median wall time.
     """
 
     timing: Timing
-    evaluations: int
-    stages: tuple[Stage, ...]
-
-    def share(self, seconds: float) -> float:
-        """Part of the run."""
-        return seconds / self.timing.wall
+    calls: int
+    parts: tuple[PartOfRun, ...]
 
     def share_of(self, *kinds: Kind) -> float:
-        """Part of the run that stages of these kinds take."""
-        return self.share(sum(stage.seconds for stage in self.stages if stage.kind in kinds))
+        """Share of the run that parts of these kinds take."""
+        return sum(part.share for part in self.parts if part.kind in kinds)
 
     @property
-    def largest_python(self) -> Stage:
-        """The longest stage of Python."""
-        return max((s for s in self.stages if s.kind == "Python"), key=lambda s: s.seconds)
+    def largest_python(self) -> PartOfRun:
+        """The longest part of Python."""
+        return max((p for p in self.parts if p.kind == "Python"), key=lambda p: p.seconds)
 
 
 @dataclass
@@ -117,7 +116,7 @@ class _Spent:
 
 
 def clock_overhead() -> float:
-    """What a clock finds around a function that does nothing, s."""
+    """Time that a clock finds around a function that does nothing, s."""
     spent = _Spent()
     empty = spent.around(lambda *arguments: None)
     for _ in range(_EMPTY_CALLS):
@@ -127,7 +126,7 @@ def clock_overhead() -> float:
 
 @contextmanager
 def _replaced(**new: Any) -> Iterator[None]:
-    """Other functions in the place of some that the engine of the tree calls.
+    """Put other functions in the place of some that the engine of the tree calls.
 
     The engine itself has no hooks: they would be paid for in every run.
     """
@@ -140,77 +139,54 @@ def _replaced(**new: Any) -> Iterator[None]:
         module.update(old)
 
 
-def inside_calls(case: Case) -> tuple[_Spent, _Spent, _Spent]:
-    """Run with a clock around the functions for forces, before a step and after a step."""
-    force, before, after = _Spent(), _Spent(), _Spent()
+def inside_calls(timed: TimedRun, overhead: float) -> tuple[float, float]:
+    """Time inside the function for forces, and inside those before and after a step, s."""
+    force, ends = _Spent(), _Spent()
 
-    class Limit(StepLimit):
-        def __init__(self, solve: Solve):
-            super().__init__(solve)
-            self._timed = before.around(super().pre_step)
-
-        def pre_step(self, system: Any, t: float) -> bool:
-            return bool(self._timed(system, t))
+    def limit(solve: Solve) -> StepLimit:
+        found = StepLimit(solve)
+        vars(found).update(pre_step=ends.around(found.pre_step))
+        return found
 
     with _replaced(
         assemble=lambda tree, linkage, start, function: assemble(
             tree, linkage, start, force.around(function)
         ),
-        StepLimit=Limit,
-        post_step=lambda *arguments: after.around(post_step(*arguments)),
+        StepLimit=limit,
+        post_step=lambda *arguments: ends.around(post_step(*arguments)),
     ):
-        case.run()
-    return force, before, after
+        timed.run()
+    return force.seconds(overhead), ends.seconds(overhead)
 
 
-@dataclass
-class _Record:
-    """What the kernels of a run were given, call by call: rows of StageCalls and StepCalls."""
+def record(timed: TimedRun) -> tuple[StageCalls, StepCalls]:
+    """Run and keep the arguments of every call of the kernels."""
+    stages: list[tuple[Any, ...]] = []
+    steps: list[tuple[Any, ...]] = []
 
-    stages: list[tuple[Any, ...]] = field(default_factory=list)
-    steps: list[tuple[Any, ...]] = field(default_factory=list)
-
-    def specialised(self, kernel: Any, *arguments: Any) -> Any:
-        """As ``compiled.specialised``, with the calls noted."""
+    def noting(kernel: Any, *arguments: Any) -> Any:
         entry = specialised(kernel, *arguments)
+
+        def noted_stage(system: TreeSystem, *rest: Any) -> None:
+            *_, t, x, u, _ = rest
+            pace = system.pace[0]
+            times = t, float(pace["noted"]), int(pace["evaluations"])
+            stages.append((*times, x.copy(), u.copy(), system.expected.copy()))
+            entry(system, *rest)
+
+        def noted_step(system: TreeSystem, book: Book, t: float, *state: Array) -> float:
+            times = t, float(system.pace[0]["noted"])
+            copies = (each.copy() for each in (*state, system.stages, book.contacts))
+            steps.append((*times, *copies))
+            return float(entry(system, book, t, *state))
+
         if kernel is stage_forces:
-
-            def noted_stage(system: TreeSystem, *rest: Any) -> None:
-                *_, t, x, u, _ = rest
-                pace = system.pace[0]
-                times = t, float(pace["noted"]), int(pace["evaluations"])
-                self.stages.append((*times, x.copy(), u.copy(), system.expected.copy()))
-                entry(system, *rest)
-
             return noted_stage
-        if kernel is accept_tree_step:
+        return noted_step if kernel is accept_tree_step else entry
 
-            def noted_step(system: TreeSystem, book: Book, t: float, *state: Array) -> float:
-                times = t, float(system.pace[0]["noted"])
-                copies = (each.copy() for each in (*state, system.stages, book.contacts))
-                self.steps.append((*times, *copies))
-                return float(entry(system, book, t, *state))
-
-            return noted_step
-        return entry
-
-    @property
-    def stage_calls(self) -> StageCalls:
-        """All calls of the force function."""
-        return StageCalls(*_columns(self.stages))
-
-    @property
-    def step_calls(self) -> StepCalls:
-        """All ends of steps."""
-        return StepCalls(*_columns(self.steps))
-
-
-def record(case: Case) -> _Record:
-    """Run and keep what the kernels were given."""
-    kept = _Record()
-    with _replaced(specialised=kept.specialised):
-        case.run()
-    return kept
+    with _replaced(specialised=noting):
+        timed.run()
+    return StageCalls(*_columns(stages)), StepCalls(*_columns(steps))
 
 
 def _columns(rows: list[tuple[Any, ...]]) -> list[Any]:
@@ -218,82 +194,66 @@ def _columns(rows: list[tuple[Any, ...]]) -> list[Any]:
     return [np.array(column) for column in zip(*rows, strict=True)]
 
 
-def _tree(case: Case) -> tuple[Tree, ExudynTree]:
-    tree = tree_of(case.linkage)
-    if isinstance(tree, str) or not isinstance(case.accuracy, ExudynTree):
-        raise InputError(f"{case.name} is no run of the open tree")
-    return tree, case.accuracy
+def _tree(timed: TimedRun) -> tuple[Tree, ExudynTree]:
+    tree = tree_of(timed.linkage)
+    if isinstance(tree, str) or not isinstance(timed.engine, ExudynTree):
+        raise InputError(f"{timed.name} is no run of the open tree")
+    return tree, timed.engine
 
 
-def _timed_loop(case: Case, loop: Callable[[TreeSystem, Book], None], unaware: bool) -> float:
-    """Wall time, s, of a compiled loop on a new system and book."""
-    tree, accuracy = _tree(case)
-    book = recorder_of(case.linkage, case.start, case.plan).book
-    if unaware:
-        book.packed.joints["wear_coefficient"] = 0.0
-    system = engine.system_of(tree, case.linkage, accuracy.longest(case.plan.cycle))
-    began = clock.perf_counter()
-    loop(system, book)
-    return clock.perf_counter() - began
+def kernel_times(
+    timed: TimedRun, stages: StageCalls, steps: StepCalls, repeats: int
+) -> tuple[list[float], dict[str, float]]:
+    """Wall times of the kernels over a run, s: medians of loops that run in turn.
 
-
-def kernel_times(case: Case, kept: _Record, repeats: int) -> dict[str, float]:
-    """Wall times of the kernels and their parts over a run, s: medians, loops in turn."""
-    tree, _ = _tree(case)
-    stages, steps = kept.stage_calls, kept.step_calls
+    Returns
+    -------
+    list of float
+        Time of each of ``STAGE_PARTS`` with those before it.
+    dict of str to float
+        Time of each part of the end of a step alone; the last is that by which the whole is
+        above its parts.
+    """
+    tree, settings = _tree(timed)
     out = np.zeros(len(tree.links))
+    longest = settings.longest(timed.plan.cycle)
 
-    def stage(forces: bool, contacts: bool) -> Callable[[TreeSystem, Book], None]:
-        return lambda system, book: replay_stages(system, book, stages, out, forces, contacts)
+    def wall(replay: Any, *arguments: Any) -> float:
+        book = recorder_of(timed.linkage, timed.start, timed.plan).book
+        system = engine.system_of(tree, timed.linkage, longest)
+        began = clock.perf_counter()
+        replay(system, book, *arguments)
+        return clock.perf_counter() - began
 
-    def step(count: int, whole: bool = False, sums: bool = True) -> Callable[..., None]:
-        parts = StepParts(sums and count > 0, count > 1, count > 2, count > 3, count > 4, whole)
-        return lambda system, book: replay_steps(system, book, steps, parts)
-
-    loops: dict[str, Callable[[TreeSystem, Book], None]] = {
-        "stage": stage(True, True),
-        "placed": stage(False, False),
-        "placed and contacts": stage(False, True),
-        "nothing": step(0),
-        "sums": step(1),
-        "to bodies": step(2),
-        "to contact": step(3),
-        "to series": step(4),
-        "to the next step": step(5),
-        "whole": step(0, whole=True),
+    loops: list[tuple[Any, ...]] = [
+        *((replay_stages, stages, out, part) for part in range(len(STAGE_PARTS))),
+        *((replay_steps, steps, part, True) for part in range(len(STEP_PARTS))),
         # Without doses there is nothing to deposit.
-        "to contact, no sums": step(3, sums=False),
-        "to series, no sums": step(4, sums=False),
-    }
-    walls: dict[str, list[float]] = {name: [] for name in loops}
-    for repeat in range(repeats + 1):
-        for name, loop in loops.items():
-            spent = _timed_loop(case, loop, name.endswith("no sums"))
-            # The first round compiles.
-            if repeat > 0:
-                walls[name].append(spent)
-    found = {name: median(spent) for name, spent in walls.items()}
-    series = found["to series, no sums"] - found["to contact, no sums"]
-    return {
-        "forces": found["stage"],
-        "contacts": found["placed and contacts"] - found["placed"],
-        "steps": found["whole"] - found["nothing"],
-        "doses and energies": found["sums"] - found["nothing"],
-        "bodies and drives": found["to bodies"] - found["sums"],
-        "contact state": found["to contact"] - found["to bodies"],
-        "series and peaks": series,
-        "wear maps": found["to series"] - found["to contact"] - series,
-        "choice of the next step": found["to the next step"] - found["to series"],
-        "the whole above its parts": found["whole"] - found["to the next step"],
+        *((replay_steps, steps, part, False) for part in (3, 4)),
+    ]
+    # The first round compiles.
+    walls = [[wall(*loop) for loop in loops] for _ in range(repeats + 1)][1:]
+    found = [median(column) for column in zip(*walls, strict=True)]
+    count = len(STAGE_PARTS)
+    whole, contact, series = found[count:-2], found[-2], found[-1]
+    parts = dict(zip(STEP_PARTS[1:], np.diff(whole).tolist(), strict=True))
+    observed = parts.pop("series, peaks and maps")
+    after = {name: parts.pop(name) for name in ("choice of the next step", "whole")}
+    return found[:count], {
+        **parts,
+        "series and peaks": series - contact,
+        "wear maps": observed - (series - contact),
+        "choice of the next step": after["choice of the next step"],
+        "the whole above its parts": after["whole"],
     }
 
 
-def idle_wall(case: Case, solver: Any, forces: bool, steps: bool) -> tuple[float, int]:
+def idle_wall(timed: TimedRun, solver: Any, forces: bool, steps: bool) -> tuple[float, int]:
     """Wall time, s, of ``_IDLE_STEPS`` steps of Exudyn's with idle functions or without.
 
     Returns also how often the force function was called.
     """
-    tree, _ = _tree(case)
+    tree, _ = _tree(timed)
     out = np.zeros(len(tree.links))
     calls = 0
 
@@ -304,7 +264,7 @@ def idle_wall(case: Case, solver: Any, forces: bool, steps: bool) -> tuple[float
 
     # Exudyn takes 0 for no function.
     function: Any = count if forces else 0
-    model = assemble(tree, case.linkage, case.start, function)
+    model = assemble(tree, timed.linkage, timed.start, function)
     if steps:
         model.system.SetPreStepUserFunction(lambda system, t: True)
         model.system.SetPostStepUserFunction(lambda system, t: True)
@@ -320,80 +280,60 @@ def idle_wall(case: Case, solver: Any, forces: bool, steps: bool) -> tuple[float
     return spent, calls
 
 
-def call_costs(case: Case) -> tuple[float, float]:
-    """What Exudyn needs to call Python, s: a force, and the functions of one step.
+def call_costs(timed: TimedRun) -> tuple[float, float]:
+    """Time that Exudyn needs to call Python, s: for a force, and for the functions of a step.
 
     Differences of the least times: whatever disturbs them only adds.  Explicit Euler has
     the least work beside the calls of a step.
     """
     five, euler = exu.DynamicSolverType.DOPRI5, exu.DynamicSolverType.ExplicitEuler
-    idle: list[tuple[float, ...]] = []
-    calls = 1
-    for _ in range(_IDLE_REPEATS):
-        with_forces, calls = idle_wall(case, five, forces=True, steps=False)
-        idle.append(
-            (
-                with_forces,
-                idle_wall(case, five, forces=False, steps=False)[0],
-                idle_wall(case, euler, forces=False, steps=True)[0],
-                idle_wall(case, euler, forces=False, steps=False)[0],
-            )
-        )
-    force, no_force, step, no_step = (min(column) for column in zip(*idle, strict=True))
+    kinds = ((five, True, False), (five, False, False), (euler, False, True), (euler, False, False))
+    idle = [[idle_wall(timed, *kind) for kind in kinds] for _ in range(_IDLE_REPEATS)]
+    calls = idle[0][0][1]
+    force, no_force, step, no_step = (
+        min(wall for wall, _ in column) for column in zip(*idle, strict=True)
+    )
     return (force - no_force) / calls, (step - no_step) / _IDLE_STEPS
 
 
-def profile(case: Case, repeats: int, progress: Progress) -> Profile:
+def profile(timed: TimedRun, repeats: int, told: Told) -> Profile:
     """Find where the time of a run of the open tree goes."""
-    progress(f"{case.name}: recorded", 0.0)
-    case.warm_up()
-    kept = record(case)
+    told(f"{timed.name}: recorded", 0.0)
+    warm_up(timed)
+    stages, steps = record(timed)
     overhead = clock_overhead()
     shares: list[float] = []
     inside: list[tuple[float, float]] = []
     plain: list[Timing] = []
     for repeat in range(repeats):
-        progress(f"{case.name}: timed", 0.1 + 0.5 * repeat / repeats)
-        plain += time_cases([case], 1, lambda name, part: None)
-        force, before, after = inside_calls(case)
-        ends = before.seconds(overhead) + after.seconds(overhead)
-        inside.append((force.seconds(overhead), ends))
-        shares.append(float(case.run().diagnostics["share_mass_matrix"]))
-    progress(f"{case.name}: kernels", 0.6)
-    kernels = kernel_times(case, kept, repeats)
-    progress(f"{case.name}: calls", 0.9)
-    call, step_call = call_costs(case)
+        told(f"{timed.name}: timed", 0.1 + 0.5 * repeat / repeats)
+        plain += time_runs([timed], 1, lambda name, part: None)
+        inside.append(inside_calls(timed, overhead))
+        shares.append(float(timed.run().diagnostics["share_mass_matrix"]))
+    told(f"{timed.name}: kernels", 0.6)
+    (placed, with_contacts, forces), ends = kernel_times(timed, stages, steps, repeats)
+    told(f"{timed.name}: calls", 0.9)
+    call, step_call = call_costs(timed)
     timing = replace(plain[0], walls=tuple(wall for each in plain for wall in each.walls))
     force_inside, step_inside = (median(column) for column in zip(*inside, strict=True))
-    evaluations, attempts = len(kept.stages), timing.attempts
-    stages: tuple[tuple[str, Kind, float], ...] = (
-        ("calls of the force function", "Python", evaluations * call),
-        ("inside it, up to the kernel", "Python", force_inside - kernels["forces"]),
-        ("calls before and after a step", "Python", attempts * step_call),
-        ("inside them, up to the kernel", "Python", step_inside - kernels["steps"]),
-        ("forces: contacts", "kernel", kernels["contacts"]),
-        ("forces: all else", "kernel", kernels["forces"] - kernels["contacts"]),
-        *(
-            (f"end of step: {name}", KERNEL, kernels[name])
-            for name in (
-                "doses and energies",
-                "bodies and drives",
-                "contact state",
-                "series and peaks",
-                "wear maps",
-                "choice of the next step",
-                "the whole above its parts",
-            )
-        ),
-    )
+    calls, contacts = len(stages.time), with_contacts - placed
     matrix = median(shares) * timing.wall
-    rest = timing.wall - matrix - sum(seconds for _, _, seconds in stages)
+    known: list[tuple[str, Kind, float]] = [
+        ("calls of the force function", "Python", calls * call),
+        ("inside it, up to the kernel", "Python", force_inside - forces),
+        ("calls before and after a step", "Python", timing.attempts * step_call),
+        ("inside them, up to the kernel", "Python", step_inside - sum(ends.values())),
+        ("forces: contacts", "kernel", contacts),
+        ("forces: all else", "kernel", forces - contacts),
+        *((f"end of step: {name}", "kernel", seconds) for name, seconds in ends.items()),
+    ]
+    rest = timing.wall - matrix - sum(seconds for _, _, seconds in known)
+    exudyn: list[tuple[str, Kind, float]] = [
+        ("mass matrix and its factors", "Exudyn", matrix),
+        ("tree, integrator, steps", "Exudyn", rest),
+    ]
     return Profile(
         timing,
-        evaluations,
-        (
-            Stage("mass matrix and its factors", "Exudyn", matrix),
-            Stage("tree, integrator, steps", "Exudyn", rest),
-            *(Stage(*stage) for stage in stages),
-        ),
+        calls,
+        tuple(PartOfRun(*part, part[2] / timing.wall) for part in (*exudyn, *known)),
     )

@@ -1,1 +1,1 @@
-"""Engine against engine, from one start."""
+"""Cross-check of the engines from one start."""

@@ -1,4 +1,4 @@
-"""What a cross-check keeps of a run, and the distance between two runs."""
+"""Traces that a cross-check keeps of runs, and the distance between two of them."""
 
 import math
 from collections.abc import Iterator
@@ -10,28 +10,41 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 
 from presswear.engines.base import Run
-from presswear.record.observe import SERIES_FIXED, SERIES_JOINT
-from presswear.tools.errors import RunFailed
+from presswear.linkage.elements import Linkage
+from presswear.trials.runs import contacts_of, finished
 
 Array = NDArray[np.float64]
 
 GRID = 2001
 """Common times at which series are compared."""
+PEAK_REACH = 3
+"""Samples on each side of the greatest that the curve through a peak takes in."""
 
 
 @dataclass(frozen=True)
-class Touch:
-    """A touch: joint, time, s, closing speed, m/s, and greatest force, N."""
+class Touchdown:
+    """A touchdown, and the contact that it begins.
+
+    Attributes
+    ----------
+    joint : int
+    time : float
+        s.
+    closing_speed : float
+        m/s.
+    peak_force : float
+        Greatest force of the contact, N.
+    """
 
     joint: int
-    onset: float
+    time: float
     closing_speed: float
     peak_force: float
 
 
 @dataclass(frozen=True)
 class Trace:
-    """What is compared of a run.
+    """The parts of a run that are compared.
 
     Attributes
     ----------
@@ -41,14 +54,14 @@ class Trace:
         Position along the watched direction, m, and velocity, m/s.
     eccentricity : ndarray, shape (n, 2 joints)
         m.
-    touches : tuple of Touch
+    touchdowns : tuple of Touchdown
         In the order of their times.
     """
 
     time: Array
     slider: Array
     eccentricity: Array
-    touches: tuple[Touch, ...]
+    touchdowns: tuple[Touchdown, ...]
 
     def slider_at(self, time: Array) -> tuple[Array, Array]:
         """Position, m, and velocity, m/s, at other times of the run."""
@@ -58,31 +71,35 @@ class Trace:
 
 @dataclass(frozen=True)
 class Difference:
-    """How far a run's slider is from the reference over time, m."""
+    """Distance of a run's slider from the reference over time, m."""
 
     label: str
     time: Array
     slider: Array
 
 
-def touches_of(run: Run) -> tuple[Touch, ...]:
-    """Recorded touches of all joints and those that still last, in order of time."""
+def slider_at_end(linkage: Linkage, run: Run) -> Array:
+    """Position, m, and velocity, m/s, along the watched direction at the end of a run."""
+    i = 3 * linkage.index(linkage.probe.body)
+    along = np.array([math.cos(linkage.probe.direction), math.sin(linkage.probe.direction)])
+    return np.array([state[i : i + 2] @ along for state in (run.end.position, run.end.velocity)])
+
+
+def touchdowns_of(run: Run) -> tuple[Touchdown, ...]:
+    """Touchdowns of all recorded contacts and of those that still last, in order of time."""
     found = []
-    book, rows = run.recorder.book, run.recorder.rows
-    for k in range(book.memory.size):
-        spans = [(row[0], row[1], row[2]) for row in run.recorder.episodes(k).tolist()]
-        last = book.memory[k]
+    recorder = run.recorder
+    time, book = recorder.series("time"), recorder.book
+    for k, last in enumerate(book.memory):
+        contacts, force = contacts_of(run, k), recorder.series("normal", k)
+        columns = (contacts[name].tolist() for name in ("touchdown", "separation", "closing_speed"))
+        spans = list(zip(*columns, strict=True))
         if book.onset[k] > 0.0 and not last["started_closed"]:
             spans.append((float(last["touchdown_time"]), math.inf, float(book.onset[k])))
-        force = rows[:, SERIES_FIXED + SERIES_JOINT * k + 3]
-        for onset, end, closing in spans:
-            within = slice(*np.searchsorted(rows[:, 0], [onset, end]))
-            found.append(Touch(k, onset, closing, peak(rows[within, 0], force[within])))
-    return tuple(sorted(found, key=lambda touch: touch.onset))
-
-
-PEAK_REACH = 3
-"""Samples on each side of the greatest that the curve through a peak takes in."""
+        for begin, end, closing in spans:
+            within = slice(*np.searchsorted(time, [begin, end]))
+            found.append(Touchdown(k, begin, closing, peak(time[within], force[within])))
+    return tuple(sorted(found, key=lambda touchdown: touchdown.time))
 
 
 def peak(time: Array, value: Array) -> float:
@@ -110,15 +127,21 @@ def peak(time: Array, value: Array) -> float:
 
 
 def trace_of(run: Run) -> Trace:
-    """Copy what is compared of a run; RunFailed if it failed."""
-    if run.status == "failed":
-        raise RunFailed(run.message)
-    rows = run.recorder.rows
-    joints = run.recorder.book.memory.size
-    columns = [SERIES_FIXED + SERIES_JOINT * k + axis for k in range(joints) for axis in range(2)]
+    """Copy the parts of a run that are compared; RunFailed if it failed."""
+    recorder = finished(run).recorder
     # The series holds displacements, and a disturbed start is displaced already.
-    slider = rows[:, 1:3] + [float(run.recorder.book.record["start"][0]), 0.0]
-    return Trace(rows[:, 0].copy(), slider, rows[:, columns], touches_of(run))
+    position = recorder.series("displacement") + float(recorder.book.record["start"][0])
+    eccentricity = [
+        recorder.series(name, k)
+        for k in range(recorder.book.memory.size)
+        for name in ("eccentricity_x", "eccentricity_y")
+    ]
+    return Trace(
+        recorder.series("time").copy(),
+        np.column_stack([position, recorder.series("velocity")]),
+        np.array(eccentricity).reshape(-1, position.size).T,
+        touchdowns_of(run),
+    )
 
 
 def common_times(one: Trace, other: Trace) -> Array:
@@ -141,32 +164,29 @@ def velocity_difference(reference: Trace, other: Trace, end: float) -> float:
 
 
 def matched(
-    reference: tuple[Touch, ...], other: tuple[Touch, ...]
-) -> Iterator[tuple[Touch, Touch | None]]:
-    """Each reference touch with the one of the same number in the same joint, if any."""
-    queues = {k: iter([touch for touch in other if touch.joint == k]) for k in _joints(reference)}
-    for touch in reference:
-        yield touch, next(queues[touch.joint], None)
+    reference: tuple[Touchdown, ...], other: tuple[Touchdown, ...]
+) -> Iterator[tuple[Touchdown, Touchdown | None]]:
+    """Each reference touchdown with that of the same number in the same joint, if any."""
+    joints = {touchdown.joint for touchdown in reference}
+    queues = {k: iter([own for own in other if own.joint == k]) for k in joints}
+    for touchdown in reference:
+        yield touchdown, next(queues[touchdown.joint], None)
 
 
-def _joints(touches: tuple[Touch, ...]) -> set[int]:
-    return {touch.joint for touch in touches}
+def touchdown_differences(reference: tuple[Touchdown, ...], other: tuple[Touchdown, ...]) -> Array:
+    """Differences of matched touchdowns, shape (n, 3): time, s, and relative speed and force.
 
-
-def touch_differences(reference: tuple[Touch, ...], other: tuple[Touch, ...]) -> Array:
-    """Differences of matched touches, shape (n, 3): time, s, and relative speed and force.
-
-    A touch that the other run lacks is infinitely far away.
+    A touchdown that the other run lacks is infinitely far away.
     """
     rows = [
         [math.inf] * 3
         if twin is None
         else [
-            abs(twin.onset - touch.onset),
-            abs(twin.closing_speed / touch.closing_speed - 1.0),
-            abs(twin.peak_force / touch.peak_force - 1.0),
+            abs(twin.time - own.time),
+            abs(twin.closing_speed / own.closing_speed - 1.0),
+            abs(twin.peak_force / own.peak_force - 1.0),
         ]
-        for touch, twin in matched(reference, other)
+        for own, twin in matched(reference, other)
     ]
     return np.array(rows).reshape(-1, 3)
 

@@ -2,10 +2,10 @@
 
 from collections.abc import Iterator
 
-from presswear.trials.hard.case import Case
+from presswear.trials.hard.case import HardCase
 
 
-def hard_cases() -> Iterator[Case]:
+def hard_cases() -> Iterator[HardCase]:
     """Every hard case, long ones included."""
     from presswear.trials.hard.bodies import body_cases
     from presswear.trials.hard.drift import drift_cases

@@ -12,8 +12,9 @@ from presswear.linkage.press import Press
 from presswear.record.recorder import Recorder
 from presswear.record.tracker import Tracker
 from presswear.scene.scene import Scene
-from presswear.trials.hard.case import Case, Finding, energy_of, guarded, ran
-from presswear.trials.hard.scenes import BASE
+from presswear.trials.hard.case import HardCase, energy_of, ran
+from presswear.trials.hard.scenes import BASE, in_both
+from presswear.trials.runs import Check, guarded
 
 FAST = 40.0 * math.pi
 """Crank speed of the many cycles, rad/s: a cycle takes 50 ms and some hundred touches."""
@@ -40,41 +41,35 @@ class _Memory(Tracker):
 
 
 def many_cycles(scene: Scene, cycles: int) -> tuple[Run, float]:
-    """A run, and by how much the process grew after a tenth of it, MB."""
-    watched = _Memory()
-    plan = guarded(scene.mechanism.period, cycles, LONGEST)
-    plan = replace(plan, trackers=(*plan.trackers, watched))
-    run = ran(scene.linkage(), start_of(scene), scene.solver.over(scene.mechanism.period), plan)
-    return run, watched.sizes[-1] - watched.sizes[cycles // 10]
+    """Run many cycles, and see by how much the process grew after a tenth of them, MB."""
+    memory, period = _Memory(), scene.mechanism.period
+    plan = guarded(period, cycles, LONGEST)
+    plan = replace(plan, trackers=(*plan.trackers, memory))
+    run = ran(scene.linkage(), start_of(scene), scene.solver.over(period), plan)
+    return run, memory.sizes[-1] - memory.sizes[cycles // 10]
 
 
-def drifts(scene: Scene, cycles: int) -> Iterator[Finding]:
-    """Compares many cycles with a tenth of them."""
+def drifts(cycles: int, scene: Scene) -> Iterator[Check]:
+    """Compare many cycles with a tenth of them."""
     engine = scene.solver.word
     first, _ = many_cycles(scene, cycles // 10)
     run, grown = many_cycles(scene, cycles)
     yield energy_of(run, engine)
-    yield Finding("cycles missing", cycles - len(run.recorder.cycles), 0.0)
-    yield Finding("memory grown (MB)", grown, 8.0)
+    yield Check("cycles missing", cycles - len(run.recorder.cycles), 0.0)
+    yield Check("memory grown (MB)", grown, 8.0)
     if engine == "dae":
         early, late = (float(r.diagnostics["constraint_error_m"]) for r in (first, run))
-        yield Finding("greatest |Phi| / clearance", late / scene.bearings.clearance, 1e-5)
-        yield Finding("|Phi| over that of a tenth of the cycles", late / early, GROWTH)
+        yield Check("greatest |Phi| / clearance", late / scene.bearings.clearance, 1e-5)
+        yield Check("|Phi| over that of a tenth of the cycles", late / early, GROWTH)
     early, late = (abs(float(r.diagnostics["energy_residual_J"])) for r in (first, run))
     exchanged = float(run.diagnostics["drive_exchange_J"])
     per_cycle = (late / 10.0 - early) / (exchanged / 10.0)
-    yield Finding("residual a cycle, growth / exchanged", per_cycle, 1e-8)
+    yield Check("residual a cycle, growth / exchanged", per_cycle, 1e-8)
 
 
-def drift_cases() -> Iterator[Case]:
+def drift_cases() -> Iterator[HardCase]:
     """A hundred cycles, and 2,000."""
+    fast = replace(BASE, mechanism=Press(speed=FAST))
     for cycles, long in ((100, False), (2000, True)):
-        for engine in ("exudyn", "dae"):
-            scene = replace(BASE, mechanism=Press(speed=FAST), engine=engine)
-            yield Case(
-                f"{cycles:,} cycles at 40 pi",
-                "errors add up",
-                scene.solver.word,
-                partial(drifts, scene, cycles),
-                long=long,
-            )
+        name = f"{cycles:,} cycles at 40 pi"
+        yield from in_both(name, "errors add up", fast, partial(drifts, cycles), long=long)

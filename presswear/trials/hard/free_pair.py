@@ -7,15 +7,17 @@ from numpy.typing import NDArray
 
 from presswear.engines.base import Start
 from presswear.engines.settings import InHouse
-from presswear.linkage.elements import Attachment, Body, ClearanceJoint, Linkage, Probe
+from presswear.linkage.elements import Attachment, Body, ClearanceJoint, Linkage
 from presswear.linkage.laws import NormalLaw
 from presswear.linkage.surface import Surface, bin_centres
 from presswear.physics.packed import mass_of
-from presswear.trials.hard.case import guarded, ran
+from presswear.trials.hard.case import ran
+from presswear.trials.runs import guarded
+from presswear.trials.verify.references import free_bodies
 
 Array = NDArray[np.float64]
 
-CLEARANCE = 0.8e-3
+CLEARANCE = 0.8e-3  # m
 BINS = 360
 
 
@@ -43,23 +45,14 @@ def worn_pair() -> tuple[Linkage, Start]:
             2e-4 * np.exp(-(((angle - 4.0) / 0.25) ** 2)) + 5e-5 * (1.0 + np.cos(5.0 * angle))
         ),
     )
-    linkage = Linkage(
-        "worn pair",
-        (Body("ring", 0.3, 4e-4), Body("shaft", 0.1, 1e-4)),
-        (),
-        (),
-        (),
-        (joint,),
-        Probe("shaft", 0.0),
-        gravity=0.0,
-    )
+    bodies = Body("ring", 0.3, 4e-4), Body("shaft", 0.1, 1e-4)
     position = np.array([-0.01, 0.005, 0.0, 0.004, -0.006, 0.0])
     velocity = np.array([-0.1, 0.05, 9.0, 0.3, -0.15, -14.0])
-    return linkage, Start(position, velocity)
+    return free_bodies("worn pair", bodies, (joint,), "shaft"), Start(position, velocity)
 
 
 def angular_momentum(linkage: Linkage, state: Start) -> float:
-    """About the origin, kg m^2/s."""
+    """Angular momentum of a state about the origin, kg m^2/s."""
     m = mass_of(linkage)
     q, v = state.position.reshape(-1, 3), state.velocity.reshape(-1, 3)
     p = m.reshape(-1, 3) * v
@@ -73,13 +66,13 @@ def spin_scale(linkage: Linkage, state: Start) -> float:
 
 
 def kinetic_energy(linkage: Linkage, state: Start) -> float:
-    """J."""
+    """Kinetic energy of a state, J."""
     return 0.5 * float(np.sum(mass_of(linkage) * state.velocity**2))
 
 
 @dataclass(frozen=True)
 class Kept:
-    """What was kept over a run.
+    """Changes over a run, and its contacts.
 
     Attributes
     ----------
@@ -96,7 +89,7 @@ class Kept:
 
 
 def kept(tolerance: float, duration: float) -> Kept:
-    """What the pair keeps over a time, s, in ``dae``."""
+    """Run the pair for a time, s, in ``dae``, and see what it keeps."""
     linkage, start = worn_pair()
     run = ran(linkage, start, InHouse(integration_tolerance=tolerance), guarded(duration))
     before = kinetic_energy(linkage, start)

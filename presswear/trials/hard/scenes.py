@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -17,20 +17,22 @@ from presswear.linkage.press import Press
 from presswear.linkage.slider_crank import SliderCrank
 from presswear.linkage.surface import Surface, bin_centres
 from presswear.scene.catalog import slider_crank, wear_times
+from presswear.scene.ideal import ideal_slider
 from presswear.scene.scene import CONVENTIONS, Scene
 from presswear.tools.errors import InputError
-from presswear.trials.hard.case import PATIENCE, Case, Finding, energy_of, guarded, ran
+from presswear.trials.hard.case import HardCase, energy_of, ran
+from presswear.trials.runs import PATIENCE, Check, contacts_of, guarded, order_of
 
 Array = NDArray[np.float64]
 
 BASE = replace(wear_times(), wears=0)
 """The press with clearance at A and C."""
 CLEARANCES = (1e-3, 1e-4, 1e-5, 1e-6)
-"""Of the approach to the ideal joint, m."""
+"""Clearances of the approach to the ideal joint, m."""
 LEAST_CLEARANCE = 1e-9
 """The smallest that a scene allows, m."""
 APPROACH = 0.1
-"""How long the press runs in it, s: half of a stroke and fifty touches."""
+"""How long the press runs in it, s: half of a stroke and fifty contacts."""
 BINS = 360
 RADIAL_ENERGY = 1e-4
 """Energy that may be missing on worn surfaces that meet radially, part of that exchanged.
@@ -65,40 +67,32 @@ def run_scene(
     worn: Worn | None = None,
     patience: float = PATIENCE,
 ) -> Run:
-    """A cycle of a scene, or some seconds, by its engine."""
-    plan = guarded(duration or scene.mechanism.period, patience=patience)
-    return ran(
-        scene.linkage(worn),
-        start or start_of(scene),
-        scene.solver.over(scene.mechanism.period),
-        plan,
-    )
+    """Run a cycle of a scene, or some seconds, by its engine."""
+    period = scene.mechanism.period
+    plan = guarded(duration or period, patience=patience)
+    return ran(scene.linkage(worn), start or start_of(scene), scene.solver.over(period), plan)
 
 
-def balanced(
-    scene: Scene, duration: float = 0.0, start: Start | None = None, worn: Worn | None = None
-) -> Iterator[Finding]:
-    """Runs, and its energy adds up."""
-    run = run_scene(scene, duration, start, worn)
-    yield energy_of(run, scene.solver.word)
+def balanced(scene: Scene, duration: float = 0.0, start: Start | None = None) -> Iterator[Check]:
+    """Run, and see that the energy adds up."""
+    yield energy_of(run_scene(scene, duration, start), scene.solver.word)
 
 
 def in_both(
     name: str,
     hard: str,
     scene: Scene,
-    duration: float = 0.0,
-    start: Start | None = None,
-    worn: Worn | None = None,
-) -> Iterator[Case]:
+    checks: Callable[[Scene], Iterator[Check]] = balanced,
+    refusal: str = "",
+    long: bool = False,
+) -> Iterator[HardCase]:
     """A scene under both engines."""
     for engine in ("exudyn", "dae"):
         chosen = replace(scene, engine=engine)
-        findings = partial(balanced, chosen, duration, start, worn)
-        yield Case(name, hard, chosen.solver.word, findings)
+        yield HardCase(name, hard, chosen.solver.word, partial(checks, chosen), refusal, long)
 
 
-def law_cases() -> Iterator[Case]:
+def law_cases() -> Iterator[HardCase]:
     """Laws, sizes and speeds at the ends of their ranges."""
     for value in (0.05, 1.0):
         hard = "damping as strong as the law allows" if value < 1.0 else "nothing calms the pins"
@@ -114,7 +108,8 @@ def law_cases() -> Iterator[Case]:
     yield from in_both("c = 5 mm", "hard blows", bearings(clearance=5e-3))
     for clearance in (1e-6, 1e-9):
         hard = "penetration exceeds the clearance" if clearance < 1e-8 else "touches follow fast"
-        yield from in_both(f"c = {clearance:g} m", hard, bearings(clearance=clearance), APPROACH)
+        checks = partial(balanced, duration=APPROACH)
+        yield from in_both(f"c = {clearance:g} m", hard, bearings(clearance=clearance), checks)
     yield from in_both("speed 0.1 pi", "a cycle of 20 s, pins at rest", turning(0.1 * math.pi))
     yield from in_both("speed 40 pi", "blows of 10 kN", turning(40.0 * math.pi))
     for joint in "AC":
@@ -125,16 +120,12 @@ def law_cases() -> Iterator[Case]:
 def slider_distance(scene: Scene, clearance: float) -> float:
     """Greatest distance of the slider from that of the ideal press, m."""
     tight = replace(scene, bearings=replace(scene.bearings, clearance=clearance))
-    rows = run_scene(tight, APPROACH).recorder.rows
-    motion = tight.mechanism.ideal_motion(rows[:, 0])
-    linkage = tight.linkage()
-    x = 3 * linkage.index(linkage.probe.body)
-    direction = np.array([math.cos(linkage.probe.direction), math.sin(linkage.probe.direction)])
-    ideal = (motion.position[:, x : x + 2] - start_of(tight).position[x : x + 2]) @ direction
-    return float(np.abs(rows[:, 1] - ideal).max())
+    recorder = run_scene(tight, APPROACH).recorder
+    ideal = ideal_slider(tight, recorder.series("time"))[:, 0]
+    return float(np.abs(recorder.series("displacement") - ideal).max())
 
 
-def approach(scene: Scene) -> Iterator[Finding]:
+def approach(scene: Scene) -> Iterator[Check]:
     """The distance from the ideal press falls at first order in the clearance.
 
     What is left without clearance, a micrometre, is what the contacts give way.
@@ -142,18 +133,15 @@ def approach(scene: Scene) -> Iterator[Finding]:
     least = slider_distance(scene, LEAST_CLEARANCE)
     distances = [slider_distance(scene, clearance) for clearance in CLEARANCES]
     gone = np.array(distances) - least
-    order = float(np.polyfit(np.log(CLEARANCES), np.log(gone), 1)[0])
-    yield Finding("distance left at c = 1 nm (m)", least, 2e-6)
-    yield Finding("order of the distance from the ideal press in c, less 1", order - 1.0, 0.1)
-    yield Finding("distance / c at c = 1 um", distances[-1] / CLEARANCES[-1], 10.0)
+    order = order_of(CLEARANCES, gone.tolist())
+    yield Check("distance left at c = 1 nm (m)", least, 2e-6)
+    yield Check("order of the distance from the ideal press in c, less 1", order - 1.0, 0.1)
+    yield Check("distance / c at c = 1 um", distances[-1] / CLEARANCES[-1], 10.0)
 
 
-def approach_cases() -> Iterator[Case]:
+def approach_cases() -> Iterator[HardCase]:
     """Clearance towards nothing."""
-    hard = "the ideal joint is a limit, and a stiff one"
-    for engine in ("exudyn", "dae"):
-        scene = replace(BASE, engine=engine)
-        yield Case("c -> 0", hard, scene.solver.word, partial(approach, scene))
+    yield from in_both("c -> 0", "the ideal joint is a limit, and a stiff one", BASE, approach)
 
 
 def profiles() -> dict[str, tuple[str, Surface, Surface]]:
@@ -177,8 +165,8 @@ def profiles() -> dict[str, tuple[str, Surface, Surface]]:
     }
 
 
-def on_worn(scene: Scene, worn: Worn) -> Iterator[Finding]:
-    """Runs on worn surfaces, and its energy adds up."""
+def on_worn(scene: Scene, worn: Worn) -> Iterator[Check]:
+    """Run on worn surfaces, and see that the energy adds up."""
     run = run_scene(scene, worn=worn, patience=WORN_PATIENCE)
     found = energy_of(run, scene.solver.word)
     if scene.conventions.contact != "radial":
@@ -187,28 +175,26 @@ def on_worn(scene: Scene, worn: Worn) -> Iterator[Finding]:
     yield replace(found, bound=RADIAL_ENERGY)
     exchanged = float(run.diagnostics["drive_exchange_J"])
     made = max(-float(run.diagnostics["contact_loss_J"]), 0.0) / exchanged
-    yield Finding("energy that the radial law made / exchanged", made, MADE)
+    yield Check("energy that the radial law made / exchanged", made, MADE)
 
 
 STEEP = ("deeper than c", "radial")
 """Profile and law that end with a refusal."""
 
 
-def profile_cases() -> Iterator[Case]:
+def profile_cases() -> Iterator[HardCase]:
     """Worn profiles under both laws of contact."""
     for name, (hard, bearing, pin) in profiles().items():
         for conventions, law in (("paper", "radial"), ("refined", "foundation")):
-            worn = dict.fromkeys("AC", (bearing, pin))
-            for engine in ("exudyn", "dae"):
-                scene = replace(BASE, conventions=CONVENTIONS[conventions], engine=engine)
-                # A radial force over so steep a wall makes energy without end.
-                refusal = "made .* too steep" if (name, law) == STEEP else ""
-                findings = partial(on_worn, scene, worn)
-                yield Case(f"{name}, {law}", hard, scene.solver.word, findings, refusal)
+            scene = replace(BASE, conventions=CONVENTIONS[conventions])
+            # A radial force over so steep a wall makes energy without end.
+            refusal = "made .* too steep" if (name, law) == STEEP else ""
+            checks = partial(on_worn, worn=dict.fromkeys("AC", (bearing, pin)))
+            yield from in_both(f"{name}, {law}", hard, scene, checks, refusal)
 
 
 def displaced(scene: Scene, penetration: float, closing: float = 0.0) -> Start:
-    """Both pins at a penetration, m: rod 3 turned about B, rod 5 about E.
+    """A start with both pins at a penetration, m: rod 3 turned about B, rod 5 about E.
 
     Parameters
     ----------
@@ -237,31 +223,25 @@ def _axis(angle: float) -> Array:
     return np.array([math.cos(angle), math.sin(angle)])
 
 
-def met_together(scene: Scene, speed: float) -> Iterator[Finding]:
-    """Both joints touch within a picosecond, each at its closing speed."""
+def met_together(scene: Scene, speed: float) -> Iterator[Check]:
+    """See both joints touch within a picosecond, each at its closing speed."""
     run = run_scene(scene, start=displaced(scene, -1e-9, speed))
-    one, other = (run.recorder.episodes(k)[0] for k in range(2))
-    yield Finding("time between the two touches (s)", float(one[0] - other[0]), 1e-12)
-    worst = max(abs(float(row[2]) / speed - 1.0) for row in (one, other))
-    yield Finding("closing speed over that of the start, less 1", worst, 1e-5)
+    one, other = (contacts_of(run, k) for k in range(2))
+    apart = float(one["touchdown"][0] - other["touchdown"][0])
+    yield Check("time between the two touches (s)", apart, 1e-12)
+    worst = max(abs(float(own["closing_speed"][0]) / speed - 1.0) for own in (one, other))
+    yield Check("closing speed over that of the start, less 1", worst, 1e-5)
     yield energy_of(run, scene.solver.word)
 
 
-def start_cases() -> Iterator[Case]:
+def start_cases() -> Iterator[HardCase]:
     """Starts in contact and on the point of it."""
     for penetration in (1e-6, 1e-12):
-        yield from in_both(
-            f"start in contact, {penetration:g} m deep",
-            "no touch tells the closing speed",
-            BASE,
-            start=displaced(BASE, penetration),
-        )
-    for engine in ("exudyn", "dae"):
-        scene = replace(BASE, engine=engine)
-        hard = "two events in one step"
-        yield Case(
-            "both joints touch at once", hard, scene.solver.word, partial(met_together, scene, 0.1)
-        )
+        name = f"start in contact, {penetration:g} m deep"
+        checks = partial(balanced, start=displaced(BASE, penetration))
+        yield from in_both(name, "no touch tells the closing speed", BASE, checks)
+    together = partial(met_together, speed=0.1)
+    yield from in_both("both joints touch at once", "two events in one step", BASE, together)
 
 
 def closest_to_dead_point() -> Press:
@@ -277,7 +257,7 @@ def closest_to_dead_point() -> Press:
     return Press(length_5=long)
 
 
-def toggle_cases() -> Iterator[Case]:
+def toggle_cases() -> Iterator[HardCase]:
     """Positions in which two links are stretched."""
     hard = "rod 5 comes within 0.6 degrees of its dead point"
     scene = replace(BASE, mechanism=closest_to_dead_point())
@@ -286,26 +266,18 @@ def toggle_cases() -> Iterator[Case]:
     yield from in_both("rod as long as the crank", "the rod stands upright", flat)
 
 
-def refused(make: Scene, **changes: Any) -> Iterator[Finding]:
-    """Makes a scene that must be refused."""
-    replace(make, bearings=replace(make.bearings, **changes))
-    yield Finding("was not refused", math.nan, 0.0)
+def refused(make: Callable[[], object]) -> Iterator[Check]:
+    """Make something that must be refused."""
+    make()
+    yield Check("was not refused", math.nan, 0.0)
 
 
-def unassembled(press: Press | SliderCrank) -> Iterator[Finding]:
-    """Makes a scene of a mechanism that must be refused."""
-    replace(BASE, mechanism=press)
-    yield Finding("was not refused", math.nan, 0.0)
+def refusal_cases() -> Iterator[HardCase]:
+    """Values beyond the ranges are refused by name, value and range."""
 
+    def case(name: str, hard: str, pattern: str, make: Callable[[], object]) -> HardCase:
+        return HardCase(name, hard, "any", partial(refused, make), pattern)
 
-def too_fast(speed: float) -> Iterator[Finding]:
-    """Makes a press of a speed, rad/s, that must be refused."""
-    Press(speed=speed)
-    yield Finding("was not refused", math.nan, 0.0)
-
-
-def refusal_cases() -> Iterator[Case]:
-    """What lies beyond the ranges is refused by name, value and range."""
     beyond = {
         "restitution": (0.04, 1.01, math.nan),
         "friction": (-0.1, 0.81),
@@ -314,30 +286,21 @@ def refusal_cases() -> Iterator[Case]:
     }
     for key, values in beyond.items():
         for value in values:
-            pattern = re.escape(f"{key} = {value:g}") + ".*allowed is"
-            findings = partial(refused, BASE, **{key: value})
-            yield Case(f"{key} = {value:g}", "beyond its range", "any", findings, pattern)
+            name, make = f"{key} = {value:g}", partial(bearings, **{key: value})
+            yield case(name, "beyond its range", re.escape(name) + ".*allowed is", make)
     for speed in (0.09 * math.pi, 41.0 * math.pi):
         pattern = re.escape(f"speed = {speed:g} rad/s: allowed is")
-        yield Case(
-            f"speed {speed / math.pi:g} pi",
-            "beyond its range",
-            "any",
-            partial(too_fast, speed),
-            pattern,
-        )
-    shorter = replace(closest_to_dead_point(), length_5=closest_to_dead_point().length_5 - 1e-5)
-    yield Case(
-        "toggle, one step nearer",
-        "a dead point",
-        "any",
-        partial(unassembled, shorter),
-        "crank angle .* joint E does not close or is at a dead point",
-    )
+        make = partial(turning, speed)
+        yield case(f"speed {speed / math.pi:g} pi", "beyond its range", pattern, make)
+    closest = closest_to_dead_point()
+    shorter = replace(closest, length_5=closest.length_5 - 1e-5)
+    pattern = "crank angle .* joint E does not close or is at a dead point"
+    make = partial(replace, BASE, mechanism=shorter)
+    yield case("toggle, one step nearer", "a dead point", pattern, make)
 
 
-def scene_cases() -> Iterator[Case]:
-    """All of them."""
+def scene_cases() -> Iterator[HardCase]:
+    """All hard cases of the press."""
     for cases in (law_cases, approach_cases, profile_cases, start_cases, toggle_cases):
         yield from cases()
     yield from refusal_cases()

@@ -1,1 +1,1 @@
-"""Speed against error: what each engine and integrator gives for its time."""
+"""Precision: speed against error of every engine and integrator."""

@@ -1,4 +1,4 @@
-"""Beyond the horizon: growth of a disturbance, and statistics against their cost.
+"""Statistics beyond the horizon: growth of a disturbance, and statistics against their cost.
 
 Trajectories are no quantity there: two runs that start 1e-9 m apart part within a cycle.
 What remains are statistics, and the question is which setting is cheap and yet wrong by
@@ -8,8 +8,8 @@ less than a run's own scatter.
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from statistics import median
-from typing import Any
 
 import numpy as np
 
@@ -20,45 +20,42 @@ from presswear.record.sampling import half_width, map_batches, map_errors
 from presswear.record.tracker import Telling
 from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError, RunFailed
-from presswear.trials.precision.extent import Extent
-from presswear.trials.precision.growth import Growth, measure_growth, number
-from presswear.trials.precision.ladder import finest, ladder, method_as_dict, method_from_dict
-from presswear.trials.precision.points import Method
+from presswear.trials.precision.extent import PrecisionExtent
+from presswear.trials.precision.growth import Growth, measure_growth
+from presswear.trials.precision.methods import Method, by_family, finest, statistics_methods
 from presswear.trials.precision.statistic import (
     Draws,
+    Names,
     Statistic,
     StepError,
-    as_plain,
     honest_cycles,
     is_for_wear,
     names_of,
     statistics_of,
     step_errors,
 )
-
-Progress = Callable[[str, float], None]
-"""Told what is being run and which part of all is done, 0 .. 1."""
+from presswear.trials.runs import Told, part_of
 
 _GROWTH_SHARE = 0.1
 """Part of the work that the growth of a disturbance takes, roughly."""
 
 
 @dataclass(frozen=True)
-class Size:
-    """How much is run.
+class ChaosExtent:
+    """How much is run beyond the horizon.
 
     Attributes
     ----------
     pairs : int
         Pairs of neighbouring starts whose distance is followed.
     duration : int
-        Over so many cycles; the first over one.
+        Cycles over which it is; one for the first.
     starts, cycles : int
-        Of each method.
+        Those of each method.
     reference : int
-        So many times the starts, of the finest method.
+        So many times the starts for the finest method.
     methods : callable
-        Picks from the ladder.
+        Picks from the methods.
     """
 
     pairs: int
@@ -80,8 +77,8 @@ def _is_cheap(method: Method) -> bool:
     return method.value in _FEW.get(method.family, ())
 
 
-QUICK = Size(pairs=2, duration=2, starts=2, cycles=26, reference=2, methods=_is_cheap)
-FULL = Size(pairs=6, duration=3, starts=4, cycles=30)
+QUICK = ChaosExtent(pairs=2, duration=2, starts=2, cycles=26, reference=2, methods=_is_cheap)
+FULL = ChaosExtent(pairs=6, duration=3, starts=4, cycles=30)
 
 
 @dataclass(frozen=True)
@@ -93,11 +90,11 @@ class StatisticPoint:
     rates : tuple of float
         Wall time of the solve per simulated second, one a start.
     warm_up : float
-        Compiling and loading before the first run, s.
+        Time of compiling and loading before the first run, s.
     simulated : float
-        All starts together, s.
+        Simulated time of all starts together, s.
     steps : int
-        Accepted, all starts together.
+        Accepted steps of all starts together.
     statistics, step_errors : mapping
         By name; empty for a failure.
     failure : str
@@ -118,45 +115,10 @@ class StatisticPoint:
         """Median wall time per simulated second; nan where nothing was timed."""
         return median(self.rates) if self.rates else math.nan
 
-    def as_dict(self) -> dict[str, Any]:
-        """The point as plain data."""
-        return {
-            "method": method_as_dict(self.method),
-            "rates": list(self.rates),
-            "warm_up": self.warm_up,
-            "simulated": self.simulated,
-            "steps": self.steps,
-            "statistics": as_plain(self.statistics),
-            "step_errors": as_plain(self.step_errors),
-            "failure": self.failure,
-        }
-
-    @staticmethod
-    def from_dict(data: Mapping[str, Any]) -> "StatisticPoint":
-        """A point from ``as_dict``."""
-        return StatisticPoint(
-            method_from_dict(data["method"]),
-            tuple(data["rates"]),
-            data["warm_up"],
-            data["simulated"],
-            data["steps"],
-            {name: Statistic(**one) for name, one in data["statistics"].items()},
-            {
-                name: StepError(
-                    number(one["value"]),
-                    one["low"],
-                    one["high"],
-                    math.inf if one["bound"] is None else one["bound"],
-                )
-                for name, one in data["step_errors"].items()
-            },
-            data["failure"],
-        )
-
 
 @dataclass(frozen=True)
 class Chaos:
-    """What is known of a scene's unworn linkage beyond the horizon.
+    """Growths and statistics of a scene's unworn linkage beyond the horizon.
 
     Attributes
     ----------
@@ -165,7 +127,7 @@ class Chaos:
     reference : StatisticPoint
         The finest method, with more cycles than the others.
     points : tuple of StatisticPoint
-        The ladder, each compared with the reference.
+        The methods, each compared with the reference.
     stage_cycles : int
         Cycles that a stage of the scene takes until its wear maps are known to the scene's
         tolerance.
@@ -178,23 +140,13 @@ class Chaos:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of the statistics."""
+        """Names of the statistics."""
         return tuple(self.reference.statistics)
-
-    @property
-    def rate(self) -> float:
-        """Growth rate of the first pair, from the start that scenes have, 1/s."""
-        return self.growths[0].rate if self.growths else math.nan
-
-    @property
-    def divergence(self) -> float | None:
-        """Time at which the first pair had parted, s."""
-        return self.growths[0].divergence if self.growths else None
 
     @property
     def settled_rate(self) -> Statistic:
         """Mean growth rate of the further pairs, lulls included, 1/s."""
-        rates = np.array([growth.overall for growth in self.growths[1:]])
+        rates = np.array([growth.overall for growth in self.growths[1:]], dtype=float)
         known = rates[np.isfinite(rates)]
         mean = float(known.mean()) if known.size else math.nan
         return Statistic(mean, half_width(known), known.size)
@@ -207,10 +159,7 @@ class Chaos:
         return honest_cycles(self.reference.statistics[name], point.step_errors[name])
 
     def is_honest(self, point: StatisticPoint, wear_only: bool = True) -> bool:
-        """Whether a method has the statistics of a stage of the scene right.
-
-        Its step errors are not seen, and even the largest that they may be are below the
-        sampling errors of such a stage.
+        """True where a method has the statistics of a stage of the scene right.
 
         Parameters
         ----------
@@ -218,11 +167,15 @@ class Chaos:
             Only those that count for wear.
         """
         return not point.failure and all(
-            not point.step_errors[name].is_seen
-            and self.honest_cycles(point, name) >= self.stage_cycles
+            self.is_honest_in(point, name)
             for name in self.names
             if is_for_wear(name) or not wear_only
         )
+
+    def is_honest_in(self, point: StatisticPoint, name: str) -> bool:
+        """True where a step error is not seen, and must be below a stage's sampling error."""
+        is_seen = point.step_errors[name].is_seen
+        return not is_seen and self.honest_cycles(point, name) >= self.stage_cycles
 
     def cheapest(
         self, points: Sequence[StatisticPoint] | None = None, wear_only: bool = True
@@ -235,38 +188,18 @@ class Chaos:
         ]
         return min(honest, key=lambda point: point.cost, default=None)
 
+    @property
     def families(self) -> dict[str, list[StatisticPoint]]:
         """Points of each curve, from coarse to fine, failures included."""
-        found: dict[str, list[StatisticPoint]] = {}
-        for point in self.points:
-            found.setdefault(point.method.family, []).append(point)
-        return found
-
-    def as_dict(self) -> dict[str, Any]:
-        """What is known as plain data."""
-        return {
-            "growths": [growth.as_dict() for growth in self.growths],
-            "reference": self.reference.as_dict(),
-            "points": [point.as_dict() for point in self.points],
-            "stage_cycles": self.stage_cycles,
-        }
-
-    @staticmethod
-    def from_dict(data: Mapping[str, Any]) -> "Chaos":
-        """What is known from ``as_dict``."""
-        return Chaos(
-            tuple(Growth.from_dict(growth) for growth in data["growths"]),
-            StatisticPoint.from_dict(data["reference"]),
-            tuple(StatisticPoint.from_dict(point) for point in data["points"]),
-            data["stage_cycles"],
-        )
+        return by_family(self.points)
 
 
 @dataclass
 class _Gathered:
-    """What the runs of a method have given so far; large series are not kept."""
+    """Numbers that the runs of a method have given so far; large series are not kept."""
 
     method: Method
+    names: Names
     runs: int = 0
     draws: Draws = Draws((), ())
     rates: tuple[float, ...] = ()
@@ -286,12 +219,9 @@ class _Gathered:
             self.failure = f"start {self.runs}: {run.message}"
             return
         self.rates += (float(run.diagnostics["wall_solve_s"]) / run.time,)
-        recorder = run.recorder
-        self.draws = Draws(
-            (*self.draws.rows, np.array(recorder.cycles)), (*self.draws.maps, recorder.maps)
-        )
+        self.draws = self.draws.and_of(run.recorder, self.names)
 
-    def point(self, names: Mapping[str, tuple[str, int]], reference: Draws) -> StatisticPoint:
+    def point(self, reference: Draws) -> StatisticPoint:
         """The method's point."""
         known = not self.failure
         return StatisticPoint(
@@ -300,18 +230,18 @@ class _Gathered:
             self.warm_up,
             self.simulated,
             self.steps,
-            statistics_of(names, self.draws) if known else {},
-            step_errors(names, self.draws, reference) if known else {},
+            statistics_of(self.names, self.draws) if known else {},
+            step_errors(self.names, self.draws, reference) if known else {},
             self.failure,
         )
 
 
-def measure(scene: Scene, extent: Extent, progress: Progress) -> Chaos:
-    """What is known of a scene beyond the horizon, quick or in full; see ``follow``."""
-    return follow(scene, QUICK if extent.quick else FULL, progress)
+def measure(scene: Scene, extent: PrecisionExtent, told: Told) -> Chaos:
+    """Follow a scene beyond the horizon, quick or in full; see ``follow``."""
+    return follow(scene, QUICK if extent.quick else FULL, told)
 
 
-def follow(scene: Scene, size: Size, progress: Progress) -> Chaos:
+def follow(scene: Scene, extent: ChaosExtent, told: Told) -> Chaos:
     """Run a scene's unworn linkage with each method, start by start in turn.
 
     Raises
@@ -323,41 +253,34 @@ def follow(scene: Scene, size: Size, progress: Progress) -> Chaos:
     """
     if not scene.clearance_joints:
         raise InputError(f"scene {scene.name}: without a clearance joint nothing is chaotic")
-    period = scene.mechanism.period
-    growths = measure_growth(
-        scene,
-        size.duration,
-        size.pairs,
-        lambda word, part: progress(word, _GROWTH_SHARE * part),
-    )
-    linkage = scene.linkage()
-    reference = _Gathered(finest(scene))
-    methods = [_Gathered(method) for method in ladder(scene) if size.methods(method)]
+    growing = part_of(told, 0.0, _GROWTH_SHARE)
+    growths = measure_growth(scene, extent.duration, extent.pairs, growing)
+    linkage, period = scene.linkage(), scene.mechanism.period
+    names = names_of(linkage)
+    reference = _Gathered(finest(scene), names)
+    methods = [_Gathered(own, names) for own in statistics_methods(scene) if extent.methods(own)]
     # In turn, so that a slow minute of the machine is shared by all.  The finest method has
-    # starts of its own: where it is on the ladder as well, it is held against other draws.
-    tasks = [(gathered, start) for start in range(size.starts) for gathered in methods]
-    own = range(size.starts, (1 + size.reference) * size.starts)
+    # starts of its own: where it is among the others as well, it is held against other draws.
+    tasks = [(gathered, start) for start in range(extent.starts) for gathered in methods]
+    own = range(extent.starts, (1 + extent.reference) * extent.starts)
     tasks += [(reference, start) for start in own]
     share = (1.0 - _GROWTH_SHARE) / len(tasks)
     for done, (gathered, start) in enumerate(tasks):
         if gathered.failure:
             continue
-
-        def told(part: float, done: int = done, word: str = gathered.method.label) -> None:
-            progress(word, _GROWTH_SHARE + share * (done + part))
-
-        told(0.0)
+        method = gathered.method
+        tell = partial(part_of(told, _GROWTH_SHARE + share * done, share), method.label)
+        tell(0.0)
         plan = Plan(
-            period, size.cycles, recorded_cycles=1, torques=False, trackers=(Telling(told),)
+            period, extent.cycles, recorded_cycles=1, torques=False, trackers=(Telling(tell),)
         )
-        gathered.add(gathered.method.accuracy.simulate(linkage, start_of(scene, start), plan))
+        gathered.add(method.engine.simulate(linkage, start_of(scene, start), plan))
     if reference.failure:
         raise RunFailed(f"{reference.method.label}: {reference.failure}")
-    names = names_of(linkage)
     return Chaos(
         growths,
-        reference.point(names, reference.draws),
-        tuple(gathered.point(names, reference.draws) for gathered in methods),
+        reference.point(reference.draws),
+        tuple(gathered.point(reference.draws) for gathered in methods),
         stage_cycles(scene, reference.draws),
     )
 

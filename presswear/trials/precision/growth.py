@@ -1,13 +1,13 @@
-"""How fast runs that start side by side part.
+"""Growth of the distance of runs that start side by side.
 
-Of one method at its tightest tolerance, so that what grows is the distance of the
+All run with one method at its tightest tolerance, so that what grows is the distance of the
 starts and not an error of the steps.
 """
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass
-from typing import Any
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,12 +19,12 @@ from presswear.linkage.elements import Linkage
 from presswear.record.recorder import Recorder
 from presswear.record.tracker import Telling, Tracker
 from presswear.scene.scene import Scene
-from presswear.tools.errors import RunFailed
+from presswear.trials.runs import Told, finished, part_of
 
 Array = NDArray[np.float64]
 
 TOLERANCE = 1e-13
-"""Of DOP853, the in-house solver's, in all runs."""
+"""Tolerance of DOP853, the in-house solver's, in all runs."""
 SAMPLES = 400
 """Times in a cycle at which two runs are compared; both stop there, so that nothing has to be
 interpolated."""
@@ -47,13 +47,13 @@ class Growth:
         s; the greatest difference of the pins' places in their bearings, m.
     touches : tuple of int
         Touches in the first of both runs until then.
-    rate : float
-        Of log distance over time, by least squares, 1/s; nan where it never grew from LOW
-        to HIGH.
-    per_touch : float
-        Of log distance over touches; nan likewise.
+    rate : float or None
+        Slope of log distance over time, by least squares, 1/s; None where it never grew
+        from LOW to HIGH.
+    per_touch : float or None
+        Slope of log distance over touches; None likewise.
     window : (float, float) or None
-        Between which both are fitted, s.
+        Times between which both are fitted, s.
     divergence : float or None
         Time at which both runs have parted, s.
     """
@@ -61,8 +61,8 @@ class Growth:
     time: tuple[float, ...]
     distance: tuple[float, ...]
     touches: tuple[int, ...]
-    rate: float
-    per_touch: float
+    rate: float | None
+    per_touch: float | None
     window: tuple[float, float] | None
     divergence: float | None
 
@@ -70,7 +70,7 @@ class Growth:
     def of(time: Array, apart: Array, touches: NDArray[np.int64]) -> "Growth":
         """Fit a distance over time, each shape (n,)."""
         window = growing(time, apart)
-        rate = per_touch = math.nan
+        rate = per_touch = None
         if window is not None:
             inside = (time >= window[0]) & (time <= window[1]) & (apart > 0.0)
             logarithm = np.log(apart[inside])
@@ -107,32 +107,9 @@ class Growth:
             return math.nan
         return math.log(apart[last] / APART) / self.time[last]
 
-    def as_dict(self) -> dict[str, Any]:
-        """The growth as plain data."""
-        return asdict(self)
-
-    @staticmethod
-    def from_dict(data: Mapping[str, Any]) -> "Growth":
-        """A growth from ``as_dict``; what is not a number may be stored as null."""
-        window = data["window"]
-        return Growth(
-            tuple(data["time"]),
-            tuple(data["distance"]),
-            tuple(data["touches"]),
-            number(data["rate"]),
-            number(data["per_touch"]),
-            None if window is None else tuple(window),
-            data["divergence"],
-        )
-
-
-def number(value: float | None) -> float:
-    """A number from JSON, which has null for nan."""
-    return math.nan if value is None else value
-
 
 def growing(time: Array, apart: Array) -> tuple[float, float] | None:
-    """From when the distance stays above LOW to when it first reaches HIGH, s; None if never.
+    """Times from which the distance stays above LOW and first reaches HIGH, s; None if never.
 
     "Stays" until HIGH is reached: distances dip where two curves cross.
     """
@@ -144,15 +121,15 @@ def growing(time: Array, apart: Array) -> tuple[float, float] | None:
     return (float(time[first]), float(time[high[0]])) if first < high[0] else None
 
 
-def fitted_slope(x: Array, y: Array) -> float:
-    """Slope of a straight line by least squares; nan where x does not vary."""
+def fitted_slope(x: Array, y: Array) -> float | None:
+    """Slope of a straight line by least squares; None where x does not vary."""
     if x.size < 2 or np.ptp(x) == 0.0:
-        return math.nan
+        return None
     return float(np.polyfit(x, y, 1)[0])
 
 
 def turned_back(end: Start, start: Start) -> Start:
-    """A state after whole cycles as a start: with the full turns of its bodies taken off."""
+    """Take a state after whole cycles as a start: without the full turns of its bodies."""
     position = end.position.copy()
     turns = np.round((position[2::3] - start.position[2::3]) / (2.0 * math.pi))
     position[2::3] -= 2.0 * math.pi * turns
@@ -161,7 +138,7 @@ def turned_back(end: Start, start: Start) -> Start:
 
 @dataclass
 class _Sampler(Tracker):
-    """Asked after each part of a run: notes where the pins are."""
+    """Notes after each part of a run where the pins are."""
 
     places: list[Array]
     touches: list[int]
@@ -175,27 +152,22 @@ class _Sampler(Tracker):
 
 
 def sampled_run(
-    linkage: Linkage, start: Start, period: float, cycles: int, progress: Callable[[float], None]
+    linkage: Linkage, start: Start, period: float, cycles: int, told: Callable[[float], None]
 ) -> tuple[Run, _Sampler]:
-    """A run of so many cycles that is sampled SAMPLES times in each; RunFailed if it fails."""
-    accuracy = InHouse("dop853", TOLERANCE, free_step=period / LEAST_STEPS)
+    """Run so many cycles and sample each SAMPLES times; RunFailed if the run fails."""
+    engine = InHouse("dop853", TOLERANCE, free_step=period / LEAST_STEPS)
     sampler = _Sampler([], [])
     plan = Plan(
         period / SAMPLES,
         cycles * SAMPLES,
         recorded_cycles=1,
         torques=False,
-        trackers=(sampler, Telling(progress)),
+        trackers=(sampler, Telling(told)),
     )
-    run = accuracy.simulate(linkage, start, plan)
-    if run.status == "failed":
-        raise RunFailed(run.message)
-    return run, sampler
+    return finished(engine.simulate(linkage, start, plan)), sampler
 
 
-def measure_growth(
-    scene: Scene, cycles: int, pairs: int, progress: Callable[[str, float], None]
-) -> tuple[Growth, ...]:
+def measure_growth(scene: Scene, cycles: int, pairs: int, told: Told) -> tuple[Growth, ...]:
     """Run pairs of starts that are APART, each pair from where the last one's first run ended.
 
     So a pair each begins somewhere else on the motion; pairs beside each other would only
@@ -204,9 +176,7 @@ def measure_growth(
     Parameters
     ----------
     cycles : int
-        Of each run; of the first pair one, which tells whether it parts.
-    progress : callable
-        Told what runs and which part of all is done, 0 .. 1.
+        Length of each run; of the first pair one, which tells whether it parts.
 
     Raises
     ------
@@ -224,11 +194,8 @@ def measure_growth(
         assert beside is not None, "a scene with a clearance joint has a free direction"
         runs: list[tuple[Run, _Sampler]] = []
         for own in (start, beside):
-
-            def told(part: float, before: int = done, length: int = length) -> None:
-                progress("growth of a disturbance", (before + length * part) / work)
-
-            runs.append(sampled_run(linkage, own, period, length, told))
+            tell = partial(part_of(told, done, length, work), "growth of a disturbance")
+            runs.append(sampled_run(linkage, own, period, length, tell))
             done += length
         (first, calm), (_, moved) = runs
         apart = np.abs(np.array(calm.places) - np.array(moved.places)).max(axis=(1, 2))

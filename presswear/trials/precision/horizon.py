@@ -5,7 +5,6 @@ has grown apart a thousand times.  Up to there every method is held against a re
 how well that is known tells a second one that shares nothing with it but the model.
 """
 
-import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,30 +17,30 @@ from presswear.linkage.elements import Linkage
 from presswear.physics.tree import Tree, tree_of
 from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError, RunFailed
-from presswear.trials.costs.timing import Progress
-from presswear.trials.crosscheck.check import DISTURBANCE, GROWTH
+from presswear.trials.crosscheck.check import DISTURBANCE, FIRST_TOUCHDOWNS, GROWTH
 from presswear.trials.crosscheck.check import PARTS as SEARCH_PARTS
 from presswear.trials.crosscheck.traces import (
-    Touch,
+    Touchdown,
     parting_time,
-    touch_differences,
-    touches_of,
+    slider_at_end,
+    touchdown_differences,
+    touchdowns_of,
     trace_of,
 )
-from presswear.trials.precision.extent import Extent
-from presswear.trials.precision.measure import Errors, Task, Values, check_finite
-from presswear.trials.precision.methods import contact_ladder
+from presswear.trials.precision.diagram import Diagram, Numbers, Quantity, Task, check_finite
+from presswear.trials.precision.extent import PrecisionExtent
+from presswear.trials.precision.methods import contact_methods
+from presswear.trials.runs import Told, missing_energy
 
 Array = NDArray[np.float64]
 
-FIRST_TOUCHES = 10
 PARTS = 10
 """Parts of a run: the recorded series, which peaks are read from, is so much finer."""
 TIGHT = InHouse(integration_tolerance=1e-13)
 OTHER_TREE, OTHER_TOLERANCE = 1e-12, 1e-13
 """Tolerances of the second reference: Exudyn's open tree, or DOPRI5 where there is none."""
 RESIDUAL = "energy residual / exchanged"
-QUANTITIES = {
+UNITS = {
     "slider position": "m",
     "slider velocity": "m/s",
     "touch times": "s",
@@ -49,54 +48,41 @@ QUANTITIES = {
     "peak forces": "",
     RESIDUAL: "",
 }
-"""Errors and their units; closing speeds and forces are relative."""
+"""Units of the errors; closing speeds and forces are relative."""
 
 
 @dataclass(frozen=True)
-class Outcome:
-    """What is compared of a run.
+class UpToHorizon:
+    """The parts of a run that are compared.
 
     Attributes
     ----------
     slider : ndarray, shape (2,)
         Position along the watched direction, m, and velocity, m/s, at the end.
-    touches : tuple of Touch
+    touchdowns : tuple of Touchdown
     residual : float
         Energy that is missing, part of what the drives exchanged.
     """
 
     slider: Array
-    touches: tuple[Touch, ...]
+    touchdowns: tuple[Touchdown, ...]
     residual: float
 
     @staticmethod
-    def of(linkage: Linkage, run: Run) -> "Outcome":
-        """Of a run that ended well."""
-        i = 3 * linkage.index(linkage.probe.body)
-        along = np.array([math.cos(linkage.probe.direction), math.sin(linkage.probe.direction)])
-        slider = np.array(
-            [run.end.position[i : i + 2] @ along, run.end.velocity[i : i + 2] @ along]
-        )
-        residual, exchanged = (
-            float(run.diagnostics[name]) for name in ("energy_residual_J", "drive_exchange_J")
-        )
-        return Outcome(slider, touches_of(run), abs(residual) / exchanged)
+    def of(linkage: Linkage, run: Run) -> "UpToHorizon":
+        """Read a run that ended well."""
+        return UpToHorizon(slider_at_end(linkage, run), touchdowns_of(run), missing_energy(run))
 
-    def errors(self, reference: "Outcome") -> dict[str, float]:
-        """Distance from a reference; RunFailed where one of its first touches is missing."""
-        first = reference.touches[:FIRST_TOUCHES]
-        apart = touch_differences(first, self.touches)
+    def errors(self, reference: "UpToHorizon") -> dict[str, float]:
+        """Distance from a reference; RunFailed where one of its first touchdowns is missing."""
+        first = reference.touchdowns[:FIRST_TOUCHDOWNS]
+        apart = touchdown_differences(first, self.touchdowns)
         missing = int(np.count_nonzero(np.isinf(apart[:, 0])))
         if missing:
             raise RunFailed(f"{missing} of the first {len(first)} touches missing")
         slider = np.abs(self.slider - reference.slider)
         numbers = [*slider, *apart.max(axis=0, initial=0.0), self.residual]
-        return dict(zip(QUANTITIES, map(float, numbers), strict=True))
-
-
-def plan_of(horizon: float) -> Plan:
-    """A run up to a horizon, s."""
-    return Plan(horizon / PARTS, PARTS, PARTS, torques=False)
+        return dict(zip(UNITS, map(float, numbers), strict=True))
 
 
 def longest_step(scene: Scene) -> float:
@@ -111,7 +97,7 @@ def check_clearance(scene: Scene) -> None:
 
 
 def horizon_of(scene: Scene, longest: float) -> float:
-    """Up to when two starts 1e-9 m apart stay within a thousand times that, s.
+    """Time up to which two starts 1e-9 m apart stay within a thousand times that, s.
 
     Parameters
     ----------
@@ -135,15 +121,16 @@ def horizon_of(scene: Scene, longest: float) -> float:
 
 
 def second_reference(scene: Scene) -> tuple[str, Engine]:
-    """What the reference is held against, in words and as an accuracy."""
+    """The run that the reference is held against, in words and as an engine."""
+    longest = longest_step(scene)
     if isinstance(tree_of(scene.linkage()), Tree):
-        accuracy = ExudynTree(OTHER_TREE, longest_step(scene))
-        return f"Exudyn's open tree, DOPRI5 at {OTHER_TREE:g}", accuracy
-    other = InHouse("dopri5", OTHER_TOLERANCE, free_step=longest_step(scene))
-    return f"the same with DOPRI5 at {OTHER_TOLERANCE:g} (there is no open tree)", other
+        words = f"Exudyn's open tree, DOPRI5 at {OTHER_TREE:g}"
+        return words, ExudynTree(OTHER_TREE, longest)
+    words = f"the same with DOPRI5 at {OTHER_TOLERANCE:g} (there is no open tree)"
+    return words, InHouse("dopri5", OTHER_TOLERANCE, free_step=longest)
 
 
-def with_clearance(scene: Scene, extent: Extent, progress: Progress) -> tuple[Task, float]:
+def with_clearance(scene: Scene, extent: PrecisionExtent, told: Told) -> tuple[Task, float]:
     """The unworn linkage of a scene up to its horizon, and the horizon, s.
 
     Raises
@@ -154,49 +141,38 @@ def with_clearance(scene: Scene, extent: Extent, progress: Progress) -> tuple[Ta
         Where a reference fails.
     """
     check_clearance(scene)
-    progress("horizon", 0.0)
-    horizon = horizon_of(scene, extent.longest)
-    linkage, start, numerics = scene.linkage(), start_of(scene), scene.numerics
-    plan = plan_of(horizon)
-    outcomes = []
+    told("horizon", 0.0)
+    horizon, longest = horizon_of(scene, extent.longest), longest_step(scene)
+    linkage, start = scene.linkage(), start_of(scene)
+    plan = Plan(horizon / PARTS, PARTS, PARTS, torques=False)
     words, other = second_reference(scene)
-    for accuracy in (replace(TIGHT, free_step=longest_step(scene)), other):
-        progress("references", 0.0)
-        run = accuracy.simulate(linkage, start, plan)
-        check_finite(run)
-        outcomes.append(Outcome.of(linkage, run))
-    reference, second = outcomes
+    found = []
+    for engine in (replace(TIGHT, free_step=longest), other):
+        told("references", 0.0)
+        run = check_finite(engine.simulate(linkage, start, plan))
+        found.append(UpToHorizon.of(linkage, run))
+    reference, second = found
     # Energy is conserved exactly: its residual needs no reference.
     known = second.errors(reference) | {RESIDUAL: 0.0}
-    count = min(len(reference.touches), FIRST_TOUCHES)
+    count = min(len(reference.touchdowns), FIRST_TOUCHDOWNS)
 
-    def assess(run: Run) -> tuple[Errors, Values]:
-        outcome = Outcome.of(linkage, run)
-        return outcome.errors(reference), {"touches": float(len(outcome.touches))}
+    def assess(run: Run) -> tuple[Numbers, Numbers]:
+        reached = UpToHorizon.of(linkage, run)
+        return reached.errors(reference), {"touches": float(len(reached.touchdowns))}
 
     joints = " and ".join(scene.clearance_joints)
-    task = Task(
+    diagram = Diagram(
         key="horizon",
         title=f"Clearance at {joints} up to the horizon",
-        words=f"Scene {scene.name}, unworn, {horizon:.4g} s, {len(reference.touches)} touches: the "
-        f"slider at the end; the worst of the first {count} touches, closing speeds and peak "
+        task=f"Scene {scene.name}, unworn, {horizon:.4g} s, {len(reference.touchdowns)} touches: "
+        f"the slider at the end; the worst of the first {count} touches, closing speeds and peak "
         "forces relative, peaks read between accepted steps by a polynomial; energy that is "
         "missing, part of what the drives exchanged.",
-        linkage=linkage,
-        start=start,
-        plan=plan,
-        methods=contact_ladder(
-            extent.rungs,
-            numerics,
-            scene.mechanism.period,
-            longest_step(scene),
-            tree=isinstance(tree_of(linkage), Tree),
-        ),
-        quantities=QUANTITIES,
+        quantities=tuple(Quantity(name, unit, known[name]) for name, unit in UNITS.items()),
         reference=f"DOP853 of dae at {TIGHT.integration_tolerance:g}; its own error is its "
-        "distance from "
-        f"{words}",
-        reference_errors=known,
-        assess=assess,
+        f"distance from {words}",
     )
-    return task, horizon
+    is_tree = isinstance(tree_of(linkage), Tree)
+    period = scene.mechanism.period
+    methods = contact_methods(extent.rungs, scene.numerics, period, longest, is_tree)
+    return Task(diagram, linkage, start, plan, methods, assess), horizon

@@ -1,4 +1,4 @@
-"""One impact: what each method gives back, for how long it touches, how deep it goes.
+"""One impact: restitution, contact time and depth of each method.
 
 A shaft meets its ring in the middle, with nothing else around: restitution, contact time
 and deepest penetration have closed forms or a quadrature.  Both bodies slide on guides
@@ -19,9 +19,10 @@ from presswear.linkage.elements import Guide, Linkage
 from presswear.linkage.laws import delivered_restitution
 from presswear.scene.scene import Scene
 from presswear.tools.errors import RunFailed
-from presswear.trials.precision.extent import Extent
-from presswear.trials.precision.measure import Errors, Task, Values
-from presswear.trials.precision.methods import contact_ladder
+from presswear.trials.precision.diagram import Diagram, Numbers, Quantity, Task
+from presswear.trials.precision.extent import PrecisionExtent
+from presswear.trials.precision.methods import contact_methods
+from presswear.trials.runs import contacts_of
 from presswear.trials.verify.references import Impact
 
 Array = NDArray[np.float64]
@@ -90,13 +91,15 @@ def guided() -> tuple[Linkage, Start]:
     return replace(linkage, guides=guides), start
 
 
-def deepest(rows: Array) -> float:
-    """Greatest penetration, m, between the recorded rows too.
+def deepest(run: Run) -> float:
+    """Greatest penetration of a run, m, between the recorded rows too.
 
     The quintic through penetration, rate and acceleration of the rows on both sides: a
     cubic's error is larger than that of the better methods.
     """
-    time, velocity, depth, force = rows[:, 0], rows[:, 2], rows[:, 6], rows[:, 7]
+    series = run.recorder.series
+    time, velocity = series("time"), series("velocity")
+    depth, force = series("penetration", 0), series("normal", 0)
     # The momentum of ring and shaft is the shaft's at the start.
     rate = velocity - _SHAFT * (IMPACT.speed - velocity) / _RING
     turns = np.flatnonzero((rate[:-1] > 0.0) & (rate[1:] <= 0.0) & (force[:-1] > 0.0))
@@ -108,74 +111,67 @@ def deepest(rows: Array) -> float:
 
 
 def turning(time: Array, ends: Array) -> float:
-    """Where the quintic through value, slope and bend at two times has its top, s."""
+    """Time of the top of the quintic through value, slope and bend at two times, s."""
     slope = BPoly.from_derivatives(time, ends).derivative()
     low, high = float(time[0]), float(time[1])
     return low if slope(high) >= 0.0 else float(brentq(slope, low, high, xtol=1e-18))
 
 
-def single(scene: Scene, extent: Extent) -> Task:
+def single(scene: Scene, extent: PrecisionExtent) -> Task:
     """One impact for every method; numerics and the period that steps go by are the scene's."""
     linkage, start = guided()
     speed = IMPACT.speed
     law = linkage.clearances[0].normal
-    restitution = delivered_restitution(law.damping)
     lasts, doubt = contact_time(REDUCED_MASS, speed, law.stiffness, law.exponent, law.damping)
-    depth = IMPACT.deepest
+    restitution, depth = delivered_restitution(law.damping), IMPACT.deepest
+    exact = {
+        "delivered restitution": restitution,
+        "contact time": lasts,
+        "deepest penetration": depth,
+    }
     kinetic = 0.5 * _SHAFT * speed**2
     duration = GAP / speed + CONTACTS * IMPACT.elastic_duration
 
-    def assess(run: Run) -> tuple[Errors, Values]:
-        contacts = run.recorder.episodes(0)
-        if len(contacts) != 1:
-            raise RunFailed(f"{len(contacts)} contacts began and ended, where there is one")
-        onset, _, _, release, _, steps = contacts[0].tolist()
+    def assess(run: Run) -> tuple[Numbers, Numbers]:
+        contacts = contacts_of(run)
+        count = contacts["touchdown"].size
+        if count != 1:
+            raise RunFailed(f"{count} contacts began and ended, where there is one")
         # Behind the contact nothing acts: its end follows from where the pin is now.
         gap = run.end.position[3] - run.end.position[0] - IMPACT.clearance
         rate = run.end.velocity[3] - run.end.velocity[0]
         if not (gap < 0.0 and rate < 0.0):
             raise RunFailed("still in contact, or through the bearing")
         found = {
-            "delivered restitution": -release / speed,
-            "contact time": run.time - gap / rate - onset,
-            "deepest penetration": deepest(run.recorder.rows),
+            "delivered restitution": -float(contacts["release_speed"][0]) / speed,
+            "contact time": run.time - gap / rate - float(contacts["touchdown"][0]),
+            "deepest penetration": deepest(run),
         }
-        exact = (restitution, lasts, depth)
-        errors = {name: abs(found[name] - value) for name, value in zip(found, exact, strict=True)}
+        errors = {name: abs(found[name] - value) for name, value in exact.items()}
         errors["energy residual"] = abs(float(run.diagnostics["energy_residual_J"])) / kinetic
         values = {
-            "steps in the contact": steps,
+            "steps in the contact": float(contacts["steps"][0]),
             "restitution": found["delivered restitution"],
             "contact time (s)": found["contact time"],
             "deepest penetration (m)": found["deepest penetration"],
         }
         return errors, values
 
-    return Task(
+    diagram = Diagram(
         key="impact",
         title="One impact",
-        words=f"A free shaft of {_SHAFT:g} kg meets its ring of {_RING:g} kg at {speed:g} m/s, "
+        task=f"A free shaft of {_SHAFT:g} kg meets its ring of {_RING:g} kg at {speed:g} m/s, "
         f"K = {law.stiffness:.3g} N/m^1.5, nominal restitution {NOMINAL:g}, {duration:.3g} s. The "
         f"law delivers {restitution:.10g}; the contact lasts {lasts:.10g} s and is {depth:.10g} m "
         "deep. The energy residual is a part of the kinetic energy.",
-        linkage=linkage,
-        start=start,
-        plan=Plan(duration, 1, 1, torques=False),
-        methods=contact_ladder(
-            extent.rungs, scene.numerics, scene.mechanism.period, duration, tree=True
+        quantities=(
+            Quantity("delivered restitution", "", 1e-14),
+            Quantity("contact time", "s", max(doubt, 1e-14 * lasts)),
+            Quantity("deepest penetration", "m", 1e-14 * depth),
+            Quantity("energy residual", ""),
         ),
-        quantities={
-            "delivered restitution": "",
-            "contact time": "s",
-            "deepest penetration": "m",
-            "energy residual": "",
-        },
         reference="closed forms of restitution and penetration, a quadrature of the contact time",
-        reference_errors={
-            "delivered restitution": 1e-14,
-            "contact time": max(doubt, 1e-14 * lasts),
-            "deepest penetration": 1e-14 * depth,
-            "energy residual": 0.0,
-        },
-        assess=assess,
     )
+    plan, period = Plan(duration, 1, 1, torques=False), scene.mechanism.period
+    methods = contact_methods(extent.rungs, scene.numerics, period, duration, tree=True)
+    return Task(diagram, linkage, start, plan, methods, assess)

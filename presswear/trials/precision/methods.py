@@ -1,84 +1,111 @@
-"""Families of methods, engine and integrator, each with its steps or tolerances."""
+"""Methods, engine and integrator with one step or tolerance, and their families."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol, TypeVar
 
-from presswear.engines.settings import ExudynJoints, InHouse, Integrator
-from presswear.scene.scene import Numerics
-from presswear.trials.precision.ladder import dae_method, tree_method
-from presswear.trials.precision.points import Method
+from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse, Integrator
+from presswear.physics.tree import Tree, tree_of
+from presswear.scene.scene import Numerics, Scene
+from presswear.trials.precision.extent import Rungs
 
 TRAPEZOIDAL = "trapezoidal rule"
 FIXED = "trapezoidal rule, equal steps"
 STEP, IMPACT, TOLERANCE = "step (s)", "steps in an impact", "tolerance"
-"""What is varied."""
+"""Knobs: what is varied, with its unit."""
 SMOOTH_NEWTON = 1e-12
-"""Of Exudyn on smooth motion: 1e-9, the default, hides the order of the integrator."""
+"""Newton's tolerance on smooth motion: 1e-9, the default, hides the order of the integrator."""
 _EXACT = 1.0 - 1e-9
 """A step one part in 1e9 shorter keeps round-off from making them one fewer."""
+_CONTROLLED: tuple[Integrator, ...] = ("dop853", "dopri5")
+_INTEGRATORS = {"dop853": "DOP853", "dopri5": "DOPRI5", "rk4": "RK4", "rk4-paper": "RK4"}
+
+STATISTICS_TREE = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
+STATISTICS_TOLERANCES = (1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)
+"""Tolerances with which statistics are run; the last of DOP853 is their reference."""
+STATISTICS_STEPS = (8e-5, 5e-5, 2e-5)  # s
 
 
 @dataclass(frozen=True)
-class Rungs:
-    """Steps and tolerances of the families, coarse to fine.
-
-    What a scene takes by itself is added to its family where it is missing.
+class Method:
+    """An engine with one step or tolerance.
 
     Attributes
     ----------
-    free_steps : tuple of int
-        Of the trapezoidal rule on smooth motion: steps in the run.
-    smooth_steps : tuple of int
-        The same of RK4.
-    impact_steps : tuple of int
-        Of the trapezoidal rule with contacts: steps in an impact.
-    fixed_steps, contact_steps : tuple of float
-        Equal steps of the trapezoidal rule and of RK4 with contacts, s.
-    tolerances : tuple of float
-        Of DOP853 and DOPRI5 in the in-house solver.
-    tree_tolerances : tuple of float
-        Of the open tree.
+    engine : Engine
+    integrator : str
+        As people call it: trapezoidal rule, DOPRI5, DOP853, RK4.
+    knob : str
+        What is varied, with its unit.
+    value : float
+        Value of the knob.
+    is_paper : bool
+        True for the paper's own setting: RK4 at 1e-4 s.
+    is_default : bool
+        True where scenes take it by themselves.
     """
 
-    free_steps: tuple[int, ...]
-    smooth_steps: tuple[int, ...]
-    impact_steps: tuple[int, ...]
-    fixed_steps: tuple[float, ...]
-    contact_steps: tuple[float, ...]
-    tolerances: tuple[float, ...]
-    tree_tolerances: tuple[float, ...]
+    engine: Engine
+    integrator: str
+    knob: str
+    value: float
+    is_paper: bool = False
+    is_default: bool = False
+
+    @property
+    def family(self) -> str:
+        """Name of its curve in a diagram."""
+        return f"{self.engine.word}, {self.integrator}"
+
+    @property
+    def setting(self) -> str:
+        """Integrator, step or tolerance in a few words."""
+        return f"{self.integrator}, {self.knob.partition(' (')[0]} {self.value:g}"
+
+    @property
+    def label(self) -> str:
+        """The method in a few words."""
+        return f"{self.engine.word}, {self.setting}"
 
 
-FEW = Rungs(
-    free_steps=(300, 1000, 3000),
-    smooth_steps=(300, 1000, 3000, 10_000),
-    impact_steps=(20, 50, 100, 200),
-    fixed_steps=(1e-5, 5e-6, 2e-6),
-    contact_steps=(5e-5, 2e-5, 1e-5, 5e-6, 2e-6, 1e-6),
-    tolerances=(1e-4, 1e-6, 1e-8, 1e-9, 1e-10, 1e-12),
-    tree_tolerances=(1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10),
-)
-"""For a quick look."""
-ALL = Rungs(
-    free_steps=(300, 1000, 3000, 10_000, 30_000, 100_000),
-    smooth_steps=(150, 300, 1000, 3000, 10_000, 30_000, 100_000),
-    impact_steps=(20, 35, 50, 100, 200, 400, 800),
-    fixed_steps=(1e-5, 5e-6, 2e-6, 1e-6, 5e-7),
-    contact_steps=(5e-5, 2e-5, 1e-5, 5e-6, 2e-6, 1e-6, 5e-7, 2e-7, 1e-7),
-    tolerances=(1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12),
-    tree_tolerances=(1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11),
-)
+class _OfMethod(Protocol):
+    @property
+    def method(self) -> Method: ...
 
 
-def _with_default(values: Sequence[float], default: float, rising: bool) -> list[float]:
-    """Values and the default, coarse to fine."""
-    return sorted({*values, default}, reverse=not rising)
+P = TypeVar("P", bound=_OfMethod)
+
+
+def by_family(points: Iterable[P]) -> dict[str, list[P]]:
+    """Points of each family, in their order, from coarse to fine."""
+    found: dict[str, list[P]] = {}
+    for point in points:
+        found.setdefault(point.method.family, []).append(point)
+    return found
+
+
+def method_of(engine: ExudynTree | InHouse, own: Engine) -> Method:
+    """An explicit engine as a method.
+
+    Parameters
+    ----------
+    own : Engine
+        The engine that a scene takes by itself.
+    """
+    is_default = engine == own
+    if isinstance(engine, ExudynTree):
+        return Method(engine, "DOPRI5", TOLERANCE, engine.tree_tolerance, is_default=is_default)
+    name, is_paper = _INTEGRATORS[engine.integrator], engine.integrator == "rk4-paper"
+    knob, value = TOLERANCE, engine.integration_tolerance
+    if engine.has_equal_steps:
+        knob, value = STEP, engine.step
+    return Method(engine, name, knob, value, is_paper, is_default)
 
 
 def joints_over_steps(
     counts: Sequence[int], duration: float, numerics: Numerics | None, period: float
-) -> Iterable[Method]:
+) -> list[Method]:
     """The trapezoidal rule without contacts, over so many equal steps in a duration, s.
 
     Parameters
@@ -89,85 +116,71 @@ def joints_over_steps(
     found = []
     for count in counts:
         step = duration / count
-        accuracy = ExudynJoints(50, 10, free_step=step * _EXACT, newton=SMOOTH_NEWTON)
-        found.append(Method("exudyn-joints", TRAPEZOIDAL, STEP, step, accuracy))
+        engine = ExudynJoints(50, 10, free_step=step * _EXACT, newton=SMOOTH_NEWTON)
+        found.append(Method(engine, TRAPEZOIDAL, STEP, step))
     if numerics is not None:
         own = numerics.joints.over(period)
-        found.append(
-            Method("exudyn-joints", TRAPEZOIDAL, STEP, own.longest(period), own, is_default=True)
-        )
+        found.append(Method(own, TRAPEZOIDAL, STEP, own.longest(period), is_default=True))
     return sorted(found, key=lambda method: -method.value)
 
 
 def joints_over_impacts(
     counts: Sequence[int], numerics: Numerics, period: float
-) -> Iterable[Method]:
+) -> Iterator[Method]:
     """The trapezoidal rule with steps chosen by contact; all its steps shrink together."""
     own = numerics.joints.over(period)
-    for count in _with_default(counts, own.steps_per_contact, rising=True):
+    for count in sorted({*counts, own.steps_per_contact}):
         finer = count / own.steps_per_contact
-        accuracy = replace(
+        engine = replace(
             own,
-            steps_per_contact=int(count),
+            steps_per_contact=count,
             steps_sustained=max(5, round(own.steps_sustained * finer)),
             free_step=own.longest(period) / finer,
             # Newton's errors shrink with those of the steps.
             newton=own.newton / max(finer, 1.0) ** 2,
         )
-        is_default = accuracy == own
-        yield Method("exudyn-joints", TRAPEZOIDAL, IMPACT, count, accuracy, is_default=is_default)
+        yield Method(engine, TRAPEZOIDAL, IMPACT, count, is_default=engine == own)
 
 
-def joints_over_fixed(steps: Sequence[float]) -> Iterable[Method]:
+def joints_over_fixed(steps: Sequence[float]) -> Iterator[Method]:
     """The trapezoidal rule at equal steps throughout, s, contact or not.
 
     The longest allowed is shorter than any wanted.
     """
     for step in sorted(steps, reverse=True):
-        yield Method("exudyn-joints", FIXED, STEP, step, ExudynJoints(1, 1, free_step=step))
+        yield Method(ExudynJoints(1, 1, free_step=step), FIXED, STEP, step)
 
 
-def tree_over_tolerances(
-    tolerances: Sequence[float], numerics: Numerics, period: float
-) -> Iterable[Method]:
+def tree_over_tolerances(tolerances: Sequence[float], own: ExudynTree) -> Iterator[Method]:
     """Exudyn's DOPRI5 on the open tree."""
-    own = numerics.tree.over(period)
-    for tolerance in _with_default(tolerances, own.tree_tolerance, rising=False):
-        accuracy = replace(own, tree_tolerance=tolerance)
-        yield replace(tree_method(accuracy), is_default=accuracy == own)
+    for tolerance in sorted({*tolerances, own.tree_tolerance}, reverse=True):
+        yield method_of(replace(own, tree_tolerance=tolerance), own)
 
 
-def dae_over_tolerances(
-    tolerances: Sequence[float], numerics: Numerics, longest: float
-) -> Iterable[Method]:
-    """DOP853 and DOPRI5 of the in-house solver, with steps of at most a length, s."""
-    own = replace(numerics.dae, free_step=longest)
-    names: tuple[Integrator, ...] = ("dop853", "dopri5")
-    for integrator in names:
-        is_own = own.integrator == integrator
-        values = (
-            _with_default(tolerances, own.integration_tolerance, False) if is_own else tolerances
-        )
-        for tolerance in sorted(values, reverse=True):
-            accuracy = replace(own, integrator=integrator, integration_tolerance=tolerance)
-            yield replace(dae_method(accuracy), is_default=accuracy == own)
+def dae_over_tolerances(tolerances: Sequence[float], own: InHouse) -> Iterator[Method]:
+    """DOP853 and DOPRI5 of the in-house solver."""
+    for name in _CONTROLLED:
+        taken = {own.integration_tolerance} if own.integrator == name else set()
+        for tolerance in sorted({*tolerances, *taken}, reverse=True):
+            engine = replace(own, integrator=name, integration_tolerance=tolerance)
+            yield method_of(engine, own)
 
 
-def dae_over_steps(steps: Sequence[float], numerics: Numerics) -> Iterable[Method]:
+def dae_over_steps(steps: Sequence[float], own: InHouse) -> list[Method]:
     """RK4 of the in-house solver at equal steps, s, and the paper's own setting."""
-    own = numerics.dae
-    values = _with_default(steps, own.step, False) if own.integrator == "rk4" else steps
-    found = [dae_method(replace(own, integrator="rk4", equal_step=step)) for step in values]
-    found = [replace(each, is_default=each.accuracy == own) for each in found]
+    values = {*steps, own.step} if own.integrator == "rk4" else {*steps}
     # The paper solves without projection.
-    papers = dae_method(InHouse("rk4-paper"))
-    own_paper = own.integrator == "rk4-paper"
-    found = [each for each in found if not math.isclose(each.value, papers.value)]
-    found.append(replace(papers, is_default=own_paper))
+    papers = method_of(InHouse("rk4-paper"), own)
+    found = [
+        method_of(replace(own, integrator="rk4", equal_step=step), own)
+        for step in values
+        if not math.isclose(step, papers.value)
+    ]
+    found.append(replace(papers, is_default=own.integrator == "rk4-paper"))
     return sorted(found, key=lambda method: -method.value)
 
 
-def smooth_ladder(
+def smooth_methods(
     rungs: Rungs, duration: float, numerics: Numerics, period: float | None
 ) -> tuple[Method, ...]:
     """All methods for smooth motion of constrained bodies over a duration, s.
@@ -175,17 +188,19 @@ def smooth_ladder(
     Parameters
     ----------
     period : float or None
-        Of a cycle of the scene that is run, s; None where it is no scene's.
+        Period of a cycle of the scene that is run, s; None where it is no scene's.
     """
-    own = None if period is None else numerics
+    joints = None if period is None else numerics
+    dae = replace(numerics.dae, free_step=duration)
+    steps = [duration / count for count in rungs.smooth_steps]
     return (
-        *joints_over_steps(rungs.free_steps, duration, own, period or duration),
-        *dae_over_tolerances(rungs.tolerances, numerics, duration),
-        *dae_over_steps([duration / count for count in rungs.smooth_steps], numerics),
+        *joints_over_steps(rungs.free_steps, duration, joints, period or duration),
+        *dae_over_tolerances(rungs.tolerances, dae),
+        *dae_over_steps(steps, numerics.dae),
     )
 
 
-def contact_ladder(
+def contact_methods(
     rungs: Rungs, numerics: Numerics, period: float, longest: float, tree: bool
 ) -> tuple[Method, ...]:
     """All methods for motion with contacts.
@@ -193,16 +208,37 @@ def contact_ladder(
     Parameters
     ----------
     period : float
-        Of a cycle, s.
+        Period of a cycle, s.
     longest : float
-        Step of DOP853 and DOPRI5, s.
+        Longest step of DOP853 and DOPRI5, s.
     tree : bool
         Whether there is an open tree.
     """
+    dae, own_tree = replace(numerics.dae, free_step=longest), numerics.tree.over(period)
     return (
         *joints_over_impacts(rungs.impact_steps, numerics, period),
         *joints_over_fixed(rungs.fixed_steps),
-        *(tree_over_tolerances(rungs.tree_tolerances, numerics, period) if tree else ()),
-        *dae_over_tolerances(rungs.tolerances, numerics, longest),
-        *dae_over_steps(rungs.contact_steps, numerics),
+        *(tree_over_tolerances(rungs.tree_tolerances, own_tree) if tree else ()),
+        *dae_over_tolerances(rungs.tolerances, dae),
+        *dae_over_steps(rungs.contact_steps, numerics.dae),
     )
+
+
+def statistics_methods(scene: Scene) -> tuple[Method, ...]:
+    """All methods for statistics of a scene."""
+    numerics = scene.numerics
+    tree = numerics.tree.over(scene.mechanism.period)
+    is_tree = isinstance(tree_of(scene.linkage()), Tree)
+    return (
+        *(tree_over_tolerances(STATISTICS_TREE, tree) if is_tree else ()),
+        *dae_over_tolerances(STATISTICS_TOLERANCES, numerics.dae),
+        *dae_over_steps(STATISTICS_STEPS, numerics.dae),
+    )
+
+
+def finest(scene: Scene) -> Method:
+    """The method that the statistics of all others are compared with."""
+    own = scene.numerics.dae
+    tolerance = STATISTICS_TOLERANCES[-1]
+    engine = replace(own, integrator="dop853", integration_tolerance=tolerance)
+    return replace(method_of(engine, own), is_default=False)

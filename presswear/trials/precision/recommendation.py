@@ -1,19 +1,18 @@
-"""What to take: the cheapest setting that is good enough, by a stated rule, and what the
-code takes."""
+"""Recommended settings: the cheapest that is good enough, by a stated rule, and what the code
+takes."""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from presswear.engines.settings import ExudynTree, InHouse
 from presswear.record.sampling import Interval
-from presswear.scene.scene import Numerics, Scene
-from presswear.studies.paper.variants import base_scene
+from presswear.scene.scene import Numerics
 from presswear.trials.crosscheck.check import CLOSING_BOUND, FORCE_BOUND, SLIDER_BOUND, TIME_BOUND
 from presswear.trials.precision.chaos import Chaos, StatisticPoint
-from presswear.trials.precision.ladder import dae_method, tree_method
-from presswear.trials.precision.points import Diagram, Method, Point
+from presswear.trials.precision.diagram import Diagram, Point
+from presswear.trials.precision.methods import Method, by_family, method_of
 from presswear.trials.precision.statistic import ONE_SIDED, is_for_wear, together
+from presswear.trials.precision.study import Precision
 from presswear.trials.precision.wear import QUANTITIES, TITLES, Group, WearPoint, WearStudy, change
 
 TRAJECTORIES = "Trajectories up to the horizon"
@@ -48,7 +47,7 @@ RULES = {
 
 @dataclass(frozen=True)
 class Recommendation:
-    """What to take for a purpose.
+    """The setting to take for a purpose.
 
     Attributes
     ----------
@@ -61,9 +60,9 @@ class Recommendation:
     taken : str
         What the code takes, in words.
     agrees : bool or None
-        Whether that is the same; None where there is nothing to compare with.
+        True where that is the same; None where there is nothing to compare with.
     meets : bool or None
-        Whether what the code takes meets the rule, if at a higher price.
+        True where what the code takes meets the rule, if at a higher price.
     detail : str
         Errors and times of both, in words.
     """
@@ -78,7 +77,7 @@ class Recommendation:
 
     @property
     def verdict(self) -> str:
-        """Whether the code takes it, in words."""
+        """Judgement on what the code takes, in words."""
         if self.agrees is None:
             return f"the code takes {self.taken}"
         if self.agrees:
@@ -91,28 +90,21 @@ class Recommendation:
 
     @property
     def sentence(self) -> str:
-        """All of it in a sentence."""
+        """The recommendation in a sentence."""
         what = self.recommended or "none"
         detail = f" ({self.detail})" if self.detail else ""
         return f"{self.subject}: {what}{detail}; {self.verdict}."
 
 
 def is_same(one: Method, other: Method) -> bool:
-    """Whether two methods are one setting of one engine."""
-    return (one.engine, one.integrator, one.knob) == (
-        other.engine,
-        other.integrator,
-        other.knob,
-    ) and math.isclose(one.value, other.value, rel_tol=1e-6)
-
-
-def described(method: Method) -> str:
-    """A method without its engine."""
-    return method.label.removeprefix(f"{method.engine}, ")
+    """True where two methods are one setting of one engine."""
+    return (one.family, one.knob) == (other.family, other.knob) and math.isclose(
+        one.value, other.value, rel_tol=1e-6
+    )
 
 
 def is_good(point: Point, bounds: Mapping[str, float]) -> bool:
-    """Whether a point ran and keeps all bounds on its errors."""
+    """True where a point ran and keeps all bounds on its errors."""
     return not point.failure and all(
         point.errors.get(name, math.inf) <= bound for name, bound in bounds.items()
     )
@@ -125,35 +117,34 @@ def good_points(points: Sequence[Point], bounds: Mapping[str, float]) -> list[Po
         if not is_good(point, bounds):
             break
         found.append(point)
-    return [point for point in found if point.effort is not None]
+    return [point for point in found if point.timing is not None]
 
 
 def for_trajectories(
     diagram: Diagram, bounds: Mapping[str, float] = BOUNDS
 ) -> list[Recommendation]:
-    """Of each engine in a diagram of trajectories up to the horizon.
+    """Recommend for each engine in a diagram of trajectories up to the horizon.
 
     Parameters
     ----------
     bounds : mapping of str to float
         By quantity; those that the diagram does not have do not count.
     """
-    bounds = {name: bounds[name] for name in diagram.quantities if name in bounds}
+    bounds = {own.name: bounds[own.name] for own in diagram.quantities if own.name in bounds}
     if not bounds:
         return []
     found = []
-    for engine in dict.fromkeys(point.method.engine for point in diagram.points):
-        families = [own for own in diagram.families().values() if own[0].method.engine == engine]
-        good = [point for own in families for point in good_points(own, bounds)]
+    for engine in dict.fromkeys(point.method.engine.word for point in diagram.points):
+        own = [point for point in diagram.points if point.method.engine.word == engine]
+        good = [point for each in by_family(own).values() for point in good_points(each, bounds)]
         best = min(good, key=_wall, default=None)
-        own_points = (point for own in families for point in own)
-        taken = next((point for point in own_points if point.method.is_default), None)
+        taken = next((point for point in own if point.method.is_default), None)
         found.append(
             Recommendation(
                 TRAJECTORIES,
                 engine,
-                "" if best is None else described(best.method),
-                "nothing of this diagram" if taken is None else described(taken.method),
+                "" if best is None else best.method.setting,
+                "nothing of this diagram" if taken is None else taken.method.setting,
                 None if taken is None else best is not None and is_same(best.method, taken.method),
                 None if taken is None else any(point is taken for point in good),
                 "; ".join(
@@ -165,11 +156,11 @@ def for_trajectories(
 
 
 def _wall(point: Point) -> float:
-    return math.inf if point.effort is None else point.effort.wall
+    return math.inf if point.timing is None else point.timing.wall
 
 
 def _both(best: Point | None, taken: Point | None) -> list[tuple[str, Point]]:
-    """What is recommended and what is taken, once where they are the same."""
+    """The points recommended and taken, with a word; one where they are the same."""
     found = [] if best is None else [("", best)]
     if taken is not None and (best is None or not is_same(best.method, taken.method)):
         found.append(("what is taken: ", taken))
@@ -185,26 +176,18 @@ def _point_words(point: Point, bounds: Mapping[str, float]) -> str:
     return f"{1e3 * _wall(point):.3g} ms, {nearest} at {parts[nearest]:.2g} of its bound"
 
 
-def study_methods(scene: Scene) -> tuple[Method, Method]:
-    """What the study of the paper takes for statistics: of the open tree, of dae."""
-    numerics: Numerics = base_scene("wear-times").numerics
-    tree: ExudynTree = numerics.tree.over(scene.mechanism.period)
-    dae: InHouse = numerics.dae
-    return tree_method(tree), dae_method(dae)
-
-
 def for_statistics(chaos: Chaos, taken: Iterable[Method]) -> list[Recommendation]:
-    """Of each engine with a ladder of statistics.
+    """Recommend for each engine with statistics.
 
     Parameters
     ----------
     taken : iterable of Method
         What the code takes, one an engine.
     """
-    by_engine = {method.engine: method for method in taken}
+    by_engine = {method.engine.word: method for method in taken}
     found = []
-    for engine in dict.fromkeys(point.method.engine for point in chaos.points):
-        points = [point for point in chaos.points if point.method.engine == engine]
+    for engine in dict.fromkeys(point.method.engine.word for point in chaos.points):
+        points = [point for point in chaos.points if point.method.engine.word == engine]
         best = chaos.cheapest(points)
         own = by_engine.get(engine)
         same = next((p for p in points if own is not None and is_same(p.method, own)), None)
@@ -217,8 +200,8 @@ def for_statistics(chaos: Chaos, taken: Iterable[Method]) -> list[Recommendation
             Recommendation(
                 STATISTICS,
                 engine,
-                "" if best is None else described(best.method),
-                "nothing of its own" if own is None else described(own),
+                "" if best is None else best.method.setting,
+                "nothing of its own" if own is None else own.setting,
                 None if own is None else best is not None and is_same(best.method, own),
                 None if same is None else chaos.is_honest(same),
                 "; ".join(details),
@@ -228,7 +211,7 @@ def for_statistics(chaos: Chaos, taken: Iterable[Method]) -> list[Recommendation
 
 
 def standing(chaos: Chaos, point: StatisticPoint) -> str:
-    """Whether a setting is honest for wear, and if not, why, in words."""
+    """Say that a setting is honest for wear, or why it is not."""
     if point.failure:
         return f"failed: {point.failure}"
     wear = [name for name in chaos.names if is_for_wear(name)]
@@ -243,14 +226,14 @@ def standing(chaos: Chaos, point: StatisticPoint) -> str:
 
 
 GROUPS: tuple[Group, ...] = ("angles", "cycles", "depth step")
-"""What has a finest value."""
+"""Groups that have a finest value."""
 
 
 def for_wear(wear: WearStudy) -> list[Recommendation]:
-    """Of each numerical choice of wear maps, under each set of conventions."""
+    """Recommend for each numerical choice of wear maps, under each set of conventions."""
     found = []
     for group in GROUPS:
-        for conventions in dict.fromkeys(point.conventions for point in wear.points):
+        for conventions in wear.conventions:
             points = wear.of(group, conventions)
             if len(points) > 1:
                 found.append(_wear_choice(group, conventions, points))
@@ -264,24 +247,23 @@ def _wear_choice(group: Group, conventions: str, points: Sequence[WearPoint]) ->
         if point.failure or finest.failure or not is_alike(point, finest):
             break
         good.append(point)
-    best = good[-1] if len(good) > 1 else None
-    taken = next((point for point in points if point.is_default), None)
-    last = points[-2]
-    largest = largest_change(best or last, finest)
+    best = good[-1].varied.label if len(good) > 1 else ""
+    taken = next((point for point in points if point.varied.is_default), None)
+    last = points[-2].varied.label
+    largest = largest_change(good[-1] if best else points[-2], finest)
     detail = ""
     if largest is not None:
         name, moved = largest
-        word = "largest change from" if best is not None else f"{last.label} differs from"
-        detail = f"{word} {finest.label}: {100.0 * moved.value:+.0f} % in {name}"
+        word = "largest change from" if best else f"{last} differs from"
+        detail = f"{word} {finest.varied.label}: {100.0 * moved.value:+.0f} % in {name}"
+    usual = "as many as the wear maps' tolerance takes" if group == "cycles" else "another"
     return Recommendation(
         WEAR,
         f"{TITLES[group]}, {conventions} conventions",
-        "" if best is None else best.label,
-        "as many as the wear maps' tolerance takes"
-        if taken is None and group == "cycles"
-        else ("another" if taken is None else taken.label),
-        None if taken is None else best is not None and best.label == taken.label,
-        None if taken is None else best is not None and any(point is taken for point in good),
+        best,
+        usual if taken is None else taken.varied.label,
+        None if taken is None else best == taken.varied.label,
+        None if taken is None else bool(best) and any(point is taken for point in good),
         detail,
     )
 
@@ -307,21 +289,17 @@ def changes(point: WearPoint, finest: WearPoint) -> dict[str, Interval]:
 
 
 def is_alike(point: WearPoint, finest: WearPoint) -> bool:
-    """Whether no first wear differs from the finest's for certain, or may by WEAR_BOUND."""
+    """True where no first wear differs from the finest's for certain, or may by WEAR_BOUND."""
     found = changes(point, finest)
-    return bool(found) and all(
-        moved.low is not None
-        and moved.high is not None
-        and moved.low <= 0.0 <= moved.high
-        and largest_size(moved, len(found)) < WEAR_BOUND
-        for moved in found.values()
-    )
 
+    def is_small(moved: Interval) -> bool:
+        if moved.low is None or moved.high is None or not moved.low <= 0.0 <= moved.high:
+            return False
+        # One of several changes does not exceed this, at 95 %.
+        half = ONE_SIDED * (moved.high - moved.value) / together(len(found))
+        return abs(moved.value) + half < WEAR_BOUND
 
-def largest_size(moved: Interval, count: int) -> float:
-    """Size that one of several changes does not exceed, at 95 %."""
-    assert moved.high is not None
-    return abs(moved.value) + ONE_SIDED * (moved.high - moved.value) / together(count)
+    return bool(found) and all(map(is_small, found.values()))
 
 
 def largest_change(point: WearPoint, finest: WearPoint) -> tuple[str, Interval] | None:
@@ -330,23 +308,22 @@ def largest_change(point: WearPoint, finest: WearPoint) -> tuple[str, Interval] 
     return max(found.items(), key=lambda item: abs(item[1].value), default=None)
 
 
-def recommend(
-    scene: Scene,
-    diagrams: Iterable[Diagram],
-    chaos: Chaos | None,
-    wear: WearStudy | None,
-) -> tuple[Recommendation, ...]:
-    """All recommendations that the results allow."""
+def recommend(precision: Precision, taken: Numerics) -> tuple[Recommendation, ...]:
+    """Give all recommendations that the results allow.
+
+    Parameters
+    ----------
+    taken : Numerics
+        Engines that the study of the paper takes for statistics.
+    """
     found: list[Recommendation] = []
-    for diagram in diagrams:
-        if diagram.key == HORIZON:
+    for diagram in precision.diagrams:
+        if diagram.key == "horizon":
             found += for_trajectories(diagram)
-    if chaos is not None:
-        found += for_statistics(chaos, study_methods(scene))
-    if wear is not None:
-        found += for_wear(wear)
+    if precision.chaos is not None:
+        tree = taken.tree.over(precision.scene.mechanism.period)
+        own = (method_of(tree, tree), method_of(taken.dae, taken.dae))
+        found += for_statistics(precision.chaos, own)
+    if precision.wear is not None:
+        found += for_wear(precision.wear)
     return tuple(found)
-
-
-HORIZON = "horizon"
-"""Key of the diagram of trajectories."""

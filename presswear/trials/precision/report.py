@@ -4,9 +4,9 @@ import math
 from pathlib import Path
 
 from presswear.campaign.starts import APART
+from presswear.scene.scene import Numerics
 from presswear.show.figures import save
 from presswear.show.report.page import Illustration, render_page
-from presswear.show.report.parts import Table
 from presswear.tools.files import write_bytes
 from presswear.tools.numbers import given, readable, with_interval
 from presswear.trials.precision.figures import precision_drawings
@@ -27,20 +27,8 @@ from presswear.trials.precision.tables import (
 )
 
 
-def style_of(one: Recommendation) -> str:
-    """Class of a verdict on the page."""
-    if one.agrees:
-        return "good"
-    return "bad" if one.meets is False else "open"
-
-
-def recommendations(precision: Precision) -> tuple[Recommendation, ...]:
-    """What to take, from everything that the study has."""
-    return recommend(precision.scene, precision.diagrams, precision.chaos, precision.wear)
-
-
 def headline(precision: Precision, found: tuple[Recommendation, ...]) -> str:
-    """The answer in a few sentences."""
+    """Answer in a few sentences."""
     parts = []
     chaos = precision.chaos
     best = None if chaos is None else chaos.cheapest()
@@ -73,7 +61,7 @@ def headline(precision: Precision, found: tuple[Recommendation, ...]) -> str:
 
 
 def paper_failures(precision: Precision) -> list[str]:
-    """What the paper's setting failed at."""
+    """Name what the paper's setting failed at."""
     failed = [
         diagram.title
         for diagram in precision.diagrams
@@ -87,7 +75,7 @@ def paper_failures(precision: Precision) -> list[str]:
 
 
 def growth_sentence(precision: Precision) -> str:
-    """Growth rate and divergence time, in a sentence."""
+    """Tell growth rate and divergence time in a sentence."""
     chaos = precision.chaos
     if chaos is None or not chaos.growths:
         return ""
@@ -97,10 +85,11 @@ def growth_sentence(precision: Precision) -> str:
             f"Two runs whose starts are {given(APART)} m apart stay within {given(HIGH)} m over "
             f"{readable(first.time[-1])} s."
         )
+    per_touch = None if first.per_touch is None else 100.0 * math.expm1(first.per_touch)
     text = (
         f"The distance of two runs whose starts are {given(APART)} m apart grows by "
         f"{readable(first.rate)} /s between {given(LOW)} and {given(HIGH)} m, or by "
-        f"{readable(100.0 * math.expm1(first.per_touch), 2)} % a touch"
+        f"{readable(per_touch, 2)} % a touch"
     )
     if first.divergence is not None:
         text += (
@@ -122,37 +111,32 @@ def growth_sentence(precision: Precision) -> str:
     return f"{text}."
 
 
-def recommendation_table(found: tuple[Recommendation, ...]) -> list[dict[str, object]]:
-    """Recommendations by purpose, with the rule and the rows."""
+def purposes_of(found: tuple[Recommendation, ...]) -> list[dict[str, object]]:
+    """Recommendations by purpose, with the rule."""
+    by_purpose = {rule: [one for one in found if one.purpose == rule] for rule in RULES}
     return [
-        {
-            "purpose": purpose,
-            "rule": rule,
-            "rows": [
-                {"one": one, "style": style_of(one)} for one in found if one.purpose == purpose
-            ],
-        }
-        for purpose, rule in RULES.items()
-        if any(one.purpose == purpose for one in found)
+        {"purpose": purpose, "rule": RULES[purpose], "rows": rows}
+        for purpose, rows in by_purpose.items()
+        if rows
     ]
 
 
-def write_precision_report(precision: Precision, folder: Path) -> tuple[str, Path]:
-    """Write ``report.html`` and the figures into a folder; returns the answer and the path."""
+def write_precision_report(precision: Precision, taken: Numerics, folder: Path) -> tuple[str, Path]:
+    """Write ``report.html`` and the figures into a folder; returns the answer and the path.
+
+    Parameters
+    ----------
+    taken : Numerics
+        Engines that the study of the paper takes for statistics.
+    """
     figures = {
         drawing.file: Illustration.of(save(drawing, folder / "figures"), folder / "figures")
         for drawing in precision_drawings(precision)
     }
-    found = recommendations(precision)
-    answer = headline(precision, found)
+    found = recommend(precision, taken)
     path = folder / "report.html"
     write_bytes(path, render(precision, found, figures).encode())
-    return answer, path
-
-
-def _named(figures: dict[str, Illustration], *names: str) -> list[Illustration]:
-    files = [f"precision-{name}.png" for name in names]
-    return [figures[file] for file in files if file in figures]
+    return headline(precision, found), path
 
 
 def render(
@@ -160,33 +144,33 @@ def render(
     found: tuple[Recommendation, ...],
     figures: dict[str, Illustration],
 ) -> str:
-    """The page as text."""
-    tasks: list[tuple[str, str, list[Illustration], list[Table]]] = [
-        (
-            diagram.key,
-            diagram.title,
-            _named(figures, diagram.key),
-            [error_table(diagram), cost_table(diagram)],
-        )
-        for diagram in precision.diagrams
-    ]
+    """Render the page."""
+
+    def named(*names: str) -> list[Illustration]:
+        files = [f"precision-{name}.png" for name in names]
+        return [figures[file] for file in files if file in figures]
+
     chaos, wear = precision.chaos, precision.wear
     return render_page(
         "precision.html",
+        "presswear.trials.precision",
         scene=precision.scene,
         quick=precision.extent.quick,
         headline=headline(precision, found),
         growth=growth_sentence(precision),
-        purposes=recommendation_table(found),
-        tasks=tasks,
-        together=_named(figures, "orders", "energy"),
+        purposes=purposes_of(found),
+        tasks=[
+            (own.key, own.title, named(own.key), [error_table(own), cost_table(own)])
+            for own in precision.diagrams
+        ],
+        together=named("orders", "energy"),
         chaos=chaos,
-        chaos_figures=_named(figures, "growth", "statistics"),
+        chaos_figures=named("growth", "statistics"),
         growth_table=None if chaos is None else growth_table(chaos),
         sampling_table=None if chaos is None else sampling_table(chaos),
         statistics_table=None if chaos is None else statistics_table(chaos),
         wear=wear,
-        wear_figures=_named(figures, "wear", "contact"),
+        wear_figures=named("wear", "contact"),
         wear_tables=[] if wear is None else [wear_table(wear), wear_cost_table(wear)],
         failures=failures_table(precision),
         references=references_table(precision.diagrams),

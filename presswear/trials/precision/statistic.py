@@ -9,15 +9,14 @@ equivalence that has to be shown, so few cycles make nothing honest.
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import norm
 
 from presswear.linkage.elements import Linkage
-from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
+from presswear.record.recorder import Recorder
 from presswear.record.sampling import (
     LEVEL,
     MapBatches,
@@ -30,8 +29,12 @@ from presswear.record.sampling import (
 )
 
 Array = NDArray[np.float64]
+Names = Mapping[str, tuple[str, int]]
+"""Kind and joint of each statistic by its name."""
 
 DOSE, MAP, FORCE = "wear total", "wear map", "peak force"
+COLUMNS = {DOSE: "dose", FORCE: "force_max"}
+"""Names of statistics in a recorder's cycles."""
 FOR_WEAR = (DOSE, MAP)
 """The statistics that a setting has to have right to be honest for wear."""
 _NORMAL = float(norm.ppf(0.5 + 0.5 * LEVEL))
@@ -46,10 +49,10 @@ class Statistic:
     Attributes
     ----------
     mean : float
-        Of a map its root mean square over angles.
+        For a map its root mean square over angles.
     half_width : float or None
-        Sampling error: half width of the 95 % interval; of a map, of its root mean square
-        error over angles.  None: too few cycles.
+        Sampling error: half width of the 95 % interval; for a map that of its root mean
+        square error over angles.  None: too few cycles.
     cycles : int
     """
 
@@ -70,50 +73,53 @@ class StepError:
 
     Attributes
     ----------
-    value : float
-        Signed; of a map the root mean square distance over angles, of which what the
-        scatter of both explains is taken off.
+    value : float or None
+        Signed; for a map the root mean square distance over angles, of which what the
+        scatter of both explains is taken off.  None where nothing is known of it.
     low, high : float or None
         Ends of its interval, 95 % for all statistics of a method together: one of many
         that is seen by chance is no finding.
-    bound : float
-        Size that it does not exceed, at 95 %; infinite where the cycles are too few.  Of
-        one statistic: a method is honest only where each is, which chance does not help.
+    bound : float or None
+        Size that it does not exceed, at 95 %; None where the cycles are too few.  It holds
+        for one statistic: a method is honest only where each is, which chance does not help.
     """
 
-    value: float
+    value: float | None
     low: float | None
     high: float | None
-    bound: float
+    bound: float | None
 
     @property
     def is_seen(self) -> bool:
-        """Whether it is certainly not zero."""
+        """True where it is certainly not zero."""
         return self.low is not None and self.high is not None and not self.low <= 0.0 <= self.high
 
 
 @dataclass(frozen=True)
 class Draws:
-    """What the runs of one method give, one entry a start.
+    """Numbers that the runs of one method give, one entry a start.
 
     Attributes
     ----------
-    rows : tuple of ndarray, shape (cycles, columns)
-        Cycles of the account.
+    cycles : tuple of mapping of str to ndarray, shape (cycles,)
+        Numbers of each cycle by the names of their statistics.
     maps : tuple of MapBatches
     """
 
-    rows: tuple[Array, ...]
+    cycles: tuple[Mapping[str, Array], ...]
     maps: tuple[MapBatches, ...]
 
+    def and_of(self, recorder: Recorder, names: Names) -> "Draws":
+        """These and what a recorder holds."""
+        numbers = {
+            name: recorder.each_cycle(COLUMNS[kind], k).copy()
+            for name, (kind, k) in names.items()
+            if kind != MAP
+        }
+        return Draws((*self.cycles, numbers), (*self.maps, recorder.maps))
 
-def column_of(kind: str, k: int) -> int:
-    """Column of the account's cycles of a statistic of joint ``k``."""
-    name = {DOSE: "dose", FORCE: "force_max"}[kind]
-    return len(CYCLE_FIXED) + len(CYCLE_JOINT) * k + CYCLE_JOINT.index(name)
 
-
-def names_of(linkage: Linkage) -> dict[str, tuple[str, int]]:
+def names_of(linkage: Linkage) -> Names:
     """Kind and joint of each statistic by its name."""
     return {
         f"{kind} at {joint.name}": (kind, k)
@@ -123,27 +129,27 @@ def names_of(linkage: Linkage) -> dict[str, tuple[str, int]]:
 
 
 UNITS = {DOSE: "N m", MAP: "m", FORCE: "N"}
-"""Of each kind, in a cycle."""
+"""Unit of each kind, in a cycle."""
 
 
 def unit_of(name: str) -> str:
-    """Of a statistic by its name."""
+    """Unit of a statistic by its name."""
     return next(unit for kind, unit in UNITS.items() if name.startswith(kind))
 
 
 def is_for_wear(name: str) -> bool:
-    """Whether a statistic counts for wear."""
+    """True where a statistic counts for wear."""
     return name.startswith(FOR_WEAR)
 
 
-def statistics_of(names: Mapping[str, tuple[str, int]], draws: Draws) -> dict[str, Statistic]:
+def statistics_of(names: Names, draws: Draws) -> dict[str, Statistic]:
     """All statistics of a method."""
     found = {}
     for name, (kind, k) in names.items():
         if kind == MAP:
             found[name] = map_statistic(draws.maps, k)
         else:
-            estimate, _ = pooled([rows[:, column_of(kind, k)] for rows in draws.rows])
+            estimate, _ = pooled([numbers[name] for numbers in draws.cycles])
             found[name] = Statistic(estimate.mean, estimate.half_width, estimate.cycles)
     return found
 
@@ -161,13 +167,11 @@ def _rms(values: Array) -> float:
 
 
 def together(count: int) -> float:
-    """Widens a 95 % interval so that ``count`` of them hold together (Bonferroni)."""
+    """Factor on a 95 % interval with which ``count`` of them hold together (Bonferroni)."""
     return float(norm.ppf(1.0 - 0.5 * (1.0 - LEVEL) / count)) / _NORMAL
 
 
-def step_errors(
-    names: Mapping[str, tuple[str, int]], draws: Draws, finest: Draws
-) -> dict[str, StepError]:
+def step_errors(names: Names, draws: Draws, finest: Draws) -> dict[str, StepError]:
     """Difference of each statistic from the finest method's."""
     here, there = statistics_of(names, draws), statistics_of(names, finest)
     widening = together(len(names))
@@ -184,7 +188,7 @@ def mean_step_error(here: Statistic, there: Statistic, widening: float) -> StepE
     """Difference of two independent means."""
     value = here.mean - there.mean
     if here.half_width is None or there.half_width is None:
-        return StepError(value, None, None, math.inf)
+        return StepError(value, None, None, None)
     half = math.hypot(here.half_width, there.half_width)
     return StepError(
         value, value - widening * half, value + widening * half, abs(value) + ONE_SIDED * half
@@ -207,7 +211,7 @@ def map_step_error(
         pools.append((own, weights, map_errors(batches, weights)[k]))
     means = [np.tensordot(w / w.sum(), m, 1) if len(m) else np.zeros(0) for m, w, _ in pools]
     if not all(math.isfinite(error) for _, _, error in pools):
-        return StepError(math.nan, None, None, math.inf)
+        return StepError(None, None, None, None)
     noise = sum((e * _rms(m)) ** 2 for (_, _, e), m in zip(pools, means, strict=True))
     raw = float(np.mean((means[0] - means[1]) ** 2))
     drawn = [resampled(m, w, seed) for seed, (m, w, _) in enumerate(pools, 1)]
@@ -226,13 +230,8 @@ def honest_cycles(statistic: Statistic, step: StepError) -> float:
 
     nan where nothing is known.
     """
-    if statistic.half_width is None or not math.isfinite(step.bound):
+    if statistic.half_width is None or step.bound is None:
         return math.nan
     if step.bound == 0.0:
         return math.inf
     return statistic.cycles * (statistic.half_width / step.bound) ** 2
-
-
-def as_plain(found: Mapping[str, Statistic | StepError]) -> dict[str, Any]:
-    """Statistics or step errors by name as plain data."""
-    return {name: asdict(one) for name, one in found.items()}

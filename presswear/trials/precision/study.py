@@ -1,23 +1,25 @@
 """The whole study of speed against error."""
 
 import time as clock
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
-from presswear.results.provenance import provenance
+from presswear.results.provenance import Provenance, provenance
 from presswear.scene.scene import Scene
-from presswear.trials.costs.study import processor_name
-from presswear.trials.costs.timing import Progress
 from presswear.trials.precision import chaos as beyond
 from presswear.trials.precision import horizon, impact, smooth
 from presswear.trials.precision import wear as worn
 from presswear.trials.precision.chaos import Chaos
-from presswear.trials.precision.extent import Extent
-from presswear.trials.precision.horizon import check_clearance
-from presswear.trials.precision.measure import measure
-from presswear.trials.precision.points import Diagram
+from presswear.trials.precision.diagram import Diagram, measure
+from presswear.trials.precision.extent import PrecisionExtent
 from presswear.trials.precision.wear import WearStudy
+from presswear.trials.runs import Told, parts_of
+from presswear.trials.stored import processor_name
+
+_QUICK_SECTIONS = {"ideal": 8, "andrews": 4, "impact": 1, "horizon": 15}
+_SECTIONS = {"ideal": 50, "andrews": 60, "impact": 2, "horizon": 320}
+_QUICK_BEYOND = {"statistics": 40, "wear": 40}
+_BEYOND = {"statistics": 600, "wear": 600}
+"""Seconds of each part of the study, roughly: what progress goes by."""
 
 
 @dataclass(frozen=True)
@@ -27,11 +29,10 @@ class Precision:
     Attributes
     ----------
     scene : Scene
-    extent : Extent
-    provenance : mapping
-        Versions, revision, machine and time; see ``presswear.results.result``.
+    extent : PrecisionExtent
+    provenance : Provenance
     processor : str
-        What the operating system calls it.
+        Name that the operating system gives it.
     wall : float
         Time that the study took, s.
     horizon : float
@@ -45,8 +46,8 @@ class Precision:
     """
 
     scene: Scene
-    extent: Extent
-    provenance: Mapping[str, Any]
+    extent: PrecisionExtent
+    provenance: Provenance
     processor: str
     wall: float
     horizon: float
@@ -54,38 +55,8 @@ class Precision:
     chaos: Chaos | None = None
     wear: WearStudy | None = None
 
-    def diagram(self, key: str) -> Diagram:
-        """A diagram by its key."""
-        return next(diagram for diagram in self.diagrams if diagram.key == key)
 
-
-_QUICK_PARTS = {"ideal": 8.0, "andrews": 4.0, "impact": 1.0, "horizon": 15.0}
-_PARTS = {"ideal": 50.0, "andrews": 60.0, "impact": 2.0, "horizon": 320.0}
-_QUICK_BEYOND = {"statistics": 40.0, "wear": 40.0}
-_BEYOND = {"statistics": 600.0, "wear": 600.0}
-"""Seconds of each part of the study, roughly: what progress goes by."""
-
-
-def _sections(extent: Extent, progress: Progress) -> dict[str, Progress]:
-    """What each part tells its progress to."""
-    seconds = dict(_QUICK_PARTS if extent.quick else _PARTS)
-    if extent.beyond:
-        seconds |= _QUICK_BEYOND if extent.quick else _BEYOND
-    total, before = sum(seconds.values()), 0.0
-    told: dict[str, Progress] = {}
-    for section, own in seconds.items():
-
-        def tell(
-            name: str, part: float, word: str = section, start: float = before, own: float = own
-        ) -> None:
-            progress(f"{word}: {name}", (start + own * part) / total)
-
-        told[section] = tell
-        before += own
-    return told
-
-
-def study(scene: Scene, extent: Extent, progress: Progress) -> Precision:
+def study(scene: Scene, extent: PrecisionExtent, told: Told) -> Precision:
     """Measure speed and error of every engine and integrator.
 
     A method that fails stays in as a failure.
@@ -97,21 +68,22 @@ def study(scene: Scene, extent: Extent, progress: Progress) -> Precision:
     RunFailed
         Where a reference fails.
     """
-    check_clearance(scene)
+    horizon.check_clearance(scene)
+    sections = dict(_QUICK_SECTIONS if extent.quick else _SECTIONS)
     if extent.beyond:
         worn.check(scene, extent)
-    began = clock.perf_counter()
-    source, told = provenance(), _sections(extent, progress)
+        sections |= _QUICK_BEYOND if extent.quick else _BEYOND
+    began, source, parts = clock.perf_counter(), provenance(), parts_of(told, sections)
     diagrams = [
-        measure(smooth.ideal_mechanism(scene, extent), extent.repeats, told["ideal"]),
-        measure(smooth.andrews(extent), extent.repeats, told["andrews"]),
-        measure(impact.single(scene, extent), extent.repeats, told["impact"]),
+        measure(smooth.ideal_mechanism(scene, extent), extent.repeats, parts["ideal"]),
+        measure(smooth.andrews(extent), extent.repeats, parts["andrews"]),
+        measure(impact.single(scene, extent), extent.repeats, parts["impact"]),
     ]
-    task, until = horizon.with_clearance(scene, extent, told["horizon"])
-    diagrams.append(measure(task, extent.repeats, told["horizon"]))
-    statistics = beyond.measure(scene, extent, told["statistics"]) if extent.beyond else None
-    wear = worn.measure(scene, extent, told["wear"]) if extent.beyond else None
-    progress("done", 1.0)
+    task, until = horizon.with_clearance(scene, extent, parts["horizon"])
+    diagrams.append(measure(task, extent.repeats, parts["horizon"]))
+    statistics = beyond.measure(scene, extent, parts["statistics"]) if extent.beyond else None
+    wear = worn.measure(scene, extent, parts["wear"]) if extent.beyond else None
+    told("done", 1.0)
     return Precision(
         scene,
         extent,

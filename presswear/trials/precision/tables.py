@@ -3,14 +3,14 @@
 import math
 from collections.abc import Callable, Sequence
 
-from presswear.record.sampling import Interval
 from presswear.show.report.parts import CUBIC_MILLIMETRES, MICRONS, Row, Table
 from presswear.tools.numbers import given, readable, whole, with_interval
-from presswear.trials.precision.chaos import Chaos, StatisticPoint
-from presswear.trials.precision.figures.steps import shown_order
-from presswear.trials.precision.points import Diagram, Point
+from presswear.trials.precision.chaos import Chaos
+from presswear.trials.precision.diagram import Diagram, Point
+from presswear.trials.precision.figures.diagrams import shown_order
+from presswear.trials.precision.methods import Method
 from presswear.trials.precision.recommendation import standing
-from presswear.trials.precision.statistic import MAP, unit_of
+from presswear.trials.precision.statistic import MAP, StepError, unit_of
 from presswear.trials.precision.study import Precision
 from presswear.trials.precision.wear import QUANTITIES, TITLES, JointWear, WearPoint, WearStudy
 
@@ -24,16 +24,12 @@ def error_text(value: float | None) -> str:
     return given(float(f"{value:.1e}"))
 
 
-def _marked(point: Point | StatisticPoint) -> str:
+def _marked(method: Method) -> str:
     """Step or tolerance with what it is besides."""
-    method = point.method
-    words = [
-        word
-        for word, holds in (("default", method.is_default), ("paper", method.is_paper))
-        if holds
-    ]
+    marks = (("default", method.is_default), ("paper", method.is_paper))
+    words = ", ".join(word for word, holds in marks if holds)
     name = f"{method.knob.partition(' (')[0]} {given(method.value)}"
-    return f"{name} ({', '.join(words)})" if words else name
+    return f"{name} ({words})" if words else name
 
 
 _COSTS = (
@@ -49,40 +45,31 @@ _COSTS = (
 
 def error_table(diagram: Diagram) -> Table:
     """Errors of every method on a task, and what else was measured; families with their orders."""
-    measured = list(dict.fromkeys(name for point in diagram.points for name in point.values))
-    head = (
-        "error",
-        *(f"{name}{f' ({unit})' if unit else ''}" for name, unit in diagram.quantities.items()),
-        *measured,
-    )
+    titles = (quantity.title for quantity in diagram.quantities)
     groups = []
-    for family, points in diagram.families().items():
-        orders = (shown_order(diagram, family, name) for name in diagram.quantities)
-        known = [
-            f"{name} {order:.1f}"
-            for name, order in zip(diagram.quantities, orders, strict=True)
-            if math.isfinite(order)
-        ]
+    for family, points in diagram.families.items():
+        orders = {own.name: shown_order(diagram, family, own) for own in diagram.quantities}
+        known = [f"{name} {order:.1f}" for name, order in orders.items() if math.isfinite(order)]
         heading = f"{family}; observed orders: {', '.join(known)}" if known else family
         rows = tuple(
             _of_run(
                 point,
                 (
-                    *(error_text(point.errors.get(name)) for name in diagram.quantities),
-                    *(readable(point.values.get(name), 6) for name in measured),
+                    *(error_text(point.errors.get(own.name)) for own in diagram.quantities),
+                    *(readable(point.values.get(name), 6) for name in diagram.measured),
                 ),
             )
             for point in points
         )
         groups.append((heading, rows))
-    return Table(head, tuple(groups))
+    return Table(("error", *titles, *diagram.measured), tuple(groups))
 
 
 def cost_table(diagram: Diagram) -> Table:
     """Steps and times of every method on a task."""
     groups = (
         (family, tuple(_of_run(point, _costs(point)) for point in points))
-        for family, points in diagram.families().items()
+        for family, points in diagram.families.items()
     )
     return Table(("cost", *_COSTS), tuple(groups))
 
@@ -91,22 +78,22 @@ def _of_run(point: Point, cells: Row) -> Row:
     """A row of a method; one that failed has no numbers."""
     if point.failure:
         cells = ("failed", *("–" for _ in cells[1:]))
-    return (_marked(point), *cells)
+    return (_marked(point.method), *cells)
 
 
 def _costs(point: Point) -> Row:
-    effort = point.effort
-    if effort is None:
+    timing = point.timing
+    if timing is None:
         return ("–",) * len(_COSTS)
-    low, high = (1e3 * end for end in effort.spread)
+    low, high = (1e3 * end for end in timing.ends)
     return (
-        whole(effort.steps),
-        whole(effort.sent_back),
-        whole(effort.evaluations),
-        readable(1e3 * effort.wall),
+        whole(timing.steps),
+        whole(timing.sent_back),
+        whole(timing.evaluations),
+        readable(1e3 * timing.wall),
         f"{readable(low)} to {readable(high)}",
-        readable(1e6 * effort.per_step),
-        readable(effort.warm_up, 2),
+        readable(1e6 * timing.per_step),
+        readable(point.warm_up, 2),
     )
 
 
@@ -159,21 +146,21 @@ def sampling_table(chaos: Chaos) -> Table:
 def statistics_table(chaos: Chaos) -> Table:
     """Step error of every setting, and how many cycles it is honest for."""
     groups = []
-    for family, points in chaos.families().items():
+    for family, points in chaos.families.items():
         rows: list[Row] = []
         for point in points:
             if point.failure:
-                rows.append((_marked(point), "failed", *("–" for _ in chaos.names), ""))
-                continue
-            rows.append(
-                (
-                    _marked(point),
-                    f"{readable(point.cost, 2)} ({readable(min(point.rates), 2)} to "
-                    f"{readable(max(point.rates), 2)})",
-                    *(_step_error(chaos, point, name) for name in chaos.names),
+                cells = ("failed", *("–" for _ in chaos.names), "")
+            else:
+                cost, low, high = (
+                    readable(rate, 2) for rate in (point.cost, min(point.rates), max(point.rates))
+                )
+                cells = (
+                    f"{cost} ({low} to {high})",
+                    *(_step_error(chaos, point.step_errors[name], name) for name in chaos.names),
                     standing(chaos, point),
                 )
-            )
+            rows.append((_marked(point.method), *cells))
         groups.append((family, tuple(rows)))
     head = (
         "",
@@ -184,12 +171,11 @@ def statistics_table(chaos: Chaos) -> Table:
     return Table(head, tuple(groups), numeric=False)
 
 
-def _step_error(chaos: Chaos, point: StatisticPoint, name: str) -> str:
+def _step_error(chaos: Chaos, step: StepError, name: str) -> str:
     """Difference, its bound, and a star where it is seen."""
-    mean = abs(chaos.reference.statistics[name].mean)
-    step = point.step_errors[name]
-    if not math.isfinite(step.bound):
+    if step.bound is None or step.value is None:
         return "–"
+    mean = abs(chaos.reference.statistics[name].mean)
     value, bound = (_PERCENT * size / mean for size in (step.value, step.bound))
     sign = "" if name.startswith(MAP) else "+"
     text = f"{value:{sign}.1f} (≤ {bound:.1f}){' *' if step.is_seen else ''}"
@@ -228,17 +214,16 @@ def wear_cost_table(wear: WearStudy) -> Table:
 def _wear_groups(
     wear: WearStudy, row: Callable[[WearPoint], Row]
 ) -> tuple[tuple[str, tuple[Row, ...]], ...]:
-    names = dict.fromkeys(point.conventions for point in wear.points)
     found = (
-        (f"{title}, {name}", tuple(row(point) for point in wear.of(group, name)))
+        (f"{title}, {name}", tuple(map(row, wear.of(group, name))))
         for group, title in TITLES.items()
-        for name in names
+        for name in wear.conventions
     )
     return tuple((heading, rows) for heading, rows in found if rows)
 
 
 def _wear_label(point: WearPoint) -> str:
-    return f"{point.label} (default)" if point.is_default else point.label
+    return f"{point.varied.label} (default)" if point.varied.is_default else point.varied.label
 
 
 def _wear_cell(found: JointWear | None, name: str) -> str:
@@ -246,7 +231,7 @@ def _wear_cell(found: JointWear | None, name: str) -> str:
         return "–"
     unit, read = QUANTITIES[name]
     factor = MICRONS if unit == "m" else CUBIC_MILLIMETRES
-    interval: Interval = read(found)
+    interval = read(found)
     if interval.low is None or interval.high is None:
         return readable(factor * interval.value)
     low, high = (readable(factor * end, 2) for end in (interval.low, interval.high))
@@ -268,24 +253,20 @@ def failures_table(precision: Precision) -> Table | None:
             if point.failure
         ]
     if precision.wear is not None:
-        rows += [
-            ("wear", f"{p.conventions}, {TITLES[p.group]}: {p.label}", p.failure)
-            for p in precision.wear.points
-            if p.failure
-        ]
+        rows += [("wear", what, why) for what, why in precision.wear.failed.items()]
     return Table(("task", "method", "why"), (("", tuple(rows)),), numeric=False) if rows else None
 
 
 def references_table(diagrams: Sequence[Diagram]) -> Table:
-    """What errors are errors from, and how well that is known."""
+    """References of the tasks, and how well they are known."""
     rows = tuple(
         (
             diagram.title,
             diagram.reference,
             "; ".join(
-                f"{name} {error_text(error)}{f' {unit}' if unit else ''}"
-                for name, unit in diagram.quantities.items()
-                if (error := diagram.reference_errors.get(name, 0.0)) > 0.0
+                f"{own.name} {error_text(own.known)} {own.unit}".rstrip()
+                for own in diagram.quantities
+                if own.known > 0.0
             )
             or "exact",
         )
@@ -298,7 +279,7 @@ def origin_table(precision: Precision) -> Table:
     """Versions, processor, times."""
     origin = precision.provenance
     packages = ", ".join(f"{name} {number}" for name, number in origin["packages"].items())
-    repeats = {len(p.effort.walls) for d in precision.diagrams for p in d.points if p.effort}
+    repeats = {len(p.timing.walls) for d in precision.diagrams for p in d.points if p.timing}
     rows = (
         ("processor", precision.processor),
         ("machine", str(origin["machine"])),

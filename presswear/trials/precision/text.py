@@ -2,9 +2,9 @@
 
 import math
 
-from presswear.trials.costs.text import TextTable
+from presswear.trials.costs.tables import TextTable
+from presswear.trials.precision.diagram import Diagram, Point, Quantity
 from presswear.trials.precision.methods import IMPACT, STEP, TOLERANCE
-from presswear.trials.precision.points import Diagram, Point
 from presswear.trials.precision.study import Precision
 
 SHOWN = {
@@ -33,22 +33,18 @@ def tables_of(precision: Precision) -> list[TextTable]:
 def table_of(diagram: Diagram) -> TextTable:
     """A diagram as a table: families one below the other, each from coarse to fine."""
     skipped = _SKIPPED.get(diagram.key, set())
-    names = [name for name in diagram.quantities if name in SHOWN and name not in skipped]
+    shown = [own for own in diagram.quantities if own.name in SHOWN and own.name not in skipped]
     rows: list[tuple[str, ...]] = []
-    empty = ("",) * (len(names) + 3)
-    for family, points in diagram.families().items():
-        rows.append((family + _order_words(diagram, family, names[0]), *empty))
-        rows += [_row(point, names) for point in points]
-    repeats = max((len(p.effort.walls) for p in diagram.points if p.effort), default=0)
-    known = ", ".join(
-        f"{SHOWN[name]} {diagram.reference_errors[name]:.0e}"
-        for name in names
-        if diagram.reference_errors.get(name, 0.0) > 0.0
-    )
+    empty = ("",) * (len(shown) + 3)
+    for family, points in diagram.families.items():
+        rows.append((family + _order_words(diagram, family, shown[0]), *empty))
+        rows += [_row(point, shown) for point in points]
+    repeats = max((len(p.timing.walls) for p in diagram.points if p.timing), default=0)
+    known = ", ".join(f"{SHOWN[own.name]} {own.known:.0e}" for own in shown if own.known > 0.0)
     return TextTable(
         diagram.title,
         ("method",),
-        (*(SHOWN[name] for name in names), "steps", "ms", "us/step"),
+        (*(SHOWN[own.name] for own in shown), "steps", "ms", "us/step"),
         tuple(rows),
         (
             diagram.task,
@@ -59,27 +55,26 @@ def table_of(diagram: Diagram) -> TextTable:
     )
 
 
-def _order_words(diagram: Diagram, family: str, name: str) -> str:
+def _order_words(diagram: Diagram, family: str, quantity: Quantity) -> str:
     """The observed order, where steps are what is varied."""
-    points = diagram.families()[family]
-    order = math.nan
-    if all(point.method.knob != TOLERANCE for point in points):
-        order = diagram.order(family, name)
+    if any(point.method.knob == TOLERANCE for point in diagram.families[family]):
+        return ""
+    order = diagram.order(family, quantity)
     return "" if math.isnan(order) else f": order {order:.1f}"
 
 
-def _row(point: Point, names: list[str]) -> tuple[str, ...]:
-    method, effort = point.method, point.effort
+def _row(point: Point, shown: list[Quantity]) -> tuple[str, ...]:
+    method, timing = point.method, point.timing
     mark = "*" * method.is_default + "+" * method.is_paper
     word = f"  {_KNOBS[method.knob]} {method.value:.3g} {mark}".rstrip()
-    if point.failure or effort is None:
-        return (f"{word}: {point.failure}", *("" for _ in names), "", "", "failed")
+    if point.failure or timing is None:
+        return (f"{word}: {point.failure}", *("" for _ in shown), "", "", "failed")
     return (
         word,
-        *(f"{point.errors[name]:.1e}" for name in names),
-        f"{effort.steps + effort.sent_back}",
-        _milliseconds(effort.wall),
-        f"{1e6 * effort.per_step:.1f}",
+        *(f"{point.errors[own.name]:.1e}" for own in shown),
+        f"{timing.attempts}",
+        _milliseconds(timing.wall),
+        f"{1e6 * timing.per_step:.1f}",
     )
 
 

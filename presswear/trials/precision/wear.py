@@ -7,7 +7,8 @@ method included, stays as it is.
 import math
 import time as clock
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any, Literal
 
 from presswear.campaign.campaign import run_campaign
@@ -17,11 +18,8 @@ from presswear.record.tracker import Progress, Tracker
 from presswear.results.stage import StageResult
 from presswear.scene.scene import CONVENTIONS, Scene
 from presswear.tools.errors import InputError, RunFailed
-from presswear.trials.precision.extent import Extent
-from presswear.trials.precision.growth import number
-
-Told = Callable[[str, float], None]
-"""Told what is being run and which part of all is done, 0 .. 1."""
+from presswear.trials.precision.extent import PrecisionExtent
+from presswear.trials.runs import Told, part_of
 
 Group = Literal["angles", "cycles", "depth step", "contact", "method"]
 
@@ -33,13 +31,13 @@ TITLES: dict[Group, str] = {
     "method": "how the motion is integrated",
 }
 TOLERANCE = 1e-7
-"""Of the in-house solver's DOPRI5, with which all runs are made; ``chaos`` says how honest
-that is for wear."""
+"""Tolerance of the in-house solver's DOPRI5, with which all runs are made; ``chaos`` says how
+honest that is for wear."""
 
 
 @dataclass(frozen=True)
 class Means:
-    """What is run under one set of conventions.
+    """Values that are run under one set of conventions.
 
     Attributes
     ----------
@@ -57,15 +55,15 @@ class Means:
 
 
 @dataclass(frozen=True)
-class Size:
-    """How much is run.
+class WearExtent:
+    """How much wear is run.
 
     Attributes
     ----------
     means : mapping of str to Means
         By the name of the conventions.
     methods : tuple of str
-        Keys of METHODS, under the paper's conventions.
+        Names in METHODS, run under the paper's conventions.
     """
 
     means: Mapping[str, Means]
@@ -84,14 +82,14 @@ METHODS: dict[str, dict[str, Any]] = {
 """Engine and numerics by name."""
 PAPER_STEP, USUAL = tuple(METHODS)[:2]
 # A wear in steps on a foundation takes some ten times as long as one in a jump.
-QUICK = Size(
+QUICK = WearExtent(
     {
         "paper": Means((90, 360, 1440), (5, 10, 20), (), 10),
         "refined": Means((90, 360), (), (1.0, 2.0), 5),
     },
     (PAPER_STEP, USUAL),
 )
-FULL = Size(
+FULL = WearExtent(
     {
         "paper": Means((90, 180, 360, 720, 1440), (5, 10, 20, 50, 100, 200), (), 50),
         "refined": Means((90, 180, 360, 720, 1440), (5, 10, 20, 50, 100), (0.5, 1.0, 2.0), 20),
@@ -101,8 +99,8 @@ FULL = Size(
 
 
 @dataclass(frozen=True)
-class Case:
-    """One way of computing the wear of a scene.
+class Varied:
+    """The one thing that a way of computing the wear of a scene changes.
 
     Attributes
     ----------
@@ -112,9 +110,9 @@ class Case:
         Name of the set.
     label : str
     value : float or None
-        Of what is varied, where it is a number; 0: no step is too large, a single jump.
+        Its value, where it is a number; 0: no step is too large, a single jump.
     is_default : bool
-        Whether the scene takes it by itself.
+        True where the scene takes it by itself.
     """
 
     group: Group
@@ -122,19 +120,18 @@ class Case:
     label: str
     value: float | None
     is_default: bool
-    scene: Scene
 
 
 @dataclass(frozen=True)
 class JointWear:
-    """What one wear takes off a joint.
+    """Material that one wear takes off a joint.
 
     Attributes
     ----------
     depth : Interval
         Deepest place of bearing or pin, whichever is deeper, m.
     volume : Interval
-        Of both, m^3.
+        Volume of both, m^3.
     """
 
     depth: Interval
@@ -150,50 +147,31 @@ QUANTITIES: dict[str, tuple[str, Callable[[JointWear], Interval]]] = {
 
 @dataclass(frozen=True)
 class WearPoint:
-    """What a case gave.
+    """The wear that one way of computing it gave.
 
     Attributes
     ----------
+    varied : Varied
     first, second : mapping of str to JointWear
-        By joint: the first wear as the case applies it, and what a second one would take
+        By joint: the first wear as it is applied, and what a second one would take
         off in a single jump; empty where it was not reached.
     steps : int
-        In which the first wear was applied.
+        Number in which the first wear was applied.
     cycles : int
-        Run in all.
+        Cycles run in all.
     wall : float
-        s, warm-up apart.
+        Wall time, warm-up apart, s.
     failure : str
         Why it failed, or nothing.
     """
 
-    group: Group
-    conventions: str
-    label: str
-    value: float | None
-    is_default: bool
+    varied: Varied
     first: Mapping[str, JointWear] = field(default_factory=dict)
     second: Mapping[str, JointWear] = field(default_factory=dict)
     steps: int = 0
     cycles: int = 0
-    wall: float = math.nan
+    wall: float = 0.0
     failure: str = ""
-
-    def as_dict(self) -> dict[str, Any]:
-        """The point as plain data."""
-        return asdict(self)
-
-    @staticmethod
-    def from_dict(data: Mapping[str, Any]) -> "WearPoint":
-        """A point from ``as_dict``."""
-        wears = {
-            name: {
-                joint: JointWear(Interval(**wear["depth"]), Interval(**wear["volume"]))
-                for joint, wear in data[name].items()
-            }
-            for name in ("first", "second")
-        }
-        return WearPoint(**{**data, **wears, "wall": number(data["wall"])})
 
 
 @dataclass(frozen=True)
@@ -207,7 +185,7 @@ class WearStudy:
     usual : mapping of str to int
         Cycles of each run where they are not what is varied, by conventions.
     method : str
-        What all ran with.
+        The method that all ran with.
     """
 
     points: tuple[WearPoint, ...]
@@ -216,26 +194,27 @@ class WearStudy:
 
     def of(self, group: Group, conventions: str) -> tuple[WearPoint, ...]:
         """The points that vary one thing under one set of conventions."""
-        return tuple(p for p in self.points if p.group == group and p.conventions == conventions)
+        wanted = group, conventions
+        return tuple(p for p in self.points if (p.varied.group, p.varied.conventions) == wanted)
+
+    @property
+    def conventions(self) -> tuple[str, ...]:
+        """Names of the sets of conventions."""
+        return tuple(dict.fromkeys(point.varied.conventions for point in self.points))
 
     @property
     def joints(self) -> tuple[str, ...]:
         """Names of the joints that wear."""
         return tuple(dict.fromkeys(joint for point in self.points for joint in point.first))
 
-    def as_dict(self) -> dict[str, Any]:
-        """The study as plain data."""
+    @property
+    def failed(self) -> dict[str, str]:
+        """Why a point failed, by what it varies."""
         return {
-            "points": [point.as_dict() for point in self.points],
-            "usual": dict(self.usual),
-            "method": self.method,
+            f"{p.varied.conventions}, {TITLES[p.varied.group]}: {p.varied.label}": p.failure
+            for p in self.points
+            if p.failure
         }
-
-    @staticmethod
-    def from_dict(data: Mapping[str, Any]) -> "WearStudy":
-        """A study from ``as_dict``."""
-        points = tuple(WearPoint.from_dict(point) for point in data["points"])
-        return WearStudy(points, data["usual"], data["method"])
 
 
 def change(here: Interval, there: Interval) -> Interval:
@@ -251,10 +230,10 @@ def change(here: Interval, there: Interval) -> Interval:
     return Interval(ratio - 1.0, ratio - 1.0 - half, ratio - 1.0 + half)
 
 
-def cases(scene: Scene, size: Size) -> tuple[Case, ...]:
-    """Everything that is run, from coarse to fine."""
-    found: list[Case] = []
-    for name, means in size.means.items():
+def cases(scene: Scene, extent: WearExtent) -> tuple[tuple[Varied, Scene], ...]:
+    """All that is varied, from coarse to fine, with the scene that each runs."""
+    found: list[tuple[Varied, Scene]] = []
+    for name, means in extent.means.items():
         conventions = CONVENTIONS[name]
         varied = replace(scene, conventions=conventions, cycles=means.usual, wears=1)
         base = with_method(varied, USUAL)
@@ -267,16 +246,15 @@ def cases(scene: Scene, size: Size) -> tuple[Case, ...]:
             changed: Scene,
             name: str = name,
         ) -> None:
-            found.append(Case(group, name, label, value, default, changed))
+            found.append((Varied(group, name, label, value, default), changed))
 
         for angles in means.angles:
             bearings = replace(base.bearings, angles=angles)
             own = angles == base.bearings.angles
             case("angles", f"{angles}", angles, own, replace(base, bearings=bearings))
         for cycles in means.cycles:
-            case(
-                "cycles", f"{cycles}", cycles, cycles == scene.cycles, replace(base, cycles=cycles)
-            )
+            own = cycles == scene.cycles
+            case("cycles", f"{cycles}", cycles, own, replace(base, cycles=cycles))
         if base.wears_in_steps:
             jump = replace(base, extrapolation="single")
             case("depth step", "single jump", 0.0, False, jump)
@@ -290,33 +268,28 @@ def cases(scene: Scene, size: Size) -> tuple[Case, ...]:
             read = replace(conventions, contact=contact)
             case("contact", contact, None, own, replace(base, conventions=read))
         if name == "paper":
-            for method in size.methods:
+            for method in extent.methods:
                 case("method", method, None, False, with_method(varied, method))
     return tuple(found)
 
 
 def with_method(scene: Scene, name: str) -> Scene:
-    """The scene, from one start, with a method of METHODS."""
+    """Take a scene from one start with a method of METHODS."""
     settings = dict(METHODS[name])
     engine = settings.pop("engine")
     return replace(scene, engine=engine, starts=1, numerics=scene.numerics.having(**settings))
 
 
 def joint_wears(stage: StageResult) -> dict[str, JointWear]:
-    """What the wear after a stage takes off each joint."""
+    """Material that the wear after a stage takes off each joint."""
     found = {}
     for name, numbers in stage.statistics.get("joints", {}).items():
         side = max(("bearing", "pin"), key=lambda own: numbers[f"wear_depth_max_{own}_m"])
-        ends = numbers.get(f"wear_depth_max_{side}_interval_m") or (None, None)
+        low, high = numbers.get(f"wear_depth_max_{side}_interval_m") or (None, None)
         volume, half = numbers["wear_volume_m3"], numbers["wear_volume_half_width_m3"]
-        found[name] = JointWear(
-            Interval(numbers[f"wear_depth_max_{side}_m"], ends[0], ends[1]),
-            Interval(
-                volume,
-                None if half is None else volume - half,
-                None if half is None else volume + half,
-            ),
-        )
+        ends = (None, None) if half is None else (volume - half, volume + half)
+        depth = Interval(numbers[f"wear_depth_max_{side}_m"], low, high)
+        found[name] = JointWear(depth, Interval(volume, *ends))
     return found
 
 
@@ -336,56 +309,56 @@ class _Stages(Tracker):
         self.stages.append(stage)
 
 
-def run_case(case: Case, progress: Callable[[float], None]) -> WearPoint:
-    """Run a case; one that fails is a point as well."""
-    watched = _Stages(progress)
-    stages = watched.stages
+def run_case(varied: Varied, scene: Scene, told: Callable[[float], None]) -> WearPoint:
+    """Compute the wear of a scene; one that fails is a point as well."""
+    tracker = _Stages(told)
+    stages = tracker.stages
     began = clock.perf_counter()
     try:
-        status, message, _ = run_campaign(case.scene, [watched])
+        status, message, _ = run_campaign(scene, [tracker])
     except (InputError, RunFailed) as error:
         status, message = "failed", str(error)
     wall = clock.perf_counter() - began
     wears = [joint_wears(stage) for stage in stages if not stage.failed]
     # A first wear that was not applied to its end is none.
     whole = wears[: len(wears) if status != "failed" or len(stages) > 1 else 0]
+    first, second = (*whole, {}, {})[:2]
     steps = stages[0].wear_steps if stages else ()
-    cycles = sum(stage.cycles for stage in stages) + sum(s.cycles for s in steps[1:])
     return WearPoint(
-        case.group,
-        case.conventions,
-        case.label,
-        case.value,
-        case.is_default,
-        whole[0] if whole else {},
-        whole[1] if len(whole) > 1 else {},
+        varied,
+        first,
+        second,
         len(steps),
-        cycles,
+        sum(stage.cycles for stage in stages) + sum(step.cycles for step in steps[1:]),
         wall,
         message if status == "failed" else "",
     )
 
 
-def measure(scene: Scene, extent: Extent, progress: Told) -> WearStudy:
-    """How the wear of a scene depends on its means, quick or in full; see ``vary``."""
-    return vary(scene, _size(extent), progress)
+def measure(scene: Scene, extent: PrecisionExtent, told: Told) -> WearStudy:
+    """Compute the wear of a scene by other means, quick or in full; see ``vary``."""
+    return vary(scene, _extent(extent), told)
 
 
-def check(scene: Scene, extent: Extent) -> None:
+def check(scene: Scene, extent: PrecisionExtent) -> None:
     """InputError where a scene has nothing that wears, or allows not every case.
 
     Asked before anything else is measured, which takes half an hour.
     """
+    _check_wears(scene)
+    cases(scene, _extent(extent))
+
+
+def _check_wears(scene: Scene) -> None:
     if not scene.clearance_joints or scene.bearings.wear_coefficient == 0.0:
         raise InputError(f"scene {scene.name}: nothing wears")
-    cases(scene, _size(extent))
 
 
-def _size(extent: Extent) -> Size:
+def _extent(extent: PrecisionExtent) -> WearExtent:
     return QUICK if extent.quick else FULL
 
 
-def vary(scene: Scene, size: Size, progress: Told) -> WearStudy:
+def vary(scene: Scene, extent: WearExtent, told: Told) -> WearStudy:
     """Run every case; what several groups have in common runs once.
 
     Raises
@@ -393,36 +366,22 @@ def vary(scene: Scene, size: Size, progress: Told) -> WearStudy:
     InputError
         Where the scene has nothing that wears.
     """
-    if not scene.clearance_joints or scene.bearings.wear_coefficient == 0.0:
-        raise InputError(f"scene {scene.name}: nothing wears")
-    wanted = cases(scene, size)
+    _check_wears(scene)
+    wanted = cases(scene, extent)
     _warm_up(wanted)
-    expected = [_work(case.scene) for case in wanted]
-    total = sum(expected)
+    work = [_work(own) for _, own in wanted]
     known: list[tuple[Scene, WearPoint]] = []
     points = []
-    for done, case in enumerate(wanted):
-        word = f"{case.conventions}, {case.group} {case.label}"
-        before, own = sum(expected[:done]), expected[done]
-
-        def told(part: float, word: str = word, before: float = before, own: float = own) -> None:
-            progress(word, (before + own * part) / total)
-
-        told(0.0)
-        found = next((point for ran, point in known if ran == case.scene), None)
+    for done, (varied, own) in enumerate(wanted):
+        word = f"{varied.conventions}, {varied.group} {varied.label}"
+        tell = partial(part_of(told, sum(work[:done]), work[done], sum(work)), word)
+        tell(0.0)
+        found = next((point for ran, point in known if ran == own), None)
         if found is None:
-            found = run_case(case, told)
-            known.append((case.scene, found))
-        points.append(
-            replace(
-                found,
-                group=case.group,
-                label=case.label,
-                value=case.value,
-                is_default=case.is_default,
-            )
-        )
-    usual = {name: means.usual for name, means in size.means.items()}
+            found = run_case(varied, own, tell)
+            known.append((own, found))
+        points.append(replace(found, varied=varied))
+    usual = {name: means.usual for name, means in extent.means.items()}
     return WearStudy(tuple(points), usual, f"dae, DOPRI5 at tolerance {TOLERANCE:g}")
 
 
@@ -435,9 +394,8 @@ def _work(scene: Scene) -> float:
     return scene.cycles * (1.0 + 3.0 * steps * (1.0 + scene.bearings.angles / 400.0))
 
 
-def _warm_up(wanted: Sequence[Case]) -> None:
+def _warm_up(wanted: Sequence[tuple[Varied, Scene]]) -> None:
     """Compile everything that is timed later."""
-    for conventions in dict.fromkeys(case.conventions for case in wanted):
-        case = next(case for case in wanted if case.conventions == conventions)
-        scene = replace(case.scene, cycles=1, extrapolation="single")
-        run_case(replace(case, scene=scene), lambda part: None)
+    firsts = {varied.conventions: (varied, scene) for varied, scene in reversed(wanted)}
+    for varied, scene in firsts.values():
+        run_case(varied, replace(scene, cycles=1, extrapolation="single"), lambda part: None)

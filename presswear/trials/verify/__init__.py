@@ -1,1 +1,1 @@
-"""The engines against references that nobody here wrote."""
+"""Verification of the engines against references that nobody here wrote."""

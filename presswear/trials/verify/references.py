@@ -1,4 +1,4 @@
-"""Reference problems that nobody here solved first: mechanisms, values and their source.
+"""Reference problems that others solved first: mechanisms, values and their source.
 
 Each is a ``Linkage`` with a start, so that the engines run it as they run a press.
 """
@@ -102,6 +102,25 @@ _TURNS = np.array(
 """Angles of the seven bodies from the seven angles of the reference."""
 
 
+def free_bodies(
+    name: str,
+    bodies: tuple[Body, ...],
+    joints: tuple[ClearanceJoint, ...],
+    probe: str,
+    direction: float = 0.0,
+    gravity: float = 0.0,
+    loads: tuple[Load, ...] = (),
+) -> Linkage:
+    """Bodies that meet in clearance joints and nowhere else.
+
+    Parameters
+    ----------
+    probe, direction : str, float
+        Body that is watched, along a direction, rad.
+    """
+    return Linkage(name, bodies, (), (), (), joints, Probe(probe, direction), gravity, loads=loads)
+
+
 def andrews() -> Linkage:
     """Andrews' squeezer: seven bodies, ten pins, one spring, one moment, no gravity."""
 
@@ -165,7 +184,7 @@ def andrews_start() -> Start:
 
 
 def andrews_angles(coordinates: Array) -> Array:
-    """The seven angles of the reference, or their rates, from those of all bodies."""
+    """Seven angles of the reference, or their rates, from those of all bodies, shape (21,)."""
     return np.linalg.solve(_TURNS, np.asarray(coordinates)[2::3])
 
 
@@ -212,7 +231,7 @@ class Impact:
             normal=NormalLaw(self.stiffness, 1.5, lankarani_nikravesh_damping(self.nominal)),
         )
         bodies = (Body("ring", 0.3, 4e-4), Body("shaft", 0.1, 1e-4))
-        return Linkage("free impact", bodies, (), (), (), (joint,), Probe("shaft", 0.0), 0.0)
+        return free_bodies("free impact", bodies, (joint,), "shaft")
 
     @property
     def start(self) -> Start:
@@ -275,17 +294,8 @@ def block(pull: float, press: float, friction: FrictionLaw, speed: float) -> tup
     speed : float
         At the start, m/s.
     """
-    linkage = Linkage(
-        "block on a floor",
-        (Body("block", 1.0, 1e12),),
-        (),
-        (),
-        (),
-        (_floor(friction),),
-        Probe("block", 0.0),
-        gravity=0.0,
-        loads=(Load("block", x=pull, y=-press),),
-    )
+    heavy, load = Body("block", 1.0, 1e12), Load("block", x=pull, y=-press)
+    linkage = free_bodies("block on a floor", (heavy,), (_floor(friction),), "block", loads=(load,))
     return linkage, Start(_block_at(0.0, press), np.array([speed, 0.0, 0.0]))
 
 
@@ -356,16 +366,9 @@ class Ball:
             width=0.02,
             normal=NormalLaw(self.stiffness, 1.5, lankarani_nikravesh_damping(self.nominal)),
         )
-        return Linkage(
-            "bouncing ball",
-            (Body("ball", 0.1, 1e-4),),
-            (),
-            (),
-            (),
-            (joint,),
-            Probe("ball", math.pi / 2.0),
-            self.gravity,
-        )
+        bodies = (Body("ball", 0.1, 1e-4),)
+        upwards = math.pi / 2.0
+        return free_bodies("bouncing ball", bodies, (joint,), "ball", upwards, self.gravity)
 
     @property
     def start(self) -> Start:

@@ -1,4 +1,4 @@
-"""Both engines against references that nobody here wrote: what is reached, what is not."""
+"""The engines against references that nobody here wrote: what is reached, what is not."""
 
 import math
 from collections.abc import Callable, Iterator, Sequence
@@ -12,31 +12,38 @@ from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import ExudynJoints, InHouse
 from presswear.linkage.elements import Linkage
 from presswear.linkage.laws import FrictionLaw
+from presswear.record.observe import SERIES_NAMES
 from presswear.tools.errors import RunFailed
+from presswear.trials.runs import Told, contacts_of, finished, order_of
 from presswear.trials.verify import references
 
 Array = NDArray[np.float64]
 
 TIGHT = InHouse(integration_tolerance=1e-11)
-"""Tolerance of the impacts; 1e-9, the default, leaves 2e-8 in the restitution."""
+"""The engine of the impacts; 1e-9, the default, leaves 2e-8 in the restitution."""
 NEWTON = 1e-12
-"""Of Exudyn on smooth motion: at 1e-9 and above it hides the order of the integrator."""
+"""Tolerance of Exudyn on smooth motion: 1e-9 and above hide the order of the integrator."""
 ANDREWS_STEPS = (1e-5, 5e-6, 2.5e-6)
 """Steps of Exudyn on Andrews' squeezer, s."""
 EXUDYN_STEPS_PER_CONTACT = {0.9: 50, 0.8: 100, 0.5: 100}
-"""By nominal restitution: at the default of 50 the two lower ones miss 1e-4."""
+"""Steps in an impact by nominal restitution: with 50 the two lower ones miss 1e-4."""
 SHARP = 1e-6
 """Speed above which friction is full in SDND100, m/s: 0.001 of the greatest."""
 FRICTION = FrictionLaw(0.1, 1e-4, 1e-3)
-"""Of the block on incline and flat."""
-GRAVITY = 9.81
+"""Friction of the block on incline and flat."""
+GRAVITY = 9.81  # m/s^2
 SLOPE = 0.05
 BOUNCES = 20
+ANDREWS = (
+    references.andrews(),
+    references.andrews_start(),
+    Plan(references.ANDREWS_DURATION, 1, recorded_cycles=1),
+)
 
 
 @dataclass(frozen=True)
-class Row:
-    """One comparison.
+class Comparison:
+    """A number held against its reference.
 
     Attributes
     ----------
@@ -59,99 +66,80 @@ class Row:
 
     @property
     def passed(self) -> bool:
-        """Whether the error is within the bound; never for what is not a number."""
+        """True where the error is within the bound; never for what is not a number."""
         return self.error <= self.bound
 
 
-def _worst(name: str, reference: Sequence[float], ours: Array, bound: float) -> Row:
+def _worst(name: str, reference: Sequence[float], ours: Array, bound: float) -> Comparison:
     """The component that is furthest off."""
     i = int(np.argmax(np.abs(ours - np.array(reference))))
-    return Row(name, float(reference[i]), float(ours[i]), bound)
-
-
-def _finished(run: Run) -> Run:
-    if run.status == "failed":
-        raise RunFailed(run.message)
-    return run
-
-
-def order_of(steps: Sequence[float], errors: Sequence[float]) -> float:
-    """Observed order: slope of log error over log step, by least squares."""
-    return float(np.polyfit(np.log(steps), np.log(errors), 1)[0])
+    return Comparison(name, float(reference[i]), float(ours[i]), bound)
 
 
 def andrews_with_exudyn(step: float) -> Array:
     """The seven angles at the end, rad, with equal steps, s."""
     # A step one part in 1e9 shorter keeps round-off from making them one fewer.
-    accuracy = ExudynJoints(50, 10, free_step=step * (1.0 - 1e-9), newton=NEWTON)
-    plan = Plan(references.ANDREWS_DURATION, 1, recorded_cycles=1)
-    run = accuracy.simulate(references.andrews(), references.andrews_start(), plan)
-    return references.andrews_angles(_finished(run).end.position)
+    engine = ExudynJoints(50, 10, free_step=step * (1.0 - 1e-9), newton=NEWTON)
+    return references.andrews_angles(finished(engine.simulate(*ANDREWS)).end.position)
 
 
-def andrews_rows() -> Iterator[Row]:
+def andrews_rows() -> Iterator[Comparison]:
     """Andrews' squeezer at t = 0.03 s."""
-    plan = Plan(references.ANDREWS_DURATION, 1, recorded_cycles=1)
-    run = InHouse().simulate(references.andrews(), references.andrews_start(), plan)
-    end = _finished(run).end
+    end = finished(InHouse().simulate(*ANDREWS)).end
     angles = references.andrews_angles(end.position)
     rates = references.andrews_angles(end.velocity)
     yield _worst("Andrews, dae: worst angle (rad)", references.ANDREWS_ANGLES, angles, 1e-8)
     yield _worst("Andrews, dae: worst rate (rad/s)", references.ANDREWS_RATES, rates, 1e-5)
     found = [andrews_with_exudyn(step) for step in ANDREWS_STEPS]
     name = f"Andrews, Exudyn, {1e6 * ANDREWS_STEPS[-1]:g} us: worst angle (rad)"
-    finest = _worst(name, references.ANDREWS_ANGLES, found[-1], 1e-5)
-    yield finest
+    yield _worst(name, references.ANDREWS_ANGLES, found[-1], 1e-5)
     errors = [float(np.abs(a - np.array(references.ANDREWS_ANGLES)).max()) for a in found]
-    yield Row("Andrews, Exudyn: order", 2.0, order_of(ANDREWS_STEPS, errors), 0.1)
+    yield Comparison("Andrews, Exudyn: order", 2.0, order_of(ANDREWS_STEPS, errors), 0.1)
 
 
 def delivered(run: Run, speed: float) -> float:
     """Restitution of the first contact of a run that met at ``speed``, m/s."""
-    return -float(first_contact(run)[3]) / speed
+    return -first_contact(run)["release_speed"] / speed
 
 
-def first_contact(run: Run) -> Array:
-    """Row of the first contact, columns ``CONTACT_COLUMNS``; RunFailed if there is none."""
-    episodes = _finished(run).recorder.episodes(0)
-    if not len(episodes):
+def first_contact(run: Run, k: int = 0) -> dict[str, float]:
+    """First contact of joint ``k`` by ``CONTACT_COLUMNS``, SI; RunFailed if there is none."""
+    contacts = contacts_of(finished(run), k)
+    if not contacts["touchdown"].size:
         raise RunFailed("a contact that must happen was not seen")
-    first: Array = episodes[0]
-    return first
+    return {name: float(column[0]) for name, column in contacts.items()}
 
 
 def deepest_penetration(run: Run, speed: float) -> float:
     """Greatest penetration of a free ``Impact``, m, between the recorded rows too."""
-    rows = _finished(run).recorder.rows
+    recorder = finished(run).recorder
+    velocity = recorder.series("velocity")
     # The momentum of ring, 0.3 kg, and shaft, 0.1 kg, is the shaft's at the start.
-    rate = rows[:, 2] - (speed - rows[:, 2]) / 3.0
-    course = CubicHermiteSpline(rows[:, 0], rows[:, 6], rate)
+    rate = velocity - (speed - velocity) / 3.0
+    course = CubicHermiteSpline(recorder.series("time"), recorder.series("penetration", 0), rate)
     return float(course(course.derivative().roots(extrapolate=False)).max())
 
 
-def impact_rows() -> Iterator[Row]:
+def impact_rows() -> Iterator[Comparison]:
     """One free central impact."""
     plan = Plan(0.005, 1)
     for nominal, expected in references.DELIVERED.items():
         impact = references.Impact(nominal)
-        run = TIGHT.simulate(impact.linkage, impact.start, plan)
-        ours = delivered(run, impact.speed)
-        yield Row(f"restitution, nominal {nominal}, dae", expected, ours, 1e-8)
         steps = EXUDYN_STEPS_PER_CONTACT[nominal]
-        accuracy = ExudynJoints(steps, 10, free_step=2e-5, newton=1e-10)
-        run = accuracy.simulate(impact.linkage, impact.start, plan)
-        name = f"restitution, nominal {nominal}, Exudyn, {steps} steps"
-        yield Row(name, expected, delivered(run, impact.speed), 1e-4)
+        joints = ExudynJoints(steps, 10, free_step=2e-5, newton=1e-10)
+        for word, engine, bound in (("dae", TIGHT, 1e-8), (f"Exudyn, {steps} steps", joints, 1e-4)):
+            run = engine.simulate(impact.linkage, impact.start, plan)
+            name = f"restitution, nominal {nominal}, {word}"
+            yield Comparison(name, expected, delivered(run, impact.speed), bound)
     impact = references.Impact(0.9, clearance=1e-5)
     run = TIGHT.simulate(impact.linkage, impact.start, Plan(2.2e-4, 1))
     part = deepest_penetration(run, impact.speed) / impact.deepest
-    yield Row("penetration over closed form, dae", 1.0, part, 1e-8)
+    yield Comparison("penetration over closed form, dae", 1.0, part, 1e-8)
     impact = references.Impact(1.0)
-    run = TIGHT.simulate(impact.linkage, impact.start, plan)
-    onset, end = first_contact(run)[:2]
-    unit = impact.deepest / impact.speed
-    lasted = float(end - onset) / unit
-    yield Row("Hertz: duration (delta_max/v), dae", references.HERTZ_DURATION, lasted, 1e-8)
+    contact = first_contact(TIGHT.simulate(impact.linkage, impact.start, plan))
+    lasted = (contact["separation"] - contact["touchdown"]) * impact.speed / impact.deepest
+    expected = references.HERTZ_DURATION
+    yield Comparison("Hertz: duration (delta_max/v), dae", expected, lasted, 1e-8)
 
 
 def turning_points(run: Run, begin: float) -> tuple[Array, Array]:
@@ -165,34 +153,35 @@ def turning_points(run: Run, begin: float) -> tuple[Array, Array]:
     begin : float
         Watched coordinate at the start, m.
     """
-    rows = _finished(run).recorder.rows
-    before = np.flatnonzero(rows[:-1, 2] * rows[1:, 2] < 0.0)
-    t, x, v, a = rows[before, :4].T
+    recorder = finished(run).recorder
+    velocity = recorder.series("velocity")
+    before = np.flatnonzero(velocity[:-1] * velocity[1:] < 0.0)
+    t, x, v, a = (recorder.series(name)[before] for name in SERIES_NAMES)
     left = -v / a
     return t + left, begin + x + left * (v + 0.5 * a * left)
 
 
-def friction_rows() -> Iterator[Row]:
+def friction_rows() -> Iterator[Comparison]:
     """Dry friction in a mechanism, with ``dae``."""
     linkage, start = references.sdnd100(SHARP)
     duration = 4.5 * references.SDND100_INTERVAL
     run = TIGHT.simulate(linkage, start, Plan(duration, 1, recorded_cycles=1))
-    times, places = turning_points(run, references.SDND100_EXTREMA[0])
-    turns = len(references.SDND100_EXTREMA) - 1
-    if len(times) != turns:
-        raise RunFailed(f"SDND100 turned round {len(times)} times instead of {turns}")
-    millimetres = [1e3 * x for x in references.SDND100_EXTREMA[1:]]
+    released, *extrema = references.SDND100_EXTREMA
+    times, places = turning_points(run, released)
+    if len(times) != len(extrema):
+        raise RunFailed(f"SDND100 turned round {len(times)} times instead of {len(extrema)}")
+    millimetres = [1e3 * x for x in extrema]
     yield _worst("SDND100, dae: worst turning point (mm)", millimetres, 1e3 * places, 1e-5)
-    expected = [references.SDND100_INTERVAL * (k + 1) for k in range(turns)]
+    expected = [references.SDND100_INTERVAL * (k + 1) for k in range(len(extrema))]
     yield _worst("SDND100, dae: its time (s)", expected, times, 1e-5)
     rest = 1e3 * float(run.end.position[0])
-    yield Row("SDND100, dae: sticks at (mm)", 1e3 * references.SDND100_EXTREMA[-1], rest, 1e-4)
-    expected_creep = references.creep_speed(FRICTION, SLOPE)
-    yield Row("creep on an incline (mm/s)", 1e3 * expected_creep, 1e3 * creep(SLOPE), 1e-6)
+    yield Comparison("SDND100, dae: sticks at (mm)", millimetres[-1], rest, 1e-4)
+    creeping = references.creep_speed(FRICTION, SLOPE)
+    yield Comparison("creep on an incline (mm/s)", 1e3 * creeping, 1e3 * creep(SLOPE), 1e-6)
     for time in (0.005, 0.011):
-        expected_speed = 1e3 * references.slowed_speed(FRICTION, 0.01, GRAVITY, time)
+        slowing = references.slowed_speed(FRICTION, 0.01, GRAVITY, time)
         name = f"slowing on the flat, {1e3 * time:g} ms (mm/s)"
-        yield Row(name, expected_speed, 1e3 * slowed(0.01, time), 1e-6)
+        yield Comparison(name, 1e3 * slowing, 1e3 * slowed(0.01, time), 1e-6)
 
 
 def slowed(speed: float, time: float) -> float:
@@ -212,7 +201,7 @@ def creep(slope: float) -> float:
 
 def _slid(linkage: Linkage, start: Start, time: float) -> float:
     run = TIGHT.simulate(linkage, start, Plan(time, 1, recorded_cycles=1))
-    return float(_finished(run).end.velocity[0])
+    return float(finished(run).end.velocity[0])
 
 
 @dataclass(frozen=True)
@@ -225,29 +214,30 @@ class Bounces:
 
 
 def bounced(ball: references.Ball, duration: float) -> Bounces:
-    """What a ball did for a time, s, with ``dae``."""
+    """Follow a ball for a time, s, with ``dae``."""
     run = TIGHT.simulate(ball.linkage, ball.start, Plan(duration, 1, recorded_cycles=1))
     first_contact(run)
-    episodes = run.recorder.episodes(0)
-    left = np.concatenate([[0.0], episodes[:-1, 1]])
-    return Bounces(episodes[:, 0] - left, -episodes[:, 3], episodes[:, 1] - episodes[:, 0])
+    contacts = contacts_of(run)
+    touchdown, separation = contacts["touchdown"], contacts["separation"]
+    left = np.concatenate([[0.0], separation[:-1]])
+    return Bounces(touchdown - left, -contacts["release_speed"], separation - touchdown)
 
 
 def stiff_limit(values: Sequence[float], ratio: float) -> float:
-    """What a quantity tends to as contacts get short, from its values at two stiffnesses.
+    """Limit of a quantity as contacts get short, from its values at two stiffnesses.
 
     Gravity acts during contact too; its effect goes with the contact time, K^(-2/5).
 
     Parameters
     ----------
     ratio : float
-        Of the second stiffness to the first, above 1.
+        The second stiffness over the first, above 1.
     """
     stiff, stiffer = values
     return stiffer + (stiffer - stiff) / (ratio**0.4 - 1.0)
 
 
-def bouncing_rows() -> Iterator[Row]:
+def bouncing_rows() -> Iterator[Comparison]:
     """A ball that comes to rest: twenty bounces, the rest as a geometric series."""
     restitution = references.DELIVERED[0.9]
     stiffer = references.Ball(0.9)
@@ -263,12 +253,12 @@ def bouncing_rows() -> Iterator[Row]:
         rebounds.append(last)
     speed = stiffer.speed
     total, rebound = stiff_limit(totals, 10.0), stiff_limit(rebounds, 10.0)
-    yield Row("bouncing ball, dae: total time (s)", series * speed, total, 1e-6)
+    yield Comparison("bouncing ball, dae: total time (s)", series * speed, total, 1e-6)
     expected = speed * restitution**BOUNCES
-    yield Row(f"bouncing ball, dae: rebound {BOUNCES} (m/s)", expected, rebound, 1e-6)
+    yield Comparison(f"bouncing ball, dae: rebound {BOUNCES} (m/s)", expected, rebound, 1e-6)
 
 
-GROUPS: dict[str, Callable[[], Iterator[Row]]] = {
+GROUPS: dict[str, Callable[[], Iterator[Comparison]]] = {
     "Andrews' squeezer": andrews_rows,
     "impact": impact_rows,
     "friction": friction_rows,
@@ -277,22 +267,17 @@ GROUPS: dict[str, Callable[[], Iterator[Row]]] = {
 """The reference problems by name."""
 
 
-def verify(progress: Callable[[str, float], None] = lambda name, part: None) -> list[Row]:
+def verify(told: Told) -> list[Comparison]:
     """Run every reference problem.
-
-    Parameters
-    ----------
-    progress : callable
-        Told the problem at hand and the part, 0 .. 1, that is done.
 
     Raises
     ------
     RunFailed
         A run failed, so that there is nothing to compare.
     """
-    rows: list[Row] = []
+    rows: list[Comparison] = []
     for done, (name, group) in enumerate(GROUPS.items()):
-        progress(name, done / len(GROUPS))
+        told(name, done / len(GROUPS))
         rows.extend(group())
-    progress("done", 1.0)
+    told("done", 1.0)
     return rows

@@ -8,13 +8,14 @@ from presswear.engines.settings import ExudynJoints
 from presswear.record.sampling import Interval
 from presswear.scene.catalog import wear_times
 from presswear.trials.precision.chaos import Chaos, StatisticPoint
+from presswear.trials.precision.diagram import Diagram, Point, Quantity
 from presswear.trials.precision.extent import QUICK
 from presswear.trials.precision.growth import Growth
-from presswear.trials.precision.ladder import finest, ladder
-from presswear.trials.precision.points import Diagram, Effort, Method, Point
+from presswear.trials.precision.methods import IMPACT, Method, finest, statistics_methods
 from presswear.trials.precision.statistic import Statistic, StepError
 from presswear.trials.precision.study import Precision
-from presswear.trials.precision.wear import JointWear, WearPoint, WearStudy
+from presswear.trials.precision.wear import Group, JointWear, Varied, WearPoint, WearStudy
+from presswear.trials.timing import Timing
 
 SCENE = wear_times()
 NAMES = tuple(
@@ -23,12 +24,14 @@ NAMES = tuple(
 STAGE_CYCLES = 16
 DEFAULTS = ("exudyn-tree, DOPRI5, tolerance 1e-08", "dae, DOP853, tolerance 1e-09")
 """Taken by default here, whatever the code takes."""
-METHODS = tuple(replace(method, is_default=method.label in DEFAULTS) for method in ladder(SCENE))
+METHODS = tuple(
+    replace(method, is_default=method.label in DEFAULTS) for method in statistics_methods(SCENE)
+)
 
 
-def effort(wall: float, steps: int) -> Effort:
+def timing(method: Method, wall: float, steps: int) -> Timing:
     walls = tuple(wall * factor for factor in (0.9, 1.0, 1.3))
-    return Effort(walls, 2.5, 0.14, steps, steps // 10, 7 * steps)
+    return Timing(method.label, "tree 4", 0.14, steps, steps // 10, 7 * steps, walls)
 
 
 def diagram(key: str = "horizon", constant: float = 1.0) -> Diagram:
@@ -46,18 +49,22 @@ def diagram(key: str = "horizon", constant: float = 1.0) -> Diagram:
             "slider velocity": 50.0 * error,
             "energy residual / exchanged": error / 10.0,
         }
-        points.append(Point(method, errors, effort(2e-5 * steps, steps), values={"touches": 54.0}))
+        timed = timing(method, 2e-5 * steps, steps)
+        points.append(Point(method, errors, {"touches": 54.0}, 2.5, timed))
     for count in (20, 50):
-        accuracy = ExudynJoints(count, 10, free_step=1e-4)
-        method = Method("exudyn-joints", "trapezoidal rule", "steps in an impact", count, accuracy)
+        engine = ExudynJoints(count, 10, free_step=1e-4)
+        method = Method(engine, "trapezoidal rule", IMPACT, count)
         points.append(Point(method, failure="3 of the first 10 touches missing"))
     return Diagram(
         key,
         f"Task <{key}>",
         "Something that runs & ends.",
-        {"slider position": "m", "slider velocity": "m/s", "energy residual / exchanged": ""},
+        (
+            Quantity("slider position", "m", 1e-8),
+            Quantity("slider velocity", "m/s", 1e-6),
+            Quantity("energy residual / exchanged", ""),
+        ),
         "a run at 1e-13",
-        {"slider position": 1e-8, "slider velocity": 1e-6},
         tuple(points),
     )
 
@@ -107,14 +114,10 @@ def joint_wears(depth: float, volume: float) -> dict[str, JointWear]:
 
 
 def wear_point(
-    group: str, conventions: str, label: str, value: float | None, depth: float
+    group: Group, conventions: str, label: str, value: float | None, depth: float
 ) -> WearPoint:
     return WearPoint(
-        group,  # type: ignore[arg-type]
-        conventions,
-        label,
-        value,
-        label in ("360", "0.005"),
+        Varied(group, conventions, label, value, label in ("360", "0.005")),
         joint_wears(depth, 10.0),
         joint_wears(1.2 * depth, 11.0),
         1,
@@ -137,9 +140,8 @@ def wear() -> WearStudy:
         depth = 30.0 if step == 0.0 else 10.0
         points.append(wear_point("depth step", "refined", label, step, depth))
     points.append(wear_point("contact", "paper", "radial", None, 10.0))
-    points.append(
-        WearPoint("contact", "paper", "foundation", None, False, failure="stage 1: it blew up")
-    )
+    foundation = Varied("contact", "paper", "foundation", None, False)
+    points.append(WearPoint(foundation, failure="stage 1: it blew up"))
     return WearStudy(tuple(points), {"paper": 50, "refined": 20}, "dae, DOPRI5 at tolerance 1e-07")
 
 

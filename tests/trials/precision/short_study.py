@@ -1,9 +1,8 @@
 """A study so small that tests can afford it."""
 
-from presswear.trials.precision.extent import Extent
-from presswear.trials.precision.methods import Rungs
+from presswear.trials.precision.extent import PrecisionExtent, Rungs
 
-SHORT = Extent(
+SHORT = PrecisionExtent(
     quick=True,
     repeats=2,
     rungs=Rungs(

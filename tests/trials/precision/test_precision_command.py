@@ -32,10 +32,10 @@ def test_every_diagram_is_there_with_the_papers_setting(found: Precision) -> Non
     for diagram in found.diagrams:
         assert sum(point.method.is_paper for point in diagram.points) == 1
         assert any(point.method.is_default for point in diagram.points)
-        assert set(diagram.reference_errors) == set(diagram.quantities)
+        names = {quantity.name for quantity in diagram.quantities}
         for point in diagram.points:
-            assert bool(point.failure) == (point.effort is None)
-            assert set(point.errors) == (set() if point.failure else set(diagram.quantities))
+            assert bool(point.failure) == (point.timing is None)
+            assert set(point.errors) == (set() if point.failure else names)
     assert found.chaos is None
     assert found.processor
     assert found.provenance["packages"]["exudyn"]
@@ -66,17 +66,17 @@ def test_tables_hold_every_point(found: Precision, tmp_path: Path) -> None:
             assert float(row["value"]) == point.method.value
             assert row["failure"] == point.failure
             assert row["is_paper"] == str(point.method.is_paper).lower()
-            if point.effort is not None:
-                assert float(row["wall median (s)"]) == point.effort.wall
-                assert int(row["steps"]) == point.effort.steps
-            for name, unit in diagram.quantities.items():
-                text = row[f"{name} error{f' ({unit})' if unit else ''}"]
-                assert (float(text) if text else None) == point.errors.get(name)
+            if point.timing is not None:
+                assert float(row["wall median (s)"]) == point.timing.wall
+                assert int(row["steps"]) == point.timing.steps
+            for quantity in diagram.quantities:
+                text = row[quantity.error]
+                assert (float(text) if text else None) == point.errors.get(quantity.name)
 
 
 def test_the_printed_tables_are_complete(found: Precision) -> None:
     for table, diagram in zip(tables_of(found), found.diagrams, strict=True):
-        assert len(table.rows) == len(diagram.points) + len(diagram.families())
+        assert len(table.rows) == len(diagram.points) + len(diagram.families)
         for row in table.rows:
             assert len(row) == len(table.texts) + len(table.numbers)
     press = tables_of(found)[-1]
@@ -92,7 +92,7 @@ def test_the_printed_tables_are_complete(found: Precision) -> None:
         (None, "holds no study"),
         ("{", "cannot be read"),
         ('{"schema": 7}', "has schema 7"),
-        ('{"schema": 1}', "is not whole"),
+        ('{"schema": 2}', "study.scene is missing"),
     ],
 )
 def test_a_broken_study_is_one_clear_line(tmp_path: Path, text: str | None, words: str) -> None:
@@ -145,6 +145,6 @@ def test_json_is_strict(found: Precision, tmp_path: Path) -> None:
         raise AssertionError(word)
 
     data = json.loads(text, parse_constant=refuse)
-    assert data["horizon_s"] == SHORT.longest
+    assert data["horizon"] == SHORT.longest
     assert extents.QUICK.repeats >= 5
     assert extents.FULL.repeats >= 5

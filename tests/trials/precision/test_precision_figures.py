@@ -14,9 +14,9 @@ from matplotlib.lines import Line2D
 from matplotlib.text import Text
 
 from presswear.show.figures.style import Drawing
+from presswear.trials.precision.diagram import Diagram
 from presswear.trials.precision.figures import precision_drawings
-from presswear.trials.precision.figures.families import LOOKS, look_of
-from presswear.trials.precision.points import Diagram
+from presswear.trials.precision.figures.panels import LOOKS, look_of
 
 
 @pytest.fixture(scope="module")
@@ -52,16 +52,16 @@ def test_everything_that_was_run_is_drawn(drawn: dict[str, Drawing]) -> None:
 def test_errors_over_wall_times(drawn: dict[str, Drawing]) -> None:
     """The curve of a family holds its medians and errors; bars go from least to greatest."""
     axes = drawn["precision-horizon.png"].sheet.axes[0]
-    tree = [p for p in diagram().points if p.method.engine == "exudyn-tree"]
+    tree = [p for p in diagram().points if p.method.engine.word == "exudyn-tree"]
     look = look_of("exudyn-tree, DOPRI5")
     containers: list[Any] = list(axes.containers)
     bars = next(c for c in containers if c.lines[0].get_color() == look.colour)
     x, y = np.asarray(bars.lines[0].get_data(), dtype=float)
-    assert x == pytest.approx([1e3 * p.effort.wall for p in tree if p.effort])
+    assert x == pytest.approx([1e3 * p.timing.wall for p in tree if p.timing])
     assert y == pytest.approx([p.errors["slider position"] for p in tree])
     ends = np.array([segment[:, 0] for segment in bars.lines[2][0].get_segments()])
     assert ends == pytest.approx(
-        np.array([[1e3 * t for t in p.effort.spread] for p in tree if p.effort])
+        np.array([[1e3 * t for t in p.timing.ends] for p in tree if p.timing])
     )
 
 
@@ -98,9 +98,9 @@ def test_the_paper_has_its_mark_where_it_ran() -> None:
     study = replace(precision(whole=False), diagrams=(ran_at_the_papers_step(),))
     sheet = next(precision_drawings(study)).sheet
     point = study.diagrams[0].points[0]
-    assert point.effort is not None
+    assert point.timing is not None
     (mark,) = (line for line in sheet.axes[0].lines if line.get_gid() == "paper")
-    assert float(np.ravel(mark.get_xdata())[0]) == pytest.approx(1e3 * point.effort.wall)
+    assert float(np.ravel(mark.get_xdata())[0]) == pytest.approx(1e3 * point.timing.wall)
     assert float(np.ravel(mark.get_ydata())[0]) == pytest.approx(point.errors["slider position"])
 
 

@@ -7,14 +7,10 @@ from pathlib import Path
 import pytest
 from made_up_precision import chaos, diagram, precision
 
-from presswear.trials.precision.points import Diagram
-from presswear.trials.precision.report import (
-    growth_sentence,
-    headline,
-    recommendations,
-    write_precision_report,
-)
-from presswear.trials.precision.sheets import statistic_rows, wear_rows
+from presswear.studies.paper.variants import base_scene
+from presswear.trials.precision.recommendation import recommend
+from presswear.trials.precision.report import growth_sentence, headline, write_precision_report
+from presswear.trials.precision.rows import statistic_rows, wear_rows
 from presswear.trials.precision.tables import (
     cost_table,
     error_table,
@@ -26,6 +22,8 @@ from presswear.trials.precision.tables import (
     wear_cost_table,
     wear_table,
 )
+
+TAKEN = base_scene("wear-times").numerics
 
 
 class _Page(HTMLParser):
@@ -57,7 +55,7 @@ class _Page(HTMLParser):
 @pytest.fixture(scope="module")
 def page(tmp_path_factory: pytest.TempPathFactory) -> str:
     folder = tmp_path_factory.mktemp("precision")
-    answer, path = write_precision_report(precision(), folder)
+    answer, path = write_precision_report(precision(), TAKEN, folder)
     assert path == folder / "report.html"
     text = path.read_text()
     assert (folder / "figures" / "precision-horizon.png").exists()
@@ -95,7 +93,7 @@ def test_recommendation_comes_before_any_figure(page: str) -> None:
 
 def test_every_recommendation_is_told(page: str) -> None:
     text = " ".join("".join(parsed(page).words).split())
-    for one in recommendations(precision()):
+    for one in recommend(precision(), TAKEN):
         assert one.subject in text
         assert one.verdict in text
 
@@ -156,7 +154,8 @@ def test_failures_are_listed_with_reasons() -> None:
 def test_references_tell_their_own_error() -> None:
     ((_, rows),) = references_table([diagram()]).groups
     assert rows[0][2] == "slider position 1·10⁻⁸ m; slider velocity 1·10⁻⁶ m/s"
-    exact: Diagram = replace(diagram(), reference_errors={})
+    known = tuple(replace(quantity, known=0.0) for quantity in diagram().quantities)
+    exact = replace(diagram(), quantities=known)
     assert references_table([exact]).groups[0][1][0][2] == "exact"
 
 
@@ -194,11 +193,11 @@ def test_wear_in_numbers() -> None:
 
 def test_nothing_honest_is_said_so() -> None:
     study = replace(precision(), chaos=chaos(bound=1.0))
-    assert "No setting has been shown to be honest" in headline(study, recommendations(study))
+    assert "No setting has been shown to be honest" in headline(study, recommend(study, TAKEN))
 
 
 def test_page_without_statistics_and_wear(tmp_path: Path) -> None:
-    answer, path = write_precision_report(precision(whole=False), tmp_path)
+    answer, path = write_precision_report(precision(whole=False), TAKEN, tmp_path)
     text = path.read_text()
     parsed(text)
     assert "Beyond the horizon" not in text
@@ -207,7 +206,7 @@ def test_page_without_statistics_and_wear(tmp_path: Path) -> None:
 
 def test_page_of_nothing(tmp_path: Path) -> None:
     study = replace(precision(whole=False), diagrams=())
-    answer, path = write_precision_report(study, tmp_path)
+    answer, path = write_precision_report(study, TAKEN, tmp_path)
     assert answer == "There is nothing to recommend from what was run."
     parsed(path.read_text())
 
@@ -216,16 +215,15 @@ def test_statistics_and_wear_are_rows_of_equal_length() -> None:
     study = precision()
     assert study.chaos is not None
     assert study.wear is not None
-    for rows in (statistic_rows(study.chaos), wear_rows(study.wear)):
+    told, worn = list(statistic_rows(study.chaos)), list(wear_rows(study.wear))
+    for rows in (told, worn):
         assert len(rows) > 3
-        assert len({len(row) for row in rows}) == 1
-    told = statistic_rows(study.chaos)
+        assert len({tuple(row) for row in rows}) == 1
     known = [point for point in study.chaos.points if point.statistics]
-    named = [row for row in told[1:] if row[3]]
+    named = [row for row in told if row["statistic"]]
     assert len(named) == sum(len(point.statistics) for point in known)
-    first = next(iter(known[0].statistics.values()))
-    assert float(named[0][4]) == first.mean
+    assert named[0]["mean"] == next(iter(known[0].statistics.values())).mean
     failed = [point for point in study.chaos.points if point.failure]
-    assert sum(bool(row[-1]) for row in told[1:]) >= len(failed)
-    deepest = wear_rows(study.wear)[1]
-    assert float(deepest[7]) == next(iter(study.wear.points[0].first.values())).depth.value
+    assert sum(bool(row["failure"]) for row in told) >= len(failed) > 0
+    first = next(iter(study.wear.points[0].first.values()))
+    assert worn[0]["mean"] == first.depth.value

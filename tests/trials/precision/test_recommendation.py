@@ -4,11 +4,12 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import pytest
-from made_up_precision import METHODS, SCENE, chaos, diagram, interval, wear, wear_point
+from made_up_precision import METHODS, chaos, diagram, interval, precision, wear, wear_point
 
 from presswear.record.sampling import Interval
 from presswear.studies.paper.variants import base_scene
-from presswear.trials.precision.points import Diagram, Method, Point
+from presswear.trials.precision.diagram import Diagram, Point
+from presswear.trials.precision.methods import Method, method_of
 from presswear.trials.precision.recommendation import (
     BOUNDS,
     RULES,
@@ -21,7 +22,6 @@ from presswear.trials.precision.recommendation import (
     for_wear,
     is_same,
     recommend,
-    study_methods,
 )
 from presswear.trials.precision.wear import JointWear, WearStudy
 
@@ -117,10 +117,10 @@ def test_families_of_an_engine_compete_by_time() -> None:
     slow = diagram()
 
     def slower(point: Point) -> Point:
-        if point.effort is None or point.method.integrator != "DOPRI5":
+        if point.timing is None or point.method.integrator != "DOPRI5":
             return point
-        walls = tuple(10.0 * wall for wall in point.effort.walls)
-        return replace(point, effort=replace(point.effort, walls=walls))
+        walls = tuple(10.0 * wall for wall in point.timing.walls)
+        return replace(point, timing=replace(point.timing, walls=walls))
 
     slow = replace(slow, points=tuple(map(slower, slow.points)))
     assert (
@@ -146,21 +146,12 @@ def test_a_dishonest_setting_of_the_code_is_told() -> None:
     assert "too few cycles to exclude one" in few.detail
 
 
-def test_the_study_of_the_paper_is_what_is_compared_with() -> None:
-    tree, dae = study_methods(SCENE)
-    numerics = base_scene("wear-times").numerics
-    assert tree.value == numerics.tree.tree_tolerance
-    assert (dae.integrator.lower(), dae.value) == (
-        numerics.dae.integrator,
-        numerics.dae.integration_tolerance,
-    )
-
-
 def test_same_setting() -> None:
-    tree, _ = study_methods(SCENE)
-    assert is_same(tree, replace(tree, is_default=True))
+    numerics = base_scene("wear-times").numerics
+    tree = method_of(numerics.tree, numerics.tree)
+    assert is_same(tree, replace(tree, is_default=False))
     assert not is_same(tree, replace(tree, value=2.0 * tree.value))
-    assert not is_same(tree, replace(tree, engine="dae"))
+    assert not is_same(tree, replace(tree, engine=numerics.dae))
 
 
 def test_wear_takes_the_coarsest_that_does_not_differ() -> None:
@@ -206,14 +197,17 @@ def test_wear_does_not_trust_a_failed_finest() -> None:
 
 @pytest.mark.parametrize("whole", [True, False])
 def test_everything_together(whole: bool) -> None:
-    diagrams = (diagram("ideal"), diagram("horizon"))
-    found = recommend(SCENE, diagrams, chaos() if whole else None, wear() if whole else None)
+    numerics = base_scene("wear-times").numerics
+    found = recommend(precision(whole), numerics)
     purposes = list(dict.fromkeys(one.purpose for one in found))
     assert purposes == ([TRAJECTORIES, STATISTICS, WEAR] if whole else [TRAJECTORIES])
     assert set(purposes) <= set(RULES)
     # The diagram of the horizon alone speaks of trajectories.
     engines = [one.subject for one in found if one.purpose == TRAJECTORIES]
     assert len(engines) == len(set(engines)) == 3
+    taken = {one.subject: one.taken for one in found if one.purpose == STATISTICS}
+    settings = [method_of(own, own).setting for own in (numerics.tree, numerics.dae)]
+    assert list(taken.values()) == (settings if whole else [])
     for one in found:
         assert one.sentence.startswith(one.subject)
         assert one.verdict in one.sentence
@@ -223,5 +217,5 @@ def test_no_method_is_recommended_for_another_engine() -> None:
     methods: list[Method] = [point.method for point in diagram().points]
     for one in for_trajectories(diagram(), slider(1.0)):
         if one.recommended:
-            own = [m.label for m in methods if m.engine == one.subject]
+            own = [m.label for m in methods if m.engine.word == one.subject]
             assert f"{one.subject}, {one.recommended}" in own

@@ -7,9 +7,8 @@ from short_study import SHORT, silent
 from presswear.engines.base import Plan
 from presswear.engines.settings import ExudynJoints, InHouse
 from presswear.scene.catalog import scene_named
-from presswear.trials.precision.measure import measure
-from presswear.trials.precision.methods import smooth_ladder
-from presswear.trials.precision.points import Diagram
+from presswear.trials.precision.diagram import Diagram, measure
+from presswear.trials.precision.methods import smooth_methods
 from presswear.trials.precision.smooth import HELD, andrews, constraint_errors, ideal_mechanism
 from presswear.trials.verify.references import andrews as squeezer
 
@@ -27,13 +26,13 @@ def seven_bodies() -> Diagram:
 
 
 def test_orders_come_out_on_the_ideal_press(ideal: Diagram) -> None:
-    for quantity in ("slider position", "slider velocity", "position constraints"):
+    for quantity in ideal.quantities[:3]:
         assert ideal.order(TRAPEZOIDAL, quantity) == pytest.approx(2.0, abs=0.05)
         assert ideal.order(RK4, quantity) == pytest.approx(4.0, abs=0.15)
 
 
 def test_orders_come_out_on_the_squeezer(seven_bodies: Diagram) -> None:
-    for quantity in ("angles", "rates"):
+    for quantity in seven_bodies.quantities[:2]:
         assert seven_bodies.order(TRAPEZOIDAL, quantity) == pytest.approx(2.0, abs=0.1)
         assert seven_bodies.order(RK4, quantity) == pytest.approx(4.0, abs=0.5)
 
@@ -41,13 +40,14 @@ def test_orders_come_out_on_the_squeezer(seven_bodies: Diagram) -> None:
 def test_the_printed_values_are_known_no_better_than_they_were_computed(
     seven_bodies: Diagram,
 ) -> None:
-    assert 1e-10 < seven_bodies.reference_errors["angles"] < 5e-9
-    assert 1e-8 < seven_bodies.reference_errors["rates"] < 2e-6
+    angles, rates, *_ = seven_bodies.quantities
+    assert 1e-10 < angles.known < 5e-9
+    assert 1e-8 < rates.known < 2e-6
 
 
 def test_a_smaller_tolerance_is_a_smaller_error(ideal: Diagram) -> None:
     for family in ("dae, DOP853", "dae, DOPRI5"):
-        errors = [point.errors["slider position"] for point in ideal.families()[family]]
+        errors = [point.errors["slider position"] for point in ideal.families[family]]
         assert errors == sorted(errors, reverse=True)
         assert errors[-1] < 1e-2 * errors[0]
 
@@ -60,25 +60,26 @@ def test_the_papers_setting_and_the_defaults_are_in_it(ideal: Diagram) -> None:
     assert set(defaults) == {TRAPEZOIDAL, "dae, DOP853"}
     scene = scene_named("wear-times")
     own = scene.numerics.joints.over(scene.mechanism.period)
-    assert defaults[TRAPEZOIDAL].method.accuracy == own
+    assert defaults[TRAPEZOIDAL].method.engine == own
 
 
 def test_times_steps_and_evaluations_are_complete(ideal: Diagram) -> None:
     for point in ideal.points:
-        effort = point.effort
-        assert effort is not None
-        assert len(effort.walls) == SHORT.repeats
-        assert min(effort.walls) > 0.0
-        assert effort.warm_up >= 0.0
-        assert effort.steps > 0
-        assert (effort.evaluations is None) == (point.method.engine == "exudyn-joints")
-    rk4 = ideal.families()[RK4][0].effort
+        timing = point.timing
+        assert timing is not None
+        assert point.warm_up is not None
+        assert len(timing.walls) == SHORT.repeats
+        assert min(timing.walls) > 0.0
+        assert point.warm_up >= 0.0
+        assert timing.steps > 0
+        assert (timing.evaluations is None) == isinstance(point.method.engine, ExudynJoints)
+    rk4 = ideal.families[RK4][0].timing
     assert rk4 is not None
     assert rk4.evaluations == 4 * rk4.steps
 
 
 def test_steps_of_a_ladder_are_as_many_as_asked(ideal: Diagram) -> None:
-    counts = [p.effort.steps for p in ideal.families()[TRAPEZOIDAL] if p.effort is not None]
+    counts = [p.timing.steps for p in ideal.families[TRAPEZOIDAL] if p.timing is not None]
     assert np.all(np.abs(np.array(counts[:3]) - SHORT.rungs.free_steps) <= 1)
 
 
@@ -92,11 +93,11 @@ def test_constraints_of_the_start_are_kept() -> None:
 
 
 def test_ladders_run_from_coarse_to_fine() -> None:
-    methods = smooth_ladder(SHORT.rungs, 0.5, scene_named("wear-times").numerics, 0.57)
+    methods = smooth_methods(SHORT.rungs, 0.5, scene_named("wear-times").numerics, 0.57)
     families: dict[str, list[float]] = {}
     for method in methods:
         families.setdefault(method.family, []).append(method.value)
     assert len(families) == 4
     for values in families.values():
         assert values == sorted(values, reverse=True)
-    assert any(isinstance(method.accuracy, ExudynJoints) for method in methods)
+    assert any(isinstance(method.engine, ExudynJoints) for method in methods)

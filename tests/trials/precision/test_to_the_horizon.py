@@ -10,10 +10,9 @@ from presswear.engines.base import Plan
 from presswear.engines.settings import InHouse
 from presswear.scene.catalog import scene_named
 from presswear.tools.errors import InputError, RunFailed
+from presswear.trials.precision.diagram import Diagram, Task, first_run, measure
 from presswear.trials.precision.horizon import horizon_of, second_reference, with_clearance
-from presswear.trials.precision.measure import Task, first_run, measure
-from presswear.trials.precision.methods import contact_ladder
-from presswear.trials.precision.points import Diagram, Method
+from presswear.trials.precision.methods import contact_methods, method_of
 
 SCENE = scene_named("wear-times")
 
@@ -31,7 +30,7 @@ def press(task: Task) -> Diagram:
 
 
 def test_two_references_agree(press: Diagram) -> None:
-    known = press.reference_errors
+    known = {quantity.name: quantity.known for quantity in press.quantities}
     assert known["slider position"] < 1e-12
     assert known["touch times"] < 1e-10
     assert known["peak forces"] < 1e-4
@@ -41,13 +40,13 @@ def test_the_papers_setting_stays_in_as_a_failure(press: Diagram) -> None:
     papers = [point for point in press.points if point.method.is_paper]
     assert len(papers) == 1
     assert "do not add up" in papers[0].failure
-    assert papers[0].effort is None
+    assert papers[0].timing is None
     assert not papers[0].errors
     assert all(not point.failure for point in press.points if not point.method.is_paper)
 
 
 def test_finer_is_better_in_every_family(press: Diagram) -> None:
-    for points in press.families().values():
+    for points in press.families.values():
         sound = [point for point in points if not point.failure]
         if len(sound) > 1:
             for quantity in ("touch times", "energy residual / exchanged"):
@@ -55,12 +54,10 @@ def test_finer_is_better_in_every_family(press: Diagram) -> None:
 
 
 def test_defaults_are_the_scenes_own(press: Diagram) -> None:
-    own = {point.method.engine: point.method for point in press.points if point.method.is_default}
-    period = SCENE.mechanism.period
-    assert own["exudyn-tree"].accuracy == SCENE.numerics.tree.over(period)
-    assert own["exudyn-joints"].accuracy == SCENE.numerics.joints.over(period)
-    dae = replace(SCENE.numerics.dae, free_step=period / 500.0)
-    assert own["dae"].accuracy == dae
+    own = [point.method.engine for point in press.points if point.method.is_default]
+    numerics, period = SCENE.numerics, SCENE.mechanism.period
+    dae = replace(numerics.dae, free_step=period / 500.0)
+    assert own == [numerics.joints.over(period), numerics.tree.over(period), dae]
 
 
 def test_a_scenes_own_numerics_are_marked() -> None:
@@ -70,7 +67,7 @@ def test_a_scenes_own_numerics_are_marked() -> None:
         integrator="rk4",
         equal_step=3e-5,
     )
-    methods = contact_ladder(SHORT.rungs, numerics, 0.5, 1e-3, tree=True)
+    methods = contact_methods(SHORT.rungs, numerics, 0.5, 1e-3, tree=True)
     marked = {method.label for method in methods if method.is_default}
     assert marked == {
         "exudyn-joints, trapezoidal rule, steps in an impact 70",
@@ -80,9 +77,9 @@ def test_a_scenes_own_numerics_are_marked() -> None:
 
 
 def test_without_an_open_tree_another_integrator_is_the_second_reference() -> None:
-    words, accuracy = second_reference(scene_named("clearance-a"))
+    words, engine = second_reference(scene_named("clearance-a"))
     assert "no open tree" in words
-    assert accuracy == InHouse("dopri5", 1e-13, free_step=SCENE.mechanism.period / 500.0)
+    assert engine == InHouse("dopri5", 1e-13, free_step=SCENE.mechanism.period / 500.0)
 
 
 def test_a_scene_without_clearance_is_refused() -> None:
@@ -91,21 +88,22 @@ def test_a_scene_without_clearance_is_refused() -> None:
 
 
 def test_whatever_a_method_does_is_a_point(task: Task) -> None:
-    method = Method("dae", "DOP853", "tolerance", 1e-6, InHouse(integration_tolerance=1e-6))
+    engine = InHouse(integration_tolerance=1e-6)
+    method = method_of(engine, engine)
 
     def short(run: object) -> tuple[dict[str, float], dict[str, float]]:
         raise RunFailed("3 of the first 10 touches missing")
 
     def lost(run: object) -> tuple[dict[str, float], dict[str, float]]:
-        return dict.fromkeys(task.quantities, math.nan), {}
+        return {own.name: math.nan for own in task.diagram.quantities}, {}
 
     plan = Plan(1e-4, 1, 1, torques=False)
     for assess, words in ((short, "touches missing"), (lost, "no number for slider position")):
-        found = first_run(replace(task, plan=plan, assess=assess), method).point
+        found = first_run(replace(task, plan=plan, assess=assess), method)
         assert words in found.failure
         assert not found.errors
     start = replace(task.start, position=task.start.position + 1.0)
-    assert "violates" in first_run(replace(task, start=start), method).point.failure
+    assert "violates" in first_run(replace(task, start=start), method).failure
 
 
 @pytest.mark.slow

@@ -1,47 +1,45 @@
 """Wear against angles, cycles, amplification, contact model and method."""
 
-import json
 import math
 from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
-from made_up_precision import SCENE, wear, wear_point
+from made_up_precision import SCENE
 
 from presswear.record.sampling import Interval
-from presswear.results.result import plain
 from presswear.scene.catalog import ideal
+from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError
 from presswear.trials.precision import wear as module
 from presswear.trials.precision.wear import (
     FULL,
     PAPER_STEP,
     QUICK,
+    TITLES,
     USUAL,
-    Case,
     Means,
-    Size,
+    Varied,
+    WearExtent,
     WearPoint,
-    WearStudy,
     cases,
     change,
     run_case,
     vary,
 )
 
+ALL = cases(SCENE, FULL)
 
-def base_of(case: Case) -> Case:
-    """What a case would be with nothing varied."""
-    return next(
-        c
-        for c in cases(SCENE, FULL)
-        if c.group == "contact" and c.is_default and c.conventions == case.conventions
+
+@pytest.mark.parametrize(
+    ("varied", "scene"), ALL, ids=[f"{varied.conventions} {varied.label}" for varied, _ in ALL]
+)
+def test_each_case_varies_one_thing(varied: Varied, scene: Scene) -> None:
+    base = next(
+        own
+        for c, own in ALL
+        if c.group == "contact" and c.is_default and c.conventions == varied.conventions
     )
-
-
-@pytest.mark.parametrize("case", cases(SCENE, FULL), ids=lambda c: f"{c.conventions} {c.label}")
-def test_each_case_varies_one_thing(case: Case) -> None:
-    base, scene = base_of(case).scene, case.scene
     undone = {
         "angles": replace(scene, bearings=base.bearings),
         "cycles": replace(scene, cycles=base.cycles),
@@ -49,8 +47,8 @@ def test_each_case_varies_one_thing(case: Case) -> None:
         "contact": replace(scene, conventions=base.conventions),
         "method": replace(scene, engine=base.engine, numerics=base.numerics),
     }
-    assert undone[case.group] == base
-    if case.is_default and case.group != "cycles":
+    assert undone[varied.group] == base
+    if varied.is_default and varied.group != "cycles":
         assert scene == base
 
 
@@ -58,15 +56,9 @@ def test_extents_cover_what_is_asked_for() -> None:
     for means in FULL.means.values():
         assert means.angles == (90, 180, 360, 720, 1440)
         assert means.cycles[:5] == (5, 10, 20, 50, 100)
-    for size in (QUICK, FULL):
-        found = cases(SCENE, size)
-        assert {case.group for case in found} == {
-            "angles",
-            "cycles",
-            "depth step",
-            "contact",
-            "method",
-        }
+    for extent in (QUICK, FULL):
+        found = [varied for varied, _ in cases(SCENE, extent)]
+        assert {c.group for c in found} == set(TITLES)
         assert {c.conventions for c in found if c.group == "angles"} == {"paper", "refined"}
         # A jump in one is what the paper's conventions do anyway.
         assert {c.conventions for c in found if c.group == "depth step"} == {"refined"}
@@ -74,8 +66,8 @@ def test_extents_cover_what_is_asked_for() -> None:
 
 
 def values_of(group: str, conventions: str) -> list[float]:
-    found = [c for c in cases(SCENE, FULL) if (c.group, c.conventions) == (group, conventions)]
-    return [case.value for case in found if case.value is not None]
+    found = [c for c, _ in ALL if (c.group, c.conventions) == (group, conventions)]
+    return [varied.value for varied in found if varied.value is not None]
 
 
 def test_finest_comes_last() -> None:
@@ -98,23 +90,17 @@ def test_relative_change_with_its_interval() -> None:
     assert math.isnan(change(here, Interval(0.0, 0.0, 0.0)).value)
 
 
-def case_of(conventions: str, group: str, label: str) -> Case:
-    """A case of few cycles and a wear in one jump."""
-    means = Means((90, 360), (4,), (), 4)
-    size = Size({"paper": means, "refined": means}, (PAPER_STEP, USUAL))
-    scene = replace(SCENE, extrapolation="single")
-    found = next(
-        case
-        for case in cases(scene, size)
-        if (case.conventions, case.group, case.label) == (conventions, group, label)
-    )
-    return found
-
-
 def ran(conventions: str, group: str, label: str, wears: int = 1) -> WearPoint:
-    case = case_of(conventions, group, label)
-    point = run_case(replace(case, scene=replace(case.scene, wears=wears)), lambda part: None)
-    assert (point.conventions, point.group, point.label) == (conventions, group, label)
+    """The point of a case of few cycles and a wear in one jump."""
+    means = Means((90, 360), (4,), (), 4)
+    extent = WearExtent({"paper": means, "refined": means}, (PAPER_STEP, USUAL))
+    varied, scene = next(
+        (varied, own)
+        for varied, own in cases(replace(SCENE, extrapolation="single"), extent)
+        if (varied.conventions, varied.group, varied.label) == (conventions, group, label)
+    )
+    point = run_case(varied, replace(scene, wears=wears), lambda part: None)
+    assert point.varied == varied
     return point
 
 
@@ -149,32 +135,25 @@ def test_the_step_of_the_paper_stays_in_as_a_failure() -> None:
 
 
 def test_what_groups_have_in_common_runs_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    calls: list[Case] = []
+    ran: list[Scene] = []
 
-    def pretend(case: Case, progress: Callable[[float], None]) -> WearPoint:
-        calls.append(case)
-        progress(0.5)
-        return wear_point(case.group, case.conventions, case.label, case.value, 1.0)
+    def pretend(varied: Varied, scene: Scene, told: Callable[[float], None]) -> WearPoint:
+        ran.append(scene)
+        told(0.5)
+        return WearPoint(varied)
 
     monkeypatch.setattr(module, "run_case", pretend)
     told: list[float] = []
     means = Means((90, 360), (4, 10), (1.0,), 10)
-    size = Size({"paper": means, "refined": means}, (PAPER_STEP, USUAL))
-    study = vary(SCENE, size, lambda word, part: told.append(part))
-    scenes = [case.scene for case in calls if case.scene.cycles != 1]
+    extent = WearExtent({"paper": means, "refined": means}, (PAPER_STEP, USUAL))
+    study = vary(SCENE, extent, lambda word, part: told.append(part))
+    scenes = [scene for scene in ran if scene.cycles != 1]
     assert all(scenes.count(scene) == 1 for scene in scenes)
     # Of each set once as it is; angles, cycles, contact, depth step, the paper's step once each.
     assert len(scenes) == 2 * (1 + 1 + 1 + 1) + 1 + 1
-    wanted = [(c.group, c.conventions, c.label) for c in cases(SCENE, size)]
-    assert [(p.group, p.conventions, p.label) for p in study.points] == wanted
+    assert [point.varied for point in study.points] == [c for c, _ in cases(SCENE, extent)]
     assert told == sorted(told)
     assert 0.0 <= told[0] <= told[-1] <= 1.0
-
-
-def test_study_is_stored_whole() -> None:
-    found = wear()
-    stored = json.loads(json.dumps(plain(found.as_dict())))
-    assert plain(WearStudy.from_dict(stored).as_dict()) == plain(found.as_dict())
 
 
 def test_nothing_wears_without_clearance() -> None:

@@ -6,10 +6,9 @@ from functools import partial
 import matplotlib
 
 from presswear.show.figures.style import SETTINGS, Drawing
-from presswear.trials.precision.figures.diagrams import work_precision
+from presswear.trials.precision.figures.diagrams import energy, orders, work_precision
 from presswear.trials.precision.figures.growth import growth_of_disturbance
 from presswear.trials.precision.figures.statistics import statistics_against_cost
-from presswear.trials.precision.figures.steps import energy, orders
 from presswear.trials.precision.figures.wear import contact_models, wear_convergence
 from presswear.trials.precision.study import Precision
 

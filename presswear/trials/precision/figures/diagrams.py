@@ -1,149 +1,172 @@
-"""Work-precision diagrams: error over wall time, a panel for each quantity."""
+"""Work-precision diagrams: error over wall time, over steps, and over step or tolerance."""
 
 import math
-from collections.abc import Sequence
-from typing import Any
-
-from matplotlib.axis import Axis
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
-from matplotlib.transforms import ScaledTranslation
+from collections.abc import Callable, Sequence
 
 from presswear.show.figures.style import WIDTH, Axes, Drawing, Sheet
-from presswear.trials.precision.figures.families import (
-    FAILED,
-    RING,
-    STAR,
-    family_handles,
+from presswear.trials.precision.diagram import Diagram, Point, Quantity
+from presswear.trials.precision.figures.panels import (
+    failed_strip,
     legend_above,
+    log_labels,
+    log_scales,
     look_of,
-    mark_handles,
+    mark_point,
+    pad_y,
+    panels,
 )
-from presswear.trials.precision.points import Diagram, Method, Point
+from presswear.trials.precision.methods import IMPACT, STEP, TOLERANCE, by_family
+from presswear.trials.timing import Timing
 
 _MILLISECONDS = 1e3
 _LEAST = 1e-17
 """Errors are not drawn below; that of an exact result is 0."""
+SMOOTH = ("ideal", "andrews")
+"""Keys of the tasks without contacts."""
+ENERGY = "energy"
+"""In the names of quantities that are energy residuals."""
+
+
+def _curves(
+    axes: Axes,
+    diagram: Diagram,
+    quantity: Quantity,
+    place: Callable[[Point, Timing], float],
+    knobs: Sequence[str] = (STEP, IMPACT, TOLERANCE),
+    spread: bool = False,
+) -> dict[str, tuple[float, float]]:
+    """Draw the error of every method; gives the last point of each family's curve.
+
+    Parameters
+    ----------
+    place : callable
+        Where a point stands along x.
+    knobs : sequence of str
+        Methods that vary another are left out.
+    spread : bool
+        True draws bars from the least to the greatest wall time.
+    """
+    log_scales(axes)
+    if quantity.known > 0.0:
+        axes.axhline(quantity.known, color="0.6", linewidth=1.6, zorder=0.5)
+    shown = [point for point in diagram.points if point.method.knob in knobs]
+    ends = {}
+    for family, points in by_family(shown).items():
+        look = look_of(family)
+        ran = [(p, p.timing) for p in points if p.timing is not None and not p.failure]
+        curve = [(p, timing) for p, timing in ran if not p.method.is_paper]
+        x = [place(*own) for own in curve]
+        y = [max(p.errors.get(quantity.name, math.nan), _LEAST) for p, _ in curve]
+        bars = None
+        if spread:
+            walls = [(t.wall - t.ends[0], t.ends[1] - t.wall) for _, t in curve]
+            bars = [[_MILLISECONDS * wall[side] for wall in walls] for side in range(2)]
+        if curve:
+            axes.errorbar(x, y, xerr=bars, elinewidth=0.9, **look.line())
+            ends[family] = x[-1], y[-1]
+        for p, timing in ran:
+            error = max(p.errors.get(quantity.name, math.nan), _LEAST)
+            mark_point(axes, p.method, place(p, timing), error)
+    failed_strip(axes, [point.method for point in shown if point.failure])
+    log_labels(axes.xaxis)
+    return ends
+
+
+def _legend(sheet: Sheet, diagrams: Sequence[Diagram]) -> None:
+    families = dict.fromkeys(family for diagram in diagrams for family in diagram.families)
+    points = [point for diagram in diagrams for point in diagram.points]
+    failed = any(point.failure for point in points)
+    legend_above(sheet, families, (point.method for point in points), failed)
 
 
 def work_precision(diagram: Diagram) -> Drawing:
-    """Error over wall time of every method of a task."""
-    names = list(diagram.quantities)
-    rows = math.ceil(len(names) / 2)
-    sheet = Sheet(figsize=(WIDTH, 1.0 + 2.5 * rows), layout="constrained")
-    panels = sheet.subplots(rows, 2, squeeze=False).ravel()
-    for axes, name in zip(panels, names, strict=False):
-        _panel(axes, diagram, name)
-    for axes in panels[len(names) :]:
-        axes.set_axis_off()
-    methods = [point.method for point in diagram.points]
-    failed = [point for point in diagram.points if point.failure]
-    handles = family_handles(diagram.families()) + mark_handles(methods, bool(failed))
-    legend_above(sheet, handles, 2)
+    """Draw the error over wall time of every method of a task, a panel for each quantity."""
+    sheet, found = panels(len(diagram.quantities), 1.0, 2.5)
+    for axes, quantity in zip(found, diagram.quantities, strict=True):
+        _curves(axes, diagram, quantity, lambda _, t: _MILLISECONDS * t.wall, spread=True)
+        axes.set_xlabel("wall time (ms)")
+        axes.set_ylabel(quantity.title)
+        pad_y(axes)
+    _legend(sheet, [diagram])
+    failed = "; ".join(point.method.label for point in diagram.points if point.failure)
     return Drawing(
         f"precision-{diagram.key}.png",
         f"Error against wall time: {diagram.title}",
         f"{diagram.task} Errors from {diagram.reference}. Medians of wall times without warm-up, "
         "bars from the least to the greatest; down and left is better. Grey: how well the "
-        f"reference is known itself.{_failed_words(failed)}",
+        "reference is known itself."
+        + (f" Failed, shown above the panels: {failed}." if failed else ""),
         sheet,
     )
 
 
-def _failed_words(failed: Sequence[Point]) -> str:
-    """What the marks above the panels are."""
-    if not failed:
-        return ""
-    names = "; ".join(point.method.label for point in failed)
-    return f" Failed, shown above the panels: {names}."
+def orders(diagrams: Sequence[Diagram]) -> Drawing:
+    """Draw the error of the first quantity of each task over the steps taken."""
+    sheet, found = panels(len(diagrams), 1.0, 2.6)
+    for axes, diagram in zip(found, diagrams, strict=True):
+        quantity = diagram.quantities[0]
+        ends = _curves(axes, diagram, quantity, lambda _, t: float(t.attempts))
+        for family, end in ends.items():
+            order = shown_order(diagram, family, quantity)
+            if math.isfinite(order):
+                axes.annotate(
+                    f"{order:.1f}",
+                    end,
+                    xytext=(5.0, -2.0),
+                    textcoords="offset points",
+                    color=look_of(family).colour,
+                    va="top",
+                )
+        axes.set_xlabel("steps")
+        axes.set_ylabel(f"{diagram.key}: {quantity.title}")
+        axes.margins(x=0.12)
+        pad_y(axes)
+    _legend(sheet, diagrams)
+    return Drawing(
+        "precision-orders.png",
+        "Error against steps, with observed orders",
+        "The first quantity of each task over attempted steps. The number at a curve's end is its "
+        "observed order: the slope of log error over log accepted steps, of points whose error is "
+        "ten times that of the reference or more; it is left out where methods that control their "
+        "error meet contacts. Grey: how well the reference is known itself.",
+        sheet,
+    )
 
 
-def _panel(axes: Axes, diagram: Diagram, name: str) -> None:
-    unit = diagram.quantities[name]
-    known = diagram.reference_errors.get(name, 0.0)
-    log_scales(axes)
-    if known > 0.0:
-        axes.axhline(known, color="0.6", linewidth=1.6, zorder=0.5)
-    for family, points in diagram.families().items():
-        ran = [point for point in points if point.effort is not None and not point.failure]
-        look = look_of(family)
-        curve = [point for point in ran if not point.method.is_paper]
-        walls = [_wall(point) for point in curve]
-        errors = [_error(point, name) for point in curve]
-        spread = [[_wall(p) - _MILLISECONDS * p.effort.spread[0] for p in curve if p.effort]]
-        spread.append([_MILLISECONDS * p.effort.spread[1] - _wall(p) for p in curve if p.effort])
-        axes.errorbar(walls, errors, xerr=spread, elinewidth=0.9, **look.line())
-        for point in ran:
-            mark_point(axes, point.method, _wall(point), _error(point, name))
-    failed_strip(axes, [point for point in diagram.points if point.failure])
-    log_labels(axes.xaxis)
-    axes.set_xlabel("wall time (ms)")
-    axes.set_ylabel(f"{name}{f' ({unit})' if unit else ''}")
-    pad_y(axes)
+def shown_order(diagram: Diagram, family: str, quantity: Quantity) -> float:
+    """Observed order, nan where it means nothing.
+
+    Around contacts a method that controls its error has none: its steps are as many as there
+    are contacts, whatever its tolerance.
+    """
+    controlled = any(p.method.knob == TOLERANCE for p in diagram.families.get(family, []))
+    if controlled and diagram.key not in SMOOTH:
+        return math.nan
+    return diagram.order(family, quantity)
 
 
-def _wall(point: Point) -> float:
-    return math.nan if point.effort is None else _MILLISECONDS * point.effort.wall
-
-
-def _error(point: Point, name: str) -> float:
-    return max(point.errors.get(name, math.nan), _LEAST)
-
-
-def log_scales(axes: Axes) -> None:
-    """Both axes logarithmic, with as many labels as fit."""
-    axes.set_xscale("log")
-    axes.set_yscale("log")
-    axes.yaxis.set_major_locator(LogLocator(numticks=7))
-    axes.yaxis.set_minor_formatter(NullFormatter())
-
-
-def pad_y(axes: Axes) -> None:
-    """Room above and below the curves."""
-    low, high = axes.get_ylim()
-    axes.set_ylim(low / 2.0, high * 2.0)
-
-
-def mark_point(axes: Axes, method: Method, x: float, y: float) -> None:
-    """A ring around what scenes take by themselves, a star at the paper's own setting."""
-    if method.is_default:
-        axes.plot(x, y, gid="default", **RING)
-    if method.is_paper:
-        axes.plot(x, y, zorder=4.0, gid="paper", **STAR)
-
-
-_STRIP, _FIRST, _NEXT = 1.0, 34.0, 9.0
-"""Of the strip over a panel: its height, part of the panel; places of marks, points."""
-
-
-def failed_strip(axes: Axes, failed: Sequence[Point]) -> None:
-    """Marks of what failed in a strip over a panel: they have neither error nor time."""
-    # The paper's own first, then family by family.
-    methods = sorted((point.method for point in failed), key=lambda method: not method.is_paper)
-    strip(axes, methods)
-
-
-def strip(axes: Axes, methods: Sequence[Method]) -> None:
-    """Marks of methods that failed over a panel."""
-    if not methods:
-        return
-    corner = ScaledTranslation(0.0, 7.0 / 72.0, axes.figure.dpi_scale_trans)
-    over: dict[str, Any] = {"clip_on": False}
-    axes.text(0.0, _STRIP, "failed:", va="center", transform=axes.transAxes + corner, **over)
-    for place, method in enumerate(methods):
-        right = ScaledTranslation((_FIRST + _NEXT * place) / 72.0, 0.0, axes.figure.dpi_scale_trans)
-        over["transform"] = axes.transAxes + corner + right
-        if method.is_paper:
-            axes.plot(0.0, _STRIP, zorder=4.0, gid="paper", **STAR, **over)
-        else:
-            colour = look_of(method.family).colour
-            axes.plot(0.0, _STRIP, color=colour, gid="failed", **FAILED, **over)
-
-
-def log_labels(axis: Axis) -> None:
-    """Labels at 1, 2 and 5 on a logarithmic axis that spans too little for powers of ten."""
-    low, high = sorted(axis.get_view_interval())
-    axis.set_minor_formatter(NullFormatter())
-    if high / low < 30.0:
-        subs = (1.0, 2.0, 5.0) if high / low > 4.0 else (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)
-        axis.set_major_locator(LogLocator(subs=subs))
-        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+def energy(diagrams: Sequence[Diagram]) -> Drawing | None:
+    """Draw energy that is missing over tolerance and step; None where no task tells it."""
+    told = [(d, own) for d in diagrams for own in d.quantities if ENERGY in own.name]
+    if not told:
+        return None
+    known = {point.method.knob for diagram, _ in told for point in diagram.points}
+    knobs = [knob for knob in (TOLERANCE, STEP, IMPACT) if knob in known]
+    sheet = Sheet(figsize=(WIDTH, 1.0 + 2.4 * len(told)), layout="constrained")
+    grid = sheet.subplots(len(told), len(knobs), sharey="row", squeeze=False)
+    for row, (diagram, quantity) in zip(grid, told, strict=True):
+        for axes, knob in zip(row, knobs, strict=True):
+            _curves(axes, diagram, quantity, lambda point, _: point.method.value, (knob,))
+            if knob != IMPACT:
+                axes.invert_xaxis()
+            axes.set_xlabel(knob)
+        row[0].set_ylabel(f"{diagram.key}: {quantity.title}")
+        pad_y(row[0])
+    _legend(sheet, [diagram for diagram, _ in told])
+    return Drawing(
+        "precision-energy.png",
+        "Energy residual against tolerance and step",
+        "Energy that does not add up over tolerance, equal step, and steps in an impact. Finer is "
+        "to the right in every panel.",
+        sheet,
+    )

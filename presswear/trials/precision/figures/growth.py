@@ -1,4 +1,4 @@
-"""How fast neighbouring starts part."""
+"""Growth of the distance of neighbouring starts."""
 
 from collections.abc import Sequence
 
@@ -9,7 +9,7 @@ from presswear.campaign.starts import APART
 from presswear.show.figures.style import LINES, MUTED, REFERENCE, WIDTH, Axes, Drawing, Sheet
 from presswear.tools.numbers import given
 from presswear.trials.precision.chaos import Chaos
-from presswear.trials.precision.figures.families import PAPER, STAR
+from presswear.trials.precision.figures.panels import PAPER, STAR
 from presswear.trials.precision.growth import HIGH, LOW, PARTED, TOLERANCE, Growth
 
 _SMALLEST = 1e-12
@@ -17,7 +17,7 @@ _SMALLEST = 1e-12
 
 
 def growth_of_disturbance(chaos: Chaos) -> Drawing:
-    """Distance of each pair over time, with the bounds of the fit and the touches."""
+    """Draw the distance of each pair over time, with the bounds of the fit and the touches."""
     sheet = Sheet(figsize=(WIDTH, 3.6), layout="constrained")
     axes = sheet.subplots()
     axes.set_yscale("log")
@@ -39,20 +39,21 @@ def growth_of_disturbance(chaos: Chaos) -> Drawing:
             markersize=6.0,
             color=REFERENCE,
         )
-    for bound, word in ((LOW, "from"), (HIGH, "to")):
-        axes.axhline(bound, color=MUTED, linewidth=0.8, linestyle=(0.0, (2.0, 2.0)))
+    dotted = (0.0, (2.0, 2.0))
+    for bound, word, colour, style, text in (
+        (LOW, "fitted from", MUTED, dotted, "0.3"),
+        (HIGH, "fitted to", MUTED, dotted, "0.3"),
+        (PARTED, "parted", REFERENCE, "solid", "black"),
+    ):
+        axes.axhline(bound, color=colour, linewidth=0.8, linestyle=style)
         axes.annotate(
-            f"fitted {word}",
+            word,
             (0.998, bound),
             xycoords=("axes fraction", "data"),
             ha="right",
             va="bottom",
-            color="0.3",
+            color=text,
         )
-    axes.axhline(PARTED, color=REFERENCE, linewidth=0.8)
-    axes.annotate(
-        "parted", (0.998, PARTED), xycoords=("axes fraction", "data"), ha="right", va="bottom"
-    )
     paper = next((p for p in chaos.points if p.method.is_paper and p.failure), None)
     if paper is not None:
         top = axes.get_xaxis_transform()
@@ -90,8 +91,8 @@ def _handles(growths: Sequence[Growth], with_paper: bool) -> list[Line2D]:
 
 
 def _fit(axes: Axes, growth: Growth) -> None:
-    """The fitted exponential between its bounds."""
-    if growth.window is None:
+    """Draw the fitted exponential between its bounds."""
+    if growth.window is None or growth.rate is None:
         return
     time, apart = np.array(growth.time), np.array(growth.distance)
     inside = (time >= growth.window[0]) & (time <= growth.window[1]) & (apart > 0.0)

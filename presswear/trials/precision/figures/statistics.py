@@ -3,38 +3,33 @@
 import math
 
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter
 
-from presswear.show.figures.style import REFERENCE, WIDTH, Axes, Drawing, Sheet
-from presswear.trials.precision.chaos import Chaos, StatisticPoint
-from presswear.trials.precision.figures.diagrams import log_labels, strip
-from presswear.trials.precision.figures.families import (
+from presswear.show.figures.style import REFERENCE, Axes, Drawing
+from presswear.trials.precision.chaos import Chaos
+from presswear.trials.precision.figures.panels import (
     RING,
-    family_handles,
+    failed_strip,
     legend_above,
+    log_labels,
     look_of,
-    mark_handles,
+    panels,
+    plain_labels,
 )
 
 _PERCENT = 100.0
 _LEAST = 0.1
 """Per cent; what is smaller is drawn there."""
 _BAND = "#F0E442"
+_DASHED = (0.0, (4.0, 2.0))
 
 
 def statistics_against_cost(chaos: Chaos) -> Drawing:
-    """Step error of each statistic over wall time, and the sampling error that it hides in."""
-    names = chaos.names
-    columns = 2
-    rows = math.ceil(len(names) / columns)
-    sheet = Sheet(figsize=(WIDTH, 1.1 + 2.3 * rows), layout="constrained")
-    panels = sheet.subplots(rows, columns, sharex=True, squeeze=False).ravel()
+    """Draw the step error of each statistic over wall time, and what sampling error hides."""
+    sheet, found = panels(len(chaos.names), 1.1, 2.3, sharex=True)
     # Statistic by statistic, joint beside joint.
-    for axes, name in zip(panels, names, strict=False):
+    for axes, name in zip(found, chaos.names, strict=True):
         _panel(axes, chaos, name)
-    for axes in panels[len(names) :]:
-        axes.set_axis_off()
-    for axes in panels[max(len(names) - columns, 0) : len(names)]:
+    for axes in found[-2:]:
         axes.set_xlabel("wall time for a simulated second (s)")
     marks = [
         Line2D([], [], color=_BAND, linewidth=5.0, label="below the sampling error of a stage"),
@@ -42,12 +37,9 @@ def statistics_against_cost(chaos: Chaos) -> Drawing:
     ]
     best = chaos.cheapest()
     if best is not None:
-        marks.append(
-            Line2D([], [], color=REFERENCE, linestyle=(0.0, (4.0, 2.0)), label="cheapest honest")
-        )
+        marks.append(Line2D([], [], color=REFERENCE, linestyle=_DASHED, label="cheapest honest"))
     methods = [point.method for point in chaos.points]
-    handles = family_handles(chaos.families()) + mark_handles(methods, False) + marks
-    legend_above(sheet, handles, 2)
+    legend_above(sheet, chaos.families, methods, False, marks)
     failed = "; ".join(p.method.label for p in chaos.points if p.failure)
     reference = chaos.reference
     any_cycles = next(iter(reference.statistics.values())).cycles
@@ -75,38 +67,33 @@ def _panel(axes: Axes, chaos: Chaos, name: str) -> None:
     if math.isfinite(sampling):
         axes.axhspan(_LEAST / 3.0, sampling, color=_BAND, alpha=0.35, linewidth=0.0, zorder=0.4)
         axes.axhline(sampling, color="0.4", linewidth=0.8, zorder=0.5)
-    for family, points in chaos.families().items():
+    for family, points in chaos.families.items():
         ran = [p for p in points if not p.failure]
         look = look_of(family)
         costs = [point.cost for point in ran]
-        sizes = [_percent(point.step_errors[name].value, reference.mean) for point in ran]
+        errors = [point.step_errors[name] for point in ran]
+        sizes = [_percent(error.value, reference.mean) for error in errors]
         axes.plot(costs, sizes, **look.line(marker="none", linewidth=0.8, alpha=0.7))
-        for point, cost, size in zip(ran, costs, sizes, strict=True):
-            bound = _percent(point.step_errors[name].bound, reference.mean)
-            if math.isfinite(bound):
+        for point, error, cost, size in zip(ran, errors, costs, sizes, strict=True):
+            if error.bound is not None:
+                bound = _percent(error.bound, reference.mean)
                 axes.plot((cost, cost), (size, bound), color=look.colour, linewidth=0.8)
                 axes.plot(cost, bound, color=look.colour, marker="_", markersize=5.0)
-            fill = look.colour if _is_honest(chaos, point, name) else "white"
+            is_honest = chaos.is_honest_in(point, name)
+            fill = look.colour if is_honest else "white"
             mark = look.line(linestyle="none", markerfacecolor=fill)
-            axes.plot(cost, size, gid="honest" if fill != "white" else "open", **mark)
+            axes.plot(cost, size, gid="honest" if is_honest else "open", **mark)
             if point.method.is_default:
                 axes.plot(cost, size, gid="default", **RING)
-    strip(axes, [point.method for point in chaos.points if point.failure])
+    failed_strip(axes, [point.method for point in chaos.points if point.failure])
     best = chaos.cheapest()
     if best is not None:
-        axes.axvline(best.cost, color=REFERENCE, linewidth=0.9, linestyle=(0.0, (4.0, 2.0)))
+        axes.axvline(best.cost, color=REFERENCE, linewidth=0.9, linestyle=_DASHED)
     axes.set_ylabel(f"{name} (%)")
     axes.set_ylim(_LEAST / 1.5, None)
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    plain_labels(axes.yaxis)
     log_labels(axes.xaxis)
 
 
-def _percent(value: float, mean: float) -> float:
-    return max(_PERCENT * abs(value / mean), _LEAST)
-
-
-def _is_honest(chaos: Chaos, point: StatisticPoint, name: str) -> bool:
-    return (
-        not point.step_errors[name].is_seen
-        and chaos.honest_cycles(point, name) >= chaos.stage_cycles
-    )
+def _percent(value: float | None, mean: float) -> float:
+    return math.nan if value is None else max(_PERCENT * abs(value / mean), _LEAST)

@@ -2,18 +2,21 @@
 
 import math
 from collections.abc import Callable, Sequence
-from typing import Any
 
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter, NullFormatter
+from matplotlib.ticker import NullFormatter
 
 from presswear.record.sampling import Interval
 from presswear.show.figures.style import REFERENCE, WIDTH, Axes, Drawing, Sheet
-from presswear.trials.precision.figures.diagrams import log_labels
-from presswear.trials.precision.figures.families import LOOKS, RING, Look
+from presswear.trials.precision.figures.panels import (
+    LOOKS,
+    RING,
+    Look,
+    log_labels,
+    plain_labels,
+)
 from presswear.trials.precision.wear import (
     QUANTITIES,
-    TITLES,
     Group,
     JointWear,
     WearPoint,
@@ -29,7 +32,7 @@ _Series = tuple[str, str]
 
 
 def wear_convergence(wear: WearStudy) -> Drawing | None:
-    """First wear over what it is computed with, in parts of the finest's."""
+    """Draw the first wear over what it is computed with, in parts of the finest's."""
     series = _series(wear)
     groups = [group for group in _NUMBERED if any(wear.of(group, name) for name, _ in series)]
     if not series or not groups:
@@ -42,7 +45,7 @@ def wear_convergence(wear: WearStudy) -> Drawing | None:
             _panel(axes, wear, group, series, read)
         row[0].set_ylabel(f"{name} / that of the finest")
     for axes, group in zip(panels[-1], groups, strict=True):
-        axes.set_xlabel(_AXES[group])
+        axes.set_xlabel("depth step / clearance" if group == "depth step" else group)
     sheet.legend(handles=_handles(series, True), loc="outside upper left", ncols=3)
     return Drawing(
         "precision-wear.png",
@@ -55,18 +58,8 @@ def wear_convergence(wear: WearStudy) -> Drawing | None:
     )
 
 
-_AXES: dict[Group, str] = {
-    "angles": "angles",
-    "cycles": "cycles",
-    "depth step": "depth step / clearance",
-    "contact": "contact",
-    "method": "method",
-}
-
-
 def _series(wear: WearStudy) -> list[_Series]:
-    names = dict.fromkeys(point.conventions for point in wear.points)
-    return [(name, joint) for name in names for joint in wear.joints]
+    return [(name, joint) for name in wear.conventions for joint in wear.joints]
 
 
 def _look(series: Sequence[_Series], one: _Series) -> Look:
@@ -101,21 +94,23 @@ def _panel(
         shift = _SHIFT * (place - 0.5 * (len(series) - 1))
         drawn: list[tuple[float, float, float]] = []
         for point in points:
-            x = labels.index(point.label) + shift
+            x = labels.index(point.varied.label) + shift
             found = point.first.get(one[1])
             if found is None or finest is None:
                 if point.failure:
-                    axes.plot(x, 0.97, "x", color=look.colour, transform=_top(axes))
+                    top = axes.get_xaxis_transform()
+                    axes.plot(x, 0.97, "x", color=look.colour, transform=top)
                 continue
             value, half = _relative(point, points[-1], read(found), read(finest))
             drawn.append((x, value, half))
-            if point.is_default:
+            if point.varied.is_default:
                 axes.plot(x, value, **RING)
         if drawn:
             x_all, values, halves = zip(*drawn, strict=True)
             axes.errorbar(x_all, values, yerr=halves, elinewidth=0.9, **look.line())
     axes.set_yscale("log")
-    axes.set_xticks(range(len(labels)), [_short(label) for label in labels])
+    short = [label.replace("single jump", "one\njump") for label in labels]
+    axes.set_xticks(range(len(labels)), short)
     if len(labels) > 4:
         axes.tick_params(axis="x", rotation=45.0)
     _plain_scale(axes)
@@ -124,21 +119,15 @@ def _panel(
 def labels_of(wear: WearStudy, group: Group, series: Sequence[_Series]) -> list[str]:
     """Labels of a group's values, coarse to fine, of all conventions together."""
     values = {
-        point.label: point.value or 0.0 for name, _ in series for point in wear.of(group, name)
+        point.varied.label: point.varied.value or 0.0
+        for name, _ in series
+        for point in wear.of(group, name)
     }
     # A depth step is the coarser the larger it is, and coarsest in one jump.
     falls = group == "depth step"
     return sorted(
         values, key=lambda label: -(values[label] or math.inf) if falls else values[label]
     )
-
-
-def _top(axes: Axes) -> Any:
-    return axes.get_xaxis_transform()
-
-
-def _short(label: str) -> str:
-    return label.replace("single jump", "one\njump")
 
 
 def _relative(
@@ -164,7 +153,7 @@ def _plain_scale(axes: Axes) -> None:
         step = 0.1 if high / low > 1.2 else 0.02
         ticks = [1.0 + step * k for k in range(-9, 20)]
     axes.set_yticks([tick for tick in ticks if low <= tick <= high])
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    plain_labels(axes.yaxis)
     axes.yaxis.set_minor_formatter(NullFormatter())
     axes.set_ylim(low, high)
 
@@ -173,10 +162,9 @@ _NAMED: tuple[Group, ...] = ("contact", "method")
 
 
 def contact_models(wear: WearStudy) -> Drawing | None:
-    """Wear under each contact model and method: first wear, and a second one in one jump."""
+    """Draw wear under each contact model and method: the first, and a second one in one jump."""
     series = _series(wear)
-    names = dict.fromkeys(point.conventions for point in wear.points)
-    points = [point for group in _NAMED for name in names for point in wear.of(group, name)]
+    points = [p for group in _NAMED for name in wear.conventions for p in wear.of(group, name)]
     if not points:
         return None
     rows = [(p, which) for p in points for which in ("first", "second")]
@@ -190,7 +178,7 @@ def contact_models(wear: WearStudy) -> Drawing | None:
             if not found:
                 axes.annotate("failed", (0.02, row), xycoords=("axes fraction", "data"))
             for joint, own in found.items():
-                look = _look(series, (point.conventions, joint))
+                look = _look(series, (point.varied.conventions, joint))
                 value = factor * read(own).value
                 low, high = read(own).low, read(own).high
                 if low is not None and high is not None:
@@ -199,8 +187,8 @@ def contact_models(wear: WearStudy) -> Drawing | None:
                 axes.plot(value, row, **look.line(linestyle="none"))
         axes.set_xlabel(f"{name} ({shown})")
         log_labels(axes.xaxis)
-        axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    labels = [f"{p.conventions}, {p.label}, {which} wear" for p, which in rows]
+        plain_labels(axes.xaxis)
+    labels = [f"{p.varied.conventions}, {p.varied.label}, {which} wear" for p, which in rows]
     panels[0].set_yticks(range(len(rows)), labels)
     panels[0].set_ylim(len(rows) - 0.5, -0.5)
     sheet.legend(handles=_handles(series, False), loc="outside upper left", ncols=4)
@@ -216,9 +204,6 @@ def contact_models(wear: WearStudy) -> Drawing | None:
 
 
 def failed_words(wear: WearStudy) -> str:
-    """What failed, in a sentence; may be empty."""
-    failed = [p for p in wear.points if p.failure]
-    if not failed:
-        return ""
-    names = "; ".join(f"{p.conventions}, {TITLES[p.group]} {p.label}: {p.failure}" for p in failed)
-    return f" Failed (a cross, or no mark): {names}."
+    """The failures, in a sentence; may be empty."""
+    failed = "; ".join(f"{what}: {why}" for what, why in wear.failed.items())
+    return f" Failed (a cross, or no mark): {failed}." if failed else ""

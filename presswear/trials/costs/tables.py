@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any
 
 from presswear.trials.costs.equal_work import FIXED_STEP, REFERENCE, WANTED, EqualWork
 from presswear.trials.costs.features import FeatureTable
@@ -43,7 +42,7 @@ def _features(table: FeatureTable, simulated: float, surfaces: str) -> TextTable
     rows = []
     for row in table.rows:
         timing = row.timing
-        low, high = (1e6 * each for each in timing.step_spread)
+        low, high = (1e6 * wall / timing.attempts for wall in timing.ends)
         rows.append(
             (
                 f"{row.feature}: {row.state}",
@@ -51,7 +50,7 @@ def _features(table: FeatureTable, simulated: float, surfaces: str) -> TextTable
                 _fixed(timing.per_second, 3),
                 _fixed(1e6 * timing.per_step, 2),
                 f"{low:.2f}..{high:.2f}",
-                _fixed(timing.steps_per_second, 0),
+                _fixed(timing.attempts / timing.simulated, 0),
                 _fixed(row.step_ratio, 3),
                 _fixed(row.wall_ratio, 2),
             )
@@ -74,9 +73,7 @@ def _engines(work: EqualWork) -> TextTable:
             f"{row.slider_error:.1e}",
             f"{row.touch_error:.1e}",
             _fixed(row.timing.per_second, 3),
-            "{:.2f}..{:.2f}".format(
-                *(wall / row.timing.simulated for wall in _ends(row.timing.walls))
-            ),
+            "{:.2f}..{:.2f}".format(*(wall / row.timing.simulated for wall in row.timing.ends)),
             _fixed(row.faster, 1),
         )
         for row in work.rows
@@ -88,7 +85,7 @@ def _engines(work: EqualWork) -> TextTable:
         ("steps", "slider, m", "touches, s", "s/s", "min..max", "faster"),
         rows,
         (
-            f"{work.duration:g} s simulated; medians of {len(fixed.timing.walls)}, least and "
+            f"{work.simulated:g} s simulated; medians of {len(fixed.timing.walls)}, least and "
             f"greatest. Errors against the in-house solver at tolerance "
             f"{REFERENCE.integration_tolerance:.0e}: "
             f"the slider at the end, and the greatest of the first {work.touches} touches' times.",
@@ -102,26 +99,22 @@ def _engines(work: EqualWork) -> TextTable:
     )
 
 
-def _ends(values: tuple[float, ...]) -> tuple[float, float]:
-    return min(values), max(values)
-
-
 def _profiles(profiles: Mapping[str, Profile]) -> TextTable:
     found = list(profiles.values())
     rows = tuple(
         (
-            stages[0].name,
-            stages[0].kind,
+            parts[0].name,
+            parts[0].kind,
             *(
                 cell
-                for each, stage in zip(found, stages, strict=True)
+                for each, part in zip(found, parts, strict=True)
                 for cell in (
-                    _fixed(1e6 * stage.seconds / each.timing.attempts, 2),
-                    _fixed(100.0 * each.share(stage.seconds), 1),
+                    _fixed(1e6 * part.seconds / each.timing.attempts, 2),
+                    _fixed(100.0 * part.share, 1),
                 )
             ),
         )
-        for stages in zip(*(each.stages for each in found), strict=True)
+        for parts in zip(*(each.parts for each in found), strict=True)
     )
     sentences = [
         f"{found[0].timing.simulated:.3g} s simulated; medians of {len(found[0].timing.walls)}. "
@@ -131,12 +124,11 @@ def _profiles(profiles: Mapping[str, Profile]) -> TextTable:
     ]
     for name, each in profiles.items():
         largest = each.largest_python
-        share = each.share(largest.seconds)
-        verdict = "none is above" if share <= LARGEST_PYTHON_SHARE else "ABOVE"
+        verdict = "none is above" if largest.share <= LARGEST_PYTHON_SHARE else "ABOVE"
         sentences.append(
             f"{name.capitalize()}: Python as such takes {100.0 * each.share_of('Python'):.0f} % of "
             f"the run, with its kernels {100.0 * each.share_of('Python', 'kernel'):.0f} %; its "
-            f"longest stage ({largest.name}) takes {100.0 * share:.0f} %: {verdict} "
+            f"longest stage ({largest.name}) takes {100.0 * largest.share:.0f} %: {verdict} "
             f"{100.0 * LARGEST_PYTHON_SHARE:.0f} %."
         )
     columns = tuple(column for name in profiles for column in (f"{name}, us/step", "%"))
@@ -157,20 +149,21 @@ def tables_of(costs: Costs) -> tuple[TextTable, ...]:
     tree, joints = extent.tree_cycles * period, extent.joints_cycles * period
     features = [
         _features(table, simulated, surfaces)
-        for table, simulated in zip(costs.tables, (tree, tree, joints), strict=True)
+        for table, simulated in zip(costs.features, (tree, tree, joints), strict=True)
     ]
     return (*features, _engines(costs.engines), _profiles(costs.profiles))
 
 
-def markdown_of(costs: Costs, provenance: Mapping[str, Any]) -> str:
+def markdown_of(costs: Costs) -> str:
     """The tables as a Markdown file."""
-    packages = provenance["packages"]
+    origin = costs.provenance
+    packages = origin["packages"]
     lines = [
         "# What the features of a model cost",
         "",
         f"Scene {costs.scene.name}, {costs.scene.title[:1].lower()}{costs.scene.title[1:]}; one "
-        f"core of {costs.processor} ({provenance['machine']}); Exudyn {packages['exudyn']}, "
-        f"Python {provenance['python']}, revision {provenance['revision']}. Only the solve is "
+        f"core of {costs.processor} ({origin['machine']}); Exudyn {packages['exudyn']}, "
+        f"Python {origin['python']}, revision {origin['revision']}. Only the solve is "
         "timed, not compiling and building; repeats are interleaved. Between machines compare "
         "ratios, not times. s/s is wall time per simulated second.",
     ]

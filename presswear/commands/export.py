@@ -1,0 +1,45 @@
+"""``presswear export``: the recorded motion of a run as a table for other programs."""
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from presswear.commands.terminal import finished_part, place_given
+
+TABLE_TEXT = (
+    "Columns, in SI units: time, displacement, velocity, acceleration (of the slider), and for "
+    "each clearance joint J: J_eccentricity_x, J_eccentricity_y, J_penetration, J_normal_force, "
+    "J_tangential_force, J_sliding (speed). CSV with a header line of names and # comments, or "
+    "NPZ with one array per column; another program's table may hold any subset beside time."
+)
+
+
+def add(commands: Any) -> None:
+    """Add the parser of ``export``."""
+    export = commands.add_parser(
+        "export",
+        description=f"Writes the recorded series of a stage. {TABLE_TEXT}",
+        epilog="example: presswear export results/wear-times first.csv --stage 0",
+    )
+    export.add_argument("folder", type=Path, metavar="DIR")
+    export.add_argument("file", type=Path, metavar="FILE", help="new file, .csv or .npz")
+    export.add_argument(
+        "--stage",
+        type=place_given,
+        default=0,
+        metavar="K",
+        help="0 unworn (default), 1 after a wear, ...",
+    )
+    export.set_defaults(run=_export)
+
+
+def _export(arguments: argparse.Namespace, console: Console) -> int:
+    from presswear.results.tables import table_of, write_table
+
+    table = table_of(finished_part(arguments.folder, console), arguments.stage)
+    write_table(arguments.file, table)
+    rows = table["time"].size
+    console.print(f"{rows} rows of {len(table)} columns in {arguments.file}", highlight=False)
+    return 0
