@@ -158,34 +158,19 @@ class Chaos:
         """
         return honest_cycles(self.reference.statistics[name], point.step_errors[name])
 
-    def is_honest(self, point: StatisticPoint, wear_only: bool = True) -> bool:
-        """True where a method has the statistics of a stage of the scene right.
-
-        Parameters
-        ----------
-        wear_only : bool
-            Only those that count for wear.
-        """
-        return not point.failure and all(
-            self.is_honest_in(point, name)
-            for name in self.names
-            if is_for_wear(name) or not wear_only
-        )
-
     def is_honest_in(self, point: StatisticPoint, name: str) -> bool:
         """True where a step error is not seen, and must be below a stage's sampling error."""
         is_seen = point.step_errors[name].is_seen
         return not is_seen and self.honest_cycles(point, name) >= self.stage_cycles
 
-    def cheapest(
-        self, points: Sequence[StatisticPoint] | None = None, wear_only: bool = True
-    ) -> StatisticPoint | None:
+    def is_honest(self, point: StatisticPoint) -> bool:
+        """True where a method has the statistics right that count for wear in a stage."""
+        wear = filter(is_for_wear, self.names)
+        return not point.failure and all(self.is_honest_in(point, name) for name in wear)
+
+    def cheapest(self, points: Sequence[StatisticPoint] | None = None) -> StatisticPoint | None:
         """The cheapest honest setting of some, or of all; None if none is."""
-        honest = [
-            point
-            for point in (self.points if points is None else points)
-            if self.is_honest(point, wear_only)
-        ]
+        honest = filter(self.is_honest, self.points if points is None else points)
         return min(honest, key=lambda point: point.cost, default=None)
 
     @property

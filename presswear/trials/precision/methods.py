@@ -1,7 +1,7 @@
 """Methods, engine and integrator with one step or tolerance, and their families."""
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol, TypeVar
 
@@ -77,12 +77,17 @@ class _OfMethod(Protocol):
 P = TypeVar("P", bound=_OfMethod)
 
 
-def by_family(points: Iterable[P]) -> dict[str, list[P]]:
-    """Points of each family, in their order, from coarse to fine."""
+def grouped(points: Iterable[P], key: Callable[[Method], str]) -> dict[str, list[P]]:
+    """Points by a word on their methods, in their order."""
     found: dict[str, list[P]] = {}
     for point in points:
-        found.setdefault(point.method.family, []).append(point)
+        found.setdefault(key(point.method), []).append(point)
     return found
+
+
+def by_family(points: Iterable[P]) -> dict[str, list[P]]:
+    """Points of each family, from coarse to fine, failures included."""
+    return grouped(points, lambda method: method.family)
 
 
 def method_of(engine: ExudynTree | InHouse, own: Engine) -> Method:

@@ -14,15 +14,13 @@ from presswear.trials.precision.growth import HIGH, LOW, PARTED
 from presswear.trials.precision.recommendation import RULES, Recommendation, recommend
 from presswear.trials.precision.study import Precision
 from presswear.trials.precision.tables import (
-    cost_table,
-    error_table,
     failures_table,
     growth_table,
     origin_table,
     references_table,
     sampling_table,
     statistics_table,
-    wear_cost_table,
+    task_table,
     wear_table,
 )
 
@@ -159,10 +157,7 @@ def render(
         headline=headline(precision, found),
         growth=growth_sentence(precision),
         purposes=purposes_of(found),
-        tasks=[
-            (own.key, own.title, named(own.key), [error_table(own), cost_table(own)])
-            for own in precision.diagrams
-        ],
+        tasks=[(own.key, own.title, named(own.key), task_table(own)) for own in precision.diagrams],
         together=named("orders", "energy"),
         chaos=chaos,
         chaos_figures=named("growth", "statistics"),
@@ -171,7 +166,7 @@ def render(
         statistics_table=None if chaos is None else statistics_table(chaos),
         wear=wear,
         wear_figures=named("wear", "contact"),
-        wear_tables=[] if wear is None else [wear_table(wear), wear_cost_table(wear)],
+        wear_table=None if wear is None else wear_table(wear),
         failures=failures_table(precision),
         references=references_table(precision.diagrams),
         origin=origin_table(precision),

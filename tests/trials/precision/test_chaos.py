@@ -223,7 +223,7 @@ def test_peak_forces_do_not_decide_for_wear() -> None:
     assert good is not None
     far = {**good.step_errors, "peak force at A": StepError(0.5, 0.4, 0.6, 0.6)}
     assert found.is_honest(replace(good, step_errors=far))
-    assert not found.is_honest(replace(good, step_errors=far), wear_only=False)
+    assert not found.is_honest_in(replace(good, step_errors=far), "peak force at A")
 
 
 def test_cycles_of_a_stage_are_those_that_its_tolerance_takes() -> None:
