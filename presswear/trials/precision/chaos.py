@@ -16,7 +16,7 @@ import numpy as np
 from presswear.campaign.ensemble import FEWEST
 from presswear.campaign.starts import start_of
 from presswear.engines.base import Plan, Run
-from presswear.record.sampling import half_width, map_batches, map_errors
+from presswear.record.sampling import Estimate, half_width, map_batches, map_errors
 from presswear.record.tracker import Telling
 from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError, RunFailed
@@ -26,7 +26,6 @@ from presswear.trials.precision.methods import Method, by_family, finest, statis
 from presswear.trials.precision.statistic import (
     Draws,
     Names,
-    Statistic,
     StepError,
     honest_cycles,
     is_for_wear,
@@ -106,7 +105,7 @@ class StatisticPoint:
     warm_up: float = 0.0
     simulated: float = 0.0
     steps: int = 0
-    statistics: Mapping[str, Statistic] = field(default_factory=dict)
+    statistics: Mapping[str, Estimate] = field(default_factory=dict)
     step_errors: Mapping[str, StepError] = field(default_factory=dict)
     failure: str = ""
 
@@ -144,12 +143,12 @@ class Chaos:
         return tuple(self.reference.statistics)
 
     @property
-    def settled_rate(self) -> Statistic:
+    def settled_rate(self) -> Estimate:
         """Mean growth rate of the further pairs, lulls included, 1/s."""
         rates = np.array([growth.overall for growth in self.growths[1:]], dtype=float)
         known = rates[np.isfinite(rates)]
         mean = float(known.mean()) if known.size else math.nan
-        return Statistic(mean, half_width(known), known.size)
+        return Estimate(mean, half_width(known), known.size)
 
     def honest_cycles(self, point: StatisticPoint, name: str) -> float:
         """Cycles up to which the bound of a statistic's step error is below its sampling error.

@@ -13,7 +13,7 @@ from presswear.trials.precision.diagram import Diagram, Point, Quantity
 from presswear.trials.precision.figures.diagrams import shown_order
 from presswear.trials.precision.growth import Growth
 from presswear.trials.precision.recommendation import standing
-from presswear.trials.precision.statistic import MAP, unit_of
+from presswear.trials.precision.statistic import MAP, sampling_error, unit_of
 from presswear.trials.precision.study import Precision
 from presswear.trials.precision.wear import QUANTITIES, TITLES, JointWear, WearPoint, WearStudy
 from presswear.trials.timing import Timing
@@ -128,7 +128,7 @@ def sampling_table(chaos: Chaos) -> Table:
         return f"{name} ({kind}{unit_of(name)} a cycle)"
 
     def of_stage(name: str) -> str:
-        part = found[name].sampling_error(chaos.stage_cycles) / abs(found[name].mean)
+        part = sampling_error(found[name], chaos.stage_cycles) / abs(found[name].mean)
         return f"{readable(_PERCENT * part, 2)} %"
 
     return _table(

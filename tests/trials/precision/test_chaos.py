@@ -10,7 +10,7 @@ import pytest
 from made_up_precision import NAMES, SCENE, STAGE_CYCLES, chaos
 
 from presswear.campaign.starts import start_of
-from presswear.record.sampling import MapBatches
+from presswear.record.sampling import Estimate, MapBatches
 from presswear.scene.catalog import ideal
 from presswear.scene.scene import Numerics
 from presswear.tools.documents import plain
@@ -28,12 +28,12 @@ from presswear.trials.precision.growth import (
 from presswear.trials.precision.methods import statistics_methods
 from presswear.trials.precision.statistic import (
     Draws,
-    Statistic,
     StepError,
     honest_cycles,
     map_statistic,
     map_step_error,
     mean_step_error,
+    sampling_error,
     together,
 )
 from presswear.trials.stored import as_plain, restored
@@ -127,7 +127,7 @@ def test_full_turns_are_taken_off_a_state() -> None:
 
 
 def test_difference_of_means() -> None:
-    here, there = Statistic(1.1, 0.03, 50), Statistic(1.0, 0.04, 100)
+    here, there = Estimate(1.1, 0.03, 50), Estimate(1.0, 0.04, 100)
     step = mean_step_error(here, there, 2.0)
     assert step.value == pytest.approx(0.1)
     assert step.low == pytest.approx(0.0)
@@ -178,17 +178,17 @@ def test_error_of_a_map_falls_with_the_root_of_cycles() -> None:
     assert few.half_width is not None
     assert many.half_width is not None
     assert few.half_width / many.half_width == pytest.approx(4.0, rel=0.2)
-    assert few.sampling_error(400) == pytest.approx(many.half_width, rel=0.2)
+    assert sampling_error(few, 400) == pytest.approx(many.half_width, rel=0.2)
     # 80 bins of unit noise.
     assert many.half_width == pytest.approx(1.96 / 20.0, rel=0.1)
 
 
 def test_cycles_for_which_a_setting_is_honest() -> None:
-    statistic = Statistic(1.0, 0.02, 100)
+    statistic = Estimate(1.0, 0.02, 100)
     assert honest_cycles(statistic, StepError(0.0, -0.03, 0.03, 0.04)) == pytest.approx(25.0)
     assert honest_cycles(statistic, StepError(0.0, 0.0, 0.0, 0.0)) == math.inf
     assert math.isnan(honest_cycles(statistic, StepError(0.0, None, None, None)))
-    assert statistic.sampling_error(25.0) == pytest.approx(0.04)
+    assert sampling_error(statistic, 25.0) == pytest.approx(0.04)
 
 
 def test_cheapest_honest_setting() -> None:
