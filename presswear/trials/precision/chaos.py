@@ -41,7 +41,7 @@ _GROWTH_SHARE = 0.1
 
 @dataclass(frozen=True)
 class ChaosExtent:
-    """How much is run beyond the horizon.
+    """Lengths of what is run beyond the horizon.
 
     Attributes
     ----------

@@ -13,7 +13,7 @@ from presswear.trials.precision.extent import Rungs
 TRAPEZOIDAL = "trapezoidal rule"
 FIXED = "trapezoidal rule, equal steps"
 STEP, IMPACT, TOLERANCE = "step (s)", "steps in an impact", "tolerance"
-"""Knobs: what is varied, with its unit."""
+"""Knobs: the quantities that are varied, with their units."""
 SMOOTH_NEWTON = 1e-12
 """Newton's tolerance on smooth motion: 1e-9, the default, hides the order of the integrator."""
 _EXACT = 1.0 - 1e-9
@@ -37,7 +37,7 @@ class Method:
     integrator : str
         As people call it: trapezoidal rule, DOPRI5, DOP853, RK4.
     knob : str
-        What is varied, with its unit.
+        Quantity that is varied, with its unit.
     value : float
         Value of the knob.
     is_paper : bool
@@ -217,7 +217,7 @@ def contact_methods(
     longest : float
         Longest step of DOP853 and DOPRI5, s.
     tree : bool
-        Whether there is an open tree.
+        True where there is an open tree.
     """
     dae, own_tree = replace(numerics.dae, free_step=longest), numerics.tree.over(period)
     return (

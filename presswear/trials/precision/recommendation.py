@@ -59,7 +59,7 @@ class Recommendation:
     recommended : str
         In words; empty where nothing meets the rule.
     taken : str
-        What the code takes, in words.
+        The setting that the code takes, in words.
     agrees : bool or None
         True where that is the same; None where there is nothing to compare with.
     meets : bool or None
@@ -180,7 +180,7 @@ def for_statistics(chaos: Chaos, taken: Iterable[Method]) -> Iterator[Recommenda
     Parameters
     ----------
     taken : iterable of Method
-        What the code takes, one an engine.
+        Methods that the code takes, one an engine.
     """
     by_engine = {method.engine.word: method for method in taken}
     for engine, points in grouped(chaos.points, lambda own: own.engine.word).items():

@@ -83,16 +83,16 @@ def growth_sentence(precision: Precision) -> str:
             f"Two runs whose starts are {given(APART)} m apart stay within {given(HIGH)} m over "
             f"{readable(first.time[-1])} s."
         )
-    per_touch = None if first.per_touch is None else 100.0 * math.expm1(first.per_touch)
+    per_touchdown = None if first.per_touchdown is None else 100.0 * math.expm1(first.per_touchdown)
     text = (
         f"The distance of two runs whose starts are {given(APART)} m apart grows by "
         f"{readable(first.rate)} /s between {given(LOW)} and {given(HIGH)} m, or by "
-        f"{readable(per_touch, 2)} % a touch"
+        f"{readable(per_touchdown, 2)} % a touch"
     )
     if first.divergence is not None:
         text += (
             f"; it is {given(PARTED)} m after {readable(first.divergence)} s and "
-            f"{first.touches_to_divergence} touches"
+            f"{first.touchdowns_to_divergence} touches"
         )
     others = chaos.growths[1:]
     if others:

@@ -105,11 +105,11 @@ def task_table(diagram: Diagram) -> Table:
 _GROWTHS: dict[str, Callable[[tuple[int, Growth]], str]] = {
     "": lambda pair: f"pair {pair[0]}",
     "growth rate, fitted (1/s)": lambda pair: readable(pair[1].rate),
-    "the same a touch": lambda pair: readable(pair[1].per_touch, 2),
+    "the same a touch": lambda pair: readable(pair[1].per_touchdown, 2),
     "growth rate, lulls included (1/s)": lambda pair: readable(pair[1].overall),
     "fitted over (s)": lambda pair: _spread(*pair[1].window) if pair[1].window else _NONE,
     "parted after (s)": lambda pair: readable(pair[1].divergence),
-    "touches until then": lambda pair: whole(pair[1].touches_to_divergence),
+    "touches until then": lambda pair: whole(pair[1].touchdowns_to_divergence),
     "greatest distance (m)": lambda pair: error_text(max(pair[1].distance, default=None)),
 }
 

@@ -56,9 +56,9 @@ def test_growth_rate_of_an_exponential() -> None:
     touches = np.floor(100.0 * TIME).astype(np.int64)
     growth = Growth.of(TIME, apart, touches)
     assert growth.rate == pytest.approx(30.0, rel=1e-3)
-    assert growth.per_touch == pytest.approx(0.3, rel=2e-2)
+    assert growth.per_touchdown == pytest.approx(0.3, rel=2e-2)
     assert growth.divergence == pytest.approx(math.log(1000.0) / 30.0, abs=1e-3)
-    assert growth.touches_to_divergence == math.floor(100.0 * math.log(1000.0) / 30.0)
+    assert growth.touchdowns_to_divergence == math.floor(100.0 * math.log(1000.0) / 30.0)
     assert growth.overall == pytest.approx(30.0, rel=1e-2)
     assert growth.window is not None
     assert growth.window[0] == pytest.approx(math.log(3.0) / 30.0, abs=1e-3)
@@ -74,7 +74,7 @@ def test_rate_is_read_between_its_bounds_only() -> None:
     # To HIGH after 0.4 s of lull.
     until = 0.4 + math.log(1e4) / 60.0
     assert growth.overall == pytest.approx(math.log(1e4) / until, rel=1e-2)
-    assert growth.per_touch is None
+    assert growth.per_touchdown is None
     assert growing(TIME, apart) == growth.window
     assert growth.window is not None
     inside = (growth.window[0] <= TIME) & (growth.window[1] >= TIME)
@@ -88,7 +88,7 @@ def test_starts_that_never_part_have_no_rate() -> None:
     assert growth.rate is None
     assert growth.window is None
     assert growth.divergence is None
-    assert growth.touches_to_divergence is None
+    assert growth.touchdowns_to_divergence is None
     assert stored(growth) == growth
 
 
@@ -111,8 +111,8 @@ def test_two_runs_of_one_start_stay_together() -> None:
     assert np.array_equal(places[0], places[1])
     run, sampler = runs[0]
     assert run.time == pytest.approx(period)
-    assert sampler.touches == sorted(sampler.touches)
-    assert sampler.touches[-1] == int(run.recorder.book.tally["contacts"].sum())
+    assert sampler.touchdowns == sorted(sampler.touchdowns)
+    assert sampler.touchdowns[-1] == int(run.recorder.book.tally["contacts"].sum())
 
 
 def test_full_turns_are_taken_off_a_state() -> None:

@@ -16,7 +16,7 @@ _SMALLEST = 1e-12
 
 
 def growth_of_disturbance(chaos: Chaos) -> Drawing:
-    """Draw the distance of each pair over time, with the bounds of the fit and the touches."""
+    """Draw the distance of each pair over time, with the bounds of the fit and the touchdowns."""
     sheet = Sheet(figsize=(WIDTH, 3.6), layout="constrained")
     axes = sheet.subplots()
     axes.set_yscale("log")
@@ -27,7 +27,7 @@ def growth_of_disturbance(chaos: Chaos) -> Drawing:
             first: dict[str, Any] = {"color": colour, "linestyle": dashes, "linewidth": 1.3}
             axes.plot(growth.time, apart, label="first pair", **first)
             _fit(axes, growth)
-            touched = np.diff(growth.touches, prepend=0) > 0
+            touched = np.diff(growth.touchdowns, prepend=0) > 0
             axes.plot(
                 np.array(growth.time)[touched],
                 np.full(np.count_nonzero(touched), 0.02),
