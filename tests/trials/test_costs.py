@@ -91,12 +91,12 @@ def test_engines_are_complete_and_compared_with_fixed_steps(found: Costs) -> Non
     names = [row.timing.name for row in work.rows]
     assert len(names) == len(set(names)) == 7
     assert sum(name.startswith("tree") for name in names) == 4
-    assert work.touches == 1
+    assert work.touchdowns == 1
     for row in work.rows:
         assert row.faster == pytest.approx(work.fixed.timing.per_second / row.timing.per_second)
         # No more than the clearance: it is the same motion.
         assert 0.0 <= row.slider_error < 1e-4
-    errors = [row.touch_error for row in work.rows if "tolerance 1e-10" in row.timing.name]
+    errors = [row.touchdown_error for row in work.rows if "tolerance 1e-10" in row.timing.name]
     assert errors[0] < 1e-8
 
 
@@ -113,10 +113,10 @@ def test_fixed_steps_are_all_of_one_length() -> None:
             check_fixed(broken)
 
 
-def test_an_end_without_touches_has_no_touch_error() -> None:
+def test_an_end_without_touches_has_no_touchdown_error() -> None:
     work = equal_work(scene_named("wear-times"), 1e-5, 1, silent)
-    assert work.touches == 0
-    assert work.tree.touch_error == 0.0
+    assert work.touchdowns == 0
+    assert work.tree.touchdown_error == 0.0
 
 
 def test_stages_add_up_to_the_run(found: Costs) -> None:

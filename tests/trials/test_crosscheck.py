@@ -133,7 +133,7 @@ def test_the_engines_agree_on_the_first_touches(
     document = json.loads((folder / "crosscheck.json").read_text())
     assert document["passed"] is True
     assert document["parted"] is False
-    assert [touch["joint"] for touch in document["touches"]] == ["A", "C", "A"]
+    assert [touch["joint"] for touch in document["touchdowns"]] == ["A", "C", "A"]
     bounds = {check["quantity"]: check["bound"] for check in document["checks"]}
     assert {name: bounds[name] for name in expected} == expected
     assert bounds["first 3 touches, dop853 to dopri5"] == 1e-10
@@ -164,7 +164,7 @@ def test_without_clearance_the_whole_duration_is_compared(
     assert main(["crosscheck", "ideal", "--duration", "0.05", "--out", str(folder)]) == 0
     document = json.loads((folder / "crosscheck.json").read_text())
     assert document["horizon_s"] == 0.05
-    assert document["touches"] == []
+    assert document["touchdowns"] == []
     assert "did not part" in capsys.readouterr().out
 
 
@@ -214,4 +214,4 @@ def test_the_engines_agree_up_to_the_horizon_and_beyond(speed: str, tmp_path: Pa
     assert main(["crosscheck", "--set", f"speed={speed}", "--out", str(folder)]) == 0
     document = json.loads((folder / "crosscheck.json").read_text())
     assert document["parted"] is True
-    assert len(document["touches"]) > 10
+    assert len(document["touchdowns"]) > 10

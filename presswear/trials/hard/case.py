@@ -29,7 +29,7 @@ class HardCase:
     Attributes
     ----------
     name, hard : str
-        What it is, and why it is hard.
+        Its name, and why it is hard.
     engine : str
     checks : callable
         Runs it; yields its checks.

@@ -33,7 +33,7 @@ class Point:
     errors : mapping of str to float
         By the names of the diagram's quantities; empty for a failure.
     values : mapping of str to float
-        What else was measured, by its name with its unit: ``steps in the contact``,
+        Other numbers, by their names with units: ``steps in the contact``,
         ``contact time (s)``; empty for a failure.
     warm_up : float or None
         Time of the first run, whose compiling and loading is no part of the others, s.
@@ -90,10 +90,10 @@ class Diagram:
     key : str
         Its name in files.
     title, task : str
-        What is run.
+        The task in a few words, and at length.
     quantities : tuple of Quantity
     reference : str
-        What the errors are errors from.
+        Origin of the values that errors are distances from.
     points : tuple of Point
     """
 
@@ -113,7 +113,7 @@ class Diagram:
 
     @property
     def measured(self) -> tuple[str, ...]:
-        """Names of what else was measured."""
+        """Names of the other numbers."""
         return tuple(dict.fromkeys(name for point in self.points for name in point.values))
 
     def order(self, family: str, quantity: Quantity) -> float:
@@ -204,7 +204,7 @@ def check_finite(run: Run) -> Run:
 def measure(task: Task, repeats: int, told: Told) -> Diagram:
     """Run all methods of a task: once for their errors, then in turn for their times.
 
-    What fails in the first run stays in as a failure and is not timed.
+    A method that fails in the first run stays in as a failure and is not timed.
     """
     whole = FIRST_ROUND + repeats
     firsts = []

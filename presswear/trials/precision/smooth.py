@@ -1,6 +1,6 @@
 """Smooth work: the ideal mechanism against its closed form, and Andrews' squeezer.
 
-Nothing touches, so that the order of each integrator is seen.
+Nothing meets, so that the order of each integrator is seen.
 """
 
 import numpy as np

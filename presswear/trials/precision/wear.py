@@ -56,7 +56,7 @@ class Means:
 
 @dataclass(frozen=True)
 class WearExtent:
-    """How much wear is run.
+    """Extent of a study of wear.
 
     Attributes
     ----------
@@ -105,7 +105,7 @@ class Varied:
     Attributes
     ----------
     group : str
-        What is varied.
+        Kind of change.
     conventions : str
         Name of the set.
     label : str
@@ -176,7 +176,7 @@ class WearPoint:
 
 @dataclass(frozen=True)
 class WearStudy:
-    """How the wear of a scene depends on what it is computed with.
+    """Wear of a scene by what it is computed with.
 
     Attributes
     ----------

@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 
 from presswear.engines.settings import ExudynJoints
-from presswear.record.sampling import Interval
+from presswear.record.sampling import Estimate, Interval
 from presswear.scene.catalog import wear_times
 from presswear.trials.precision.chaos import Chaos, StatisticPoint
 from presswear.trials.precision.diagram import Diagram, Point, Quantity
 from presswear.trials.precision.extent import QUICK
 from presswear.trials.precision.growth import Growth
 from presswear.trials.precision.methods import IMPACT, Method, finest, statistics_methods
-from presswear.trials.precision.statistic import Statistic, StepError
+from presswear.trials.precision.statistic import StepError
 from presswear.trials.precision.study import Precision
 from presswear.trials.precision.wear import Group, JointWear, Varied, WearPoint, WearStudy
 from presswear.trials.timing import Timing
@@ -81,7 +81,7 @@ def statistic_point(method: Method, bias: float, bound: float, cost: float) -> S
         2.0,
         100.0,
         10_000,
-        {name: Statistic(1.0 + bias, 0.02, 100) for name in NAMES},
+        {name: Estimate(1.0 + bias, 0.02, 100) for name in NAMES},
         dict.fromkeys(NAMES, step),
     )
 

@@ -1,6 +1,6 @@
 """What is recommended, from made-up results, and whether the code takes it."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import replace
 
 import pytest
@@ -33,7 +33,7 @@ TAKEN = tuple(
 """Taken for statistics here, whatever the code takes."""
 
 
-def of(found: Sequence[Recommendation], subject: str) -> Recommendation:
+def of(found: Iterable[Recommendation], subject: str) -> Recommendation:
     return next(one for one in found if one.subject == subject)
 
 
@@ -53,7 +53,7 @@ def slider(bound: float) -> dict[str, float]:
 
 def test_cheapest_within_the_bound() -> None:
     """Errors are 100 times the tolerance: 1e-8 is the first below 1e-6 m."""
-    found = for_trajectories(diagram(), slider(1.01e-6))
+    found = list(for_trajectories(diagram(), slider(1.01e-6)))
     tree = of(found, "exudyn-tree")
     assert tree.recommended == "DOPRI5, tolerance 1e-08"
     assert tree.agrees
@@ -68,7 +68,7 @@ def test_cheapest_within_the_bound() -> None:
 
 
 def test_the_bound_decides() -> None:
-    found = for_trajectories(diagram(), slider(1.01e-3))
+    found = list(for_trajectories(diagram(), slider(1.01e-3)))
     assert of(found, "exudyn-tree").recommended == "DOPRI5, tolerance 1e-05"
     assert of(found, "exudyn-tree").agrees is False
     assert of(found, "exudyn-tree").meets
@@ -86,7 +86,7 @@ def test_every_bound_counts() -> None:
 
 
 def test_without_a_bound_nothing_is_recommended() -> None:
-    assert for_trajectories(diagram(), {"what is not in the diagram": 1.0}) == []
+    assert not list(for_trajectories(diagram(), {"what is not in the diagram": 1.0}))
 
 
 def test_bounds_are_those_of_the_cross_check() -> None:
@@ -129,7 +129,7 @@ def test_families_of_an_engine_compete_by_time() -> None:
 
 
 def test_statistics_take_the_cheapest_honest_setting() -> None:
-    found = for_statistics(chaos(coarsest_honest=1e-6), TAKEN)
+    found = list(for_statistics(chaos(coarsest_honest=1e-6), TAKEN))
     assert of(found, "exudyn-tree").agrees
     assert of(found, "exudyn-tree").recommended == "DOPRI5, tolerance 1e-06"
     assert of(found, "dae").agrees is False
@@ -155,7 +155,7 @@ def test_same_setting() -> None:
 
 
 def test_wear_takes_the_coarsest_that_does_not_differ() -> None:
-    found = for_wear(wear())
+    found = list(for_wear(wear()))
     refined = of(found, "angles of a wear map, refined conventions")
     assert refined.recommended == "90"
     assert refined.agrees is False
@@ -182,7 +182,7 @@ def test_wear_that_is_hardly_known_is_no_reason_to_be_coarse() -> None:
         replace(point, first={"A": JointWear(Interval(1.0, None, None), interval(1.0))})
         for point in points
     )
-    assert for_wear(WearStudy(unknown, {}, "dae"))[0].recommended == ""
+    assert next(for_wear(WearStudy(unknown, {}, "dae"))).recommended == ""
 
 
 def test_wear_does_not_trust_a_failed_finest() -> None:
@@ -208,9 +208,7 @@ def test_everything_together(whole: bool) -> None:
     taken = {one.subject: one.taken for one in found if one.purpose == STATISTICS}
     settings = [method_of(own, own).setting for own in (numerics.tree, numerics.dae)]
     assert list(taken.values()) == (settings if whole else [])
-    for one in found:
-        assert one.sentence.startswith(one.subject)
-        assert one.verdict in one.sentence
+    assert all(one.verdict.startswith("the code takes") for one in found)
 
 
 def test_no_method_is_recommended_for_another_engine() -> None:
