@@ -122,7 +122,7 @@ class Result:
         Raises
         ------
         InputError
-            For an unknown name or stage.
+            For an unknown name or stage, and a name of which there is nothing to draw.
         """
         axes: list[Axes] = import_module(_FIGURES).plot(self, names, stage)
         return axes

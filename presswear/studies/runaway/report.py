@@ -10,8 +10,9 @@ import numpy as np
 
 from presswear.campaign.study import Study, Variant, results_of
 from presswear.results.result import Result
+from presswear.results.stage import SIDES
 from presswear.show.figures import save
-from presswear.show.figures.style import MICRONS, REFERENCE, SETTINGS, SIDES, WIDTH, Drawing, Sheet
+from presswear.show.figures.style import MICRONS, REFERENCE, SETTINGS, WIDTH, Drawing, Sheet
 from presswear.show.report.page import Illustration, render_page
 from presswear.show.report.parts import Table
 from presswear.studies.runaway.variants import CYCLES

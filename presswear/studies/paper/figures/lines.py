@@ -4,11 +4,10 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from matplotlib.lines import Line2D
-
 from presswear.results.result import Result
+from presswear.results.stage import StageResult
 from presswear.scene.scene import stage_name
-from presswear.show.figures.style import LINES, LineStyle, Sheet, ShownStage
+from presswear.show.figures.style import LINES, Pen, Sheet, until
 from presswear.studies.paper.evidence import Evidence, Measured, each_cycle
 from presswear.studies.paper.printed import JOINTS, Place
 from presswear.studies.paper.variants import BASE, FAST, FRICTION, HIGH_FRICTION, SLOW, WEAR
@@ -52,18 +51,13 @@ class PaperLine:
         """Colour of the line."""
         return LINES[self.order][0]
 
-    @property
-    def dashes(self) -> LineStyle:
-        """Dashes of the line."""
-        return LINES[self.order][1]
-
     def at(self, joint: str = "") -> Place:
         """The place of its quantities."""
         return Place(self.setting, self.wears, joint)
 
-    def handle(self, name: str) -> Line2D:
-        """Show it in a legend."""
-        return Line2D([], [], color=self.colour, linestyle=self.dashes, label=name)
+    def pen(self, name: str) -> Pen:
+        """The line as it is drawn, under a name in the legend."""
+        return Pen(name, *LINES[self.order])
 
 
 WEARS = tuple(PaperLine(WEAR, wears, wears) for wears in range(3))
@@ -92,7 +86,7 @@ class ShownLine:
 
     line: PaperLine
     result: Result
-    stage: ShownStage
+    stage: StageResult
 
     @property
     def period(self) -> float:
@@ -112,15 +106,9 @@ def shown_cycles(evidence: Evidence, lines: Iterable[PaperLine]) -> list[ShownLi
         result = evidence.at_stage(BASE, line.setting, line.wears)
         if result is None or result.stages[line.wears].time.size < 2:
             continue
-        arrays = dict(result.stages[line.wears].arrays)
         # The last row of a cycle may lie a rounding behind its end.
         end = result.scene.mechanism.period * (1.0 + 1e-9)
-        rows = int(arrays["time"].searchsorted(end, side="right"))
-        joints = result.scene.clearance_joints
-        series = [f"{joint}_{name}" for joint in joints for name in ("force", "eccentricity")]
-        arrays |= {name: arrays[name][:rows] for name in ("time", "slider", *series)}
-        stage = ShownStage(line.wears, line.name, line.colour, line.dashes, arrays)
-        found.append(ShownLine(line, result, stage))
+        found.append(ShownLine(line, result, until(result.stages[line.wears], end)))
     return found
 
 

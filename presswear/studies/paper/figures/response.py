@@ -10,16 +10,13 @@ from matplotlib.lines import Line2D
 from presswear.scene.ideal import ideal_slider
 from presswear.scene.scene import stage_name
 from presswear.show.figures.motion import (
-    IDEAL_DASHES,
-    circle_line,
-    draw_ideal,
+    IDEAL,
     draw_path,
-    draw_stage,
     gap_limit,
-    limit_line,
+    path_pens,
     set_path_limits,
 )
-from presswear.show.figures.style import REFERENCE, WIDTH, Array, Axes, Sheet, note
+from presswear.show.figures.style import WIDTH, Array, Axes, Sheet, legend, note
 from presswear.studies.paper.evidence import Evidence
 from presswear.studies.paper.figures.lines import (
     MILLIMETRES,
@@ -52,11 +49,11 @@ def responses(evidence: Evidence, number: int, lines: Lines) -> Drawn:
     upper = sum(_HEIGHTS) + _ACCELERATION_HEIGHT * rows + 0.75
     sheet, top, bottom = sheet_over_peaks(upper, 0.95 + ROW * len(shown))
     _draw_motion(top, columns, rows)
-    handles = [Line2D([], [], color=REFERENCE, linestyle=IDEAL_DASHES, label="ideal")]
+    handles = [IDEAL.handle()]
     if len(shown) > _BESIDE:
         # Legends fill their columns downwards: the lines of a setting one below the other.
         handles.append(Line2D([], [], linestyle="none", label=" "))
-    handles += [one.line.handle(one.line.name) for one in shown]
+    handles += [one.line.pen(one.line.name).handle() for one in shown]
     columns_of_legend = len(handles) if len(shown) <= _BESIDE else -(-len(handles) // 2)
     top.legend(handles=handles, loc="outside upper center", ncols=columns_of_legend)
     panels = [
@@ -135,24 +132,23 @@ def _draw_column(panels: Sequence[Axes], shown: Sequence[ShownLine]) -> None:
     period = max(one.period for one in shown)
     time = np.linspace(0.0, period, 1001)
     ideal = ideal_slider(shown[0].result.scene, time)
-    every = slice(None)
     for one in shown:
-        slider = one.stage.arrays["slider"]
-        off = slider[:, 0] - ideal_slider(one.result.scene, one.stage.arrays["time"])[:, 0]
-        draw_stage(panels[0], one.stage, every, slider[:, 0])
-        draw_stage(panels[1], one.stage, every, MILLIMETRES * off)
-        draw_stage(panels[2], one.stage, every, slider[:, 1])
+        stage, pen = one.stage, one.line.pen("")
+        off = stage.displacement - ideal_slider(one.result.scene, stage.time)[:, 0]
+        drawn = (stage.displacement, MILLIMETRES * off, stage.velocity)
+        for axes, values in zip(panels, drawn, strict=False):
+            pen.draw(axes, stage.time, values, linewidth=0.9)
     for axes, values in zip(panels, (ideal[:, 0], 0.0 * time, ideal[:, 1]), strict=False):
-        draw_ideal(axes, time, values)
+        IDEAL.draw(axes, time, values, linewidth=0.9)
     for axes, one in zip(panels[3:], shown, strict=False):
         _draw_acceleration(axes, one, time, ideal[:, 2])
     panels[0].set_xlim(0.0, period)
 
 
 def _draw_acceleration(axes: Axes, one: ShownLine, time: Array, ideal: Array) -> None:
-    values = one.stage.arrays["slider"][:, 2]
-    axes.plot(one.stage.arrays["time"], values, color=one.line.colour, linewidth=0.7)
-    draw_ideal(axes, time, ideal)
+    values = one.stage.acceleration
+    axes.plot(one.stage.time, values, color=one.line.colour, linewidth=0.7)
+    IDEAL.draw(axes, time, ideal, linewidth=0.9)
     low, high = (float(end(np.append(values, ideal))) for end in (np.min, np.max))
     axes.set_ylim(low - 0.05 * (high - low), high + 0.4 * (high - low))
     note(axes, f"{one.line.name}, largest {readable(one.peak('acceleration'))} m/s²")
@@ -231,10 +227,8 @@ def centre_paths(evidence: Evidence, number: int, lines: Lines) -> Drawn:
     for axes in grid[-1]:
         axes.set_xlabel("$e_x$ (mm)")
     set_path_limits(grid.flat, 1.06 * MILLIMETRES * widest)
-    handles = [circle_line(f"clearance circle, c = {readable(MILLIMETRES * clearance, 2)} mm")]
-    if bounded:
-        handles.append(limit_line())
-    sheet.legend(handles=handles, loc="outside upper center", ncols=len(handles))
+    pens = path_pens(f"{readable(MILLIMETRES * clearance, 2)} mm", bounded)
+    legend(sheet, pens, "outside upper center")
     caption = (
         "Centre of the pin from the centre of its bearing, in fixed directions, over "
         f"{ONE_CYCLE}. It starts in the middle. Dashed: how far the pin of a new joint can go; "

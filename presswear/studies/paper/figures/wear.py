@@ -1,7 +1,7 @@
 """Figures 8 to 16: wear depth over angle, worn surfaces of pin and bearing."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -10,10 +10,10 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MultipleLocator
 
 from presswear.results.result import Result
+from presswear.results.stage import SIDES
 from presswear.show.figures.style import (
     MICRONS,
     REFERENCE,
-    SIDES,
     WIDTH,
     Axes,
     Sheet,
@@ -75,7 +75,7 @@ def depths(evidence: Evidence, number: int, lines: Lines) -> Drawn:
         axes.set_xlabel(f"{where} (degrees)")
         axes.set_ylabel("depth, bearing + pin (µm)")
         axes.set_title(joint_title(joint), loc="left", fontweight="bold")
-    drawn = {curve.line: curve.line.handle(curve.line.wear_name) for curve in everything}
+    drawn = {curve.line: curve.line.pen(curve.line.wear_name).handle() for curve in everything}
     handles: list[Line2D | Patch] = list(drawn.values())
     handles.append(
         Line2D([], [], color=REFERENCE, label="printed, deepest", **_MARK | {"linestyle": "none"})
@@ -130,13 +130,7 @@ def _draw(axes: Axes, curves: Sequence[_DepthLine]) -> None:
         # A band that ends at nothing has no lower end on a logarithmic scale.
         low, high = (np.maximum(MICRONS * end, floor) for end in (curve.map.low, curve.map.high))
         axes.fill_between(degrees, low, high, color=curve.line.colour, alpha=0.2, linewidth=0.0)
-        axes.plot(
-            degrees,
-            MICRONS * curve.map.mean,
-            color=curve.line.colour,
-            linestyle=curve.line.dashes,
-            linewidth=1.2,
-        )
+        curve.line.pen("").draw(axes, degrees, MICRONS * curve.map.mean, linewidth=1.2)
     axes.set_xlim(0.0, 360.0)
     axes.xaxis.set_major_locator(MultipleLocator(60.0))
     if logarithmic:
@@ -192,7 +186,7 @@ def surfaces(joint: str, evidence: Evidence, number: int, lines: Lines) -> Drawn
         f"{drawing.caption} The surfaces are those that the stage before left on average "
         "over the cycles of all its starts: how uneven they are is partly chance, and the "
         f"depths with their intervals are in Fig. {number - (1 if joint == 'A' else 2)}. The "
-        f"enlarged part is around the deepest wear of “{shown[-1][1].label}”."
+        f"enlarged part is around the deepest wear of “{shown[-1][1].pen.label}”."
     )
     return caption, drawing.sheet
 
@@ -202,8 +196,8 @@ def _worn(evidence: Evidence, line: PaperLine, joint: str) -> tuple[Result, Show
     result = evidence.worn_at(BASE, line.at(joint))
     if result is None:
         return None
-    before = result.stages[line.wears - 1].arrays
-    arrays = {"angle": before["angle"]}
+    stage = result.stages[line.wears - 1]
+    before, arrays = stage.arrays, dict(stage.arrays)
     for side in SIDES:
         name = f"{joint}_depth_{side}"
         # What a stage ran on is what is known best: a wear may have gone in steps.
@@ -213,4 +207,4 @@ def _worn(evidence: Evidence, line: PaperLine, joint: str) -> tuple[Result, Show
             arrays[name] = before[name] + before[f"{joint}_wear_{side}"]
     if not any(np.any(arrays[f"{joint}_depth_{side}"] > 0.0) for side in SIDES):
         return None
-    return result, ShownStage(line.wears, line.wear_name, line.colour, line.dashes, arrays)
+    return result, ShownStage(replace(stage, arrays=arrays), line.pen(line.wear_name))
