@@ -10,14 +10,14 @@ from presswear.engines.settings import InHouse
 from presswear.tools.errors import RunFailed
 from presswear.trials.runs import order_of
 from presswear.trials.verify import verify as module
-from presswear.trials.verify.verify import Comparison, impact_rows, stiff_limit, verify
+from presswear.trials.verify.verify import Verified, impact_rows, stiff_limit, verify
 
 
 def test_row_passes_up_to_its_bound() -> None:
-    assert Comparison("x", 1.0, 1.25, 0.25).passed
-    assert Comparison("x", 1.0, 0.75, 0.25).passed
-    assert not Comparison("x", 1.0, 1.2500001, 0.25).passed
-    assert not Comparison("x", 1.0, math.nan, 0.25).passed
+    assert Verified("x", 1.0, 1.25, 0.25).passed
+    assert Verified("x", 1.0, 0.75, 0.25).passed
+    assert not Verified("x", 1.0, 1.2500001, 0.25).passed
+    assert not Verified("x", 1.0, math.nan, 0.25).passed
 
 
 def test_order_and_limit() -> None:
@@ -42,8 +42,8 @@ def test_a_worse_engine_misses(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "restitution, nominal 0.9, Exudyn, 50 steps" not in missed
 
 
-def _groups(*rows: Comparison) -> dict[str, object]:
-    def group() -> Iterator[Comparison]:
+def _groups(*rows: Verified) -> dict[str, object]:
+    def group() -> Iterator[Verified]:
         yield from rows
 
     return {"one": group}
@@ -55,7 +55,7 @@ def test_command_prints_a_table_that_fits(
     monkeypatch.setenv("COLUMNS", "100")
     name = "restitution, nominal 0.8, Exudyn, 100 steps"
     monkeypatch.setattr(
-        module, "GROUPS", _groups(Comparison(name, -15.75637105984, -15.756371, 1e-3))
+        module, "GROUPS", _groups(Verified(name, -15.75637105984, -15.756371, 1e-3))
     )
     assert main(["verify"]) == 0
     out = capsys.readouterr().out
@@ -69,7 +69,7 @@ def test_command_prints_a_table_that_fits(
 def test_command_fails_on_a_miss(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    rows = Comparison("good", 1.0, 1.0, 0.1), Comparison("bad", 1.0, 2.0, 0.1)
+    rows = Verified("good", 1.0, 1.0, 0.1), Verified("bad", 1.0, 2.0, 0.1)
     monkeypatch.setattr(module, "GROUPS", _groups(*rows))
     assert main(["verify"]) == 1
     out = capsys.readouterr().out
@@ -80,7 +80,7 @@ def test_command_fails_on_a_miss(
 def test_command_fails_when_a_run_fails(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    def group() -> Iterator[Comparison]:
+    def group() -> Iterator[Verified]:
         raise RunFailed("the step vanished (t = 0.1 s)")
 
     monkeypatch.setattr(module, "GROUPS", {"one": group})

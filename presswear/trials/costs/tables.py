@@ -87,9 +87,8 @@ def _engines(work: EqualWork) -> TextTable:
         (
             f"{work.simulated:g} s simulated; medians of {len(fixed.timing.walls)}, least and "
             f"greatest. Errors against the in-house solver at tolerance "
-            f"{REFERENCE.integration_tolerance:.0e}: "
-            "the slider at the end, and the greatest of the times of the first "
-            f"{work.touchdowns} touches.",
+            f"{REFERENCE.integration_tolerance:.0e}: the slider at the end, and the greatest of "
+            f"the first {work.touchdowns} touches' times.",
             SIZES,
             f"All {fixed.timing.steps} steps of the first row are {FIXED_STEP:.0e} s. "
             f"The open tree as scenes take it is {tree.faster:.0f} times faster "

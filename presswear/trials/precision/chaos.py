@@ -21,7 +21,7 @@ from presswear.record.tracker import Telling
 from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError, RunFailed
 from presswear.trials.precision.extent import PrecisionExtent
-from presswear.trials.precision.growth import Growth, measure_growth
+from presswear.trials.precision.growth import Parting, measure_growth
 from presswear.trials.precision.methods import Method, by_family, finest, statistics_methods
 from presswear.trials.precision.statistic import (
     Draws,
@@ -121,7 +121,7 @@ class Chaos:
 
     Attributes
     ----------
-    growths : tuple of Growth
+    growths : tuple of Parting
         One a pair of starts.
     reference : StatisticPoint
         The finest method, with more cycles than the others.
@@ -132,7 +132,7 @@ class Chaos:
         tolerance.
     """
 
-    growths: tuple[Growth, ...]
+    growths: tuple[Parting, ...]
     reference: StatisticPoint
     points: tuple[StatisticPoint, ...]
     stage_cycles: int

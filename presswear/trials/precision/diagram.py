@@ -25,7 +25,7 @@ FIRST_ROUND = 2.0
 
 
 @dataclass(frozen=True)
-class Point:
+class TaskPoint:
     """A method on one task.
 
     Attributes
@@ -94,7 +94,7 @@ class Diagram:
     quantities : tuple of Quantity
     reference : str
         Origin of the values that errors are distances from.
-    points : tuple of Point
+    points : tuple of TaskPoint
     """
 
     DERIVED: ClassVar = ("orders",)
@@ -104,10 +104,10 @@ class Diagram:
     task: str
     quantities: tuple[Quantity, ...]
     reference: str
-    points: tuple[Point, ...] = ()
+    points: tuple[TaskPoint, ...] = ()
 
     @property
-    def families(self) -> dict[str, list[Point]]:
+    def families(self) -> dict[str, list[TaskPoint]]:
         """Points of each curve, from coarse to fine, failures included."""
         return by_family(self.points)
 
@@ -167,7 +167,7 @@ class Task:
         return TimedRun(method.label, self.linkage, self.start, method.engine, self.plan)
 
 
-def first_run(task: Task, method: Method) -> Point:
+def first_run(task: Task, method: Method) -> TaskPoint:
     """Run a method once; whatever it does, it gives a point, without a timing."""
     # Guarded anew: patience counts from the plan's first progress.
     guard = guarded(task.plan.cycle, task.plan.cycles)
@@ -186,11 +186,11 @@ def first_run(task: Task, method: Method) -> Point:
             if not math.isfinite(errors.get(quantity.name, math.nan)):
                 raise RunFailed(f"no number for {quantity.name}")
     except (InputError, RunFailed, ArithmeticError) as error:
-        return Point(method, failure=str(error) or type(error).__name__)
+        return TaskPoint(method, failure=str(error) or type(error).__name__)
     iterations = run.diagnostics.get("newton_iterations")
     if iterations is not None:
         values["Newton iterations"] = float(iterations)
-    return Point(method, errors, values, spent)
+    return TaskPoint(method, errors, values, spent)
 
 
 def check_finite(run: Run) -> Run:

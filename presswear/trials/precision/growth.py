@@ -38,7 +38,7 @@ PARTED = 1000.0 * APART
 
 
 @dataclass(frozen=True)
-class Growth:
+class Parting:
     """Distance of two runs over time.
 
     Attributes
@@ -67,7 +67,7 @@ class Growth:
     divergence: float | None
 
     @staticmethod
-    def of(time: Array, apart: Array, touchdowns: NDArray[np.int64]) -> "Growth":
+    def of(time: Array, apart: Array, touchdowns: NDArray[np.int64]) -> "Parting":
         """Fit a distance over time, each shape (n,)."""
         window = growing(time, apart)
         rate = per_touchdown = None
@@ -77,7 +77,7 @@ class Growth:
             rate = fitted_slope(time[inside], logarithm)
             per_touchdown = fitted_slope(touchdowns[inside].astype(float), logarithm)
         late = np.flatnonzero(apart >= PARTED)
-        return Growth(
+        return Parting(
             tuple(time.tolist()),
             tuple(apart.tolist()),
             tuple(touchdowns.tolist()),
@@ -167,7 +167,7 @@ def sampled_run(
     return finished(engine.simulate(linkage, start, plan)), sampler
 
 
-def measure_growth(scene: Scene, cycles: int, pairs: int, told: Told) -> tuple[Growth, ...]:
+def measure_growth(scene: Scene, cycles: int, pairs: int, told: Told) -> tuple[Parting, ...]:
     """Run pairs of starts that are APART, each pair from where the last one's first run ended.
 
     So a pair each begins somewhere else on the motion; pairs beside each other would only
@@ -187,7 +187,7 @@ def measure_growth(scene: Scene, cycles: int, pairs: int, told: Told) -> tuple[G
     start = start_of(scene)
     lengths = [1, *(cycles for _ in range(pairs - 1))]
     work = 2 * sum(lengths)
-    found: list[Growth] = []
+    found: list[Parting] = []
     done = 0
     for length in lengths:
         beside = disturbed(linkage, start, APART)
@@ -200,6 +200,6 @@ def measure_growth(scene: Scene, cycles: int, pairs: int, told: Told) -> tuple[G
         (first, calm), (_, moved) = runs
         apart = np.abs(np.array(calm.places) - np.array(moved.places)).max(axis=(1, 2))
         time = period / SAMPLES * np.arange(1, apart.size + 1)
-        found.append(Growth.of(time, apart, np.array(calm.touchdowns)))
+        found.append(Parting.of(time, apart, np.array(calm.touchdowns)))
         start = turned_back(first.end, start)
     return tuple(found)

@@ -10,7 +10,7 @@ from presswear.record.sampling import Interval
 from presswear.scene.scene import Numerics
 from presswear.trials.crosscheck.check import CLOSING_BOUND, FORCE_BOUND, SLIDER_BOUND, TIME_BOUND
 from presswear.trials.precision.chaos import Chaos, StatisticPoint
-from presswear.trials.precision.diagram import Diagram, Point
+from presswear.trials.precision.diagram import Diagram, TaskPoint
 from presswear.trials.precision.methods import Method, by_family, grouped, method_of
 from presswear.trials.precision.statistic import ONE_SIDED, is_for_wear, together
 from presswear.trials.precision.study import Precision
@@ -118,10 +118,10 @@ def _of_engine(
     )
 
 
-def good_points(points: Sequence[Point], bounds: Mapping[str, float]) -> list[Point]:
+def good_points(points: Sequence[TaskPoint], bounds: Mapping[str, float]) -> list[TaskPoint]:
     """The points of a family, coarse to fine, from which on all ran and keep all bounds."""
 
-    def is_good(point: Point) -> bool:
+    def is_good(point: TaskPoint) -> bool:
         errors = ((point.errors.get(name, math.inf), bound) for name, bound in bounds.items())
         return not point.failure and all(error <= bound for error, bound in errors)
 
@@ -161,11 +161,11 @@ def for_trajectories(
         )
 
 
-def _wall(point: Point) -> float:
+def _wall(point: TaskPoint) -> float:
     return math.inf if point.timing is None else point.timing.wall
 
 
-def _point_words(point: Point, bounds: Mapping[str, float]) -> str:
+def _point_words(point: TaskPoint, bounds: Mapping[str, float]) -> str:
     """Time of a point, and how near it comes to the bound that is nearest."""
     if point.failure:
         return f"failed: {point.failure}"

@@ -9,9 +9,9 @@ from presswear.record.sampling import Interval
 from presswear.show.report.parts import CUBIC_MILLIMETRES, MICRONS, Table
 from presswear.tools.numbers import given, readable, whole, with_interval
 from presswear.trials.precision.chaos import Chaos, StatisticPoint
-from presswear.trials.precision.diagram import Diagram, Point, Quantity
+from presswear.trials.precision.diagram import Diagram, Quantity, TaskPoint
 from presswear.trials.precision.figures.diagrams import shown_order
-from presswear.trials.precision.growth import Growth
+from presswear.trials.precision.growth import Parting
 from presswear.trials.precision.recommendation import standing
 from presswear.trials.precision.statistic import MAP, sampling_error, unit_of
 from presswear.trials.precision.study import Precision
@@ -45,7 +45,7 @@ def _marked(name: str, **marks: object) -> str:
     return f"{name} ({words})" if words else name
 
 
-def _method(point: Point | StatisticPoint) -> str:
+def _method(point: TaskPoint | StatisticPoint) -> str:
     """Step or tolerance of a point."""
     method = point.method
     name = f"{method.knob.partition(' (')[0]} {given(method.value)}"
@@ -63,7 +63,7 @@ def _spread(low: float, high: float, digits: int = 3) -> str:
     return f"{readable(low, digits)} to {readable(high, digits)}"
 
 
-_COSTS: dict[str, Callable[[Point, Timing], str]] = {
+_COSTS: dict[str, Callable[[TaskPoint, Timing], str]] = {
     "steps": lambda point, timing: whole(timing.steps),
     "sent back": lambda point, timing: whole(timing.sent_back),
     "evaluations": lambda point, timing: whole(timing.evaluations),
@@ -77,13 +77,13 @@ _COSTS: dict[str, Callable[[Point, Timing], str]] = {
 def task_table(diagram: Diagram) -> Table:
     """Errors, other values and costs of every method on a task; families with their orders."""
 
-    def error(quantity: Quantity, point: Point) -> str:
+    def error(quantity: Quantity, point: TaskPoint) -> str:
         return error_text(point.errors.get(quantity.name))
 
-    def value(name: str, point: Point) -> str:
+    def value(name: str, point: TaskPoint) -> str:
         return readable(point.values.get(name), 6)
 
-    def cost(name: str, point: Point) -> str:
+    def cost(name: str, point: TaskPoint) -> str:
         return _NONE if point.timing is None else _COSTS[name](point, point.timing)
 
     groups = {}
@@ -102,7 +102,7 @@ def task_table(diagram: Diagram) -> Table:
     )
 
 
-_GROWTHS: dict[str, Callable[[tuple[int, Growth]], str]] = {
+_GROWTHS: dict[str, Callable[[tuple[int, Parting]], str]] = {
     "": lambda pair: f"pair {pair[0]}",
     "growth rate, fitted (1/s)": lambda pair: readable(pair[1].rate),
     "the same a touch": lambda pair: readable(pair[1].per_touchdown, 2),
@@ -224,7 +224,7 @@ def _words(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> Table:
 
 def failures_table(precision: Precision) -> Table | None:
     """Everything that failed and why; None where nothing did."""
-    points: list[tuple[str, Point | StatisticPoint]] = [
+    points: list[tuple[str, TaskPoint | StatisticPoint]] = [
         (diagram.title, point) for diagram in precision.diagrams for point in diagram.points
     ]
     if precision.chaos is not None:

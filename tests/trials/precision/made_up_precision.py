@@ -8,9 +8,9 @@ from presswear.engines.settings import ExudynJoints
 from presswear.record.sampling import Estimate, Interval
 from presswear.scene.catalog import wear_times
 from presswear.trials.precision.chaos import Chaos, StatisticPoint
-from presswear.trials.precision.diagram import Diagram, Point, Quantity
+from presswear.trials.precision.diagram import Diagram, Quantity, TaskPoint
 from presswear.trials.precision.extent import QUICK
-from presswear.trials.precision.growth import Growth
+from presswear.trials.precision.growth import Parting
 from presswear.trials.precision.methods import IMPACT, Method, finest, statistics_methods
 from presswear.trials.precision.statistic import StepError
 from presswear.trials.precision.study import Precision
@@ -39,7 +39,7 @@ def diagram(key: str = "horizon", constant: float = 1.0) -> Diagram:
     points = []
     for method in METHODS:
         if method.is_paper:
-            points.append(Point(method, failure="the state is no longer finite (t = 0.02 s)"))
+            points.append(TaskPoint(method, failure="the state is no longer finite (t = 0.02 s)"))
             continue
         is_step = method.knob.startswith("step")
         error = constant * (1e15 * method.value**4 if is_step else 100.0 * method.value)
@@ -50,11 +50,11 @@ def diagram(key: str = "horizon", constant: float = 1.0) -> Diagram:
             "energy residual / exchanged": error / 10.0,
         }
         timed = timing(method, 2e-5 * steps, steps)
-        points.append(Point(method, errors, {"touches": 54.0}, 2.5, timed))
+        points.append(TaskPoint(method, errors, {"touches": 54.0}, 2.5, timed))
     for count in (20, 50):
         engine = ExudynJoints(count, 10, free_step=1e-4)
         method = Method(engine, "trapezoidal rule", IMPACT, count)
-        points.append(Point(method, failure="3 of the first 10 touches missing"))
+        points.append(TaskPoint(method, failure="3 of the first 10 touches missing"))
     return Diagram(
         key,
         f"Task <{key}>",
@@ -97,8 +97,8 @@ def chaos(coarsest_honest: float = 1e-6, bound: float = 0.03) -> Chaos:
     time = np.linspace(0.0, 0.57, 400)
     apart = np.minimum(1e-9 * np.exp(77.0 * np.maximum(time - 0.05, 0.0)), 1e-3)
     touches = np.floor(200.0 * time).astype(np.int64)
-    growth = Growth.of(time, apart, touches)
-    calm = Growth.of(time, np.full_like(time, 2e-9), touches)
+    growth = Parting.of(time, apart, touches)
+    calm = Parting.of(time, np.full_like(time, 2e-9), touches)
     return Chaos((growth, calm), reference, tuple(points), STAGE_CYCLES)
 
 

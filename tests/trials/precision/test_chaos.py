@@ -20,7 +20,7 @@ from presswear.trials.precision.growth import (
     HIGH,
     LOW,
     PARTED,
-    Growth,
+    Parting,
     growing,
     sampled_run,
     turned_back,
@@ -54,7 +54,7 @@ def stored(owner: T) -> T:
 def test_growth_rate_of_an_exponential() -> None:
     apart = np.minimum(1e-9 * np.exp(30.0 * TIME), 1e-3)
     touches = np.floor(100.0 * TIME).astype(np.int64)
-    growth = Growth.of(TIME, apart, touches)
+    growth = Parting.of(TIME, apart, touches)
     assert growth.rate == pytest.approx(30.0, rel=1e-3)
     assert growth.per_touchdown == pytest.approx(0.3, rel=2e-2)
     assert growth.divergence == pytest.approx(math.log(1000.0) / 30.0, abs=1e-3)
@@ -69,7 +69,7 @@ def test_rate_is_read_between_its_bounds_only() -> None:
     """A slow start and a plateau behind do not count."""
     grown = 1e-9 * np.exp(60.0 * (TIME - 0.4))
     apart = np.where(TIME < 0.4, 1e-9, np.minimum(grown, 1e-4))
-    growth = Growth.of(TIME, apart, NO_TOUCHES)
+    growth = Parting.of(TIME, apart, NO_TOUCHES)
     assert growth.rate == pytest.approx(60.0, rel=1e-3)
     # To HIGH after 0.4 s of lull.
     until = 0.4 + math.log(1e4) / 60.0
@@ -83,7 +83,7 @@ def test_rate_is_read_between_its_bounds_only() -> None:
 
 
 def test_starts_that_never_part_have_no_rate() -> None:
-    growth = Growth.of(TIME, np.full_like(TIME, 0.5 * PARTED), NO_TOUCHES)
+    growth = Parting.of(TIME, np.full_like(TIME, 0.5 * PARTED), NO_TOUCHES)
     assert growth.overall == pytest.approx(math.log(500.0))
     assert growth.rate is None
     assert growth.window is None

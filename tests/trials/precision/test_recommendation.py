@@ -8,7 +8,7 @@ from made_up_precision import METHODS, chaos, diagram, interval, precision, wear
 
 from presswear.record.sampling import Interval
 from presswear.studies.paper.variants import base_scene
-from presswear.trials.precision.diagram import Diagram, Point
+from presswear.trials.precision.diagram import Diagram, TaskPoint
 from presswear.trials.precision.methods import Method, method_of
 from presswear.trials.precision.recommendation import (
     BOUNDS,
@@ -116,7 +116,7 @@ def test_families_of_an_engine_compete_by_time() -> None:
     """Of two integrators that are good enough the quicker one is taken."""
     slow = diagram()
 
-    def slower(point: Point) -> Point:
+    def slower(point: TaskPoint) -> TaskPoint:
         if point.timing is None or point.method.integrator != "DOPRI5":
             return point
         walls = tuple(10.0 * wall for wall in point.timing.walls)

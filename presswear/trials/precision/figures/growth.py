@@ -9,7 +9,7 @@ from presswear.show.figures.style import LINES, MUTED, REFERENCE, WIDTH, Axes, D
 from presswear.tools.numbers import given
 from presswear.trials.precision.chaos import Chaos
 from presswear.trials.precision.figures.panels import PAPER, STAR
-from presswear.trials.precision.growth import HIGH, LOW, PARTED, TOLERANCE, Growth
+from presswear.trials.precision.growth import HIGH, LOW, PARTED, TOLERANCE, Parting
 
 _SMALLEST = 1e-12
 """m."""
@@ -76,7 +76,7 @@ def growth_of_disturbance(chaos: Chaos) -> Drawing:
     )
 
 
-def _fit(axes: Axes, growth: Growth) -> None:
+def _fit(axes: Axes, growth: Parting) -> None:
     """Draw the fitted exponential between its bounds."""
     if growth.window is None or growth.rate is None:
         return
