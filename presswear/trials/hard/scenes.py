@@ -17,7 +17,6 @@ from presswear.linkage.press import Press
 from presswear.linkage.slider_crank import SliderCrank
 from presswear.linkage.surface import Surface, bin_centres
 from presswear.scene.catalog import slider_crank, wear_times
-from presswear.scene.ideal import ideal_slider
 from presswear.scene.scene import CONVENTIONS, Scene
 from presswear.tools.errors import InputError
 from presswear.trials.hard.case import HardCase, energy_of, ran
@@ -121,7 +120,7 @@ def slider_distance(scene: Scene, clearance: float) -> float:
     """Greatest distance of the slider from that of the ideal press, m."""
     tight = replace(scene, bearings=replace(scene.bearings, clearance=clearance))
     recorder = run_scene(tight, APPROACH).recorder
-    ideal = ideal_slider(tight, recorder.series("time"))[:, 0]
+    ideal = tight.ideal_slider(recorder.series("time"))[:, 0]
     return float(np.abs(recorder.series("displacement") - ideal).max())
 
 

@@ -13,7 +13,6 @@ from presswear.linkage.surface import bin_centres
 from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
 from presswear.results.result import Result
 from presswear.results.stage import StageResult
-from presswear.scene.ideal import ideal_slider
 from presswear.studies.paper.evidence import Evidence
 from presswear.studies.paper.variants import BASE, CASES, base_scene, variant_key
 
@@ -67,7 +66,7 @@ def stage(
     count = len(force)
     arrays = {
         "time": time,
-        "slider": ideal_slider(scene, time),
+        "slider": scene.ideal_slider(time),
         "angle": bin_centres(BINS),
         "cycles": np.concatenate(
             [cycle_rows(CYCLES, seed + 1000 * s, own) for s, own in enumerate(force)]

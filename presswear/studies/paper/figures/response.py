@@ -7,7 +7,6 @@ import numpy as np
 from matplotlib.figure import SubFigure
 from matplotlib.lines import Line2D
 
-from presswear.scene.ideal import ideal_slider
 from presswear.scene.scene import stage_name
 from presswear.show.figures.motion import (
     IDEAL,
@@ -131,10 +130,10 @@ def _letter(axes: Axes, text: str) -> None:
 def _draw_column(panels: Sequence[Axes], shown: Sequence[ShownLine]) -> None:
     period = max(one.period for one in shown)
     time = np.linspace(0.0, period, 1001)
-    ideal = ideal_slider(shown[0].result.scene, time)
+    ideal = shown[0].result.scene.ideal_slider(time)
     for one in shown:
         stage, pen = one.stage, one.line.pen("")
-        off = stage.displacement - ideal_slider(one.result.scene, stage.time)[:, 0]
+        off = stage.displacement - one.result.scene.ideal_slider(stage.time)[:, 0]
         drawn = (stage.displacement, MILLIMETRES * off, stage.velocity)
         for axes, values in zip(panels, drawn, strict=False):
             pen.draw(axes, stage.time, values, linewidth=0.9)
@@ -156,7 +155,7 @@ def _draw_acceleration(axes: Axes, one: ShownLine, time: Array, ideal: Array) ->
 
 def _ideal_peak(column: int, one: ShownLine) -> float:
     """Largest value of the ideal motion in a cycle; the acceleration's has either sign."""
-    values = ideal_slider(one.result.scene, np.linspace(0.0, one.period, 2001))[:, column]
+    values = one.result.scene.ideal_slider(np.linspace(0.0, one.period, 2001))[:, column]
     return float(np.abs(values).max() if column == 2 else values.max())
 
 
