@@ -1,9 +1,12 @@
-"""The whole paper: every scene, number, claim and figure beside ours (some minutes)."""
+"""The whole paper: every scene, number, claim and figure beside ours (some minutes).
+
+Run:  python scenarios/paper.py
+"""
 
 import presswear as pw
 
 
-def main(folder: str = "results/paper", **settings: str) -> None:
+def main(folder: str = "results/paper", **settings: float | str) -> None:
     study = pw.study("paper", **settings)
     pw.run(study, folder, jobs=2)
     answer, report = pw.write_report(study, folder)

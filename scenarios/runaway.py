@@ -1,9 +1,12 @@
-"""The study of the second wear: the paper's scene, one reading changed at a time."""
+"""The study of the second wear: the paper's scene, one reading changed at a time.
+
+Run:  python scenarios/runaway.py
+"""
 
 import presswear as pw
 
 
-def main(folder: str = "results/runaway", **settings: str) -> None:
+def main(folder: str = "results/runaway", **settings: float | str) -> None:
     study = pw.study("runaway", **settings)
     pw.run(study, folder, jobs=2)
     answer, report = pw.write_report(study, folder)

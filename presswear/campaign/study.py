@@ -41,7 +41,7 @@ class Variant:
     key : str
         Name of its folder.
     label : str
-        What is varied, in a few words.
+        The change from the others, in a few words.
     """
 
     key: str

@@ -112,8 +112,10 @@ def _compared(arguments: argparse.Namespace, console: Console) -> "Reel":
     return _reel(Path(what), arguments.stage, console)
 
 
-def _time(option: str, text: str, reel: "Reel") -> float:
-    """A time within a film, s; a bare number is in seconds."""
+def _time(option: str, text: str | None, reel: "Reel", otherwise: float) -> float:
+    """The time within a film that an option says, s, if it does; a bare number is in seconds."""
+    if text is None:
+        return otherwise
     first, last = reel.span
     bare = re.fullmatch(r"[0-9.eE+-]+", text.strip())
     return float(
@@ -132,11 +134,10 @@ def _size(text: str) -> tuple[int, int]:
 def _still(
     arguments: argparse.Namespace, console: Console, reels: "list[Reel]", size: tuple[int, int]
 ) -> int:
-    from presswear.show.replay.clip import default_start, frames_at
+    from presswear.show.replay.clip import frames_at
     from presswear.show.replay.movie import still, write_still
 
-    at = arguments.at
-    time = default_start(reels[0]) if at is None else _time("--at", at, reels[0])
+    time = _time("--at", arguments.at, reels[0], reels[0].start)
     write_still(arguments.still, still(reels, frames_at(reels, time), size))
     console.print(f"picture in {arguments.still}", highlight=False)
     return 0
@@ -145,6 +146,7 @@ def _still(
 def _movie(
     arguments: argparse.Namespace, console: Console, reels: "list[Reel]", size: tuple[int, int]
 ) -> int:
+    from presswear.show.replay.clip import played
     from presswear.show.replay.movie import pictures, write_movie
 
     clip = _clip(arguments, reels)
@@ -159,40 +161,35 @@ def _movie(
             lambda part: bar.update(task, completed=part),
         )
     console.print(
-        f"film in {arguments.movie}: {count} pictures, {count / clip.rate:.1f} s, {clip.note}",
+        f"film in {arguments.movie}: {count} pictures, {count / clip.rate:.1f} s, "
+        f"{played(clip.slowed)}",
         highlight=False,
     )
     return 0
 
 
 def _clip(arguments: argparse.Namespace, reels: "list[Reel]") -> Any:
-    from presswear.show.replay.clip import clip_of, default_slowed, default_start
+    from presswear.show.replay.clip import clip_of
 
     first = reels[0]
-    start = _given(arguments.start, "--from", first, default_start(first))
-    end = _given(arguments.end, "--to", first, min(start + first.period, first.span[1]))
+    start = _time("--from", arguments.start, first, first.start)
+    end = _time("--to", arguments.end, first, min(start + first.period, first.span[1]))
     if end <= start:
         raise InputError(f"--to {end:g} s: it must be after --from, {start:g} s")
-    slowed = _slowed(arguments, default_slowed(first))
     rate = float(parse_quantity("--rate", arguments.rate, Meaning("", 1.0, 60.0, "", "")))
-    return clip_of(reels, start, end, slowed, rate)
+    return clip_of(reels, start, end, _slowed(arguments, first), rate)
 
 
-def _slowed(arguments: argparse.Namespace, otherwise: float) -> float:
+def _slowed(arguments: argparse.Namespace, reel: "Reel") -> float:
     if arguments.slow is None:
-        return otherwise
+        return reel.slowed
     return float(parse_quantity("--slow", arguments.slow, Meaning("", 0.01, 1e5, "", "")))
 
 
-def _given(text: str | None, option: str, reel: "Reel", otherwise: float) -> float:
-    return otherwise if text is None else _time(option, text, reel)
-
-
 def _window(arguments: argparse.Namespace, reels: "list[Reel]", size: tuple[int, int]) -> int:
-    from presswear.show.replay.clip import default_slowed, default_start
     from presswear.show.replay.window import play
 
     first = reels[0]
-    start = _given(arguments.start, "--from", first, default_start(first))
-    play(reels, size, start, _slowed(arguments, default_slowed(first)))
+    start = _time("--from", arguments.start, first, first.start)
+    play(reels, size, start, _slowed(arguments, first))
     return 0

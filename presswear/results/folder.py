@@ -6,7 +6,6 @@ with the same numbers.  ``result.json`` lists every file with its digest, the ch
 included, and ends with its own.
 """
 
-import json
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -62,7 +61,7 @@ class ResultFolder(Tracker):
     resumed : tuple or None
         Document and arrays of the checkpoint to go on from; None: from the start.
     remarks : list of str
-        What a person has to know about it.
+        Lines for the person who started it.
     kept : str
         Up to where everything is kept, once it is given free.
     """
@@ -77,7 +76,7 @@ class ResultFolder(Tracker):
         interval : float
             Time between two checkpoints within a stage, s; 0: one after every cycle.
         resume : bool
-            Whether a run of the same scene in it is gone on with.
+            True: go on with a run of the same scene that is in it.
         """
         free = is_free(path)
         if not free and not resume:
@@ -112,7 +111,7 @@ class ResultFolder(Tracker):
 
     @property
     def is_finished(self) -> bool:
-        """Whether the run in it has come to its end."""
+        """True where the run in it has come to its end."""
         return self._document["status"] in FINISHED
 
     def _new(self) -> dict[str, Any]:
@@ -147,17 +146,18 @@ class ResultFolder(Tracker):
             if ours and (item.name.endswith(PART) or is_left):
                 item.unlink()
         first = 0
-        kept = []
         if told is None:
             self.remarks.append(f"{self.path} has no checkpoint yet: the run begins anew")
         else:
             arrays = read_arrays(self.path / name, document["files"][name])
             self.resumed = told["state"], arrays
-            first, kept = told["state"]["index"], [name]
+            first = told["state"]["index"]
             self.remarks.append(f"going on after {told['words']}")
-        document["stages"] = document["stages"][:first]
-        kept += [name for k in range(first) for name in files_of(k)]
-        document["files"] = {name: document["files"][name] for name in kept}
+        # The stage that is gone on with is stored again, with all of the wear after it.
+        for stage in document["stages"][first:]:
+            for name in files_of(stage["index"]):
+                del document["files"][name]
+        del document["stages"][first:]
         if document["provenance"]["machine"] != here["machine"]:
             self.remarks.append(
                 f"begun on {document['provenance']['machine']}, going on on {here['machine']}: "
@@ -266,13 +266,10 @@ class ResultFolder(Tracker):
         finally:
             self._lock.release()
 
-    def _wall(self) -> float:
-        return self._earlier + time.perf_counter() - self._began
-
     def _write(self) -> None:
-        self._document["wall_s"] = self._wall()
+        self._document["wall_s"] = self._earlier + time.perf_counter() - self._began
         with self._writing():
-            write_bytes(self.path / FILE, sealed_json(plain(self._document)))
+            write_bytes(self.path / FILE, sealed_json(self._document))
 
     def _check(self) -> None:
         """RunFailed where the folder is gone, or is another than the one that was begun in."""
@@ -297,9 +294,7 @@ class ResultFolder(Tracker):
 
 def _check_same(path: Path, document: dict[str, Any], scene: Scene, here: Provenance) -> None:
     """InputError naming what differs unless a folder's run is one of this scene and program."""
-    # Through JSON, as the folder's own has gone.
-    wanted = json.loads(json.dumps(plain(scene.as_dict())))
-    apart = differences(document["scene"], wanted)
+    apart = differences(document["scene"], plain(scene.as_dict()))
     if apart:
         told = ", ".join(f"{key} is {there} there and {own} here" for key, there, own in apart)
         raise InputError(f"--out {path}: it holds a run of another scene: {told}")

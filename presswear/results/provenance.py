@@ -12,7 +12,7 @@ from typing import Any, NotRequired, TypedDict
 
 PACKAGES = ("presswear", "exudyn", "numpy", "scipy", "numba", "matplotlib")
 BINDING = ("python", "revision", "source")
-"""What must be the same for a run to go on with the same numbers, beside the packages.
+"""Parts that must agree for a run to go on with the same numbers, beside the packages.
 
 The same source may be installed in one place and checked out in another, where alone git knows
 its revision: where the source is the same, so is the revision.

@@ -20,14 +20,12 @@ from presswear.results.stored import (
     StoredResult,
     check_arrays,
     check_joints,
-    checkpoint_file,
     files_of,
     stored_result,
 )
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import read_numbers
-from presswear.tools.documents import check_seal, read_json, schema_of
-from presswear.tools.documents import plain as plain
+from presswear.tools.documents import read_sealed
 from presswear.tools.errors import InputError
 from presswear.tools.files import read_checked
 from presswear.tools.folders import holder
@@ -124,7 +122,7 @@ class Result:
         Raises
         ------
         InputError
-            For an unknown name or stage.
+            For an unknown name or stage, and a name of which there is nothing to draw.
         """
         axes: list[Axes] = import_module(_FIGURES).plot(self, names, stage)
         return axes
@@ -180,22 +178,34 @@ def _flat(numbers: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]
 
 def read_document(path: Path) -> dict[str, Any]:
     """Content of ``result.json`` in a folder; InputError where it is not what was written."""
+    missing = f"{path} is no result folder: it has no {FILE}"
+    return read_sealed(path / FILE, missing, SCHEMA)
+
+
+def stored_scene(path: Path) -> tuple[Scene, StoredResult]:
+    """The scene of a result folder, and the rest of its document, checked against each other."""
     file = path / FILE
-    document = read_json(file, f"{path} is no result folder: it has no {FILE}")
-    schema_of(document, file, SCHEMA)
-    found: dict[str, Any] = document
-    check_seal(read_checked(file, None), found, file)
-    return found
+    stored = stored_result(read_document(path), file)
+    try:
+        scene = Scene.from_dict(stored.scene)
+    except InputError as error:
+        raise InputError(f"{file}: {error}") from None
+    # Both are told twice, for whoever reads the file without us.
+    for key, told in {"engine": stored.engine, "conventions": stored.conventions}.items():
+        if told != stored.scene[key]:
+            raise InputError(f"{file}: {key!r} is not what it is in 'scene', {stored.scene[key]!r}")
+    check_joints(stored, scene.clearance_joints, scene.wears, file)
+    return scene, stored
 
 
 def load(path: str | Path) -> Result:
-    """Read a result folder; InputError names what is missing, cut off, altered or too new."""
+    """Read a result folder; InputError names what is missing, cut off, altered or too new.
+
+    A checkpoint is left to whoever goes on from it: a run that is at work may replace it.
+    """
     path = Path(path)
-    file = path / FILE
-    stored = stored_result(read_document(path), file)
-    scene = stored_scene(stored, file)
+    scene, stored = stored_scene(path)
     joints = scene.clearance_joints
-    check_joints(stored, joints, scene.wears, file)
     stages = []
     for stage in stored.stages:
         name, film = files_of(stage.index)
@@ -204,9 +214,6 @@ def load(path: str | Path) -> Result:
         read_checked(path / film, stored.files[film])
         read = partial(_film, path / film, stored.files[film], scene)
         stages.append(replace(stage, arrays=arrays, joint_names=joints, read_film=read))
-    if stored.checkpoint is not None:
-        name = checkpoint_file(stored.checkpoint.turn)
-        read_checked(path / name, stored.files[name])
     return Result(
         scene,
         tuple(stages),
@@ -242,16 +249,3 @@ def unfinished(result: Result) -> str:
         f"{result.path} is unfinished ({how}): {len(result.stages)} of {result.scene.wears + 1} "
         "stages are stored"
     )
-
-
-def stored_scene(stored: StoredResult, file: Path) -> Scene:
-    """The scene of a stored result; InputError names the file."""
-    try:
-        scene = Scene.from_dict(stored.scene)
-    except InputError as error:
-        raise InputError(f"{file}: {error}") from None
-    # Both are told twice, for whoever reads the file without us.
-    for key, told in {"engine": stored.engine, "conventions": stored.conventions}.items():
-        if told != stored.scene[key]:
-            raise InputError(f"{file}: {key!r} is not what it is in 'scene', {stored.scene[key]!r}")
-    return scene

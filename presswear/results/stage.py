@@ -120,7 +120,7 @@ class StageResult:
     message : str
         Why it failed, or nothing.
     finding : Finding or None
-        What ended the stage, or the wear after it.
+        Cause that ended the stage, or the wear after it; None where nothing did.
     amplification : float
         Multiplier of the depth of the cycles that the stage ran.
     wear_steps : tuple of WearStep
@@ -128,7 +128,7 @@ class StageResult:
     simulated_s, wall_s : float
         Simulated time of all its starts, and the wall time that took, s.
     diagnostics : mapping
-        What the solver says.
+        Numbers and words of the solver, by name.
     statistics : mapping
         Numbers of the stage by name; SI units.
     arrays : mapping

@@ -1,4 +1,4 @@
-"""What a result folder must hold; all of it is looked at before any of it is used.
+"""Contents of a result folder: all of it is looked at before any of it is used.
 
 Files may be damaged, of another version or made by somebody else.  Nothing in them is
 executed: JSON holds plain data, and arrays are read as numbers of a size that the file
@@ -14,6 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.linkage.surface import bin_centres
+from presswear.physics.touchdown import CONTACT_COLUMNS
+from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
 from presswear.results.provenance import Provenance
 from presswear.results.stage import SIDES, StageResult
 from presswear.tools.documents import typed
@@ -22,7 +24,7 @@ from presswear.tools.errors import InputError
 Array = NDArray[np.float64]
 
 LARGEST_ENTRY = 1e100
-"""Of an array: a state that runs away is ended at 1e30."""
+"""Bound of the values in an array: a state that runs away is ended at 1e30."""
 
 Number = int | float | None
 """A number of a document; None where it was not finite."""
@@ -156,7 +158,6 @@ SHAPES = {
     "time": "rows",
     "slider": "rows 3",
     "wear_batch_cycles": "batches",
-    "cycles": "cycles numbers",
     "cycle_start": "cycles",
     "deviation": "recorded 4",
     "deviation_start": "recorded",
@@ -196,14 +197,15 @@ def check_arrays(
             raise InputError(
                 f"{file}: {name} holds a value that is not finite, or beyond {LARGEST_ENTRY:g}"
             )
-    shapes = dict(SHAPES)
+    columns = len(CYCLE_FIXED) + len(CYCLE_JOINT) * len(joints)
+    shapes = {**SHAPES, "cycles": f"cycles {columns}"}
     if "drive_torque" in arrays:
         shapes["drive_torque"] = "rows drives"
     if joints:
         shapes["angle"] = "bins"
     for joint in joints:
         shapes |= {f"{joint}_{name}": shape for name, shape in JOINT_SHAPES.items()}
-        shapes[f"{joint}_contacts"] = f"contacts_{joint} 6"
+        shapes[f"{joint}_contacts"] = f"contacts_{joint} {len(CONTACT_COLUMNS)}"
     lengths: dict[str, int] = {}
     for name, shape in shapes.items():
         _check_shape(arrays, name, shape.split(), lengths, file)

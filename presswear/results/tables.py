@@ -29,12 +29,11 @@ from typing import BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
 
 from presswear.results.result import Result
 from presswear.tools.arrays import read_numbers, write_arrays
 from presswear.tools.errors import InputError
-from presswear.tools.files import write_whole
+from presswear.tools.files import read_checked, write_whole
 from presswear.tools.folders import check_name
 
 Array = NDArray[np.float64]
@@ -56,14 +55,14 @@ TOLERANCE = 1e-3
 
 @dataclass(frozen=True)
 class ColumnDifference:
-    """How far a column of theirs is from ours.
+    """Distance of a column of theirs from ours.
 
     Attributes
     ----------
     greatest, rms : float
-        In the unit of the column.
+        Largest and root mean square difference, in the unit of the column.
     bound : float
-        Of ``rms``.
+        Largest ``rms`` that passes.
     """
 
     column: str
@@ -74,7 +73,7 @@ class ColumnDifference:
 
     @property
     def passed(self) -> bool:
-        """Whether the difference is within the bound."""
+        """True where the difference is within the bound."""
         return self.rms <= self.bound
 
 
@@ -94,12 +93,7 @@ def table_of(result: Result, stage: int) -> dict[str, Array]:
     own = result.stage(stage)
     columns = {name: getattr(own, name) for name in UNITS}
     for name, joint in own.joints.items():
-        values = (
-            *joint.eccentricity.T,
-            joint.penetration,
-            *joint.force.T,
-            joint.sliding,
-        )
+        values = (*joint.eccentricity.T, joint.penetration, *joint.force.T, joint.sliding)
         columns |= {
             f"{name}_{quantity}": value for quantity, value in zip(JOINT_UNITS, values, strict=True)
         }
@@ -182,38 +176,30 @@ def _from_npz(path: Path) -> dict[str, Array]:
 
 
 def _from_csv(path: Path) -> dict[str, Array]:
+    """Columns of a text; numpy's own readers tell neither the line nor the column of an error."""
     try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except OSError as error:
-        raise InputError(f"{path} cannot be read: {error.strerror}") from None
+        lines = read_checked(path).decode("utf-8-sig").splitlines()
     except UnicodeDecodeError as error:
         raise InputError(f"{path} is no text: {error}") from None
-    names: list[str] = []
-    rows: list[list[float]] = []
-    for number, line in enumerate(lines, start=1):
-        if not line.strip() or line.lstrip().startswith("#"):
-            continue
-        words = [word.strip() for word in line.split(",")]
-        if not names:
-            names = [word.strip('"') for word in words]
-            if len(set(names)) < len(names):
-                raise InputError(f"{path}: a column is named twice in {', '.join(names)}")
-            continue
+    told = [
+        (number, [word.strip() for word in line.split(",")])
+        for number, line in enumerate(lines, start=1)
+        if line.strip() and not line.lstrip().startswith("#")
+    ]
+    names = [word.strip('"') for word in told[0][1]] if told else []
+    if len(set(names)) < len(names):
+        raise InputError(f"{path}: a column is named twice in {', '.join(names)}")
+    columns = np.empty((len(names), max(len(told) - 1, 0)))
+    for row, (number, words) in enumerate(told[1:]):
+        place = f"{path}, line {number}"
         if len(words) != len(names):
-            raise InputError(f"{path}, line {number}: {len(words)} values for {len(names)} columns")
-        rows.append(_numbers(words, names, f"{path}, line {number}"))
-    values = np.array(rows, dtype=float).reshape(len(rows), len(names))
-    return {name: values[:, place].copy() for place, name in enumerate(names)}
-
-
-def _numbers(words: list[str], names: list[str], place: str) -> list[float]:
-    values = []
-    for word, name in zip(words, names, strict=True):
-        try:
-            values.append(float(word))
-        except ValueError:
-            raise InputError(f"{place}: {name} is {word!r}; a number is expected") from None
-    return values
+            raise InputError(f"{place}: {len(words)} values for {len(names)} columns")
+        for name, column, word in zip(names, columns, words, strict=True):
+            try:
+                column[row] = float(word)
+            except ValueError:
+                raise InputError(f"{place}: {name} is {word!r}; a number is expected") from None
+    return dict(zip(names, columns, strict=True))
 
 
 def compare_tables(
@@ -264,6 +250,8 @@ def compare_tables(
 
 
 def _interpolated(ours: Table, name: str, wanted: Array) -> Array:
+    from scipy.interpolate import CubicHermiteSpline, PchipInterpolator  # slow to import
+
     time = ours["time"]
     if name in ("displacement", "velocity"):
         cubic = CubicHermiteSpline(time, ours["displacement"], ours["velocity"])

@@ -1,1 +1,1 @@
-"""What knows nothing of mechanics: errors, quantities, files, locks, compiling, numbers as text."""
+"""Tools without mechanics: errors, quantities, files, folders, compiling, numbers as text."""

@@ -5,6 +5,7 @@ import math
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
+from zipfile import ZIP_DEFLATED, ZIP_STORED, ZipFile
 
 import numpy as np
 from numpy.lib import format as npy
@@ -32,7 +33,7 @@ def named(prefix: str, state: State) -> dict[str, NDArray[Any]]:
 
 
 def part(state: State, prefix: str) -> dict[str, NDArray[Any]]:
-    """What ``named`` put into a larger state; empty where it is not there."""
+    """The part of a larger state that ``named`` put there; empty where there is none."""
     start = f"{prefix}/"
     return {
         name.removeprefix(start): array for name, array in state.items() if name.startswith(start)
@@ -80,9 +81,6 @@ def read_arrays(file: Path, expected: str | None = None) -> dict[str, NDArray[An
         Naming a file that is missing, damaged or holds anything else.
     """
     data = read_checked(file, expected)
-    # As numpy's own reader does: a start without arrays needs neither module.
-    from zipfile import ZIP_DEFLATED, ZIP_STORED, ZipFile
-
     try:
         with ZipFile(io.BytesIO(data)) as archive:
             members = archive.infolist()

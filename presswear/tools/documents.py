@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from presswear.tools.errors import InputError
-from presswear.tools.files import digest
+from presswear.tools.files import digest, read_checked, write_bytes
 
 T = TypeVar("T")
 
@@ -20,24 +20,50 @@ LARGEST = 1e300
 
 
 def read_json(file: Path, missing: str) -> Any:
-    """What a JSON file holds; InputError says that it is missing, in given words, or damaged.
+    """Read a JSON file; InputError says that it is missing, in given words, or damaged.
 
     Nothing is chosen between two values of one name, and every number can be computed with:
     files are written so.
     """
+    return _parsed(_bytes(file, missing), file)
+
+
+def read_sealed(file: Path, missing: str, newest: int) -> dict[str, Any]:
+    """Read a document as ``read_json`` does; InputError where it is not the one that was sealed.
+
+    Parameters
+    ----------
+    newest : int
+        Schema that it must have.
+    """
+    # Read once: whoever is at work in the folder replaces it at any time.
+    data = _bytes(file, missing)
+    document = _parsed(data, file)
+    schema_of(document, file, newest)
+    own = f'"digest": "{document.get("digest")}"'.encode()
+    if digest(data.replace(own, _NO_DIGEST.encode())) != document.get("digest"):
+        raise InputError(f"{file} is cut off or altered: its checksum does not fit")
+    return document
+
+
+def _bytes(file: Path, missing: str) -> bytes:
     if not file.is_file():
         raise InputError(missing)
+    if file.stat().st_size > MOST_TEXT:
+        raise InputError(f"{file} cannot be read: it has more than {MOST_TEXT} bytes")
+    return read_checked(file)
+
+
+def _parsed(data: bytes, file: Path) -> Any:
     try:
-        if file.stat().st_size > MOST_TEXT:
-            raise ValueError(f"it has more than {MOST_TEXT} bytes")
         return json.loads(
-            file.read_text(encoding="utf-8"),
+            data.decode(),
             object_pairs_hook=_named_once,
             parse_int=_whole,
             parse_float=_finite,
             parse_constant=_finite,
         )
-    except (OSError, ValueError, RecursionError, MemoryError) as error:
+    except (ValueError, RecursionError, MemoryError) as error:
         raise InputError(f"{file} cannot be read: {error}") from None
 
 
@@ -76,17 +102,15 @@ def plain(value: Any) -> Any:
     return value
 
 
+def write_json(file: Path, document: Mapping[str, Any]) -> None:
+    """Write a document as ``write_whole`` does."""
+    write_bytes(file, json.dumps(plain(document), indent=1, allow_nan=False).encode())
+
+
 def sealed_json(document: Mapping[str, Any]) -> bytes:
     """A document as JSON with the digest of this very text, in which its own place is zeros."""
-    text = json.dumps({**document, "digest": 64 * "0"}, indent=1, allow_nan=False)
+    text = json.dumps(plain({**document, "digest": 64 * "0"}), indent=1, allow_nan=False)
     return text.replace(_NO_DIGEST, f'"digest": "{digest(text.encode())}"').encode()
-
-
-def check_seal(data: bytes, document: Mapping[str, Any], file: Path) -> None:
-    """InputError where the text of a document is not the one that was sealed."""
-    own = f'"digest": "{document.get("digest")}"'.encode()
-    if digest(data.replace(own, _NO_DIGEST.encode())) != document.get("digest"):
-        raise InputError(f"{file} is cut off or altered: its checksum does not fit")
 
 
 def schema_of(document: Any, file: Path, newest: int) -> int:

@@ -1,4 +1,4 @@
-"""What a person can be told in one line.
+"""Errors that a person is told in one line.
 
 The command line turns these into one line and exit code 2 (bad input) or 1
 (a run that failed); anything else is a defect and shows its traceback.
@@ -22,7 +22,7 @@ class RunFailed(RuntimeError):
     Attributes
     ----------
     finding : Finding or None
-        What ended it, with its time, joint and remedy, where it was a finding about the run.
+        The cause with its time, joint and remedy, where it was a finding about the run.
     """
 
     def __init__(self, message: str, finding: Any = None) -> None:

@@ -63,8 +63,8 @@ def digest(data: bytes) -> str:
     return hashlib.sha256(data).hexdigest()
 
 
-def read_checked(path: Path, expected: str | None) -> bytes:
-    """What a file holds; InputError names one that is missing or not what was written.
+def read_checked(path: Path, expected: str | None = None) -> bytes:
+    """Read a file; InputError names one that is missing or not what was written.
 
     Parameters
     ----------

@@ -22,7 +22,7 @@ LOCK = "lock"
 LONGEST_NAME = 255
 """Bytes of a name in common file systems."""
 _LEFT = {LOCK, "result.json.part"}
-"""What a run leaves that is killed as it begins."""
+"""Files that a run leaves that is killed as it begins."""
 _BUSY = (errno.EACCES, errno.EAGAIN, errno.EDEADLK)
 _TRIES = 5
 _PAUSE = 0.02
@@ -39,7 +39,7 @@ def check_name(path: Path) -> None:
 
 
 def is_free(path: Path) -> bool:
-    """Whether a folder can be begun in: it is not there, or holds nothing of anybody.
+    """Tell whether a folder can be begun in: it is not there, or holds nothing of anybody.
 
     InputError where none of this name can be made and written into.
     """
@@ -77,7 +77,7 @@ class FolderLock:
     path : Path
         The folder's.
     warning : str
-        What to tell where this file system has no locks, or nothing.
+        Words for where this file system has no locks, or nothing.
     """
 
     def __init__(self, path: Path) -> None:
@@ -119,12 +119,12 @@ class FolderLock:
         raise InputError(f"--out {self.path}: {who} is at work in it; wait for it, or name another")
 
     def is_held(self) -> bool:
-        """Whether the folder is still there and still ours."""
+        """True while the folder is still there and still ours."""
         return not self._file.closed and _is_same(self.path / LOCK, self._file)
 
     @property
     def is_released(self) -> bool:
-        """Whether it was given free."""
+        """True once it was given free."""
         return self._file.closed
 
     def release(self) -> None:
@@ -154,7 +154,7 @@ def _lock(file: IO[str]) -> None:
 
 
 def _is_same(path: Path, file: IO[str]) -> bool:
-    """Whether a path still leads to an open file."""
+    """True while a path leads to an open file."""
     try:
         return os.path.samestat(os.stat(path), os.fstat(file.fileno()))
     except OSError:

@@ -51,7 +51,7 @@ def _exact(bound: float) -> str:
 
 @dataclass(frozen=True)
 class Meaning:
-    """What a quantity is: unit (empty for a pure number), range, origin, text.
+    """Meaning of a quantity: unit (empty for a pure number), range, origin, text.
 
     The range includes its ends unless ``open_low`` excludes the lower one.
     """

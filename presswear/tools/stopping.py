@@ -51,7 +51,7 @@ def stoppable() -> Iterator[None]:
 
 
 def is_stopped() -> bool:
-    """Whether a signal has come."""
+    """True once a signal has come."""
     return bool(_received)
 
 

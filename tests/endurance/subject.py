@@ -171,6 +171,14 @@ def check_checkpoint(folder: Path) -> None:
             read_checked(folder / name, digest)
 
 
+def checkpoint_of(folder: Path) -> Path | None:
+    """The file that a run goes on from, where its folder names one already."""
+    if not (folder / "result.json").exists():
+        return None
+    names = read_document(folder)["files"]
+    return next((folder / name for name in names if name.startswith("checkpoint")), None)
+
+
 def wait_for(is_so: Callable[[], object]) -> bool:
     """Wait until something is so, at most for twice PATIENCE."""
     last = time.monotonic() + 2.0 * PATIENCE

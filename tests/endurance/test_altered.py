@@ -1,10 +1,8 @@
 """Results that were altered and sealed anew: refused in one line, and nothing in them executed."""
 
-import math
 import shutil
 from pathlib import Path
 from random import Random
-from typing import Any
 
 import numpy as np
 import pytest
@@ -115,61 +113,3 @@ def test_what_would_be_executed_is_not(copy: Path, here: Path) -> None:
             for name in stored.files:
                 _ = stored[name]
     assert (here / MARK).exists()
-
-
-@pytest.mark.parametrize(
-    ("part", "edit", "says"),
-    [
-        ("", {"schema": True}, "schema True; this version reads 4"),
-        ("", {"schema": 5}, "schema 5; this version reads 4"),
-        ("", {"engine": "exudyn"}, "'engine' is not what it is in 'scene', 'dae'"),
-        ("", {"conventions": {}}, "'conventions' is not what it is in 'scene'"),
-        ("", {"wall_s": "1"}, "wall_s: Expected `float`, got `str`"),
-        ("", {"provenance": {}}, "provenance: Object missing required field `python`"),
-        ("stages", {"index": -1}, "stages[0].index is -1; 0 is expected"),
-        ("stages", {"index": 1}, "stages[0].index is 1; 0 is expected"),
-        ("stages", {"index": "../0"}, "stages[0].index: Expected `int`, got `str`"),
-        ("stages", {"statistics": {"cycles": True}}, "stages[0].statistics.cycles: Expected `int`"),
-        ("stages", {"statistics": {"cycles": 1}}, "missing required field `energy_residual_J`"),
-        ("scene", {"wears": 0}, "2 stages, where the scene has wears = 0"),
-        ("scene", {"cycles": 10**400}, "is no finite number up to 1e+300"),
-        ("scene", {"bearings": {}}, "'clearance' is missing"),
-    ],
-)
-def test_what_is_wrong_with_a_document_is_said(
-    copy: Path, part: str, edit: dict[str, Any], says: str
-) -> None:
-    with document_of(copy) as document:
-        owner = document[part] if part else document
-        (owner[0] if isinstance(owner, list) else owner).update(edit)
-    answer = answered(["report", str(copy)])
-    assert answer.is_refusal
-    assert "result.json" in answer.errors
-    assert says in answer.errors
-
-
-@pytest.mark.parametrize(
-    ("name", "value", "says"),
-    [
-        ("time", None, "the array time is missing"),
-        ("slider", np.zeros((3, 3)), "slider has the shape (3, 3); ("),
-        ("angle", np.zeros(360), "angle does not hold the middles of 360 bins"),
-        ("angle", np.arange(359.0), "angle does not hold"),
-        ("A_depth_pin", np.full(360, -1e-6), "A_depth_pin holds a depth below zero"),
-        ("C_wear_pin", np.full(360, math.nan), "C_wear_pin holds a value that is not finite"),
-        ("extra", np.array(["a"]), "extra holds no real numbers"),
-        ("time", np.array([0.0, 0.2, 0.1]), "time goes backwards"),
-    ],
-)
-def test_what_is_wrong_with_the_arrays_is_said(
-    copy: Path, name: str, value: Any, says: str
-) -> None:
-    with arrays_of(copy, "stage-1.npz") as arrays:
-        if value is None:
-            del arrays[name]
-        else:
-            arrays[name] = value
-    answer = answered(["report", str(copy)])
-    assert answer.is_refusal
-    assert "stage-1.npz" in answer.errors
-    assert says in answer.errors

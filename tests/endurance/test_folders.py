@@ -19,6 +19,7 @@ from endurance.subject import (
     Subject,
     check_checkpoint,
     check_result,
+    checkpoint_of,
     end,
     is_at_work,
     is_one_line,
@@ -138,12 +139,14 @@ def test_damaged_files(trial: Trial, alone: Runs, tmp_path: Path, is_quick: bool
     whole, stopped = tmp_path / "whole", tmp_path / "stopped"
     shutil.copytree(alone(TREE).folder, whole)
     process = TREE.start(stopped)
-    wait_for((stopped / "checkpoint.npz").exists)
+    wait_for(lambda: checkpoint_of(stopped))
     process.kill()
     end(process)
     files = [*whole.glob("*.json"), *sorted(whole.glob("*.npz"))]
     cases = [(check_result, file) for file in files]
-    cases.append((check_checkpoint, stopped / "checkpoint.npz"))
+    checkpoint = checkpoint_of(stopped)
+    assert checkpoint is not None
+    cases.append((check_checkpoint, checkpoint))
     trial.note = f"{len(cases)} files; every one is found and named"
     chance = Random(SEED)
     for check, file in cases:

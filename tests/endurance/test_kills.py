@@ -18,6 +18,7 @@ from endurance.subject import (
     Alone,
     Answer,
     Subject,
+    checkpoint_of,
     end,
     is_at_work,
     is_one_line,
@@ -113,7 +114,7 @@ def test_a_run_stopped_by_a_signal_goes_on(tmp_path: Path) -> None:
     """SIGTERM as soon as something is kept: one line, 143, and the command that it names."""
     out = tmp_path / "out"
     process = IN_HOUSE.start(out)
-    assert wait_for((out / "checkpoint.npz").exists)
+    assert wait_for(lambda: checkpoint_of(out))
     process.send_signal(signal.SIGTERM)
     answer = end(process)
     assert answer.code == 143, answer.problem

@@ -355,16 +355,6 @@ def test_the_command_goes_on_and_ends_as_if_never_stopped(
     assert json.loads(before)["status"] == "completed"
 
 
-def test_a_folder_that_cannot_be_made_is_bad_input(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    (tmp_path / "file").touch()
-    assert main(["run", "ideal", "--out", str(tmp_path / "file" / "out")]) == 2
-    error = capsys.readouterr().err
-    assert error.count("\n") == 1
-    assert "is no folder" in error
-
-
 def test_the_scene_of_these_tests_is_of_every_kind(whole: Path) -> None:
     scene: Scene = load(whole).scene
     assert scene == SCENE

@@ -19,14 +19,15 @@ from presswear.scene.catalog import slider_crank, wear_times
 from presswear.tools.documents import plain, sealed_json
 from presswear.tools.errors import InputError
 
+FILE_PATH = Path(FILE)
 JOINTS = ("A", "C")
 NO_LEAVES: tuple[Any, ...] = (True, False, [], {})
-"""What can stand nowhere in the place of a number, a text or null."""
+"""Values that stand nowhere in the place of a number, a text or null."""
 
 
 @pytest.fixture(scope="module")
 def document(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
-    """Of a run of two stages, as if it had failed and left a checkpoint."""
+    """A run of two stages, as if it had failed and left a checkpoint."""
     scene = wear_times()
     scene = replace(
         scene, mechanism=replace(scene.mechanism, speed=60.0), engine="dae", cycles=3, wears=1
@@ -42,27 +43,19 @@ def document(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     return found
 
 
-def places(owner: Any, *keys: str | int) -> Iterator[tuple[str | int, ...]]:
-    """Every place in nested data, parts before what they hold."""
-    for key, value in owner.items() if isinstance(owner, dict) else enumerate(owner):
+def places(owner: Any, *keys: str | int) -> Iterator[tuple[Any, tuple[str | int, ...]]]:
+    """Every part of nested data: what holds it, and its place."""
+    for key in owner if isinstance(owner, dict) else range(len(owner)):
         if key in ("scene", "digest", "schema"):  # others look at these
             continue
-        yield (*keys, key)
-        if isinstance(value, dict | list):
-            yield from places(value, *keys, key)
-
-
-def altered(document: Any, place: tuple[str | int, ...]) -> tuple[Any, Any]:
-    """A copy of nested data, and in it what holds a place."""
-    owner = found = copy.deepcopy(document)
-    for key in place[:-1]:
-        owner = owner[key]
-    return found, owner
+        if isinstance(owner[key], dict | list):
+            yield from places(owner[key], *keys, key)
+        yield owner, (*keys, key)
 
 
 def test_a_sound_document_is_read_and_keeps_all(document: dict[str, Any]) -> None:
-    stored = stored_result(document, Path(FILE))
-    check_joints(stored, JOINTS, 1, Path(FILE))
+    stored = stored_result(document, FILE_PATH)
+    check_joints(stored, JOINTS, 1, FILE_PATH)
     for stage, told in zip(stored.stages, document["stages"], strict=True):
         assert repr(stage.statistics) == repr(told["statistics"])
         assert repr(stage.diagnostics) == repr(told["diagnostics"])
@@ -71,15 +64,17 @@ def test_a_sound_document_is_read_and_keeps_all(document: dict[str, Any]) -> Non
 
 def test_nothing_of_another_kind_is_read(document: dict[str, Any]) -> None:
     """In the place of each value and of each part stands what can be none."""
-    read = []
-    for place in places(document):
+    here, read = copy.deepcopy(document), []
+    for owner, place in places(here):
+        whole = owner[place[-1]]
         for other in NO_LEAVES:
-            here, owner = altered(document, place)
-            if type(owner[place[-1]]) is not type(other):
+            if type(whole) is not type(other):
                 owner[place[-1]] = other
                 with suppress(InputError):
-                    stored_result(here, Path(FILE))
+                    stored_result(here, FILE_PATH)
                     read.append((*place, other))
+        owner[place[-1]] = whole
+    assert here == document
     assert read == []
 
 
@@ -88,14 +83,17 @@ OPEN = {"conventions", "packages", "resumed", "diagnostics", "slider", "joints"}
 
 
 def test_what_is_missing_is_named(document: dict[str, Any]) -> None:
-    for place in places(document):
-        here, owner = altered(document, place)
+    for _, place in places(document):
         is_mean = "_per_cycle" in str(place[-2:-1])
-        if isinstance(owner, dict) and (is_mean or not OPEN.intersection(place)):
+        if isinstance(place[-1], str) and (is_mean or not OPEN.intersection(place)):
+            here: Any = copy.deepcopy(document)
+            owner = here
+            for key in place[:-1]:
+                owner = owner[key]
             del owner[place[-1]]
             with pytest.raises(InputError, match=r"^result\.json: ") as refused:
-                check_joints(stored_result(here, Path(FILE)), JOINTS, 1, Path(FILE))
-            assert f"{place[-1]}" in str(refused.value)
+                check_joints(stored_result(here, FILE_PATH), JOINTS, 1, FILE_PATH)
+            assert place[-1] in str(refused.value)
 
 
 @pytest.mark.parametrize(
@@ -127,7 +125,7 @@ def test_what_does_not_fit_together_is_told(
     here = copy.deepcopy(document)
     edit(here)
     with pytest.raises(InputError, match=rf"^result\.json: {says}"):
-        check_joints(stored_result(here, Path(FILE)), JOINTS, 1, Path(FILE))
+        check_joints(stored_result(here, FILE_PATH), JOINTS, 1, FILE_PATH)
 
 
 def _step(document: Any) -> Any:
@@ -135,9 +133,9 @@ def _step(document: Any) -> Any:
 
 
 def test_more_stages_than_wears_are_refused(document: dict[str, Any]) -> None:
-    stored = stored_result(document, Path(FILE))
+    stored = stored_result(document, FILE_PATH)
     with pytest.raises(InputError, match="2 stages, where the scene has wears = 0"):
-        check_joints(stored, JOINTS, 0, Path(FILE))
+        check_joints(stored, JOINTS, 0, FILE_PATH)
 
 
 def _restored(path: Path, **parts: object) -> Result:
@@ -196,7 +194,7 @@ STAGE = {
     "drive_torque": np.zeros((ROWS, 1)),
     "angle": bin_centres(BINS),
     "wear_batch_cycles": np.ones(2),
-    "cycles": np.zeros((3, 7)),
+    "cycles": np.zeros((3, 8)),
     "cycle_start": np.zeros(3),
     "deviation": np.zeros((4, 4)),
     "deviation_start": np.zeros(4),
@@ -239,6 +237,7 @@ def test_arrays_that_are_missing_or_misshapen_are_named(name: str) -> None:
     ("name", "value", "says"),
     [
         ("slider", np.zeros((3, 3)), r"slider has the shape \(3, 3\); \(5, 3\) is expected"),
+        ("cycles", np.zeros((3, 7)), r"cycles has the shape \(3, 7\); \(3, 8\) is expected"),
         ("time", -STAGE["time"], "time goes backwards"),
         ("time", STAGE["time"] - 1.0, "time goes backwards"),
         ("angle", np.zeros(BINS), "angle does not hold the middles of 36 bins"),

@@ -1,12 +1,12 @@
 """Figures of small made-up results."""
 
 import re
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import matplotlib
+import matplotlib.pyplot as pyplot
 import numpy as np
 import pytest
 from matplotlib.axes import Axes
@@ -14,16 +14,14 @@ from matplotlib.figure import Figure as Sheet
 
 from presswear.engines.base import Status
 from presswear.linkage.surface import bin_centres
+from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
 from presswear.results.result import Result
-from presswear.results.stage import SIDES, StageResult
+from presswear.results.stage import SIDES, StageResult, WearStep
 from presswear.scene.catalog import wear_times
-from presswear.scene.ideal import ideal_slider
 from presswear.scene.scene import CONVENTIONS, Scene, stage_name
-from presswear.show.figures import Drawing, draw_all, drawings
-from presswear.show.figures.motion import centre_trajectory, response
+from presswear.show.figures import NAMES, draw_all, drawings
 from presswear.show.figures.style import length_scale, round_down
-from presswear.show.figures.surfaces import worn_surfaces
-from presswear.show.figures.wear import wear_depth
+from presswear.tools.errors import InputError
 from presswear.tools.numbers import given, readable, whole, with_interval
 
 BINS = 72
@@ -54,8 +52,9 @@ def _stage(scene: Scene, index: int, status: Any, message: str) -> StageResult:
     angle = bin_centres(BINS)
     arrays = {
         "time": time,
-        "slider": ideal_slider(scene, time) * (1.0 + 0.01 * (index + 1)),
+        "slider": scene.ideal_slider(time) * (1.0 + 0.01 * (index + 1)),
         "angle": angle,
+        "cycles": np.zeros((2, len(CYCLE_FIXED) + len(CYCLE_JOINT) * len(scene.clearance_joints))),
     }
     joints = {}
     for joint in scene.clearance_joints:
@@ -140,9 +139,9 @@ def test_draws_what_makes_sense(
         assert figure.caption.endswith(".")
 
 
-def sheet_of(draw: Callable[[Result], list[Drawing]], result: Result) -> Sheet:
+def sheet_of(name: str, result: Result) -> Sheet:
     """The first sheet of one kind of figure."""
-    return draw(result)[0].sheet
+    return next(drawings(result, [name])).sheet
 
 
 def labels(axes: Axes) -> list[str]:
@@ -162,7 +161,7 @@ def test_every_axis_label_has_a_unit(scene: Scene) -> None:
 
 
 def test_wear_that_did_not_happen_is_named_so() -> None:
-    assert legend_of(sheet_of(wear_depth, made_up(BOTH, 3))) == [
+    assert legend_of(sheet_of("wear", made_up(BOTH, 3))) == [
         "first wear",
         "second wear",
         "third wear, not run",
@@ -170,13 +169,13 @@ def test_wear_that_did_not_happen_is_named_so() -> None:
 
 
 def test_failed_stage_says_nothing_of_further_wear() -> None:
-    sheet = sheet_of(wear_depth, made_up(BOTH, 2, status="failed"))
+    sheet = sheet_of("wear", made_up(BOTH, 2, status="failed"))
     assert legend_of(sheet) == ["first wear"]
 
 
 def test_depth_is_the_cumulative_total_in_microns() -> None:
     result = made_up(BOTH, 3)
-    first, second, further = sheet_of(wear_depth, result).axes[0].get_lines()
+    first, second, further = sheet_of("wear", result).axes[0].get_lines()
     expected = 2e6 * result.stages[1].arrays["A_depth_bearing"]
     np.testing.assert_allclose(np.asarray(first.get_ydata()), expected)
     np.testing.assert_allclose(np.asarray(second.get_ydata()), 2.0 * expected)
@@ -187,13 +186,13 @@ def test_very_different_depths_share_a_logarithmic_scale() -> None:
     result = made_up(BOTH, 3)
     arrays = result.stages[2].arrays
     deeper = {**arrays, "A_depth_pin": 1e3 * arrays["A_depth_pin"]}
-    at_a, at_c = sheet_of(wear_depth, altered(result, 2, arrays=deeper)).axes
+    at_a, at_c = sheet_of("wear", altered(result, 2, arrays=deeper)).axes
     assert (at_a.get_yscale(), at_c.get_yscale()) == ("log", "linear")
 
 
 @pytest.mark.parametrize("scene", [BOTH, BODY], ids=["fixed maps", "maps on bodies"])
 def test_profile_is_drawn_to_the_stated_scale(scene: Scene) -> None:
-    sheet = sheet_of(worn_surfaces, made_up(scene, 3))
+    sheet = sheet_of("surfaces", made_up(scene, 3))
     bearings = scene.bearings
     radii = (bearings.bearing_radius, bearings.bearing_radius - bearings.clearance)
     for axes, radius in zip(sheet.axes[1:], radii, strict=True):
@@ -212,7 +211,7 @@ def test_profile_is_drawn_to_the_stated_scale(scene: Scene) -> None:
 
 def test_ideal_slider_is_the_closed_form() -> None:
     press = BOTH.mechanism
-    slider = ideal_slider(BOTH, np.linspace(0.0, press.period, 2001))
+    slider = BOTH.ideal_slider(np.linspace(0.0, press.period, 2001))
     assert slider[0, 0] == 0.0
     assert slider[:, 0].max() == pytest.approx(0.1061, abs=1e-4)
     assert slider[:, 1].min() == pytest.approx(-0.889, abs=1e-3)
@@ -221,15 +220,15 @@ def test_ideal_slider_is_the_closed_form() -> None:
 
 def test_unworn_surfaces_are_not_called_worn() -> None:
     """What the path's caption says of surfaces that turn is of worn ones only."""
-    unworn, worn = (centre_trajectory(made_up(BODY, stages))[0].caption for stages in (1, 2))
+    unworn, worn = (next(drawings(made_up(BODY, stages), ["path"])).caption for stages in (1, 2))
     assert "Worn surfaces turn" not in unworn
     assert "Worn surfaces turn" in worn
 
 
 def test_many_stages_are_thinned_out() -> None:
     result = made_up(BOTH, 9)
-    assert len(sheet_of(centre_trajectory, result).axes) == 2 * 5
-    assert legend_of(sheet_of(response, result))[-1] == "eighth wear"
+    assert len(sheet_of("path", result).axes) == 2 * 5
+    assert legend_of(sheet_of("response", result))[-1] == "eighth wear"
 
 
 @pytest.mark.parametrize(
@@ -243,13 +242,75 @@ def test_stage_without_motion_is_left_out(status: Status, rows: int | None) -> N
         name: array[:rows] if len(array) == length else array for name, array in arrays.items()
     }
     result = altered(result, 1, arrays=short)
-    assert legend_of(sheet_of(response, result)) == ["ideal", "no wear"]
+    assert legend_of(sheet_of("response", result)) == ["ideal", "no wear"]
 
 
-def test_settings_of_matplotlib_are_left_alone() -> None:
+def grown() -> Result:
+    """Three stages with two wears of three steps each between them."""
+    result = made_up(BOTH, 3)
+    for index in range(2):
+        steps = [
+            WearStep(1e6, 2, 5e5, 0.1, dict.fromkeys("AC", deepest), {"A": 9.0, "C": 9.0}, 1.0)
+            for deepest in ({"bearing": 1e-6 * (3 * index + k), "pin": 1e-6} for k in (1, 2, 3))
+        ]
+        result = altered(result, index, wear_steps=tuple(steps))
+    return result
+
+
+def test_growth_runs_over_all_steps_or_those_after_a_stage() -> None:
+    whole, after = (grown().plot("growth", stage=stage)[0].get_lines()[0] for stage in (None, 1))
+    assert np.asarray(whole.get_xydata()).tolist() == [[k, k] for k in map(float, range(7))]
+    assert np.asarray(after.get_xydata()).tolist() == [[k, k] for k in (3.0, 4.0, 5.0, 6.0)]
+
+
+def test_plot_gives_the_axes_of_every_figure_in_memory() -> None:
+    result = grown()
+    assert result.path is None
+    counts = {name: len(result.plot(name)) for name in NAMES}
+    assert counts == {"wear": 2, "growth": 2, "surfaces": 6, "response": 7, "force": 6, "path": 6}
+    assert len(result.plot()) == sum(counts.values())
+    assert len(result.plot("path", "wear")) == counts["path"] + counts["wear"]
+
+
+@pytest.mark.parametrize("name", [name for name in NAMES if name != "growth"])
+def test_plot_of_one_stage_shows_it_alone(name: str) -> None:
+    (sheet,) = {axes.figure for axes in grown().plot(name, stage=1)[:3]}
+    assert isinstance(sheet, Sheet)
+    words = [text.get_text() for axes in sheet.axes for text in (axes.title, *axes.texts)]
+    told = " ".join([*legend_of(sheet), *words])
+    assert "first wear" in told
+    assert "second wear" not in told
+    assert "third wear" not in told
+
+
+@pytest.mark.parametrize(
+    ("names", "stage", "message"),
+    [
+        (["forces"], None, "unknown figure 'forces'; did you mean force?; known are wear, growth"),
+        (["growth"], None, "wear-times has nothing to draw as 'growth'"),
+        (["wear"], 0, "stage 0 of wear-times has nothing to draw as 'wear'"),
+        (["force"], 7, "wear-times has no stage 7; it has 0, 1, 2; did you mean 2?"),
+    ],
+)
+def test_plot_refuses_in_a_line(names: list[str], stage: int | None, message: str) -> None:
+    with pytest.raises(InputError, match=re.escape(message)):
+        made_up(BOTH, 3).plot(*names, stage=stage)
+
+
+def test_a_script_keeps_its_matplotlib_as_it_is() -> None:
+    """No setting changes, and figures that nobody asked to see are not kept by pyplot."""
     before = dict(matplotlib.rcParams)
-    list(drawings(made_up(IDEAL, 1)))
+    made_up(IDEAL, 1).plot()
     assert dict(matplotlib.rcParams) == before
+    assert pyplot.get_fignums() == []
+
+
+def test_pyplot_shows_figures_where_it_is_interactive() -> None:
+    pyplot.switch_backend("agg")
+    with pyplot.ion():
+        axes = made_up(IDEAL, 1).plot()
+    assert [pyplot.figure(number) for number in pyplot.get_fignums()] == [axes[0].figure]
+    pyplot.close("all")
 
 
 def test_stage_names() -> None:

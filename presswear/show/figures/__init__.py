@@ -1,30 +1,43 @@
-"""The figures of a result, as PNG files."""
+"""The figures of a result: drawn in a script or a notebook, or written as PNG files."""
 
-from collections.abc import Callable, Iterator
+import sys
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from typing import BinaryIO
 
 import matplotlib
 
 from presswear.results.result import Result
-from presswear.show.figures.growth import wear_growth
 from presswear.show.figures.motion import centre_trajectory, contact_force, response
-from presswear.show.figures.style import DOTS_PER_INCH, SETTINGS, Drawing
+from presswear.show.figures.style import (
+    DOTS_PER_INCH,
+    SETTINGS,
+    Axes,
+    Drawing,
+    Sheet,
+    Stages,
+)
 from presswear.show.figures.surfaces import worn_surfaces
-from presswear.show.figures.wear import wear_depth
+from presswear.show.figures.wear import wear_depth, wear_growth
+from presswear.tools.errors import InputError, unknown
 from presswear.tools.files import write_whole
 
-__all__ = ["Drawing", "Figure", "draw_all", "drawings", "save"]
+__all__ = ["NAMES", "Drawing", "Figure", "draw_all", "drawings", "plot", "save"]
 
-_DRAWERS: tuple[Callable[[Result], list[Drawing]], ...] = (
-    wear_depth,
-    wear_growth,
-    worn_surfaces,
-    response,
-    contact_force,
-    centre_trajectory,
-)
+NAMES: dict[str, Callable[[Result, Stages], list[Drawing]]] = {
+    "wear": wear_depth,
+    "growth": wear_growth,
+    "surfaces": worn_surfaces,
+    "response": response,
+    "force": contact_force,
+    "path": centre_trajectory,
+}
+"""Figures by name, in the order of the report; each is drawn of some stages of a result, at
+least one, and gives nothing where it would say nothing."""
+_PYPLOT = "matplotlib.pyplot"
+"""Keeps figures until they are closed, so that only those for the screen are given to it."""
 
 
 @dataclass(frozen=True)
@@ -36,12 +49,53 @@ class Figure:
     caption: str
 
 
-def drawings(result: Result) -> Iterator[Drawing]:
-    """Draw what makes sense for a result, in the order of the report."""
-    for draw in _DRAWERS:
+def drawings(
+    result: Result, names: Sequence[str] = (), stage: int | None = None
+) -> Iterator[Drawing]:
+    """Draw figures of a result.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Figures of ``NAMES``; none: all that make sense.
+    stage : int or None
+        The only stage to draw; None: all.
+
+    Raises
+    ------
+    InputError
+        For a stage that there is not, and a name that is unknown or of which there is
+        nothing to draw.
+    """
+    for name in names:
+        if name not in NAMES:
+            raise unknown("figure", name, NAMES)
+    stages = result.stages if stage is None else (result.stage(stage),)
+    for name in names or NAMES:
         with matplotlib.rc_context(SETTINGS):
-            found = draw(result)
+            found = NAMES[name](result, stages) if stages else []
+        if names and not found:
+            of = f"stage {stage} of " if stage is not None else ""
+            raise InputError(f"{of}{result.scene.name} has nothing to draw as {name!r}")
         yield from found
+
+
+def plot(result: Result, names: Sequence[str] = (), stage: int | None = None) -> list[Axes]:
+    """Draw figures as ``drawings`` does; gives their axes, and shows them in a notebook."""
+    axes = []
+    for drawing in drawings(result, names, stage):
+        with matplotlib.rc_context(SETTINGS):
+            # Ticks get their looks when they are first drawn.
+            drawing.sheet.draw_without_rendering()
+        _show(drawing.sheet)
+        axes += drawing.sheet.axes
+    return axes
+
+
+def _show(sheet: Sheet) -> None:
+    """Hand a figure to pyplot where that shows figures by itself."""
+    if "ipykernel" in sys.modules or (_PYPLOT in sys.modules and matplotlib.is_interactive()):
+        import_module(_PYPLOT).figure(FigureClass=lambda **_: sheet)
 
 
 def save(drawing: Drawing, folder: Path) -> Figure:

@@ -1,22 +1,25 @@
-"""What all figures share: size, colours, names of stages, units."""
+"""Size, colours, lines and units, which all figures share."""
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure as Sheet
-from numpy.typing import NDArray
+from matplotlib.lines import Line2D
+from numpy.typing import ArrayLike, NDArray
 
 from presswear.results.result import Result
-from presswear.scene.scene import stage_name
+from presswear.results.stage import StageResult
 
 __all__ = ["Axes", "Sheet"]
 
 Array = NDArray[np.float64]
-LineStyle = Literal["solid"] | tuple[float, tuple[float, ...]]
+LineStyle = Literal["solid", "dotted"] | tuple[float, tuple[float, ...]]
+Place = Literal["upper right", "outside upper center", "outside upper right"]
+Stages = tuple[StageResult, ...]
 
 WIDTH = 7.0
 """Width of every figure, inches: the text width of an A4 page, so that 8 pt print as 8 pt."""
@@ -61,7 +64,6 @@ REFERENCE = "black"
 MUTED = "0.45"
 """Colour of what was not run."""
 
-SIDES = ("bearing", "pin")
 MICRONS = 1e6
 
 
@@ -76,42 +78,60 @@ class Drawing:
 
 
 @dataclass(frozen=True)
-class ShownStage:
-    """A stage with the colour and line it has in every figure.
+class Pen:
+    """A line as a figure draws it: its name in the legend, colour, dashes and width, points."""
 
-    Attributes
-    ----------
-    index : int
-        0 unworn, 1 after the first wear, and so on.
-    arrays : dict
-        Its arrays under their names in the result folder, SI units.
-    """
-
-    index: int
     label: str
     colour: str
-    dashes: LineStyle
-    arrays: Mapping[str, Array]
+    dashes: LineStyle = "solid"
+    width: float = SETTINGS["lines.linewidth"]
 
-    def depth(self, joint: str, side: str) -> Array:
-        """Depth that the stage ran on, m; ``side`` is bearing or pin."""
-        return self.arrays[f"{joint}_depth_{side}"]
+    def draw(self, axes: Axes, x: ArrayLike, y: ArrayLike, **look: Any) -> None:
+        """Draw ``y`` over ``x``, shape (n,) each; ``look`` changes matplotlib's line."""
+        axes.plot(x, y, **self._look | look)
 
-    def early(self, end: float) -> slice:
-        """Rows up to a time, s."""
-        return slice(0, int(np.searchsorted(self.arrays["time"], end, side="right")))
+    def handle(self) -> Line2D:
+        """The line in a legend."""
+        return Line2D([], [], label=self.label, **self._look)
+
+    @property
+    def _look(self) -> dict[str, Any]:
+        return {"color": self.colour, "linestyle": self.dashes, "linewidth": self.width}
 
 
-def shown_stages(result: Result) -> list[ShownStage]:
-    """The stages that figures show: the first, the last, and evenly spaced ones between."""
-    count = len(result.stages)
+@dataclass(frozen=True)
+class ShownStage:
+    """A stage with the line that it has in a figure."""
+
+    data: StageResult
+    pen: Pen
+
+
+def shown_stages(result: Result, stages: Stages) -> list[ShownStage]:
+    """Of some stages the first, the last, and evenly spaced ones between, with their lines."""
+    count = len(stages)
     picked = np.unique(np.linspace(0, count - 1, min(count, SHOWN_STAGES)).round().astype(int))
-    indices = [result.stages[int(k)].index for k in picked]
-    labels = map(stage_name, indices) if result.scene.clearance_joints else ["computed"] * count
+    shown = [stages[int(k)] for k in picked]
+    labels = stage_names(result, shown)
     return [
-        ShownStage(index, label, colour, dashes, result.stages[int(k)].arrays)
-        for index, label, k, (colour, dashes) in zip(indices, labels, picked, LINES, strict=False)
+        ShownStage(stage, Pen(label, *line))
+        for stage, label, line in zip(shown, labels, LINES, strict=False)
     ]
+
+
+def stage_names(result: Result, stages: Iterable[StageResult]) -> list[str]:
+    """Names of stages; one word for all where nothing can wear."""
+    return [stage.name if result.scene.clearance_joints else "computed" for stage in stages]
+
+
+def until(stage: StageResult, end: float) -> StageResult:
+    """The stage with its motion and its joints' forces and eccentricities up to a time, s."""
+    rows = int(np.searchsorted(stage.time, end, side="right"))
+    series = ["time", "slider"]
+    for joint in stage.joint_names:
+        series += [f"{joint}_force", f"{joint}_eccentricity"]
+    cut = {name: stage.arrays[name][:rows] for name in series}
+    return replace(stage, arrays={**stage.arrays, **cut})
 
 
 def maps_turn(result: Result) -> bool:
@@ -119,32 +139,16 @@ def maps_turn(result: Result) -> bool:
     return result.scene.conventions.map_frame == "body"
 
 
-def moving_stages(result: Result) -> list[ShownStage]:
-    """The shown stages that have a motion to show.
-
-    One that failed has none: up to where it was ended its numbers are worth nothing.
-    """
-    failed = {stage.index for stage in result.stages if stage.failed}
-    return [
-        stage
-        for stage in shown_stages(result)
-        if stage.index not in failed and stage.arrays["time"].size > 1
-    ]
+def angle_label(result: Result, side: str) -> str:
+    """Label of an axis of the angles of a wear map."""
+    where = f"angle on the {side}" if maps_turn(result) else "direction of contact"
+    return f"{where} (degrees)"
 
 
-def shown_time(result: Result) -> float:
-    """End of the motion shown, s."""
-    recorded = max(float(stage.arrays["time"][-1]) for stage in moving_stages(result))
-    return min(SHOWN_CYCLES * result.scene.mechanism.period, recorded)
-
-
-def shown_time_text(result: Result) -> str:
-    """The time shown, in words."""
-    cycles = shown_time(result) / result.scene.mechanism.period
-    whole = round(cycles)
-    if whole < 1 or abs(cycles - whole) > 0.02:
-        return f"the first {cycles:.2g} cycles"
-    return "the first cycle" if whole == 1 else f"the first {whole} cycles"
+def legend(sheet: Sheet, pens: Iterable[Pen], place: Place, **look: Any) -> None:
+    """Name the lines of a figure in one row; ``look`` changes matplotlib's legend."""
+    handles = [pen.handle() for pen in pens]
+    sheet.legend(handles=handles, loc=place, ncols=len(handles), **look)
 
 
 def length_scale(largest: float) -> tuple[float, str]:

@@ -2,25 +2,27 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from matplotlib.lines import Line2D
 from matplotlib.projections.polar import PolarAxes
 from matplotlib.ticker import FuncFormatter
 
 from presswear.linkage.surface import Surface
 from presswear.results.result import Result
+from presswear.results.stage import SIDES, JointResult
 from presswear.show.figures.style import (
     MICRONS,
     REFERENCE,
-    SIDES,
     WIDTH,
     Array,
     Axes,
     Drawing,
+    Pen,
     Sheet,
     ShownStage,
+    Stages,
+    angle_label,
+    legend,
     length_scale,
     maps_turn,
     round_down,
@@ -31,14 +33,17 @@ from presswear.tools.numbers import readable
 _DRAWN_DEPTH = 0.25
 """Largest wear depth in an outline, part of the bearing radius."""
 _MATERIAL = "0.91"
-_NEW: dict[str, Any] = {"color": REFERENCE, "linewidth": 0.8, "linestyle": "dotted"}
+_NEW = Pen("no wear", REFERENCE, "dotted", 0.8)
 
 # Places in inches, because the scales of the profiles follow from their sizes.
 _HEIGHT = 4.3
 _OUTLINE = (0.42, 0.62, 2.75, 2.75)
 _PROFILES = {"bearing": (4.0, 2.45, 2.85, 1.3), "pin": (4.0, 0.5, 2.85, 1.3)}
 _OUTWARDS = {"bearing": 1.0, "pin": -1.0}
-"""Where wear moves the surface."""
+"""Direction in which wear moves a surface."""
+
+Worn = tuple[Pen, JointResult]
+"""A joint with its surfaces, and the line that they are drawn with."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +55,7 @@ class _View:
     centre, half : float
         Middle and half width, rad.
     radius : float
-        Of the new surface, m.
+        Radius of the new surface, m.
     steeper : float
         Radial scale over the scale along the surface.
     """
@@ -73,14 +78,14 @@ def _radial_range(side: str, half: float, radius: float) -> float:
     return 2.0 * half * radius * height / width
 
 
-def worn_surfaces(result: Result) -> list[Drawing]:
+def worn_surfaces(result: Result, stages: Stages) -> list[Drawing]:
     """Outline of pin and worn bearing, and an enlargement, of each worn joint."""
     found = []
     for joint in result.scene.clearance_joints:
         worn = [
             stage
-            for stage in shown_stages(result)
-            if any(np.any(stage.depth(joint, side) > 0.0) for side in SIDES)
+            for stage in shown_stages(result, stages)
+            if any(np.any(stage.data.joints[joint].depth(side) > 0.0) for side in SIDES)
         ]
         if worn:
             found.append(worn_surface(result, joint, worn))
@@ -93,38 +98,30 @@ def worn_surface(result: Result, joint: str, stages: list[ShownStage]) -> Drawin
     Parameters
     ----------
     result : Result
-        Whose bearings the joint has.
+        A run with the bearings of the joint.
     stages : list of ShownStage
-        With the depths to draw, the surface of the last in grey.
+        Stages with the depths to draw, the surface of the last in grey.
     """
     bearings = result.scene.bearings
-    views = _views(result, joint, stages)
-    deepest = max(float(stage.depth(joint, side).max()) for stage in stages for side in SIDES)
+    worn = [(stage.pen, stage.data.joints[joint]) for stage in stages]
+    angle = stages[-1].data.angle
+    views = _views(result, angle, worn[-1][1])
+    deepest = max(float(own.depth(side).max()) for _, own in worn for side in SIDES)
     enlarged = max(1.0, round_down(_DRAWN_DEPTH * bearings.bearing_radius / deepest))
     sheet = Sheet(figsize=(WIDTH, _HEIGHT))
     outline = PolarAxes(sheet, _place(_OUTLINE))
     sheet.add_axes(outline)
-    _draw_outline(outline, joint, stages, enlarged, views)
+    _draw_outline(outline, angle, worn, enlarged, views)
     for side, view in views.items():
         axes = sheet.add_axes(_place(_PROFILES[side]))
-        _draw_profile(axes, joint, stages, view)
-        where = f"angle on the {side}" if maps_turn(result) else "direction of contact"
-        axes.set_xlabel(f"{where} (degrees)")
-    _write(sheet, 0.12, _HEIGHT - 0.2, f"joint {joint}", ha="left", fontweight="bold")
-    middle = _OUTLINE[0] + 0.5 * _OUTLINE[2]
-    _write(sheet, middle, 0.15, f"wear {_times(enlarged)}, clearance to scale")
-    handles = [Line2D([], [], label="no wear", **_NEW)]
-    handles += [
-        Line2D([], [], color=stage.colour, linestyle=stage.dashes, label=stage.label)
-        for stage in stages
-    ]
-    sheet.legend(
-        handles=handles,
-        loc="upper right",
-        ncols=len(handles),
-        columnspacing=1.2,
-        borderaxespad=0.2,
-    )
+        _draw_profile(axes, worn, view)
+        axes.set_xlabel(angle_label(result, side))
+    sheet.text(0.12 / WIDTH, 1.0 - 0.2 / _HEIGHT, f"joint {joint}", va="center", weight="bold")
+    middle = (_OUTLINE[0] + 0.5 * _OUTLINE[2]) / WIDTH
+    below = f"wear {_times(enlarged)}, clearance to scale"
+    sheet.text(middle, 0.15 / _HEIGHT, below, ha="center", va="center")
+    pens = [_NEW, *(pen for pen, _ in worn)]
+    legend(sheet, pens, "upper right", columnspacing=1.2, borderaxespad=0.2)
     factor, unit = length_scale(deepest)
     caption = (
         f"Pin and bearing of joint {joint}. Left: outlines with the wear depth "
@@ -147,34 +144,22 @@ def _place(inches: tuple[float, float, float, float]) -> tuple[float, float, flo
     return left / WIDTH, bottom / _HEIGHT, width / WIDTH, height / _HEIGHT
 
 
-def _write(
-    sheet: Sheet, x: float, y: float, text: str, ha: str = "center", fontweight: str = "normal"
-) -> None:
-    """Text at a place in inches."""
-    sheet.text(x / WIDTH, y / _HEIGHT, text, ha=ha, va="center", fontweight=fontweight)
-
-
-def _views(result: Result, joint: str, stages: list[ShownStage]) -> dict[str, _View]:
+def _views(result: Result, angle: Array, own: JointResult) -> dict[str, _View]:
     """The part of each surface to enlarge; the same part of both in fixed directions."""
-    angle = stages[-1].arrays["angle"]
-    depth = {side: stages[-1].depth(joint, side) for side in SIDES}
-    looked_at = (
-        depth if maps_turn(result) else dict.fromkeys(SIDES, depth["bearing"] + depth["pin"])
-    )
+    depth = {side: own.depth(side) for side in SIDES}
+    turn = maps_turn(result)
     bearings = result.scene.bearings
+    radii = (bearings.bearing_radius, bearings.bearing_radius - bearings.clearance)
     views = {}
-    for side, radius in (
-        ("bearing", bearings.bearing_radius),
-        ("pin", bearings.bearing_radius - bearings.clearance),
-    ):
-        shown = [depth[side]] if maps_turn(result) else list(depth.values())
+    for side, radius in zip(SIDES, radii, strict=True):
+        looked_at = depth[side] if turn else depth["bearing"] + depth["pin"]
+        shown = [depth[side]] if turn else list(depth.values())
         deepest = max(float(one.max()) for one in shown)
-        half = _half_width(angle, looked_at[side])
+        half = _half_width(angle, looked_at)
         # The smaller surface sets the scale, or rounding could part two equal views.
-        most = _radial_range(side, half, bearings.bearing_radius - bearings.clearance)
+        most = _radial_range(side, half, min(radii))
         steeper = max(1.0, round_down(most / (1.12 * deepest))) if deepest > 0.0 else 1.0
-        centre = float(angle[int(looked_at[side].argmax())])
-        views[side] = _View(side, centre, half, radius, steeper)
+        views[side] = _View(side, float(angle[int(looked_at.argmax())]), half, radius, steeper)
     return views
 
 
@@ -187,26 +172,22 @@ def _half_width(angle: Array, depth: Array) -> float:
 
 
 def _draw_outline(
-    axes: PolarAxes,
-    joint: str,
-    stages: list[ShownStage],
-    enlarged: float,
-    views: dict[str, _View],
+    axes: PolarAxes, angle: Array, worn: list[Worn], enlarged: float, views: dict[str, _View]
 ) -> None:
     rim = (1.0 + 1.2 * _DRAWN_DEPTH) * views["bearing"].radius
     far_edge = {"bearing": rim, "pin": 0.0}
     around = np.linspace(0.0, 2.0 * math.pi, 361)
+    closed = np.append(angle, angle[0] + 2.0 * math.pi)
     for side, view in views.items():
-        for stage in stages:
-            angle, depth = stage.arrays["angle"], stage.depth(joint, side)
-            angle = np.append(angle, angle[0] + 2.0 * math.pi)
+        for pen, own in worn:
+            depth = own.depth(side)
             surface = view.radius + _OUTWARDS[side] * enlarged * np.append(depth, depth[0])
-            if stage is stages[-1]:
-                axes.fill_between(angle, surface, far_edge[side], color=_MATERIAL, linewidth=0.0)
-            axes.plot(angle, surface, color=stage.colour, linestyle=stage.dashes, linewidth=1.0)
-        axes.plot(around, np.full_like(around, view.radius), **_NEW)
-        sector = np.linspace(view.centre - view.half, view.centre + view.half, 50)
+            if own is worn[-1][1]:
+                axes.fill_between(closed, surface, far_edge[side], color=_MATERIAL, linewidth=0.0)
+            pen.draw(axes, closed, surface, linewidth=1.0)
+        _NEW.draw(axes, around, np.full_like(around, view.radius))
         marked = rim if side == "bearing" else 0.62 * view.radius
+        sector = np.linspace(view.centre - view.half, view.centre + view.half, 50)
         axes.plot(sector, np.full_like(sector, marked), color=REFERENCE, linewidth=2.0)
     axes.set_rlim(0.0, 1.02 * rim)
     axes.set_rticks([])
@@ -219,19 +200,19 @@ def _draw_outline(
     axes.text(away, 0.5 * (views["bearing"].radius + rim), "bearing", ha="center", va="center")
 
 
-def _draw_profile(axes: Axes, joint: str, stages: list[ShownStage], view: _View) -> None:
+def _draw_profile(axes: Axes, worn: list[Worn], view: _View) -> None:
     angle = np.linspace(view.centre - view.half, view.centre + view.half, 1200)
     degrees = np.degrees(angle)
-    outwards = _OUTWARDS[view.side]
-    range_shown = outwards * MICRONS * view.span
-    for stage in stages:
-        position = MICRONS * outwards * Surface(stage.depth(joint, view.side))(angle)
-        if stage is stages[-1]:
-            axes.fill_between(degrees, position, range_shown, color=_MATERIAL, linewidth=0.0)
-        axes.plot(degrees, position, color=stage.colour, linestyle=stage.dashes, linewidth=1.0)
-    axes.axhline(0.0, **_NEW)
+    outwards = MICRONS * _OUTWARDS[view.side]
+    far_edge = outwards * view.span
+    for pen, own in worn:
+        position = outwards * Surface(own.depth(view.side))(angle)
+        if own is worn[-1][1]:
+            axes.fill_between(degrees, position, far_edge, color=_MATERIAL, linewidth=0.0)
+        pen.draw(axes, degrees, position, linewidth=1.0)
+    _NEW.draw(axes, degrees, np.zeros_like(degrees))
     axes.grid(visible=False)
-    axes.set_ylim(*sorted((-0.1 * range_shown, 0.9 * range_shown)))
+    axes.set_ylim(*sorted((-0.1 * far_edge, 0.9 * far_edge)))
     axes.set_xlim(degrees[0], degrees[-1])
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value % 360.0:g}"))
     symbol = "R_i" if view.side == "bearing" else "R_j"

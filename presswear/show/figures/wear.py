@@ -1,98 +1,64 @@
-"""Figure of wear depth over angle."""
+"""Figures of wear depth, over angle and over the cycles that a campaign stands for."""
 
-from dataclasses import dataclass
+from itertools import accumulate
 
 import numpy as np
-from matplotlib.lines import Line2D
 from matplotlib.ticker import MultipleLocator
 
 from presswear.results.result import Result
+from presswear.results.stage import SIDES, StageResult
 from presswear.scene.scene import stage_name
 from presswear.show.figures.style import (
+    LINES,
     MICRONS,
     MUTED,
-    SIDES,
     WIDTH,
     Array,
     Axes,
     Drawing,
-    LineStyle,
+    Pen,
     Sheet,
+    Stages,
+    angle_label,
+    legend,
     maps_turn,
     shown_stages,
 )
 
 _LINEAR_RATIO = 20.0
 """Ratio of the largest to the smallest peak up to which one linear scale shows both."""
-_PLAIN_DASHES: LineStyle = (0.0, (2.0, 2.0))
+_MILLIONS = 1e-6
+_SURFACES = {side: Pen(side, *line) for side, line in zip(SIDES, LINES, strict=False)}
+_MARKED_STEPS = 60
+"""Most steps whose ends are marked; more would be a thick line."""
+_NAMED_WEARS = 2
+"""Most wears whose names stand beside each other above a panel; of more, the last is named."""
+
+Curve = tuple[Pen, Array]
+"""Depth at the bin centres, m, and its line."""
 
 
-@dataclass(frozen=True)
-class _Curve:
-    """One wear map as drawn: depth at the bin centres, m."""
-
-    label: str
-    colour: str
-    dashes: LineStyle
-    depth: Array
-
-
-def _panels(result: Result) -> list[tuple[str, tuple[str, ...]]]:
-    """Joint and sides whose depth one panel adds up."""
-    kinds: tuple[tuple[str, ...], ...] = (("bearing",), ("pin",)) if maps_turn(result) else (SIDES,)
-    return [(joint, sides) for joint in result.scene.clearance_joints for sides in kinds]
-
-
-def _next_wear(result: Result, joint: str, sides: tuple[str, ...]) -> _Curve | None:
-    """What one more wear would leave; None where the last stage says nothing about it."""
-    if not result.stages or result.stages[-1].status == "failed":
-        return None
-    arrays = result.stages[-1].arrays
-    depth = sum(
-        (arrays[f"{joint}_depth_{side}"] + arrays[f"{joint}_wear_{side}"] for side in sides),
-        np.zeros(arrays["angle"].size),
-    )
-    index = result.stages[-1].index + 1
-    return _Curve(f"{stage_name(index)}, not run", MUTED, _PLAIN_DASHES, depth)
-
-
-def _curves(result: Result, joint: str, sides: tuple[str, ...]) -> list[_Curve]:
-    """Cumulative depth after each wear that left anything."""
-    curves = [
-        _Curve(
-            stage.label,
-            stage.colour,
-            stage.dashes,
-            sum((stage.depth(joint, side) for side in sides), np.zeros(stage.arrays["angle"].size)),
-        )
-        for stage in shown_stages(result)
-        if stage.index > 0
-    ]
-    further = _next_wear(result, joint, sides)
-    if further is not None:
-        curves.append(further)
-    return [curve for curve in curves if np.any(curve.depth > 0.0)]
-
-
-def wear_depth(result: Result) -> list[Drawing]:
+def wear_depth(result: Result, stages: Stages) -> list[Drawing]:
     """Cumulative wear depth over angle at each clearance joint."""
-    panels = [(joint, sides, _curves(result, joint, sides)) for joint, sides in _panels(result)]
-    everything = [curve for _, _, curves in panels for curve in curves]
-    if not everything:
+    parts = [(side,) for side in SIDES] if maps_turn(result) else [SIDES]
+    panels = [
+        (joint, sides, _curves(result, stages, joint, sides))
+        for joint in result.scene.clearance_joints
+        for sides in parts
+    ]
+    # By name: every panel may lack a line that another has.
+    pens = {pen.label: pen for _, _, curves in panels for pen, _ in curves}
+    if not pens:
         return []
-    columns = 2 if maps_turn(result) else 1
-    rows = len(panels) // columns
+    rows = len(panels) // len(parts)
     sheet = Sheet(figsize=(WIDTH, 0.5 + 2.3 * rows), layout="constrained")
-    grid = sheet.subplots(rows, columns, squeeze=False)
+    grid = sheet.subplots(rows, len(parts), squeeze=False)
     for axes, (joint, sides, curves) in zip(grid.flat, panels, strict=True):
-        _draw_depth(axes, result.stages[0].arrays["angle"], curves)
-        where = f"angle on the {sides[0]}" if maps_turn(result) else "direction of contact"
-        axes.set_xlabel(f"{where} (degrees)")
+        _draw_depth(axes, stages[0].angle, curves)
+        axes.set_xlabel(angle_label(result, sides[0]))
         axes.set_ylabel(f"depth, {' + '.join(sides)} (µm)")
         axes.set_title(f"joint {joint}", loc="left", fontweight="bold")
-    # Keyed by label: every panel may lack a line that another has.
-    lines = {curve.label: _legend_line(curve) for curve in everything}
-    sheet.legend(handles=list(lines.values()), loc="outside upper right", ncols=len(lines))
+    legend(sheet, pens.values(), "outside upper right")
     caption = (
         "Wear depth of bearing and pin, each over the angle on its own body, in total after each "
         "wear."
@@ -100,7 +66,7 @@ def wear_depth(result: Result) -> list[Drawing]:
         else "Wear depth of bearing and pin together over the direction of contact, in total "
         "after each wear."
     )
-    if any(line.get_color() == MUTED for line in lines.values()):
+    if any(pen.colour == MUTED for pen in pens.values()):
         jump = " in a single jump" if result.grew_in_steps else ""
         caption += f" The grey line adds what the last stage would wear off{jump}; none ran on it."
     if any(axes.get_yscale() == "log" for axes in grid.flat):
@@ -108,20 +74,30 @@ def wear_depth(result: Result) -> list[Drawing]:
     return [Drawing("wear-depth.png", "Wear depth", caption, sheet)]
 
 
-def _legend_line(curve: _Curve) -> Line2D:
-    return Line2D([], [], color=curve.colour, linestyle=curve.dashes, label=curve.label)
+def _curves(result: Result, stages: Stages, joint: str, sides: tuple[str, ...]) -> list[Curve]:
+    """Cumulative depth after each wear that left anything, the one after the last stage too."""
+
+    def total(stage: StageResult, *kinds: str) -> Array:
+        own = stage.joints[joint].arrays
+        return np.asarray(sum(own[f"{kind}_{side}"] for side in sides for kind in kinds))
+
+    curves = [
+        (stage.pen, total(stage.data, "depth"))
+        for stage in shown_stages(result, stages)
+        if stage.data.index > 0
+    ]
+    last = stages[-1]
+    if last is result.stages[-1] and not last.failed:
+        not_run = Pen(f"{stage_name(last.index + 1)}, not run", MUTED, (0.0, (2.0, 2.0)))
+        curves.append((not_run, total(last, "depth", "wear")))
+    return [(pen, depth) for pen, depth in curves if np.any(depth > 0.0)]
 
 
-def _draw_depth(axes: Axes, angle: Array, curves: list[_Curve]) -> None:
-    peaks = [MICRONS * float(curve.depth.max()) for curve in curves]
-    for curve in curves:
-        width = 0.9 if curve.colour == MUTED else 1.2
-        axes.plot(
-            np.degrees(angle),
-            MICRONS * curve.depth,
-            color=curve.colour,
-            linestyle=curve.dashes,
-            linewidth=width,
+def _draw_depth(axes: Axes, angle: Array, curves: list[Curve]) -> None:
+    peaks = [MICRONS * float(depth.max()) for _, depth in curves]
+    for pen, depth in curves:
+        pen.draw(
+            axes, np.degrees(angle), MICRONS * depth, linewidth=0.9 if pen.colour == MUTED else 1.2
         )
     axes.set_xlim(0.0, 360.0)
     axes.xaxis.set_major_locator(MultipleLocator(60.0))
@@ -130,3 +106,57 @@ def _draw_depth(axes: Axes, angle: Array, curves: list[_Curve]) -> None:
         axes.set_ylim(min(peaks) / 100.0, 2.0 * max(peaks))
     else:
         axes.set_ylim(0.0, None)
+
+
+def wear_growth(result: Result, stages: Stages) -> list[Drawing]:
+    """Deepest depth of each surface over represented cycles, where wear went in steps."""
+    if not result.grew_in_steps or not any(stage.wear_steps for stage in stages):
+        return []
+    joints = result.scene.clearance_joints
+    steps = [step for stage in result.stages for step in stage.wear_steps]
+    cycles = list(accumulate((_MILLIONS * step.represented_cycles for step in steps), initial=0.0))
+    first = sum(len(stage.wear_steps) for stage in result.stages if stage.index < stages[0].index)
+    last, ends = first, []
+    for stage in stages:
+        last += len(stage.wear_steps)
+        if stage.wear_steps:
+            ends.append((cycles[last], stage_name(stage.index + 1)))
+    shown = slice(first, last + 1)
+    marker = "." if last - first < _MARKED_STEPS else ""
+    sheet = Sheet(figsize=(WIDTH, 2.9), layout="constrained")
+    grid = sheet.subplots(1, len(joints), squeeze=False)
+    for axes, joint in zip(grid.flat, joints, strict=True):
+        for side, pen in _SURFACES.items():
+            depth = [0.0, *(MICRONS * step.deepest_m[joint][side] for step in steps)]
+            pen.draw(axes, cycles[shown], depth[shown], marker=marker, markersize=4.0)
+        _mark_wears(axes, ends)
+        axes.set_xlim(cycles[first], None)
+        axes.set_ylim(0.0, None)
+        axes.set_xlabel("represented cycles (million)")
+        axes.set_ylabel("deepest wear (µm)")
+        axes.set_title(f"joint {joint}", loc="left", fontweight="bold")
+    legend(sheet, _SURFACES.values(), "outside upper right")
+    caption = (
+        "Deepest wear of each surface over the cycles that the runs stand for. Between two "
+        "points the surfaces kept their rate of wear; at each the linkage ran again on the "
+        "rebuilt surfaces. Grey lines end a wear. The deepest place may move along a surface."
+    )
+    if not maps_turn(result):
+        caption += " Both surfaces are shown apart, each with its share of the depth."
+    return [Drawing("wear-growth.png", "Growth of the wear", caption, sheet)]
+
+
+def _mark_wears(axes: Axes, ends: list[tuple[float, str]]) -> None:
+    for end, _ in ends:
+        axes.axvline(end, color=MUTED, linewidth=0.6)
+    for end, name in ends if len(ends) <= _NAMED_WEARS else ends[-1:]:
+        axes.annotate(
+            name,
+            (end, 1.0),
+            xycoords=("data", "axes fraction"),
+            xytext=(0.0, 2.0),
+            textcoords="offset points",
+            ha="right",
+            va="bottom",
+            color=MUTED,
+        )

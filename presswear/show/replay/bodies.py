@@ -1,7 +1,6 @@
 """The bodies of any planar linkage as shapes: bars, plates, blocks, and the frame."""
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import chain
 from typing import Any
@@ -12,8 +11,8 @@ from numpy.typing import NDArray
 from presswear.linkage.elements import GROUND, Attachment, Guide, Linkage
 from presswear.show.replay.reel import points_of
 from presswear.show.replay.shapes import (
-    Colour,
     Shape,
+    around,
     box,
     circle,
     colour,
@@ -22,7 +21,6 @@ from presswear.show.replay.shapes import (
     line,
     mixed,
     ring,
-    rounded,
     text,
 )
 
@@ -37,7 +35,7 @@ JOINTS = tuple(colour(code) for code in ("#0072B2", "#D55E00", "#009E73", "#CC79
 """Colours of the first, second, ... clearance joint."""
 
 _LAYER = 1e-3
-"""Between what covers and what is covered, part of the size of the picture."""
+"""Distance between two layers, part of the size of the picture."""
 
 
 @dataclass(frozen=True)
@@ -65,11 +63,6 @@ class Scale:
         return number * _LAYER * self.size
 
 
-def colour_of(linkage: Linkage, body: str) -> Colour:
-    """The colour of a body."""
-    return colour(_BODIES[linkage.index(body) % len(_BODIES)])
-
-
 def attachments(linkage: Linkage, body: str) -> list[tuple[str, Attachment]]:
     """The points at which a body, or the frame, is joined to others, with the joints' names."""
     pairs = chain(
@@ -81,26 +74,31 @@ def attachments(linkage: Linkage, body: str) -> list[tuple[str, Attachment]]:
 
 
 def extent(linkage: Linkage, position: Array) -> tuple[Array, Array]:
-    """Least and greatest x, y, m, that any joint or mass centre reaches in some positions."""
-    places = [np.array([[guide.x, guide.y]]) for guide in linkage.guides if not len(position)]
-    for name in (GROUND, *(body.name for body in linkage.bodies)):
-        for _, point in attachments(linkage, name):
-            places.append(points_of(linkage, position, point)[:, :2])
-    every = np.vstack(places)
-    return every.min(axis=0), every.max(axis=0)
+    """Least and greatest x, y, m, of the box, with a margin, in which a linkage moves."""
+    every = np.vstack(
+        [
+            points_of(linkage, position, point)[:, :2]
+            for name in (GROUND, *(body.name for body in linkage.bodies))
+            for _, point in attachments(linkage, name)
+        ]
+    )
+    low, high = every.min(axis=0), every.max(axis=0)
+    margin = 0.09 * float(np.hypot(*(high - low)))
+    return low - margin, high + margin
 
 
 def body_graphics(linkage: Linkage, body: str, scale: Scale) -> list[dict[str, Any]]:
     """A body in its own frame: joints, mass centre, names of its clearance joints."""
     ends = attachments(linkage, body)
-    layer = 4 + 3 * linkage.index(body)
-    fill = colour_of(linkage, body)
+    number = linkage.index(body)
+    fill = colour(_BODIES[number % len(_BODIES)])
     edge = mixed(fill, INK, 0.55)
-    guide = next((guide for guide in linkage.guides if guide.body == body), None)
-    shapes = list(_outline(np.array([[end.x, end.y] for _, end in ends]), guide, scale))
-    low, high = scale.layer(layer), scale.layer(layer + 1)
-    mass_centre = filled(circle((0.0, 0.0), 0.16 * scale.bar, 12), scale.layer(39), edge)
-    own = [filled(shapes[0], low, edge), filled(shapes[1], high, fill), mass_centre]
+    low, high, top = (scale.layer(3 * number + i) for i in (4, 5, 6))
+    own = [
+        filled(_outline(linkage, body, scale, 0.0), low, edge),
+        filled(_outline(linkage, body, scale, 0.22 * scale.bar), high, fill),
+        filled(circle((0.0, 0.0), 0.16 * scale.bar, 12), scale.layer(39), edge),
+    ]
     words = []
     bearings = {joint.bearing: k for k, joint in enumerate(linkage.clearances)}
     for name, end in ends:
@@ -108,20 +106,20 @@ def body_graphics(linkage: Linkage, body: str, scale: Scale) -> list[dict[str, A
         k = bearings.get(end)
         if k is not None:
             paint = JOINTS[k % len(JOINTS)]
-            own.append(ring((end.x, end.y), 1.35 * scale.bar, 0.5 * scale.bar, high, paint))
+            own.append(ring((end.x, end.y), 1.35 * scale.bar, 0.5 * scale.bar, top, paint))
             label = text((end.x, end.y), name, scale.layer(60), 1.4 * scale.font, INK)
             words.append({**label, "offset": [0.8, 0.5]})
     return [graphics(own), *words]
 
 
-def _outline(points: Array, guide: Guide | None, scale: Scale) -> Iterator[Array]:
-    """The body's edge and what is filled inside it."""
-    for inset in (0.0, 0.22 * scale.bar):
-        if guide is not None:
+def _outline(linkage: Linkage, body: str, scale: Scale, inset: float) -> Array:
+    """The edge of a body, moved inwards by a length, m: a block in a guide, else a bar or plate."""
+    for guide in linkage.guides:
+        if guide.body == body:
             size = (5.6 * scale.bar - 2.0 * inset, 4.4 * scale.bar - 2.0 * inset)
-            yield box((0.0, 0.0), size, guide.direction - guide.angle)
-        else:
-            yield rounded(points, scale.bar - inset, 0.0, INK).points[1:, :2]
+            return box((0.0, 0.0), size, guide.direction - guide.angle)
+    points = np.array([[end.x, end.y] for _, end in attachments(linkage, body)])
+    return around(points, scale.bar - inset)
 
 
 def _pin_hole(end: Attachment, scale: Scale, z: float) -> list[Shape]:
@@ -132,7 +130,7 @@ def _pin_hole(end: Attachment, scale: Scale, z: float) -> list[Shape]:
 
 
 def frame_graphics(linkage: Linkage, position: Array, scale: Scale) -> list[dict[str, Any]]:
-    """The frame: what carries its joints, and the guides with the way of their sliders."""
+    """The frame: pedestals of its joints, and the guides with the way of their sliders."""
     shapes: list[Shape] = []
     for _, point in attachments(linkage, GROUND):
         shapes += _pedestal(np.array([point.x, point.y]), scale)

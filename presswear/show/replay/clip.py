@@ -1,6 +1,5 @@
-"""Which stored frames a film shows, and how fast."""
+"""Which stored frames are shown, and how fast: in a film, and in a window."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -11,18 +10,19 @@ from presswear.record.film import FRAMES_PER_CYCLE
 from presswear.show.replay.reel import Instant, Reel
 from presswear.tools.errors import InputError
 
-Array = NDArray[np.float64]
-
-CYCLE_SECONDS = 10.0
-"""Time that a cycle takes on the screen where nothing else is asked for, s."""
-
 MOST_PICTURES = 20_000
 """A quarter of an hour at 25 a second."""
+
+SPACE, RIGHT, LEFT, DOWN, UP, HOME, END = 32, 262, 263, 264, 265, 268, 269
+"""Codes of keys as Exudyn's renderer (GLFW) gives them."""
+
+FASTER = 1.5
+"""Factor of one change of speed."""
 
 
 @dataclass(frozen=True)
 class Clip:
-    """What is played.
+    """Pictures that are played.
 
     Attributes
     ----------
@@ -38,11 +38,6 @@ class Clip:
     rate: float
     slowed: float
 
-    @property
-    def note(self) -> str:
-        """How fast it is played, in words."""
-        return played(self.slowed)
-
     def part(self, picture: int) -> float:
         """Where a picture is in the clip, 0 .. 1."""
         return picture / max(len(self.frames) - 1, 1)
@@ -55,21 +50,15 @@ def played(slowed: float) -> str:
     return f"slowed {slowed:.3g} times" if slowed > 1.0 else "as fast as it is"
 
 
-def default_start(reel: Reel) -> float:
-    """Where a film begins: after the first cycle, in which pins settle, if there are more, s."""
-    return reel.period if reel.span[1] >= 1.98 * reel.period else 0.0
-
-
 def frames_at(reels: Sequence[Reel], time: float) -> tuple[int, ...]:
     """The frame of each reel at one crank angle: that of the first at a time, s.
 
     InputError where a reel does not reach so far.
     """
-    turns = time / reels[0].period
     found = []
     for reel in reels:
         first, last = reel.span
-        own = turns * reel.period
+        own = time / reels[0].period * reel.period
         # Frames are apart: the last one stands for all up to the end of its cycle.
         slack = 2.0 * reel.period / FRAMES_PER_CYCLE
         if not first - slack <= own <= last + slack:
@@ -100,13 +89,61 @@ def clip_of(reels: Sequence[Reel], start: float, end: float, slowed: float, rate
 def instants(reels: Sequence[Reel], before: Sequence[int], frames: Sequence[int]) -> list[Instant]:
     """A frame of each reel, where others were shown before."""
     return [
-        reel.instant(int(frame), min(int(last), int(frame) - 1))
+        reel.instant(int(frame), int(last))
         for reel, last, frame in zip(reels, before, frames, strict=True)
     ]
 
 
-def default_slowed(reel: Reel) -> float:
-    """Slow enough that a cycle takes CYCLE_SECONDS, to two digits."""
-    exact = CYCLE_SECONDS / reel.period
-    unit: float = 10.0 ** (math.floor(math.log10(exact)) - 1)
-    return round(exact / unit) * unit
+@dataclass
+class Player:
+    """A place in time that moves on.
+
+    Attributes
+    ----------
+    first, last, time : float
+        Ends of the film and the present place, s.
+    slowed : float
+        Time on the screen over time of the run.
+    step : float
+        One frame, s.
+    plays : bool
+    """
+
+    first: float
+    last: float
+    time: float
+    slowed: float
+    step: float
+    plays: bool = True
+
+    def advance(self, seconds: float) -> None:
+        """Let time on the screen pass, s; from the end it begins again."""
+        if not self.plays:
+            return
+        self.time += seconds / self.slowed
+        if self.time > self.last:
+            self.time = self.first
+
+    def press(self, key: int) -> bool:
+        """Do what a key stands for; False where it stands for nothing."""
+        if key == SPACE:
+            self.plays = not self.plays
+        elif key in (LEFT, RIGHT):
+            self.plays = False
+            self.jump(self.time + (self.step if key == RIGHT else -self.step))
+        elif key in (UP, DOWN):
+            self.slowed *= FASTER if key == DOWN else 1.0 / FASTER
+        elif key in (HOME, END):
+            self.jump(self.first if key == HOME else self.last)
+        else:
+            return False
+        return True
+
+    def jump(self, time: float) -> None:
+        """Go to a time, s."""
+        self.time = min(max(time, self.first), self.last)
+
+    @property
+    def part(self) -> float:
+        """Where it is between both ends, 0 .. 1."""
+        return (self.time - self.first) / (self.last - self.first)

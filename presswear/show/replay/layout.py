@@ -20,13 +20,13 @@ class Panel:
     Attributes
     ----------
     offset : ndarray, shape (2,)
-        From the mechanism's origin to where that is drawn.
+        Where the mechanism's origin is drawn.
     title : ndarray, shape (2,)
         Where words begin.
     joints : tuple of ndarray, shape (2,)
         Centres of the enlarged joints.
     radius : float
-        Of an enlarged joint.
+        Radius of an enlarged joint.
     """
 
     offset: Array
@@ -37,20 +37,17 @@ class Panel:
 
 @dataclass(frozen=True)
 class Layout:
-    """The whole picture.
+    """The whole picture, with its centre at the origin.
 
     Attributes
     ----------
-    centre : ndarray, shape (2,)
-        m.
     height : float
-        What the window shows, m.
+        Height that the window shows, m.
     panels : tuple of Panel
     bar : tuple of ndarray, shape (2,)
         Both ends of the bar of time.
     """
 
-    centre: Array
     height: float
     panels: tuple[Panel, ...]
     bar: tuple[Array, Array]
@@ -62,66 +59,45 @@ def layout_of(boxes: Sequence[tuple[Array, Array]], joints: Sequence[int], aspec
     Parameters
     ----------
     boxes : sequence of (least, greatest)
-        What each mechanism reaches, m.
+        Corners of the box in which each mechanism moves, m.
     joints : sequence of int
-        Clearance joints of each.
+        Number of clearance joints of each.
     aspect : float
         Width over height of the window.
     """
-    count = len(boxes)
-    width = aspect / count
-    usable = 1.0 - _HEAD - _FOOT
-    beside = count == 1  # joints beside the mechanism, else below it
+    # All lengths but those of the boxes are parts of the picture's height.
+    width = aspect / len(boxes)
+    inside, usable = width - 2.0 * _MARGIN, 1.0 - _HEAD - _FOOT
     most = max(joints)
+    beside = len(boxes) == 1  # joints beside the mechanism, else below it
     if most == 0:
-        room, radius = (width - 2.0 * _MARGIN, usable), 0.0
+        room, radius = np.array([inside, usable]), 0.0
     elif beside:
         radius = min(0.34 * usable / most, 0.15 * width)
-        room = (width - 2.0 * _MARGIN - 3.4 * radius, usable)
+        room = np.array([inside - 3.4 * radius, usable])
     else:
-        radius = min(0.13 * usable * 1.6, 0.36 * (width - 2.0 * _MARGIN) / most)
-        room = (width - 2.0 * _MARGIN, usable - 3.1 * radius)
-    sizes = [greatest - least for least, greatest in boxes]
-    height = max(max(size[0] / room[0], size[1] / room[1]) for size in sizes)
-    return Layout(
-        centre=np.zeros(2),
-        height=float(height),
-        panels=tuple(
-            _panel(box, number, i, (aspect, width), room, radius, float(height))
-            for i, (box, number) in enumerate(zip(boxes, joints, strict=True))
-        ),
-        bar=(
-            height * np.array([-0.5 * aspect + 2.0 * _MARGIN, -0.5 + 0.4 * _FOOT]),
-            height * np.array([0.5 * aspect - 2.0 * _MARGIN, -0.5 + 0.4 * _FOOT]),
-        ),
-    )
+        radius = min(0.13 * usable * 1.6, 0.36 * inside / most)
+        room = np.array([inside, usable - 3.1 * radius])
+    height = max(float(((greatest - least) / room).max()) for least, greatest in boxes)
 
+    def panel(index: int) -> Panel:
+        left, top = -0.5 * aspect + index * width, 0.5 - _HEAD
+        least, greatest = boxes[index]
+        count = joints[index]
+        steps = (np.arange(count) + 0.5) / max(count, 1)
+        if beside:
+            column = np.full(count, left + width - _MARGIN - 1.65 * radius)
+            places = np.column_stack([column, top - usable * steps])
+        else:
+            row = np.full(count, -0.5 + _FOOT + 1.35 * radius)
+            places = np.column_stack([left + _MARGIN + inside * steps, row])
+        middle = np.array([left + _MARGIN, top]) + 0.5 * room * (1.0, -1.0)
+        return Panel(
+            offset=height * middle - 0.5 * (least + greatest),
+            title=height * np.array([left + _MARGIN, 0.5 - 0.045]),
+            joints=tuple(height * places),
+            radius=height * radius,
+        )
 
-def _panel(
-    box: tuple[Array, Array],
-    joints: int,
-    index: int,
-    widths: tuple[float, float],
-    room: tuple[float, float],
-    radius: float,
-    height: float,
-) -> Panel:
-    """A panel from its measures in parts of the picture's height."""
-    aspect, width = widths
-    left, top = -0.5 * aspect + index * width, 0.5 - _HEAD
-    beside = width == aspect
-    middle = np.array([left + _MARGIN + 0.5 * room[0], top - 0.5 * room[1]])
-    if beside:
-        column = left + width - _MARGIN - 1.65 * radius
-        step = (1.0 - _HEAD - _FOOT) / max(joints, 1)
-        places = [np.array([column, top - (k + 0.5) * step]) for k in range(joints)]
-    else:
-        step = (width - 2.0 * _MARGIN) / max(joints, 1)
-        row = -0.5 + _FOOT + 1.35 * radius
-        places = [np.array([left + _MARGIN + (k + 0.5) * step, row]) for k in range(joints)]
-    return Panel(
-        offset=height * middle - 0.5 * (box[0] + box[1]),
-        title=height * np.array([left + _MARGIN, 0.5 - 0.045]),
-        joints=tuple(height * place for place in places),
-        radius=height * radius,
-    )
+    end = height * np.array([0.5 * aspect - 2.0 * _MARGIN, -0.5 + 0.4 * _FOOT])
+    return Layout(height, tuple(map(panel, range(len(boxes)))), (end * (-1.0, 1.0), end))

@@ -5,38 +5,27 @@ a window that hangs or is closed does not keep the run from going on.
 """
 
 import time as clock
-from dataclasses import dataclass
 from multiprocessing.connection import Connection
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import ClearanceJoint, Linkage
-from presswear.record.film import FILM_JOINT, Film
+from presswear.linkage.elements import Linkage
+from presswear.record.film import FILM_JOINT
 from presswear.record.tracker import Progress, Tracker
 from presswear.scene.scene import Scene, stage_name
 from presswear.show.replay.picture import Picture
-from presswear.show.replay.reel import PATH_FRAMES, Instant, Subject, Surfaces
-from presswear.show.replay.window import Window, begin, check_display, wait_open
+from presswear.show.replay.reel import PATH_FRAMES, PEAK, Instant, Subject, deepest
+from presswear.show.replay.window import Window, check_display, opened
 
 Array = NDArray[np.float64]
 
 _INTERVAL = 0.04
 """Least time between two pictures, s."""
 _LARGEST = 500.0
-"""Force whose arrow has the full length, N: what is to come is not known."""
+"""Force whose arrow has the full length, N: that of the run is not known yet."""
 _RECENT = 10
 """Frames of which the greatest force is told."""
-_PEAK = FILM_JOINT.index("peak")
-
-
-@dataclass(frozen=True)
-class _Frames:
-    """The last frames of a run, the present one at the end."""
-
-    film: Film
-    part: float
 
 
 class Live(Tracker):
@@ -53,11 +42,9 @@ class Live(Tracker):
         self._scene = scene
         times = np.linspace(0.0, scene.mechanism.period, 181)
         self._motion = scene.mechanism.ideal_motion(times).position
-        linkage = scene.linkage()
         self._linkage: Linkage | None = None
         self._window: Connection | None
-        self._process, self._window = begin(_show, size, self._subject(0, linkage))
-        wait_open(self._process, self._window)
+        self._process, self._window = opened(_show, size, self._subject(0, scene.linkage()))
         self._is_ready = True
         self._sent = 0.0
 
@@ -70,21 +57,21 @@ class Live(Tracker):
             self._linkage = progress.linkage
             self._send(self._subject(progress.stage, progress.linkage))
         film = progress.recorder.last_frames
-        last = Film(*(part[-PATH_FRAMES:] for part in (film.time, film.position, film.joints)))
-        self._send(_Frames(last, float(film.time[-1] / self._scene.mechanism.period) % 1.0))
+        time = float(film.time[-1])
+        peaks = film.joints[-_RECENT:, :, PEAK].max(axis=0)
+        instant = Instant(time, film.position[-PATH_FRAMES:], film.joints[-1], peaks)
+        self._send((instant, time / self._scene.mechanism.period % 1.0))
         self._is_ready = False
         self._sent = now
 
     def _subject(self, stage: int, linkage: Linkage) -> Subject:
-        worn = tuple(_surfaces(joint) for joint in linkage.clearances)
         return Subject(
             title=self._scene.name,
             stage=f"{stage_name(stage)}, running",
             linkage=linkage,
             period=self._scene.mechanism.period,
-            surfaces=worn,
-            deepest=tuple(surface.deepest for surface in worn),
-            largest=tuple(_LARGEST for _ in worn),
+            deepest=deepest(linkage),
+            largest={joint.name: _LARGEST for joint in linkage.clearances},
             motion=self._motion,
         )
 
@@ -100,7 +87,7 @@ class Live(Tracker):
             return False
         return self._is_ready
 
-    def _send(self, what: Subject | _Frames) -> None:
+    def _send(self, what: Subject | tuple[Instant, float]) -> None:
         try:
             if self._window is not None:
                 self._window.send(what)
@@ -116,17 +103,9 @@ class Live(Tracker):
             self._process.kill()
 
 
-def _surfaces(joint: ClearanceJoint) -> Surfaces:
-    bearing, pin = (
-        surface.depth if surface.is_worn else np.zeros(1)
-        for surface in (joint.bearing_surface, joint.pin_surface)
-    )
-    return Surfaces(bearing, pin)
-
-
-def _show(run: Any, size: tuple[int, int], subject: Subject) -> None:
+def _show(run: Connection, size: tuple[int, int], subject: Subject) -> None:
     """The process of the window."""
-    picture, window = _opened(subject, size)
+    picture, window = _fresh(subject, size)
     run.send("open")
     is_open = True
     try:
@@ -135,9 +114,10 @@ def _show(run: Any, size: tuple[int, int], subject: Subject) -> None:
                 told = run.recv()
                 if isinstance(told, Subject):
                     window.close()
-                    picture, window = _opened(told, size)
+                    picture, window = _fresh(told, size)
                 else:
-                    picture.set([_instant(told.film)], told.part, "")
+                    instant, part = told
+                    picture.set([instant], part, "")
                     run.send("shown")
             is_open = window.idle()
     except (EOFError, OSError):
@@ -145,18 +125,8 @@ def _show(run: Any, size: tuple[int, int], subject: Subject) -> None:
     window.close()
 
 
-def _opened(subject: Subject, size: tuple[int, int]) -> tuple[Picture, Window]:
+def _fresh(subject: Subject, size: tuple[int, int]) -> tuple[Picture, Window]:
     picture = Picture([subject], size)
     joints = np.zeros((len(subject.linkage.clearances), len(FILM_JOINT)))
     picture.set([Instant(0.0, subject.motion[:1], joints, joints[:, 0])], 0.0, "")
     return picture, Window(picture, lambda key: False)
-
-
-def _instant(film: Film) -> Instant:
-    recent = film.joints[-_RECENT:, :, _PEAK]
-    return Instant(
-        time=float(film.time[-1]),
-        past=film.position,
-        joints=film.joints[-1],
-        peaks=np.max(recent, axis=0),
-    )

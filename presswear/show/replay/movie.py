@@ -5,24 +5,25 @@ import os
 import shutil
 import subprocess
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from itertools import chain
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from presswear.show.replay.clip import Clip, instants
+from presswear.show.replay.clip import Clip, instants, played
 from presswear.show.replay.picture import Picture
 from presswear.show.replay.reel import Reel
 from presswear.tools.errors import InputError, RunFailed
+from presswear.tools.files import write_whole
 
 Pixels = NDArray[np.uint8]
 
 MOVIES = (".mp4", ".gif")
 _COLOURS = 64
-"""Of a GIF: flat colours need few."""
+"""Colours of a GIF: flat ones need few."""
 
 
 def still(reels: Sequence[Reel], frames: Sequence[int], size: tuple[int, int]) -> Pixels:
@@ -38,13 +39,12 @@ def still(reels: Sequence[Reel], frames: Sequence[int], size: tuple[int, int]) -
 
 
 def write_still(file: Path, pixels: Pixels) -> None:
-    """A picture as PNG, whole or not at all."""
-    with _whole(file) as part:
-        Image.fromarray(pixels).save(part, format="png")
+    """Write a picture as PNG, whole or not at all."""
+    write_whole(file, lambda part: Image.fromarray(pixels).save(part, format="png"))
 
 
 _worker: dict[str, Any] = {}
-"""What a worker process draws with."""
+"""Reels, clip and picture of a worker process."""
 
 
 def _begin(reels: Sequence[Reel], clip: Clip, size: tuple[int, int]) -> None:
@@ -57,7 +57,7 @@ def _draw(number: int) -> Pixels:
     clip, reels, picture = _worker["clip"], _worker["reels"], _worker["picture"]
     frames = clip.frames[number]
     before = clip.frames[max(number - 1, 0)]
-    picture.set(instants(reels, before, frames), clip.part(number), clip.note)
+    picture.set(instants(reels, before, frames), clip.part(number), played(clip.slowed))
     image: Pixels = picture.image()
     return image
 
@@ -87,14 +87,16 @@ def write_movie(
     rate: float,
     progress: Callable[[float], None] = lambda part: None,
 ) -> None:
-    """Pictures as a film, whole or not at all.
+    """Write pictures as a film, whole or not at all.
 
     Parameters
     ----------
     count : int
-        Of the pictures, for the progress.
+        Number of the pictures, for the progress.
     rate : float
         Pictures a second.
+    progress : callable
+        Told the part of the pictures that is written, 0 .. 1.
     """
 
     def told() -> Iterator[Pixels]:
@@ -102,12 +104,11 @@ def write_movie(
             yield image
             progress((number + 1) / count)
 
-    with _whole(file) as part:
-        encode = _gif if file.suffix.lower() == ".gif" else _mp4
-        encode(part, told(), rate)
+    encode = _gif if file.suffix.lower() == ".gif" else _mp4
+    write_whole(file, lambda part: encode(part, told(), rate))
 
 
-def _gif(part: Path, images: Iterator[Pixels], rate: float) -> None:
+def _gif(part: BinaryIO, images: Iterator[Pixels], rate: float) -> None:
     """Pillow takes the pictures one by one; all share the palette of the first."""
     first = Image.fromarray(next(images)).quantize(_COLOURS)
     rest = (
@@ -118,7 +119,7 @@ def _gif(part: Path, images: Iterator[Pixels], rate: float) -> None:
     first.save(part, format="gif", save_all=True, append_images=rest, duration=duration, loop=0)
 
 
-def _mp4(part: Path, images: Iterator[Pixels], rate: float) -> None:
+def _mp4(part: BinaryIO, images: Iterator[Pixels], rate: float) -> None:
     image = next(images)
     height, width = image.shape[:2]
     command = [
@@ -126,15 +127,14 @@ def _mp4(part: Path, images: Iterator[Pixels], rate: float) -> None:
         *("-s", f"{width}x{height}", "-r", f"{rate:g}", "-i", "-"),
         # Players expect even sizes and this way of storing colours.
         *("-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p"),
-        *("-movflags", "+faststart", "-f", "mp4", str(part)),
+        *("-movflags", "+faststart", "-f", "mp4", part.name),
     ]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as encoder:
         assert encoder.stdin is not None
         assert encoder.stderr is not None
         try:
-            encoder.stdin.write(image.tobytes())
-            for image in images:
-                encoder.stdin.write(image.tobytes())
+            for each in chain([image], images):
+                encoder.stdin.write(each.tobytes())
             encoder.stdin.close()
         except BrokenPipeError:
             pass  # the encoder says why
@@ -144,14 +144,3 @@ def _mp4(part: Path, images: Iterator[Pixels], rate: float) -> None:
         said = encoder.stderr.read().decode(errors="replace").strip().splitlines()
     if encoder.returncode != 0:
         raise RunFailed(f"ffmpeg could not write the film: {said[-1] if said else 'no reason'}")
-
-
-@contextmanager
-def _whole(file: Path) -> Iterator[Path]:
-    """A name to write to that becomes the file's only when all went well."""
-    part = file.with_name(file.name + ".part")
-    try:
-        yield part
-        os.replace(part, file)
-    finally:
-        part.unlink(missing_ok=True)

@@ -4,6 +4,7 @@ Bodies, bearings and pins are rigid bodies whose coordinates are those that were
 what changes its shape (forces, paths, words) is drawn anew for every frame.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -12,7 +13,6 @@ import exudyn as exu
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import ClearanceJoint
 from presswear.show.replay.bodies import (
     INK,
     JOINTS,
@@ -22,21 +22,10 @@ from presswear.show.replay.bodies import (
     extent,
     frame_graphics,
 )
-from presswear.show.replay.joints import (
-    FORCE,
-    Enlargement,
-    bearing_shapes,
-    contact_shapes,
-    joint_words,
-    map_angle,
-    mark_shapes,
-    path_shapes,
-    pin_shapes,
-    play_shapes,
-)
+from presswear.show.replay.joints import FORCE, EnlargedJoint
 from presswear.show.replay.layout import Layout, Panel, layout_of
-from presswear.show.replay.reel import Instant, Subject, Surfaces, points_of
-from presswear.show.replay.shapes import Colour, Shape, graphics, line, text
+from presswear.show.replay.reel import NORMAL, TANGENTIAL, Instant, Subject, points_of
+from presswear.show.replay.shapes import Shape, graphics, line, text
 
 Array = NDArray[np.float64]
 
@@ -45,27 +34,12 @@ _FONT = 13.0
 
 
 @dataclass(frozen=True)
-class _Joint:
-    """An enlarged joint of one panel."""
-
-    number: int
-    joint: ClearanceJoint
-    centre: Array
-    factor: Enlargement
-    worn: Surfaces
-
-    @property
-    def paint(self) -> Colour:
-        return JOINTS[self.number % len(JOINTS)]
-
-
-@dataclass(frozen=True)
 class _Show:
     """A subject in its panel."""
 
     subject: Subject
     panel: Panel
-    joints: tuple[_Joint, ...]
+    joints: tuple[EnlargedJoint, ...]
 
 
 class Picture:
@@ -79,7 +53,7 @@ class Picture:
     """
 
     def __init__(self, subjects: Sequence[Subject], size: tuple[int, int]) -> None:
-        boxes = [_padded(extent(subject.linkage, subject.motion)) for subject in subjects]
+        boxes = [extent(subject.linkage, subject.motion) for subject in subjects]
         counts = [len(subject.linkage.clearances) for subject in subjects]
         self.layout: Layout = layout_of(boxes, counts, size[0] / size[1])
         self._scale = Scale(
@@ -108,19 +82,8 @@ class Picture:
         for body in linkage.bodies:
             self._add_body(panel.offset, body_graphics(linkage, body.name, scale))
         for own in show.joints:
-            width = 0.02 * panel.radius
-            pin_radius = own.factor.body * own.joint.pin_radius
-            drawn = (
-                bearing_shapes(own.joint, own.worn.bearing, own.factor, self._layers(70)),
-                mark_shapes(panel.radius, width, scale.layer(73)),
-                pin_shapes(own.joint, own.worn.pin, own.factor, self._layers(75)),
-                mark_shapes(pin_radius, width, scale.layer(78)),
-            )
-            for shapes in drawn:
+            for shapes in own.bodies(scale.layer):
                 self._add_body(own.centre, [graphics(shapes)])
-
-    def _layers(self, first: int) -> list[float]:
-        return [self._scale.layer(first + i) for i in range(3)]
 
     def _add_body(self, origin: Array, drawn: list[dict[str, Any]]) -> None:
         node = self.system.AddNode(
@@ -157,9 +120,8 @@ class Picture:
     def look(self) -> None:
         """Point the view at the whole picture."""
         # Exudyn's zoom is half of the height that it shows.
-        self.container.renderer.SetModelView(
-            0.5 * self.layout.height, [0.0, 0.0, 0.0], [*self.layout.centre, 0.0]
-        )
+        origin = [0.0, 0.0, 0.0]
+        self.container.renderer.SetModelView(0.5 * self.layout.height, origin, origin)
 
     def set(self, instants: Sequence[Instant], part: float, note: str) -> None:
         """Set the renderer's state to an instant of each subject.
@@ -167,22 +129,22 @@ class Picture:
         Parameters
         ----------
         part : float
-            Where that is in what is played, 0 .. 1.
+            Place of that moment in all that is played, 0 .. 1.
         note : str
-            A word on how it is played.
+            Words on how it is played.
         """
         coordinates, ink, words = [], self._bar(part), []
         for show, instant in zip(self._shows, instants, strict=True):
             coordinates.append(instant.past[-1])
             words += self._title(show, instant, note)
-            for own in show.joints:
+            for own, row, peak in zip(show.joints, instant.joints, instant.peaks, strict=True):
                 bearing, pin = (
                     points_of(show.subject.linkage, instant.past, end)
                     for end in (own.joint.bearing, own.joint.pin)
                 )
-                coordinates += _enlarged(own, bearing[-1], pin[-1])
-                ink += self._moving(own, instant, bearing, pin)
-                words += self._joint_words(own, instant)
+                coordinates += own.coordinates(bearing[-1], pin[-1])
+                ink += own.moving(bearing, pin, row, self._scale.layer)
+                words += self._joint_words(own, row, peak)
         self._place(np.concatenate(coordinates), instants[0].time)
         self.system.SetObjectParameter(self._ink, "VgraphicsData", [graphics(ink), *words])
 
@@ -192,35 +154,13 @@ class Picture:
             data.SetODE2Coordinates(coordinates, kind)
             data.SetTime(time, kind)
 
-    def _moving(self, own: _Joint, instant: Instant, bearing: Array, pin: Array) -> list[Shape]:
-        """Path, contact and force of a joint; poses of bearing and pin, shape (n, 3)."""
-        z = self._scale.layer
-        eccentricity = (pin - bearing)[:, :2]
-        turned = map_angle(own.joint, float(pin[-1, 2]))
-        row = instant.joints[own.number]
-        return [
-            *play_shapes(own.centre, own.joint, own.factor, z(85)),
-            *path_shapes(own.centre, eccentricity, own.factor, z(86), own.paint),
-            *contact_shapes(
-                own.centre,
-                own.joint,
-                own.worn.pin,
-                turned,
-                eccentricity[-1],
-                row,
-                own.factor,
-                z(88),
-            ),
-        ]
-
-    def _joint_words(self, own: _Joint, instant: Instant) -> list[dict[str, Any]]:
+    def _joint_words(self, own: EnlargedJoint, row: Array, peak: float) -> list[dict[str, Any]]:
         font, z = self._scale.font, self._scale.layer(95)
-        row, peak = instant.joints[own.number], float(instant.peaks[own.number])
-        radius = own.factor.radius
-        above = own.centre + np.array([-1.45, 1.13]) * radius
-        below = own.centre + np.array([-1.45, -1.19]) * radius
-        words = [text(above, joint_words(own.joint.name, row, peak), z, font, own.paint)]
-        for i, factor in enumerate(own.factor.words()):
+        above = own.centre + np.array([-1.45, 1.13]) * own.radius
+        below = own.centre + np.array([-1.45, -1.19]) * own.radius
+        force = f"force {math.hypot(row[NORMAL], row[TANGENTIAL]):.0f} N, peak {peak:.0f} N"
+        words = [text(above, f"{own.joint.name}: {force}", z, font, own.paint)]
+        for i, factor in enumerate(own.words()):
             words.append(text(below - [0.0, i * self._line(0.8)], factor, z, 0.75 * font, INK))
         return words
 
@@ -262,26 +202,9 @@ class Picture:
         self.container.Reset()
 
 
-def _padded(box: tuple[Array, Array]) -> tuple[Array, Array]:
-    low, high = box
-    margin = 0.09 * float(np.hypot(*(high - low)))
-    return low - margin, high + margin
-
-
 def _show(subject: Subject, panel: Panel) -> _Show:
     joints = []
-    for k, joint in enumerate(subject.linkage.clearances):
-        factor = Enlargement.of(joint, subject.deepest[k], subject.largest[k], panel.radius)
-        joints.append(_Joint(k, joint, panel.joints[k], factor, subject.surfaces[k]))
+    for k, (joint, centre) in enumerate(zip(subject.linkage.clearances, panel.joints, strict=True)):
+        room = subject.deepest[joint.name], subject.largest[joint.name]
+        joints.append(EnlargedJoint(joint, *room, centre, panel.radius, JOINTS[k % len(JOINTS)]))
     return _Show(subject, panel, tuple(joints))
-
-
-def _enlarged(own: _Joint, bearing: Array, pin: Array) -> list[Array]:
-    """Coordinates of an enlarged joint: bearing, its mark, pin, its mark."""
-    x, y = own.factor.gap * (pin - bearing)[:2]
-    angles = bearing[2], pin[2]
-    maps = [map_angle(own.joint, float(angle)) for angle in angles]
-    return [
-        np.array([0.0, 0.0, maps[0], 0.0, 0.0, angles[0]]),
-        np.array([x, y, maps[1], x, y, angles[1]]),
-    ]

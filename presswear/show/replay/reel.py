@@ -1,52 +1,45 @@
-"""What a replay shows: the film of a stage, the surfaces it ran on, and their names."""
+"""The film of a stage, and all else that is needed to draw it."""
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import GROUND, Attachment, ClearanceJoint, Linkage
+from presswear.linkage.elements import GROUND, Attachment, Linkage
+from presswear.linkage.surface import Surface
 from presswear.record.film import FILM_JOINT, Film
 from presswear.results.result import Result
-from presswear.scene.scene import stage_name
+from presswear.results.stage import StageResult
+from presswear.scene.scene import Scene
 
 Array = NDArray[np.float64]
 
 PATH_FRAMES = 60
 """Frames that the path of a pin's centre reaches back."""
-_NORMAL, _TANGENTIAL, _PEAK = (FILM_JOINT.index(name) for name in ("normal", "tangential", "peak"))
-
-
-@dataclass(frozen=True)
-class Surfaces:
-    """Wear depth of a bearing and its pin by angle, bin centres, shape (m,) each, m."""
-
-    bearing: Array
-    pin: Array
-
-    @property
-    def deepest(self) -> float:
-        """m."""
-        return float(max(self.bearing.max(), self.pin.max()))
+CYCLE_SECONDS = 10.0
+"""Time that a cycle takes on the screen where nothing else is asked for, s."""
+NORMAL, TANGENTIAL, X, Y, PEAK = (
+    FILM_JOINT.index(name)
+    for name in ("normal", "tangential", "direction_x", "direction_y", "peak")
+)
 
 
 @dataclass(frozen=True)
 class Subject:
-    """What is drawn: everything about it that does not change with time.
+    """All about a stage that does not change with time.
 
     Attributes
     ----------
     title, stage : str
         Folder and scene, and the stage.
     linkage : Linkage
-        Without its wear; ``surfaces`` has that.
+        Linkage with the surfaces that the stage ran on.
     period : float
-        Of a cycle, s.
-    surfaces : tuple of Surfaces
-        That the stage ran on, of each clearance joint.
-    deepest, largest : tuple of float
-        Greatest depth, m, and force, N, of each joint for which there must be room.
+        Duration of a cycle, s.
+    deepest, largest : mapping
+        Greatest depth, m, and force, N, by joint for which there must be room.
     motion : ndarray, shape (n, 3 bodies)
         Positions for which there must be room.
     """
@@ -55,9 +48,8 @@ class Subject:
     stage: str
     linkage: Linkage
     period: float
-    surfaces: tuple[Surfaces, ...]
-    deepest: tuple[float, ...]
-    largest: tuple[float, ...]
+    deepest: Mapping[str, float]
+    largest: Mapping[str, float]
     motion: Array
 
 
@@ -92,7 +84,7 @@ class Reel:
 
     @property
     def period(self) -> float:
-        """Of a cycle, s."""
+        """Duration of a cycle, s."""
         return self.subject.period
 
     @property
@@ -100,12 +92,21 @@ class Reel:
         """Times of the first and the last frame, s."""
         return float(self.film.time[0]), float(self.film.time[-1])
 
+    @property
+    def start(self) -> float:
+        """Time, s, after the first cycle, in which pins settle, if there are more."""
+        return self.period if self.span[1] >= 1.98 * self.period else 0.0
+
+    @property
+    def slowed(self) -> float:
+        """Factor, of two digits, by which a cycle takes ``CYCLE_SECONDS``."""
+        exact = CYCLE_SECONDS / self.period
+        unit: float = 10.0 ** (math.floor(math.log10(exact)) - 1)
+        return round(exact / unit) * unit
+
     def frame_at(self, time: float) -> int:
         """The frame nearest to a time, s."""
-        times = self.film.time
-        after = int(np.clip(np.searchsorted(times, time), 1, max(len(times) - 1, 1)))
-        after = min(after, len(times) - 1)
-        return after - 1 if time - times[after - 1] < times[after] - time else after
+        return int(np.abs(self.film.time - time).argmin())
 
     def instant(self, frame: int, before: int) -> Instant:
         """A frame, where another was shown before it."""
@@ -114,7 +115,7 @@ class Reel:
             time=float(self.film.time[frame]),
             past=self.film.position[max(frame - PATH_FRAMES, 0) : frame + 1],
             joints=self.film.joints[frame],
-            peaks=since[:, :, _PEAK].max(axis=0),
+            peaks=since[:, :, PEAK].max(axis=0),
         )
 
 
@@ -133,50 +134,59 @@ def points_of(linkage: Linkage, position: Array, point: Attachment) -> Array:
     return np.column_stack([x + c * point.x - s * point.y, y + s * point.x + c * point.y, angle])
 
 
-def reel_of(result: Result, stage: int) -> Reel:
+def reel_of(result: Result, index: int) -> Reel:
     """The reel of a stored stage; InputError where it has no film."""
-    scene = result.scene
-    linkage = scene.linkage()
-    film = result.stages[stage].film
+    scene, stage = result.scene, result.stage(index)
+    film, linkage = stage.film, _linkage(scene, stage)
+    forces = np.hypot(film.joints[:, :, NORMAL], film.joints[:, :, TANGENTIAL])
+    largest = forces.max(axis=0, initial=0.0).tolist()
     subject = Subject(
         title=f"{result.path.resolve().name}: {scene.name}" if result.path else scene.name,
-        stage=stage_name(stage),
+        stage=stage.name,
         linkage=linkage,
         period=scene.mechanism.period,
-        surfaces=tuple(_surfaces(result, stage, joint) for joint in linkage.clearances),
-        deepest=tuple(
-            max(_surfaces(result, k, joint).deepest for k in range(len(result.stages)))
-            for joint in linkage.clearances
-        ),
-        largest=tuple(
-            float(np.hypot(rows[:, _NORMAL], rows[:, _TANGENTIAL]).max(initial=0.0))
-            for rows in film.joints.transpose(1, 0, 2)
-        ),
+        deepest=_greatest(deepest(_linkage(scene, one)) for one in result.stages),
+        largest={joint.name: own for joint, own in zip(linkage.clearances, largest, strict=True)},
         motion=film.position,
     )
     return Reel(subject, film)
 
 
-def alike(reels: Sequence[Reel]) -> list[Reel]:
-    """The same reels with room for the same depths and forces, so that they can be compared."""
-    depth: dict[str, float] = {}
-    force: dict[str, float] = {}
-    for reel in reels:
-        for k, joint in enumerate(reel.subject.linkage.clearances):
-            depth[joint.name] = max(depth.get(joint.name, 0.0), reel.subject.deepest[k])
-            force[joint.name] = max(force.get(joint.name, 0.0), reel.subject.largest[k])
-    found = []
-    for reel in reels:
-        names = [joint.name for joint in reel.subject.linkage.clearances]
-        subject = replace(
-            reel.subject,
-            deepest=tuple(depth[name] for name in names),
-            largest=tuple(force[name] for name in names),
+def _linkage(scene: Scene, stage: StageResult) -> Linkage:
+    """The linkage with the surfaces that a stage ran on."""
+    return scene.linkage(
+        {
+            name: (Surface(own.depth("bearing")), Surface(own.depth("pin")))
+            for name, own in stage.joints.items()
+        }
+    )
+
+
+def deepest(linkage: Linkage) -> dict[str, float]:
+    """Greatest depth of the surfaces of each joint, m."""
+    return {
+        joint.name: max(
+            float(surface.depth.max(initial=0.0))
+            for surface in (joint.bearing_surface, joint.pin_surface)
         )
-        found.append(Reel(subject, reel.film))
+        for joint in linkage.clearances
+    }
+
+
+def alike(reels: Sequence[Reel]) -> list[Reel]:
+    """The reels with room for the same depths and forces, so that they can be compared."""
+    deepest = _greatest(reel.subject.deepest for reel in reels)
+    largest = _greatest(reel.subject.largest for reel in reels)
+    return [
+        replace(reel, subject=replace(reel.subject, deepest=deepest, largest=largest))
+        for reel in reels
+    ]
+
+
+def _greatest(rooms: Iterable[Mapping[str, float]]) -> dict[str, float]:
+    """The greatest number of each joint."""
+    found: dict[str, float] = {}
+    for room in rooms:
+        for joint, number in room.items():
+            found[joint] = max(found.get(joint, 0.0), number)
     return found
-
-
-def _surfaces(result: Result, stage: int, joint: ClearanceJoint) -> Surfaces:
-    arrays = result.stages[stage].arrays
-    return Surfaces(arrays[f"{joint.name}_depth_bearing"], arrays[f"{joint.name}_depth_pin"])

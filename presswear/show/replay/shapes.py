@@ -33,25 +33,23 @@ def mixed(one: Colour, other: Colour, part: float) -> Colour:
 
 @dataclass(frozen=True)
 class Shape:
-    """Triangles of one colour.
+    """Triangles of one colour in a plane of height z.
 
     Attributes
     ----------
-    points : ndarray, shape (n, 3)
+    points : ndarray, shape (n, 2)
         m.
     triangles : ndarray of int, shape (t, 3)
+    z : float
+        m.
     colour : tuple
         Red, green, blue, alpha, 0 .. 1.
     """
 
     points: Array
     triangles: NDArray[np.int64]
+    z: float
     colour: Colour
-
-
-def at_height(points: Array, z: float) -> Array:
-    """Points (n, 2) in the plane of height z."""
-    return np.column_stack([points, np.full(len(points), z)])
 
 
 def circle(centre: Point, radius: float, pieces: int = _ARC) -> Array:
@@ -66,7 +64,7 @@ def filled(outline: Array, z: float, paint: Colour) -> Shape:
     points = np.vstack([outline.mean(axis=0), outline])
     own = np.arange(count)
     triangles = np.column_stack([np.zeros(count, int), 1 + own, 1 + (own + 1) % count])
-    return Shape(at_height(points, z), triangles, paint)
+    return Shape(points, triangles, z, paint)
 
 
 def hull(points: Array) -> Array:
@@ -89,13 +87,13 @@ def hull(points: Array) -> Array:
     return np.array(chain(order) + chain(reversed(order)))
 
 
-def rounded(points: Array, radius: float, z: float, paint: Colour) -> Shape:
-    """All that is within a radius of the convex hull of points: a disc, a bar, a plate."""
-    return filled(hull(np.vstack([circle(point, radius) for point in points])), z, paint)
+def around(points: Array, radius: float) -> Array:
+    """Outline of all within a radius of the convex hull of points: a disc, a bar, a plate."""
+    return hull(np.vstack([circle(point, radius) for point in points]))
 
 
 def band(inner: Array, outer: Array, z: float, paint: Colour) -> Shape:
-    """What lies between two closed lines of equally many points, shape (n, 2) each."""
+    """Area between two closed lines of equally many points, shape (n, 2) each."""
     count = len(inner)
     own = np.arange(count)
     following = (own + 1) % count
@@ -105,7 +103,7 @@ def band(inner: Array, outer: Array, z: float, paint: Colour) -> Shape:
             np.column_stack([own, count + following, following]),
         ]
     )
-    return Shape(at_height(np.vstack([inner, outer]), z), triangles, paint)
+    return Shape(np.vstack([inner, outer]), triangles, z, paint)
 
 
 def ring(centre: Point, radius: float, width: float, z: float, paint: Colour) -> Shape:
@@ -121,7 +119,7 @@ def strokes(points: Array, width: float, z: float, paints: Sequence[Colour]) -> 
     across *= (0.5 * width / np.where(length > 0.0, length, 1.0))[:, None]
     triangles = np.array([[0, 1, 2], [0, 2, 3]])
     return [
-        Shape(at_height(np.array([a - n, b - n, b + n, a + n]), z), triangles, paint)
+        Shape(np.array([a - n, b - n, b + n, a + n]), triangles, z, paint)
         for a, b, n, paint in zip(points[:-1], points[1:], across, paints, strict=True)
     ]
 
@@ -157,12 +155,11 @@ def box(centre: Point, size: Point, angle: float) -> Array:
 def graphics(shapes: Iterable[Shape]) -> dict[str, Any]:
     """Shapes as one piece of Exudyn's graphics data."""
     given = list(shapes)
-    starts = np.cumsum([0, *(len(shape.points) for shape in given[:-1])])
+    counts = [len(shape.points) for shape in given]
+    starts = np.cumsum([0, *counts[:-1]])
     triangles = [shape.triangles + start for shape, start in zip(given, starts, strict=True)]
-    points = np.vstack([shape.points for shape in given])
-    paints = np.repeat(
-        [shape.colour for shape in given], [len(shape.points) for shape in given], axis=0
-    )
+    points = np.vstack([np.insert(shape.points, 2, shape.z, axis=1) for shape in given])
+    paints = np.repeat([shape.colour for shape in given], counts, axis=0)
     return {
         "type": "TriangleList",
         "points": points.ravel(),

@@ -1,6 +1,10 @@
 """The window: a process of its own, so that nothing that happens to it harms anybody else."""
 
+import ctypes
+import ctypes.util
 import multiprocessing
+import os
+import sys
 import time as clock
 from collections.abc import Callable, Sequence
 from multiprocessing.connection import Connection
@@ -9,10 +13,8 @@ from typing import Any
 import exudyn as exu
 
 from presswear.record.film import FRAMES_PER_CYCLE
-from presswear.show.replay.clip import frames_at, instants, played
-from presswear.show.replay.display import missing_display
+from presswear.show.replay.clip import Player, frames_at, instants, played
 from presswear.show.replay.picture import Picture
-from presswear.show.replay.player import Player
 from presswear.show.replay.reel import Reel
 from presswear.tools.errors import RunFailed
 
@@ -32,12 +34,34 @@ def check_display() -> None:
         raise RunFailed(f"no window can be opened here: {reason}; {WITHOUT_WINDOW}")
 
 
+def missing_display() -> str:
+    """Why no window can be opened, or nothing; elsewhere than on Linux a display is granted.
+
+    Exudyn aborts the process where it finds none, so it is asked before.
+    """
+    if not sys.platform.startswith("linux"):
+        return ""
+    name = os.environ.get("DISPLAY", "")
+    if not name:
+        return "DISPLAY is not set"
+    library = ctypes.util.find_library("X11")
+    if library is None:
+        return "libX11 is missing"
+    x11 = ctypes.CDLL(library)
+    x11.XOpenDisplay.restype = ctypes.c_void_p
+    x11.XCloseDisplay.argtypes = [ctypes.c_void_p]
+    display = x11.XOpenDisplay(name.encode())
+    if not display:
+        return f"nothing answers at DISPLAY={name}"
+    x11.XCloseDisplay(display)
+    return ""
+
+
 def play(reels: Sequence[Reel], size: tuple[int, int], start: float, slowed: float) -> None:
     """Play reels in a window until it is closed; RunFailed where it cannot be opened."""
     check_display()
-    process, opened = begin(_show, reels, size, start, slowed)
+    process, _ = opened(_show, reels, size, start, slowed)
     try:
-        wait_open(process, opened)
         process.join()
     finally:
         if process.is_alive():
@@ -46,28 +70,25 @@ def play(reels: Sequence[Reel], size: tuple[int, int], start: float, slowed: flo
         raise RunFailed(f"the window ended by itself (exit code {process.exitcode})")
 
 
-def begin(target: Callable[..., None], *given: Any) -> tuple[Any, Connection]:
-    """Start a process with a window; what comes back tells when that has opened."""
+def opened(target: Callable[..., None], *given: Any) -> tuple[Any, Connection]:
+    """A process with an open window and a connection to it; RunFailed where it does not open."""
     context = multiprocessing.get_context("spawn")
     ours, theirs = context.Pipe()
     process = context.Process(target=target, args=(theirs, *given), daemon=True)
     process.start()
     theirs.close()
-    return process, ours
-
-
-def wait_open(process: Any, opened: Connection) -> None:
-    """Wait until a window has opened; RunFailed where it has not."""
-    if opened.poll(_OPENS_WITHIN):
-        try:
-            opened.recv()
-            return
-        except EOFError:  # the process has ended
-            process.join(1.0)
-            why = f"Exudyn's renderer could not start (exit code {process.exitcode})"
-    else:
-        process.kill()
+    try:
+        if ours.poll(_OPENS_WITHIN):
+            ours.recv()
+            return process, ours
         why = f"Exudyn's renderer did not start within {_OPENS_WITHIN:g} s"
+    except EOFError:  # the process has ended
+        process.join(1.0)
+        why = f"Exudyn's renderer could not start (exit code {process.exitcode})"
+    except BaseException:
+        process.kill()
+        raise
+    process.kill()
     raise RunFailed(f"no window can be opened here: {why}; {WITHOUT_WINDOW}")
 
 
@@ -128,7 +149,7 @@ class Window:
 
 
 def _show(
-    opened: Any, reels: Sequence[Reel], size: tuple[int, int], start: float, slowed: float
+    asker: Connection, reels: Sequence[Reel], size: tuple[int, int], start: float, slowed: float
 ) -> None:
     """The process of the window."""
     first = reels[0]
@@ -136,7 +157,7 @@ def _show(
     last = first.period * min(reel.span[1] / reel.period for reel in reels)
     player = Player(first.span[0], last, start, slowed, first.period / FRAMES_PER_CYCLE)
     window = Window(Picture([reel.subject for reel in reels], size), player.press)
-    opened.send("open")
+    asker.send("open")
     before = frames_at(reels, player.time)
     shown = clock.perf_counter()
     is_open = True

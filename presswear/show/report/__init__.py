@@ -1,14 +1,13 @@
 """The report of a result folder: one HTML file that opens anywhere."""
 
-from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 
 from presswear.linkage.laws import delivered_restitution, lankarani_nikravesh_damping
-from presswear.results.result import Result
+from presswear.results.result import FINISHED, Result
 from presswear.results.stage import StageResult
 from presswear.scene.settings import SET, settings_of
 from presswear.show.figures import draw_all
+from presswear.show.figures.style import stage_names
 from presswear.show.report.origin import (
     convention_set,
     conventions,
@@ -20,26 +19,20 @@ from presswear.show.report.page import Illustration, render_page
 from presswear.show.report.parts import (
     CUBIC_MILLIMETRES,
     MILLI,
-    Row,
+    Rows,
     Table,
-    by_stage,
-    number_at,
-    scaled,
-    stage_names,
+    by_joint,
+    count,
+    mean,
+    number,
+    stage_table,
+    statistics,
 )
-from presswear.show.report.wear import deepest_with_interval, growth, spread, wear_rows
+from presswear.show.report.wear import deepest, growth, one_wear, spread
 from presswear.tools.errors import InputError
 from presswear.tools.files import write_bytes
-from presswear.tools.numbers import readable, whole, with_interval
+from presswear.tools.numbers import readable, whole
 from presswear.tools.quantities import Choice
-
-
-@dataclass(frozen=True)
-class Status:
-    """How a result stands: a word that styles it, and a sentence."""
-
-    word: str
-    sentence: str
 
 
 def write_report(result: Result) -> Path:
@@ -62,7 +55,8 @@ def render(result: Result, figures: list[Illustration]) -> str:
     return render_page(
         "report.html",
         scene=result.scene,
-        status=status_of(result),
+        status=status(result),
+        style=result.status if result.status in FINISHED else "unfinished",
         modelled=modelled(result),
         key_numbers=key_numbers(result),
         endings=endings(result),
@@ -78,23 +72,21 @@ def render(result: Result, figures: list[Illustration]) -> str:
     )
 
 
-def status_of(result: Result) -> Status:
-    """The status in plain words."""
-    done = len(result.stages)
-    of = result.scene.wears + 1
+def status(result: Result) -> str:
+    """How a result stands, in plain words."""
+    stored, wanted = len(result.stages), result.scene.wears + 1
     match result.status:
         case "completed":
-            return Status("completed", f"Completed: {_stages(done)} run to the end.")
+            return f"Completed: {_stages(stored)} run to the end."
         case "failed":
-            return Status("failed", f"Failed: {result.message or 'no reason was given'}")
+            return f"Failed: {result.message or 'no reason was given'}"
         case "running":
-            return Status(
-                "unfinished",
-                f"Unfinished: {done} of {_stages(of)} stored; it was running or interrupted when "
-                "this was written.",
+            return (
+                f"Unfinished: {stored} of {_stages(wanted)} stored; it was running or interrupted "
+                "when this was written."
             )
         case other:
-            return Status("unfinished", f"Ended as “{other}”. {result.message}".strip())
+            return f"Ended as “{other}”. {result.message}".strip()
 
 
 def _stages(count: int) -> str:
@@ -102,9 +94,9 @@ def _stages(count: int) -> str:
 
 
 def modelled(result: Result) -> list[str]:
-    """What was modelled, with the stages that share it."""
+    """Sentences on what was modelled, with the stages that share it."""
     models: dict[str, list[str]] = {}
-    for name, stage in zip(stage_names(result), result.stages, strict=True):
+    for name, stage in zip(stage_names(result, result.stages), result.stages, strict=True):
         models.setdefault(str(stage.diagnostics.get("model", "not stated")), []).append(name)
     if len(models) == 1:
         return list(models)
@@ -114,104 +106,55 @@ def modelled(result: Result) -> list[str]:
 def key_numbers(result: Result) -> Table:
     """Peaks, wear and contact of every stage."""
 
-    def statistic(label: str, factor: float, digits: int, *path: str) -> Row:
-        return by_stage(
-            result,
-            label,
-            lambda stage: readable(scaled(number_at(stage.statistics, *path), factor), digits),
-        )
+    def of_joint(joint: str) -> Rows[StageResult]:
+        return {
+            "largest normal force (N)": number(joint, "force_max_N"),
+            **deepest(result, joint),
+            "one more wear: volume (mm³)": number(joint, "wear_volume_m3", CUBIC_MILLIMETRES),
+            "time in contact (%)": number(joint, "part_of_time_in_contact", 100.0),
+            "contacts": count(joint, "contacts"),
+            "fewest steps in a contact": count(joint, "fewest_steps_in_a_contact"),
+        }
 
-    def count(label: str, *path: str) -> Row:
-        return by_stage(result, label, lambda stage: whole(number_at(stage.statistics, *path)))
-
-    groups: list[tuple[str, tuple[Row, ...]]] = [
-        (
-            "Slider",
-            (
-                statistic("highest displacement (mm)", MILLI, 4, "slider", "displacement_max_m"),
-                statistic("lowest velocity (m/s)", 1.0, 3, "slider", "velocity_min_m_s"),
-                statistic("highest velocity (m/s)", 1.0, 3, "slider", "velocity_max_m_s"),
-                statistic("largest acceleration (m/s²)", 1.0, 3, "slider", "acceleration_max_m_s2"),
-                count("cycles", "cycles"),
-            ),
-        )
-    ]
-    for joint in result.scene.clearance_joints:
-        own = ("joints", joint)
-        rows = [
-            statistic("largest normal force (N)", 1.0, 3, *own, "force_max_N"),
-            *wear_rows(result, joint),
-            statistic("one more wear: volume (mm³)", CUBIC_MILLIMETRES, 3, *own, "wear_volume_m3"),
-            statistic("time in contact (%)", 100.0, 3, *own, "part_of_time_in_contact"),
-            count("contacts", *own, "contacts"),
-            count("fewest steps in a contact", *own, "fewest_steps_in_a_contact"),
-        ]
-        groups.append((f"Joint {joint}", tuple(rows)))
-    return Table(("", *stage_names(result)), tuple(groups))
+    slider: Rows[StageResult] = {
+        "highest displacement (mm)": number("", "displacement_max_m", MILLI, 4),
+        "lowest velocity (m/s)": number("", "velocity_min_m_s"),
+        "highest velocity (m/s)": number("", "velocity_max_m_s"),
+        "largest acceleration (m/s²)": number("", "acceleration_max_m_s2"),
+        "cycles": lambda stage: whole(stage.statistics.get("cycles")),
+    }
+    return stage_table(result, "", {"Slider": slider, **by_joint(result, of_joint)})
 
 
 def cycle_means(result: Result) -> Table:
     """Means over cycles with the half widths of their 95 % intervals."""
 
-    def known(label: str, factor: float, value: Row, half_width: Row) -> Row:
-        def text(stage: StageResult) -> str:
-            return with_interval(
-                scaled(number_at(stage.statistics, *value), factor),
-                scaled(number_at(stage.statistics, *half_width), factor),
-            )
+    def of_joint(joint: str) -> Rows[StageResult]:
+        return {
+            "largest normal force (N)": mean(joint, "force_max_per_cycle_N"),
+            "contacts": mean(joint, "contacts_per_cycle"),
+            "force times slip (N m)": mean(joint, "dose_per_cycle_Nm"),
+            **one_wear(result, joint),
+        }
 
-        return by_stage(result, label, text)
-
-    def mean(label: str, factor: float, *path: str) -> Row:
-        return known(label, factor, (*path, "mean"), (*path, "half_width"))
-
-    slider = (
-        mean("highest displacement (mm)", MILLI, "slider", "displacement_max_per_cycle_m"),
-        mean("highest velocity (m/s)", 1.0, "slider", "velocity_max_per_cycle_m_s"),
-        mean("largest acceleration (m/s²)", 1.0, "slider", "acceleration_max_per_cycle_m_s2"),
-        by_stage(
-            result,
-            "cycles in the means",
-            lambda stage: whole(
-                number_at(stage.statistics, "slider", "displacement_max_per_cycle_m", "cycles")
-            ),
+    highest = "displacement_max_per_cycle_m"
+    slider: Rows[StageResult] = {
+        "highest displacement (mm)": mean("", highest, MILLI),
+        "highest velocity (m/s)": mean("", "velocity_max_per_cycle_m_s"),
+        "largest acceleration (m/s²)": mean("", "acceleration_max_per_cycle_m_s2"),
+        "cycles in the means": lambda stage: whole(
+            statistics(stage, "").get(highest, {}).get("cycles")
         ),
-    )
-    joints = [
-        (
-            f"Joint {joint}",
-            (
-                mean("largest normal force (N)", 1.0, "joints", joint, "force_max_per_cycle_N"),
-                mean("contacts", 1.0, "joints", joint, "contacts_per_cycle"),
-                mean("force times slip (N m)", 1.0, "joints", joint, "dose_per_cycle_Nm"),
-                known(
-                    "worn by one wear (mm³)",
-                    CUBIC_MILLIMETRES,
-                    ("joints", joint, "wear_volume_m3"),
-                    ("joints", joint, "wear_volume_half_width_m3"),
-                ),
-                by_stage(
-                    result,
-                    "deepest of one wear (µm)",
-                    partial(deepest_with_interval, result, joint),
-                ),
-            ),
-        )
-        for joint in result.scene.clearance_joints
-    ]
-    return Table(("mean over cycles", *stage_names(result)), (("Slider", slider), *joints))
+    }
+    return stage_table(result, "mean over cycles", {"Slider": slider, **by_joint(result, of_joint)})
 
 
 def endings(result: Result) -> Table:
     """How each stage ended and how well its wear maps are known."""
     rows = []
-    for name, stage in zip(stage_names(result), result.stages, strict=True):
-        found = stage.statistics
-        errors = [
-            error
-            for joint in result.scene.clearance_joints
-            if (error := number_at(found, "joints", joint, "wear_map_error")) is not None
-        ]
+    for name, stage in zip(stage_names(result, result.stages), result.stages, strict=True):
+        known = [own.statistics.get("wear_map_error") for own in stage.joints.values()]
+        errors = [error for error in known if error is not None]
         ended = {
             "completed": "ran all its cycles",
             "enough": "ended early: its wear maps are known to the tolerance",
@@ -221,7 +164,7 @@ def endings(result: Result) -> Table:
             (
                 name,
                 ended,
-                whole(found.get("cycles")),
+                whole(stage.statistics.get("cycles")),
                 f"{readable(100.0 * max(errors), 2)} %" if errors else "–",
                 _multiplied(stage) if errors else "–",
                 readable(stage.simulated_s),
@@ -248,7 +191,7 @@ def _multiplied(stage: StageResult) -> str:
 
 
 def notes(result: Result) -> list[str]:
-    """What to bear in mind when reading the numbers."""
+    """Sentences to bear in mind when reading the numbers."""
     scene = result.scene
     chosen = [
         setting.key

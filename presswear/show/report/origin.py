@@ -1,13 +1,17 @@
 """Tables of where the numbers come from: parameters, conventions, versions, solver."""
 
 from dataclasses import fields
+from functools import partial
 
 from presswear.results.result import SCHEMA, Result
+from presswear.results.stage import StageResult
 from presswear.scene.scene import CONVENTIONS, Conventions
 from presswear.scene.settings import Setting, settings_of
-from presswear.show.report.parts import Table, stage_names
+from presswear.show.report.parts import Table, stage_table
 from presswear.tools.numbers import given, readable, whole
 from presswear.tools.quantities import Choice
+
+_CONVENTIONS = {item.name for item in fields(Conventions)}
 
 
 def _value(setting: Setting) -> str:
@@ -26,30 +30,26 @@ def _origin(setting: Setting) -> tuple[str, str]:
 
 def parameters(result: Result) -> Table:
     """Every value that a person can set, but the conventions."""
-    apart = {item.name for item in fields(Conventions)}
     rows = tuple(
         (setting.key, _value(setting), *_origin(setting), setting.meaning.text)
         for setting in settings_of(result.scene)
-        if setting.key not in apart
+        if setting.key not in _CONVENTIONS
     )
     return Table(("key", "value", "unit", "status", "meaning"), (("", rows),), numeric=False)
 
 
 def convention_set(chosen: Conventions) -> str:
     """Name of a set of conventions."""
-    for name, preset in CONVENTIONS.items():
-        if chosen == preset:
-            return f"the “{name}” set"
-    return "a set of its own"
+    known = (f"the “{name}” set" for name, preset in CONVENTIONS.items() if chosen == preset)
+    return next(known, "a set of its own")
 
 
 def conventions(result: Result) -> Table:
     """Each convention, its choice and what it decides."""
-    apart = {item.name for item in fields(Conventions)}
     rows = tuple(
         (setting.key, _value(setting), " or ".join(setting.meaning.words), setting.meaning.text)
         for setting in settings_of(result.scene)
-        if setting.key in apart and isinstance(setting.meaning, Choice)
+        if setting.key in _CONVENTIONS and isinstance(setting.meaning, Choice)
     )
     head = ("convention", "chosen", "can be", "which means, in that order")
     return Table(head, (("", rows),), numeric=False)
@@ -73,13 +73,10 @@ def provenance(result: Result) -> Table:
 
 
 def diagnostics(result: Result) -> Table:
-    """What the solver says of each stage."""
-    stages = [stage.diagnostics for stage in result.stages]
-    keys = dict.fromkeys(key for stage in stages for key in stage if key != "model")
-    rows = tuple(
-        (_spelled(key), *(_diagnostic(stage.get(key)) for stage in stages)) for key in keys
-    )
-    return Table(("", *stage_names(result)), (("", rows),))
+    """Numbers and words of the solver on each stage."""
+    keys = dict.fromkeys(key for stage in result.stages for key in stage.diagnostics)
+    rows = {_spelled(key): partial(_diagnostic, key) for key in keys if key != "model"}
+    return stage_table(result, "", {"": rows})
 
 
 def _spelled(key: str) -> str:
@@ -87,7 +84,8 @@ def _spelled(key: str) -> str:
     return f"{words[:-2]} (s)" if key.endswith("_s") else words
 
 
-def _diagnostic(value: float | int | str | None) -> str:
+def _diagnostic(key: str, stage: StageResult) -> str:
+    value = stage.diagnostics.get(key)
     if isinstance(value, str):
         return value
     return whole(value) if isinstance(value, int) else readable(value)

@@ -1,13 +1,20 @@
-"""What the tables of the report share."""
+"""Tables of the report, and their cells from the statistics of a stage."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 from presswear.results.result import Result
 from presswear.results.stage import StageResult
+from presswear.show.figures.style import stage_names
+from presswear.tools.numbers import readable, whole, with_interval
 
+Column = TypeVar("Column")
 Row = tuple[str, ...]
+Rows = Mapping[str, Callable[[Column], str]]
+"""By a row's label, the function that gives its text in a column."""
+Text = Callable[[StageResult], str]
+"""Gives the text in the column of a stage."""
 
 MICRONS = 1e6
 MILLI = 1e3
@@ -33,24 +40,52 @@ class Table:
     numeric: bool = True
 
 
-def stage_names(result: Result) -> Row:
-    """Column titles: the stages."""
-    if not result.scene.clearance_joints:
-        return ("computed",) * len(result.stages)
-    return tuple(stage.name for stage in result.stages)
+def column_table(
+    corner: str,
+    heads: Sequence[str],
+    columns: Sequence[Column],
+    groups: Mapping[str, Rows[Column]],
+) -> Table:
+    """A table whose rows, under their headings, say something of each column."""
+    told = {
+        heading: tuple((label, *map(text, columns)) for label, text in rows.items())
+        for heading, rows in groups.items()
+    }
+    return Table((corner, *heads), tuple(told.items()))
 
 
-def by_stage(result: Result, label: str, value: Callable[[StageResult], str]) -> Row:
-    """A row with one cell for each stage."""
-    return (label, *map(value, result.stages))
+def stage_table(result: Result, corner: str, groups: Mapping[str, Rows[StageResult]]) -> Table:
+    """A table with a column for each stage."""
+    return column_table(corner, stage_names(result, result.stages), result.stages, groups)
 
 
-def number_at(data: Mapping[str, Any], *path: str) -> float | None:
-    """A number inside nested data; None where a stage that failed early has none."""
-    found: Any = data
-    for key in path:
-        found = found.get(key) if isinstance(found, Mapping) else None
-    return None if found is None else float(found)
+def by_joint(result: Result, of_joint: Callable[[str], Rows[Column]]) -> dict[str, Rows[Column]]:
+    """Rows of each joint with clearance under its heading."""
+    return {f"Joint {joint}": of_joint(joint) for joint in result.scene.clearance_joints}
+
+
+def statistics(stage: StageResult, joint: str) -> Mapping[str, Any]:
+    """Numbers of a joint, or of the slider for ``""``; none where the stage failed early."""
+    owners = {"": stage.statistics.get("slider", {}), **stage.statistics.get("joints", {})}
+    return owners.get(joint, {})
+
+
+def number(joint: str, name: str, factor: float = 1.0, digits: int = 3) -> Text:
+    """A number of a joint, or of the slider, in another unit."""
+    return lambda stage: readable(scaled(statistics(stage, joint).get(name), factor), digits)
+
+
+def count(joint: str, name: str) -> Text:
+    """A whole number of a joint, or of the slider."""
+    return lambda stage: whole(statistics(stage, joint).get(name))
+
+
+def mean(joint: str, name: str, factor: float = 1.0) -> Text:
+    """A mean over cycles, in another unit, with its interval."""
+    parts = ("mean", "half_width")
+    return lambda stage: with_interval(
+        *(scaled(statistics(stage, joint).get(name, {}).get(part), factor) for part in parts)
+    )
 
 
 def scaled(value: float | None, factor: float) -> float | None:

@@ -1,6 +1,5 @@
-"""Tables of wear: what each stage ran on, and how each wear was applied."""
+"""Rows and tables of wear: what each stage ran on, and how each wear was applied."""
 
-from collections.abc import Callable
 from functools import partial
 
 import numpy as np
@@ -9,39 +8,62 @@ from presswear.results.result import Result
 from presswear.results.stage import SIDES, StageResult, WearStep
 from presswear.scene.scene import stage_name
 from presswear.show.figures.style import maps_turn
-from presswear.show.report.parts import MICRONS, Row, Table, by_stage
-from presswear.tools.numbers import readable, whole
+from presswear.show.report.parts import (
+    CUBIC_MILLIMETRES,
+    MICRONS,
+    Rows,
+    Table,
+    by_joint,
+    column_table,
+    scaled,
+    statistics,
+)
+from presswear.tools.numbers import readable, whole, with_interval
 
 Steps = tuple[WearStep, ...]
 
 
-def wear_rows(result: Result, joint: str) -> list[Row]:
-    """Deepest wear that each stage ran on, and that one wear after it adds."""
-    rows = []
+def deepest(result: Result, joint: str) -> Rows[StageResult]:
+    """Rows of the deepest wear that each stage ran on, and that one wear after it adds."""
     parts = {side: (side,) for side in SIDES} if maps_turn(result) else {"bearing + pin": SIDES}
-    for kind, text in (("depth", "deepest wear it ran on"), ("wear", "one more wear: deepest")):
-        for part, sides in parts.items():
-
-            def peak(stage: StageResult, kind: str = kind, sides: tuple[str, ...] = sides) -> str:
-                depth = np.sum([stage.arrays[f"{joint}_{kind}_{side}"] for side in sides], axis=0)
-                if not np.any(depth > 0.0):
-                    return "0"
-                angle = float(np.degrees(stage.angle[int(depth.argmax())]))
-                return f"{readable(MICRONS * float(depth.max()))}\u00a0at\u00a0{angle:.1f}°"
-
-            rows.append(by_stage(result, f"{text}, {part} (µm)", peak))
-    return rows
+    kinds = {"depth": "deepest wear it ran on", "wear": "one more wear: deepest"}
+    return {
+        f"{label}, {part} (µm)": partial(_peak, joint, kind, sides)
+        for kind, label in kinds.items()
+        for part, sides in parts.items()
+    }
 
 
-def deepest_with_interval(result: Result, joint: str, stage: StageResult) -> str:
-    """Deepest depth that one wear after a stage adds, with the ends of its interval."""
-    found = stage.statistics.get("joints", {}).get(joint, {})
+def _peak(joint: str, kind: str, sides: tuple[str, ...], stage: StageResult) -> str:
+    own = stage.joints[joint].arrays
+    depth = np.sum([own[f"{kind}_{side}"] for side in sides], axis=0)
+    if not np.any(depth > 0.0):
+        return "0"
+    angle = float(np.degrees(stage.angle[int(depth.argmax())]))
+    return f"{readable(MICRONS * float(depth.max()))}\u00a0at\u00a0{angle:.1f}°"
+
+
+def one_wear(result: Result, joint: str) -> Rows[StageResult]:
+    """Rows of what one wear after a stage takes off, with intervals."""
     sides = SIDES if maps_turn(result) else ("both",)
+    return {
+        "worn by one wear (mm³)": partial(_volume, joint),
+        "deepest of one wear (µm)": partial(_depth, joint, sides),
+    }
+
+
+def _volume(joint: str, stage: StageResult) -> str:
+    found = statistics(stage, joint)
+    names = ("wear_volume_m3", "wear_volume_half_width_m3")
+    return with_interval(*(scaled(found.get(name), CUBIC_MILLIMETRES) for name in names))
+
+
+def _depth(joint: str, sides: tuple[str, ...], stage: StageResult) -> str:
+    found = statistics(stage, joint)
     texts = []
     for side in sides:
-        depth = found.get(f"wear_depth_max_{side}_m")
+        text = readable(scaled(found.get(f"wear_depth_max_{side}_m"), MICRONS))
         ends = found.get(f"wear_depth_max_{side}_interval_m")
-        text = readable(None if depth is None else MICRONS * depth)
         if ends is not None:
             text += f" ({readable(MICRONS * ends[0])} to {readable(MICRONS * ends[1])})"
         texts.append(text if len(sides) == 1 else f"{side} {text}")
@@ -52,49 +74,38 @@ def growth(result: Result) -> Table | None:
     """How each wear was applied; None where all were single jumps."""
     if not result.grew_in_steps:
         return None
-    wears = {
-        stage_name(stage.index + 1): stage.wear_steps for stage in result.stages if stage.wear_steps
-    }
 
-    def row(label: str, value: Callable[[Steps], str]) -> Row:
-        return (label, *map(value, wears.values()))
-
-    how = (
-        row("steps", lambda steps: whole(len(steps))),
-        row(
-            "cycles that it stands for",
-            lambda steps: readable(sum(step.represented_cycles for step in steps)),
-        ),
-        row("cycles run", lambda steps: whole(sum(step.cycles for step in steps))),
-        row("depth multiplied by", spread),
-        row(
-            "largest change in a step (% of the clearance)",
-            lambda steps: readable(100.0 * max(step.largest_change_of_clearance for step in steps)),
-        ),
-        row("computed in (s)", lambda steps: readable(sum(step.wall_s for step in steps))),
-    )
-    joints = [
-        (
-            f"Joint {joint}",
-            (
-                *(
-                    row(f"deepest then, {side} (µm)", partial(_deepest_then, joint, side))
-                    for side in SIDES
-                ),
-                row("largest normal force in its runs (N)", partial(_largest_force, joint)),
+    def of_joint(joint: str) -> Rows[Steps]:
+        return {
+            **{f"deepest then, {side} (µm)": partial(_then, joint, side) for side in SIDES},
+            "largest normal force in its runs (N)": lambda steps: readable(
+                max(step.force_max_N[joint] for step in steps)
             ),
-        )
-        for joint in result.scene.clearance_joints
-    ]
-    return Table(("how the wear was applied", *wears), (("", how), *joints))
+        }
+
+    how: Rows[Steps] = {
+        "steps": lambda steps: whole(len(steps)),
+        "cycles that it stands for": lambda steps: readable(
+            sum(step.represented_cycles for step in steps)
+        ),
+        "cycles run": lambda steps: whole(sum(step.cycles for step in steps)),
+        "depth multiplied by": spread,
+        "largest change in a step (% of the clearance)": lambda steps: readable(
+            100.0 * max(step.largest_change_of_clearance for step in steps)
+        ),
+        "computed in (s)": lambda steps: readable(sum(step.wall_s for step in steps)),
+    }
+    worn = [stage for stage in result.stages if stage.wear_steps]
+    return column_table(
+        "how the wear was applied",
+        [stage_name(stage.index + 1) for stage in worn],
+        [stage.wear_steps for stage in worn],
+        {"": how, **by_joint(result, of_joint)},
+    )
 
 
-def _deepest_then(joint: str, side: str, steps: Steps) -> str:
+def _then(joint: str, side: str, steps: Steps) -> str:
     return readable(MICRONS * steps[-1].deepest_m[joint][side])
-
-
-def _largest_force(joint: str, steps: Steps) -> str:
-    return readable(max(step.force_max_N[joint] for step in steps))
 
 
 def spread(steps: Steps) -> str:

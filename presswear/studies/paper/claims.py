@@ -3,15 +3,16 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 from typing import Literal
 
-from presswear.studies.paper.printed import JOINTS, Place, printed_at
+from presswear.studies.paper.printed import JOINTS, SLIDER, Place, printed_at
 from presswear.studies.paper.variants import FAST, FRICTION, HIGH_FRICTION, SLOW, WEAR
 
 Expected = Literal["more", "less", "same"]
-Pairs = Sequence[tuple[Place, Place]]
-"""Places, each with one that it is compared to."""
+Pairs = list[tuple[Place, Place]]
+"""Places, each behind the one that it is compared with."""
 
 
 @dataclass(frozen=True)
@@ -25,7 +26,7 @@ class Comparison:
     over, under : tuple of Place
         Numerators and denominators, as many of each; one of each for a difference.
     expected : {"more", "less", "same"}
-        What becomes of the second against the first.
+        Change of the second against the first.
     """
 
     quantity: str
@@ -92,18 +93,12 @@ def by_wear(joints: Sequence[str], *wears: int, setting: str = WEAR) -> Pairs:
     ]
 
 
-def _between(first: str, second: str, joints: Sequence[str], wears: Sequence[int]) -> Pairs:
+def _between(first: str, second: str, joints: Sequence[str], *wears: int) -> Pairs:
     return [(Place(first, k, joint), Place(second, k, joint)) for joint in joints for k in wears]
 
 
-def by_friction(joints: Sequence[str], *wears: int) -> Pairs:
-    """Pair the lower with the higher friction coefficient."""
-    return _between(FRICTION, HIGH_FRICTION, joints, wears)
-
-
-def by_speed(joints: Sequence[str], *wears: int) -> Pairs:
-    """Pair the lower with the higher speed."""
-    return _between(SLOW, FAST, joints, wears)
+by_friction = partial(_between, FRICTION, HIGH_FRICTION)
+by_speed = partial(_between, SLOW, FAST)
 
 
 def c_and_a(*stages: tuple[str, int]) -> Pairs:
@@ -123,7 +118,6 @@ def a_grows_more(*pairs: tuple[tuple[str, int], tuple[str, int]]) -> tuple[Compa
     )
 
 
-SLIDER = ("",)
 FIRST_WEARS = ((WEAR, 1), (WEAR, 2), (FRICTION, 1), (HIGH_FRICTION, 1), (SLOW, 1), (FAST, 1))
 """Settings and wears whose depths the paper shows."""
 STAGE_NOT_SAID = "The paper does not say before or after which wear; both are compared."
@@ -268,10 +262,8 @@ CLAIMS: tuple[Claim, ...] = (
     Claim(
         "5.4.1, Fig. 17",
         "with the increase of wear times, the errors of slider output response are also increasing",
-        (
-            *more("displacement_off", by_wear(SLIDER, 0, 1, 2)),
-            *more("velocity_off", by_wear(SLIDER, 0, 1, 2)),
-        ),
+        more("displacement_off", by_wear(SLIDER, 0, 1, 2))
+        + more("velocity_off", by_wear(SLIDER, 0, 1, 2)),
     ),
     Claim(
         "5.4.1, Fig. 18a",
@@ -358,9 +350,9 @@ CLAIMS: tuple[Claim, ...] = (
     Claim(
         "5.4.3, Fig. 23c",
         "compared with no wear, the peak value of acceleration of first wear is larger",
-        (
-            *more("acceleration", by_wear(SLIDER, 0, 1, setting=SLOW)),
-            *more("acceleration", by_wear(SLIDER, 0, 1, setting=FAST)),
+        more(
+            "acceleration",
+            by_wear(SLIDER, 0, 1, setting=SLOW) + by_wear(SLIDER, 0, 1, setting=FAST),
         ),
     ),
     Claim(
@@ -371,10 +363,7 @@ CLAIMS: tuple[Claim, ...] = (
     Claim(
         "5.4.3, Fig. 24",
         "the collision force at the clearance considering first wear is much greater than no wear",
-        (
-            *more("force", by_wear(JOINTS, 0, 1, setting=SLOW)),
-            *more("force", by_wear(JOINTS, 0, 1, setting=FAST)),
-        ),
+        more("force", by_wear(JOINTS, 0, 1, setting=SLOW) + by_wear(JOINTS, 0, 1, setting=FAST)),
     ),
     Claim(
         "5.4.3, Fig. 24",
@@ -397,10 +386,7 @@ CLAIMS: tuple[Claim, ...] = (
     Claim(
         "6, Fig. 8, 14",
         "when wear times or driving velocities are larger, the wear degree is more serious",
-        (
-            *more("added_mean", by_wear(JOINTS, 1, 2)),
-            *more("added_mean", by_speed(JOINTS, 1)),
-        ),
+        more("added_mean", by_wear(JOINTS, 1, 2) + by_speed(JOINTS, 1)),
         "Read as: one wear takes more off, on average over the angle.",
     ),
     Claim(
@@ -427,33 +413,25 @@ CLAIMS: tuple[Claim, ...] = (
         "6, Fig. 17, 18, 23, 24",
         "when wear times and driving velocities increase, the frequency and amplitude of the … "
         "oscillation increase",
-        (
-            *more("acceleration", by_wear(SLIDER, 0, 1, 2)),
-            *more("acceleration", by_speed(SLIDER, 0, 1)),
-            *more("contact_rate", by_wear(JOINTS, 0, 1, 2)),
-            *more("contact_rate", by_speed(JOINTS, 0, 1)),
-        ),
+        more("acceleration", by_wear(SLIDER, 0, 1, 2) + by_speed(SLIDER, 0, 1))
+        + more("contact_rate", by_wear(JOINTS, 0, 1, 2) + by_speed(JOINTS, 0, 1)),
         FREQUENCY,
     ),
     Claim(
         "6, Fig. 20, 21",
         "when the friction coefficient is larger, the frequency and amplitude of response of "
         "mechanism decreases",
-        (
-            *more("acceleration", by_friction(SLIDER, 0, 1), "less"),
-            *more("contact_rate", by_friction(JOINTS, 0, 1), "less"),
-        ),
+        more("acceleration", by_friction(SLIDER, 0, 1), "less")
+        + more("contact_rate", by_friction(JOINTS, 0, 1), "less"),
         f"{FREQUENCY} {STAGE_NOT_SAID}",
     ),
 )
 
 DEPTH_RATIOS = more(
     "depth",
-    (
-        *by_wear(JOINTS, 1, 2),
-        *((a, c) for c, a in c_and_a(*FIRST_WEARS)),
-        *by_friction(JOINTS, 1),
-        *by_speed(JOINTS, 1),
-    ),
+    by_wear(JOINTS, 1, 2)
+    + [(a, c) for c, a in c_and_a(*FIRST_WEARS)]
+    + by_friction(JOINTS, 1)
+    + by_speed(JOINTS, 1),
 )
 """Ratios between printed depths: what remains a prediction with K_d / b free."""

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.campaign.deviation import COLUMNS
-from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
 from presswear.record.sampling import (
     LEAST_SAMPLES,
     after_startup,
@@ -20,8 +19,9 @@ from presswear.record.sampling import (
     resampled,
 )
 from presswear.results.result import Result
+from presswear.results.stage import StageResult
 from presswear.studies.paper.printed import Place
-from presswear.studies.paper.variants import CASES, variant_key
+from presswear.studies.paper.variants import variant_key
 
 Array = NDArray[np.float64]
 Ends = tuple[float, float]
@@ -92,29 +92,22 @@ CYCLES: Mapping[str, str] = {
 """Quantities of which every cycle is a sample, and what a stage keeps of its cycles for them."""
 
 
-def cycle_column(result: Result, stage: int, joint: str, name: str) -> Array:
-    """Values of all cycles of a stage under a name of CYCLE_FIXED or CYCLE_JOINT."""
-    if name in CYCLE_FIXED:
-        column = CYCLE_FIXED.index(name)
-    else:
-        before = len(CYCLE_JOINT) * result.scene.clearance_joints.index(joint)
-        column = len(CYCLE_FIXED) + before + CYCLE_JOINT.index(name)
-    return np.asarray(result.stages[stage].arrays["cycles"][:, column])
+def each_cycle(stage: StageResult, joint: str, name: str) -> Array:
+    """Values of all cycles of a stage, of a joint or, without one, of the slider."""
+    return stage.joints[joint].each_cycle(name) if joint else stage.each_cycle(name)
 
 
 def _samples(result: Result, place: Place, quantity: str) -> list[Array]:
     """One number a cycle, by start."""
-    arrays, name = result.stages[place.wears].arrays, CYCLES[quantity]
-    if name in (*CYCLE_FIXED, *CYCLE_JOINT):
-        values = cycle_column(result, place.wears, place.joint, name)
-        start = arrays["cycle_start"]
+    stage, name = result.stages[place.wears], CYCLES[quantity]
+    if name in COLUMNS:
+        values = stage.arrays["deviation"][:, COLUMNS.index(name)]
+    elif name == "flight":
+        values = stage.joints[place.joint].arrays[name]
     else:
-        is_of_joint = name not in COLUMNS
-        recorded = arrays["deviation"]
-        values = (
-            arrays[f"{place.joint}_{name}"] if is_of_joint else recorded[:, COLUMNS.index(name)]
-        )
-        start = arrays["deviation_start"]
+        values = each_cycle(stage, place.joint, name)
+    is_recorded = name in (*COLUMNS, "flight")
+    start = stage.arrays["deviation_start" if is_recorded else "cycle_start"]
     rows = [values[start == index] for index in np.unique(start)]
     if quantity == "contact_rate":  # stored counted through, given in a second
         period = result.scene.mechanism.period
@@ -126,8 +119,12 @@ def _samples(result: Result, place: Place, quantity: str) -> list[Array]:
 # directions in space; two where they are on the bodies.
 
 
-def _deepest(maps: Array) -> Array:
-    return np.asarray(maps.max(axis=-1).sum(axis=-1))
+_Functional = Callable[[Array], Array]
+
+
+def _summed(of_surface: Callable[..., Array]) -> _Functional:
+    """Add up what surfaces have over their angles."""
+    return lambda maps: np.asarray(of_surface(maps, axis=-1).sum(axis=-1))
 
 
 def _range(maps: Array) -> Array:
@@ -136,21 +133,13 @@ def _range(maps: Array) -> Array:
     return np.asarray(2.0 * math.pi * worn.mean(axis=(-2, -1)))
 
 
-def _unevenness(maps: Array) -> Array:
-    return np.asarray(maps.std(axis=-1).sum(axis=-1))
-
-
-def _mean_depth(maps: Array) -> Array:
-    return np.asarray(maps.mean(axis=-1).sum(axis=-1))
-
-
-_MAPS: Mapping[str, Callable[[Array], Array]] = {
-    "depth": _deepest,
+_MAPS: Mapping[str, _Functional] = {
+    "depth": _summed(np.max),
     "range": _range,
-    "unevenness": _unevenness,
-    "mean_depth": _mean_depth,
-    "added_depth": _deepest,
-    "added_mean": _mean_depth,
+    "unevenness": _summed(np.std),
+    "mean_depth": _summed(np.mean),
+    "added_depth": _summed(np.max),
+    "added_mean": _summed(np.mean),
     "contact_range": _range,
 }
 """Quantities of the wear map of both surfaces together, but the angle of its deepest place."""
@@ -161,26 +150,14 @@ _LAST = ("added_depth", "added_mean", "contact_range")
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
-    """The finished runs of a study, by case and setting."""
+    """The results of a study, by the keys of its variants."""
 
-    runs: Mapping[tuple[str, str], Result]
+    results: Mapping[str, Result]
     _known: dict[tuple[str, Place, str], Measured | None] = field(default_factory=dict)
-
-    @staticmethod
-    def of(results: Mapping[str, Result]) -> "Evidence":
-        """Sort results, which come by the keys of their variants."""
-        return Evidence(
-            {
-                (case.key, setting): results[key]
-                for case in CASES
-                for setting in case.settings
-                if (key := variant_key(case.key, setting)) in results
-            }
-        )
 
     def at_stage(self, case: str, setting: str, stage: int, joint: str = "") -> Result | None:
         """The run of a case, where it ran a stage to its end with clearance at a joint, if any."""
-        result = self.runs.get((case, setting))
+        result = self.results.get(variant_key(case, setting))
         if result is None or not 0 <= stage < len(result.stages) or result.stages[stage].failed:
             return None
         # A person may have closed a joint in all runs.
@@ -249,9 +226,8 @@ def _of_maps(result: Result, place: Place, quantity: str) -> Measured | None:
     if result.scene.wears_in_steps and place.wears > result.scene.wears:
         return None
     last = place.wears - 1
-    mean, draws, count = _drawn(
-        result, place.joint, range(last if quantity in _LAST else 0, place.wears)
-    )
+    stages = range(last if quantity in _LAST else 0, place.wears)
+    mean, draws, count = _drawn(result, place.joint, stages)
     if quantity in _MAPS:
         functional = _MAPS[quantity]
         found = basic_interval(float(functional(mean)), functional(draws), count)

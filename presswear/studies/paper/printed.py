@@ -9,6 +9,8 @@ from math import radians
 from presswear.studies.paper.variants import FAST, FRICTION, HIGH_FRICTION, SLOW, WEAR
 
 JOINTS = ("A", "C")
+SLIDER = ("",)
+"""Names that places have for a joint: those of the joints, or none."""
 
 NAMED_TWICE_541 = "Fig. 18b shows joint C; the text names joint A a second time"
 NAMED_TWICE_543 = "Fig. 24b shows joint C; the text names joint A, Fig. 24a, a second time"
@@ -127,6 +129,9 @@ PRINTED: tuple[Printed, ...] = (
     ),
 )
 """Every single printed value; angular ranges are in RANGES."""
+
+DOUBTFUL = frozenset(number.place for number in PRINTED if number.misprint == LOST_FACTOR)
+"""Places whose printed depth has probably lost a factor."""
 
 
 @dataclass(frozen=True)

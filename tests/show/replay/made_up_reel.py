@@ -2,9 +2,10 @@
 
 import numpy as np
 
+from presswear.linkage.surface import Surface, bin_centres
 from presswear.record.film import FILM_JOINT, Film
 from presswear.scene.catalog import scene_named
-from presswear.show.replay.reel import Reel, Subject, Surfaces
+from presswear.show.replay.reel import Reel, Subject
 
 FRAMES = 101
 
@@ -12,7 +13,12 @@ FRAMES = 101
 def made_up_reel(title: str = "made up", deepest: float = 3e-5, largest: float = 200.0) -> Reel:
     """One cycle of the press with clearance at A and C, both surfaces worn."""
     scene = scene_named("wear-times")
-    linkage = scene.linkage()
+    angle = bin_centres(360)
+    bearing, pin = (
+        Surface(deepest * np.exp(-((angle - middle) ** 2) / width))
+        for middle, width in ((1.5, 0.1), (4.0, 0.2))
+    )
+    linkage = scene.linkage(dict.fromkeys("AC", (bearing, pin)))
     period = scene.mechanism.period
     motion = scene.mechanism.ideal_motion(np.linspace(0.0, period, FRAMES))
     position = motion.position.copy()
@@ -26,18 +32,13 @@ def made_up_reel(title: str = "made up", deepest: float = 3e-5, largest: float =
     joints[:, :, 1] = 0.1 * joints[:, :, 0]
     joints[:, :, 2], joints[:, :, 3] = np.cos(turn)[:, None], np.sin(turn)[:, None]
     joints[:, :, 5] = 1.5 * joints[:, :, 0]
-    angle = (np.arange(360) + 0.5) * np.pi / 180.0
-    worn = Surfaces(
-        deepest * np.exp(-((angle - 1.5) ** 2) / 0.1), deepest * np.exp(-((angle - 4.0) ** 2) / 0.2)
-    )
     subject = Subject(
         title=title,
         stage="first wear",
         linkage=linkage,
         period=period,
-        surfaces=(worn, worn),
-        deepest=(deepest, deepest),
-        largest=(largest, largest),
+        deepest=dict.fromkeys("AC", deepest),
+        largest=dict.fromkeys("AC", largest),
         motion=position,
     )
     return Reel(subject, Film(motion.time, position, joints))

@@ -5,14 +5,19 @@ import pytest
 from made_up_reel import made_up_reel
 
 from presswear.show.replay.clip import (
+    DOWN,
+    END,
+    HOME,
+    LEFT,
+    RIGHT,
+    SPACE,
+    UP,
+    Player,
     clip_of,
-    default_slowed,
-    default_start,
     frames_at,
     instants,
     played,
 )
-from presswear.show.replay.player import DOWN, END, HOME, LEFT, RIGHT, SPACE, UP, Player
 from presswear.tools.errors import InputError
 
 REEL = made_up_reel()
@@ -33,8 +38,8 @@ def test_a_clip_takes_its_time_and_ends_in_time() -> None:
     assert clip.frames[:, 0] == pytest.approx(np.arange(50) * 2)
     assert clip.part(0) == 0.0
     assert clip.part(49) == 1.0
-    assert default_slowed(REEL) == pytest.approx(10.0 / PERIOD, rel=0.05)
-    assert default_start(REEL) == 0.0  # a film of one cycle
+    assert REEL.slowed == pytest.approx(10.0 / PERIOD, rel=0.05)
+    assert REEL.start == 0.0  # a film of one cycle
 
 
 def test_a_time_outside_the_film_is_refused_by_name() -> None:

@@ -9,8 +9,9 @@ import pytest
 from made_up_reel import FRAMES, made_up_reel
 from numpy.typing import NDArray
 
+from presswear.linkage.elements import ClearanceJoint
 from presswear.show.replay.bodies import attachments
-from presswear.show.replay.joints import FORCE, Enlargement, bearing_shapes, contact_shapes
+from presswear.show.replay.joints import FORCE, EnlargedJoint
 from presswear.show.replay.picture import Picture
 from presswear.show.replay.reel import Instant, alike, points_of
 from presswear.show.replay.shapes import colour
@@ -42,6 +43,12 @@ def shifted(frame: int, by: Array) -> Instant:
     past[:, 0::3] -= by[0]
     past[:, 1::3] -= by[1]
     return replace(instant, past=past)
+
+
+def enlarged(radius: float, joint: ClearanceJoint = LINKAGE.clearances[0]) -> EnlargedJoint:
+    """A joint as it is drawn about the origin."""
+    room = REEL.subject.deepest[joint.name], REEL.subject.largest[joint.name]
+    return EnlargedJoint(joint, *room, np.zeros(2), radius, FORCE)
 
 
 @pytest.mark.parametrize("frame", [0, 17, 50, FRAMES - 1])
@@ -81,8 +88,7 @@ def test_an_enlarged_pin_is_off_its_bearing_by_the_stated_factor(picture: Pictur
                 points_of(LINKAGE, REEL.film.position[[frame]], end)[0, :2]
                 for end in (joint.bearing, joint.pin)
             )
-            subject, radius = REEL.subject, picture.layout.panels[0].radius
-            factor = Enlargement.of(joint, subject.deepest[k], subject.largest[k], radius)
+            factor = enlarged(picture.layout.panels[0].radius, joint)
             # Bearing, its mark, pin, its mark; the bearing's outer edge is round.
             ring = drawn(picture, 1 + bodies + 4 * k)[0][:, :2]
             centre = 0.5 * (ring.min(axis=0) + ring.max(axis=0))
@@ -95,38 +101,38 @@ def test_an_enlarged_pin_is_off_its_bearing_by_the_stated_factor(picture: Pictur
 
 
 def test_a_pin_that_just_touches_meets_the_bearing_in_the_picture() -> None:
-    joint, worn = LINKAGE.clearances[0], REEL.subject.surfaces[0]
-    factor = Enlargement.of(joint, 3e-5, 100.0, 0.2)
+    joint = LINKAGE.clearances[0]
+    worn, groove = joint.bearing_surface.depth, joint.pin_surface.depth
+    factor = enlarged(0.2)
     angle = (86 + 0.5) * np.pi / 180.0  # in the worn part, a bin centre
     normal = np.array([np.cos(angle), np.sin(angle)])
     row = np.array([50.0, 0.0, *normal, 0.0, 50.0])
     turned = angle - (229 + 0.5) * np.pi / 180.0  # the deepest part of the pin's groove
-    reach = joint.clearance + worn.bearing[86] + worn.pin[229]
-    shapes = contact_shapes(np.zeros(2), joint, worn.pin, turned, reach * normal, row, factor, 0.0)
-    point = shapes[0].points[0, :2]
-    surface = factor.body * joint.pin_radius + factor.gap * (joint.clearance + worn.bearing[86])
+    reach = joint.clearance + worn[86] + groove[229]
+    shapes = factor.contact(reach * normal, turned, row, 0.0)
+    point = shapes[0].points[0]
+    surface = factor.body * joint.pin_radius + factor.gap * (joint.clearance + worn[86])
     assert point == pytest.approx(surface * normal, abs=1e-12)
     # And so is the bearing drawn, but for two bins drawn as one.
-    inner = bearing_shapes(joint, worn.bearing, factor, (0.0, 0.0, 0.0))[0].points[:180, :2]
+    inner = factor.bodies(lambda layer: 0.0)[0][0].points[:180]
     nearest = inner[np.argmin(np.hypot(*(inner - point).T))]
     assert np.hypot(*nearest) == pytest.approx(surface, rel=1e-3)
 
 
 def test_force_is_an_arrow_as_long_as_its_root() -> None:
-    joint, worn = LINKAGE.clearances[0], REEL.subject.surfaces[0]
-    factor = Enlargement.of(joint, 3e-5, 400.0, 0.2)
+    factor = enlarged(0.2)
+    largest = factor.largest
 
     def length(force: float) -> float:
         row = np.array([force, 0.0, 1.0, 0.0, 0.0, force])
-        ecc = np.array([joint.clearance, 0.0])
-        shapes = contact_shapes(np.zeros(2), joint, worn.pin, 0.0, ecc, row, factor, 0.0)
+        shapes = factor.contact(np.array([factor.joint.clearance, 0.0]), 0.0, row, 0.0)
         if not shapes:
             return 0.0
         return float(max(s.points[:, 0].max() for s in shapes[1:]) - shapes[0].points[0, 0])
 
     assert length(0.0) == 0.0
-    assert length(400.0) == pytest.approx(0.55 * factor.radius)
-    assert length(100.0) == pytest.approx(0.5 * length(400.0))
+    assert length(largest) == pytest.approx(0.55 * factor.radius)
+    assert length(0.25 * largest) == pytest.approx(0.5 * length(largest))
 
 
 def test_pixels_show_bodies_in_their_colours_and_a_contact_in_red(picture: Picture) -> None:
@@ -170,8 +176,8 @@ def test_the_path_reaches_back_and_no_further_than_the_film() -> None:
 def test_two_reels_stand_side_by_side_at_one_scale() -> None:
     deeper = made_up_reel("deeper", deepest=9e-5, largest=900.0)
     one, other = alike([REEL, deeper])
-    assert one.subject.deepest == other.subject.deepest == (9e-5, 9e-5)
-    assert one.subject.largest == other.subject.largest == (900.0, 900.0)
+    assert one.subject.deepest == other.subject.deepest == {"A": 9e-5, "C": 9e-5}
+    assert one.subject.largest == other.subject.largest == {"A": 900.0, "C": 900.0}
     both = Picture([one.subject, other.subject], (480, 320))
     both.set([one.instant(5, 5), other.instant(5, 5)], 0.5, "")
     left, right = both.layout.panels

@@ -14,7 +14,7 @@ import pytest
 from PIL import Image
 
 from presswear.__main__ import main
-from presswear.show.replay.display import missing_display
+from presswear.show.replay.window import missing_display
 
 REPLAY = [sys.executable, "-m", "presswear", "replay"]
 NO_DISPLAY = {key: value for key, value in os.environ.items() if key != "DISPLAY"}

@@ -1,5 +1,6 @@
 """The claims as data: each comparison can be computed, and is of what its sentence says."""
 
+import math
 import re
 
 import pytest
@@ -7,11 +8,12 @@ from invented import every_evidence
 
 from presswear.show.report.parts import Row, Table
 from presswear.studies.paper.claims import CLAIMS, DEPTH_RATIOS
-from presswear.studies.paper.printed import PRINTED
+from presswear.studies.paper.printed import DOUBTFUL, PRINTED
 from presswear.studies.paper.report.chosen import (
     WATCHED,
     across,
     distances_table,
+    factors_of,
     fit_of,
     moves,
     stopped_table,
@@ -94,9 +96,14 @@ def test_the_study_runs_what_it_says() -> None:
 
 
 def test_a_fit_leaves_out_what_is_doubtful() -> None:
-    fit = fit_of(every_evidence(), BASE)
-    assert (len(fit.factors), len(fit.left_out), len(fit.logs)) == (10, 2, 8)
-    assert fit.spread > 1.0
+    factors = factors_of(every_evidence(), BASE)
+    assert len(factors) == 10
+    assert len(DOUBTFUL) == 2
+    even = {place: 2.0 if place in DOUBTFUL else 3.0 for place in factors}
+    assert fit_of(even) == pytest.approx((3.0, 1.0))
+    apart = [place for place in factors if place not in DOUBTFUL][:2]
+    assert fit_of(dict(zip(apart, (2.0, 8.0), strict=True))) == pytest.approx((4.0, 2.0))
+    assert math.isnan(fit_of(dict.fromkeys(DOUBTFUL, 1.0))[0])
 
 
 def test_what_is_alike_moves_nothing_and_stops_right() -> None:

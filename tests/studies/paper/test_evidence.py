@@ -10,6 +10,7 @@ from invented import BINS, CYCLES, EVEN, every_evidence, evidence_of, stage
 from presswear.scene.scene import Conventions
 from presswear.studies.paper.evidence import Evidence, Measured
 from presswear.studies.paper.printed import Place
+from presswear.studies.paper.variants import base_scene
 from presswear.studies.paper.words import QUANTITIES
 
 SETTING = "wear-times"
@@ -38,7 +39,7 @@ def test_a_peak_is_the_mean_over_cycles_behind_the_first_of_each_start() -> None
 
 def test_contacts_are_counted_by_cycle_and_start_and_given_by_second() -> None:
     evidence = evidence_of(SETTING, one(0, 1, force=[EVEN] * 2))
-    period = evidence.runs["standard", SETTING].scene.mechanism.period
+    period = base_scene(SETTING).mechanism.period
     assert known(evidence, "contact_rate", joint="C").value == pytest.approx(7.0 / period)
 
 

@@ -4,12 +4,11 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from matplotlib.lines import Line2D
-
 from presswear.results.result import Result
+from presswear.results.stage import StageResult
 from presswear.scene.scene import stage_name
-from presswear.show.figures.style import LINES, LineStyle, ShownStage
-from presswear.studies.paper.evidence import Evidence, Measured, cycle_column
+from presswear.show.figures.style import LINES, Pen, Sheet, until
+from presswear.studies.paper.evidence import Evidence, Measured, each_cycle
 from presswear.studies.paper.printed import JOINTS, Place
 from presswear.studies.paper.variants import BASE, FAST, FRICTION, HIGH_FRICTION, SLOW, WEAR
 
@@ -17,7 +16,7 @@ MILLIMETRES = 1e3
 
 
 @dataclass(frozen=True)
-class Line:
+class PaperLine:
     """A setting after some wears, with the colour and line it has in all figures.
 
     Attributes
@@ -52,42 +51,42 @@ class Line:
         """Colour of the line."""
         return LINES[self.order][0]
 
-    @property
-    def dashes(self) -> LineStyle:
-        """Dashes of the line."""
-        return LINES[self.order][1]
-
     def at(self, joint: str = "") -> Place:
         """The place of its quantities."""
         return Place(self.setting, self.wears, joint)
 
-    def handle(self, name: str) -> Line2D:
-        """Show it in a legend."""
-        return Line2D([], [], color=self.colour, linestyle=self.dashes, label=name)
+    def pen(self, name: str) -> Pen:
+        """The line as it is drawn, under a name in the legend."""
+        return Pen(name, *LINES[self.order])
 
 
-WEARS = tuple(Line(WEAR, wears, wears) for wears in range(3))
+WEARS = tuple(PaperLine(WEAR, wears, wears) for wears in range(3))
 FRICTIONS = (
-    Line(FRICTION, 0, 0, "friction 0.05"),
-    Line(HIGH_FRICTION, 0, 1, "friction 0.1"),
-    Line(FRICTION, 1, 2, "friction 0.05"),
-    Line(HIGH_FRICTION, 1, 3, "friction 0.1"),
+    PaperLine(FRICTION, 0, 0, "friction 0.05"),
+    PaperLine(HIGH_FRICTION, 0, 1, "friction 0.1"),
+    PaperLine(FRICTION, 1, 2, "friction 0.05"),
+    PaperLine(HIGH_FRICTION, 1, 3, "friction 0.1"),
 )
 SPEEDS = (
-    Line(SLOW, 0, 0, "4π rad/s"),
-    Line(SLOW, 1, 1, "4π rad/s"),
-    Line(FAST, 0, 2, "8π rad/s"),
-    Line(FAST, 1, 3, "8π rad/s"),
+    PaperLine(SLOW, 0, 0, "4π rad/s"),
+    PaperLine(SLOW, 1, 1, "4π rad/s"),
+    PaperLine(FAST, 0, 2, "8π rad/s"),
+    PaperLine(FAST, 1, 3, "8π rad/s"),
 )
+
+
+Lines = tuple[PaperLine, ...]
+Drawn = tuple[str, Sheet] | None
+"""Caption and sheet of a figure; None where nothing ran that it shows."""
 
 
 @dataclass(frozen=True)
-class Shown:
+class ShownLine:
     """A line with the run that shows it, and its stage, whose series end with the first cycle."""
 
-    line: Line
+    line: PaperLine
     result: Result
-    stage: ShownStage
+    stage: StageResult
 
     @property
     def period(self) -> float:
@@ -96,30 +95,24 @@ class Shown:
 
     def peak(self, quantity: str, joint: str = "") -> float:
         """Largest of the cycle, SI units: of every step, while the series leaves steps out."""
-        rows = cycle_column(self.result, self.line.wears, joint, f"{quantity}_max")
+        rows = each_cycle(self.result.stages[self.line.wears], joint, f"{quantity}_max")
         return float(rows[0]) if rows.size else math.nan
 
 
-def shown_cycles(evidence: Evidence, lines: Iterable[Line]) -> list[Shown]:
+def shown_cycles(evidence: Evidence, lines: Iterable[PaperLine]) -> list[ShownLine]:
     """The first cycle of the first start of each line; a line without any is left out."""
     found = []
     for line in lines:
         result = evidence.at_stage(BASE, line.setting, line.wears)
         if result is None or result.stages[line.wears].time.size < 2:
             continue
-        arrays = dict(result.stages[line.wears].arrays)
         # The last row of a cycle may lie a rounding behind its end.
         end = result.scene.mechanism.period * (1.0 + 1e-9)
-        rows = int(arrays["time"].searchsorted(end, side="right"))
-        joints = result.scene.clearance_joints
-        series = [f"{joint}_{name}" for joint in joints for name in ("force", "eccentricity")]
-        arrays |= {name: arrays[name][:rows] for name in ("time", "slider", *series)}
-        stage = ShownStage(line.wears, line.name, line.colour, line.dashes, arrays)
-        found.append(Shown(line, result, stage))
+        found.append(ShownLine(line, result, until(result.stages[line.wears], end)))
     return found
 
 
-def shown_joints(shown: Sequence[Shown]) -> list[str]:
+def shown_joints(shown: Sequence[ShownLine]) -> list[str]:
     """The joints of the paper that have clearance in every run."""
     return [j for j in JOINTS if all(j in one.result.scene.clearance_joints for one in shown)]
 

@@ -1,7 +1,7 @@
-"""Figures 8, 11 and 14: wear depth over angle."""
+"""Figures 8 to 16: wear depth over angle, worn surfaces of pin and bearing."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -9,9 +9,20 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MultipleLocator
 
-from presswear.show.figures.style import MICRONS, REFERENCE, WIDTH, Axes, Sheet, maps_turn
+from presswear.results.result import Result
+from presswear.results.stage import SIDES
+from presswear.show.figures.style import (
+    MICRONS,
+    REFERENCE,
+    WIDTH,
+    Axes,
+    Sheet,
+    ShownStage,
+    maps_turn,
+)
+from presswear.show.figures.surfaces import worn_surface
 from presswear.studies.paper.evidence import Evidence, Measured, WearMap
-from presswear.studies.paper.figures.lines import Line, counted, joint_title
+from presswear.studies.paper.figures.lines import Drawn, Lines, PaperLine, counted, joint_title
 from presswear.studies.paper.printed import (
     JOINTS,
     RANGES,
@@ -28,7 +39,7 @@ _LINEAR_RATIO = 20.0
 
 
 @dataclass(frozen=True)
-class _Curve:
+class _DepthLine:
     """A wear map with our measure of its deepest place and what the paper prints of it.
 
     Attributes
@@ -37,7 +48,7 @@ class _Curve:
         True where its angles are on the bodies.
     """
 
-    line: Line
+    line: PaperLine
     map: WearMap
     known: Measured
     depth: Printed | None
@@ -45,7 +56,7 @@ class _Curve:
     turns: bool
 
 
-def depths(evidence: Evidence, number: int, lines: tuple[Line, ...]) -> tuple[str, Sheet] | None:
+def depths(evidence: Evidence, number: int, lines: Lines) -> Drawn:
     """Depth of pin and bearing together over the direction of contact, at A and at C."""
     panels = {joint: _curves(evidence, joint, lines) for joint in JOINTS}
     panels = {joint: curves for joint, curves in panels.items() if curves}
@@ -64,7 +75,7 @@ def depths(evidence: Evidence, number: int, lines: tuple[Line, ...]) -> tuple[st
         axes.set_xlabel(f"{where} (degrees)")
         axes.set_ylabel("depth, bearing + pin (µm)")
         axes.set_title(joint_title(joint), loc="left", fontweight="bold")
-    drawn = {curve.line: curve.line.handle(curve.line.wear_name) for curve in everything}
+    drawn = {curve.line: curve.line.pen(curve.line.wear_name).handle() for curve in everything}
     handles: list[Line2D | Patch] = list(drawn.values())
     handles.append(
         Line2D([], [], color=REFERENCE, label="printed, deepest", **_MARK | {"linestyle": "none"})
@@ -88,14 +99,14 @@ def depths(evidence: Evidence, number: int, lines: tuple[Line, ...]) -> tuple[st
     return caption, sheet
 
 
-def _curves(evidence: Evidence, joint: str, lines: Sequence[Line]) -> list[_Curve]:
+def _curves(evidence: Evidence, joint: str, lines: Lines) -> list[_DepthLine]:
     found = []
     for place, line in ((line.at(joint), line) for line in lines):
         result, worn = evidence.worn_at(BASE, place), evidence.wear_map(BASE, place)
         known = evidence.measured(BASE, place, "depth")
         if result and worn and known and np.any(worn.mean > 0.0):
             printed = (printed_at(place, "depth"), printed_at(place, "angle"))
-            found.append(_Curve(line, worn, known, *printed, maps_turn(result)))
+            found.append(_DepthLine(line, worn, known, *printed, maps_turn(result)))
     return found
 
 
@@ -108,7 +119,7 @@ _MARK: dict[str, Any] = {
 _RANGE_COLOUR = "0.7"
 
 
-def _draw(axes: Axes, curves: Sequence[_Curve]) -> None:
+def _draw(axes: Axes, curves: Sequence[_DepthLine]) -> None:
     peaks = [MICRONS * float(curve.map.mean.max()) for curve in curves]
     marked = [MICRONS * curve.depth.value for curve in curves if curve.depth is not None]
     least, most = min(peaks + marked), max(peaks + marked)
@@ -119,13 +130,7 @@ def _draw(axes: Axes, curves: Sequence[_Curve]) -> None:
         # A band that ends at nothing has no lower end on a logarithmic scale.
         low, high = (np.maximum(MICRONS * end, floor) for end in (curve.map.low, curve.map.high))
         axes.fill_between(degrees, low, high, color=curve.line.colour, alpha=0.2, linewidth=0.0)
-        axes.plot(
-            degrees,
-            MICRONS * curve.map.mean,
-            color=curve.line.colour,
-            linestyle=curve.line.dashes,
-            linewidth=1.2,
-        )
+        curve.line.pen("").draw(axes, degrees, MICRONS * curve.map.mean, linewidth=1.2)
     axes.set_xlim(0.0, 360.0)
     axes.xaxis.set_major_locator(MultipleLocator(60.0))
     if logarithmic:
@@ -138,7 +143,7 @@ def _draw(axes: Axes, curves: Sequence[_Curve]) -> None:
         _mark(axes, curve)
 
 
-def _mark(axes: Axes, curve: _Curve) -> None:
+def _mark(axes: Axes, curve: _DepthLine) -> None:
     """Mark the printed deepest place."""
     if curve.depth is None or curve.angle is None:
         return
@@ -169,3 +174,37 @@ def _draw_range(axes: Axes, printed: PrintedRange) -> None:
             linewidth=4.0,
             solid_capstyle="butt",
         )
+
+
+def surfaces(joint: str, evidence: Evidence, number: int, lines: Lines) -> Drawn:
+    """Surfaces of a joint, outlines and an enlarged part."""
+    shown = [found for line in lines if (found := _worn(evidence, line, joint)) is not None]
+    if not shown:
+        return None
+    drawing = worn_surface(shown[0][0], joint, [stage for _, stage in shown])
+    caption = (
+        f"{drawing.caption} The surfaces are those that the stage before left on average "
+        "over the cycles of all its starts: how uneven they are is partly chance, and the "
+        f"depths with their intervals are in Fig. {number - (1 if joint == 'A' else 2)}. The "
+        f"enlarged part is around the deepest wear of “{shown[-1][1].pen.label}”."
+    )
+    return caption, drawing.sheet
+
+
+def _worn(evidence: Evidence, line: PaperLine, joint: str) -> tuple[Result, ShownStage] | None:
+    """The run of a line, with its surfaces; None where nothing is worn."""
+    result = evidence.worn_at(BASE, line.at(joint))
+    if result is None:
+        return None
+    stage = result.stages[line.wears - 1]
+    before, arrays = stage.arrays, dict(stage.arrays)
+    for side in SIDES:
+        name = f"{joint}_depth_{side}"
+        # What a stage ran on is what is known best: a wear may have gone in steps.
+        if line.wears < len(result.stages):
+            arrays[name] = result.stages[line.wears].arrays[name]
+        else:
+            arrays[name] = before[name] + before[f"{joint}_wear_{side}"]
+    if not any(np.any(arrays[f"{joint}_depth_{side}"] > 0.0) for side in SIDES):
+        return None
+    return result, ShownStage(replace(stage, arrays=arrays), line.pen(line.wear_name))

@@ -18,10 +18,9 @@ from presswear.studies.paper.report.chosen import (
     sensitivity_table,
     stopped_table,
 )
-from presswear.studies.paper.report.claims import STYLES, counts_table, details
 from presswear.studies.paper.report.numbers import numbers_table, ranges_table, ratios_table
-from presswear.studies.paper.report.summary import findings, headline
-from presswear.studies.paper.variants import BASE, JUDGED, STARTS
+from presswear.studies.paper.report.summary import STYLES, counts_table, detail, findings, headline
+from presswear.studies.paper.variants import BASE, JUDGED, SETTINGS, STARTS, variant_key
 from presswear.studies.paper.verdicts import judged
 from presswear.tools.files import write_bytes
 from presswear.tools.numbers import readable, whole
@@ -29,32 +28,27 @@ from presswear.tools.numbers import readable, whole
 
 def write_report(study: Study, folder: Path) -> tuple[str, Path]:
     """Write ``report.html`` and its figures into a study's folder; returns answer and path."""
-    results = {v.key: found for v, found in results_of(study, folder) if found is not None}
-    evidence = Evidence.of(results)
+    evidence = Evidence({v.key: found for v, found in results_of(study, folder) if found})
     figures = [
         Illustration.of(save(drawing, folder / "figures"), folder / "figures")
         for drawing in paper_drawings(evidence)
     ]
-    text = render(study, results, evidence, figures)
+    text = render(study, evidence, figures)
     path = folder / "report.html"
     write_bytes(path, text.encode())
     return headline(evidence, judged(evidence)), path
 
 
-def render(
-    study: Study,
-    results: Mapping[str, Result],
-    evidence: Evidence,
-    figures: Sequence[Illustration],
-) -> str:
+def render(study: Study, evidence: Evidence, figures: Sequence[Illustration]) -> str:
     """The page as text."""
-    claims = judged(evidence)
+    claims, results = judged(evidence), evidence.results
     failures = {
         key.partition("--")[0]: result.message
         for key, result in results.items()
         if result.status == "failed"
     }
-    first = next((found for place, found in evidence.runs.items() if place[0] == BASE), None)
+    standard = (results.get(variant_key(BASE, setting)) for setting in SETTINGS)
+    first = next(filter(None, standard), None)
     numbers, remarks = numbers_table(evidence)
     return render_page(
         "paper.html",
@@ -66,7 +60,7 @@ def render(
         findings=findings(evidence, failures),
         counts=counts_table(claims),
         cases=JUDGED,
-        claims=[(claim, details(evidence, claim)) for claim in claims],
+        claims=[(own, [detail(evidence, part) for part in own.claim.parts]) for own in claims],
         styles=STYLES,
         numbers=numbers,
         remarks=remarks,

@@ -2,11 +2,10 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from presswear.show.report.parts import Row, Table
 from presswear.studies.paper.evidence import Evidence, Measured
-from presswear.studies.paper.printed import JOINTS, LOST_FACTOR, PRINTED, Place, printed_at
+from presswear.studies.paper.printed import DOUBTFUL, JOINTS, PRINTED, SLIDER, Place, printed_at
 from presswear.studies.paper.variants import (
     BASE,
     GEOMETRIES,
@@ -27,23 +26,12 @@ from presswear.studies.paper.words import (
 )
 from presswear.tools.numbers import readable
 
-_SMOOTH = (
-    ("displacement", 1),
-    ("displacement", 2),
-    ("stroke", 0),
-    ("velocity", 0),
-    ("velocity", 1),
-    ("velocity", 2),
-)
-"""Quantities of the slider, after so many wears, that geometries are told apart by."""
+_SMOOTH = (("displacement", (1, 2)), ("stroke", (0,)), ("velocity", (0, 1, 2)))
+"""Quantities of the slider, and after how many wears, that geometries are told apart by."""
 
 WATCHED = (
-    ("depth", "deepest wear", Place(WEAR, 1, "A")),
-    ("depth", "deepest wear", Place(WEAR, 1, "C")),
-    ("force", "force", Place(WEAR, 0, "A")),
-    ("force", "force", Place(WEAR, 0, "C")),
-    ("force", "force", Place(WEAR, 1, "A")),
-    ("force", "force", Place(WEAR, 1, "C")),
+    *(("depth", "deepest wear", Place(WEAR, 1, joint)) for joint in JOINTS),
+    *(("force", "force", Place(WEAR, wears, joint)) for wears in (0, 1) for joint in JOINTS),
     ("displacement", "displacement,", Place(WEAR, 0)),
 )
 """Quantities that sensitivities are shown of, with short names."""
@@ -55,66 +43,41 @@ _STOPPED = (
     ("added_mean", 2, JOINTS),
     ("force", 0, JOINTS),
     ("force", 1, JOINTS),
-    ("velocity", 0, ("",)),
-    ("acceleration", 0, ("",)),
-    ("acceleration", 1, ("",)),
+    ("velocity", 0, SLIDER),
+    ("acceleration", 0, SLIDER),
+    ("acceleration", 1, SLIDER),
 )
 """Quantities compared between runs that stopped early and 200 cycles: wears, joints."""
 
 
-@dataclass(frozen=True)
-class Fit:
-    """How well one K_d / b fits the printed depths of one wear.
-
-    Attributes
-    ----------
-    factors : mapping of Place to float
-        Printed depth over ours; a fit would have one factor for all.
-    left_out : tuple of Place
-        Depths whose print is doubtful.
-    """
-
-    factors: Mapping[Place, float]
-    left_out: tuple[Place, ...]
-
-    @property
-    def logs(self) -> list[float]:
-        """Logarithms of the factors that count."""
-        return [math.log(f) for place, f in self.factors.items() if place not in self.left_out]
-
-    @property
-    def best(self) -> float:
-        """Factor on K_d / b that fits best: the geometric mean."""
-        return math.exp(sum(self.logs) / len(self.logs)) if self.logs else math.nan
-
-    @property
-    def spread(self) -> float:
-        """Factor by which single depths miss the best fit, root mean square of logarithms."""
-        if not self.logs:
-            return math.nan
-        off = [(log - math.log(self.best)) ** 2 for log in self.logs]
-        return math.exp(math.sqrt(sum(off) / len(off)))
-
-
-def fit_of(evidence: Evidence, case: str) -> Fit:
-    """The fit of K_d / b under a case, from the printed depths after a first wear."""
-    factors, left_out = {}, []
+def factors_of(evidence: Evidence, case: str) -> dict[Place, float]:
+    """Printed depths after a first wear over ours; one K_d / b would have one factor for all."""
+    found = {}
     for number in PRINTED:
-        if (number.quantity, number.place.wears) != ("depth", 1):
-            continue
-        ours = evidence.measured(case, number.place, "depth")
-        if ours is not None and ours.value > 0.0:
-            factors[number.place] = number.value / ours.value
-            if number.misprint == LOST_FACTOR:
-                left_out.append(number.place)
-    return Fit(factors, tuple(left_out))
+        if (number.quantity, number.place.wears) == ("depth", 1):
+            ours = evidence.measured(case, number.place, "depth")
+            if ours is not None and ours.value > 0.0:
+                found[number.place] = number.value / ours.value
+    return found
+
+
+def fit_of(factors: Mapping[Place, float]) -> tuple[float, float]:
+    """The factor on K_d / b that fits best, and the one by which single depths miss it.
+
+    The geometric mean, and the root mean square of logarithms, of all but the doubtful prints;
+    nan where there are no others.
+    """
+    logs = [math.log(factor) for place, factor in factors.items() if place not in DOUBTFUL]
+    if not logs:
+        return math.nan, math.nan
+    mean = sum(logs) / len(logs)
+    return math.exp(mean), math.exp(math.sqrt(sum((log - mean) ** 2 for log in logs) / len(logs)))
 
 
 def geometry_table(evidence: Evidence) -> Table:
     """How each geometry meets the printed peaks of smooth motion."""
     rows = []
-    for quantity, wears in _SMOOTH:
-        place = Place(WEAR, wears)
+    for quantity, place in ((name, Place(WEAR, k)) for name, wears in _SMOOTH for k in wears):
         printed = printed_at(place, quantity)
         ours = [evidence.measured(name, place, quantity) for name in GEOMETRIES]
         rows.append(
@@ -129,16 +92,17 @@ def geometry_table(evidence: Evidence) -> Table:
 
 def fit_table(evidence: Evidence) -> Table:
     """Printed first-wear depth over ours: one number for all would be a perfect fit."""
-    fits = [fit_of(evidence, name) for name in JUDGED]
-    places = dict.fromkeys(place for fit in fits for place in fit.factors)
+    factors = [factors_of(evidence, name) for name in JUDGED]
     rows: list[Row] = []
-    for place in places:
-        doubtful = any(place in fit.left_out for fit in fits)
-        label = joint_text(place) + (" (doubtful print, left out)" if doubtful else "")
-        rows.append((label, *(readable(fit.factors.get(place)) for fit in fits)))
+    for place in dict.fromkeys(place for own in factors for place in own):
+        label = joint_text(place)
+        if place in DOUBTFUL:
+            label += " (doubtful print, left out)"
+        rows.append((label, *(readable(own.get(place)) for own in factors)))
+    best, spread = zip(*map(fit_of, factors), strict=True)
     summary = (
-        ("best factor on K_d / b", *(readable(fit.best) for fit in fits)),
-        ("single depths miss it by a factor of", *(readable(fit.spread) for fit in fits)),
+        ("best factor on K_d / b", *map(readable, best)),
+        ("single depths miss it by a factor of", *map(readable, spread)),
     )
     head = ("paper / ours, deepest after the first wear", *JUDGED)
     return Table(head, (("", tuple(rows)), ("One number for all", summary)))

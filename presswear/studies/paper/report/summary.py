@@ -1,25 +1,56 @@
 """The first screen of the report: what stands and what does not, in plain words."""
 
+import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 
-from presswear.studies.paper.claims import Comparison
+from presswear.show.report.parts import Table
+from presswear.studies.paper.claims import Comparison, by_friction, by_speed, by_wear, c_and_a, more
 from presswear.studies.paper.evidence import Evidence
-from presswear.studies.paper.printed import LOST_FACTOR, PRINTED, Place
-from presswear.studies.paper.report.chosen import fit_of
+from presswear.studies.paper.printed import DOUBTFUL
+from presswear.studies.paper.report.chosen import factors_of, fit_of
 from presswear.studies.paper.report.numbers import standings
 from presswear.studies.paper.variants import (
     BASE,
     FAST,
-    FRICTION,
-    HIGH_FRICTION,
+    GEOMETRIES,
+    JUDGED,
     PAPER_STEP,
-    SLOW,
-    WEAR,
 )
-from presswear.studies.paper.verdicts import Judged, Standing, Verdict, compared
-from presswear.studies.paper.words import ratio_text
+from presswear.studies.paper.verdicts import Judged, Standing, Verdict, compared, verdict
+from presswear.studies.paper.words import QUANTITIES, compared_text, ratio_text
 from presswear.tools.numbers import readable
+
+STYLES = {
+    Verdict.HOLDS: "good",
+    Verdict.FAILS: "bad",
+    Verdict.IN_PART: "bad",
+    Verdict.OPEN: "open",
+    Verdict.MISSING: "open",
+}
+"""How a verdict is coloured."""
+
+
+def detail(evidence: Evidence, part: Comparison) -> str:
+    """Tell a comparison on the standard geometry: ours, what is printed, the verdict."""
+    ours = compared(evidence, BASE, part)
+    shown = QUANTITIES[part.quantity]
+    factor, sign, unit = 1.0, "×", ""
+    if part.is_difference:
+        factor, sign, unit = shown.factor, "", f" {shown.unit}"
+    text = f"{shown.label}, {compared_text(part)}: {sign}{ratio_text(ours, factor)}{unit}"
+    if part.printed is not None:
+        text += f"; printed {sign}{readable(factor * part.printed)}{unit}"
+    return f"{text}; {verdict(ours, part)}"
+
+
+def counts_table(claims: Sequence[Judged]) -> Table:
+    """How many claims have which verdict, by case."""
+    rows = tuple(
+        (str(word), *(str(sum(claim.verdict(case) is word for claim in claims)) for case in JUDGED))
+        for word in Verdict
+    )
+    return Table(("claims", *GEOMETRIES, "refined conventions"), (("", rows),))
 
 
 def headline(evidence: Evidence, claims: Sequence[Judged]) -> str:
@@ -42,25 +73,21 @@ def headline(evidence: Evidence, claims: Sequence[Judged]) -> str:
 
 def findings(evidence: Evidence, failures: Mapping[str, str]) -> list[str]:
     """Tell what matters most, each with its figures."""
-    return [
-        *_trends(evidence),
-        *_peaks(evidence),
-        *_scale(evidence),
-        *(
-            f"The paper's own step, 1e-4 s, is as long as a contact: the same equations stepped "
-            f"so end early ({failures[case]})."
-            for case in (PAPER_STEP,)
-            if case in failures
-        ),
-    ]
+    found = [*_trends(evidence), *_peaks(evidence), *_scale(evidence)]
+    if PAPER_STEP in failures:
+        found.append(
+            "The paper's own step, 1e-4 s, is as long as a contact: the same equations stepped "
+            f"so end early ({failures[PAPER_STEP]})."
+        )
+    return found
 
 
 _RATIOS = {
-    "second": Comparison("depth", (Place(WEAR, 2, "A"),), (Place(WEAR, 1, "A"),)),
-    "wear": Comparison("depth", (Place(HIGH_FRICTION, 1, "A"),), (Place(FRICTION, 1, "A"),)),
-    "force": Comparison("force", (Place(HIGH_FRICTION, 0, "A"),), (Place(FRICTION, 0, "A"),)),
-    "fast": Comparison("depth", (Place(FAST, 1, "A"),), (Place(SLOW, 1, "A"),)),
-    "joints": Comparison("depth", (Place(FAST, 1, "A"),), (Place(FAST, 1, "C"),)),
+    "second": more("depth", by_wear(("A",), 1, 2)),
+    "wear": more("depth", by_friction(("A",), 1)),
+    "force": more("force", by_friction(("A",), 0)),
+    "fast": more("depth", by_speed(("A",), 1)),
+    "joints": more("depth", c_and_a((FAST, 1))),
 }
 _TRENDS = (
     (
@@ -86,7 +113,7 @@ _TRENDS = (
 def _trends(evidence: Evidence) -> list[str]:
     """Sentences whose ratios are all known."""
     texts: dict[str, str] = {}
-    for name, part in _RATIOS.items():
+    for name, (part,) in _RATIOS.items():
         ours = compared(evidence, BASE, part)
         if ours is not None:
             texts |= {name: ratio_text(ours), f"{name}_printed": readable(part.printed)}
@@ -112,13 +139,12 @@ def _peaks(evidence: Evidence) -> list[str]:
 
 def _scale(evidence: Evidence) -> list[str]:
     """The one factor on K_d / b."""
-    fit = fit_of(evidence, BASE)
-    if not fit.logs:
+    best, spread = fit_of(factors_of(evidence, BASE))
+    if math.isnan(best):
         return []
-    lost = sum(item.misprint == LOST_FACTOR for item in PRINTED)
     return [
-        f"One number for K_d / b, {readable(fit.best)} times ours, meets the other printed "
-        f"first-wear depths within a factor of {readable(fit.spread)}; {lost} at A are printed ten "
-        "times or more below it and below C, against the paper's own text: their power of ten is "
-        "probably a misprint."
+        f"One number for K_d / b, {readable(best)} times ours, meets the other printed "
+        f"first-wear depths within a factor of {readable(spread)}; {len(DOUBTFUL)} at A are "
+        "printed ten times or more below it and below C, against the paper's own text: their "
+        "power of ten is probably a misprint."
     ]

@@ -1,0 +1,115 @@
+"""Studies: running variants side by side, going on with them, what is refused."""
+
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from endurance.sameness import folder_differences
+
+from presswear.campaign.parallel import run_study, run_variant
+from presswear.campaign.study import Study, Variant, load_study, results_of, waiting
+from presswear.record.tracker import Tracker
+from presswear.results.result import load
+from presswear.scene.catalog import wear_times
+from presswear.scene.settings import changed
+from presswear.tools.errors import InputError
+
+
+def small(**settings: str) -> Study:
+    """Two quick variants: one cycle each in the in-house solver, and one that fails at once."""
+    short = replace(wear_times(), wears=1, cycles=1)
+    base = changed(short, {"engine": "dae", "angles": "16", **settings})
+    stops = changed(base, {"integrator": "rk4-paper"})
+    variants = (Variant("one", "the first", base), Variant("stops", "the paper's step", stops))
+    return Study("small", "Two variants", "Which?", variants)
+
+
+class Hearing(Tracker):
+    """Remembers which parts of variants it is told of."""
+
+    def __init__(self) -> None:
+        self.heard: list[tuple[str, float]] = []
+
+    def variant(self, key: str, part: float, word: str) -> None:
+        self.heard.append((key, part))
+
+
+@pytest.fixture(scope="module")
+def ran(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Hearing]:
+    """The small study's folder, and what was told."""
+    folder, hearing = tmp_path_factory.mktemp("study") / "out", Hearing()
+    run_study(small(), folder, 2, False, [hearing])
+    return folder, hearing
+
+
+@pytest.fixture
+def folder(ran: tuple[Path, Hearing]) -> Path:
+    return ran[0]
+
+
+def test_every_variant_has_its_folder(ran: tuple[Path, Hearing]) -> None:
+    folder, hearing = ran
+    one, stops = (result for _, result in results_of(small(), folder))
+    assert one is not None
+    assert (one.status, len(one.stages)) == ("completed", 2)
+    assert stops is not None
+    assert stops.status == "failed"
+    parts = [part for key, part in hearing.heard if key == "one"]
+    assert parts == sorted(parts)
+    assert parts[-1] == 1.0
+
+
+def test_resuming_keeps_what_is_finished(folder: Path) -> None:
+    before = (folder / "one" / "result.json").stat().st_mtime_ns
+    assert waiting(small(), folder, resume=True) == []
+    run_study(small(), folder, 1, True)
+    assert (folder / "one" / "result.json").stat().st_mtime_ns == before
+
+
+def test_an_interrupted_variant_goes_on_where_it_stood(folder: Path, tmp_path: Path) -> None:
+    again, study = tmp_path / "study", small()
+    heard = 0
+
+    def interrupt(part: float, word: str) -> None:
+        nonlocal heard
+        heard += part > 0.5
+        if heard > 3:
+            raise KeyboardInterrupt
+
+    shutil.copytree(folder, again)
+    shutil.rmtree(again / "one")
+    with pytest.raises(KeyboardInterrupt):
+        run_variant(again / "one", study.variants[0].scene, 0.0, interrupt)
+    assert list((again / "one").glob("checkpoint-*.npz"))
+    assert [variant.key for variant in waiting(study, again, resume=True)] == ["one"]
+    run_study(study, again, 1, True)
+    assert folder_differences(again / "one", folder / "one") == []
+    assert "resumed" in load(again / "one").provenance
+
+
+def test_other_runs_in_the_folder_are_refused(folder: Path) -> None:
+    with pytest.raises(InputError, match="not empty"):
+        waiting(small(), folder, resume=False)
+    with pytest.raises(InputError, match=r"another study .one differs"):
+        waiting(small(friction="0.3"), folder, resume=True)
+
+
+def test_a_stored_study_is_the_same_study(folder: Path) -> None:
+    assert load_study(folder) == small()
+    with pytest.raises(InputError, match="no study"):
+        load_study(folder / "one")
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("{", "cannot be read"),
+        ('{"schema": 99}', "schema 99"),
+        ('{"schema": 2}', "missing required field"),
+    ],
+)
+def test_a_damaged_study_is_named(tmp_path: Path, text: str, words: str) -> None:
+    (tmp_path / "study.json").write_text(text)
+    with pytest.raises(InputError, match=words):
+        load_study(tmp_path)
