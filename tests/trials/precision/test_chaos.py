@@ -209,18 +209,12 @@ def test_a_bound_above_the_sampling_error_is_not_honest() -> None:
     assert chaos(bound=1.01 * sampling).cheapest() is None
 
 
-def test_a_difference_that_is_seen_is_not_honest() -> None:
+def test_what_is_seen_decides_for_wear_and_peak_forces_do_not() -> None:
     found = chaos()
     good = found.cheapest()
     assert good is not None
     seen = {**good.step_errors, NAMES[0]: StepError(0.01, 0.005, 0.015, 0.015)}
     assert not found.is_honest(replace(good, step_errors=seen))
-
-
-def test_peak_forces_do_not_decide_for_wear() -> None:
-    found = chaos()
-    good = found.cheapest()
-    assert good is not None
     far = {**good.step_errors, "peak force at A": StepError(0.5, 0.4, 0.6, 0.6)}
     assert found.is_honest(replace(good, step_errors=far))
     assert not found.is_honest_in(replace(good, step_errors=far), "peak force at A")
