@@ -19,6 +19,13 @@ from presswear.trials.precision.wear import (
     QUANTITIES,
     TITLES,
     WearPoint,
+    Wears,
+    WearStudy,
+)
+    DEEPEST,
+    QUANTITIES,
+    TITLES,
+    WearPoint,
     WearStudy,
 )
 from presswear.trials.timing import Timing
