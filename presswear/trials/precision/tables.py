@@ -22,12 +22,6 @@ from presswear.trials.precision.wear import (
     Wears,
     WearStudy,
 )
-    DEEPEST,
-    QUANTITIES,
-    TITLES,
-    WearPoint,
-    WearStudy,
-)
 from presswear.trials.timing import Timing
 
 T = TypeVar("T")
