@@ -256,8 +256,7 @@ def changes(point: WearPoint, finest: WearPoint) -> dict[str, Interval]:
     ]
     found = {}
     for joint, name in wanted:
-        read = QUANTITIES[name][1]
-        moved = change(read(point.first[joint]), read(finest.first[joint]))
+        moved = change(point.first[joint][name], finest.first[joint][name])
         if moved.low is not None and moved.high is not None:
             widening = together(len(wanted))
             moved = Interval(

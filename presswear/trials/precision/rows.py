@@ -74,10 +74,10 @@ def wear_rows(wear: WearStudy) -> Iterator[Cells]:
     for point in wear.points:
         varied = point.varied
         wears: list[tuple[str, str, str, Interval | None]] = [
-            (word, joint, f"{name} ({unit})", pick(worn))
+            (word, joint, f"{name} ({unit})", worn[name])
             for word, joints in (("first", point.first), ("second", point.second))
             for joint, worn in joints.items()
-            for name, (unit, pick) in QUANTITIES.items()
+            for name, unit in QUANTITIES.items()
         ]
         for word, joint, name, found in wears or [("", "", "", None)]:
             yield {

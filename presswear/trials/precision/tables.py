@@ -5,7 +5,6 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from typing import TypeVar
 
-from presswear.record.sampling import Interval
 from presswear.show.report.parts import CUBIC_MILLIMETRES, MICRONS, Table
 from presswear.tools.numbers import given, readable, whole, with_interval
 from presswear.trials.precision.chaos import Chaos, StatisticPoint
@@ -15,7 +14,14 @@ from presswear.trials.precision.growth import Parting
 from presswear.trials.precision.recommendation import standing
 from presswear.trials.precision.statistic import MAP, sampling_error, unit_of
 from presswear.trials.precision.study import Precision
-from presswear.trials.precision.wear import QUANTITIES, TITLES, JointWear, WearPoint, WearStudy
+from presswear.trials.precision.wear import (
+    DEEPEST,
+    QUANTITIES,
+    TITLES,
+    WearPoint,
+    Wears,
+    WearStudy,
+)
 from presswear.trials.timing import Timing
 
 T = TypeVar("T")
@@ -179,17 +185,11 @@ def wear_table(wear: WearStudy) -> Table:
     def case(point: WearPoint) -> str:
         return _marked(point.varied.label, default=point.varied.is_default, failed=point.failure)
 
-    def cell(
-        word: str,
-        joint: str,
-        read: Callable[[JointWear], Interval],
-        factor: float,
-        point: WearPoint,
-    ) -> str:
-        worn: JointWear | None = getattr(point, word).get(joint)
-        if worn is None:
+    def cell(which: str, joint: str, name: str, factor: float, point: WearPoint) -> str:
+        worn: Wears = getattr(point, which)
+        if joint not in worn:
             return _NONE
-        interval = read(worn)
+        interval = worn[joint][name]
         if interval.low is None or interval.high is None:
             return readable(factor * interval.value)
         spread = _spread(factor * interval.low, factor * interval.high, 2)
@@ -197,14 +197,13 @@ def wear_table(wear: WearStudy) -> Table:
 
     factors = {"m": (MICRONS, "µm"), "m^3": (CUBIC_MILLIMETRES, "mm³")}
     columns: dict[str, Callable[[WearPoint], str]] = {"": case}
-    for name, (unit, read) in QUANTITIES.items():
+    for name, unit in QUANTITIES.items():
         factor, shown = factors[unit]
         for joint in wear.joints:
-            columns[f"{name} at {joint} ({shown})"] = partial(cell, "first", joint, read, factor)
-    deepest = QUANTITIES["deepest wear"][1]
+            columns[f"{name} at {joint} ({shown})"] = partial(cell, "first", joint, name, factor)
     for joint in wear.joints:
         title = f"second wear, deepest at {joint} (µm)"
-        columns[title] = partial(cell, "second", joint, deepest, MICRONS)
+        columns[title] = partial(cell, "second", joint, DEEPEST, MICRONS)
     columns |= {
         "steps of the first wear": lambda point: whole(point.steps),
         "cycles run": lambda point: whole(point.cycles),

@@ -14,7 +14,7 @@ from presswear.trials.precision.growth import Parting
 from presswear.trials.precision.methods import IMPACT, Method, finest, statistics_methods
 from presswear.trials.precision.statistic import StepError
 from presswear.trials.precision.study import Precision
-from presswear.trials.precision.wear import Group, JointWear, Varied, WearPoint, WearStudy
+from presswear.trials.precision.wear import DEEPEST, VOLUME, Group, Varied, WearPoint, WearStudy
 from presswear.trials.timing import Timing
 
 SCENE = wear_times()
@@ -106,9 +106,12 @@ def interval(value: float, part: float = 0.05) -> Interval:
     return Interval(value, (1.0 - part) * value, (1.0 + part) * value)
 
 
-def joint_wears(depth: float, volume: float) -> dict[str, JointWear]:
+def joint_wears(depth: float, volume: float) -> dict[str, dict[str, Interval]]:
     return {
-        joint: JointWear(interval(1e-6 * depth * factor), interval(1e-9 * volume * factor))
+        joint: {
+            DEEPEST: interval(1e-6 * depth * factor),
+            VOLUME: interval(1e-9 * volume * factor),
+        }
         for joint, factor in (("A", 1.0), ("C", 0.3))
     }
 

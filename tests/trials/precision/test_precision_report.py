@@ -21,6 +21,7 @@ from presswear.trials.precision.tables import (
     task_table,
     wear_table,
 )
+from presswear.trials.precision.wear import DEEPEST
 
 TAKEN = base_scene("wear-times").numerics
 
@@ -211,4 +212,4 @@ def test_statistics_and_wear_are_rows_of_equal_length() -> None:
     failed = [point for point in study.chaos.points if point.failure]
     assert sum(bool(row["failure"]) for row in told) >= len(failed) > 0
     first = next(iter(study.wear.points[0].first.values()))
-    assert worn[0]["mean"] == first.depth.value
+    assert worn[0]["mean"] == first[DEEPEST].value

@@ -23,7 +23,7 @@ from presswear.trials.precision.recommendation import (
     is_same,
     recommend,
 )
-from presswear.trials.precision.wear import JointWear, WearStudy
+from presswear.trials.precision.wear import DEEPEST, VOLUME, WearStudy
 
 TAKEN = tuple(
     method
@@ -171,7 +171,9 @@ def test_wear_takes_the_coarsest_that_does_not_differ() -> None:
 
 def test_wear_that_is_hardly_known_is_no_reason_to_be_coarse() -> None:
     """Intervals of 50 % hold everything, and show nothing."""
-    blurred = {joint: JointWear(interval(1e-5, 0.5), interval(1e-8, 0.5)) for joint in ("A", "C")}
+    blurred = {
+        joint: {DEEPEST: interval(1e-5, 0.5), VOLUME: interval(1e-8, 0.5)} for joint in ("A", "C")
+    }
     points = tuple(
         replace(wear_point("angles", "paper", f"{n}", n, 1.0), first=blurred) for n in (90, 360)
     )
@@ -179,7 +181,7 @@ def test_wear_that_is_hardly_known_is_no_reason_to_be_coarse() -> None:
     assert found.recommended == ""
     assert found.meets is False
     unknown = tuple(
-        replace(point, first={"A": JointWear(Interval(1.0, None, None), interval(1.0))})
+        replace(point, first={"A": {DEEPEST: Interval(1.0, None, None), VOLUME: interval(1.0)}})
         for point in points
     )
     assert next(for_wear(WearStudy(unknown, {}, "dae"))).recommended == ""
