@@ -4,7 +4,6 @@ One that is finished is kept whatever happens to the others, and one that is sto
 from its checkpoint.
 """
 
-import json
 import multiprocessing
 import queue
 import signal
@@ -21,9 +20,8 @@ from presswear.record.tracker import Progress, Tracker
 from presswear.results.folder import INTERVAL, ResultFolder
 from presswear.results.provenance import provenance
 from presswear.scene.scene import Scene
-from presswear.tools.documents import plain
+from presswear.tools.documents import write_json
 from presswear.tools.errors import RunFailed
-from presswear.tools.files import write_bytes
 from presswear.tools.folders import FolderLock
 
 _POLL = 0.2
@@ -109,8 +107,7 @@ def run_study(
 
     try:
         if not (folder / FILE).exists():
-            stored = {**study.as_dict(), "provenance": provenance()}
-            write_bytes(folder / FILE, json.dumps(plain(stored), indent=1).encode())
+            write_json(folder / FILE, {**study.as_dict(), "provenance": provenance()})
         for variant in study.variants:
             if variant not in left:
                 tell(variant.key, 1.0, "")

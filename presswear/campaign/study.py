@@ -13,7 +13,7 @@ from typing import Any
 from presswear.results.provenance import Provenance, provenance, provenance_differs
 from presswear.results.result import FINISHED, Result, load, read_document
 from presswear.scene.scene import Scene
-from presswear.tools.documents import read_json, schema_of, typed
+from presswear.tools.documents import read_json, typed
 from presswear.tools.errors import InputError
 from presswear.tools.folders import is_free
 
@@ -119,8 +119,7 @@ def load_study(folder: Path) -> Study:
 
 def _stored(folder: Path) -> StoredStudy:
     file = folder / FILE
-    data = read_json(file, f"{folder} is no study's folder: it has no {FILE}")
-    schema_of(data, file, SCHEMA)
+    data = read_json(file, f"{folder} is no study's folder: it has no {FILE}", SCHEMA)
     return typed(data, StoredStudy, f"{file}")
 
 

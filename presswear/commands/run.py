@@ -154,10 +154,10 @@ def _is_plain(arguments: argparse.Namespace) -> bool:
 
 def _stored_scene(arguments: argparse.Namespace) -> Scene:
     """The scene of the folder to go on in."""
-    from presswear.results.result import read_document
+    from presswear.results.result import stored_scene
 
     scene_given(arguments.scene)  # an unknown name is told first
-    scene = Scene.from_dict(read_document(arguments.out)["scene"])
+    scene, _ = stored_scene(arguments.out)
     if scene.name != arguments.scene:
         raise InputError(
             f"--out {arguments.out}: it holds a run of {scene.name}, not of {arguments.scene}"

@@ -60,10 +60,10 @@ def _verify(arguments: argparse.Namespace, console: Console) -> int:
 def _hard(console: Console, *, long: bool) -> int:
     """Run the hard cases, print what came of them; 1 on a miss."""
     from presswear.trials.hard import hard_cases
-    from presswear.trials.hard.case import Outcome, outcomes
+    from presswear.trials.hard.case import HardOutcome, outcomes
 
     cases = [case for case in hard_cases() if long or not case.long]
-    found: list[Outcome] = []
+    found: list[HardOutcome] = []
     with progress_bar(console) as bar:
         task = bar.add_task("hard cases", total=float(len(cases)))
         for case in cases:

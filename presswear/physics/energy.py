@@ -83,7 +83,7 @@ def made_energy(contact_loss: float, exchange: float) -> str:
 
 
 MADE_REMEDY = "contact = foundation can follow steep surfaces; else finer steps"
-"""What may help where contacts made energy."""
+"""This may help where contacts made energy."""
 
 
 @dataclass(frozen=True)

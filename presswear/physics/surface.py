@@ -15,7 +15,7 @@ BEARING, PIN = 0, 5
 SLOPE, SQUARE, CUBE, LEAST = 1, 2, 3, 4
 """Rows behind the depth."""
 ROWS = 10
-"""Of a bearing and its pin."""
+"""Number of rows that the kernels keep of a bearing and its pin."""
 
 
 @compiled

@@ -6,7 +6,6 @@ with the same numbers.  ``result.json`` lists every file with its digest, the ch
 included, and ends with its own.
 """
 
-import json
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -270,7 +269,7 @@ class ResultFolder(Tracker):
     def _write(self) -> None:
         self._document["wall_s"] = self._earlier + time.perf_counter() - self._began
         with self._writing():
-            write_bytes(self.path / FILE, sealed_json(plain(self._document)))
+            write_bytes(self.path / FILE, sealed_json(self._document))
 
     def _check(self) -> None:
         """RunFailed where the folder is gone, or is another than the one that was begun in."""
@@ -295,9 +294,7 @@ class ResultFolder(Tracker):
 
 def _check_same(path: Path, document: dict[str, Any], scene: Scene, here: Provenance) -> None:
     """InputError naming what differs unless a folder's run is one of this scene and program."""
-    # Through JSON, as the folder's own has gone.
-    wanted = json.loads(json.dumps(plain(scene.as_dict())))
-    apart = differences(document["scene"], wanted)
+    apart = differences(document["scene"], plain(scene.as_dict()))
     if apart:
         told = ", ".join(f"{key} is {there} there and {own} here" for key, there, own in apart)
         raise InputError(f"--out {path}: it holds a run of another scene: {told}")

@@ -25,7 +25,6 @@ from presswear.results.stored import (
 )
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import read_numbers
-from presswear.tools.documents import plain as plain
 from presswear.tools.documents import read_sealed
 from presswear.tools.errors import InputError
 from presswear.tools.files import read_checked
@@ -183,17 +182,30 @@ def read_document(path: Path) -> dict[str, Any]:
     return read_sealed(path / FILE, missing, SCHEMA)
 
 
+def stored_scene(path: Path) -> tuple[Scene, StoredResult]:
+    """The scene of a result folder, and the rest of its document, checked against each other."""
+    file = path / FILE
+    stored = stored_result(read_document(path), file)
+    try:
+        scene = Scene.from_dict(stored.scene)
+    except InputError as error:
+        raise InputError(f"{file}: {error}") from None
+    # Both are told twice, for whoever reads the file without us.
+    for key, told in {"engine": stored.engine, "conventions": stored.conventions}.items():
+        if told != stored.scene[key]:
+            raise InputError(f"{file}: {key!r} is not what it is in 'scene', {stored.scene[key]!r}")
+    check_joints(stored, scene.clearance_joints, scene.wears, file)
+    return scene, stored
+
+
 def load(path: str | Path) -> Result:
     """Read a result folder; InputError names what is missing, cut off, altered or too new.
 
     A checkpoint is left to whoever goes on from it: a run that is at work may replace it.
     """
     path = Path(path)
-    file = path / FILE
-    stored = stored_result(read_document(path), file)
-    scene = stored_scene(stored, file)
+    scene, stored = stored_scene(path)
     joints = scene.clearance_joints
-    check_joints(stored, joints, scene.wears, file)
     stages = []
     for stage in stored.stages:
         name, film = files_of(stage.index)
@@ -237,16 +249,3 @@ def unfinished(result: Result) -> str:
         f"{result.path} is unfinished ({how}): {len(result.stages)} of {result.scene.wears + 1} "
         "stages are stored"
     )
-
-
-def stored_scene(stored: StoredResult, file: Path) -> Scene:
-    """The scene of a stored result; InputError names the file."""
-    try:
-        scene = Scene.from_dict(stored.scene)
-    except InputError as error:
-        raise InputError(f"{file}: {error}") from None
-    # Both are told twice, for whoever reads the file without us.
-    for key, told in {"engine": stored.engine, "conventions": stored.conventions}.items():
-        if told != stored.scene[key]:
-            raise InputError(f"{file}: {key!r} is not what it is in 'scene', {stored.scene[key]!r}")
-    return scene

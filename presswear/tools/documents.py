@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from presswear.tools.errors import InputError
-from presswear.tools.files import digest, read_checked
+from presswear.tools.files import digest, read_checked, write_bytes
 
 T = TypeVar("T")
 
@@ -19,27 +19,25 @@ LARGEST = 1e300
 """Beyond this a number is damage: sums and units would overflow."""
 
 
-def read_json(file: Path, missing: str) -> Any:
-    """Read a JSON file; InputError says that it is missing, in given words, or damaged.
+def read_json(file: Path, missing: str, schema: int) -> dict[str, Any]:
+    """Read a document; InputError says that it is missing, in given words, or what is wrong.
 
     Nothing is chosen between two values of one name, and every number can be computed with:
     files are written so.
-    """
-    return _parsed(_bytes(file, missing), file)
-
-
-def read_sealed(file: Path, missing: str, newest: int) -> dict[str, Any]:
-    """Read a document as ``read_json`` does; InputError where it is not the one that was sealed.
 
     Parameters
     ----------
-    newest : int
-        Schema that it must have.
+    schema : int
+        The only one that is read.
     """
+    return _document(_bytes(file, missing), file, schema)
+
+
+def read_sealed(file: Path, missing: str, schema: int) -> dict[str, Any]:
+    """Read a document as ``read_json`` does; InputError where it is not the one that was sealed."""
     # Read once: whoever is at work in the folder replaces it at any time.
     data = _bytes(file, missing)
-    document = _parsed(data, file)
-    schema_of(document, file, newest)
+    document = _document(data, file, schema)
     own = f'"digest": "{document.get("digest")}"'.encode()
     if digest(data.replace(own, _NO_DIGEST.encode())) != document.get("digest"):
         raise InputError(f"{file} is cut off or altered: its checksum does not fit")
@@ -54,9 +52,9 @@ def _bytes(file: Path, missing: str) -> bytes:
     return read_checked(file)
 
 
-def _parsed(data: bytes, file: Path) -> Any:
+def _document(data: bytes, file: Path, schema: int) -> dict[str, Any]:
     try:
-        return json.loads(
+        found = json.loads(
             data.decode(),
             object_pairs_hook=_named_once,
             parse_int=_whole,
@@ -65,6 +63,13 @@ def _parsed(data: bytes, file: Path) -> Any:
         )
     except (ValueError, RecursionError, MemoryError) as error:
         raise InputError(f"{file} cannot be read: {error}") from None
+    if not isinstance(found, dict):
+        raise InputError(f"{file} is no document of ours: it holds no names and values")
+    # JSON's true equals 1 and 2.0 equals 2, but neither is a schema.
+    if type(found.get("schema")) is not int or found["schema"] != schema:
+        told = found.get("schema")
+        raise InputError(f"{file} has schema {told!r}; this version reads {schema}")
+    return found
 
 
 def _named_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
@@ -102,23 +107,15 @@ def plain(value: Any) -> Any:
     return value
 
 
+def write_json(file: Path, document: Mapping[str, Any]) -> None:
+    """Write a document as ``write_whole`` does."""
+    write_bytes(file, json.dumps(plain(document), indent=1, allow_nan=False).encode())
+
+
 def sealed_json(document: Mapping[str, Any]) -> bytes:
     """A document as JSON with the digest of this very text, in which its own place is zeros."""
-    text = json.dumps({**document, "digest": 64 * "0"}, indent=1, allow_nan=False)
+    text = json.dumps(plain({**document, "digest": 64 * "0"}), indent=1, allow_nan=False)
     return text.replace(_NO_DIGEST, f'"digest": "{digest(text.encode())}"').encode()
-
-
-def schema_of(document: Any, file: Path, newest: int) -> int:
-    """The schema of a document; InputError where this is no document of the newest.
-
-    JSON's ``true`` equals 1 and ``2.0`` equals 2, but neither is a schema.
-    """
-    if not isinstance(document, dict):
-        raise InputError(f"{file} is no document of ours: it holds no names and values")
-    schema = document.get("schema")
-    if type(schema) is not int or schema != newest:
-        raise InputError(f"{file} has schema {schema!r}; this version reads {newest}")
-    return schema
 
 
 def typed(data: Any, kind: type[T], place: str) -> T:

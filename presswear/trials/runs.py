@@ -50,7 +50,7 @@ class Check:
     Attributes
     ----------
     quantity : str
-        What was measured.
+        Name of the figure.
     value : float
         Its size passes up to the bound.
     bound : float or None

@@ -1,6 +1,5 @@
 """Trials as files: data classes as plain data and back, and documents of them."""
 
-import json
 import platform
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
@@ -8,9 +7,8 @@ from pathlib import Path
 from types import NoneType, UnionType
 from typing import Any, get_args, get_origin, get_type_hints
 
-from presswear.tools.documents import plain, typed
+from presswear.tools.documents import typed, write_json
 from presswear.tools.errors import InputError
-from presswear.tools.files import write_bytes
 
 
 def as_plain(owner: Any) -> Any:
@@ -80,9 +78,7 @@ def _holds_class(kind: Any) -> bool:
 def write_document(folder: Path, name: str, schema: int, owner: Any) -> None:
     """Write something as a JSON file into a folder, which is made where needed."""
     folder.mkdir(parents=True, exist_ok=True)
-    document = plain({"schema": schema, **as_plain(owner)})
-    text = json.dumps(document, indent=1, allow_nan=False)
-    write_bytes(folder / name, text.encode())
+    write_json(folder / name, {"schema": schema, **as_plain(owner)})
 
 
 def processor_name() -> str:

@@ -11,9 +11,10 @@ from presswear.campaign.amplification import worn_out
 from presswear.campaign.campaign import run_stage
 from presswear.campaign.single import run_scene
 from presswear.linkage.surface import Surface
-from presswear.results.result import Result, plain
+from presswear.results.result import Result
 from presswear.scene.catalog import wear_times
 from presswear.scene.scene import CONVENTIONS, Scene
+from presswear.tools.documents import plain
 from presswear.tools.errors import InputError
 
 Ran = tuple[Scene, Result, Result]

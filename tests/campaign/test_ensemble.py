@@ -15,7 +15,6 @@ from presswear.results.folder import ResultFolder
 from presswear.results.result import load
 from presswear.results.stage import SIDES, StageResult
 from presswear.scene.catalog import ideal, wear_times
-from presswear.scene.ideal import ideal_slider
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.tools.errors import InputError
@@ -124,7 +123,7 @@ def delayed(scene: Scene, delay: float) -> Ensemble:
     """An ensemble whose recorded slider follows the ideal one late."""
     ensemble = run_stage(replace(scene, cycles=2), 0, {})[1]
     rows = ensemble.recorders[0].rows
-    rows[:, 1:4] = ideal_slider(scene, rows[:, 0] - delay)
+    rows[:, 1:4] = scene.ideal_slider(rows[:, 0] - delay)
     return ensemble
 
 
@@ -134,7 +133,7 @@ def test_a_late_slider_lags_by_its_delay() -> None:
     assert found[:, COLUMNS.index("lag")] == pytest.approx(late, rel=2e-3)
     exact = deviations(QUICK, delayed(QUICK, 0.0))["deviation"]
     assert np.abs(exact[:, :3]).max() < 1e-12
-    ideal_stroke = np.ptp(ideal_slider(QUICK, np.linspace(0.0, QUICK.mechanism.period, 4001))[:, 0])
+    ideal_stroke = np.ptp(QUICK.ideal_slider(np.linspace(0.0, QUICK.mechanism.period, 4001))[:, 0])
     assert exact[:, COLUMNS.index("stroke")] == pytest.approx(ideal_stroke, rel=1e-5)
 
 

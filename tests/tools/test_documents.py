@@ -1,15 +1,15 @@
 """Documents: sealed, read strictly, and checked by data classes."""
 
-import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
+import numpy as np
 import pytest
 
-from presswear.tools.documents import plain, read_json, read_sealed, schema_of, sealed_json, typed
+from presswear.tools.documents import read_json, read_sealed, sealed_json, typed, write_json
 from presswear.tools.errors import InputError
 
 
@@ -31,6 +31,7 @@ def test_every_altered_byte_of_a_sealed_document_is_found(tmp_path: Path) -> Non
     [
         (b"", "cannot be read"),
         (b"{", "cannot be read"),
+        (b"[1]", "it holds no names and values"),
         (b"\x00\xff", "cannot be read"),
         ("{}".encode("utf-16"), "cannot be read"),
         (b'{"a": 1, "a": 1}', "a name is there twice"),
@@ -45,7 +46,7 @@ def test_no_damaged_json_is_read(text: bytes, says: str, tmp_path: Path) -> None
     file = tmp_path / "some.json"
     file.write_bytes(text)
     with pytest.raises(InputError, match=says) as refused:
-        read_json(file, "it is missing")
+        read_json(file, "", 1)
     assert "some.json" in str(refused.value)
     assert len(str(refused.value)) < 300
 
@@ -53,27 +54,31 @@ def test_no_damaged_json_is_read(text: bytes, says: str, tmp_path: Path) -> None
 def test_what_is_not_there_is_told_in_given_words(tmp_path: Path) -> None:
     for path in (tmp_path, tmp_path / "none"):
         with pytest.raises(InputError, match="it is missing"):
-            read_json(path, "it is missing")
+            read_json(path, "it is missing", 1)
 
 
 def test_plain_data_can_be_stored_and_read(tmp_path: Path) -> None:
     file = tmp_path / "some.json"
-    data = {1: (math.nan, -math.inf, 0.1, 1e-300, True, None), "text": {"µ": 10**20}}
-    file.write_text(json.dumps(plain(data), allow_nan=False))
-    assert read_json(file, "") == {
+    data: dict[Any, Any] = {
+        1: (math.nan, -math.inf, 0.1, 1e-300, True, None),
+        "text": {"µ": 10**20},
+    }
+    write_json(file, {"schema": 1, **data, "numpy": list(np.arange(2)), "float": np.float32(0.5)})
+    assert read_json(file, "", 1) == {
+        "schema": 1,
         "1": [None, None, 0.1, 1e-300, True, None],
         "text": {"µ": 10**20},
+        "numpy": [0, 1],
+        "float": 0.5,
     }
 
 
 @pytest.mark.parametrize("schema", [True, 2.0, 1, 3, "2", None, [2], 10**30])
-def test_another_schema_is_refused(schema: Any) -> None:
-    file = Path("some.json")
-    assert schema_of({"schema": 2}, file, 2) == 2
+def test_another_schema_is_refused(schema: Any, tmp_path: Path) -> None:
+    file = tmp_path / "some.json"
+    write_json(file, {"schema": schema})
     with pytest.raises(InputError, match=r"some\.json has schema .*; this version reads 2"):
-        schema_of({"schema": schema}, file, 2)
-    with pytest.raises(InputError, match="holds no names and values"):
-        schema_of([schema], file, 2)
+        read_json(file, "", 2)
 
 
 @dataclass(frozen=True)

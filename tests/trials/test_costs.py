@@ -91,12 +91,12 @@ def test_engines_are_complete_and_compared_with_fixed_steps(found: Costs) -> Non
     names = [row.timing.name for row in work.rows]
     assert len(names) == len(set(names)) == 7
     assert sum(name.startswith("tree") for name in names) == 4
-    assert work.touches == 1
+    assert work.touchdowns == 1
     for row in work.rows:
         assert row.faster == pytest.approx(work.fixed.timing.per_second / row.timing.per_second)
         # No more than the clearance: it is the same motion.
         assert 0.0 <= row.slider_error < 1e-4
-    errors = [row.touch_error for row in work.rows if "tolerance 1e-10" in row.timing.name]
+    errors = [row.touchdown_error for row in work.rows if "tolerance 1e-10" in row.timing.name]
     assert errors[0] < 1e-8
 
 
@@ -113,10 +113,10 @@ def test_fixed_steps_are_all_of_one_length() -> None:
             check_fixed(broken)
 
 
-def test_an_end_without_touches_has_no_touch_error() -> None:
+def test_an_end_without_touches_has_no_touchdown_error() -> None:
     work = equal_work(scene_named("wear-times"), 1e-5, 1, silent)
-    assert work.touches == 0
-    assert work.tree.touch_error == 0.0
+    assert work.touchdowns == 0
+    assert work.tree.touchdown_error == 0.0
 
 
 def test_stages_add_up_to_the_run(found: Costs) -> None:
@@ -154,23 +154,16 @@ def test_worn_surfaces_come_from_a_wear() -> None:
     assert all(1e-6 < depth < 1e-3 for depth in depths.values())
 
 
-def test_models_are_named_with_their_size() -> None:
+def test_models_plans_and_medians() -> None:
     scene = scene_named("wear-times")
     assert model_of(scene.linkage(), scene.solver.over(scene.mechanism.period)) == "tree 4"
     assert model_of(scene.linkage(), InHouse()) == "dae 18 + 14"
-
-
-def test_plans_are_whole_cycles_or_a_part_of_one() -> None:
-    assert (plan_of(0.5, 2.0).cycle, plan_of(0.5, 2.0).cycles) == (0.5, 2)
-    assert (plan_of(0.5, 0.1).cycle, plan_of(0.5, 0.1).cycles) == (0.05, 1)
-    assert plan_of(0.5, 2.0).recorded_cycles == 2
-
-
-def test_a_median_is_not_a_mean() -> None:
+    whole, part = plan_of(0.5, 2.0), plan_of(0.5, 0.1)
+    assert (whole.cycle, whole.cycles, whole.recorded_cycles) == (0.5, 2, 2)
+    assert (part.cycle, part.cycles) == (0.05, 1)
     timing = Timing("case", "tree 4", 2.0, 90, 10, None, (1.0, 2.0, 9.0))
     assert (timing.wall, timing.ends, timing.attempts) == (2.0, (1.0, 9.0), 100)
-    assert timing.per_second == 1.0
-    assert timing.per_step == 0.02
+    assert (timing.per_second, timing.per_step) == (1.0, 0.02)
 
 
 def test_progress_rises_to_the_end(found: Costs, told: list[tuple[str, float]]) -> None:
@@ -180,20 +173,23 @@ def test_progress_rises_to_the_end(found: Costs, told: list[tuple[str, float]]) 
     assert parts[-1] == 1.0
 
 
-def test_the_markdown_holds_every_row(found: Costs) -> None:
+def test_markdown_and_terminal_hold_every_row(
+    found: Costs, capsys: pytest.CaptureFixture[str]
+) -> None:
     text = markdown_of(found)
     assert found.processor in text
+    console = Console(width=80)
     for table in tables_of(found):
         assert f"## {table.title}" in text
         width = len(table.texts) + len(table.numbers)
         for row in table.rows:
             assert len(row) == width
             assert f"| {' | '.join(row)} |" in text
-        for sentence in table.sentences:
-            assert sentence in text
-    assert "fair measure" in text
-    assert "Python as such takes" in text
-    assert "times faster" in text
+        assert all(sentence in text for sentence in table.sentences)
+        print_text_table(console, table)
+    assert "…" not in capsys.readouterr().out
+    for words in ("fair measure", "Python as such takes", "times faster"):
+        assert words in text
 
 
 def test_both_files_hold_what_was_measured(found: Costs, tmp_path: Path) -> None:
@@ -232,13 +228,6 @@ def test_the_command_prints_and_stores(
     assert "Engines at equal work" in capsys.readouterr().out
     assert main(["costs", "--out", str(folder)]) == 2
     assert "not empty" in capsys.readouterr().err
-
-
-def test_a_table_fits_a_terminal(found: Costs, capsys: pytest.CaptureFixture[str]) -> None:
-    console = Console(width=80)
-    for table in tables_of(found):
-        print_text_table(console, table)
-    assert "…" not in capsys.readouterr().out
 
 
 def test_repeats_that_take_other_steps_are_noticed(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -112,13 +112,6 @@ def test_verdicts(case: HardCase, verdict: str) -> None:
     assert [outcome.verdict for outcome in outcomes(case)] == [verdict]
 
 
-def test_a_run_that_goes_on_and_on_is_stopped() -> None:
-    plan = guarded(1.0, patience=-1.0)
-    with pytest.raises(RunFailed, match=r"stopped after -1 s of wall time at 20 %"):
-        plan.advanced(0.2)
-    guarded(1.0, patience=60.0).advanced(0.2)
-
-
 def test_command_prints_the_table_and_fails_on_a_miss(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -133,8 +126,3 @@ def test_command_prints_the_table_and_fails_on_a_miss(
     assert "MISS" in out
     assert "1 of 3 within their bounds, 1 refused by name, 1 missed" in out
     assert max(len(line.rstrip()) for line in out.splitlines()) <= 100
-
-
-def test_long_alone_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["verify", "--long"]) == 2
-    assert "--hard" in capsys.readouterr().err

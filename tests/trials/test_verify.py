@@ -8,20 +8,18 @@ import pytest
 from presswear.__main__ import main
 from presswear.engines.settings import InHouse
 from presswear.tools.errors import RunFailed
-from presswear.trials.runs import order_of
 from presswear.trials.verify import verify as module
-from presswear.trials.verify.verify import Comparison, impact_rows, stiff_limit, verify
+from presswear.trials.verify.verify import Verified, impact_rows, stiff_limit, verify
 
 
 def test_row_passes_up_to_its_bound() -> None:
-    assert Comparison("x", 1.0, 1.25, 0.25).passed
-    assert Comparison("x", 1.0, 0.75, 0.25).passed
-    assert not Comparison("x", 1.0, 1.2500001, 0.25).passed
-    assert not Comparison("x", 1.0, math.nan, 0.25).passed
+    assert Verified("x", 1.0, 1.25, 0.25).passed
+    assert Verified("x", 1.0, 0.75, 0.25).passed
+    assert not Verified("x", 1.0, 1.2500001, 0.25).passed
+    assert not Verified("x", 1.0, math.nan, 0.25).passed
 
 
-def test_order_and_limit() -> None:
-    assert order_of([0.1, 0.05, 0.01], [3e-2, 0.75e-2, 3e-4]) == pytest.approx(2.0)
+def test_limit() -> None:
     values = [5.0 + 3.0 * stiffness**-0.4 for stiffness in (1e3, 8e3)]
     assert stiff_limit(values, 8.0) == pytest.approx(5.0, rel=1e-14)
 
@@ -42,54 +40,31 @@ def test_a_worse_engine_misses(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "restitution, nominal 0.9, Exudyn, 50 steps" not in missed
 
 
-def _groups(*rows: Comparison) -> dict[str, object]:
-    def group() -> Iterator[Comparison]:
-        yield from rows
-
-    return {"one": group}
-
-
-def test_command_prints_a_table_that_fits(
+def test_the_command_prints_a_table_that_fits_and_fails_on_a_miss(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv("COLUMNS", "100")
     name = "restitution, nominal 0.8, Exudyn, 100 steps"
-    monkeypatch.setattr(
-        module, "GROUPS", _groups(Comparison(name, -15.75637105984, -15.756371, 1e-3))
-    )
+    rows = [Verified(name, -15.75637105984, -15.756371, 1e-3)]
+    monkeypatch.setattr(module, "GROUPS", {"one": lambda: iter(rows)})
     assert main(["verify"]) == 0
     out = capsys.readouterr().out
-    assert name in out
-    assert "-15.7563711" in out
-    assert "pass" in out
-    assert "1 of 1" in out
+    for words in (name, "-15.7563711", "pass", "1 of 1"):
+        assert words in out
     assert max(len(line.rstrip()) for line in out.splitlines()) <= 100
-
-
-def test_command_fails_on_a_miss(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    rows = Comparison("good", 1.0, 1.0, 0.1), Comparison("bad", 1.0, 2.0, 0.1)
-    monkeypatch.setattr(module, "GROUPS", _groups(*rows))
+    rows.append(Verified("bad", 1.0, 2.0, 0.1))
     assert main(["verify"]) == 1
     out = capsys.readouterr().out
     assert "MISS" in out
     assert "1 of 2" in out
 
 
-def test_command_fails_when_a_run_fails(
+def test_the_command_fails_when_a_run_fails(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    def group() -> Iterator[Comparison]:
+    def group() -> Iterator[Verified]:
         raise RunFailed("the step vanished (t = 0.1 s)")
 
     monkeypatch.setattr(module, "GROUPS", {"one": group})
     assert main(["verify"]) == 1
     assert capsys.readouterr().err == "presswear: the step vanished (t = 0.1 s)\n"
-
-
-def test_help_has_an_example(capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit) as left:
-        main(["verify", "--help"])
-    assert left.value.code == 0
-    assert "example: presswear verify" in capsys.readouterr().out

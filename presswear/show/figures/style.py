@@ -108,7 +108,7 @@ class ShownStage:
 
 
 def shown_stages(result: Result, stages: Stages) -> list[ShownStage]:
-    """Of some stages the first, the last, and evenly spaced ones between, with their lines."""
+    """Pick the first, the last and evenly spaced ones between of some stages, with their lines."""
     count = len(stages)
     picked = np.unique(np.linspace(0, count - 1, min(count, SHOWN_STAGES)).round().astype(int))
     shown = [stages[int(k)] for k in picked]
@@ -135,7 +135,7 @@ def until(stage: StageResult, end: float) -> StageResult:
 
 
 def maps_turn(result: Result) -> bool:
-    """Whether the wear maps turn with their bodies, so that angles on them do not compare."""
+    """Say whether the wear maps turn with their bodies, so that angles on them do not compare."""
     return result.scene.conventions.map_frame == "body"
 
 

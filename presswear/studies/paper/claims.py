@@ -26,7 +26,7 @@ class Comparison:
     over, under : tuple of Place
         Numerators and denominators, as many of each; one of each for a difference.
     expected : {"more", "less", "same"}
-        What becomes of the second against the first.
+        Change of the second against the first.
     """
 
     quantity: str

@@ -21,7 +21,7 @@ TOLERANCE = 0.05
 
 
 @dataclass(frozen=True)
-class Setting:
+class PaperScene:
     """A setting of the paper, its label for people, a shorter one, and its scene."""
 
     label: str
@@ -32,11 +32,11 @@ class Setting:
 WEAR, FRICTION, HIGH_FRICTION = "wear-times", "friction-0.05", "friction-0.1"
 SLOW, FAST = "speed-4pi", "speed-8pi"
 SETTINGS = {
-    WEAR: Setting("3.5π rad/s, 0.8 mm, c_f 0.02", "3.5π", wear_times),
-    FRICTION: Setting("6π rad/s, 0.6 mm, c_f 0.05", "c_f 0.05", friction),
-    HIGH_FRICTION: Setting("6π rad/s, 0.6 mm, c_f 0.1", "c_f 0.1", friction_high),
-    SLOW: Setting("4π rad/s, 0.8 mm, c_f 0.03", "4π", speed),
-    FAST: Setting("8π rad/s, 0.8 mm, c_f 0.03", "8π", speed_high),
+    WEAR: PaperScene("3.5π rad/s, 0.8 mm, c_f 0.02", "3.5π", wear_times),
+    FRICTION: PaperScene("6π rad/s, 0.6 mm, c_f 0.05", "c_f 0.05", friction),
+    HIGH_FRICTION: PaperScene("6π rad/s, 0.6 mm, c_f 0.1", "c_f 0.1", friction_high),
+    SLOW: PaperScene("4π rad/s, 0.8 mm, c_f 0.03", "4π", speed),
+    FAST: PaperScene("8π rad/s, 0.8 mm, c_f 0.03", "8π", speed_high),
 }
 
 BASE = "standard"
@@ -114,7 +114,7 @@ SENSITIVITIES: dict[str, tuple[str, Change]] = {
 
 
 @dataclass(frozen=True)
-class Case:
+class PaperCase:
     """A way of running some of the settings.
 
     Attributes
@@ -141,25 +141,25 @@ class Case:
 
 
 CASES = (
-    Case(BASE, "standard geometry", tuple(SETTINGS), unchanged, 2, STARTS, 1.0),
+    PaperCase(BASE, "standard geometry", tuple(SETTINGS), unchanged, 2, STARTS, 1.0),
     *(
-        Case(name, f"{name} geometry", tuple(SETTINGS), _with(geometry=name), 2)
+        PaperCase(name, f"{name} geometry", tuple(SETTINGS), _with(geometry=name), 2)
         for name in GEOMETRIES[1:]
     ),
-    Case(
+    PaperCase(
         REFINED,
         "refined conventions",
         tuple(SETTINGS),
         lambda scene: replace(scene, conventions=CONVENTIONS["refined"]),
     ),
-    Case(
+    PaperCase(
         LONG,
         "200 cycles",
         LONG_SETTINGS,
         lambda scene: replace(scene, cycles=scene.most_cycles),
         coarser=1.0,
     ),
-    *(Case(key, label, (WEAR,), change) for key, (label, change) in SENSITIVITIES.items()),
+    *(PaperCase(key, label, (WEAR,), change) for key, (label, change) in SENSITIVITIES.items()),
 )
 """All cases of the study, the paper's own first."""
 
@@ -183,7 +183,7 @@ def base_scene(setting: str, change: Change = unchanged) -> Scene:
     return change(replace(scene, tolerance=TOLERANCE, numerics=numerics))
 
 
-def _variant(case: Case, setting: str, change: Change) -> Variant:
+def _variant(case: PaperCase, setting: str, change: Change) -> Variant:
     scene = base_scene(setting, change)
     scene = replace(
         scene,

@@ -12,7 +12,7 @@ from presswear.tools.numbers import readable
 
 
 @dataclass(frozen=True)
-class Shown:
+class Quantity:
     """Label, unit, factor from SI units and rad to it, and significant digits of a quantity."""
 
     label: str
@@ -22,26 +22,26 @@ class Shown:
 
 
 _DEGREES = 180.0 / math.pi
-QUANTITIES: dict[str, Shown] = {
-    "displacement": Shown("peak displacement", "m", 1.0, 4),
-    "velocity": Shown("peak velocity", "m/s", 1.0, 4),
-    "acceleration": Shown("peak acceleration", "m/s²"),
-    "force": Shown("peak contact force", "N"),
-    "contact_rate": Shown("contacts in a second", "1/s"),
-    "dose": Shown("force times slip in a cycle", "N m"),
-    "displacement_off": Shown("distance from the ideal displacement (rms)", "mm", 1e3),
-    "velocity_off": Shown("distance from the ideal velocity (rms)", "m/s"),
-    "stroke": Shown("stroke", "m", 1.0, 4),
-    "lag": Shown("lag behind the ideal motion", "µs", 1e6),
-    "flight": Shown("part of the time out of contact", "%", 100.0),
-    "depth": Shown("deepest wear", "µm", 1e6),
-    "angle": Shown("angle of deepest wear", "°", _DEGREES),
-    "range": Shown("worn range", "°", _DEGREES),
-    "unevenness": Shown("unevenness of the wear (standard deviation)", "µm", 1e6),
-    "mean_depth": Shown("mean depth", "µm", 1e6),
-    "added_depth": Shown("deepest place of this wear alone", "µm", 1e6),
-    "added_mean": Shown("mean depth of this wear alone", "µm", 1e6),
-    "contact_range": Shown("range of directions worn in the stage", "°", _DEGREES),
+QUANTITIES: dict[str, Quantity] = {
+    "displacement": Quantity("peak displacement", "m", 1.0, 4),
+    "velocity": Quantity("peak velocity", "m/s", 1.0, 4),
+    "acceleration": Quantity("peak acceleration", "m/s²"),
+    "force": Quantity("peak contact force", "N"),
+    "contact_rate": Quantity("contacts in a second", "1/s"),
+    "dose": Quantity("force times slip in a cycle", "N m"),
+    "displacement_off": Quantity("distance from the ideal displacement (rms)", "mm", 1e3),
+    "velocity_off": Quantity("distance from the ideal velocity (rms)", "m/s"),
+    "stroke": Quantity("stroke", "m", 1.0, 4),
+    "lag": Quantity("lag behind the ideal motion", "µs", 1e6),
+    "flight": Quantity("part of the time out of contact", "%", 100.0),
+    "depth": Quantity("deepest wear", "µm", 1e6),
+    "angle": Quantity("angle of deepest wear", "°", _DEGREES),
+    "range": Quantity("worn range", "°", _DEGREES),
+    "unevenness": Quantity("unevenness of the wear (standard deviation)", "µm", 1e6),
+    "mean_depth": Quantity("mean depth", "µm", 1e6),
+    "added_depth": Quantity("deepest place of this wear alone", "µm", 1e6),
+    "added_mean": Quantity("mean depth of this wear alone", "µm", 1e6),
+    "contact_range": Quantity("range of directions worn in the stage", "°", _DEGREES),
 }
 """Every quantity of ``Evidence``."""
 

@@ -49,7 +49,7 @@ _NOTES = (
 
 
 @dataclass(frozen=True)
-class Outcome:
+class TwoWears:
     """The two wears of a variant.
 
     Attributes
@@ -109,12 +109,12 @@ def _number(value: float, form: str = ".3g") -> str:
     return "-" if math.isnan(value) else format(value, form)
 
 
-def outcome_of(variant: Variant, result: Result | None) -> Outcome:
+def read_wears(variant: Variant, result: Result | None) -> TwoWears:
     """Read a variant's two wears from its result."""
     joints = variant.scene.clearance_joints
     nothing = dict.fromkeys(joints, math.nan)
     if result is None:
-        return Outcome(variant, nothing, nothing, (), math.nan, "it stopped in the first stage")
+        return TwoWears(variant, nothing, nothing, (), math.nan, "it stopped in the first stage")
     stages = [stage for stage in result.stages if not stage.failed]
     wears = [
         {
@@ -129,10 +129,10 @@ def outcome_of(variant: Variant, result: Result | None) -> Outcome:
     failure = result.message if result.status == "failed" else ""
     first, second = [*wears, nothing, nothing][:2]
     residual = max(residuals, default=math.nan)
-    return Outcome(variant, first, second, tuple(map(float, force)), residual, failure)
+    return TwoWears(variant, first, second, tuple(map(float, force)), residual, failure)
 
 
-def answer(outcomes: Sequence[Outcome], clearance: float) -> str:
+def answer(outcomes: Sequence[TwoWears], clearance: float) -> str:
     """The study's answer in a few plain sentences."""
     calm = [o for o in outcomes if o.runs_away is False]
     away = [o for o in outcomes if o.runs_away]
@@ -161,7 +161,7 @@ def answer(outcomes: Sequence[Outcome], clearance: float) -> str:
     return " ".join([*parts, f"The paper prints {first:.3g} µm and then {second:.0f} µm."])
 
 
-def two_wears(outcomes: Sequence[Outcome], clearance: float) -> Drawing:
+def draw_wears(outcomes: Sequence[TwoWears], clearance: float) -> Drawing:
     """Deepest depth that each wear adds at each joint, one row a variant."""
     joints = list(outcomes[0].first)
     rows = np.arange(len(outcomes) + 1)
@@ -193,11 +193,11 @@ def two_wears(outcomes: Sequence[Outcome], clearance: float) -> Drawing:
 
 def write_report(study: Study, folder: Path) -> tuple[str, Path]:
     """Write ``report.html`` and the figure into the study's folder; returns answer and path."""
-    outcomes = [outcome_of(variant, result) for variant, result in results_of(study, folder)]
+    outcomes = [read_wears(variant, result) for variant, result in results_of(study, folder)]
     clearance = study.variants[0].scene.bearings.clearance
     sentence = answer(outcomes, clearance)
     with matplotlib.rc_context(SETTINGS):
-        drawing = two_wears(outcomes, clearance)
+        drawing = draw_wears(outcomes, clearance)
     text = render_page(
         "study.html",
         package="presswear.studies",

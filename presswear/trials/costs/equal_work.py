@@ -34,7 +34,7 @@ class EngineRow:
     timing : Timing
     slider_error : float
         Error at the end, m.
-    touch_error : float
+    touchdown_error : float
         Greatest error of the first touchdowns' times, s; infinite where one is missing.
     faster : float
         Times faster than the run with fixed steps.
@@ -42,7 +42,7 @@ class EngineRow:
 
     timing: Timing
     slider_error: float
-    touch_error: float
+    touchdown_error: float
     faster: float
 
 
@@ -54,7 +54,7 @@ class EqualWork:
     ----------
     simulated : float
         Time that all ran for, s.
-    touches : int
+    touchdowns : int
         Touchdowns whose times are compared.
     fixed, tree : EngineRow
         The joints model at fixed steps, and the open tree as scenes take it.
@@ -64,7 +64,7 @@ class EqualWork:
     DERIVED: ClassVar = ("passed",)
 
     simulated: float
-    touches: int
+    touchdowns: int
     fixed: EngineRow
     tree: EngineRow
     others: tuple[EngineRow, ...]
@@ -79,7 +79,8 @@ class EqualWork:
         """True where the open tree is as much faster as wanted, and neither error is larger."""
         tree, fixed = self.tree, self.fixed
         is_as_good = (
-            tree.slider_error <= fixed.slider_error and tree.touch_error <= fixed.touch_error
+            tree.slider_error <= fixed.slider_error
+            and tree.touchdown_error <= fixed.touchdown_error
         )
         return tree.faster >= WANTED and is_as_good
 

@@ -79,7 +79,7 @@ def timed_run(name: str, scene: Scene, cycles: float, worn: Worn | None = None) 
 
 
 def warm_up(timed: TimedRun) -> None:
-    """Compile, load and touch everything that a timed run needs."""
+    """Compile and load everything that a timed run needs."""
     plan = replace(timed.plan, cycle=WARM_UP_PART * timed.plan.cycle, cycles=1)
     replace(timed, plan=plan).run()
 

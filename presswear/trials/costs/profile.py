@@ -69,7 +69,7 @@ class Profile:
     Attributes
     ----------
     timing : Timing
-        Of the run without any clock in it.
+        Timing of the run without any clock in it.
     calls : int
         Calls of the force function.
     parts : tuple of PartOfRun

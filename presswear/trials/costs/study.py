@@ -26,7 +26,7 @@ SCHEMA = 2
 
 @dataclass(frozen=True)
 class CostsExtent:
-    """How long a study of costs runs.
+    """Lengths of the runs of a study of costs.
 
     Attributes
     ----------

@@ -71,7 +71,7 @@ def _engines(work: EqualWork) -> TextTable:
             row.timing.model,
             f"{row.timing.attempts}",
             f"{row.slider_error:.1e}",
-            f"{row.touch_error:.1e}",
+            f"{row.touchdown_error:.1e}",
             _fixed(row.timing.per_second, 3),
             "{:.2f}..{:.2f}".format(*(wall / row.timing.simulated for wall in row.timing.ends)),
             _fixed(row.faster, 1),
@@ -87,14 +87,14 @@ def _engines(work: EqualWork) -> TextTable:
         (
             f"{work.simulated:g} s simulated; medians of {len(fixed.timing.walls)}, least and "
             f"greatest. Errors against the in-house solver at tolerance "
-            f"{REFERENCE.integration_tolerance:.0e}: "
-            f"the slider at the end, and the greatest of the first {work.touches} touches' times.",
+            f"{REFERENCE.integration_tolerance:.0e}: the slider at the end, and the greatest of "
+            f"the first {work.touchdowns} touches' times.",
             SIZES,
             f"All {fixed.timing.steps} steps of the first row are {FIXED_STEP:.0e} s. "
             f"The open tree as scenes take it is {tree.faster:.0f} times faster "
             f"(at least {WANTED:.0f} is wanted) with errors of {tree.slider_error:.1e} m and "
-            f"{tree.touch_error:.1e} s against {fixed.slider_error:.1e} m and "
-            f"{fixed.touch_error:.1e} s: {'as wanted' if work.passed else 'MISSED'}.",
+            f"{tree.touchdown_error:.1e} s against {fixed.slider_error:.1e} m and "
+            f"{fixed.touchdown_error:.1e} s: {'as wanted' if work.passed else 'MISSED'}.",
         ),
     )
 

@@ -4,7 +4,7 @@ Impacts drive neighbouring motions apart, so two engines can agree on a trajecto
 only for a while.  How long is measured: the in-house solver runs twice, the second
 time from a start moved by 1e-9 m along a free direction; the horizon is where the
 two have parted by a thousand times as much.  Up to there positions, velocities,
-touches and forces are compared one by one; beyond it only means over cycles are.
+touchdowns and forces are compared one by one; beyond it only means over cycles are.
 """
 
 import math
@@ -92,7 +92,7 @@ class Crosscheck:
     differences : tuple of Difference
         The disturbed start first, then Exudyn, coarsest first.
     exudyn : tuple of str
-        What Exudyn ran, coarsest first.
+        Models that Exudyn ran, coarsest first.
     statistics : dict
         Means over cycles of both engines.
     """
@@ -122,7 +122,7 @@ class Crosscheck:
             "passed": self.passed,
             "exudyn": list(self.exudyn),
             "checks": [{**asdict(check), "passed": check.passed} for check in self.checks],
-            "touches": [{**asdict(own), "joint": names[own.joint]} for own in self.touchdowns],
+            "touchdowns": [{**asdict(own), "joint": names[own.joint]} for own in self.touchdowns],
             "slider_difference_max_m": {
                 curve.label: float(curve.slider[curve.time <= self.horizon].max())
                 for curve in self.differences
@@ -162,7 +162,7 @@ def finer(engine: ExudynJoints, period: float, fineness: int) -> ExudynJoints:
 
 
 def exudyn_of(scene: Scene) -> dict[str, ExudynTree | ExudynJoints]:
-    """The model that Exudyn takes for a scene, from its working accuracy to its finest."""
+    """The model that Exudyn takes for a scene, from its working settings to its finest."""
     scene = replace(scene, engine="exudyn") if scene.engine == "dae" else scene
     period = scene.mechanism.period
     engine = scene.solver.over(period)

@@ -137,7 +137,7 @@ def twins() -> tuple[Linkage, Start]:
 
 
 def touch_together(engine: Engine, ahead: float) -> Iterator[Check]:
-    """See both pins touch in one instant, or one a little ahead; the bar feels nothing.
+    """See both pins touch down in one instant, or one a little ahead; the bar feels nothing.
 
     Parameters
     ----------

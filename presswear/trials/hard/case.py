@@ -29,7 +29,7 @@ class HardCase:
     Attributes
     ----------
     name, hard : str
-        What it is, and why it is hard.
+        Its name, and why it is hard.
     engine : str
     checks : callable
         Runs it; yields its checks.
@@ -49,7 +49,7 @@ class HardCase:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class HardOutcome:
     """The outcome of one check of a case, or of the case as a whole.
 
     Attributes
@@ -70,14 +70,14 @@ class Outcome:
     seconds: float
 
 
-def outcomes(case: HardCase) -> Iterator[Outcome]:
+def outcomes(case: HardCase) -> Iterator[HardOutcome]:
     """Run a case; whatever it does, every figure and every way to end gives an outcome."""
     began = clock.perf_counter()
 
-    def told(check: Check | None, verdict: str, message: str = "") -> Outcome:
+    def told(check: Check | None, verdict: str, message: str = "") -> HardOutcome:
         nonlocal began
         seconds, began = clock.perf_counter() - began, clock.perf_counter()
-        return Outcome(case, check, verdict, message, seconds)
+        return HardOutcome(case, check, verdict, message, seconds)
 
     try:
         for check in case.checks():

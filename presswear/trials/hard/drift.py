@@ -17,7 +17,7 @@ from presswear.trials.hard.scenes import BASE, in_both
 from presswear.trials.runs import Check, guarded
 
 FAST = 40.0 * math.pi
-"""Crank speed of the many cycles, rad/s: a cycle takes 50 ms and some hundred touches."""
+"""Crank speed of the many cycles, rad/s: a cycle takes 50 ms and some hundred contacts."""
 LONGEST = 1200.0
 """Wall time that many cycles may take, s."""
 GROWTH = 20.0

@@ -17,7 +17,6 @@ from presswear.linkage.press import Press
 from presswear.linkage.slider_crank import SliderCrank
 from presswear.linkage.surface import Surface, bin_centres
 from presswear.scene.catalog import slider_crank, wear_times
-from presswear.scene.ideal import ideal_slider
 from presswear.scene.scene import CONVENTIONS, Scene
 from presswear.tools.errors import InputError
 from presswear.trials.hard.case import HardCase, energy_of, ran
@@ -32,7 +31,7 @@ CLEARANCES = (1e-3, 1e-4, 1e-5, 1e-6)
 LEAST_CLEARANCE = 1e-9
 """The smallest that a scene allows, m."""
 APPROACH = 0.1
-"""How long the press runs in it, s: half of a stroke and fifty contacts."""
+"""Time that the press runs in it, s: half of a stroke and fifty contacts."""
 BINS = 360
 RADIAL_ENERGY = 1e-4
 """Energy that may be missing on worn surfaces that meet radially, part of that exchanged.
@@ -121,14 +120,14 @@ def slider_distance(scene: Scene, clearance: float) -> float:
     """Greatest distance of the slider from that of the ideal press, m."""
     tight = replace(scene, bearings=replace(scene.bearings, clearance=clearance))
     recorder = run_scene(tight, APPROACH).recorder
-    ideal = ideal_slider(tight, recorder.series("time"))[:, 0]
+    ideal = tight.ideal_slider(recorder.series("time"))[:, 0]
     return float(np.abs(recorder.series("displacement") - ideal).max())
 
 
 def approach(scene: Scene) -> Iterator[Check]:
     """The distance from the ideal press falls at first order in the clearance.
 
-    What is left without clearance, a micrometre, is what the contacts give way.
+    A micrometre is left without clearance: the contacts give way by it.
     """
     least = slider_distance(scene, LEAST_CLEARANCE)
     distances = [slider_distance(scene, clearance) for clearance in CLEARANCES]
@@ -224,7 +223,7 @@ def _axis(angle: float) -> Array:
 
 
 def met_together(scene: Scene, speed: float) -> Iterator[Check]:
-    """See both joints touch within a picosecond, each at its closing speed."""
+    """See both pins touch down within a picosecond, each at its closing speed."""
     run = run_scene(scene, start=displaced(scene, -1e-9, speed))
     one, other = (contacts_of(run, k) for k in range(2))
     apart = float(one["touchdown"][0] - other["touchdown"][0])

@@ -16,17 +16,16 @@ import numpy as np
 from presswear.campaign.ensemble import FEWEST
 from presswear.campaign.starts import start_of
 from presswear.engines.base import Plan, Run
-from presswear.record.sampling import half_width, map_batches, map_errors
+from presswear.record.sampling import Estimate, half_width, map_batches, map_errors
 from presswear.record.tracker import Telling
 from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError, RunFailed
 from presswear.trials.precision.extent import PrecisionExtent
-from presswear.trials.precision.growth import Growth, measure_growth
+from presswear.trials.precision.growth import Parting, measure_growth
 from presswear.trials.precision.methods import Method, by_family, finest, statistics_methods
 from presswear.trials.precision.statistic import (
     Draws,
     Names,
-    Statistic,
     StepError,
     honest_cycles,
     is_for_wear,
@@ -42,7 +41,7 @@ _GROWTH_SHARE = 0.1
 
 @dataclass(frozen=True)
 class ChaosExtent:
-    """How much is run beyond the horizon.
+    """Lengths of what is run beyond the horizon.
 
     Attributes
     ----------
@@ -106,7 +105,7 @@ class StatisticPoint:
     warm_up: float = 0.0
     simulated: float = 0.0
     steps: int = 0
-    statistics: Mapping[str, Statistic] = field(default_factory=dict)
+    statistics: Mapping[str, Estimate] = field(default_factory=dict)
     step_errors: Mapping[str, StepError] = field(default_factory=dict)
     failure: str = ""
 
@@ -122,7 +121,7 @@ class Chaos:
 
     Attributes
     ----------
-    growths : tuple of Growth
+    growths : tuple of Parting
         One a pair of starts.
     reference : StatisticPoint
         The finest method, with more cycles than the others.
@@ -133,7 +132,7 @@ class Chaos:
         tolerance.
     """
 
-    growths: tuple[Growth, ...]
+    growths: tuple[Parting, ...]
     reference: StatisticPoint
     points: tuple[StatisticPoint, ...]
     stage_cycles: int
@@ -144,12 +143,12 @@ class Chaos:
         return tuple(self.reference.statistics)
 
     @property
-    def settled_rate(self) -> Statistic:
+    def settled_rate(self) -> Estimate:
         """Mean growth rate of the further pairs, lulls included, 1/s."""
         rates = np.array([growth.overall for growth in self.growths[1:]], dtype=float)
         known = rates[np.isfinite(rates)]
         mean = float(known.mean()) if known.size else math.nan
-        return Statistic(mean, half_width(known), known.size)
+        return Estimate(mean, half_width(known), known.size)
 
     def honest_cycles(self, point: StatisticPoint, name: str) -> float:
         """Cycles up to which the bound of a statistic's step error is below its sampling error.
@@ -158,34 +157,19 @@ class Chaos:
         """
         return honest_cycles(self.reference.statistics[name], point.step_errors[name])
 
-    def is_honest(self, point: StatisticPoint, wear_only: bool = True) -> bool:
-        """True where a method has the statistics of a stage of the scene right.
-
-        Parameters
-        ----------
-        wear_only : bool
-            Only those that count for wear.
-        """
-        return not point.failure and all(
-            self.is_honest_in(point, name)
-            for name in self.names
-            if is_for_wear(name) or not wear_only
-        )
-
     def is_honest_in(self, point: StatisticPoint, name: str) -> bool:
         """True where a step error is not seen, and must be below a stage's sampling error."""
         is_seen = point.step_errors[name].is_seen
         return not is_seen and self.honest_cycles(point, name) >= self.stage_cycles
 
-    def cheapest(
-        self, points: Sequence[StatisticPoint] | None = None, wear_only: bool = True
-    ) -> StatisticPoint | None:
+    def is_honest(self, point: StatisticPoint) -> bool:
+        """True where a method has the statistics right that count for wear in a stage."""
+        wear = filter(is_for_wear, self.names)
+        return not point.failure and all(self.is_honest_in(point, name) for name in wear)
+
+    def cheapest(self, points: Sequence[StatisticPoint] | None = None) -> StatisticPoint | None:
         """The cheapest honest setting of some, or of all; None if none is."""
-        honest = [
-            point
-            for point in (self.points if points is None else points)
-            if self.is_honest(point, wear_only)
-        ]
+        honest = filter(self.is_honest, self.points if points is None else points)
         return min(honest, key=lambda point: point.cost, default=None)
 
     @property

@@ -25,7 +25,7 @@ FIRST_ROUND = 2.0
 
 
 @dataclass(frozen=True)
-class Point:
+class TaskPoint:
     """A method on one task.
 
     Attributes
@@ -33,7 +33,7 @@ class Point:
     errors : mapping of str to float
         By the names of the diagram's quantities; empty for a failure.
     values : mapping of str to float
-        What else was measured, by its name with its unit: ``steps in the contact``,
+        Other numbers, by their names with units: ``steps in the contact``,
         ``contact time (s)``; empty for a failure.
     warm_up : float or None
         Time of the first run, whose compiling and loading is no part of the others, s.
@@ -90,11 +90,11 @@ class Diagram:
     key : str
         Its name in files.
     title, task : str
-        What is run.
+        The task in a few words, and at length.
     quantities : tuple of Quantity
     reference : str
-        What the errors are errors from.
-    points : tuple of Point
+        Origin of the values that errors are distances from.
+    points : tuple of TaskPoint
     """
 
     DERIVED: ClassVar = ("orders",)
@@ -104,16 +104,16 @@ class Diagram:
     task: str
     quantities: tuple[Quantity, ...]
     reference: str
-    points: tuple[Point, ...] = ()
+    points: tuple[TaskPoint, ...] = ()
 
     @property
-    def families(self) -> dict[str, list[Point]]:
+    def families(self) -> dict[str, list[TaskPoint]]:
         """Points of each curve, from coarse to fine, failures included."""
         return by_family(self.points)
 
     @property
     def measured(self) -> tuple[str, ...]:
-        """Names of what else was measured."""
+        """Names of the other numbers."""
         return tuple(dict.fromkeys(name for point in self.points for name in point.values))
 
     def order(self, family: str, quantity: Quantity) -> float:
@@ -167,7 +167,7 @@ class Task:
         return TimedRun(method.label, self.linkage, self.start, method.engine, self.plan)
 
 
-def first_run(task: Task, method: Method) -> Point:
+def first_run(task: Task, method: Method) -> TaskPoint:
     """Run a method once; whatever it does, it gives a point, without a timing."""
     # Guarded anew: patience counts from the plan's first progress.
     guard = guarded(task.plan.cycle, task.plan.cycles)
@@ -186,11 +186,11 @@ def first_run(task: Task, method: Method) -> Point:
             if not math.isfinite(errors.get(quantity.name, math.nan)):
                 raise RunFailed(f"no number for {quantity.name}")
     except (InputError, RunFailed, ArithmeticError) as error:
-        return Point(method, failure=str(error) or type(error).__name__)
+        return TaskPoint(method, failure=str(error) or type(error).__name__)
     iterations = run.diagnostics.get("newton_iterations")
     if iterations is not None:
         values["Newton iterations"] = float(iterations)
-    return Point(method, errors, values, spent)
+    return TaskPoint(method, errors, values, spent)
 
 
 def check_finite(run: Run) -> Run:
@@ -204,7 +204,7 @@ def check_finite(run: Run) -> Run:
 def measure(task: Task, repeats: int, told: Told) -> Diagram:
     """Run all methods of a task: once for their errors, then in turn for their times.
 
-    What fails in the first run stays in as a failure and is not timed.
+    A method that fails in the first run stays in as a failure and is not timed.
     """
     whole = FIRST_ROUND + repeats
     firsts = []

@@ -1,4 +1,4 @@
-"""How much a study of speed against error runs."""
+"""Extent of a study of speed against error: its steps, tolerances and lengths."""
 
 from dataclasses import dataclass
 
@@ -7,14 +7,14 @@ from dataclasses import dataclass
 class Rungs:
     """Steps and tolerances of the families, coarse to fine.
 
-    What a scene takes by itself is added to its family where it is missing.
+    The setting that a scene takes by itself is added to its family where it is missing.
 
     Attributes
     ----------
     free_steps : tuple of int
         Steps in the run of the trapezoidal rule on smooth motion.
     smooth_steps : tuple of int
-        The same of RK4.
+        Steps in the run of RK4 on smooth motion.
     impact_steps : tuple of int
         Steps in an impact of the trapezoidal rule with contacts.
     fixed_steps, contact_steps : tuple of float
@@ -57,7 +57,7 @@ ALL = Rungs(
 
 @dataclass(frozen=True)
 class PrecisionExtent:
-    """How much is run.
+    """Extent of a study of speed against error.
 
     Attributes
     ----------

@@ -38,20 +38,20 @@ PARTED = 1000.0 * APART
 
 
 @dataclass(frozen=True)
-class Growth:
+class Parting:
     """Distance of two runs over time.
 
     Attributes
     ----------
     time, distance : tuple of float
         s; the greatest difference of the pins' places in their bearings, m.
-    touches : tuple of int
-        Touches in the first of both runs until then.
+    touchdowns : tuple of int
+        Touchdowns in the first of both runs until then.
     rate : float or None
         Slope of log distance over time, by least squares, 1/s; None where it never grew
         from LOW to HIGH.
-    per_touch : float or None
-        Slope of log distance over touches; None likewise.
+    per_touchdown : float or None
+        Slope of log distance over touchdowns; None likewise.
     window : (float, float) or None
         Times between which both are fitted, s.
     divergence : float or None
@@ -60,39 +60,39 @@ class Growth:
 
     time: tuple[float, ...]
     distance: tuple[float, ...]
-    touches: tuple[int, ...]
+    touchdowns: tuple[int, ...]
     rate: float | None
-    per_touch: float | None
+    per_touchdown: float | None
     window: tuple[float, float] | None
     divergence: float | None
 
     @staticmethod
-    def of(time: Array, apart: Array, touches: NDArray[np.int64]) -> "Growth":
+    def of(time: Array, apart: Array, touchdowns: NDArray[np.int64]) -> "Parting":
         """Fit a distance over time, each shape (n,)."""
         window = growing(time, apart)
-        rate = per_touch = None
+        rate = per_touchdown = None
         if window is not None:
             inside = (time >= window[0]) & (time <= window[1]) & (apart > 0.0)
             logarithm = np.log(apart[inside])
             rate = fitted_slope(time[inside], logarithm)
-            per_touch = fitted_slope(touches[inside].astype(float), logarithm)
+            per_touchdown = fitted_slope(touchdowns[inside].astype(float), logarithm)
         late = np.flatnonzero(apart >= PARTED)
-        return Growth(
+        return Parting(
             tuple(time.tolist()),
             tuple(apart.tolist()),
-            tuple(touches.tolist()),
+            tuple(touchdowns.tolist()),
             rate,
-            per_touch,
+            per_touchdown,
             window,
             float(time[late[0]]) if late.size else None,
         )
 
     @property
-    def touches_to_divergence(self) -> int | None:
-        """Touches before both runs have parted."""
+    def touchdowns_to_divergence(self) -> int | None:
+        """Touchdowns before both runs have parted."""
         if self.divergence is None:
             return None
-        return self.touches[self.time.index(self.divergence)]
+        return self.touchdowns[self.time.index(self.divergence)]
 
     @property
     def overall(self) -> float:
@@ -141,13 +141,13 @@ class _Sampler(Tracker):
     """Notes after each part of a run where the pins are."""
 
     places: list[Array]
-    touches: list[int]
+    touchdowns: list[int]
 
     def cycle(self, recorder: Recorder, state: object) -> bool:
         """File a state; it never ends the run."""
         contacts = recorder.book.contacts
         self.places.append(np.array([contacts["eccentricity_x"], contacts["eccentricity_y"]]))
-        self.touches.append(int(recorder.book.tally["contacts"].sum()))
+        self.touchdowns.append(int(recorder.book.tally["contacts"].sum()))
         return False
 
 
@@ -167,7 +167,7 @@ def sampled_run(
     return finished(engine.simulate(linkage, start, plan)), sampler
 
 
-def measure_growth(scene: Scene, cycles: int, pairs: int, told: Told) -> tuple[Growth, ...]:
+def measure_growth(scene: Scene, cycles: int, pairs: int, told: Told) -> tuple[Parting, ...]:
     """Run pairs of starts that are APART, each pair from where the last one's first run ended.
 
     So a pair each begins somewhere else on the motion; pairs beside each other would only
@@ -187,7 +187,7 @@ def measure_growth(scene: Scene, cycles: int, pairs: int, told: Told) -> tuple[G
     start = start_of(scene)
     lengths = [1, *(cycles for _ in range(pairs - 1))]
     work = 2 * sum(lengths)
-    found: list[Growth] = []
+    found: list[Parting] = []
     done = 0
     for length in lengths:
         beside = disturbed(linkage, start, APART)
@@ -200,6 +200,6 @@ def measure_growth(scene: Scene, cycles: int, pairs: int, told: Told) -> tuple[G
         (first, calm), (_, moved) = runs
         apart = np.abs(np.array(calm.places) - np.array(moved.places)).max(axis=(1, 2))
         time = period / SAMPLES * np.arange(1, apart.size + 1)
-        found.append(Growth.of(time, apart, np.array(calm.touches)))
+        found.append(Parting.of(time, apart, np.array(calm.touchdowns)))
         start = turned_back(first.end, start)
     return tuple(found)

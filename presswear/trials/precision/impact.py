@@ -30,9 +30,9 @@ Array = NDArray[np.float64]
 NOMINAL = 0.9
 """Restitution put into Lankarani and Nikravesh's law; it delivers 0.9131766778."""
 GAP = 1e-5
-"""Flight before the touch, m."""
+"""Flight before the touchdown, m."""
 CONTACTS = 2.2
-"""Time after the touch, durations of the impact without damping."""
+"""Time after the touchdown, durations of the impact without damping."""
 IMPACT = Impact(NOMINAL)
 _RING, _SHAFT = (body.mass for body in IMPACT.linkage.bodies)
 REDUCED_MASS = _RING * _SHAFT / (_RING + _SHAFT)
@@ -81,7 +81,7 @@ def contact_time(
 
 
 def guided() -> tuple[Linkage, Start]:
-    """The impact of ``IMPACT`` on guides, and its start a little before the touch."""
+    """The impact of ``IMPACT`` on guides, and its start a little before the touchdown."""
     linkage = IMPACT.linkage
     guides = tuple(
         Guide(f"guide of {body.name}", body.name, 0.0, 0.0, 0.0) for body in linkage.bodies

@@ -1,7 +1,7 @@
 """Methods, engine and integrator with one step or tolerance, and their families."""
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol, TypeVar
 
@@ -13,7 +13,7 @@ from presswear.trials.precision.extent import Rungs
 TRAPEZOIDAL = "trapezoidal rule"
 FIXED = "trapezoidal rule, equal steps"
 STEP, IMPACT, TOLERANCE = "step (s)", "steps in an impact", "tolerance"
-"""Knobs: what is varied, with its unit."""
+"""Knobs: the quantities that are varied, with their units."""
 SMOOTH_NEWTON = 1e-12
 """Newton's tolerance on smooth motion: 1e-9, the default, hides the order of the integrator."""
 _EXACT = 1.0 - 1e-9
@@ -37,7 +37,7 @@ class Method:
     integrator : str
         As people call it: trapezoidal rule, DOPRI5, DOP853, RK4.
     knob : str
-        What is varied, with its unit.
+        Quantity that is varied, with its unit.
     value : float
         Value of the knob.
     is_paper : bool
@@ -77,12 +77,17 @@ class _OfMethod(Protocol):
 P = TypeVar("P", bound=_OfMethod)
 
 
-def by_family(points: Iterable[P]) -> dict[str, list[P]]:
-    """Points of each family, in their order, from coarse to fine."""
+def grouped(points: Iterable[P], key: Callable[[Method], str]) -> dict[str, list[P]]:
+    """Points by a word on their methods, in their order."""
     found: dict[str, list[P]] = {}
     for point in points:
-        found.setdefault(point.method.family, []).append(point)
+        found.setdefault(key(point.method), []).append(point)
     return found
+
+
+def by_family(points: Iterable[P]) -> dict[str, list[P]]:
+    """Points of each family, from coarse to fine, failures included."""
+    return grouped(points, lambda method: method.family)
 
 
 def method_of(engine: ExudynTree | InHouse, own: Engine) -> Method:
@@ -212,7 +217,7 @@ def contact_methods(
     longest : float
         Longest step of DOP853 and DOPRI5, s.
     tree : bool
-        Whether there is an open tree.
+        True where there is an open tree.
     """
     dae, own_tree = replace(numerics.dae, free_step=longest), numerics.tree.over(period)
     return (

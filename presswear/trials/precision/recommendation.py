@@ -2,15 +2,16 @@
 takes."""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import product, takewhile
 
 from presswear.record.sampling import Interval
 from presswear.scene.scene import Numerics
 from presswear.trials.crosscheck.check import CLOSING_BOUND, FORCE_BOUND, SLIDER_BOUND, TIME_BOUND
 from presswear.trials.precision.chaos import Chaos, StatisticPoint
-from presswear.trials.precision.diagram import Diagram, Point
-from presswear.trials.precision.methods import Method, by_family, method_of
+from presswear.trials.precision.diagram import Diagram, TaskPoint
+from presswear.trials.precision.methods import Method, by_family, grouped, method_of
 from presswear.trials.precision.statistic import ONE_SIDED, is_for_wear, together
 from presswear.trials.precision.study import Precision
 from presswear.trials.precision.wear import QUANTITIES, TITLES, Group, WearPoint, WearStudy, change
@@ -58,7 +59,7 @@ class Recommendation:
     recommended : str
         In words; empty where nothing meets the rule.
     taken : str
-        What the code takes, in words.
+        The setting that the code takes, in words.
     agrees : bool or None
         True where that is the same; None where there is nothing to compare with.
     meets : bool or None
@@ -88,13 +89,6 @@ class Recommendation:
             return f"the code takes another that meets the rule as well: {self.taken}"
         return f"the code takes another that does not: {self.taken}"
 
-    @property
-    def sentence(self) -> str:
-        """The recommendation in a sentence."""
-        what = self.recommended or "none"
-        detail = f" ({self.detail})" if self.detail else ""
-        return f"{self.subject}: {what}{detail}; {self.verdict}."
-
 
 def is_same(one: Method, other: Method) -> bool:
     """True where two methods are one setting of one engine."""
@@ -103,26 +97,41 @@ def is_same(one: Method, other: Method) -> bool:
     )
 
 
-def is_good(point: Point, bounds: Mapping[str, float]) -> bool:
-    """True where a point ran and keeps all bounds on its errors."""
-    return not point.failure and all(
-        point.errors.get(name, math.inf) <= bound for name, bound in bounds.items()
+def _of_engine(
+    purpose: str,
+    engine: str,
+    best: Method | None,
+    taken: Method | None,
+    nothing: str,
+    meets: bool | None,
+    details: Iterable[str],
+) -> Recommendation:
+    """Recommend a method of an engine; ``nothing`` says that the code takes none of its own."""
+    return Recommendation(
+        purpose,
+        engine,
+        "" if best is None else best.setting,
+        nothing if taken is None else taken.setting,
+        None if taken is None else best is not None and is_same(best, taken),
+        meets,
+        "; ".join(details),
     )
 
 
-def good_points(points: Sequence[Point], bounds: Mapping[str, float]) -> list[Point]:
-    """The points of a family, coarse to fine, from which on all keep the bounds."""
-    found: list[Point] = []
-    for point in reversed(points):
-        if not is_good(point, bounds):
-            break
-        found.append(point)
+def good_points(points: Sequence[TaskPoint], bounds: Mapping[str, float]) -> list[TaskPoint]:
+    """The points of a family, coarse to fine, from which on all ran and keep all bounds."""
+
+    def is_good(point: TaskPoint) -> bool:
+        errors = ((point.errors.get(name, math.inf), bound) for name, bound in bounds.items())
+        return not point.failure and all(error <= bound for error, bound in errors)
+
+    found = takewhile(is_good, reversed(points))
     return [point for point in found if point.timing is not None]
 
 
 def for_trajectories(
     diagram: Diagram, bounds: Mapping[str, float] = BOUNDS
-) -> list[Recommendation]:
+) -> Iterator[Recommendation]:
     """Recommend for each engine in a diagram of trajectories up to the horizon.
 
     Parameters
@@ -131,43 +140,32 @@ def for_trajectories(
         By quantity; those that the diagram does not have do not count.
     """
     bounds = {own.name: bounds[own.name] for own in diagram.quantities if own.name in bounds}
-    if not bounds:
-        return []
-    found = []
-    for engine in dict.fromkeys(point.method.engine.word for point in diagram.points):
-        own = [point for point in diagram.points if point.method.engine.word == engine]
-        good = [point for each in by_family(own).values() for point in good_points(each, bounds)]
+    for engine, points in grouped(diagram.points, lambda own: own.engine.word).items():
+        if not bounds:
+            return
+        families = by_family(points).values()
+        good = [point for family in families for point in good_points(family, bounds)]
         best = min(good, key=_wall, default=None)
-        taken = next((point for point in own if point.method.is_default), None)
-        found.append(
-            Recommendation(
-                TRAJECTORIES,
-                engine,
-                "" if best is None else best.method.setting,
-                "nothing of this diagram" if taken is None else taken.method.setting,
-                None if taken is None else best is not None and is_same(best.method, taken.method),
-                None if taken is None else any(point is taken for point in good),
-                "; ".join(
-                    f"{word}{_point_words(point, bounds)}" for word, point in _both(best, taken)
-                ),
-            )
+        taken = next((point for point in points if point.method.is_default), None)
+        details = [] if best is None else [_point_words(best, bounds)]
+        if taken is not None and (best is None or not is_same(best.method, taken.method)):
+            details.append(f"what is taken: {_point_words(taken, bounds)}")
+        yield _of_engine(
+            TRAJECTORIES,
+            engine,
+            None if best is None else best.method,
+            None if taken is None else taken.method,
+            "nothing of this diagram",
+            None if taken is None else any(point is taken for point in good),
+            details,
         )
-    return found
 
 
-def _wall(point: Point) -> float:
+def _wall(point: TaskPoint) -> float:
     return math.inf if point.timing is None else point.timing.wall
 
 
-def _both(best: Point | None, taken: Point | None) -> list[tuple[str, Point]]:
-    """The points recommended and taken, with a word; one where they are the same."""
-    found = [] if best is None else [("", best)]
-    if taken is not None and (best is None or not is_same(best.method, taken.method)):
-        found.append(("what is taken: ", taken))
-    return found
-
-
-def _point_words(point: Point, bounds: Mapping[str, float]) -> str:
+def _point_words(point: TaskPoint, bounds: Mapping[str, float]) -> str:
     """Time of a point, and how near it comes to the bound that is nearest."""
     if point.failure:
         return f"failed: {point.failure}"
@@ -176,38 +174,24 @@ def _point_words(point: Point, bounds: Mapping[str, float]) -> str:
     return f"{1e3 * _wall(point):.3g} ms, {nearest} at {parts[nearest]:.2g} of its bound"
 
 
-def for_statistics(chaos: Chaos, taken: Iterable[Method]) -> list[Recommendation]:
+def for_statistics(chaos: Chaos, taken: Iterable[Method]) -> Iterator[Recommendation]:
     """Recommend for each engine with statistics.
 
     Parameters
     ----------
     taken : iterable of Method
-        What the code takes, one an engine.
+        Methods that the code takes, one an engine.
     """
     by_engine = {method.engine.word: method for method in taken}
-    found = []
-    for engine in dict.fromkeys(point.method.engine.word for point in chaos.points):
-        points = [point for point in chaos.points if point.method.engine.word == engine]
-        best = chaos.cheapest(points)
-        own = by_engine.get(engine)
+    for engine, points in grouped(chaos.points, lambda own: own.engine.word).items():
+        best, own = chaos.cheapest(points), by_engine.get(engine)
         same = next((p for p in points if own is not None and is_same(p.method, own)), None)
-        details = []
-        if best is not None:
-            details.append(f"{best.cost:.2g} s for a simulated second")
-        if same is not None and (best is None or same is not best):
+        details = [] if best is None else [f"{best.cost:.2g} s for a simulated second"]
+        if same is not None and same is not best:
             details.append(f"what is taken: {same.cost:.2g} s, {standing(chaos, same)}")
-        found.append(
-            Recommendation(
-                STATISTICS,
-                engine,
-                "" if best is None else best.method.setting,
-                "nothing of its own" if own is None else own.setting,
-                None if own is None else best is not None and is_same(best.method, own),
-                None if same is None else chaos.is_honest(same),
-                "; ".join(details),
-            )
-        )
-    return found
+        meets = None if same is None else chaos.is_honest(same)
+        method = None if best is None else best.method
+        yield _of_engine(STATISTICS, engine, method, own, "nothing of its own", meets, details)
 
 
 def standing(chaos: Chaos, point: StatisticPoint) -> str:
@@ -229,41 +213,38 @@ GROUPS: tuple[Group, ...] = ("angles", "cycles", "depth step")
 """Groups that have a finest value."""
 
 
-def for_wear(wear: WearStudy) -> list[Recommendation]:
+def for_wear(wear: WearStudy) -> Iterator[Recommendation]:
     """Recommend for each numerical choice of wear maps, under each set of conventions."""
-    found = []
-    for group in GROUPS:
-        for conventions in wear.conventions:
-            points = wear.of(group, conventions)
-            if len(points) > 1:
-                found.append(_wear_choice(group, conventions, points))
-    return found
+    for group, conventions in product(GROUPS, wear.conventions):
+        points = wear.of(group, conventions)
+        if len(points) > 1:
+            yield _wear_choice(f"{TITLES[group]}, {conventions} conventions", points)
 
 
-def _wear_choice(group: Group, conventions: str, points: Sequence[WearPoint]) -> Recommendation:
-    finest = points[-1]
-    good = [] if finest.failure else [finest]
-    for point in reversed(points[:-1]):
-        if point.failure or finest.failure or not is_alike(point, finest):
-            break
-        good.append(point)
-    best = good[-1].varied.label if len(good) > 1 else ""
+def _wear_choice(subject: str, points: Sequence[WearPoint]) -> Recommendation:
+    *coarser, finest = points
+
+    def is_good(point: WearPoint) -> bool:
+        return not (point.failure or finest.failure) and is_alike(point, finest)
+
+    good = list(takewhile(is_good, reversed(coarser)))
+    best = good[-1].varied.label if good else ""
     taken = next((point for point in points if point.varied.is_default), None)
-    last = points[-2].varied.label
-    largest = largest_change(good[-1] if best else points[-2], finest)
+    largest = largest_change(good[-1] if good else coarser[-1], finest)
     detail = ""
     if largest is not None:
         name, moved = largest
-        word = "largest change from" if best else f"{last} differs from"
+        word = "largest change from" if good else f"{coarser[-1].varied.label} differs from"
         detail = f"{word} {finest.varied.label}: {100.0 * moved.value:+.0f} % in {name}"
-    usual = "as many as the wear maps' tolerance takes" if group == "cycles" else "another"
+    is_cycles = finest.varied.group == "cycles"
+    usual = "as many as the wear maps' tolerance takes" if is_cycles else "another"
     return Recommendation(
         WEAR,
-        f"{TITLES[group]}, {conventions} conventions",
+        subject,
         best,
         usual if taken is None else taken.varied.label,
         None if taken is None else best == taken.varied.label,
-        None if taken is None else bool(best) and any(point is taken for point in good),
+        None if taken is None else bool(good) and any(p is taken for p in (*good, finest)),
         detail,
     )
 
@@ -275,8 +256,7 @@ def changes(point: WearPoint, finest: WearPoint) -> dict[str, Interval]:
     ]
     found = {}
     for joint, name in wanted:
-        read = QUANTITIES[name][1]
-        moved = change(read(point.first[joint]), read(finest.first[joint]))
+        moved = change(point.first[joint][name], finest.first[joint][name])
         if moved.low is not None and moved.high is not None:
             widening = together(len(wanted))
             moved = Interval(

@@ -13,15 +13,13 @@ from presswear.trials.precision.growth import HIGH, LOW, PARTED
 from presswear.trials.precision.recommendation import RULES, Recommendation, recommend
 from presswear.trials.precision.study import Precision
 from presswear.trials.precision.tables import (
-    cost_table,
-    error_table,
     failures_table,
     growth_table,
     origin_table,
     references_table,
     sampling_table,
     statistics_table,
-    wear_cost_table,
+    task_table,
     wear_table,
 )
 
@@ -84,16 +82,16 @@ def growth_sentence(precision: Precision) -> str:
             f"Two runs whose starts are {given(APART)} m apart stay within {given(HIGH)} m over "
             f"{readable(first.time[-1])} s."
         )
-    per_touch = None if first.per_touch is None else 100.0 * math.expm1(first.per_touch)
+    per_touchdown = None if first.per_touchdown is None else 100.0 * math.expm1(first.per_touchdown)
     text = (
         f"The distance of two runs whose starts are {given(APART)} m apart grows by "
         f"{readable(first.rate)} /s between {given(LOW)} and {given(HIGH)} m, or by "
-        f"{readable(per_touch, 2)} % a touch"
+        f"{readable(per_touchdown, 2)} % a touch"
     )
     if first.divergence is not None:
         text += (
             f"; it is {given(PARTED)} m after {readable(first.divergence)} s and "
-            f"{first.touches_to_divergence} touches"
+            f"{first.touchdowns_to_divergence} touches"
         )
     others = chaos.growths[1:]
     if others:
@@ -158,10 +156,7 @@ def render(
         headline=headline(precision, found),
         growth=growth_sentence(precision),
         purposes=purposes_of(found),
-        tasks=[
-            (own.key, own.title, named(own.key), [error_table(own), cost_table(own)])
-            for own in precision.diagrams
-        ],
+        tasks=[(own.key, own.title, named(own.key), task_table(own)) for own in precision.diagrams],
         together=named("orders", "energy"),
         chaos=chaos,
         chaos_figures=named("growth", "statistics"),
@@ -170,7 +165,7 @@ def render(
         statistics_table=None if chaos is None else statistics_table(chaos),
         wear=wear,
         wear_figures=named("wear", "contact"),
-        wear_tables=[] if wear is None else [wear_table(wear), wear_cost_table(wear)],
+        wear_table=None if wear is None else wear_table(wear),
         failures=failures_table(precision),
         references=references_table(precision.diagrams),
         origin=origin_table(precision),

@@ -5,7 +5,7 @@ from typing import Any
 
 from presswear.record.sampling import Interval
 from presswear.trials.precision.chaos import Chaos
-from presswear.trials.precision.diagram import Diagram, Point
+from presswear.trials.precision.diagram import Diagram, TaskPoint
 from presswear.trials.precision.methods import Method
 from presswear.trials.precision.statistic import StepError
 from presswear.trials.precision.wear import QUANTITIES, WearStudy
@@ -14,7 +14,7 @@ from presswear.trials.timing import Timing
 Cells = dict[str, Any]
 """Numbers and words by the names of their columns; None where there is none."""
 
-_TIMES: dict[str, Callable[[Point, Timing], float | int | None]] = {
+_TIMES: dict[str, Callable[[TaskPoint, Timing], float | int | None]] = {
     "wall median (s)": lambda point, timing: timing.wall,
     "wall least (s)": lambda point, timing: timing.ends[0],
     "wall greatest (s)": lambda point, timing: timing.ends[1],
@@ -74,10 +74,10 @@ def wear_rows(wear: WearStudy) -> Iterator[Cells]:
     for point in wear.points:
         varied = point.varied
         wears: list[tuple[str, str, str, Interval | None]] = [
-            (word, joint, f"{name} ({unit})", pick(worn))
+            (word, joint, f"{name} ({unit})", worn[name])
             for word, joints in (("first", point.first), ("second", point.second))
             for joint, worn in joints.items()
-            for name, (unit, pick) in QUANTITIES.items()
+            for name, unit in QUANTITIES.items()
         ]
         for word, joint, name, found in wears or [("", "", "", None)]:
             yield {

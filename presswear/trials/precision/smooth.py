@@ -1,6 +1,6 @@
 """Smooth work: the ideal mechanism against its closed form, and Andrews' squeezer.
 
-Nothing touches, so that the order of each integrator is seen.
+Nothing meets, so that the order of each integrator is seen.
 """
 
 import numpy as np
@@ -10,7 +10,6 @@ from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import InHouse
 from presswear.linkage.elements import Linkage
 from presswear.physics.constraints import constraints_of
-from presswear.scene.ideal import ideal_slider
 from presswear.scene.scene import Numerics, Scene
 from presswear.trials.precision.diagram import Diagram, Numbers, Quantity, Task, check_finite
 from presswear.trials.precision.extent import PrecisionExtent
@@ -47,7 +46,7 @@ def ideal_mechanism(scene: Scene, extent: PrecisionExtent) -> Task:
 
     def assess(run: Run) -> tuple[Numbers, Numbers]:
         series = run.recorder.series
-        exact = ideal_slider(scene, series("time"))
+        exact = scene.ideal_slider(series("time"))
         slider = {
             "slider position": float(np.abs(series("displacement") - exact[:, 0]).max()),
             "slider velocity": float(np.abs(series("velocity") - exact[:, 1]).max()),

@@ -19,6 +19,7 @@ from presswear.linkage.elements import Linkage
 from presswear.record.recorder import Recorder
 from presswear.record.sampling import (
     LEVEL,
+    Estimate,
     MapBatches,
     basic_interval,
     map_batches,
@@ -42,29 +43,11 @@ ONE_SIDED = float(norm.ppf(LEVEL)) / _NORMAL
 """Part of a two-sided interval's half width that a one-sided one has."""
 
 
-@dataclass(frozen=True)
-class Statistic:
-    """A mean over cycles.
-
-    Attributes
-    ----------
-    mean : float
-        For a map its root mean square over angles.
-    half_width : float or None
-        Sampling error: half width of the 95 % interval; for a map that of its root mean
-        square error over angles.  None: too few cycles.
-    cycles : int
-    """
-
-    mean: float
-    half_width: float | None
-    cycles: int
-
-    def sampling_error(self, cycles: float) -> float:
-        """Sampling error of so many cycles; infinite where nothing is known of it."""
-        if self.half_width is None:
-            return math.inf
-        return self.half_width * math.sqrt(self.cycles / cycles)
+def sampling_error(statistic: Estimate, cycles: float) -> float:
+    """Sampling error of so many cycles; infinite where nothing is known of it."""
+    if statistic.half_width is None:
+        return math.inf
+    return statistic.half_width * math.sqrt(statistic.cycles / cycles)
 
 
 @dataclass(frozen=True)
@@ -142,24 +125,23 @@ def is_for_wear(name: str) -> bool:
     return name.startswith(FOR_WEAR)
 
 
-def statistics_of(names: Names, draws: Draws) -> dict[str, Statistic]:
+def statistics_of(names: Names, draws: Draws) -> dict[str, Estimate]:
     """All statistics of a method."""
     found = {}
     for name, (kind, k) in names.items():
         if kind == MAP:
             found[name] = map_statistic(draws.maps, k)
         else:
-            estimate, _ = pooled([numbers[name] for numbers in draws.cycles])
-            found[name] = Statistic(estimate.mean, estimate.half_width, estimate.cycles)
+            found[name], _ = pooled([numbers[name] for numbers in draws.cycles])
     return found
 
 
-def map_statistic(maps: Sequence[MapBatches], k: int) -> Statistic:
-    """The mean map of joint ``k`` with its error, as root mean squares, m."""
+def map_statistic(maps: Sequence[MapBatches], k: int) -> Estimate:
+    """Mean map of joint ``k`` and the half width of its 95 % interval, as root mean squares, m."""
     size = _rms(mean_map(maps)[k])
     error = float(map_errors(*map_batches(maps))[k])
     cycles = sum(run.samples for run in maps)
-    return Statistic(size, _NORMAL * error * size if math.isfinite(error) else None, cycles)
+    return Estimate(size, _NORMAL * error * size if math.isfinite(error) else None, cycles)
 
 
 def _rms(values: Array) -> float:
@@ -184,7 +166,7 @@ def step_errors(names: Names, draws: Draws, finest: Draws) -> dict[str, StepErro
     return found
 
 
-def mean_step_error(here: Statistic, there: Statistic, widening: float) -> StepError:
+def mean_step_error(here: Estimate, there: Estimate, widening: float) -> StepError:
     """Difference of two independent means."""
     value = here.mean - there.mean
     if here.half_width is None or there.half_width is None:
@@ -225,7 +207,7 @@ def map_step_error(
     return StepError(*(math.sqrt(max(square, 0.0)) for square in squares))
 
 
-def honest_cycles(statistic: Statistic, step: StepError) -> float:
+def honest_cycles(statistic: Estimate, step: StepError) -> float:
     """Cycles of a run up to which the largest step error allowed is below the sampling error.
 
     nan where nothing is known.

@@ -5,7 +5,7 @@ import io
 from collections.abc import Iterable
 from pathlib import Path
 
-from presswear.tools.documents import read_json, schema_of
+from presswear.tools.documents import read_json
 from presswear.tools.errors import InputError
 from presswear.tools.files import write_bytes
 from presswear.trials.precision.rows import Cells, diagram_rows, statistic_rows, wear_rows
@@ -41,8 +41,7 @@ def store(precision: Precision, folder: Path) -> None:
 def load(folder: Path) -> Precision:
     """Read a stored study back; InputError says what is missing, altered or of another schema."""
     file = folder / FILE
-    data = read_json(file, f"{folder} holds no study of precision: it has no {FILE}")
-    schema_of(data, file, SCHEMA)
+    data = read_json(file, f"{folder} holds no study of precision: it has no {FILE}", SCHEMA)
     try:
         found: Precision = restored(Precision, data, "study")
     except InputError as error:

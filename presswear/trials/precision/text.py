@@ -3,7 +3,7 @@
 import math
 
 from presswear.trials.costs.tables import TextTable
-from presswear.trials.precision.diagram import Diagram, Point, Quantity
+from presswear.trials.precision.diagram import Diagram, Quantity, TaskPoint
 from presswear.trials.precision.methods import IMPACT, STEP, TOLERANCE
 from presswear.trials.precision.study import Precision
 
@@ -63,7 +63,7 @@ def _order_words(diagram: Diagram, family: str, quantity: Quantity) -> str:
     return "" if math.isnan(order) else f": order {order:.1f}"
 
 
-def _row(point: Point, shown: list[Quantity]) -> tuple[str, ...]:
+def _row(point: TaskPoint, shown: list[Quantity]) -> tuple[str, ...]:
     method, timing = point.method, point.timing
     mark = "*" * method.is_default + "+" * method.is_paper
     word = f"  {_KNOBS[method.knob]} {method.value:.3g} {mark}".rstrip()

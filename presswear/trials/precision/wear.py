@@ -46,28 +46,15 @@ class Means:
         Depth steps, parts of the scene's.
     usual : int
         Cycles of each run where they are not what is varied.
+    methods : tuple of str
+        Names in METHODS.
     """
 
     angles: tuple[int, ...]
     cycles: tuple[int, ...]
     finer: tuple[float, ...]
     usual: int
-
-
-@dataclass(frozen=True)
-class WearExtent:
-    """How much wear is run.
-
-    Attributes
-    ----------
-    means : mapping of str to Means
-        By the name of the conventions.
-    methods : tuple of str
-        Names in METHODS, run under the paper's conventions.
-    """
-
-    means: Mapping[str, Means]
-    methods: tuple[str, ...]
+    methods: tuple[str, ...] = ()
 
 
 METHODS: dict[str, dict[str, Any]] = {
@@ -82,20 +69,14 @@ METHODS: dict[str, dict[str, Any]] = {
 """Engine and numerics by name."""
 PAPER_STEP, USUAL = tuple(METHODS)[:2]
 # A wear in steps on a foundation takes some ten times as long as one in a jump.
-QUICK = WearExtent(
-    {
-        "paper": Means((90, 360, 1440), (5, 10, 20), (), 10),
-        "refined": Means((90, 360), (), (1.0, 2.0), 5),
-    },
-    (PAPER_STEP, USUAL),
-)
-FULL = WearExtent(
-    {
-        "paper": Means((90, 180, 360, 720, 1440), (5, 10, 20, 50, 100, 200), (), 50),
-        "refined": Means((90, 180, 360, 720, 1440), (5, 10, 20, 50, 100), (0.5, 1.0, 2.0), 20),
-    },
-    tuple(METHODS),
-)
+QUICK = {
+    "paper": Means((90, 360, 1440), (5, 10, 20), (), 10, (PAPER_STEP, USUAL)),
+    "refined": Means((90, 360), (), (1.0, 2.0), 5),
+}
+FULL = {
+    "paper": Means((90, 180, 360, 720, 1440), (5, 10, 20, 50, 100, 200), (), 50, tuple(METHODS)),
+    "refined": Means((90, 180, 360, 720, 1440), (5, 10, 20, 50, 100), (0.5, 1.0, 2.0), 20),
+}
 
 
 @dataclass(frozen=True)
@@ -105,7 +86,7 @@ class Varied:
     Attributes
     ----------
     group : str
-        What is varied.
+        Kind of change.
     conventions : str
         Name of the set.
     label : str
@@ -122,27 +103,12 @@ class Varied:
     is_default: bool
 
 
-@dataclass(frozen=True)
-class JointWear:
-    """Material that one wear takes off a joint.
-
-    Attributes
-    ----------
-    depth : Interval
-        Deepest place of bearing or pin, whichever is deeper, m.
-    volume : Interval
-        Volume of both, m^3.
-    """
-
-    depth: Interval
-    volume: Interval
-
-
-QUANTITIES: dict[str, tuple[str, Callable[[JointWear], Interval]]] = {
-    "deepest wear": ("m", lambda wear: wear.depth),
-    "worn volume": ("m^3", lambda wear: wear.volume),
-}
-"""Unit, and where it is, by name."""
+DEEPEST, VOLUME = "deepest wear", "worn volume"
+QUANTITIES = {DEEPEST: "m", VOLUME: "m^3"}
+"""Units of what one wear takes off a joint: the deepest place of bearing or pin, whichever is
+deeper, and the volume of both."""
+Wears = Mapping[str, Mapping[str, Interval]]
+"""Quantities that a wear takes off, by joint."""
 
 
 @dataclass(frozen=True)
@@ -152,9 +118,9 @@ class WearPoint:
     Attributes
     ----------
     varied : Varied
-    first, second : mapping of str to JointWear
-        By joint: the first wear as it is applied, and what a second one would take
-        off in a single jump; empty where it was not reached.
+    first, second : Wears
+        The first wear as it is applied, and what a second one would take off in a single
+        jump; empty where it was not reached.
     steps : int
         Number in which the first wear was applied.
     cycles : int
@@ -166,8 +132,8 @@ class WearPoint:
     """
 
     varied: Varied
-    first: Mapping[str, JointWear] = field(default_factory=dict)
-    second: Mapping[str, JointWear] = field(default_factory=dict)
+    first: Wears = field(default_factory=dict)
+    second: Wears = field(default_factory=dict)
     steps: int = 0
     cycles: int = 0
     wall: float = 0.0
@@ -176,7 +142,7 @@ class WearPoint:
 
 @dataclass(frozen=True)
 class WearStudy:
-    """How the wear of a scene depends on what it is computed with.
+    """Wear of a scene by what it is computed with.
 
     Attributes
     ----------
@@ -230,10 +196,10 @@ def change(here: Interval, there: Interval) -> Interval:
     return Interval(ratio - 1.0, ratio - 1.0 - half, ratio - 1.0 + half)
 
 
-def cases(scene: Scene, extent: WearExtent) -> tuple[tuple[Varied, Scene], ...]:
+def cases(scene: Scene, extent: Mapping[str, Means]) -> tuple[tuple[Varied, Scene], ...]:
     """All that is varied, from coarse to fine, with the scene that each runs."""
     found: list[tuple[Varied, Scene]] = []
-    for name, means in extent.means.items():
+    for name, means in extent.items():
         conventions = CONVENTIONS[name]
         varied = replace(scene, conventions=conventions, cycles=means.usual, wears=1)
         base = with_method(varied, USUAL)
@@ -267,9 +233,8 @@ def cases(scene: Scene, extent: WearExtent) -> tuple[tuple[Varied, Scene], ...]:
             own = contact == conventions.contact
             read = replace(conventions, contact=contact)
             case("contact", contact, None, own, replace(base, conventions=read))
-        if name == "paper":
-            for method in extent.methods:
-                case("method", method, None, False, with_method(varied, method))
+        for method in means.methods:
+            case("method", method, None, False, with_method(varied, method))
     return tuple(found)
 
 
@@ -280,7 +245,7 @@ def with_method(scene: Scene, name: str) -> Scene:
     return replace(scene, engine=engine, starts=1, numerics=scene.numerics.having(**settings))
 
 
-def joint_wears(stage: StageResult) -> dict[str, JointWear]:
+def joint_wears(stage: StageResult) -> Wears:
     """Material that the wear after a stage takes off each joint."""
     found = {}
     for name, numbers in stage.statistics.get("joints", {}).items():
@@ -289,7 +254,7 @@ def joint_wears(stage: StageResult) -> dict[str, JointWear]:
         volume, half = numbers["wear_volume_m3"], numbers["wear_volume_half_width_m3"]
         ends = (None, None) if half is None else (volume - half, volume + half)
         depth = Interval(numbers[f"wear_depth_max_{side}_m"], low, high)
-        found[name] = JointWear(depth, Interval(volume, *ends))
+        found[name] = {DEEPEST: depth, VOLUME: Interval(volume, *ends)}
     return found
 
 
@@ -354,11 +319,11 @@ def _check_wears(scene: Scene) -> None:
         raise InputError(f"scene {scene.name}: nothing wears")
 
 
-def _extent(extent: PrecisionExtent) -> WearExtent:
+def _extent(extent: PrecisionExtent) -> Mapping[str, Means]:
     return QUICK if extent.quick else FULL
 
 
-def vary(scene: Scene, extent: WearExtent, told: Told) -> WearStudy:
+def vary(scene: Scene, extent: Mapping[str, Means], told: Told) -> WearStudy:
     """Run every case; what several groups have in common runs once.
 
     Raises
@@ -381,7 +346,7 @@ def vary(scene: Scene, extent: WearExtent, told: Told) -> WearStudy:
             found = run_case(varied, own, tell)
             known.append((own, found))
         points.append(replace(found, varied=varied))
-    usual = {name: means.usual for name, means in extent.means.items()}
+    usual = {name: means.usual for name, means in extent.items()}
     return WearStudy(tuple(points), usual, f"dae, DOPRI5 at tolerance {TOLERANCE:g}")
 
 

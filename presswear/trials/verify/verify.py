@@ -42,7 +42,7 @@ ANDREWS = (
 
 
 @dataclass(frozen=True)
-class Comparison:
+class Verified:
     """A number held against its reference.
 
     Attributes
@@ -70,10 +70,10 @@ class Comparison:
         return self.error <= self.bound
 
 
-def _worst(name: str, reference: Sequence[float], ours: Array, bound: float) -> Comparison:
+def _worst(name: str, reference: Sequence[float], ours: Array, bound: float) -> Verified:
     """The component that is furthest off."""
     i = int(np.argmax(np.abs(ours - np.array(reference))))
-    return Comparison(name, float(reference[i]), float(ours[i]), bound)
+    return Verified(name, float(reference[i]), float(ours[i]), bound)
 
 
 def andrews_with_exudyn(step: float) -> Array:
@@ -83,7 +83,7 @@ def andrews_with_exudyn(step: float) -> Array:
     return references.andrews_angles(finished(engine.simulate(*ANDREWS)).end.position)
 
 
-def andrews_rows() -> Iterator[Comparison]:
+def andrews_rows() -> Iterator[Verified]:
     """Andrews' squeezer at t = 0.03 s."""
     end = finished(InHouse().simulate(*ANDREWS)).end
     angles = references.andrews_angles(end.position)
@@ -94,7 +94,7 @@ def andrews_rows() -> Iterator[Comparison]:
     name = f"Andrews, Exudyn, {1e6 * ANDREWS_STEPS[-1]:g} us: worst angle (rad)"
     yield _worst(name, references.ANDREWS_ANGLES, found[-1], 1e-5)
     errors = [float(np.abs(a - np.array(references.ANDREWS_ANGLES)).max()) for a in found]
-    yield Comparison("Andrews, Exudyn: order", 2.0, order_of(ANDREWS_STEPS, errors), 0.1)
+    yield Verified("Andrews, Exudyn: order", 2.0, order_of(ANDREWS_STEPS, errors), 0.1)
 
 
 def delivered(run: Run, speed: float) -> float:
@@ -120,7 +120,7 @@ def deepest_penetration(run: Run, speed: float) -> float:
     return float(course(course.derivative().roots(extrapolate=False)).max())
 
 
-def impact_rows() -> Iterator[Comparison]:
+def impact_rows() -> Iterator[Verified]:
     """One free central impact."""
     plan = Plan(0.005, 1)
     for nominal, expected in references.DELIVERED.items():
@@ -130,16 +130,16 @@ def impact_rows() -> Iterator[Comparison]:
         for word, engine, bound in (("dae", TIGHT, 1e-8), (f"Exudyn, {steps} steps", joints, 1e-4)):
             run = engine.simulate(impact.linkage, impact.start, plan)
             name = f"restitution, nominal {nominal}, {word}"
-            yield Comparison(name, expected, delivered(run, impact.speed), bound)
+            yield Verified(name, expected, delivered(run, impact.speed), bound)
     impact = references.Impact(0.9, clearance=1e-5)
     run = TIGHT.simulate(impact.linkage, impact.start, Plan(2.2e-4, 1))
     part = deepest_penetration(run, impact.speed) / impact.deepest
-    yield Comparison("penetration over closed form, dae", 1.0, part, 1e-8)
+    yield Verified("penetration over closed form, dae", 1.0, part, 1e-8)
     impact = references.Impact(1.0)
     contact = first_contact(TIGHT.simulate(impact.linkage, impact.start, plan))
     lasted = (contact["separation"] - contact["touchdown"]) * impact.speed / impact.deepest
     expected = references.HERTZ_DURATION
-    yield Comparison("Hertz: duration (delta_max/v), dae", expected, lasted, 1e-8)
+    yield Verified("Hertz: duration (delta_max/v), dae", expected, lasted, 1e-8)
 
 
 def turning_points(run: Run, begin: float) -> tuple[Array, Array]:
@@ -161,7 +161,7 @@ def turning_points(run: Run, begin: float) -> tuple[Array, Array]:
     return t + left, begin + x + left * (v + 0.5 * a * left)
 
 
-def friction_rows() -> Iterator[Comparison]:
+def friction_rows() -> Iterator[Verified]:
     """Dry friction in a mechanism, with ``dae``."""
     linkage, start = references.sdnd100(SHARP)
     duration = 4.5 * references.SDND100_INTERVAL
@@ -175,13 +175,13 @@ def friction_rows() -> Iterator[Comparison]:
     expected = [references.SDND100_INTERVAL * (k + 1) for k in range(len(extrema))]
     yield _worst("SDND100, dae: its time (s)", expected, times, 1e-5)
     rest = 1e3 * float(run.end.position[0])
-    yield Comparison("SDND100, dae: sticks at (mm)", millimetres[-1], rest, 1e-4)
+    yield Verified("SDND100, dae: sticks at (mm)", millimetres[-1], rest, 1e-4)
     creeping = references.creep_speed(FRICTION, SLOPE)
-    yield Comparison("creep on an incline (mm/s)", 1e3 * creeping, 1e3 * creep(SLOPE), 1e-6)
+    yield Verified("creep on an incline (mm/s)", 1e3 * creeping, 1e3 * creep(SLOPE), 1e-6)
     for time in (0.005, 0.011):
         slowing = references.slowed_speed(FRICTION, 0.01, GRAVITY, time)
         name = f"slowing on the flat, {1e3 * time:g} ms (mm/s)"
-        yield Comparison(name, 1e3 * slowing, 1e3 * slowed(0.01, time), 1e-6)
+        yield Verified(name, 1e3 * slowing, 1e3 * slowed(0.01, time), 1e-6)
 
 
 def slowed(speed: float, time: float) -> float:
@@ -237,7 +237,7 @@ def stiff_limit(values: Sequence[float], ratio: float) -> float:
     return stiffer + (stiffer - stiff) / (ratio**0.4 - 1.0)
 
 
-def bouncing_rows() -> Iterator[Comparison]:
+def bouncing_rows() -> Iterator[Verified]:
     """A ball that comes to rest: twenty bounces, the rest as a geometric series."""
     restitution = references.DELIVERED[0.9]
     stiffer = references.Ball(0.9)
@@ -253,12 +253,12 @@ def bouncing_rows() -> Iterator[Comparison]:
         rebounds.append(last)
     speed = stiffer.speed
     total, rebound = stiff_limit(totals, 10.0), stiff_limit(rebounds, 10.0)
-    yield Comparison("bouncing ball, dae: total time (s)", series * speed, total, 1e-6)
+    yield Verified("bouncing ball, dae: total time (s)", series * speed, total, 1e-6)
     expected = speed * restitution**BOUNCES
-    yield Comparison(f"bouncing ball, dae: rebound {BOUNCES} (m/s)", expected, rebound, 1e-6)
+    yield Verified(f"bouncing ball, dae: rebound {BOUNCES} (m/s)", expected, rebound, 1e-6)
 
 
-GROUPS: dict[str, Callable[[], Iterator[Comparison]]] = {
+GROUPS: dict[str, Callable[[], Iterator[Verified]]] = {
     "Andrews' squeezer": andrews_rows,
     "impact": impact_rows,
     "friction": friction_rows,
@@ -267,7 +267,7 @@ GROUPS: dict[str, Callable[[], Iterator[Comparison]]] = {
 """The reference problems by name."""
 
 
-def verify(told: Told) -> list[Comparison]:
+def verify(told: Told) -> list[Verified]:
     """Run every reference problem.
 
     Raises
@@ -275,7 +275,7 @@ def verify(told: Told) -> list[Comparison]:
     RunFailed
         A run failed, so that there is nothing to compare.
     """
-    rows: list[Comparison] = []
+    rows: list[Verified] = []
     for done, (name, group) in enumerate(GROUPS.items()):
         told(name, done / len(GROUPS))
         rows.extend(group())

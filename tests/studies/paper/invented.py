@@ -13,7 +13,6 @@ from presswear.linkage.surface import bin_centres
 from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
 from presswear.results.result import Result
 from presswear.results.stage import StageResult
-from presswear.scene.ideal import ideal_slider
 from presswear.studies.paper.evidence import Evidence
 from presswear.studies.paper.variants import BASE, CASES, base_scene, variant_key
 
@@ -27,20 +26,21 @@ EVEN = {"A": 200.0, "C": 100.0}
 def cycle_rows(count: int, seed: int, force: Mapping[str, float]) -> Array:
     """A row a cycle: forces scatter by a tenth about their means; contacts count through."""
     draw = np.random.default_rng(seed)
+
+    def scatter(part: float) -> Array:
+        return 1.0 + part * draw.normal(size=count)
+
     rows = {
-        "displacement_max": 0.107 + 1e-5 * draw.normal(size=count),
+        "displacement_max": 0.107 * scatter(1e-4),
         "velocity_min": np.full(count, -0.9),
-        "velocity_max": 0.99 + 1e-3 * draw.normal(size=count),
-        "acceleration_max": 1000.0 * (1.0 + 0.1 * draw.normal(size=count)),
+        "velocity_max": 0.99 * scatter(1e-3),
+        "acceleration_max": 1000.0 * scatter(0.1),
         "steps": np.zeros(count),
     }
     columns = [rows[name] for name in CYCLE_FIXED]
     for mean in force.values():
-        own = {
-            "force_max": mean * (1.0 + 0.1 * draw.normal(size=count)),
-            "dose": 3.0 + 0.1 * draw.normal(size=count),
-            "contacts": 7.0 * np.arange(1, count + 1),
-        }
+        contacts = 7.0 * np.arange(1, count + 1)
+        own = {"force_max": mean * scatter(0.1), "dose": 3.0 * scatter(0.03), "contacts": contacts}
         columns += [own[name] for name in CYCLE_JOINT]
     return np.column_stack(columns)
 
@@ -66,7 +66,7 @@ def stage(
     count = len(force)
     arrays = {
         "time": time,
-        "slider": ideal_slider(scene, time),
+        "slider": scene.ideal_slider(time),
         "angle": bin_centres(BINS),
         "cycles": np.concatenate(
             [cycle_rows(CYCLES, seed + 1000 * s, own) for s, own in enumerate(force)]
@@ -124,13 +124,8 @@ def result(
         )
         for k, arrays in enumerate(stages)
     ]
-    provenance = {
-        "python": "3",
-        "packages": {"presswear": "0"},
-        "revision": "r",
-        "machine": "m",
-        "started": "now",
-    }
+    made = dict.fromkeys(("python", "revision", "machine", "started"), "made up")
+    provenance = {**made, "packages": {"presswear": "0"}}
     message = "it stopped" if is_failed else ""
     return Result(scene, tuple(listed), status, message, provenance, 3.0)
 

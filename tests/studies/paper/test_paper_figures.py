@@ -1,7 +1,6 @@
 """Counterparts of the paper's figures, of a small made-up study."""
 
 import re
-from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -9,16 +8,12 @@ import matplotlib
 import numpy as np
 import pytest
 from invented import cut, every_evidence, every_result
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure as Sheet
-from matplotlib.lines import Line2D
 
-from presswear.record.observe import CYCLE_FIXED
 from presswear.show.figures import Drawing
 from presswear.show.figures.style import SETTINGS
 from presswear.studies.paper.evidence import Evidence
 from presswear.studies.paper.figures import paper_drawings
-from presswear.studies.paper.printed import PRINTED, Place
+from presswear.studies.paper.printed import JOINTS, Place, shown_in
 from presswear.studies.paper.variants import BASE, variant_key
 
 NUMBERS = range(8, 26)
@@ -48,13 +43,14 @@ def by_number(evidence: Evidence) -> dict[int, Drawing]:
     return found
 
 
-def labels(axes: Axes) -> list[str]:
-    return [label for label in (axes.get_xlabel(), axes.get_ylabel()) if label]
-
-
-def lines_of(sheet: Sheet, gid: str) -> Iterator[Line2D]:
-    """Lines that are marked as one kind."""
-    return (line for axes in sheet.axes for line in axes.get_lines() if line.get_gid() == gid)
+def marked(drawing: Drawing, kind: str) -> list[tuple[float, float]]:
+    """Places of the marks of one kind."""
+    lines = (line for axes in drawing.sheet.axes for line in axes.get_lines())
+    return [
+        (float(np.ravel(line.get_xdata())[0]), float(np.ravel(line.get_ydata())[0]))
+        for line in lines
+        if line.get_gid() == kind
+    ]
 
 
 def test_every_figure_is_drawn_once_in_order(drawn: dict[int, Drawing]) -> None:
@@ -69,45 +65,33 @@ def test_every_figure_is_drawn_once_in_order(drawn: dict[int, Drawing]) -> None:
 
 def test_every_axis_label_has_a_unit(drawn: dict[int, Drawing]) -> None:
     for drawing in drawn.values():
-        found = [label for axes in drawing.sheet.axes for label in labels(axes)]
-        assert found
-        assert all(UNIT.search(label) for label in found), found
+        every = [f() for axes in drawing.sheet.axes for f in (axes.get_xlabel, axes.get_ylabel)]
+        assert any(every)
+        assert all(UNIT.search(label) for label in every if label), every
 
 
 @pytest.mark.parametrize("number", [8, 11, 14, 17, 18, 20, 21, 23, 24])
 def test_printed_values_are_marked_where_they_are(drawn: dict[int, Drawing], number: int) -> None:
-    marked = sorted(
-        (float(np.ravel(line.get_xdata())[0]), float(np.ravel(line.get_ydata())[0]))
-        for line in lines_of(drawn[number].sheet, "printed")
-    )
-    own = [one for one in PRINTED if one.figure[:-1] == str(number)]
+    found = sorted(marked(drawn[number], "printed"))
+    own = shown_in(number)
     if number < 17:
         angles = [float(np.degrees(one.value)) for one in own if one.quantity == "angle"]
         depths = [1e6 * one.value for one in own if one.quantity == "depth"]
-        np.testing.assert_allclose(marked, sorted(zip(angles, depths, strict=True)))
+        np.testing.assert_allclose(found, sorted(zip(angles, depths, strict=True)))
     else:
-        np.testing.assert_allclose([x for x, _ in marked], sorted(one.value for one in own))
+        np.testing.assert_allclose([x for x, _ in found], sorted(one.value for one in own))
 
 
-def test_peaks_are_those_of_the_evidence(drawn: dict[int, Drawing]) -> None:
-    """Figure 18: the mean of each stage at each joint."""
-    expected = []
-    for joint in "AC":
-        for wears in range(3):
-            known = every_evidence().measured(BASE, Place("wear-times", wears, joint), "force")
-            assert known is not None
-            expected.append(known.value)
-    means = [float(np.ravel(line.get_xdata())[0]) for line in lines_of(drawn[18].sheet, "mean")]
-    np.testing.assert_allclose(means, expected)
-
-
-def test_peaks_of_the_shown_cycle_are_marked(drawn: dict[int, Drawing]) -> None:
-    """Figure 17: of every step of the first cycle."""
-    marked = [float(np.ravel(line.get_xdata())[0]) for line in lines_of(drawn[17].sheet, "shown")]
-    stages = every_evidence().results[variant_key(BASE, "wear-times")].stages
+def test_peaks_are_those_of_all_cycles_and_of_the_one_shown(drawn: dict[int, Drawing]) -> None:
+    """Figures 18 and 17, which show the first cycle, every step of it."""
+    places = [Place("wear-times", wears, joint) for joint in JOINTS for wears in range(3)]
+    known = [every_evidence().measured(BASE, place, "force") for place in places]
+    means = [x for x, _ in marked(drawn[18], "mean")]
+    np.testing.assert_allclose(means, [one.value for one in known if one is not None])
+    stages = every_result()[variant_key(BASE, "wear-times")].stages
     names = ("displacement_max", "velocity_max", "acceleration_max")
-    expected = [own.arrays["cycles"][0, CYCLE_FIXED.index(n)] for n in names for own in stages]
-    np.testing.assert_allclose(marked, expected)
+    expected = [stage.each_cycle(name)[0] for name in names for stage in stages]
+    np.testing.assert_allclose([x for x, _ in marked(drawn[17], "shown")], expected)
 
 
 def test_depth_is_the_mean_map(drawn: dict[int, Drawing]) -> None:

@@ -1,6 +1,7 @@
 """Ratios of intervals and the verdicts drawn from them."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -60,7 +61,7 @@ def test_differences_of_angles_go_the_short_way() -> None:
 
 
 @pytest.mark.parametrize(
-    ("interval", "expected", "word"),
+    ("ours", "expected", "word"),
     [
         (Measured(2.0, (1.5, 3.0)), "more", Verdict.HOLDS),
         (Measured(2.0, (1.5, 3.0)), "less", Verdict.FAILS),
@@ -75,61 +76,50 @@ def test_differences_of_angles_go_the_short_way() -> None:
     ],
 )
 def test_a_verdict_needs_the_whole_interval(
-    interval: Measured | None, expected: Expected, word: Verdict
+    ours: Measured | None, expected: Expected, word: Verdict
 ) -> None:
-    assert verdict(interval, Comparison("force", (B,), (A,), expected)) is word
-
-
-def test_differences_are_held_against_zero() -> None:
-    part = Comparison("angle", (B,), (A,))
-    assert verdict(Measured(0.2, (0.1, 0.3)), part) is Verdict.HOLDS
-    assert verdict(Measured(-0.2, (-0.3, -0.1)), part) is Verdict.FAILS
+    """Ratios are held against one, differences against zero."""
+    assert verdict(ours, Comparison("force", (B,), (A,), expected)) is word
+    if ours and ours.ends:
+        less_one = Measured(ours.value - 1.0, (ours.ends[0] - 1.0, ours.ends[1] - 1.0))
+        assert verdict(less_one, Comparison("angle", (B,), (A,), expected)) is word
 
 
 @pytest.mark.parametrize(
     ("parts", "word"),
-    [
-        ("hh", Verdict.HOLDS),
-        ("hf", Verdict.IN_PART),
-        ("ff", Verdict.FAILS),
-        ("fo", Verdict.FAILS),
-        ("ho", Verdict.OPEN),
-        ("oo", Verdict.OPEN),
-        ("hm", Verdict.HOLDS),
-        ("mm", Verdict.MISSING),
-    ],
+    list(zip(("h", "hh", "hf", "ff", "fo", "ho", "oo", "hm", "mm"), "hhpffoohm", strict=True)),
 )
-def test_a_claim_holds_where_all_its_parts_do(parts: str, word: Verdict) -> None:
-    words = {"h": Verdict.HOLDS, "f": Verdict.FAILS, "o": Verdict.OPEN, "m": Verdict.MISSING}
-    assert together(words[letter] for letter in parts) is word
+def test_a_claim_holds_where_all_its_parts_do(parts: str, word: str) -> None:
+    words = dict(zip("hpfom", Verdict, strict=True))
+    assert together(words[letter] for letter in parts) is words[word]
 
 
-def printed(quantity: str, value: float) -> Printed:
-    return Printed("5", "1", Place("speed-4pi", 1, "A"), quantity, value)
+def stands(quantity: str, value: float, ours: Measured | None) -> Standing:
+    return standing(Printed("5", "1", Place("speed-4pi", 1, "A"), quantity, value), ours)
 
 
 def test_a_printed_peak_is_held_against_single_cycles() -> None:
     ours = known(100.0, 5.0, draws=(60.0, 150.0), first=(100.0, 110.0))
-    assert standing(printed("force", 140.0), ours) is Standing.INSIDE
-    assert standing(printed("force", 151.0), ours) is Standing.ABOVE
-    assert standing(printed("force", 59.0), ours) is Standing.BELOW
-    assert standing(printed("force", 100.0), known(100.0, 5.0)) is Standing.OPEN
-    first = known(100.0, 5.0, draws=(60.0, 150.0), first=(300.0, 320.0))
-    assert standing(printed("force", 310.0), first) is Standing.INSIDE
-    assert standing(printed("force", 100.0), None) is Standing.MISSING
+    assert stands("force", 140.0, ours) is Standing.INSIDE
+    assert stands("force", 151.0, ours) is Standing.ABOVE
+    assert stands("force", 59.0, ours) is Standing.BELOW
+    assert stands("force", 310.0, replace(ours, first=(300.0, 320.0))) is Standing.INSIDE
+    assert stands("force", 100.0, known(100.0, 5.0)) is Standing.OPEN
+    assert stands("force", 100.0, None) is Standing.MISSING
 
 
 def test_a_printed_depth_is_not_compared_and_an_angle_is_across_zero() -> None:
-    assert standing(printed("depth", 1e-6), known(1e-5, 1e-7)) is Standing.FREE
+    assert stands("depth", 1e-6, known(1e-5, 1e-7)) is Standing.FREE
     ours = known(math.radians(359.0), math.radians(5.0))
-    assert standing(printed("angle", math.radians(2.0)), ours) is Standing.AGREES
-    assert standing(printed("angle", math.radians(6.0)), ours) is Standing.DIFFERS
+    assert stands("angle", math.radians(2.0), ours) is Standing.AGREES
+    assert stands("angle", math.radians(6.0), ours) is Standing.DIFFERS
 
 
 def test_printed_ratios_are_held_against_the_interval() -> None:
     assert agreement(2.0, Measured(1.9, (1.5, 2.5))) is Standing.AGREES
     assert agreement(3.0, Measured(1.9, (1.5, 2.5))) is Standing.DIFFERS
     assert agreement(3.0, Measured(1.9, None)) is Standing.OPEN
+    assert agreement(3.0, None) is Standing.MISSING
 
 
 def test_a_comparison_knows_what_the_paper_prints() -> None:

@@ -5,16 +5,16 @@ from dataclasses import replace
 import numpy as np
 
 from presswear.engines.settings import ExudynJoints
-from presswear.record.sampling import Interval
+from presswear.record.sampling import Estimate, Interval
 from presswear.scene.catalog import wear_times
 from presswear.trials.precision.chaos import Chaos, StatisticPoint
-from presswear.trials.precision.diagram import Diagram, Point, Quantity
+from presswear.trials.precision.diagram import Diagram, Quantity, TaskPoint
 from presswear.trials.precision.extent import QUICK
-from presswear.trials.precision.growth import Growth
+from presswear.trials.precision.growth import Parting
 from presswear.trials.precision.methods import IMPACT, Method, finest, statistics_methods
-from presswear.trials.precision.statistic import Statistic, StepError
+from presswear.trials.precision.statistic import StepError
 from presswear.trials.precision.study import Precision
-from presswear.trials.precision.wear import Group, JointWear, Varied, WearPoint, WearStudy
+from presswear.trials.precision.wear import DEEPEST, VOLUME, Group, Varied, WearPoint, WearStudy
 from presswear.trials.timing import Timing
 
 SCENE = wear_times()
@@ -39,7 +39,7 @@ def diagram(key: str = "horizon", constant: float = 1.0) -> Diagram:
     points = []
     for method in METHODS:
         if method.is_paper:
-            points.append(Point(method, failure="the state is no longer finite (t = 0.02 s)"))
+            points.append(TaskPoint(method, failure="the state is no longer finite (t = 0.02 s)"))
             continue
         is_step = method.knob.startswith("step")
         error = constant * (1e15 * method.value**4 if is_step else 100.0 * method.value)
@@ -50,11 +50,11 @@ def diagram(key: str = "horizon", constant: float = 1.0) -> Diagram:
             "energy residual / exchanged": error / 10.0,
         }
         timed = timing(method, 2e-5 * steps, steps)
-        points.append(Point(method, errors, {"touches": 54.0}, 2.5, timed))
+        points.append(TaskPoint(method, errors, {"touches": 54.0}, 2.5, timed))
     for count in (20, 50):
         engine = ExudynJoints(count, 10, free_step=1e-4)
         method = Method(engine, "trapezoidal rule", IMPACT, count)
-        points.append(Point(method, failure="3 of the first 10 touches missing"))
+        points.append(TaskPoint(method, failure="3 of the first 10 touches missing"))
     return Diagram(
         key,
         f"Task <{key}>",
@@ -81,7 +81,7 @@ def statistic_point(method: Method, bias: float, bound: float, cost: float) -> S
         2.0,
         100.0,
         10_000,
-        {name: Statistic(1.0 + bias, 0.02, 100) for name in NAMES},
+        {name: Estimate(1.0 + bias, 0.02, 100) for name in NAMES},
         dict.fromkeys(NAMES, step),
     )
 
@@ -97,8 +97,8 @@ def chaos(coarsest_honest: float = 1e-6, bound: float = 0.03) -> Chaos:
     time = np.linspace(0.0, 0.57, 400)
     apart = np.minimum(1e-9 * np.exp(77.0 * np.maximum(time - 0.05, 0.0)), 1e-3)
     touches = np.floor(200.0 * time).astype(np.int64)
-    growth = Growth.of(time, apart, touches)
-    calm = Growth.of(time, np.full_like(time, 2e-9), touches)
+    growth = Parting.of(time, apart, touches)
+    calm = Parting.of(time, np.full_like(time, 2e-9), touches)
     return Chaos((growth, calm), reference, tuple(points), STAGE_CYCLES)
 
 
@@ -106,9 +106,12 @@ def interval(value: float, part: float = 0.05) -> Interval:
     return Interval(value, (1.0 - part) * value, (1.0 + part) * value)
 
 
-def joint_wears(depth: float, volume: float) -> dict[str, JointWear]:
+def joint_wears(depth: float, volume: float) -> dict[str, dict[str, Interval]]:
     return {
-        joint: JointWear(interval(1e-6 * depth * factor), interval(1e-9 * volume * factor))
+        joint: {
+            DEEPEST: interval(1e-6 * depth * factor),
+            VOLUME: interval(1e-9 * volume * factor),
+        }
         for joint, factor in (("A", 1.0), ("C", 0.3))
     }
 

@@ -9,7 +9,7 @@ from short_study import SHORT
 
 from presswear.__main__ import main
 from presswear.scene.catalog import scene_named
-from presswear.trials.precision import extent as extents
+from presswear.trials.precision.extent import FULL, QUICK
 from presswear.trials.precision.store import load, store
 from presswear.trials.precision.study import Precision, study
 from presswear.trials.precision.text import tables_of
@@ -37,6 +37,7 @@ def test_every_diagram_is_there_with_the_papers_setting(found: Precision) -> Non
             assert bool(point.failure) == (point.timing is None)
             assert set(point.errors) == (set() if point.failure else names)
     assert found.chaos is None
+    assert min(QUICK.repeats, FULL.repeats) >= 5
     assert found.processor
     assert found.provenance["packages"]["exudyn"]
 
@@ -54,11 +55,13 @@ def test_what_is_stored_is_read_back_equal(found: Precision, tmp_path: Path) -> 
     store(found, tmp_path / "out")
     assert load(tmp_path / "out") == found
 
+    def refuse(word: str) -> None:
+        raise AssertionError(word)
 
-def test_tables_hold_every_point(found: Precision, tmp_path: Path) -> None:
-    store(found, tmp_path)
+    text = (tmp_path / "out" / "precision.json").read_text()
+    assert json.loads(text, parse_constant=refuse)["horizon"] == SHORT.longest
     for diagram in found.diagrams:
-        with (tmp_path / f"precision-{diagram.key}.csv").open() as file:
+        with (tmp_path / "out" / f"precision-{diagram.key}.csv").open() as file:
             rows = list(csv.DictReader(file))
         assert len(rows) == len(diagram.points)
         for row, point in zip(rows, diagram.points, strict=True):
@@ -102,49 +105,9 @@ def test_a_broken_study_is_one_clear_line(tmp_path: Path, text: str | None, word
         load(tmp_path)
 
 
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (["nothing"], "unknown scene 'nothing'"),
-        (["ideal"], "no clearance"),
-        (["--repeats", "0"], "a whole number from 1 to 1000"),
-        (["--repeats", "two"], "a whole number from 1 to 1000"),
-        (["--set", "speed=fast"], "speed"),
-        (["--fast"], "unrecognized arguments"),
-    ],
-)
-def test_bad_input_is_one_line(
-    arguments: list[str], words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(["precision", *arguments, "--out", str(tmp_path / "new")]) == 2
-    shown = capsys.readouterr().err
-    assert words in shown
-    assert shown.count("\n") == 1
-    assert not (tmp_path / "new").exists()
-
-
 def test_a_folder_that_holds_something_is_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "mine.txt").write_text("mine")
     assert main(["precision", "--out", str(tmp_path)]) == 2
     assert "not empty" in capsys.readouterr().err
-
-
-def test_help_has_an_example(capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit):
-        main(["precision", "--help"])
-    assert "example: presswear precision" in " ".join(capsys.readouterr().out.split())
-
-
-def test_json_is_strict(found: Precision, tmp_path: Path) -> None:
-    store(found, tmp_path)
-    text = (tmp_path / "precision.json").read_text()
-
-    def refuse(word: str) -> None:
-        raise AssertionError(word)
-
-    data = json.loads(text, parse_constant=refuse)
-    assert data["horizon"] == SHORT.longest
-    assert extents.QUICK.repeats >= 5
-    assert extents.FULL.repeats >= 5

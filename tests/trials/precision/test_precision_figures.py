@@ -1,7 +1,6 @@
 """Pictures of a study of speed against error, of made-up numbers."""
 
 import math
-from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -10,11 +9,9 @@ import pytest
 from made_up_precision import DEFAULTS, chaos, diagram, precision, wear
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure as Sheet
-from matplotlib.lines import Line2D
 from matplotlib.text import Text
 
 from presswear.show.figures.style import Drawing
-from presswear.trials.precision.diagram import Diagram
 from presswear.trials.precision.figures import precision_drawings
 from presswear.trials.precision.figures.panels import LOOKS, look_of
 
@@ -24,21 +21,15 @@ def drawn() -> dict[str, Drawing]:
     return {drawing.file: drawing for drawing in precision_drawings(precision())}
 
 
-def lines(sheet: Sheet, gid: str = "") -> Iterator[Line2D]:
-    for axes in sheet.axes:
-        for line in axes.lines:
-            if not gid or line.get_gid() == gid:
-                yield line
-
-
 def values(data: Any) -> list[float]:
     """Data of a line as numbers."""
     return [float(value) for value in np.ravel(data)]
 
 
-def texts(sheet: Sheet) -> set[str]:
-    found = {text.get_text() for text in sheet.findobj(Text) if isinstance(text, Text)}
-    return {text for text in found if text}
+def texts(sheet: Sheet) -> list[Text]:
+    """All that is written on a sheet."""
+    found = (text for text in sheet.findobj(Text) if isinstance(text, Text))
+    return [text for text in found if text.get_text()]
 
 
 def test_everything_that_was_run_is_drawn(drawn: dict[str, Drawing]) -> None:
@@ -79,40 +70,31 @@ def test_failures_and_the_paper_are_in_every_panel(drawn: dict[str, Drawing]) ->
         drawn["precision-horizon.png"].caption
     )
     for name in ("growth", "energy"):
-        assert list(lines(drawn[f"precision-{name}.png"].sheet, "paper")), name
+        sheet = drawn[f"precision-{name}.png"].sheet
+        assert any(line.get_gid() == "paper" for axes in sheet.axes for line in axes.lines), name
     assert "foundation: stage 1: it blew up" in drawn["precision-contact.png"].caption
 
 
-def ran_at_the_papers_step() -> Diagram:
-    """The paper's setting as a point like others, with an error and a time."""
-    found = diagram()
-    like = found.points[0]
-    points = tuple(
-        replace(like, method=point.method) if point.method.is_paper else point
-        for point in found.points
-    )
-    return replace(found, points=points)
+def marks(drawing: Drawing, gid: str) -> list[tuple[float, float]]:
+    """Places of marks of a kind in the first panel."""
+    found = (line for line in drawing.sheet.axes[0].lines if line.get_gid() == gid)
+    return [(values(line.get_xdata())[0], values(line.get_ydata())[0]) for line in found]
 
 
 def test_the_paper_has_its_mark_where_it_ran() -> None:
-    study = replace(precision(whole=False), diagrams=(ran_at_the_papers_step(),))
-    sheet = next(precision_drawings(study)).sheet
-    point = study.diagrams[0].points[0]
-    assert point.timing is not None
-    (mark,) = (line for line in sheet.axes[0].lines if line.get_gid() == "paper")
-    assert float(np.ravel(mark.get_xdata())[0]) == pytest.approx(1e3 * point.timing.wall)
-    assert float(np.ravel(mark.get_ydata())[0]) == pytest.approx(point.errors["slider position"])
+    found = diagram()
+    like = found.points[0]
+    points = [replace(like, method=p.method) if p.method.is_paper else p for p in found.points]
+    study = replace(precision(whole=False), diagrams=(replace(found, points=tuple(points)),))
+    assert like.timing is not None
+    (place,) = marks(next(precision_drawings(study)), "paper")
+    assert place == pytest.approx((1e3 * like.timing.wall, like.errors["slider position"]))
 
 
 def test_defaults_are_ringed(drawn: dict[str, Drawing]) -> None:
-    points = {p.method.label: p for p in diagram().points}
-    rings = [
-        line
-        for line in drawn["precision-horizon.png"].sheet.axes[0].lines
-        if line.get_gid() == "default"
-    ]
-    found = {float(np.ravel(ring.get_ydata())[0]) for ring in rings}
-    assert found == {points[label].errors["slider position"] for label in DEFAULTS}
+    errors = {p.method.label: p.errors.get("slider position") for p in diagram().points}
+    rings = {y for _, y in marks(drawn["precision-horizon.png"], "default")}
+    assert rings == {errors[label] for label in DEFAULTS}
 
 
 def test_error_of_the_reference_is_a_line(drawn: dict[str, Drawing]) -> None:
@@ -172,8 +154,9 @@ def test_honest_settings_are_filled(drawn: dict[str, Drawing]) -> None:
         assert marks.count("open") == ran - honest
     best = found.cheapest()
     assert best is not None
-    crossing = [line for line in lines(sheet) if values(line.get_xdata()) == [best.cost, best.cost]]
-    assert len([line for line in crossing if values(line.get_ydata()) == [0, 1]]) == len(sheet.axes)
+    for axes in sheet.axes:
+        ends = [(values(line.get_xdata()), values(line.get_ydata())) for line in axes.lines]
+        assert ends.count(([best.cost, best.cost], [0.0, 1.0])) == 1
 
 
 def test_sampling_error_of_a_stage_is_the_band(drawn: dict[str, Drawing]) -> None:
@@ -190,7 +173,7 @@ def test_wear_in_parts_of_the_finest(drawn: dict[str, Drawing]) -> None:
     curves = {c.lines[0].get_color(): values(c.lines[0].get_ydata()) for c in containers}
     assert curves[LOOKS[0].colour] == pytest.approx([16.0, 4.0, 1.0])
     assert curves[LOOKS[2].colour] == pytest.approx([1.0, 1.0, 1.0])
-    assert {"90", "360", "1440", "200", "0.0025"} <= texts(sheet)
+    assert {"90", "360", "1440", "200", "0.0025"} <= {text.get_text() for text in texts(sheet)}
 
 
 def test_a_wear_that_failed_throughout_is_no_picture() -> None:
@@ -204,7 +187,6 @@ def test_a_wear_that_failed_throughout_is_no_picture() -> None:
 def test_text_is_large_enough(drawn: dict[str, Drawing]) -> None:
     for drawing in drawn.values():
         drawing.sheet.draw_without_rendering()
-        found = [text for text in drawing.sheet.findobj(Text) if isinstance(text, Text)]
-        sizes = [float(text.get_fontsize()) for text in found if text.get_text()]
-        assert min(sizes) >= 5.5  # powers are set smaller than their labels
+        # Powers are set smaller than their labels.
+        assert min(float(text.get_fontsize()) for text in texts(drawing.sheet)) >= 5.5
         assert drawing.sheet.get_figwidth() == 7.0

@@ -7,21 +7,21 @@ from pathlib import Path
 import pytest
 from made_up_precision import chaos, diagram, precision
 
+from presswear.show.report.parts import Table
 from presswear.studies.paper.variants import base_scene
 from presswear.trials.precision.recommendation import recommend
 from presswear.trials.precision.report import growth_sentence, headline, write_precision_report
 from presswear.trials.precision.rows import statistic_rows, wear_rows
 from presswear.trials.precision.tables import (
-    cost_table,
-    error_table,
     failures_table,
     growth_table,
     references_table,
     sampling_table,
     statistics_table,
-    wear_cost_table,
+    task_table,
     wear_table,
 )
+from presswear.trials.precision.wear import DEEPEST
 
 TAKEN = base_scene("wear-times").numerics
 
@@ -103,40 +103,31 @@ def test_names_are_escaped(page: str) -> None:
     assert "<horizon>" not in page
 
 
+def cells(table: Table) -> dict[str, dict[str, str]]:
+    """Cells by the label of their row and the title of their column."""
+    rows = [row for _, group in table.groups for row in group]
+    return {row[0]: dict(zip(table.head, row, strict=True)) for row in rows}
+
+
 def test_numbers_of_a_task() -> None:
-    errors, costs = error_table(diagram()), cost_table(diagram())
-    assert errors.head[1:] == (
-        "slider position (m)",
-        "slider velocity (m/s)",
-        "energy residual / exchanged",
-        "touches",
-    )
-    for table in (errors, costs):
-        for _, rows in table.groups:
-            assert all(len(row) == len(table.head) for row in rows)
-    families = dict(errors.groups)
+    table = task_table(diagram())
+    families = dict(table.groups)
     assert "dae, RK4; observed orders: slider position 4.0" in {n[:46] for n in families}
-    smooth = dict(error_table(diagram("ideal")).groups)
+    smooth = dict(task_table(diagram("ideal")).groups)
     assert any(name.startswith("exudyn-tree, DOPRI5; observed orders: slider") for name in smooth)
-    tree = families["exudyn-tree, DOPRI5"]
-    default = next(row for row in tree if "default" in row[0])
-    assert default == (
-        "tolerance 1·10⁻⁸ (default)",
-        "1·10⁻⁶",
-        "5·10⁻⁵",
-        "1·10⁻⁷",
-        "54.0000",
-    )
+    # Rows of other families have the same labels.
+    tree = cells(replace(table, groups=tuple(g for g in table.groups if "tree" in g[0])))
+    default = tree["tolerance 1·10⁻⁸ (default)"]
+    assert list(default.values())[1:5] == ["1·10⁻⁶", "5·10⁻⁵", "1·10⁻⁷", "54.0000"]
+    assert list(default)[1:4] == [f"error: {own.title}" for own in diagram().quantities]
     # 3981 steps at 20 us: median, least and greatest, with a tenth sent back.
-    cells = dict(zip(costs.head, dict(costs.groups)["exudyn-tree, DOPRI5"][-1], strict=True))
-    assert cells["median (ms)"] == "79.6"
-    assert cells["spread (ms)"] == "71.7 to 104"
-    assert cells["steps"] == "3\u202f981"
-    assert cells["µs a step"] == "18.2"
-    assert cells["warm-up (s)"] == "2.5"
-    rk4 = next(rows for name, rows in families.items() if name.startswith("dae, RK4"))
-    paper = next(row for row in rk4 if "paper" in row[0])
-    assert paper[1:] == ("failed", "–", "–", "–")
+    assert default["median (ms)"] == "79.6"
+    assert default["spread (ms)"] == "71.7 to 104"
+    assert default["steps"] == "3\u202f981"
+    assert default["µs a step"] == "18.2"
+    assert default["warm-up (s)"] == "2.5"
+    _, *paper = cells(table)["step 0.0001 (paper, failed)"].values()
+    assert set(paper) == {"–"}
 
 
 def test_failures_are_listed_with_reasons() -> None:
@@ -161,34 +152,29 @@ def test_references_tell_their_own_error() -> None:
 
 def test_growth_and_statistics_in_numbers() -> None:
     found = chaos()
-    ((_, pairs),) = growth_table(found).groups
+    pairs = [list(row.values()) for row in cells(growth_table(found)).values()]
     assert pairs[0][1] == "77.0"
-    assert pairs[1][1:3] == ("–", "–")
-    assert pairs[1][4:7] == ("–",) * 3
+    assert pairs[1][1:3] == ["–", "–"]
+    assert pairs[1][4:7] == ["–"] * 3
     assert "of two runs" in growth_sentence(precision())
     assert "Of 1 further pairs, begun later in the motion, 0 part" in growth_sentence(precision())
-    ((_, means),) = sampling_table(found).groups
-    assert means[0][0] == "wear total at A (N m a cycle)"
-    assert means[0][3] == "5.0 %"
-    table = statistics_table(found)
-    rows = {row[0]: row for _, group in table.groups for row in group}
-    assert all(len(row) == len(table.head) for row in rows.values())
-    assert rows["tolerance 1·10⁻⁵"][2].split() == ["+10.0", "(≤", "15.0)", "*"]
-    assert "honest up to 44 cycles" in rows["tolerance 1·10⁻⁸"]
+    means = cells(sampling_table(found))["wear total at A (N m a cycle)"]
+    assert means["sampling error of 16 cycles"] == "5.0 %"
+    rows = cells(statistics_table(found))
+    assert rows["tolerance 1·10⁻⁵"]["wear total at A (%)"].split() == ["+10.0", "(≤", "15.0)", "*"]
+    assert rows["tolerance 1·10⁻⁸"]["for wear"] == "honest up to 44 cycles"
+    assert "no longer finite" in rows["step 0.0001 (paper, failed)"]["for wear"]
 
 
 def test_wear_in_numbers() -> None:
     found = precision().wear
     assert found is not None
-    table = wear_table(found)
-    rows = [row for _, group in table.groups for row in group]
-    assert all(len(row) == len(table.head) for row in rows)
-    assert rows[0][1] == "40.0 (38 to 42)"
-    assert any(row[0] == "360 (default)" for row in rows)
-    assert any(row[1] == "failed" for row in rows)
-    costs = [row for _, group in wear_cost_table(found).groups for row in group]
-    assert costs[0] == ("90", "1", "60", "3.5")
-    assert len(costs) == len(rows)
+    rows = cells(wear_table(found))
+    first = rows["90"]
+    assert first["deepest wear at A (µm)"] == "10.0 (9.5 to 10)"
+    assert [first[name] for name in list(first)[-3:]] == ["1", "60", "3.5"]
+    assert "360 (default)" in rows
+    assert rows["foundation (failed)"]["deepest wear at A (µm)"] == "–"
 
 
 def test_nothing_honest_is_said_so() -> None:
@@ -226,4 +212,4 @@ def test_statistics_and_wear_are_rows_of_equal_length() -> None:
     failed = [point for point in study.chaos.points if point.failure]
     assert sum(bool(row["failure"]) for row in told) >= len(failed) > 0
     first = next(iter(study.wear.points[0].first.values()))
-    assert worn[0]["mean"] == first.depth.value
+    assert worn[0]["mean"] == first[DEEPEST].value

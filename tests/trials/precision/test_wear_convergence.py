@@ -18,9 +18,9 @@ from presswear.trials.precision.wear import (
     QUICK,
     TITLES,
     USUAL,
+    VOLUME,
     Means,
     Varied,
-    WearExtent,
     WearPoint,
     cases,
     change,
@@ -53,7 +53,7 @@ def test_each_case_varies_one_thing(varied: Varied, scene: Scene) -> None:
 
 
 def test_extents_cover_what_is_asked_for() -> None:
-    for means in FULL.means.values():
+    for means in FULL.values():
         assert means.angles == (90, 180, 360, 720, 1440)
         assert means.cycles[:5] == (5, 10, 20, 50, 100)
     for extent in (QUICK, FULL):
@@ -93,7 +93,7 @@ def test_relative_change_with_its_interval() -> None:
 def ran(conventions: str, group: str, label: str, wears: int = 1) -> WearPoint:
     """The point of a case of few cycles and a wear in one jump."""
     means = Means((90, 360), (4,), (), 4)
-    extent = WearExtent({"paper": means, "refined": means}, (PAPER_STEP, USUAL))
+    extent = {"paper": replace(means, methods=(PAPER_STEP, USUAL)), "refined": means}
     varied, scene = next(
         (varied, own)
         for varied, own in cases(replace(SCENE, extrapolation="single"), extent)
@@ -108,12 +108,12 @@ def test_depth_by_bins_depends_on_their_width() -> None:
     """One motion, other maps: what goes into one bin is more volume in a wider one."""
     coarse, fine = ran("paper", "angles", "90"), ran("paper", "angles", "360")
     for joint in ("A", "C"):
-        ratio = coarse.first[joint].volume.value / fine.first[joint].volume.value
+        ratio = coarse.first[joint][VOLUME].value / fine.first[joint][VOLUME].value
         assert ratio == pytest.approx(4.0, rel=1e-9)
-        low, high = fine.first[joint].volume.low, fine.first[joint].volume.high
+        low, high = fine.first[joint][VOLUME].low, fine.first[joint][VOLUME].high
         assert low is not None
         assert high is not None
-        assert low < fine.first[joint].volume.value < high
+        assert low < fine.first[joint][VOLUME].value < high
     assert set(fine.second) == {"A", "C"}
     assert (fine.steps, fine.cycles) == (1, 8)
     assert fine.wall > 0.0
@@ -123,7 +123,7 @@ def test_depth_over_the_arc_does_not() -> None:
     """The volume is K_d times the work, whatever the bins."""
     coarse, fine = (ran("refined", "angles", label, wears=0) for label in ("90", "360"))
     for joint in ("A", "C"):
-        ratio = coarse.first[joint].volume.value / fine.first[joint].volume.value
+        ratio = coarse.first[joint][VOLUME].value / fine.first[joint][VOLUME].value
         assert ratio == pytest.approx(1.0, rel=1e-9)
 
 
@@ -145,7 +145,7 @@ def test_what_groups_have_in_common_runs_once(monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setattr(module, "run_case", pretend)
     told: list[float] = []
     means = Means((90, 360), (4, 10), (1.0,), 10)
-    extent = WearExtent({"paper": means, "refined": means}, (PAPER_STEP, USUAL))
+    extent = {"paper": replace(means, methods=(PAPER_STEP, USUAL)), "refined": means}
     study = vary(SCENE, extent, lambda word, part: told.append(part))
     scenes = [scene for scene in ran if scene.cycles != 1]
     assert all(scenes.count(scene) == 1 for scene in scenes)

@@ -5,18 +5,18 @@ from functools import partial
 
 import matplotlib
 
-from presswear.show.figures.style import SETTINGS, Drawing, Sheet
+from presswear.show.figures.style import SETTINGS, Drawing
 from presswear.studies.paper.evidence import Evidence
-from presswear.studies.paper.figures.lines import FRICTIONS, SPEEDS, WEARS, Line
+from presswear.studies.paper.figures.lines import FRICTIONS, SPEEDS, WEARS, Drawn, Lines
 from presswear.studies.paper.figures.response import centre_paths, contact_forces, responses
 from presswear.studies.paper.figures.wear import depths, surfaces
 
-_Drawer = Callable[[Evidence, int, tuple[Line, ...]], tuple[str, Sheet] | None]
-"""Draws a figure of the paper from its lines: caption and sheet; None where nothing ran."""
+_Drawer = Callable[[Evidence, int, Lines], Drawn]
+"""Draws a figure of the paper, given by its number, from its lines."""
 
 _AT_A: _Drawer = partial(surfaces, "A")
 _AT_C: _Drawer = partial(surfaces, "C")
-_FIGURES: dict[int, tuple[_Drawer, tuple[Line, ...], str]] = {
+_FIGURES: dict[int, tuple[_Drawer, Lines, str]] = {
     8: (depths, WEARS, "Wear depth after the first and the second wear"),
     9: (_AT_A, WEARS, "Worn surfaces at A after the first and the second wear"),
     10: (_AT_C, WEARS, "Worn surfaces at C after the first and the second wear"),

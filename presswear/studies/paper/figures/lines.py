@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from presswear.results.result import Result
 from presswear.results.stage import StageResult
 from presswear.scene.scene import stage_name
-from presswear.show.figures.style import LINES, Pen, until
+from presswear.show.figures.style import LINES, Pen, Sheet, until
 from presswear.studies.paper.evidence import Evidence, Measured, each_cycle
 from presswear.studies.paper.printed import JOINTS, Place
 from presswear.studies.paper.variants import BASE, FAST, FRICTION, HIGH_FRICTION, SLOW, WEAR
@@ -16,7 +16,7 @@ MILLIMETRES = 1e3
 
 
 @dataclass(frozen=True)
-class Line:
+class PaperLine:
     """A setting after some wears, with the colour and line it has in all figures.
 
     Attributes
@@ -60,26 +60,31 @@ class Line:
         return Pen(name, *LINES[self.order])
 
 
-WEARS = tuple(Line(WEAR, wears, wears) for wears in range(3))
+WEARS = tuple(PaperLine(WEAR, wears, wears) for wears in range(3))
 FRICTIONS = (
-    Line(FRICTION, 0, 0, "friction 0.05"),
-    Line(HIGH_FRICTION, 0, 1, "friction 0.1"),
-    Line(FRICTION, 1, 2, "friction 0.05"),
-    Line(HIGH_FRICTION, 1, 3, "friction 0.1"),
+    PaperLine(FRICTION, 0, 0, "friction 0.05"),
+    PaperLine(HIGH_FRICTION, 0, 1, "friction 0.1"),
+    PaperLine(FRICTION, 1, 2, "friction 0.05"),
+    PaperLine(HIGH_FRICTION, 1, 3, "friction 0.1"),
 )
 SPEEDS = (
-    Line(SLOW, 0, 0, "4π rad/s"),
-    Line(SLOW, 1, 1, "4π rad/s"),
-    Line(FAST, 0, 2, "8π rad/s"),
-    Line(FAST, 1, 3, "8π rad/s"),
+    PaperLine(SLOW, 0, 0, "4π rad/s"),
+    PaperLine(SLOW, 1, 1, "4π rad/s"),
+    PaperLine(FAST, 0, 2, "8π rad/s"),
+    PaperLine(FAST, 1, 3, "8π rad/s"),
 )
+
+
+Lines = tuple[PaperLine, ...]
+Drawn = tuple[str, Sheet] | None
+"""Caption and sheet of a figure; None where nothing ran that it shows."""
 
 
 @dataclass(frozen=True)
-class Shown:
+class ShownLine:
     """A line with the run that shows it, and its stage, whose series end with the first cycle."""
 
-    line: Line
+    line: PaperLine
     result: Result
     stage: StageResult
 
@@ -94,7 +99,7 @@ class Shown:
         return float(rows[0]) if rows.size else math.nan
 
 
-def shown_cycles(evidence: Evidence, lines: Iterable[Line]) -> list[Shown]:
+def shown_cycles(evidence: Evidence, lines: Iterable[PaperLine]) -> list[ShownLine]:
     """The first cycle of the first start of each line; a line without any is left out."""
     found = []
     for line in lines:
@@ -103,11 +108,11 @@ def shown_cycles(evidence: Evidence, lines: Iterable[Line]) -> list[Shown]:
             continue
         # The last row of a cycle may lie a rounding behind its end.
         end = result.scene.mechanism.period * (1.0 + 1e-9)
-        found.append(Shown(line, result, until(result.stages[line.wears], end)))
+        found.append(ShownLine(line, result, until(result.stages[line.wears], end)))
     return found
 
 
-def shown_joints(shown: Sequence[Shown]) -> list[str]:
+def shown_joints(shown: Sequence[ShownLine]) -> list[str]:
     """The joints of the paper that have clearance in every run."""
     return [j for j in JOINTS if all(j in one.result.scene.clearance_joints for one in shown)]
 

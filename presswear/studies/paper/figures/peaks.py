@@ -11,7 +11,7 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from presswear.show.figures.style import REFERENCE, WIDTH, Axes, Sheet
 from presswear.studies.paper.evidence import Evidence, Measured
-from presswear.studies.paper.figures.lines import Shown, counted
+from presswear.studies.paper.figures.lines import ShownLine, counted
 from presswear.studies.paper.printed import printed_at, shown_in
 from presswear.studies.paper.variants import BASE
 
@@ -29,7 +29,7 @@ _CYCLE: dict[str, Any] = {"marker": "x", "markersize": 6.0, "markeredgewidth": 1
 
 
 @dataclass(frozen=True)
-class Peak:
+class PeakPanel:
     """A panel with peaks of a quantity.
 
     Attributes
@@ -43,7 +43,7 @@ class Peak:
     quantity: str
     label: str
     joint: str = ""
-    ideal: Callable[[Shown], float] | None = None
+    ideal: Callable[[ShownLine], float] | None = None
 
 
 def sheet_over_peaks(upper: float, lower: float) -> tuple[Sheet, SubFigure, SubFigure]:
@@ -54,7 +54,11 @@ def sheet_over_peaks(upper: float, lower: float) -> tuple[Sheet, SubFigure, SubF
 
 
 def draw_peaks(
-    sheet: SubFigure, evidence: Evidence, number: int, shown: Sequence[Shown], peaks: Sequence[Peak]
+    sheet: SubFigure,
+    evidence: Evidence,
+    number: int,
+    shown: Sequence[ShownLine],
+    peaks: Sequence[PeakPanel],
 ) -> str:
     """Draw panels of peaks beside each other; returns what they show, for the caption."""
     known = []
@@ -75,7 +79,7 @@ def draw_peaks(
 
 
 def _draw_panel(
-    axes: Axes, evidence: Evidence, shown: Sequence[Shown], peak: Peak
+    axes: Axes, evidence: Evidence, shown: Sequence[ShownLine], peak: PeakPanel
 ) -> list[Measured]:
     """Draw a row for each line, the first on top; returns what is known."""
     found = []
@@ -110,7 +114,7 @@ def _draw_panel(
 
 
 def _caption(known: Sequence[Measured], number: int) -> str:
-    """What the lowest row of a figure shows."""
+    """Tell what the lowest row of a figure shows."""
     if not known:
         return "Lowest row: peaks of single cycles; none ran to its end."
     text = (

@@ -7,7 +7,6 @@ import numpy as np
 from matplotlib.figure import SubFigure
 from matplotlib.lines import Line2D
 
-from presswear.scene.ideal import ideal_slider
 from presswear.scene.scene import stage_name
 from presswear.show.figures.motion import (
     IDEAL,
@@ -21,13 +20,14 @@ from presswear.studies.paper.evidence import Evidence
 from presswear.studies.paper.figures.lines import (
     MILLIMETRES,
     ONE_CYCLE,
-    Line,
-    Shown,
+    Drawn,
+    Lines,
+    ShownLine,
     joint_title,
     shown_cycles,
     shown_joints,
 )
-from presswear.studies.paper.figures.peaks import ROW, Peak, draw_peaks, sheet_over_peaks
+from presswear.studies.paper.figures.peaks import ROW, PeakPanel, draw_peaks, sheet_over_peaks
 from presswear.tools.numbers import readable
 
 _QUANTITIES = (("displacement", "m"), ("velocity", "m/s"), ("acceleration", "m/s²"))
@@ -38,7 +38,7 @@ _BESIDE = 3
 """Most lines whose names fit beside each other."""
 
 
-def responses(evidence: Evidence, number: int, lines: tuple[Line, ...]) -> tuple[str, Sheet] | None:
+def responses(evidence: Evidence, number: int, lines: Lines) -> Drawn:
     """The slider over one cycle against the ideal motion, and its peaks over all cycles."""
     shown = shown_cycles(evidence, lines)
     if not shown:
@@ -56,7 +56,7 @@ def responses(evidence: Evidence, number: int, lines: tuple[Line, ...]) -> tuple
     columns_of_legend = len(handles) if len(shown) <= _BESIDE else -(-len(handles) // 2)
     top.legend(handles=handles, loc="outside upper center", ncols=columns_of_legend)
     panels = [
-        Peak(name, f"largest {name}\nof a cycle ({unit})", ideal=partial(_ideal_peak, column))
+        PeakPanel(name, f"largest {name}\nof a cycle ({unit})", ideal=partial(_ideal_peak, column))
         for column, (name, unit) in enumerate(_QUANTITIES)
     ]
     caption = (
@@ -68,16 +68,16 @@ def responses(evidence: Evidence, number: int, lines: tuple[Line, ...]) -> tuple
     return caption, sheet
 
 
-def _columns(number: int, shown: Sequence[Shown]) -> dict[str, list[Shown]]:
+def _columns(number: int, shown: Sequence[ShownLine]) -> dict[str, list[ShownLine]]:
     """Panels beside each other with their titles: one for each speed, or stage, or one at all."""
-    columns: dict[str, list[Shown]] = {}
+    columns: dict[str, list[ShownLine]] = {}
     for one in shown:
         title = {20: stage_name(one.line.wears), 23: one.line.own}.get(number, "")
         columns.setdefault(title, []).append(one)
     return columns
 
 
-def _draw_motion(sheet: SubFigure, columns: dict[str, list[Shown]], rows: int) -> None:
+def _draw_motion(sheet: SubFigure, columns: dict[str, list[ShownLine]], rows: int) -> None:
     """Time histories: three rows for all lines of a column, and one for each acceleration."""
     grid = sheet.subplots(
         3 + rows,
@@ -127,13 +127,13 @@ def _letter(axes: Axes, text: str) -> None:
     )
 
 
-def _draw_column(panels: Sequence[Axes], shown: Sequence[Shown]) -> None:
+def _draw_column(panels: Sequence[Axes], shown: Sequence[ShownLine]) -> None:
     period = max(one.period for one in shown)
     time = np.linspace(0.0, period, 1001)
-    ideal = ideal_slider(shown[0].result.scene, time)
+    ideal = shown[0].result.scene.ideal_slider(time)
     for one in shown:
         stage, pen = one.stage, one.line.pen("")
-        off = stage.displacement - ideal_slider(one.result.scene, stage.time)[:, 0]
+        off = stage.displacement - one.result.scene.ideal_slider(stage.time)[:, 0]
         drawn = (stage.displacement, MILLIMETRES * off, stage.velocity)
         for axes, values in zip(panels, drawn, strict=False):
             pen.draw(axes, stage.time, values, linewidth=0.9)
@@ -144,7 +144,7 @@ def _draw_column(panels: Sequence[Axes], shown: Sequence[Shown]) -> None:
     panels[0].set_xlim(0.0, period)
 
 
-def _draw_acceleration(axes: Axes, one: Shown, time: Array, ideal: Array) -> None:
+def _draw_acceleration(axes: Axes, one: ShownLine, time: Array, ideal: Array) -> None:
     values = one.stage.acceleration
     axes.plot(one.stage.time, values, color=one.line.colour, linewidth=0.7)
     IDEAL.draw(axes, time, ideal, linewidth=0.9)
@@ -153,15 +153,13 @@ def _draw_acceleration(axes: Axes, one: Shown, time: Array, ideal: Array) -> Non
     note(axes, f"{one.line.name}, largest {readable(one.peak('acceleration'))} m/s²")
 
 
-def _ideal_peak(column: int, one: Shown) -> float:
+def _ideal_peak(column: int, one: ShownLine) -> float:
     """Largest value of the ideal motion in a cycle; the acceleration's has either sign."""
-    values = ideal_slider(one.result.scene, np.linspace(0.0, one.period, 2001))[:, column]
+    values = one.result.scene.ideal_slider(np.linspace(0.0, one.period, 2001))[:, column]
     return float(np.abs(values).max() if column == 2 else values.max())
 
 
-def contact_forces(
-    evidence: Evidence, number: int, lines: tuple[Line, ...]
-) -> tuple[str, Sheet] | None:
+def contact_forces(evidence: Evidence, number: int, lines: Lines) -> Drawn:
     """Normal force over one cycle, and its peaks over all cycles."""
     shown = shown_cycles(evidence, lines)
     joints = shown_joints(shown)
@@ -169,7 +167,9 @@ def contact_forces(
         return None
     sheet, top, bottom = sheet_over_peaks(0.5 + 1.2 * len(shown), 0.85 + ROW * len(shown))
     _draw_forces(top, shown, joints)
-    panels = [Peak("force", f"largest force at {joint} in a cycle (N)", joint) for joint in joints]
+    panels = [
+        PeakPanel("force", f"largest force at {joint} in a cycle (N)", joint) for joint in joints
+    ]
     caption = (
         f"Normal contact force over time: {ONE_CYCLE}. Each panel has its own scale and names its "
         f"largest force. {draw_peaks(bottom, evidence, number, shown, panels)}"
@@ -177,7 +177,7 @@ def contact_forces(
     return caption, sheet
 
 
-def _draw_forces(sheet: SubFigure, shown: Sequence[Shown], joints: Sequence[str]) -> None:
+def _draw_forces(sheet: SubFigure, shown: Sequence[ShownLine], joints: Sequence[str]) -> None:
     grid = sheet.subplots(len(shown), len(joints), squeeze=False)
     for row, one in zip(grid, shown, strict=True):
         for axes, joint in zip(row, joints, strict=True):
@@ -194,7 +194,7 @@ def _draw_forces(sheet: SubFigure, shown: Sequence[Shown], joints: Sequence[str]
     sheet.align_ylabels(list(grid[:, 0]))
 
 
-def _draw_force(axes: Axes, one: Shown, joint: str) -> None:
+def _draw_force(axes: Axes, one: ShownLine, joint: str) -> None:
     force = one.stage.arrays[f"{joint}_force"][:, 0]
     axes.plot(one.stage.arrays["time"], force, color=one.line.colour, linewidth=0.7)
     largest = float(force.max())
@@ -203,9 +203,7 @@ def _draw_force(axes: Axes, one: Shown, joint: str) -> None:
     note(axes, f"{one.line.name}, largest {readable(one.peak('force', joint))} N")
 
 
-def centre_paths(
-    evidence: Evidence, number: int, lines: tuple[Line, ...]
-) -> tuple[str, Sheet] | None:
+def centre_paths(evidence: Evidence, number: int, lines: Lines) -> Drawn:
     """Path of each pin's centre over one cycle, a panel for each line and joint."""
     shown = shown_cycles(evidence, lines)
     joints = shown_joints(shown)

@@ -22,7 +22,7 @@ from presswear.show.figures.style import (
 )
 from presswear.show.figures.surfaces import worn_surface
 from presswear.studies.paper.evidence import Evidence, Measured, WearMap
-from presswear.studies.paper.figures.lines import Line, counted, joint_title
+from presswear.studies.paper.figures.lines import Drawn, Lines, PaperLine, counted, joint_title
 from presswear.studies.paper.printed import (
     JOINTS,
     RANGES,
@@ -39,7 +39,7 @@ _LINEAR_RATIO = 20.0
 
 
 @dataclass(frozen=True)
-class _Curve:
+class _DepthLine:
     """A wear map with our measure of its deepest place and what the paper prints of it.
 
     Attributes
@@ -48,7 +48,7 @@ class _Curve:
         True where its angles are on the bodies.
     """
 
-    line: Line
+    line: PaperLine
     map: WearMap
     known: Measured
     depth: Printed | None
@@ -56,7 +56,7 @@ class _Curve:
     turns: bool
 
 
-def depths(evidence: Evidence, number: int, lines: tuple[Line, ...]) -> tuple[str, Sheet] | None:
+def depths(evidence: Evidence, number: int, lines: Lines) -> Drawn:
     """Depth of pin and bearing together over the direction of contact, at A and at C."""
     panels = {joint: _curves(evidence, joint, lines) for joint in JOINTS}
     panels = {joint: curves for joint, curves in panels.items() if curves}
@@ -99,14 +99,14 @@ def depths(evidence: Evidence, number: int, lines: tuple[Line, ...]) -> tuple[st
     return caption, sheet
 
 
-def _curves(evidence: Evidence, joint: str, lines: Sequence[Line]) -> list[_Curve]:
+def _curves(evidence: Evidence, joint: str, lines: Lines) -> list[_DepthLine]:
     found = []
     for place, line in ((line.at(joint), line) for line in lines):
         result, worn = evidence.worn_at(BASE, place), evidence.wear_map(BASE, place)
         known = evidence.measured(BASE, place, "depth")
         if result and worn and known and np.any(worn.mean > 0.0):
             printed = (printed_at(place, "depth"), printed_at(place, "angle"))
-            found.append(_Curve(line, worn, known, *printed, maps_turn(result)))
+            found.append(_DepthLine(line, worn, known, *printed, maps_turn(result)))
     return found
 
 
@@ -119,7 +119,7 @@ _MARK: dict[str, Any] = {
 _RANGE_COLOUR = "0.7"
 
 
-def _draw(axes: Axes, curves: Sequence[_Curve]) -> None:
+def _draw(axes: Axes, curves: Sequence[_DepthLine]) -> None:
     peaks = [MICRONS * float(curve.map.mean.max()) for curve in curves]
     marked = [MICRONS * curve.depth.value for curve in curves if curve.depth is not None]
     least, most = min(peaks + marked), max(peaks + marked)
@@ -143,7 +143,7 @@ def _draw(axes: Axes, curves: Sequence[_Curve]) -> None:
         _mark(axes, curve)
 
 
-def _mark(axes: Axes, curve: _Curve) -> None:
+def _mark(axes: Axes, curve: _DepthLine) -> None:
     """Mark the printed deepest place."""
     if curve.depth is None or curve.angle is None:
         return
@@ -176,9 +176,7 @@ def _draw_range(axes: Axes, printed: PrintedRange) -> None:
         )
 
 
-def surfaces(
-    joint: str, evidence: Evidence, number: int, lines: tuple[Line, ...]
-) -> tuple[str, Sheet] | None:
+def surfaces(joint: str, evidence: Evidence, number: int, lines: Lines) -> Drawn:
     """Surfaces of a joint, outlines and an enlarged part."""
     shown = [found for line in lines if (found := _worn(evidence, line, joint)) is not None]
     if not shown:
@@ -193,7 +191,7 @@ def surfaces(
     return caption, drawing.sheet
 
 
-def _worn(evidence: Evidence, line: Line, joint: str) -> tuple[Result, ShownStage] | None:
+def _worn(evidence: Evidence, line: PaperLine, joint: str) -> tuple[Result, ShownStage] | None:
     """The run of a line, with its surfaces; None where nothing is worn."""
     result = evidence.worn_at(BASE, line.at(joint))
     if result is None:

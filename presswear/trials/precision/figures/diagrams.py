@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Sequence
 
 from presswear.show.figures.style import WIDTH, Axes, Drawing, Sheet
-from presswear.trials.precision.diagram import Diagram, Point, Quantity
+from presswear.trials.precision.diagram import Diagram, Quantity, TaskPoint
 from presswear.trials.precision.figures.panels import (
     failed_strip,
     legend_above,
@@ -31,7 +31,7 @@ def _curves(
     axes: Axes,
     diagram: Diagram,
     quantity: Quantity,
-    place: Callable[[Point, Timing], float],
+    place: Callable[[TaskPoint, Timing], float],
     knobs: Sequence[str] = (STEP, IMPACT, TOLERANCE),
     spread: bool = False,
 ) -> dict[str, tuple[float, float]]:

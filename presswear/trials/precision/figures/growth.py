@@ -1,44 +1,46 @@
 """Growth of the distance of neighbouring starts."""
 
-from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
-from matplotlib.lines import Line2D
 
 from presswear.campaign.starts import APART
 from presswear.show.figures.style import LINES, MUTED, REFERENCE, WIDTH, Axes, Drawing, Sheet
 from presswear.tools.numbers import given
 from presswear.trials.precision.chaos import Chaos
 from presswear.trials.precision.figures.panels import PAPER, STAR
-from presswear.trials.precision.growth import HIGH, LOW, PARTED, TOLERANCE, Growth
+from presswear.trials.precision.growth import HIGH, LOW, PARTED, TOLERANCE, Parting
 
 _SMALLEST = 1e-12
 """m."""
 
 
 def growth_of_disturbance(chaos: Chaos) -> Drawing:
-    """Draw the distance of each pair over time, with the bounds of the fit and the touches."""
+    """Draw the distance of each pair over time, with the bounds of the fit and the touchdowns."""
     sheet = Sheet(figsize=(WIDTH, 3.6), layout="constrained")
     axes = sheet.subplots()
     axes.set_yscale("log")
     for place, growth in enumerate(chaos.growths):
-        colour, dashes = ("0.65", "solid") if place else LINES[0]
-        width = 0.7 if place else 1.3
         apart = np.maximum(growth.distance, _SMALLEST)
-        axes.plot(growth.time, apart, color=colour, linestyle=dashes, linewidth=width)
-    first = next(iter(chaos.growths), None)
-    if first is not None:
-        _fit(axes, first)
-        touched = np.diff(first.touches, prepend=0) > 0
-        axes.plot(
-            np.array(first.time)[touched],
-            np.full(np.count_nonzero(touched), 0.02),
-            transform=axes.get_xaxis_transform(),
-            linestyle="none",
-            marker="|",
-            markersize=6.0,
-            color=REFERENCE,
-        )
+        if place == 0:
+            colour, dashes = LINES[0]
+            first: dict[str, Any] = {"color": colour, "linestyle": dashes, "linewidth": 1.3}
+            axes.plot(growth.time, apart, label="first pair", **first)
+            _fit(axes, growth)
+            touched = np.diff(growth.touchdowns, prepend=0) > 0
+            axes.plot(
+                np.array(growth.time)[touched],
+                np.full(np.count_nonzero(touched), 0.02),
+                transform=axes.get_xaxis_transform(),
+                linestyle="none",
+                marker="|",
+                markersize=6.0,
+                color=REFERENCE,
+                label="touches of the first",
+            )
+        else:
+            label = "further pairs" if place == 1 else None
+            axes.plot(growth.time, apart, color="0.65", linewidth=0.7, label=label)
     dotted = (0.0, (2.0, 2.0))
     for bound, word, colour, style, text in (
         (LOW, "fitted from", MUTED, dotted, "0.3"),
@@ -57,13 +59,12 @@ def growth_of_disturbance(chaos: Chaos) -> Drawing:
     paper = next((p for p in chaos.points if p.method.is_paper and p.failure), None)
     if paper is not None:
         top = axes.get_xaxis_transform()
-        axes.plot(paper.simulated, 0.94, transform=top, gid="paper", **STAR)
+        label = f"{PAPER}: failed by then"
+        axes.plot(paper.simulated, 0.94, transform=top, gid="paper", label=label, **STAR)
     axes.set_xlabel("time (s)")
     axes.set_ylabel("distance of two runs (m)")
     axes.margins(x=0.01)
-    sheet.legend(
-        handles=_handles(chaos.growths, paper is not None), loc="outside upper left", ncols=2
-    )
+    sheet.legend(loc="outside upper left", ncols=2)
     return Drawing(
         "precision-growth.png",
         "Growth of a disturbance",
@@ -75,22 +76,7 @@ def growth_of_disturbance(chaos: Chaos) -> Drawing:
     )
 
 
-def _handles(growths: Sequence[Growth], with_paper: bool) -> list[Line2D]:
-    colour, dashes = LINES[0]
-    handles = [Line2D([], [], color=colour, linestyle=dashes, linewidth=1.3, label="first pair")]
-    if growths and growths[0].window is not None:
-        handles.append(Line2D([], [], color=LINES[1][0], linestyle=LINES[1][1], label="fit to it"))
-    if len(growths) > 1:
-        handles.append(Line2D([], [], color="0.65", linewidth=0.7, label="further pairs"))
-    handles.append(
-        Line2D([], [], linestyle="none", marker="|", color=REFERENCE, label="touches of the first")
-    )
-    if with_paper:
-        handles.append(Line2D([], [], label=f"{PAPER}: failed by then", **STAR))
-    return handles
-
-
-def _fit(axes: Axes, growth: Growth) -> None:
+def _fit(axes: Axes, growth: Parting) -> None:
     """Draw the fitted exponential between its bounds."""
     if growth.window is None or growth.rate is None:
         return
@@ -99,4 +85,5 @@ def _fit(axes: Axes, growth: Growth) -> None:
     middle = float(np.log(apart[inside]).mean())
     line = np.exp(middle + growth.rate * (time[inside] - time[inside].mean()))
     colour, dashes = LINES[1]
-    axes.plot(time[inside], line, color=colour, linestyle=dashes, linewidth=1.6)
+    fit: dict[str, Any] = {"color": colour, "linestyle": dashes, "linewidth": 1.6}
+    axes.plot(time[inside], line, label="fit to it", **fit)

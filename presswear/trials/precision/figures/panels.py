@@ -153,7 +153,7 @@ def mark_point(axes: Axes, method: Method, x: float, y: float) -> None:
 
 
 _STRIP, _FIRST, _NEXT = 1.0, 34.0, 9.0
-"""Of the strip over a panel: its height, part of the panel; places of marks, points."""
+"""Height of the strip over a panel, part of the panel, and places of its marks, points."""
 
 
 def failed_strip(axes: Axes, methods: Iterable[Method]) -> None:

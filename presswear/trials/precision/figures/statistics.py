@@ -15,6 +15,7 @@ from presswear.trials.precision.figures.panels import (
     panels,
     plain_labels,
 )
+from presswear.trials.precision.statistic import sampling_error
 
 _PERCENT = 100.0
 _LEAST = 0.1
@@ -63,7 +64,7 @@ def _panel(axes: Axes, chaos: Chaos, name: str) -> None:
     reference = chaos.reference.statistics[name]
     axes.set_xscale("log")
     axes.set_yscale("log")
-    sampling = _PERCENT * reference.sampling_error(chaos.stage_cycles) / abs(reference.mean)
+    sampling = _PERCENT * sampling_error(reference, chaos.stage_cycles) / abs(reference.mean)
     if math.isfinite(sampling):
         axes.axhspan(_LEAST / 3.0, sampling, color=_BAND, alpha=0.35, linewidth=0.0, zorder=0.4)
         axes.axhline(sampling, color="0.4", linewidth=0.8, zorder=0.5)

@@ -1,7 +1,7 @@
 """Wear against angles, cycles, depth step and contact model."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 from matplotlib.lines import Line2D
 from matplotlib.ticker import NullFormatter
@@ -18,7 +18,6 @@ from presswear.trials.precision.figures.panels import (
 from presswear.trials.precision.wear import (
     QUANTITIES,
     Group,
-    JointWear,
     WearPoint,
     WearStudy,
     change,
@@ -40,9 +39,9 @@ def wear_convergence(wear: WearStudy) -> Drawing | None:
     usual = ", ".join(f"{count} ({name})" for name, count in wear.usual.items())
     sheet = Sheet(figsize=(WIDTH, 0.9 + 2.5 * len(QUANTITIES)), layout="constrained")
     panels = sheet.subplots(len(QUANTITIES), len(groups), squeeze=False)
-    for row, (name, (_, read)) in zip(panels, QUANTITIES.items(), strict=True):
+    for row, name in zip(panels, QUANTITIES, strict=True):
         for axes, group in zip(row, groups, strict=True):
-            _panel(axes, wear, group, series, read)
+            _panel(axes, wear, group, series, name)
         row[0].set_ylabel(f"{name} / that of the finest")
     for axes, group in zip(panels[-1], groups, strict=True):
         axes.set_xlabel("depth step / clearance" if group == "depth step" else group)
@@ -77,11 +76,7 @@ def _handles(series: Sequence[_Series], with_default: bool) -> list[Line2D]:
 
 
 def _panel(
-    axes: Axes,
-    wear: WearStudy,
-    group: Group,
-    series: Sequence[_Series],
-    read: Callable[[JointWear], Interval],
+    axes: Axes, wear: WearStudy, group: Group, series: Sequence[_Series], quantity: str
 ) -> None:
     labels = labels_of(wear, group, series)
     axes.axhline(1.0, color=REFERENCE, linewidth=0.7)
@@ -101,7 +96,7 @@ def _panel(
                     top = axes.get_xaxis_transform()
                     axes.plot(x, 0.97, "x", color=look.colour, transform=top)
                 continue
-            value, half = _relative(point, points[-1], read(found), read(finest))
+            value, half = _relative(point, points[-1], found[quantity], finest[quantity])
             drawn.append((x, value, half))
             if point.varied.is_default:
                 axes.plot(x, value, **RING)
@@ -170,7 +165,7 @@ def contact_models(wear: WearStudy) -> Drawing | None:
     rows = [(p, which) for p in points for which in ("first", "second")]
     sheet = Sheet(figsize=(WIDTH, 1.1 + 0.26 * len(rows)), layout="constrained")
     panels = sheet.subplots(1, len(QUANTITIES), sharey=True, squeeze=False)[0]
-    for axes, (name, (unit, read)) in zip(panels, QUANTITIES.items(), strict=True):
+    for axes, (name, unit) in zip(panels, QUANTITIES.items(), strict=True):
         factor, shown = {"m": (1e6, "µm"), "m^3": (1e9, "mm³")}[unit]
         axes.set_xscale("log")
         for row, (point, which) in enumerate(rows):
@@ -179,8 +174,7 @@ def contact_models(wear: WearStudy) -> Drawing | None:
                 axes.annotate("failed", (0.02, row), xycoords=("axes fraction", "data"))
             for joint, own in found.items():
                 look = _look(series, (point.varied.conventions, joint))
-                value = factor * read(own).value
-                low, high = read(own).low, read(own).high
+                value, low, high = factor * own[name].value, own[name].low, own[name].high
                 if low is not None and high is not None:
                     ends = max(factor * low, 0.02 * value), factor * high
                     axes.plot(ends, (row, row), color=look.colour)
