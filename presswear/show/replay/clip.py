@@ -18,7 +18,7 @@ FASTER = 1.5
 
 
 def played(slowed: float) -> str:
-    """How fast something is played, in words."""
+    """The speed at which something is played, in words."""
     if slowed < 1.0:
         return f"{1.0 / slowed:.3g} times as fast as it is"
     return f"slowed {slowed:.3g} times" if slowed > 1.0 else "as fast as it is"
@@ -125,5 +125,5 @@ class Player:
 
     @property
     def part(self) -> float:
-        """Where it is between both ends, 0 .. 1."""
+        """Its place between both ends, 0 .. 1."""
         return (self.time - self.first) / (self.last - self.first)

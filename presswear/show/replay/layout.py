@@ -1,4 +1,4 @@
-"""Where press, enlarged joints, words and the bar of time are in the picture."""
+"""Places of press, enlarged joints, words and the bar of time in the picture."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

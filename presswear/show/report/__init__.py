@@ -72,7 +72,7 @@ def render(result: Result, figures: list[Illustration]) -> str:
 
 
 def status(result: Result) -> str:
-    """How a result stands, in plain words."""
+    """The status of a result in plain words."""
     stored, wanted = len(result.stages), result.scene.wears + 1
     match result.status:
         case "completed":
@@ -149,7 +149,7 @@ def cycle_means(result: Result) -> Table:
 
 
 def endings(result: Result) -> Table:
-    """How each stage ended and how well its wear maps are known."""
+    """The end of each stage, and how well its wear maps are known."""
     rows = []
     for name, stage in zip(stage_names(result, result.stages), result.stages, strict=True):
         known = [own.statistics.get("wear_map_error") for own in stage.joints.values()]

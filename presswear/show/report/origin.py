@@ -56,7 +56,7 @@ def conventions(result: Result) -> Table:
 
 
 def provenance(result: Result) -> Table:
-    """Where the numbers come from."""
+    """Versions, machine and time that the numbers come from."""
     origin = result.provenance
     packages = ", ".join(f"{name} {number}" for name, number in origin["packages"].items())
     rows = (

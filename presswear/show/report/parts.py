@@ -32,7 +32,7 @@ class Table:
     groups : tuple
         Rows under a heading each; an empty heading is not shown.
     numeric : bool
-        Whether all but the first column are numbers.
+        True where all but the first column are numbers.
     """
 
     head: Row

@@ -71,7 +71,7 @@ def _depth(joint: str, sides: tuple[str, ...], stage: StageResult) -> str:
 
 
 def growth(result: Result) -> Table | None:
-    """How each wear was applied; None where all were single jumps."""
+    """The steps in which each wear was applied; None where all were single jumps."""
     if not result.grew_in_steps:
         return None
 
