@@ -8,6 +8,7 @@ from rich.console import Console
 
 from presswear.commands.export import TABLE_TEXT
 from presswear.commands.terminal import (
+    check_folder,
     finished_part,
     folder_given,
     free_folder,
@@ -122,8 +123,10 @@ def _against(arguments: argparse.Namespace, console: Console) -> int:
         raise InputError("--against needs the result folder to compare with: crosscheck DIR")
     from presswear.results.tables import TOLERANCE, compare_tables, read_table, table_of
 
+    folder = Path(arguments.target)
+    check_folder(folder)
     theirs = read_table(arguments.against)
-    ours = table_of(finished_part(Path(arguments.target), console), 0)
+    ours = table_of(finished_part(folder, console), 0)
     tolerance = TOLERANCE if arguments.tolerance is None else arguments.tolerance
     columns = compare_tables(ours, theirs, arguments.until, tolerance)
     _print_checks(

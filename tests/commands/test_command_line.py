@@ -45,8 +45,12 @@ from presswear.commands import scenes
         (["crosscheck", "--duration", "long"], ("long",)),
         (["crosscheck", "--until", "1"], ("--until goes only with --against",)),
         (["crosscheck", "--against", "theirs.csv"], ("needs the result folder",)),
-        (["crosscheck", "nowhere", "--against", "theirs.csv"], ("cannot be read",)),
-        (["crosscheck", "nowhere", "--against", "theirs.txt"], (".csv or .npz",)),
+        (
+            ["crosscheck", "nowhere", "--against", "theirs.csv"],
+            ("nowhere: there is no such folder",),
+        ),
+        (["crosscheck", ".", "--against", "theirs.csv"], ("theirs.csv is missing",)),
+        (["crosscheck", ".", "--against", "theirs.txt"], (".csv or .npz",)),
         (
             ["crosscheck", "nowhere", "--against", "theirs.csv", "--set", "cycles=3"],
             ("--set does not go",),
