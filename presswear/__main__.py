@@ -85,6 +85,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt as error:
         _tell(str(error) if error.args else "interrupted")
         return exit_code()
+    # Behind a signal any error is one of being stopped: see ``tools.stopping``.
     except Exception:
         if not is_stopped():
             raise

@@ -148,6 +148,7 @@ def _check(future: Future[None], variant: Variant, tell: Callable[[str, float, s
         future.result()
     except BrokenProcessPool:
         raise RunFailed("a process of the study was ended from outside") from None
+    # A variant may fail with any error of its process, and the user must learn which variant.
     except Exception as error:
         raise RunFailed(f"variant {variant.key}: {type(error).__name__}: {error}") from error
     tell(variant.key, 1.0, "")

@@ -22,7 +22,6 @@ from presswear.scene.settings import changed
 from presswear.tools.folders import only_writer
 
 SCENE = "wear-times"
-FILE = "precision.json"
 
 
 def add(commands: Any) -> None:
@@ -70,11 +69,6 @@ def _precision(arguments: argparse.Namespace, console: Console) -> int:
         for table in tables_of(found):
             print_text_table(console, table)
         return report(folder, console)
-
-
-def is_precision(folder: Path) -> bool:
-    """True where a folder holds a study of precision."""
-    return (folder / FILE).exists()
 
 
 def report(folder: Path, console: Console) -> int:

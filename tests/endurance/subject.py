@@ -83,6 +83,7 @@ def answered(line: list[str]) -> Answer:
             code = ended.code if isinstance(ended.code, int) else 1
         except Ran:
             return Answer(0, output.getvalue(), "it ran")
+        # Whatever gets out of the program is a traceback to its user, which the trials count.
         except Exception as error:
             return Answer(1, output.getvalue(), f"{type(error).__name__}: {error}")
     return Answer(code, output.getvalue(), errors.getvalue())
