@@ -53,6 +53,8 @@ class Bed(NamedTuple):
         Integral of p times the slope of the bearing's map, m^2.
     square : float
         Integral of p^2, m^2 rad.
+    area : float
+        Integral of p, m rad.
     """
 
     overlap: float
@@ -61,6 +63,10 @@ class Bed(NamedTuple):
     across: float
     slope: float
     square: float
+    area: float
+
+
+NOTHING = Bed(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 class Segment(NamedTuple):
@@ -139,10 +145,16 @@ def root_between(
 
 
 @compiled
+def mean_of(g: Segment, y: float) -> float:
+    """Mean overlap of a segment, m, from the square of half its length, rad^2."""
+    return g.a0 + y * (g.a2 * THIRD + y * (g.a4 * FIFTH + y * g.a6 * SEVENTH))
+
+
+@compiled
 def add_whole(g: Segment, half: float, bed: Bed) -> Bed:
     """The bed with all of a segment, integrated in closed form."""
     y = half * half
-    m0 = g.a0 + y * (g.a2 * THIRD + y * (g.a4 * FIFTH + y * g.a6 * SEVENTH))
+    m0 = mean_of(g, y)
     m1 = y * (g.a1 * THIRD + y * (g.a3 * FIFTH + y * g.a5 * SEVENTH))
     m2 = y * (g.a0 * THIRD + y * (g.a2 * FIFTH + y * g.a4 * SEVENTH))
     m3 = y * y * (g.a1 * FIFTH + y * g.a3 * SEVENTH)
@@ -179,6 +191,7 @@ def with_moments(
         bed.across + g.sine * even + g.cosine * odd,
         bed.slope + scale * (g.b1 * m0 + g.b2 * m1 + g.b3 * m2),
         bed.square + scale * square,
+        bed.area + scale * m0,
     )
 
 
@@ -274,13 +287,23 @@ def press_segment(g: Segment, middle: float, half: float, bed: Bed) -> Bed:
         overlap, place = at_second, middle + second
     if end > overlap:
         overlap, place = end, middle + half
-    bed = Bed(overlap, place, bed.along, bed.across, bed.slope, bed.square)
+    bed = Bed(overlap, place, bed.along, bed.across, bed.slope, bed.square, bed.area)
     if min(min(start, at_first), min(at_second, end)) >= 0.0:
         return add_whole(g, half, bed)
     bed = add_monotone(g, -half, first, start, at_first, bed)
     bed = add_monotone(g, first, turn, at_first, at_turn, bed)
     bed = add_monotone(g, turn, second, at_turn, at_second, bed)
     return add_monotone(g, second, half, at_second, end, bed)
+
+
+@compiled
+def area_of(g: Segment, half: float) -> float:
+    """Integral of the overlap of a segment where it is above zero, m rad."""
+    high = abs(g.a4) + half * (abs(g.a5) + half * abs(g.a6))
+    high = half * (abs(g.a1) + half * (abs(g.a2) + half * (abs(g.a3) + half * high)))
+    if g.a0 > high:
+        return 2.0 * half * mean_of(g, half * half)
+    return press_segment(g, 0.0, half, NOTHING).area
 
 
 @compiled
@@ -332,6 +355,59 @@ def segment_of(
 
 
 @compiled
+def cell_of(angle: float, count: int, shift: float) -> tuple[int, float]:
+    """Cell of a grid of so many around the turn that holds an angle, and the way into it, rad.
+
+    ``shift`` is where the first cell begins, as a part of a cell.
+    """
+    width = 2.0 * math.pi / count
+    position = angle / width - shift
+    cell = math.floor(position)
+    # A trial state may be so far off that round-off leaves no place in a cell.
+    return cell % count, min(max((position - cell) * width, 0.0), width)
+
+
+@compiled
+def onward(cell: int, x: float, length: float, count: int) -> tuple[int, float]:
+    """The cell and the way into it a length further on, which ends in the cell or with it."""
+    x += length
+    if x >= 2.0 * math.pi / count * (1.0 - 1e-14):
+        return (cell + 1 if cell + 1 < count else 0), 0.0
+    return cell, x
+
+
+@compiled
+def reach_of(eccentricity: float, clearance: float, least_depth: float, here: float) -> float:
+    """Angle from the direction of e within which the overlap is greatest, and above zero, rad.
+
+    Parameters
+    ----------
+    least_depth, here : float
+        Sums of both depths: the least ones, and those in the direction of e, m.
+    """
+    rise = max(here, eccentricity - clearance) - least_depth
+    sine = math.sqrt(min(max(0.5 * rise / eccentricity, 0.0), 1.0))
+    return min(2.0 * math.asin(sine) + 1e-9, math.pi)
+
+
+@compiled
+def bound_of(
+    surfaces: Array,
+    eccentricity: float,
+    clearance: float,
+    bearing: int,
+    pin: int,
+    left: float,
+    length: float,
+) -> float:
+    """Bound above the overlap between two places, from pieces of both maps, m."""
+    near = max(left, -left - length, 0.0)
+    # 1 - cos x is at least x^2 / 2 (1 - x^2 / 12).
+    bound = eccentricity * (1.0 - 0.5 * near * near * (1.0 - TWELFTH * near * near)) - clearance
+    return bound - (surfaces[BEARING + LEAST, bearing] + surfaces[PIN + LEAST, pin])
+
+
+@compiled
 def press(
     surfaces: Array,
     eccentricity: float,
@@ -354,29 +430,17 @@ def press(
     width = 2.0 * math.pi / count
     here = profile(surfaces[BEARING], surfaces[BEARING + SLOPE], bearing_place)[0]
     here += profile(surfaces[PIN], surfaces[PIN + SLOPE], pin_place)[0]
-    bed = Bed(eccentricity - clearance - here, 0.0, 0.0, 0.0, 0.0, 0.0)
+    bed = Bed(eccentricity - clearance - here, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     if eccentricity == 0.0:
         return bed
-    # No further from the direction of e than this can the overlap be greatest, or above zero.
-    reach = max(here, eccentricity - clearance) - least_depth
-    sine = math.sqrt(min(max(0.5 * reach / eccentricity, 0.0), 1.0))
-    end = min(2.0 * math.asin(sine) + 1e-9, math.pi)
+    end = reach_of(eccentricity, clearance, least_depth, here)
     left = -end
-    b_position = (bearing_place - end) / width - 0.5
-    p_position = (pin_place - end) / width - 0.5
-    b = math.floor(b_position)
-    p = math.floor(p_position)
-    b_x = (b_position - b) * width
-    p_x = (p_position - p) * width
-    b %= count
-    p %= count
+    b, b_x = cell_of(bearing_place - end, count, 0.5)
+    p, p_x = cell_of(pin_place - end, count, 0.5)
     while left < end:
         length = min(min(width - b_x, width - p_x), min(end - left, LONGEST_SEGMENT))
         half = 0.5 * length
-        near = max(left, -left - length, 0.0)
-        # 1 - cos x is at least x^2 / 2 (1 - x^2 / 12).
-        bound = eccentricity * (1.0 - 0.5 * near * near * (1.0 - TWELFTH * near * near)) - clearance
-        bound -= surfaces[BEARING + LEAST, b] + surfaces[PIN + LEAST, p]
+        bound = bound_of(surfaces, eccentricity, clearance, b, p, left, length)
         if bound > 0.0 or bound > bed.overlap:
             middle = left + half
             segment = segment_of(
@@ -384,17 +448,64 @@ def press(
             )
             bed = press_segment(segment, middle, half, bed)
         left += length
-        b_x += length
-        p_x += length
-        if b_x >= width * (1.0 - 1e-14):
-            b_x = 0.0
-            b = b + 1 if b + 1 < count else 0
-        if p_x >= width * (1.0 - 1e-14):
-            p_x = 0.0
-            p = p + 1 if p + 1 < count else 0
-        if length < 1e-15:
-            break
+        b, b_x = onward(b, b_x, length, count)
+        p, p_x = onward(p, p_x, length, count)
     return bed
+
+
+@compiled
+def spread(
+    surfaces: Array,
+    eccentricity: float,
+    clearance: float,
+    least_depth: float,
+    bearing_place: float,
+    pin_place: float,
+    shares: Array,
+) -> float:
+    """Add the integrals of the overlap over the bins of both maps; returns that over the arc.
+
+    Parameters
+    ----------
+    surfaces : ndarray, shape (ROWS, m)
+        As for ``press``; round ones are a map of one bin.
+    shares : ndarray, shape (2, n)
+        Of bearing and pin, m rad.
+    """
+    if eccentricity == 0.0:
+        return 0.0
+    count = surfaces.shape[1]
+    width = 2.0 * math.pi / count
+    bins = shares.shape[1]
+    bin_width = 2.0 * math.pi / bins
+    end = reach_of(eccentricity, clearance, least_depth, eccentricity - clearance)
+    left = -end
+    b, b_x = cell_of(bearing_place - end, count, 0.5)
+    p, p_x = cell_of(pin_place - end, count, 0.5)
+    b_bin, b_way = cell_of(bearing_place - end, bins, 0.0)
+    p_bin, p_way = cell_of(pin_place - end, bins, 0.0)
+    total = 0.0
+    while left < end:
+        length = min(min(width - b_x, width - p_x), min(bin_width - b_way, bin_width - p_way))
+        length = min(length, min(end - left, LONGEST_SEGMENT))
+        half = 0.5 * length
+        if bound_of(surfaces, eccentricity, clearance, b, p, left, length) > 0.0:
+            middle = left + half
+            segment = segment_of(
+                surfaces, eccentricity, clearance, b, p, b_x + half, p_x + half, middle
+            )
+            share = area_of(segment, half)
+            # The overlap at its end is nothing but round-off.
+            if share > 0.0:
+                shares[0, b_bin] += share
+                shares[1, p_bin] += share
+                total += share
+        left += length
+        b, b_x = onward(b, b_x, length, count)
+        p, p_x = onward(p, p_x, length, count)
+        b_bin, b_way = onward(b_bin, b_way, length, bins)
+        p_bin, p_way = onward(p_bin, p_way, length, bins)
+    return total
 
 
 def foundation_stiffness(stiffness: float, clearance: float) -> float:

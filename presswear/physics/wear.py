@@ -14,19 +14,14 @@ from numpy.typing import NDArray
 
 from presswear.linkage.elements import ClearanceJoint
 from presswear.physics.contact import direction_of
-from presswear.physics.surface import BEARING, PIN, SLOPE, bin_of, profile
+from presswear.physics.foundation import spread
+from presswear.physics.surface import ROWS, bin_of
 from presswear.tools.compiled import Records, compiled
 
 Array = NDArray[np.float64]
 
-SLIGHTEST_PENETRATION = 1e-15
-"""Penetration below which a contact arc is a point, m."""
-
-ARC_SAMPLES = 16
-"""Points of the pressure distribution on each half of a round joint's contact arc, at least."""
-
-BIN_SAMPLES = 4
-"""Points of the pressure distribution in one bin of the map, at least."""
+ROUND = np.zeros((ROWS, 1))
+"""Surfaces without wear, as a map of one bin."""
 
 
 @compiled
@@ -105,72 +100,46 @@ def deposit_in_bin(
 
 @compiled
 def deposit_over_arc(
-    depth: Array,
-    joint: Records,
-    surfaces: Array,
-    contact: Records,
-    dose: float,
-    pressure: Array,
+    depth: Array, joint: Records, surfaces: Array, contact: Records, dose: float, shares: Array
 ) -> None:
-    """Add the wear of a dose F_n ds, N m, over the contact arc.
+    """Add the wear of a dose F_n ds, N m, wherever the surfaces overlap.
 
-    The overlap e . n(theta) - c - h_bearing - h_pin is followed outwards from the
-    direction of contact until it ends; on a foundation as far as there can be another
-    patch.  ``pressure`` is working space.
+    Parameters
+    ----------
+    depth : ndarray, shape (2, n)
+        Depth of bearing and pin, m.
+    surfaces : ndarray, shape (ROWS, m)
+    shares : ndarray, shape (2, n)
+        Working space; zero, and left so.
     """
     count = depth.shape[1]
-    worn = surfaces.shape[1] > 0
-    turns = joint.map_turns
+    bearing_zero = joint.map_turns * contact.bearing_angle
+    pin_zero = joint.map_turns * contact.pin_angle
     direction = direction_of(contact)
-    bearing_zero = turns * contact.bearing_angle
-    pin_zero = turns * contact.pin_angle
-    # A step that ends with the separation leaves its wear where the pin last was.
-    penetration = max(contact.penetration, SLIGHTEST_PENETRATION)
-    half_arc = math.sqrt(2.0 * penetration / contact.eccentricity)
-    step = min(half_arc / ARC_SAMPLES, 2.0 * math.pi / count / BIN_SAMPLES)
-    # A groove that fits the pin may hold it over much more than the round arc.
-    reach = math.pi
-    has_patches = joint.foundation > 0.0
-    if has_patches:
-        above = contact.eccentricity - joint.clearance - joint.least_depth
-        sine = math.sqrt(min(max(0.5 * above / contact.eccentricity, 0.0), 1.0))
-        reach = 2.0 * math.asin(sine) + step
-    most = min(int(reach / step) + 1, pressure.shape[0] // 2 - 1)
-    used = 0
-    total = 0.0
-    for side in (-1.0, 1.0):
-        for i in range(most):
-            offset = side * (i + 0.5) * step
-            angle = direction + offset
-            # cos(x) - 1 without cancellation
-            half = math.sin(0.5 * offset)
-            overlap = contact.eccentricity * (1.0 - 2.0 * half * half) - joint.clearance
-            if worn:
-                overlap -= profile(
-                    surfaces[BEARING], surfaces[BEARING + SLOPE], angle - bearing_zero
-                )[0]
-                overlap -= profile(surfaces[PIN], surfaces[PIN + SLOPE], angle - pin_zero)[0]
-            if overlap <= 0.0:
-                if not has_patches:
-                    break
-                overlap = 0.0
-            pressure[used] = overlap
-            used += 1
-            total += overlap
-        if side < 0.0:
-            left = used
-    bin_width = 2.0 * math.pi / count
+    total = spread(
+        surfaces if surfaces.shape[1] > 0 else ROUND,
+        contact.eccentricity,
+        joint.clearance,
+        joint.least_depth,
+        direction - bearing_zero,
+        direction - pin_zero,
+        shares,
+    )
     if total == 0.0:
-        # An overlap so slight that round-off hides it: all of it at the contact.
-        pressure[0], total, used, left = 1.0, 1.0, 1, 0
-        direction = math.atan2(contact.normal_y, contact.normal_x)
-    scale = joint.wear_coefficient * dose / (joint.width * joint.bearing_radius * bin_width * total)
-    for i in range(used):
-        offset = -(i + 0.5) * step if i < left else (i - left + 0.5) * step
-        angle = direction + offset
-        added = scale * pressure[i]
-        depth[0, bin_of(angle - bearing_zero, count)] += joint.bearing_share * added
-        depth[1, bin_of(angle - pin_zero, count)] += (1.0 - joint.bearing_share) * added
+        # A step that ends with the separation leaves its wear where the pin last was, and so
+        # does an overlap so slight that round-off hides it.
+        place = math.atan2(contact.normal_y, contact.normal_x)
+        shares[0, bin_of(place - bearing_zero, count)] = 1.0
+        shares[1, bin_of(place - pin_zero, count)] = 1.0
+        total = 1.0
+    bin_area = joint.width * joint.bearing_radius * 2.0 * math.pi / count
+    volume = joint.wear_coefficient * dose
+    for side in range(2):
+        part = joint.bearing_share if side == 0 else 1.0 - joint.bearing_share
+        scale = part * volume / (bin_area * total)
+        for k in range(count):
+            depth[side, k] += scale * shares[side, k]
+            shares[side, k] = 0.0
 
 
 def worn_volume(joint: ClearanceJoint, depth: Array) -> float:

@@ -44,8 +44,6 @@ CONTACTS_AT_MOST = 5000
 """Room for single contacts, per joint and recorded cycle."""
 FORCE_STEP = 0.02
 """A row is written when a force has changed by this part of its peak so far."""
-PRESSURE_POINTS = 8192
-"""Room for the pressure distribution over one contact arc."""
 
 DOSE = np.dtype(
     [
@@ -97,8 +95,8 @@ class Book(NamedTuple):
         Depth that the present cycle added to bearing and pin, m.
     doses : records of DOSE
         Doses in the last step.
-    pressure : ndarray
-        Working space of one contact arc.
+    shares : ndarray, shape (2, m)
+        Working space of ``deposit_over_arc``.
     torque : ndarray, shape (drives,)
         Torques of the drives in the present state, N m.
     ledger : one record of LEDGER
@@ -118,7 +116,7 @@ class Book(NamedTuple):
     cycle: Array
     depth: Array
     doses: Records
-    pressure: Array
+    shares: Array
     torque: Array
     ledger: Records
 
@@ -135,7 +133,7 @@ def deposit(book: Book, k: int) -> None:
             book.packed.surfaces[k],
             contact,
             book.doses[k].work,
-            book.pressure,
+            book.shares,
         )
     else:
         deposit_in_bin(book.depth[k], joint, contact, book.doses[k].pressure)

@@ -24,7 +24,6 @@ from presswear.record.observe import (
     DISPLACEMENT_MAX,
     DOSE,
     FORCE_STEP,
-    PRESSURE_POINTS,
     RECORD,
     ROWS_AT_LEAST,
     ROWS_AT_MOST,
@@ -131,7 +130,7 @@ class Recorder:
             cycle=np.zeros(len(CYCLE_FIXED) + len(CYCLE_JOINT) * count),
             depth=np.zeros(shape),
             doses=np.zeros(count, DOSE),
-            pressure=np.zeros(PRESSURE_POINTS),
+            shares=np.zeros((2, angles)),
             torque=np.zeros(len(linkage.drives)),
             ledger=np.zeros(1, LEDGER),
         )
