@@ -1,6 +1,6 @@
 """The start, the plan and the outcome of a run, the same for every engine."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -42,6 +42,9 @@ class Plan:
         Whether the series hold the torques of the drives.
     trackers : tuple of Tracker
         Told what happens; any of them can end the run after a cycle.
+    wear : callable or None
+        Depth, m, that the surfaces lose between two cycles, from the depth that the last one
+        added, both of shape (joints, 2, m); None: they stay.
     resume : State or None
         State to go on from, of a run with the same linkage, start, engine and plan.
     """
@@ -51,6 +54,7 @@ class Plan:
     recorded_cycles: int = 5
     torques: bool = True
     trackers: tuple[Tracker, ...] = ()
+    wear: Callable[[Array], Array] | None = None
     resume: State | None = None
 
     @property
@@ -100,7 +104,12 @@ class Run:
 def recorder_of(linkage: Linkage, start: Start, plan: Plan) -> Recorder:
     """The empty recorder of a run."""
     return Recorder.of(
-        linkage, start.position, plan.recorded_cycles, plan.cycle, torques=plan.torques
+        linkage,
+        start.position,
+        plan.recorded_cycles,
+        plan.cycle,
+        torques=plan.torques,
+        wearing=plan.wear is not None,
     )
 
 

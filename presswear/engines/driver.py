@@ -40,6 +40,8 @@ class Simulation:
         What makes the steps of this engine finer.
     constraints : Constraints or None
         What may drift; None where the coordinates leave no room for it.
+    worn : callable
+        Takes notice of surfaces that are others than a moment ago.
     close : callable
         Frees what the engine holds.
     """
@@ -52,6 +54,7 @@ class Simulation:
     diagnostics: Callable[[], dict[str, float | int | str]]
     remedy: str
     constraints: Constraints | None = None
+    worn: Callable[[], None] = lambda: None
     close: Callable[[], None] = lambda: None
 
 
@@ -118,6 +121,9 @@ def _cycles(
             finding = examine(linkage, recorder, now)
         if finding:
             return "failed", finding
-        recorder.end_cycle()
+        added = recorder.end_cycle()
+        if plan.wear is not None:
+            recorder.wear(plan.wear(added), position, velocity)
+            running.worn()
         if done + 1 == plan.recorded_cycles:
             recorder.stop_recording()

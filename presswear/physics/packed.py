@@ -67,15 +67,26 @@ class Packed(NamedTuple):
     weight: Array
 
 
-def pack(linkage: Linkage) -> Packed:
-    """Pack a linkage for the kernels."""
-    return Packed(
+def pack(linkage: Linkage, bins: int = 0) -> Packed:
+    """Pack a linkage for the kernels.
+
+    Parameters
+    ----------
+    bins : int
+        Bins of surfaces that are round now and worn while they run; 0: none is.
+    """
+    pairs = [(joint.bearing_surface, joint.pin_surface) for joint in linkage.clearances]
+    count = max((own.depth.size for pair in pairs for own in pair if own.is_worn), default=bins)
+    packed = Packed(
         pack_joints(linkage),
-        pack_surfaces(linkage),
+        np.zeros((len(pairs), ROWS, count)),
         pack_springs(linkage),
         mass_of(linkage),
         weight_of(linkage),
     )
+    for k, pair in enumerate(pairs):
+        pack_surfaces(packed, k, pair)
+    return packed
 
 
 def mass_of(linkage: Linkage) -> Array:
@@ -115,9 +126,6 @@ def pack_joints(linkage: Linkage) -> Records:
         record["map_turns"] = float(joint.map_frame == "body")
         if joint.contact == "foundation":
             record["foundation"] = foundation_stiffness(joint.normal.stiffness, joint.clearance)
-        depths = [surface.depth for surface in worn_surfaces(joint)]
-        record["least_depth"] = sum(float(depth.min()) for depth in depths)
-        record["relief"] = sum(float(np.ptp(depth)) for depth in depths)
         if joint.wear is not None:
             record["wear_coefficient"] = joint.wear.coefficient
             record["bearing_share"] = joint.wear.bearing_share
@@ -141,17 +149,11 @@ def effective_mass(linkage: Linkage, joint: ClearanceJoint) -> float:
     return 1.0 / mobility if mobility > 0.0 else math.inf
 
 
-def worn_surfaces(joint: ClearanceJoint) -> list[Surface]:
-    """Select the surfaces of a joint that have lost material."""
-    return [s for s in (joint.bearing_surface, joint.pin_surface) if s.is_worn]
-
-
-def pack_surfaces(linkage: Linkage) -> Array:
-    """The worn surfaces of a linkage, shape (joints, ROWS, m); m = 0 where none is worn."""
-    worn = [surface for joint in linkage.clearances for surface in worn_surfaces(joint)]
-    count = worn[0].depth.size if worn else 0
-    packed = np.zeros((len(linkage.clearances), ROWS, count))
-    for k, joint in enumerate(linkage.clearances):
-        packed[k, BEARING:PIN] = packed_rows(joint.bearing_surface, count)
-        packed[k, PIN:] = packed_rows(joint.pin_surface, count)
-    return packed
+def pack_surfaces(packed: Packed, k: int, surfaces: tuple[Surface, Surface]) -> None:
+    """Give joint ``k`` of a packed linkage its surfaces, bearing and pin."""
+    count = packed.surfaces.shape[2]
+    for row, surface in zip((BEARING, PIN), surfaces, strict=True):
+        packed.surfaces[k, row : row + PIN] = packed_rows(surface, count)
+    depths = [surface.depth for surface in surfaces if surface.is_worn]
+    packed.joints[k]["least_depth"] = sum(float(depth.min()) for depth in depths)
+    packed.joints[k]["relief"] = sum(float(np.ptp(depth)) for depth in depths)

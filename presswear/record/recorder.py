@@ -12,9 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.linkage.elements import Linkage
+from presswear.linkage.surface import Surface
 from presswear.physics.contact import CONTACT, note_contacts
 from presswear.physics.energy import LEDGER
-from presswear.physics.packed import pack
+from presswear.physics.packed import pack, pack_surfaces
+from presswear.physics.surface import BEARING, PIN
 from presswear.physics.touchdown import CONTACT_COLUMNS, LEAST_STEPS, MEMORY, PAST_CONTACT, TALLY
 from presswear.record.film import Film, empty_film, shutter_of
 from presswear.record.observe import (
@@ -85,6 +87,7 @@ class Recorder:
         recorded_cycles: int,
         cycle: float,
         torques: bool = True,
+        wearing: bool = False,
     ) -> "Recorder":
         """An empty recorder for a linkage that starts in a position.
 
@@ -97,6 +100,8 @@ class Recorder:
             Duration of one cycle, s.
         torques : bool
             Whether series hold the torques of the drives.
+        wearing : bool
+            Whether the surfaces wear while the linkage runs; see ``wear``.
         """
         count = len(linkage.clearances)
         angles = max((j.wear.angles for j in linkage.clearances if j.wear), default=1)
@@ -117,7 +122,7 @@ class Recorder:
         columns = SERIES_FIXED + SERIES_JOINT * count + len(linkage.drives) * torques
         shape = (count, 2, angles)
         book = Book(
-            packed=pack(linkage),
+            packed=pack(linkage, angles if wearing else 0),
             contacts=np.zeros(count, CONTACT),
             onset=np.zeros(count),
             memory=np.zeros(count, MEMORY),
@@ -210,8 +215,33 @@ class Recorder:
         """Time of the last accepted state, s."""
         return float(self.book.record["now"][0])
 
-    def end_cycle(self) -> None:
-        """File the present cycle and start the next."""
+    @property
+    def worn(self) -> Array:
+        """Depth of bearings and pins as they are now, shape (joints, 2, m), m; m = 0: round."""
+        return self.book.packed.surfaces[:, (BEARING, PIN)]
+
+    def _rebuild(self, depth: Array) -> None:
+        for k, (bearing, pin) in enumerate(depth):
+            pack_surfaces(self.book.packed, k, (Surface(bearing), Surface(pin)))
+
+    def wear(self, lost: Array, q: Array, v: Array) -> None:
+        """Rebuild the surfaces without a depth, m, in the state between two cycles.
+
+        Pins that rested on what is gone are open; a contact that goes on keeps its closing speed.
+
+        Parameters
+        ----------
+        lost : ndarray, shape (joints, 2, m)
+        """
+        book = self.book
+        self._rebuild(self.worn + lost)
+        note_contacts(book.packed, book.contacts, q, v)
+        step = book.memory["step"].copy()
+        settle_state(book, self.last_time, LEAST_STEPS)
+        book.memory["step"] = step
+
+    def end_cycle(self) -> Array:
+        """File the present cycle and start the next; returns the depth that it added, m."""
         if self._finished == len(self._rows):
             # A new array each time it is full: views of the old one stay what they are.
             more = np.zeros((max(2 * self._finished, 64), self.book.cycle.size))
@@ -219,8 +249,10 @@ class Recorder:
             self._rows = more
         self._rows[self._finished] = self.book.cycle
         self._finished += 1
-        self.maps.add(self.book.depth)
+        depth = self.book.depth.copy()
+        self.maps.add(depth)
         self.start_cycle()
+        return depth
 
     def state(self) -> dict[str, NDArray[Any]]:
         """Everything that is not in the linkage, the start and the plan.
@@ -237,6 +269,7 @@ class Recorder:
             "frame": book.film[frames].copy(),
             "cycles": self.cycles,
             **named("maps", self.maps.state()),
+            "worn": self.worn,
         }
 
     def restore(self, stored: State) -> None:
@@ -253,3 +286,4 @@ class Recorder:
         self._rows = np.array(stored["cycles"])
         self._finished = len(self._rows)
         self.maps.restore(part(stored, "maps"))
+        self._rebuild(stored["worn"])

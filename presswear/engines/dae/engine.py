@@ -113,7 +113,11 @@ def prepare(
     control["tolerance"] = settings.integration_tolerance
     control["projected"] = settings.projection == "on"
     tableau = DOPRI5 if settings.integrator == "dopri5" else DOP853
-    rates(system, book.onset, 0.0, y, motion.slopes[0])
+
+    def note_rates() -> None:
+        rates(system, book.onset, float(control["time"][0]), y, motion.slopes[0])
+
+    note_rates()
     note_torques(system, book)
     recorder.begin(y[:n], y[n : 2 * n], motion.slopes[0, n : 2 * n])
 
@@ -175,6 +179,7 @@ def prepare(
         diagnostics,
         REMEDY,
         constraints,
+        worn=note_rates,
     )
 
 
