@@ -1,28 +1,90 @@
-"""The outer loop: run, amplify the wear, rebuild the surfaces, run again."""
+"""The outer loop: run, wear the surfaces, run again, from every start on its own surfaces."""
 
-import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 
-from presswear.campaign.amplification import Amplification, Growth, Worn, worn_out
+import numpy as np
+from numpy.typing import NDArray
+
 from presswear.campaign.checkpoint import Checkpoint
-from presswear.campaign.ensemble import NOTHING, Ensemble, Partial, run_ensemble
+from presswear.campaign.ensemble import NOTHING, Ensemble, Partial, Task, run_ensemble
+from presswear.campaign.growth import (
+    FEWEST,
+    Growth,
+    cycle_by_cycle,
+    error_of,
+    jump,
+    share_of,
+    worn_out,
+)
 from presswear.campaign.progress import Forecast
 from presswear.campaign.stage import stage_of, without_wear
+from presswear.record.sampling import STARTUP_CYCLES
 from presswear.record.soundness import Finding
 from presswear.record.tracker import Tracker
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene, stage_name
 
+Array = NDArray[np.float64]
+
+
+def unworn(scene: Scene) -> Array:
+    """Depth of round surfaces, shape (starts, joints, 2, m), m."""
+    joints = scene.linkage().clearances
+    angles = max((joint.wear.angles for joint in joints if joint.wear), default=1)
+    return np.zeros((scene.draws, len(joints), 2, angles))
+
+
+def stage_task(scene: Scene) -> Task:
+    """The runs of a stage: cycles as given, or until the wear maps are known."""
+    if scene.cycles is not None:
+        return Task(scene.cycles)
+    return Task(max(scene.most_cycles // scene.draws, 1), scene.tolerance)
+
+
+def pass_task(scene: Scene, index: int, growth: Growth | None) -> Task | None:
+    """The next pass over the wear after a stage; None where it is known, or as far as it may be.
+
+    With cycles given, half of them and then all; else twice as many in each pass, until
+    half-way passes agree.
+
+    Parameters
+    ----------
+    growth : Growth or None
+        The last pass.
+    """
+    done = 0 if growth is None else len(growth.steps)
+    if scene.cycles is not None:
+        cycles = scene.cycles if done else max(scene.cycles // 2, 1)
+        is_enough = done == scene.cycles
+    else:
+        cycles = 2 * done or min(FEWEST, max(scene.most_cycles // scene.draws, 1))
+        joints = scene.linkage().clearances
+        is_enough = growth is not None and (
+            error_of(joints, growth) <= scene.tolerance or cycles * scene.draws > scene.most_cycles
+        )
+    if is_enough:
+        return None
+    number = 1 if growth is None else 2 if growth.coarser is None else 3 + done
+    word = f"{stage_name(index + 1)} in {cycles} steps"
+    wear = share_of(scene.represented_cycles, cycles)
+    return Task(STARTUP_CYCLES + cycles, wear=wear, number=number, word=word)
+
 
 def run_stage(
-    scene: Scene, index: int, worn: Worn, trackers: Sequence[Tracker] = ()
+    scene: Scene, index: int, worn: Array, trackers: Sequence[Tracker] = ()
 ) -> tuple[StageResult, Ensemble]:
-    """Run one stage on given surfaces, without the wear after it; gives its runs as well."""
+    """Run one stage on given surfaces, without the wear after it; gives its runs as well.
+
+    Parameters
+    ----------
+    worn : ndarray, shape (starts, joints, 2, m)
+        Depth of the surfaces, m; see ``unworn``.
+    """
     forecast = Forecast(replace(scene, wears=index), trackers)
     forecast.begin(index)
-    ran = run_ensemble(scene, worn, scene.represented_cycles, scene.tolerance, forecast)
+    ran = run_ensemble(scene, worn, stage_task(scene), forecast)
     stage = without_wear(scene, index, ran)
     for tracker in trackers:
         tracker.stage(stage)
@@ -33,63 +95,57 @@ def growths(
     scene: Scene,
     index: int,
     ran: Ensemble,
-    first: Growth,
+    growth: Growth | None,
     forecast: Forecast,
     begun: Partial,
-    keep: Callable[[Growth, Partial], None],
-) -> Iterator[tuple[Growth, Finding | None]]:
-    """Apply the wear after a stage step by step; yields each step with what is wrong, if anything.
-
-    Ends with the represented cycles, or with the first thing that is wrong.
+    keep: Callable[[Growth | None, Partial], None],
+) -> Iterator[tuple[Growth | None, Finding | None]]:
+    """Apply the wear after a stage pass by pass; yields each with what is wrong, if anything.
 
     Parameters
     ----------
-    first : Growth
-        The first step, or as many as have been applied already.
+    growth : Growth or None
+        The last pass that is finished.
     begun : Partial
-        What has run of the next step.
+        What has run of the next one.
     keep : callable
         Told after each cycle of those runs where they stand.
     """
-    growth = first
+    joints, represented = ran.linkage.clearances, scene.represented_cycles
+    if not scene.wears_in_steps:
+        found = jump(joints, ran.worn, ran.depths(), represented, ran.recorders, ran.wall)
+        yield found, _gone(joints, found.worn, f"after stage {index}", ran.time)
+        return
     while True:
-        gone = worn_out(ran.linkage.clearances, growth.worn)
-        if gone is not None:
-            where = step_name(index, growth) if len(growth.steps) > 1 else f"after stage {index}"
-            joint, what = gone
-            remedy = "fewer represented_cycles may help"
-            yield growth, Finding("wear", f"{where} {what}", ran.time, joint, remedy)
+        task = pass_task(scene, index, growth)
+        if task is None:
             return
-        yield growth, None
-        if growth.is_complete:
-            return
-        # The depths of the steps add up, their errors only as the root of the sum of squares.
-        steps = len(growth.steps) / (1.0 - growth.remaining / scene.represented_cycles)
-        tolerance = scene.tolerance * math.sqrt(steps)
-        ran = run_ensemble(
-            scene,
-            growth.worn,
-            growth.remaining,
-            tolerance,
-            forecast,
-            begun,
-            partial(keep, growth),
-        )
+        forecast.expect(2.0 * task.cycles if growth is None else 0.0)
+        worn = run_ensemble(scene, ran.worn, task, forecast, begun, partial(keep, growth))
         begun = NOTHING
-        if ran.finding:
-            what = f"after {step_name(index, growth)}: {ran.finding.what}"
-            yield growth, replace(ran.finding, what=what)
+        finding = worn.finding
+        if finding:
+            yield growth, replace(finding, what=f"{task.word}: {finding.what}")
             return
-        growth = growth.after(Amplification.of(scene), ran.sample())
+        finished = np.array([recorder.worn for recorder in worn.recorders])
+        gone = _gone(joints, finished, f"the {task.word}:", worn.time)
+        if gone:
+            yield growth, gone
+            return
+        growth = cycle_by_cycle(joints, ran.worn, worn.recorders, represented, growth, worn.wall)
+        yield growth, None
 
 
-def step_name(index: int, growth: Growth) -> str:
-    """The last step applied, and how much of its wear is applied with it."""
-    part = sum(step.represented_cycles for step in growth.steps)
-    return (
-        f"step {len(growth.steps)} of the {stage_name(index + 1)} "
-        f"({part:.3g} of {part + growth.remaining:.3g} cycles)"
-    )
+def _gone(joints: Sequence, worn: Array, where: str, time: float) -> Finding | None:
+    """A finding on the first start whose surfaces are worn through."""
+    for own in worn:
+        gone = worn_out(joints, own)
+        if gone is not None:
+            joint, what = gone
+            return Finding(
+                "wear", f"{where} {what}", time, joint, "fewer represented_cycles may help"
+            )
+    return None
 
 
 def run_campaign(
@@ -105,7 +161,7 @@ def run_campaign(
         Where to go on, as trackers were told; None: from the start.
     """
     forecast = Forecast(scene, trackers)
-    at = Checkpoint() if begun is None else begun
+    at = Checkpoint(worn=unworn(scene)) if begun is None else begun
     forecast.restore(at.forecast)
 
     def tell(checkpoint: Checkpoint, is_stage: bool = False) -> None:
@@ -126,38 +182,36 @@ def run_campaign(
             growth: Growth | None,
             running: Partial,
             index: int = index,
-            worn: Worn = worn,
+            worn: Array = worn,
         ) -> None:
             tell(Checkpoint(index, worn, ran, growth, running, forecast.numbers()))
 
+        task = stage_task(scene)
+        is_last = index == scene.wears
+        if scene.wears_in_steps and not is_last:
+            forecast.expect(3.0 * (scene.cycles or FEWEST))
         ran = at.ran or run_ensemble(
-            scene,
-            worn,
-            scene.represented_cycles,
-            scene.tolerance,
-            forecast,
-            at.partial,
-            partial(keep, None, None),
+            scene, worn, task, forecast, at.partial, partial(keep, None, None)
         )
-        if ran.failure or index == scene.wears:
+        if ran.failure or is_last:
             finish(without_wear(scene, index, ran))
             if ran.failure:
                 return "failed", f"stage {index}: {ran.failure}", ran.finding
             return "completed", "", None
-        amplification = Amplification.of(scene)
-        first = at.growth or Growth.begin(amplification, worn).after(amplification, ran.sample())
-        growth: Growth = first
-        finding: Finding | None = None
+        growth, finding = at.growth, None
         # What has run in part is of the stage itself before its wear has begun.
         running = NOTHING if at.ran is None else at.partial
         try:
-            for reached in growths(scene, index, ran, first, forecast, running, partial(keep, ran)):
+            for reached in growths(
+                scene, index, ran, growth, forecast, running, partial(keep, ran)
+            ):
                 growth, finding = reached
         finally:
             # The stage ran to its end, even where somebody stops the wear after it.
-            finish(stage_of(scene, index, ran, growth.added, growth.steps, finding))
+            finish(stage_of(scene, index, ran, growth, finding))
         if finding:
             return "failed", finding.words, finding
+        assert growth is not None, "a wear without a finding has a pass"
         at = Checkpoint(index + 1, growth.worn, forecast=forecast.numbers())
         tell(at, is_stage=True)
     return "completed", "", None

@@ -4,16 +4,27 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-from presswear.campaign.amplification import Growth, Worn
-from presswear.campaign.ensemble import NOTHING, Ensemble, Partial, empty_recorder
-from presswear.engines.base import Run, Start
-from presswear.linkage.elements import Linkage
-from presswear.linkage.surface import Surface
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.campaign.ensemble import (
+    NOTHING,
+    Ensemble,
+    Partial,
+    Task,
+    Wear,
+    linkage_on,
+    plan_of,
+)
+from presswear.campaign.growth import Growth, share_of
+from presswear.campaign.starts import start_of
+from presswear.engines.base import Run, Start, recorder_of
 from presswear.record.soundness import Finding
 from presswear.results.stage import WearStep
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import State, named, part
 
+Array = NDArray[np.float64]
 Document = Mapping[str, Any]
 
 
@@ -25,20 +36,20 @@ class Checkpoint:
     ----------
     index : int
         Of the stage at hand.
-    worn : mapping
-        Surfaces that it runs on.
+    worn : ndarray, shape (starts, joints, 2, m)
+        Depth of the surfaces that each start runs it on, m.
     ran : Ensemble or None
         Its runs, where they are finished and the wear after them is being applied.
     growth : Growth or None
-        That wear as far as it has been applied.
+        The last pass over that wear.
     partial : Partial
-        The runs at hand: of the stage, or of the next step of the wear.
+        The runs at hand: of the stage, or of the next pass.
     forecast : dict
         How far the campaign is (``Forecast.numbers``).
     """
 
     index: int = 0
-    worn: Worn = field(default_factory=dict)
+    worn: Array = field(default_factory=lambda: np.zeros(0))
     ran: Ensemble | None = None
     growth: Growth | None = None
     partial: Partial = NOTHING
@@ -51,16 +62,15 @@ class Checkpoint:
         if state is not None:
             finished += len(state["recorder/cycles"])
         where = f"stage {self.index}"
-        if self.growth is not None:
-            where += f", step {len(self.growth.steps) + 1} of the wear after it"
+        if self.ran is not None:
+            where += ", the wear after it"
         return f"{where}, cycle {finished}"
 
     def stored(self) -> tuple[dict[str, Any], dict[str, Any]]:
         """Give it as a document that JSON can hold, and arrays."""
-        arrays: dict[str, Any] = _surfaces("worn", self.worn)
+        arrays: dict[str, Any] = {"worn": self.worn}
         document: dict[str, Any] = {
             "index": self.index,
-            "worn": list(self.worn),
             "forecast": dict(self.forecast),
             "partial": {
                 "runs": [
@@ -76,57 +86,36 @@ class Checkpoint:
             document["ran"] = {"runs": runs, "wall": self.ran.wall}
         if self.growth is not None:
             growth = self.growth
-            arrays |= {"growth/added": growth.added, **_surfaces("growth/worn", growth.worn)}
-            document["growth"] = {
-                "worn": list(growth.worn),
-                "steps": [asdict(step) for step in growth.steps],
-                "remaining": growth.remaining,
-            }
+            arrays |= {"growth/worn": growth.worn, "growth/added": growth.added}
+            if growth.coarser is not None:
+                arrays["growth/coarser"] = growth.coarser
+            document["growth"] = [asdict(step) for step in growth.steps]
         return document, arrays
 
     @staticmethod
     def restored(scene: Scene, document: Document, arrays: State) -> "Checkpoint":
         """Read what ``stored`` gave, for the same scene."""
-        worn = _restored_surfaces("worn", document["worn"], arrays)
-        linkage = scene.linkage(worn)
+        worn = arrays["worn"]
         ran = growth = None
         if "ran" in document:
-            runs = _restored_runs("ran", document["ran"]["runs"], arrays, scene, linkage)
-            ran = Ensemble(linkage, runs, document["ran"]["wall"])
+            runs = _restored_runs("ran", document["ran"]["runs"], arrays, scene, worn)
+            ran = Ensemble(scene.linkage(), worn, runs, document["ran"]["wall"])
         if "growth" in document:
-            told = document["growth"]
             growth = Growth(
-                _restored_surfaces("growth/worn", told["worn"], arrays),
+                arrays["growth/worn"],
                 arrays["growth/added"],
-                tuple(WearStep(**step) for step in told["steps"]),
-                told["remaining"],
+                tuple(WearStep(**step) for step in document["growth"]),
+                arrays.get("growth/coarser"),
             )
-            linkage = scene.linkage(growth.worn)
         at_hand = document["partial"]
+        # The runs of a pass need room for its wear, however much that takes.
+        wear = share_of(scene.represented_cycles, 1) if ran else None
         partial = Partial(
-            _restored_runs("partial", at_hand["runs"], arrays, scene, linkage),
+            _restored_runs("partial", at_hand["runs"], arrays, scene, worn, wear),
             part(arrays, "state") or None,
             at_hand["wall"],
         )
         return Checkpoint(document["index"], worn, ran, growth, partial, document["forecast"])
-
-
-def _surfaces(prefix: str, worn: Worn) -> dict[str, Any]:
-    return {
-        f"{prefix}/{joint}/{side}": surface.depth
-        for joint, pair in worn.items()
-        for side, surface in zip(("bearing", "pin"), pair, strict=True)
-    }
-
-
-def _restored_surfaces(prefix: str, joints: list[str], arrays: State) -> Worn:
-    return {
-        joint: (
-            Surface(arrays[f"{prefix}/{joint}/bearing"]),
-            Surface(arrays[f"{prefix}/{joint}/pin"]),
-        )
-        for joint in joints
-    }
 
 
 def _run(prefix: str, run: Run, arrays: dict[str, Any]) -> dict[str, Any]:
@@ -142,12 +131,19 @@ def _run(prefix: str, run: Run, arrays: dict[str, Any]) -> dict[str, Any]:
 
 
 def _restored_runs(
-    prefix: str, runs: list[dict[str, Any]], arrays: State, scene: Scene, linkage: Linkage
+    prefix: str,
+    runs: list[dict[str, Any]],
+    arrays: State,
+    scene: Scene,
+    worn: Array,
+    wear: Wear | None = None,
 ) -> tuple[Run, ...]:
+    """Finished runs; ``wear`` is given where their surfaces wore meanwhile."""
     found = []
     for k, told in enumerate(runs):
         own = part(arrays, f"{prefix}/{k}")
-        recorder = empty_recorder(scene, linkage, k)
+        plan = plan_of(scene, Task(1, wear=wear))
+        recorder = recorder_of(linkage_on(scene, worn[k]), start_of(scene), plan)
         recorder.restore(part(own, "recorder"))
         found.append(
             Run(

@@ -1,22 +1,24 @@
 """One linkage run from several starts: draws of a chaotic motion, put together.
 
 Starts differ by a hair's breadth.  Within a cycle or two that makes the runs
-independent, which cycles of one run need not be.
+independent, which cycles of one run need not be.  Each start has worn surfaces of its own, so
+that what follows a wear is independent too.
 """
 
 import math
 import time as clock
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.campaign.amplification import Amplification, Sample, Worn, fastest_change
+from presswear.campaign.growth import worn_out
 from presswear.campaign.progress import Forecast
 from presswear.campaign.starts import start_of
-from presswear.engines.base import Plan, Run, Status, recorder_of
+from presswear.engines.base import Plan, Run, Status
 from presswear.linkage.elements import Linkage
+from presswear.linkage.surface import Surface
 from presswear.record.recorder import Recorder
 from presswear.record.sampling import (
     LEAST_SAMPLES,
@@ -39,12 +41,46 @@ _LARGEST = ("deepest_touch_m", "constraint_error_m", "constraint_velocity_error_
 """Diagnostics of which the largest counts, not the sum."""
 
 
+Wear = Callable[[int, Array], Array]
+"""See ``Plan.wear``."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """What the runs of an ensemble are made for.
+
+    Attributes
+    ----------
+    cycles : int
+        Most cycles of each start.
+    tolerance : float or None
+        How well the wear maps must be known from all starts together for a run to end before;
+        None: all cycles are run.
+    wear : callable or None
+        How the surfaces wear meanwhile; None: they stay.
+    number : int
+        Of the task in its stage: no two of them begin alike.
+    word : str
+        The task in a few words, or nothing.
+    """
+
+    cycles: int
+    tolerance: float | None = None
+    wear: Wear | None = None
+    number: int = 0
+    word: str = ""
+
+
 @dataclass(frozen=True)
 class Ensemble:
     """A linkage that ran, from one start or several.
 
     Attributes
     ----------
+    linkage : Linkage
+        With round surfaces.
+    worn : ndarray, shape (starts, joints, 2, m)
+        Depth of the surfaces that each start began with, m.
     runs : tuple of Run
         By start; a failed one is the last.
     wall : float
@@ -52,6 +88,7 @@ class Ensemble:
     """
 
     linkage: Linkage
+    worn: Array
     runs: tuple[Run, ...]
     wall: float
 
@@ -94,6 +131,10 @@ class Ensemble:
         """Mean depth that one cycle adds, shape (joints, 2, m), m."""
         return mean_map([recorder.maps for recorder in self.recorders])
 
+    def depths(self) -> Array:
+        """The same of each start, shape (starts, joints, 2, m), m."""
+        return np.array([mean_map([recorder.maps]) for recorder in self.recorders])
+
     def batches(self) -> tuple[Array, Array]:
         """Wear maps by batches of cycles, and the cycles in each; see ``map_batches``."""
         return map_batches([recorder.maps for recorder in self.recorders])
@@ -114,22 +155,6 @@ class Ensemble:
         if len(self.runs) > 1:
             found["starts"] = len(self.runs)
         return found
-
-    def sample(self) -> Sample:
-        """The outcome of all runs as far as it tells about wear."""
-        joints = self.linkage.clearances
-
-        def peak(k: int) -> float:
-            found = [own.each_cycle("force_max", k) for own in self.recorders]
-            return float(np.max(np.concatenate(found), initial=0.0))
-
-        return Sample(
-            joints,
-            max(self.cycles, 1),
-            self.depth(),
-            {joint.name: peak(k) for k, joint in enumerate(joints)},
-            self.wall,
-        )
 
 
 @dataclass(frozen=True)
@@ -155,54 +180,68 @@ NOTHING = Partial()
 """An ensemble of which nothing has run."""
 
 
-def empty_recorder(scene: Scene, linkage: Linkage, index: int) -> Recorder:
-    """The recorder of a start's run before it begins."""
-    plan = Plan(scene.mechanism.period, 1, torques=scene.drive_torque == "on")
-    return recorder_of(linkage, start_of(scene, index), plan)
+def linkage_on(scene: Scene, worn: Array) -> Linkage:
+    """The linkage of a scene on worn surfaces.
+
+    Parameters
+    ----------
+    worn : ndarray, shape (joints, 2, m)
+        Their depth, m.
+    """
+    pairs = [(Surface(bearing), Surface(pin)) for bearing, pin in worn]
+    return scene.linkage(dict(zip(scene.clearance_joints, pairs, strict=True)))
+
+
+def plan_of(scene: Scene, task: Task) -> Plan:
+    """The plan of each run of a task, without trackers."""
+    # Only what a stage is judged by has its series kept.
+    recorded = Plan.recorded_cycles if task.wear is None else 1
+    return Plan(
+        scene.mechanism.period,
+        task.cycles,
+        recorded,
+        torques=scene.drive_torque == "on",
+        wear=task.wear,
+    )
 
 
 def run_ensemble(
     scene: Scene,
-    worn: Worn,
-    remaining: float,
-    tolerance: float,
+    worn: Array,
+    task: Task,
     forecast: Forecast,
     begun: Partial = NOTHING,
     keep: Callable[[Partial], None] = lambda partial: None,
 ) -> Ensemble:
-    """Run the linkage on given surfaces, with some represented cycles of a wear left.
+    """Run the linkage from every start on its own surfaces.
 
     Parameters
     ----------
-    tolerance : float
-        How well the wear maps must be known from all starts together, where the scene does
-        not say the cycles.
+    worn : ndarray, shape (starts, joints, 2, m)
+        Depth of the surfaces, m.
     begun : Partial
         What has run already.
     keep : callable
         Told after each cycle what has run.
     """
     began = clock.perf_counter() - begun.wall
-    linkage = scene.linkage(worn)
     runs, state = list(begun.runs), begun.state
-    for index in range(len(runs), scene.starts):
-        known = _UntilKnown(
-            scene, linkage, remaining, tolerance, forecast, [run.recorder for run in runs]
-        )
+    for index in range(len(runs), scene.draws):
+        linkage = linkage_on(scene, worn[index])
+        watching = _Watching(scene, linkage, task, forecast, [run.recorder for run in runs])
         storing = _Storing(tuple(runs), began, keep)
-        plan = Plan(
-            scene.mechanism.period,
-            known.most,
-            torques=scene.drive_torque == "on",
-            trackers=(storing, known, *forecast.trackers),
+        plan = replace(
+            plan_of(scene, task),
+            trackers=(storing, watching, *forecast.trackers),
             resume=state,
         )
         state = None
-        runs.append(scene.solver.simulate(linkage, start_of(scene, index), plan))
+        start = start_of(scene, index + scene.draws * task.number)
+        runs.append(scene.solver.simulate(linkage, start, plan))
         if runs[-1].status == "failed":
             break
-    forecast.done += 1
-    return Ensemble(linkage, tuple(runs), clock.perf_counter() - began)
+    forecast.done += task.cycles
+    return Ensemble(scene.linkage(), worn, tuple(runs), clock.perf_counter() - began)
 
 
 @dataclass
@@ -218,29 +257,23 @@ class _Storing(Tracker):
         return False
 
 
-class _UntilKnown(Tracker):
-    """Ends a run whose wear maps are known, and tells how far it is."""
+class _Watching(Tracker):
+    """Ends a run whose wear maps are known or whose surfaces are gone; tells how far it is."""
 
     def __init__(
         self,
         scene: Scene,
         linkage: Linkage,
-        remaining: float,
-        tolerance: float,
+        task: Task,
         forecast: Forecast,
         earlier: Sequence[Recorder],
     ) -> None:
-        self._scene, self._linkage, self._remaining = scene, linkage, remaining
+        self._starts, self._linkage, self._task = scene.draws, linkage, task
         self._forecast, self._earlier = forecast, earlier
         # Each start adds its part: after k of n the error is that of k n-ths of the cycles.
-        self._share = (len(earlier) + 1) / scene.starts
-        self._tolerance = tolerance / math.sqrt(self._share)
-        self.most = scene.cycles or max(scene.most_cycles // scene.starts, 1)
-        # Luck in a later step of a wear is made good by the other steps.
-        is_first = remaining >= scene.represented_cycles
-        self._fewest = FEWEST if is_first else LEAST_SAMPLES
-        self._needed = float(self.most)
-        self._word = ""
+        self._share = (len(earlier) + 1) / scene.draws
+        self._needed = float(task.cycles)
+        self._word = task.word
 
     def begun(self, recorder: Recorder) -> None:
         self._recorder = recorder
@@ -249,25 +282,28 @@ class _UntilKnown(Tracker):
         joints = self._linkage.clearances
         if not joints:
             return False
-        maps = [*(earlier.maps for earlier in self._earlier), recorder.maps]
-        change = fastest_change(joints, mean_map(maps))
-        amplification = Amplification.of(self._scene)
-        self._forecast.expect(amplification.steps(change, self._remaining))
+        start = f"start {len(self._earlier) + 1}, " if self._starts > 1 else ""
         done = len(recorder.cycles)
+        if self._task.wear is not None:
+            self._word = f"{self._task.word}, {start}cycle {done}"
+            return worn_out(joints, recorder.worn) is not None
+        maps = [*(earlier.maps for earlier in self._earlier), recorder.maps]
         samples = sum(run.samples for run in maps)
-        if done < STARTUP_CYCLES + LEAST_SAMPLES or samples < self._fewest * self._share:
+        if done < STARTUP_CYCLES + LEAST_SAMPLES or samples < FEWEST * self._share:
             return False
         error = float(map_errors(*map_batches(maps)).max())
-        start = f"start {len(maps)}, " if self._scene.starts > 1 else ""
         self._word = f"{start}cycle {done}, wear maps known to {100.0 * error:.0f} %"
-        if self._scene.cycles is not None:
+        if self._task.tolerance is None:
             return False
         # The error falls with the square root of the number of cycles.
-        lacking = samples * ((error / self._tolerance) ** 2 - 1.0)
-        self._needed = min(float(self.most), done + max(lacking, 1.0))
-        return error <= self._tolerance
+        tolerance = self._task.tolerance / math.sqrt(self._share)
+        lacking = samples * ((error / tolerance) ** 2 - 1.0)
+        self._needed = min(float(self._task.cycles), done + max(lacking, 1.0))
+        return error <= tolerance
 
     def advanced(self, part: float) -> None:
-        own = min(part * self.most / self._needed, 1.0)
-        done = (len(self._earlier) + own) / self._scene.starts
-        self._forecast.tell(done, self._word, self._linkage, self._recorder)
+        own = min(part * self._task.cycles / self._needed, 1.0)
+        done = (len(self._earlier) + own) / self._starts
+        self._forecast.tell(
+            done * self._needed, self._needed, self._word, self._linkage, self._recorder
+        )

@@ -3,52 +3,57 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.campaign.amplification import Amplification
 from presswear.campaign.deviation import deviations
 from presswear.campaign.ensemble import Ensemble
-from presswear.campaign.statistics import stage_statistics
+from presswear.campaign.growth import Growth
+from presswear.campaign.statistics import Wear, stage_statistics
 from presswear.linkage.surface import bin_centres
 from presswear.record.soundness import Finding
-from presswear.results.stage import StageResult, WearStep
+from presswear.results.stage import SIDES, StageResult
 from presswear.scene.scene import Scene
 
 Array = NDArray[np.float64]
 
 
 def stage_of(
-    scene: Scene,
-    index: int,
-    ran: Ensemble,
-    added: Array,
-    steps: tuple[WearStep, ...],
-    finding: Finding | None,
+    scene: Scene, index: int, ran: Ensemble, growth: Growth | None, finding: Finding | None
 ) -> StageResult:
     """A stage with its statistics and arrays.
 
     Parameters
     ----------
-    added : ndarray, shape (joints, 2, m)
-        Depth that the wear after it adds, bearing and pin, m: the sum of its steps.
+    growth : Growth or None
+        The wear after it as far as it is known; None: what one jump would add is told.
     """
-    factor = Amplification.of(scene).factor(max(ran.cycles, 1))
+    represented = scene.represented_cycles
+    added = ran.depth() * represented if growth is None else growth.added.mean(axis=0)
     maps, weights = ran.batches()
-    # Depth that one wear adds by each batch of the stage's cycles alone, with the mean added.
-    batches = scene.represented_cycles * maps
-    if len(batches):
-        # Of a wear in steps, the sum of steps with the scatter of the first: in all runs but
-        # that one the tolerance is wider by the root of their number.
-        batches += added - np.average(batches, axis=0, weights=weights)
-    statistics = stage_statistics(ran.linkage, ran.recorders, added, batches, weights)
+    # Depth that one wear adds by each batch of the stage's cycles alone.
+    batches = represented * maps
+    coarser = None
+    if scene.draws > 1 and (index > 0 or (growth is not None and growth.coarser is not None)):
+        # Cycles on one surface are no draws of what other surfaces do: the starts are.
+        batches = represented * ran.depths() if growth is None else growth.added
+        weights = np.ones(len(batches))
+    elif growth is not None and len(growth.steps) > 1:
+        batches, weights = batches[:0], weights[:0]
+    if growth is not None and growth.coarser is not None:
+        coarser = growth.coarser.mean(axis=0)
+    statistics = stage_statistics(
+        ran.linkage, ran.recorders, Wear(added, batches, weights, coarser), index > 0
+    )
     diagnostics = ran.diagnostics()
     statistics["energy_residual_J"] = diagnostics["energy_residual_J"]
     statistics["energy_exchanged_J"] = diagnostics["drive_exchange_J"]
     film = ran.recorders[0].film
+    steps = () if growth is None else growth.steps
+    cycles = max(ran.cycles, 1)
     return StageResult(
         index=index,
         status=ran.status,
         message=ran.failure,
         finding=finding,
-        amplification=steps[0].factor if steps else factor,
+        amplification=steps[0].factor if steps else represented * scene.draws / cycles,
         wear_steps=steps,
         simulated_s=ran.time,
         wall_s=ran.wall,
@@ -62,8 +67,7 @@ def stage_of(
 
 def without_wear(scene: Scene, index: int, ran: Ensemble) -> StageResult:
     """A stage after which no wear is applied; tells what one would add in one jump."""
-    added = ran.depth() * scene.represented_cycles
-    return stage_of(scene, index, ran, added, (), ran.finding)
+    return stage_of(scene, index, ran, None, ran.finding)
 
 
 def _arrays(
@@ -75,6 +79,7 @@ def _arrays(
     """
     joints = ran.linkage.clearances
     recorder = ran.recorders[0]
+    worn = ran.worn.mean(axis=0)
 
     def stacked(*names: str, joint: int | None = None) -> Array:
         return np.column_stack([recorder.series(name, joint) for name in names])
@@ -95,12 +100,9 @@ def _arrays(
         arrays[f"{name}_contacts"] = recorder.episodes(k).copy()
         bins = added.shape[2]
         arrays["angle"] = bin_centres(bins)
-        for side, surface, depth in (
-            ("bearing", joint.bearing_surface, added[k, 0]),
-            ("pin", joint.pin_surface, added[k, 1]),
-        ):
-            arrays[f"{name}_depth_{side}"] = surface.depth if surface.is_worn else np.zeros(bins)
-            arrays[f"{name}_wear_{side}"] = depth
+        for i, side in enumerate(SIDES):
+            arrays[f"{name}_depth_{side}"] = worn[k, i]
+            arrays[f"{name}_wear_{side}"] = added[k, i]
         arrays[f"{name}_wear_batches"] = batches[:, k]
     arrays["wear_batch_cycles"] = weights
     starts = ran.recorders

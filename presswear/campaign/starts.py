@@ -9,6 +9,7 @@ from presswear.linkage.elements import Linkage
 from presswear.physics.constraints import constraints_of
 from presswear.scene.scene import Scene
 
+GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 APART = 1e-9
 """How far one start is from the next, m; grown to the size of a clearance in a cycle or two."""
 
@@ -19,15 +20,16 @@ def start_of(scene: Scene, index: int = 0) -> Start:
     Parameters
     ----------
     index : int
-        Of several starts, each beside the other by APART.
+        Of several starts, each beside the other by APART; the scene's seed moves all of them by
+        parts of that.
     """
     motion = scene.mechanism.ideal_motion(np.zeros(1))
     start = Start(motion.position[0], motion.velocity[0])
-    if index == 0:
+    # Multiples of the golden ratio leave no two seeds close together.
+    distance = (index + scene.seed * GOLDEN % 1.0) * APART
+    if distance == 0.0:
         return start
-    moved = disturbed(scene.linkage(), start, index * APART)
-    assert moved is not None, "a scene with several starts has a clearance joint"
-    return moved
+    return disturbed(scene.linkage(), start, distance) or start
 
 
 def disturbed(linkage: Linkage, start: Start, distance: float) -> Start | None:

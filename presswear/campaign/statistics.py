@@ -5,7 +5,7 @@ and the intervals of ``sampling``.
 """
 
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,15 @@ from presswear.linkage.elements import ClearanceJoint, Linkage
 from presswear.linkage.surface import bin_centres
 from presswear.physics.wear import worn_volume
 from presswear.record.recorder import Recorder
-from presswear.record.sampling import Interval, half_width, map_errors, peak_of, pooled, resampled
+from presswear.record.sampling import (
+    Interval,
+    half_width,
+    map_errors,
+    peak_of,
+    pooled,
+    resampled,
+    widened,
+)
 
 Array = NDArray[np.float64]
 
@@ -27,27 +35,41 @@ def ends(interval: Interval, factor: float = 1.0) -> list[float] | None:
     return [factor * interval.low, factor * interval.high]
 
 
+@dataclass(frozen=True)
+class Wear:
+    """The depth that one wear adds, and how well it is known.
+
+    Attributes
+    ----------
+    added : ndarray, shape (joints, 2, m)
+        Of bearing and pin, m.
+    maps : ndarray, shape (n, joints, 2, m)
+        Draws of it, by batches of cycles or by starts, m; none: no intervals.
+    weights : ndarray, shape (n,)
+        Cycles in each.
+    coarser : ndarray or None
+        The same in half as many steps; its difference is the error of the step.
+    """
+
+    added: Array
+    maps: Array
+    weights: Array
+    coarser: Array | None
+
+
 def joint_statistics(
-    joint: ClearanceJoint,
-    k: int,
-    recorders: Sequence[Recorder],
-    added: Array,
-    maps: Array,
-    weights: Array,
+    joint: ClearanceJoint, k: int, recorders: Sequence[Recorder], wear: Wear, apart: bool
 ) -> dict[str, Any]:
     """Numbers of one clearance joint.
 
     Parameters
     ----------
-    accounts : sequence of Account
+    recorders : sequence of Recorder
         Of each start.
-    added : ndarray, shape (2, m)
-        Depth of one wear, bearing and pin, m.
-    maps : ndarray, shape (n, 2, m)
-        The same by batches of cycles, of which it is the mean; none: no intervals.
-    weights : ndarray, shape (n,)
-        Cycles in each batch.
+    apart : bool
+        Whether the runs themselves are the samples, not their cycles.
     """
+    added, maps, weights = wear.added[k], wear.maps[:, k], wear.weights
     force, dose, counted = (
         [recorder.each_cycle(name, k) for recorder in recorders]
         for name in ("force_max", "dose", "contacts")
@@ -58,17 +80,20 @@ def joint_statistics(
     time = sum(recorder.last_time for recorder in recorders)
     numbers: dict[str, Any] = {
         "force_max_N": float(max(own.max() for own in force)),
-        "force_max_per_cycle_N": _mean(force),
+        "force_max_per_cycle_N": _mean(force, apart),
         "contacts": contacts,
-        "contacts_per_cycle": _mean([np.diff(own, prepend=0.0) for own in counted]),
+        "contacts_per_cycle": _mean([np.diff(own, prepend=0.0) for own in counted], apart),
         "unresolved_contacts": int(tallies["unresolved"].sum()),
         "fewest_steps_in_a_contact": fewest,
         "part_of_time_in_contact": float(tallies["closed_time"].sum()) / time,
-        "dose_per_cycle_Nm": _mean(dose),
+        "dose_per_cycle_Nm": _mean(dose, apart),
         "wear_volume_m3": worn_volume(joint, added),
         "wear_volume_half_width_m3": half_width(np.array([worn_volume(joint, m) for m in maps])),
         "wear_map_error": float(map_errors(maps[:, np.newaxis], weights)[0]),
     }
+    if wear.coarser is not None:
+        coarser = worn_volume(joint, wear.coarser[k])
+        numbers["wear_volume_step_m3"] = abs(coarser - worn_volume(joint, added))
     sides: dict[str, list[int]] = {"bearing": [0], "pin": [1]}
     if joint.map_frame == "fixed":
         sides["both"] = [0, 1]
@@ -77,30 +102,27 @@ def joint_statistics(
         depth = added[some].sum(axis=0)
         numbers[f"wear_depth_max_{name}_m"] = float(depth.max())
         numbers[f"wear_depth_max_{name}_deg"] = float(degrees[int(depth.argmax())])
+        step = 0.0
+        if wear.coarser is not None:
+            step = abs(float(depth.max() - wear.coarser[k, some].sum(axis=0).max()))
+            numbers[f"wear_depth_max_{name}_step_m"] = step
         if len(maps):
             draws = resampled(maps[:, some].sum(axis=1), weights)
             peak = peak_of(depth, draws, len(maps))
-            numbers[f"wear_depth_max_{name}_interval_m"] = ends(peak.depth)
+            numbers[f"wear_depth_max_{name}_interval_m"] = ends(widened(peak.depth, step))
             numbers[f"wear_depth_max_{name}_interval_deg"] = ends(peak.angle, np.degrees(1.0))
     return numbers
 
 
-def _mean(runs: Sequence[Array]) -> dict[str, Any]:
+def _mean(runs: Sequence[Array], apart: bool) -> dict[str, Any]:
     """Mean over the cycles of all starts with its interval."""
-    return asdict(pooled(runs)[0])
+    return asdict(pooled(runs, apart)[0])
 
 
 def stage_statistics(
-    linkage: Linkage, recorders: Sequence[Recorder], added: Array, maps: Array, weights: Array
+    linkage: Linkage, recorders: Sequence[Recorder], wear: Wear, apart: bool
 ) -> dict[str, Any]:
-    """Numbers of one stage.
-
-    Parameters
-    ----------
-    added : ndarray, shape (joints, 2, m)
-    maps : ndarray, shape (n, joints, 2, m)
-        As for ``joint_statistics``.
-    """
+    """Numbers of one stage; see ``joint_statistics``."""
     ran = [recorder for recorder in recorders if len(recorder.cycles)]
     if not ran:
         return {"cycles": 0}
@@ -115,12 +137,12 @@ def stage_statistics(
             "velocity_min_m_s": float(min(own.min() for own in slowest)),
             "velocity_max_m_s": float(max(own.max() for own in fastest)),
             "acceleration_max_m_s2": float(max(own.max() for own in acceleration)),
-            "displacement_max_per_cycle_m": _mean(displacement),
-            "velocity_max_per_cycle_m_s": _mean(fastest),
-            "acceleration_max_per_cycle_m_s2": _mean(acceleration),
+            "displacement_max_per_cycle_m": _mean(displacement, apart),
+            "velocity_max_per_cycle_m_s": _mean(fastest, apart),
+            "acceleration_max_per_cycle_m_s2": _mean(acceleration, apart),
         },
         "joints": {
-            joint.name: joint_statistics(joint, k, ran, added[k], maps[:, k], weights)
+            joint.name: joint_statistics(joint, k, ran, wear, apart)
             for k, joint in enumerate(linkage.clearances)
         },
     }

@@ -43,8 +43,9 @@ class Plan:
     trackers : tuple of Tracker
         Told what happens; any of them can end the run after a cycle.
     wear : callable or None
-        Depth, m, that the surfaces lose between two cycles, from the depth that the last one
-        added, both of shape (joints, 2, m); None: they stay.
+        Gives the depth, m, that the surfaces lose after a cycle, from the number of cycles run
+        and the depth that the last one added, both depths of shape (joints, 2, m); None: the
+        surfaces stay.
     resume : State or None
         State to go on from, of a run with the same linkage, start, engine and plan.
     """
@@ -54,7 +55,7 @@ class Plan:
     recorded_cycles: int = 5
     torques: bool = True
     trackers: tuple[Tracker, ...] = ()
-    wear: Callable[[Array], Array] | None = None
+    wear: Callable[[int, Array], Array] | None = None
     resume: State | None = None
 
     @property

@@ -123,7 +123,7 @@ def _cycles(
             return "failed", finding
         added = recorder.end_cycle()
         if plan.wear is not None:
-            recorder.wear(plan.wear(added), position, velocity)
+            recorder.wear(plan.wear(done + 1, added), position, velocity)
             running.worn()
         if done + 1 == plan.recorded_cycles:
             recorder.stop_recording()

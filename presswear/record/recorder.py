@@ -75,10 +75,12 @@ class Recorder:
     book: Book
     maps: MapBatches
     _rows: Array = field(init=False)
+    _growth: Array = field(init=False)
     _finished: int = field(default=0, init=False)
 
     def __post_init__(self) -> None:
         self._rows = np.zeros((0, self.book.cycle.size))
+        self._growth = np.zeros((0, 2, self.book.memory.size, 2))
 
     @staticmethod
     def of(
@@ -216,6 +218,14 @@ class Recorder:
         return float(self.book.record["now"][0])
 
     @property
+    def growth(self) -> Array:
+        """Greatest depth lost after each cycle, and deepest then, shape (cycles, 2, joints, 2), m.
+
+        The last axis holds bearing and pin; no row where the surfaces stay.
+        """
+        return self._growth
+
+    @property
     def worn(self) -> Array:
         """Depth of bearings and pins as they are now, shape (joints, 2, m), m; m = 0: round."""
         return self.book.packed.surfaces[:, (BEARING, PIN)]
@@ -235,6 +245,7 @@ class Recorder:
         """
         book = self.book
         self._rebuild(self.worn + lost)
+        self._growth = np.append(self._growth, [[lost.max(axis=2), self.worn.max(axis=2)]], axis=0)
         note_contacts(book.packed, book.contacts, q, v)
         step = book.memory["step"].copy()
         settle_state(book, self.last_time, LEAST_STEPS)
@@ -270,6 +281,7 @@ class Recorder:
             "cycles": self.cycles,
             **named("maps", self.maps.state()),
             "worn": self.worn,
+            "growth": self.growth,
         }
 
     def restore(self, stored: State) -> None:
@@ -287,3 +299,4 @@ class Recorder:
         self._finished = len(self._rows)
         self.maps.restore(part(stored, "maps"))
         self._rebuild(stored["worn"])
+        self._growth = np.array(stored["growth"])

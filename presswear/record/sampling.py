@@ -216,6 +216,24 @@ class Peak:
     angle: Interval
 
 
+def widened(interval: Interval, error: float) -> Interval:
+    """The interval with an error that is independent of its own, as the root of the sum of squares.
+
+    Parameters
+    ----------
+    error : float
+        In the interval's unit.
+    """
+    if interval.low is None or interval.high is None:
+        return interval
+    below, above = interval.value - interval.low, interval.high - interval.value
+    return Interval(
+        interval.value,
+        interval.value - math.copysign(math.hypot(below, error), below),
+        interval.value + math.copysign(math.hypot(above, error), above),
+    )
+
+
 def resampled(maps: Array, weights: Array, seed: int = 1) -> Array:
     """Bootstrap of a weighted mean over maps, shape (RESAMPLES, m); a seed gives its draws.
 
@@ -310,7 +328,7 @@ def peak_of(mean: Array, draws: Array, count: int) -> Peak:
     return Peak(depth, turned_interval(place, draws.argmax(axis=1), mean.size, count))
 
 
-def pooled(runs: Sequence[Array]) -> tuple[Estimate, bool]:
+def pooled(runs: Sequence[Array], apart: bool = False) -> tuple[Estimate, bool]:
     """Mean over the cycles of several runs, start-up left out, and whether the runs differ.
 
     Runs whose means differ by more than their cycles explain (one-way analysis of variance,
@@ -319,11 +337,13 @@ def pooled(runs: Sequence[Array]) -> tuple[Estimate, bool]:
     Parameters
     ----------
     runs : sequence of ndarray, shape (cycles,)
+    apart : bool
+        Whether the runs are known to be single samples, as those on different surfaces are.
     """
     samples = [after_startup(rows) for rows in runs]
     everything = np.concatenate(samples)
     mean = float(everything.mean()) if everything.size else math.nan
-    apart = differ(samples)
+    apart = (apart and len(samples) > 1) or differ(samples)
     parts = [some.mean(keepdims=True) if apart else batched(some) for some in samples]
     return Estimate(mean, half_width(np.concatenate(parts)), everything.size), apart
 

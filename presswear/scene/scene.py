@@ -192,6 +192,10 @@ class Numerics:
         return Numerics(**changed)
 
 
+DRAWS = 4
+"""Starts of a scene that wears and does not say how many: the fewest with a usable interval."""
+
+
 def joint_words(mechanism: Mechanism) -> dict[str, tuple[str, ...]]:
     """The choices of joints with clearance: every combination by its letters, and ``none``."""
     names = mechanism.openable
@@ -255,25 +259,21 @@ class Scene:
     extrapolation: str = choice(
         "conventions",
         ("conventions", "single", "steps"),
-        "how a wear is applied: in a single jump, as the paper does, in steps with a run between "
-        "them, or in steps only where the footprint is an arc",
+        "how a wear is applied: in a single jump, as the paper does, in steps of a cycle each, "
+        "or in steps only where the footprint is an arc",
     )
-    depth_step: float = quantity(
-        0.005,
-        "",
-        1e-4,
-        1.0,
-        "chosen",
-        "in steps: largest change of a surface in one, part of the clearance",
-    )
-    starts: int = quantity(
-        1,
+    starts: int | None = quantity(
+        None,
         "",
         1,
         100,
         "chosen",
-        "starts 1e-9 m apart, from each of which every stage runs: several draws of the motion",
+        "starts 1e-9 m apart, each through all stages on surfaces of its own: independent draws; "
+        "none given: 4 where something wears, else 1",
         whole=True,
+    )
+    seed: int = quantity(
+        0, "", 0, 100_000, "chosen", "draws the starts anew, for an independent run", whole=True
     )
     statuses: Mapping[str, str] = field(default_factory=dict, hash=False)
 
@@ -291,7 +291,7 @@ class Scene:
                 f"exponent = {self.bearings.exponent:g}: with contact = 'foundation', which is "
                 "linear and gives the exponent 1.5 of a round joint, allowed is 1.5"
             )
-        if self.starts > 1 and not self.clearance_joints:
+        if self.draws > 1 and not self.clearance_joints:
             raise InputError(f"starts = {self.starts}: without a clearance joint allowed is 1")
         self.mechanism.check_assembly()
         reason = branches_of(self.linkage()) if self.engine == ExudynTree.word else ""
@@ -306,6 +306,13 @@ class Scene:
     def clearance_joints(self) -> tuple[str, ...]:
         """Names of the joints with clearance."""
         return joint_words(self.mechanism)[self.joints]
+
+    @property
+    def draws(self) -> int:
+        """Number of independent starts."""
+        if self.starts is not None:
+            return self.starts
+        return DRAWS if self.wears > 0 and self.clearance_joints else 1
 
     @property
     def wears_in_steps(self) -> bool:

@@ -1,0 +1,227 @@
+"""Growth of the wear between two stages, of each start on surfaces of its own.
+
+Wear follows dh/dN = E[w(h)]: the mean depth that a cycle adds on the surfaces h, of which one
+cycle of a chaotic motion is a draw.  A wear cycle by cycle takes after each one what it stands
+for, and no map is multiplied before the surfaces answer: a bump carries more pressure and wears
+faster, so that noise is worn away again.  That holds while a cycle's share takes less than the
+elastic overlap of the surfaces, twice of which a bump would overshoot.  The error of the step
+goes as one over the cycles; a pass with twice as many shows it.
+
+In one jump, as the paper does, every start multiplies its own map.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.linkage.elements import ClearanceJoint
+from presswear.physics.wear import worn_volume
+from presswear.record.recorder import Recorder
+from presswear.record.sampling import STARTUP_CYCLES, half_width
+from presswear.results.stage import SIDES, WearStep
+
+Array = NDArray[np.float64]
+
+FEWEST = 8
+"""Cycles of each start in the first pass of a wear."""
+
+
+@dataclass(frozen=True)
+class Growth:
+    """One wear as far as it is known.
+
+    Attributes
+    ----------
+    worn : ndarray, shape (starts, joints, 2, m)
+        Depth of the surfaces of each start after it, m.
+    added : ndarray, shape (starts, joints, 2, m)
+        Depth that it added, m.
+    steps : tuple of WearStep
+        How it was applied, as the mean of the starts.
+    coarser : ndarray or None
+        The added depth by a pass in half as many steps; None where there was none.
+    """
+
+    worn: Array
+    added: Array
+    steps: tuple[WearStep, ...]
+    coarser: Array | None = None
+
+
+def share_of(represented: float, cycles: int) -> Callable[[int, Array], Array]:
+    """The ``wear`` of a plan: each cycle takes its share of the represented cycles.
+
+    Parameters
+    ----------
+    represented : float
+        Cycles that the wear stands for.
+    cycles : int
+        Cycles in which it is applied, behind those at the start that are no samples.
+    """
+    return partial(_lost, represented / cycles)
+
+
+def _lost(share: float, done: int, added: Array) -> Array:
+    return added * (share if done > STARTUP_CYCLES else 0.0)
+
+
+def jump(
+    joints: Sequence[ClearanceJoint],
+    before: Array,
+    depths: Array,
+    represented: float,
+    recorders: Sequence[Recorder],
+    wall: float,
+) -> Growth:
+    """A wear in one jump.
+
+    Parameters
+    ----------
+    before : ndarray, shape (starts, joints, 2, m)
+        Depth of the surfaces that each start ran on, m.
+    depths : ndarray, shape (starts, joints, 2, m)
+        Mean depth that a cycle of each start adds, m.
+    represented : float
+        Cycles that the wear stands for.
+    recorders : sequence of Recorder
+        Of the runs.
+    wall : float
+        Of the runs, s.
+    """
+    added = represented * depths
+    worn = before + added
+    cycles = sum(len(own.cycles) for own in recorders)
+    forces = [
+        max(float(own.each_cycle("force_max", k).max()) for own in recorders)
+        for k in range(len(joints))
+    ]
+    step = WearStep(
+        represented_cycles=represented,
+        cycles=cycles,
+        factor=represented * len(recorders) / cycles,
+        largest_change_of_clearance=largest_change(joints, added.max(axis=0)),
+        deepest_m=_by_side(joints, worn.max(axis=3).mean(axis=0)),
+        force_max_N={joint.name: force for joint, force in zip(joints, forces, strict=True)},
+        wall_s=wall,
+    )
+    return Growth(worn, added, (step,))
+
+
+def cycle_by_cycle(
+    joints: Sequence[ClearanceJoint],
+    before: Array,
+    recorders: Sequence[Recorder],
+    represented: float,
+    coarser: Growth | None,
+    wall: float,
+) -> Growth:
+    """A wear as a pass over it has left the surfaces.
+
+    Parameters
+    ----------
+    before : ndarray, shape (starts, joints, 2, m)
+        Depth of the surfaces of each start before the wear, m.
+    recorders : sequence of Recorder
+        Of the pass of each start.
+    represented : float
+        Cycles that the wear stands for.
+    coarser : Growth or None
+        The pass in half as many cycles.
+    wall : float
+        Of the pass, s.
+    """
+    worn = np.array([recorder.worn for recorder in recorders])
+    growth = np.array([recorder.growth for recorder in recorders])[:, STARTUP_CYCLES:]
+    clearance = np.array([joint.clearance for joint in joints])[:, np.newaxis]
+    change = (growth[:, :, 0] / clearance).max(axis=(0, 2, 3))
+    deepest = growth[:, :, 1].mean(axis=0)
+    forces = np.max(
+        [[own.each_cycle("force_max", k) for k in range(len(joints))] for own in recorders], axis=0
+    )[:, STARTUP_CYCLES:]
+    cycles = growth.shape[1]
+    steps = tuple(
+        WearStep(
+            represented_cycles=represented / cycles,
+            cycles=len(recorders),
+            factor=represented / cycles,
+            largest_change_of_clearance=float(change[n]),
+            deepest_m=_by_side(joints, deepest[n]),
+            force_max_N={joint.name: float(forces[k, n]) for k, joint in enumerate(joints)},
+            wall_s=wall / cycles,
+        )
+        for n in range(cycles)
+    )
+    return Growth(worn, worn - before, steps, None if coarser is None else coarser.added)
+
+
+def _by_side(joints: Sequence[ClearanceJoint], depths: Array) -> dict[str, dict[str, float]]:
+    """Depths of shape (joints, 2) by joint and side."""
+    return {
+        joint.name: dict(zip(SIDES, map(float, own), strict=True))
+        for joint, own in zip(joints, depths, strict=True)
+    }
+
+
+def largest_change(joints: Sequence[ClearanceJoint], depth: Array) -> float:
+    """Largest of some depths, m, shape (joints, 2, m), each as a part of its joint's clearance."""
+    return max(
+        (float(own.max()) / joint.clearance for joint, own in zip(joints, depth, strict=True)),
+        default=0.0,
+    )
+
+
+def measures(joint: ClearanceJoint, depth: Array) -> Array:
+    """What a wear is judged by: its volume, m^3, and the deepest of bearing and pin, m.
+
+    Parameters
+    ----------
+    depth : ndarray, shape (2, m)
+        Depth that it added, m.
+    """
+    return np.array([worn_volume(joint, depth), depth[0].max(), depth[1].max()])
+
+
+def error_of(joints: Sequence[ClearanceJoint], growth: Growth) -> float:
+    """How well a wear is known: the worst of its ``measures``, part of itself.
+
+    The half width over the starts and the difference from the coarser pass, as the root of
+    the sum of squares; infinite without a coarser pass.
+    """
+    if growth.coarser is None:
+        return math.inf
+    errors = [0.0]
+    for k, joint in enumerate(joints):
+        fine = np.array([measures(joint, own[k]) for own in growth.added])
+        coarse = np.array([measures(joint, own[k]) for own in growth.coarser])
+        for one, other in zip(fine.T, coarse.T, strict=True):
+            mean = float(one.mean())
+            if mean > 0.0:
+                step = mean - float(other.mean())
+                errors.append(math.hypot(half_width(one) or 0.0, step) / mean)
+    return max(errors)
+
+
+def worn_out(joints: Sequence[ClearanceJoint], worn: Array) -> tuple[str, str] | None:
+    """Which joint has lost too much, and how much; None if none.
+
+    A bearing or pin that is worn deeper than the clearance is no pin in a round bearing any
+    more: a small clearance is what the whole model rests on.
+
+    Parameters
+    ----------
+    worn : ndarray, shape (joints, 2, m)
+        Depth of its surfaces, m.
+    """
+    for joint, own in zip(joints, worn, strict=True):
+        for name, depth in zip(SIDES, own, strict=True):
+            deepest = float(depth.max(initial=0.0))
+            if deepest > joint.clearance:
+                return joint.name, (
+                    f"the {name} would lose {deepest:.3g} m, more than the clearance of "
+                    f"{joint.clearance:.3g} m"
+                )
+    return None
