@@ -20,6 +20,7 @@ from presswear.campaign.growth import (
 )
 from presswear.campaign.progress import Forecast
 from presswear.campaign.stage import stage_of, without_wear
+from presswear.linkage.elements import ClearanceJoint
 from presswear.record.sampling import STARTUP_CYCLES
 from presswear.record.soundness import Finding
 from presswear.record.tracker import Tracker
@@ -136,7 +137,7 @@ def growths(
         yield growth, None
 
 
-def _gone(joints: Sequence, worn: Array, where: str, time: float) -> Finding | None:
+def _gone(joints: Sequence[ClearanceJoint], worn: Array, where: str, time: float) -> Finding | None:
     """A finding on the first start whose surfaces are worn through."""
     for own in worn:
         gone = worn_out(joints, own)
@@ -202,10 +203,9 @@ def run_campaign(
         # What has run in part is of the stage itself before its wear has begun.
         running = NOTHING if at.ran is None else at.partial
         try:
-            for reached in growths(
-                scene, index, ran, growth, forecast, running, partial(keep, ran)
-            ):
-                growth, finding = reached
+            passes = growths(scene, index, ran, growth, forecast, running, partial(keep, ran))
+            for growth, finding in passes:  # noqa: B007 the last counts
+                pass
         finally:
             # The stage ran to its end, even where somebody stops the wear after it.
             finish(stage_of(scene, index, ran, growth, finding))

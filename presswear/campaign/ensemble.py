@@ -303,7 +303,5 @@ class _Watching(Tracker):
 
     def advanced(self, part: float) -> None:
         own = min(part * self._task.cycles / self._needed, 1.0)
-        done = (len(self._earlier) + own) / self._starts
-        self._forecast.tell(
-            done * self._needed, self._needed, self._word, self._linkage, self._recorder
-        )
+        run = (len(self._earlier) + own) / self._starts * self._needed
+        self._forecast.tell(run, self._needed, self._word, self._linkage, self._recorder)
