@@ -74,17 +74,18 @@ def pass_task(scene: Scene, index: int, growth: Growth | None) -> Task | None:
 
 
 def run_stage(
-    scene: Scene, index: int, worn: Array, trackers: Sequence[Tracker] = ()
+    scene: Scene, index: int, worn: Array | None = None, trackers: Sequence[Tracker] = ()
 ) -> tuple[StageResult, Ensemble]:
     """Run one stage on given surfaces, without the wear after it; gives its runs as well.
 
     Parameters
     ----------
     worn : ndarray, shape (starts, joints, 2, m)
-        Depth of the surfaces, m; see ``unworn``.
+        Depth of the surfaces, m; None: they are round.
     """
     forecast = Forecast(replace(scene, wears=index), trackers)
     forecast.begin(index)
+    worn = unworn(scene) if worn is None else worn
     ran = run_ensemble(scene, worn, stage_task(scene), forecast)
     stage = without_wear(scene, index, ran)
     for tracker in trackers:

@@ -240,8 +240,9 @@ def run_ensemble(
         runs.append(scene.solver.simulate(linkage, start, plan))
         if runs[-1].status == "failed":
             break
-    forecast.done += task.cycles
-    return Ensemble(scene.linkage(), worn, tuple(runs), clock.perf_counter() - began)
+    ran = Ensemble(scene.linkage(), worn, tuple(runs), clock.perf_counter() - began)
+    forecast.done += ran.cycles / scene.draws
+    return ran
 
 
 @dataclass
@@ -272,7 +273,8 @@ class _Watching(Tracker):
         self._forecast, self._earlier = forecast, earlier
         # Each start adds its part: after k of n the error is that of k n-ths of the cycles.
         self._share = (len(earlier) + 1) / scene.draws
-        self._needed = float(task.cycles)
+        # As many as the starts before it took, until its own maps tell.
+        self._needed = float(max((len(own.cycles) for own in earlier), default=task.cycles))
         self._word = task.word
 
     def begun(self, recorder: Recorder) -> None:

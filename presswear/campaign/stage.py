@@ -31,11 +31,12 @@ def stage_of(
     # Depth that one wear adds by each batch of the stage's cycles alone.
     batches = represented * maps
     coarser = None
-    if scene.draws > 1 and (index > 0 or (growth is not None and growth.coarser is not None)):
+    is_in_steps = growth is not None and scene.wears_in_steps
+    if scene.draws > 1 and (index > 0 or is_in_steps):
         # Cycles on one surface are no draws of what other surfaces do: the starts are.
         batches = represented * ran.depths() if growth is None else growth.added
         weights = np.ones(len(batches))
-    elif growth is not None and len(growth.steps) > 1:
+    elif is_in_steps:
         batches, weights = batches[:0], weights[:0]
     if growth is not None and growth.coarser is not None:
         coarser = growth.coarser.mean(axis=0)

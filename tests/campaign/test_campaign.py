@@ -7,10 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from presswear.campaign.amplification import worn_out
 from presswear.campaign.campaign import run_stage
 from presswear.campaign.single import run_scene
-from presswear.linkage.surface import Surface
 from presswear.results.result import Result
 from presswear.scene.catalog import wear_times
 from presswear.scene.scene import CONVENTIONS, Scene
@@ -38,6 +36,7 @@ def short(conventions: str) -> Scene:
         wears=1,
         represented_cycles=1e6,
         extrapolation="single",
+        starts=1,
     )
 
 
@@ -54,7 +53,7 @@ def test_the_next_stage_runs_on_the_amplified_wear(
     scene, result, _ = campaign
     first, second = result.stages
     assert first.amplification == scene.represented_cycles
-    _, ran = run_stage(scene, 0, {})
+    _, ran = run_stage(scene, 0)
     for k, joint in enumerate(second.joints.values()):
         expected = 1e6 * ran.recorders[0].maps.total[k]
         assert expected.max() > 0.0
@@ -131,16 +130,3 @@ def test_result_json_says_where_it_comes_from(
         joint = stage["statistics"]["joints"]["A"]
         assert joint["unresolved_contacts"] == 0
         assert joint["fewest_steps_in_a_contact"] >= 5
-
-
-def test_wear_through_the_pin_is_named() -> None:
-    joints = wear_times().linkage().clearances
-    whole = Surface(np.zeros(360))
-    deep = Surface(np.full(360, 0.0143))
-    worn = {"A": (whole, whole), "C": (whole, deep)}
-    found = worn_out(joints, worn)
-    assert found is not None
-    joint, what = found
-    assert joint == "C"
-    assert "the pin would lose 0.0143 m, more than the clearance of 0.0008 m" in what
-    assert worn_out(joints, {"A": (whole, whole), "C": (whole, whole)}) is None

@@ -28,7 +28,7 @@ QUICK = changed(
 @pytest.fixture(scope="module")
 def two() -> tuple[StageResult, Ensemble]:
     """Two starts of six cycles each."""
-    return run_stage(replace(QUICK, starts=2, cycles=6), 0, {})
+    return run_stage(replace(QUICK, starts=2, cycles=6), 0)
 
 
 def test_starts_are_a_hair_apart_and_part(two: tuple[StageResult, Ensemble]) -> None:
@@ -78,7 +78,7 @@ def test_rows_are_stored_with_their_start(
 
 def ends_early(starts: int, tolerance: float) -> Ensemble:
     scene = replace(QUICK, starts=starts, cycles=None, tolerance=tolerance)
-    return run_stage(scene, 0, {})[1]
+    return run_stage(scene, 0)[1]
 
 
 def test_a_stage_ends_when_all_starts_together_know_the_maps() -> None:
@@ -96,7 +96,7 @@ def test_a_stage_ends_when_all_starts_together_know_the_maps() -> None:
 
 def test_no_stage_runs_longer_than_the_most_cycles() -> None:
     scene = replace(QUICK, starts=3, cycles=None, tolerance=1e-3, most_cycles=13)
-    ensemble = run_stage(scene, 0, {})[1]
+    ensemble = run_stage(scene, 0)[1]
     assert [len(recorder.cycles) for recorder in ensemble.recorders] == [4, 4, 4]
     assert ensemble.status == "completed"
 
@@ -121,7 +121,7 @@ def test_starts_need_a_clearance_joint() -> None:
 
 def delayed(scene: Scene, delay: float) -> Ensemble:
     """An ensemble whose recorded slider follows the ideal one late."""
-    ensemble = run_stage(replace(scene, cycles=2), 0, {})[1]
+    ensemble = run_stage(replace(scene, cycles=2), 0)[1]
     rows = ensemble.recorders[0].rows
     rows[:, 1:4] = scene.ideal_slider(rows[:, 0] - delay)
     return ensemble

@@ -93,7 +93,7 @@ def _timed(runs: Sequence[TimedRun], repeats: int, told: Told) -> tuple[Timing, 
 
 def wear_once(scene: Scene, cycles: int) -> Worn:
     """Surfaces after one wear of a scene, from the wear of so many cycles."""
-    stage, ran = run_stage(replace(scene, cycles=cycles), 0, {})
+    stage, ran = run_stage(replace(scene, cycles=cycles), 0)
     if stage.failed:
         raise RunFailed(stage.message)
     return {
