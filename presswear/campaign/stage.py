@@ -46,6 +46,10 @@ def stage_of(
     diagnostics = ran.diagnostics()
     statistics["energy_residual_J"] = diagnostics["energy_residual_J"]
     statistics["energy_exchanged_J"] = diagnostics["drive_exchange_J"]
+    made = float(diagnostics.get("contact_made_J", 0.0))
+    taken = float(diagnostics.get("contact_loss_J", 0.0)) + made
+    taken += float(diagnostics.get("friction_loss_J", 0.0))
+    statistics["energy_made_part"] = made / taken if taken > 0.0 else 0.0
     film = ran.recorders[0].film
     steps = () if growth is None else growth.steps
     cycles = max(ran.cycles, 1)

@@ -33,24 +33,28 @@ def sum_step(book: Book, drive_power: float, t: float, h: float) -> None:
     """
     contact_power = 0.0
     friction_power = 0.0
+    made_power = 0.0
     for k in range(book.memory.shape[0]):
         contact = book.contacts[k]
         work, pressure = dose_rates(book.packed.joints[k], contact, contact.normal)
         duration = min(h, t - book.memory[k].touchdown_time)
         book.doses[k].work = work * duration
         book.doses[k].pressure = pressure * duration
-        lost, rubbed = loss_powers(contact, contact.normal, contact.tangential)
+        lost, rubbed, made = loss_powers(contact, contact.normal, contact.tangential)
         contact_power += lost
         friction_power += rubbed
+        made_power += made
     ledger = book.ledger[0]
     half = 0.5 * h
     ledger.drive_work += half * (ledger.drive_power + drive_power)
     ledger.drive_exchange += half * (abs(ledger.drive_power) + abs(drive_power))
     ledger.contact_loss += half * (ledger.contact_power + contact_power)
     ledger.friction_loss += half * (ledger.friction_power + friction_power)
+    ledger.made += half * (ledger.made_power + made_power)
     ledger.drive_power = drive_power
     ledger.contact_power = contact_power
     ledger.friction_power = friction_power
+    ledger.made_power = made_power
 
 
 @compiled

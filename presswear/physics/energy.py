@@ -3,7 +3,8 @@
 The ledger that every engine keeps: drive work = change of kinetic, potential and
 elastic contact energy + contact loss + friction loss + residual.  The normal force
 does its work along n, on the approach e_dot . n; what it does beyond loading the
-elastic law is the contact loss, which for a round joint is the damping.
+elastic law is the contact loss: the damping, less what the law makes of nothing where its
+force is not the gradient of an energy, as that of radial contact on a sloping profile.
 """
 
 from dataclasses import dataclass
@@ -23,21 +24,24 @@ LEDGER = np.dtype(
         ("drive_exchange", np.float64),  # integral of the absolute drive power, J
         ("contact_loss", np.float64),  # J
         ("friction_loss", np.float64),  # J
+        ("made", np.float64),  # J
         ("drive_power", np.float64),  # in the last accepted state, W
         ("contact_power", np.float64),
         ("friction_power", np.float64),
+        ("made_power", np.float64),
     ]
 )
 """Sums that an engine keeps step by step, and the powers they went on from."""
 
 
 @compiled
-def loss_powers(contact: Records, normal: float, tangential: float) -> tuple[float, float]:
-    """Power lost in a contact, and in its friction, W."""
+def loss_powers(contact: Records, normal: float, tangential: float) -> tuple[float, float, float]:
+    """Power lost in a contact and in its friction, and power that the normal law makes, W."""
     if contact.penetration <= 0.0:
-        return 0.0, 0.0
+        return 0.0, 0.0, 0.0
     stored = contact.elastic * contact.closing
-    return normal * contact.approach - stored, -tangential * contact.sliding
+    lost = normal * contact.approach - stored
+    return lost, -tangential * contact.sliding, normal * (contact.closing - contact.approach)
 
 
 def stored_energy(packed: Packed, elastic: Array, q: Array, v: Array) -> float:
@@ -97,6 +101,9 @@ class Ledger:
     stored : float
         Change of kinetic, potential and elastic energy.
     contact_loss, friction_loss : float
+        Energy that contacts and their friction took, net of what they made.
+    made : float
+        Energy that the normal law made, positive or negative.
     """
 
     drive_work: float
@@ -104,6 +111,7 @@ class Ledger:
     stored: float
     contact_loss: float
     friction_loss: float
+    made: float = 0.0
 
     @staticmethod
     def of(sums: Records, stored: float) -> "Ledger":
@@ -114,7 +122,13 @@ class Ledger:
             stored=stored,
             contact_loss=float(sums["contact_loss"]),
             friction_loss=float(sums["friction_loss"]),
+            made=float(sums["made"]),
         )
+
+    @property
+    def dissipated(self) -> float:
+        """Energy that damping and friction turned into heat, J."""
+        return self.contact_loss + self.made + self.friction_loss
 
     @property
     def residual(self) -> float:
@@ -129,5 +143,6 @@ class Ledger:
             "stored_energy_change_J": self.stored,
             "contact_loss_J": self.contact_loss,
             "friction_loss_J": self.friction_loss,
+            "contact_made_J": self.made,
             "energy_residual_J": self.residual,
         }

@@ -16,10 +16,10 @@ from presswear.tools.compiled import Records, compiled
 
 Array = NDArray[np.float64]
 
-CONTACT_LOSS, FRICTION_LOSS, WORK, PRESSURE = range(4)
-"""Rates of a joint: powers lost in contact and in friction, W; of its two doses of wear,
-F_n ds/dt, W, and p ds/dt, W/m^2."""
-JOINT_RATES = 4
+CONTACT_LOSS, FRICTION_LOSS, MADE, WORK, PRESSURE = range(5)
+"""Rates of a joint: powers lost in contact and in friction, and made by the normal law, W; of
+its two doses of wear, F_n ds/dt, W, and p ds/dt, W/m^2."""
+JOINT_RATES = 5
 """Their number."""
 
 
@@ -105,10 +105,11 @@ def add_contacts(
         base = JOINT_RATES * k
         contact = contacts[k]
         load = load_of(joint, onset[k], contact)
-        lost, rubbed = loss_powers(contact, load.normal, load.tangential)
+        lost, rubbed, made = loss_powers(contact, load.normal, load.tangential)
         work, pressure = dose_rates(joint, contact, load.normal)
         rates[base + CONTACT_LOSS] = lost
         rates[base + FRICTION_LOSS] = rubbed
+        rates[base + MADE] = made
         rates[base + WORK] = work
         rates[base + PRESSURE] = pressure
         if load.normal > 0.0:

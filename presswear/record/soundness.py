@@ -26,9 +26,11 @@ RESIDUAL = 3e-3
 6e-6 at the coarsest steps that bodies and joints may take."""
 UNEXCHANGED = 1e-3
 """Part of the kinetic energy that counts as exchanged at least: in a moment hardly any is."""
-MADE = 0.05
-"""Energy that contacts gave back beyond what they took, part of the same: worn profiles under
-radial contact do up to 0.015, far too coarse steps 0.2 and more."""
+MADE = 1.0
+"""Energy that the normal law made, part of what damping and friction turned into heat: beyond
+all of it the contacts drive the linkage."""
+MADE_LEAST = 1e-3
+"""Part of the energy exchanged that may be made in any case."""
 UNRESOLVED = 0.5
 """Contacts of fewer than LEAST_STEPS steps, part of all: grazing touches are a few in a hundred."""
 FEWEST_CONTACTS = 20
@@ -140,7 +142,7 @@ def _steps(linkage: Linkage, recorder: Recorder, now: Condition) -> Finding | No
 
 
 def _energy(linkage: Linkage, now: Condition) -> Finding | None:
-    residual, made = now.ledger.residual, -now.ledger.contact_loss
+    residual, made = now.ledger.residual, now.ledger.made
     if now.ledger.drive_exchange <= 0.0:
         return None
     kinetic = 0.5 * float(mass_of(linkage) @ now.velocity**2)
@@ -151,10 +153,11 @@ def _energy(linkage: Linkage, now: Condition) -> Finding | None:
             f"{100.0 * RESIDUAL:g} % of the energy exchanged"
         )
         return Finding("energy", what, now.time, "", now.remedy)
-    if made > MADE * exchange:
+    limit = max(MADE * now.ledger.dissipated, MADE_LEAST * exchange)
+    if made > limit:
         what = (
-            f"the contacts made {made:.3g} J, limit {MADE * exchange:.3g} J, "
-            f"{100.0 * MADE:g} % of the energy exchanged"
+            f"the contacts made {made:.3g} J, limit {limit:.3g} J: damping and friction took "
+            f"{now.ledger.dissipated:.3g} J"
         )
         return Finding("energy", what, now.time, "", f"{MADE_REMEDY}: {now.remedy}")
     return None

@@ -2,8 +2,7 @@
 
 M q'' + Phi_q^T lambda = g with Phi_q q'' = gamma - 2 alpha Phi' - beta^2 Phi.  The
 state is y = (q, q', integrals): positions, velocities, and as quadratures the drive
-work, its absolute value, and per clearance joint contact loss, friction loss and
-the two doses of wear.
+work, its absolute value, and per clearance joint the rates of ``add_contacts``.
 """
 
 from typing import NamedTuple

@@ -28,6 +28,7 @@ from presswear.engines.settings import InHouse
 from presswear.linkage.elements import Linkage
 from presswear.physics.constraints import Constraints, constraints_of
 from presswear.physics.energy import MADE_REMEDY, SETTLED, Ledger, made_energy, stored_energy
+from presswear.physics.forces import CONTACT_LOSS, FRICTION_LOSS, MADE
 from presswear.record.recorder import Recorder
 from presswear.record.soundness import Finding
 from presswear.tools.errors import InputError
@@ -152,8 +153,8 @@ def prepare(
     def ledger() -> Ledger:
         losses = y[2 * n + DRIVE_INTEGRALS :].reshape(-1, JOINT_INTEGRALS).sum(axis=0)
         work, exchange = y[2 * n : 2 * n + DRIVE_INTEGRALS]
-        contact, friction = float(losses[0]), float(losses[1])
-        return Ledger(float(work), float(exchange), stored() - energy_before, contact, friction)
+        lost = map(float, losses[[CONTACT_LOSS, FRICTION_LOSS, MADE]])
+        return Ledger(float(work), float(exchange), stored() - energy_before, *lost)
 
     def diagnostics() -> dict[str, float | int | str]:
         words = f"{len(linkage.bodies)} bodies, {constraints.rows} constraints"

@@ -22,6 +22,7 @@ from presswear.physics.forces import (
     CONTACT_LOSS,
     FRICTION_LOSS,
     JOINT_RATES,
+    MADE,
     PRESSURE,
     WORK,
     add_contacts,
@@ -245,6 +246,7 @@ def sum_stages(book: Book, system: TreeSystem, h: float) -> None:
             base = 1 + JOINT_RATES * k
             ledger.contact_loss += weight * row[base + CONTACT_LOSS]
             ledger.friction_loss += weight * row[base + FRICTION_LOSS]
+            ledger.made += weight * row[base + MADE]
             book.doses[k].work += weight * row[base + WORK]
             book.doses[k].pressure += weight * row[base + PRESSURE]
     for k in range(count):
