@@ -7,6 +7,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.campaign import ensemble
 from presswear.campaign.checkpoint import Checkpoint
 from presswear.campaign.ensemble import NOTHING, Ensemble, Partial, Task, run_ensemble
 from presswear.campaign.growth import (
@@ -21,7 +22,7 @@ from presswear.campaign.growth import (
 from presswear.campaign.progress import Forecast
 from presswear.campaign.stage import stage_of, without_wear
 from presswear.linkage.elements import ClearanceJoint
-from presswear.record.sampling import STARTUP_CYCLES
+from presswear.record.sampling import LEAST_SAMPLES, STARTUP_CYCLES
 from presswear.record.soundness import Finding
 from presswear.record.tracker import Tracker
 from presswear.results.stage import StageResult
@@ -37,11 +38,14 @@ def unworn(scene: Scene) -> Array:
     return np.zeros((scene.draws, len(joints), 2, angles))
 
 
-def stage_task(scene: Scene) -> Task:
+def stage_task(scene: Scene, index: int) -> Task:
     """The runs of a stage: cycles as given, or until the wear maps are known."""
     if scene.cycles is not None:
         return Task(scene.cycles)
-    return Task(max(scene.most_cycles // scene.draws, 1), scene.tolerance)
+    # A jump multiplies the map of each start: the noise that it leaves has to be small.
+    jumps = index < scene.wears and not scene.wears_in_steps
+    fewest = ensemble.FEWEST if jumps else LEAST_SAMPLES
+    return Task(max(scene.most_cycles // scene.draws, 1), fewest, scene.tolerance)
 
 
 def pass_task(scene: Scene, index: int, growth: Growth | None) -> Task | None:
@@ -86,7 +90,7 @@ def run_stage(
     forecast = Forecast(replace(scene, wears=index), trackers)
     forecast.begin(index)
     worn = unworn(scene) if worn is None else worn
-    ran = run_ensemble(scene, worn, stage_task(scene), forecast)
+    ran = run_ensemble(scene, worn, stage_task(scene, index), forecast)
     stage = without_wear(scene, index, ran)
     for tracker in trackers:
         tracker.stage(stage)
@@ -188,7 +192,7 @@ def run_campaign(
         ) -> None:
             tell(Checkpoint(index, worn, ran, growth, running, forecast.numbers()))
 
-        task = stage_task(scene)
+        task = stage_task(scene, index)
         is_last = index == scene.wears
         if scene.wears_in_steps and not is_last:
             forecast.expect(3.0 * (scene.cycles or FEWEST))

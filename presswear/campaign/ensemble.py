@@ -53,6 +53,8 @@ class Task:
     ----------
     cycles : int
         Most cycles of each start.
+    fewest : int
+        Samples of each start before its run may end.
     tolerance : float or None
         How well the wear maps must be known from all starts together for a run to end before;
         None: all cycles are run.
@@ -65,6 +67,7 @@ class Task:
     """
 
     cycles: int
+    fewest: int = LEAST_SAMPLES
     tolerance: float | None = None
     wear: Wear | None = None
     number: int = 0
@@ -291,7 +294,7 @@ class _Watching(Tracker):
             return worn_out(joints, recorder.worn) is not None
         maps = [*(earlier.maps for earlier in self._earlier), recorder.maps]
         samples = sum(run.samples for run in maps)
-        if done < STARTUP_CYCLES + LEAST_SAMPLES or samples < FEWEST * self._share:
+        if done < STARTUP_CYCLES + self._task.fewest or samples < FEWEST * self._share:
             return False
         error = float(map_errors(*map_batches(maps)).max())
         self._word = f"{start}cycle {done}, wear maps known to {100.0 * error:.0f} %"

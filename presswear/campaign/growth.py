@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from presswear.linkage.elements import ClearanceJoint
 from presswear.physics.wear import worn_volume
 from presswear.record.recorder import Recorder
-from presswear.record.sampling import STARTUP_CYCLES, half_width
+from presswear.record.sampling import STARTUP_CYCLES, after_startup, half_width
 from presswear.results.stage import SIDES, WearStep
 
 Array = NDArray[np.float64]
@@ -96,7 +96,7 @@ def jump(
     worn = before + added
     cycles = sum(len(own.cycles) for own in recorders)
     forces = [
-        max(float(own.each_cycle("force_max", k).max()) for own in recorders)
+        max(float(after_startup(own.each_cycle("force_max", k)).max()) for own in recorders)
         for k in range(len(joints))
     ]
     step = WearStep(

@@ -1,7 +1,8 @@
 """Numbers of a stage, ready for ``result.json``.
 
 Peaks of a whole run are one draw of a chaotic motion; beside them stand means over cycles
-and the intervals of ``sampling``.
+and the intervals of ``sampling``.  Cycles at the start are in none of them, where enough
+others ran.
 """
 
 from collections.abc import Sequence
@@ -17,6 +18,7 @@ from presswear.physics.wear import worn_volume
 from presswear.record.recorder import Recorder
 from presswear.record.sampling import (
     Interval,
+    after_startup,
     half_width,
     map_errors,
     peak_of,
@@ -79,7 +81,7 @@ def joint_statistics(
     fewest = int(tallies["fewest_steps"].min()) if contacts else None
     time = sum(recorder.last_time for recorder in recorders)
     numbers: dict[str, Any] = {
-        "force_max_N": float(max(own.max() for own in force)),
+        "force_max_N": float(max(after_startup(own).max() for own in force)),
         "force_max_per_cycle_N": _mean(force, apart),
         "contacts": contacts,
         "contacts_per_cycle": _mean([np.diff(own, prepend=0.0) for own in counted], apart),
@@ -133,10 +135,10 @@ def stage_statistics(
     return {
         "cycles": sum(len(own) for own in displacement),
         "slider": {
-            "displacement_max_m": float(max(own.max() for own in displacement)),
-            "velocity_min_m_s": float(min(own.min() for own in slowest)),
-            "velocity_max_m_s": float(max(own.max() for own in fastest)),
-            "acceleration_max_m_s2": float(max(own.max() for own in acceleration)),
+            "displacement_max_m": float(max(after_startup(own).max() for own in displacement)),
+            "velocity_min_m_s": float(min(after_startup(own).min() for own in slowest)),
+            "velocity_max_m_s": float(max(after_startup(own).max() for own in fastest)),
+            "acceleration_max_m_s2": float(max(after_startup(own).max() for own in acceleration)),
             "displacement_max_per_cycle_m": _mean(displacement, apart),
             "velocity_max_per_cycle_m_s": _mean(fastest, apart),
             "acceleration_max_per_cycle_m_s2": _mean(acceleration, apart),
