@@ -104,14 +104,19 @@ def recorder_of(linkage: Linkage, start: Start, plan: Plan) -> Recorder:
     )
 
 
-def described(linkage: Linkage, model: str) -> str:
+def described(linkage: Linkage, model: str, prescribed: Iterable[str] = ()) -> str:
     """A sentence on the model that was built.
 
     Parameters
     ----------
     model : str
         The coordinates and joints that the engine solves for.
+    prescribed : iterable of str
+        Bodies whose motion is known, and which it does not solve for.
     """
+    known = sorted(prescribed)
+    if known:
+        model = f"{model}, {listed(known)} prescribed"
     opened = ", ".join(joint.name for joint in linkage.clearances) or "none"
     friction = any(joint.friction.coefficient > 0.0 for joint in linkage.clearances)
     worn = any(

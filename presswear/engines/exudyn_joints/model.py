@@ -18,16 +18,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.engines.base import Start
-from presswear.engines.exudyn import Solve
 from presswear.engines.exudyn_joints.kernels import Frame, connector_forces
 from presswear.linkage.elements import GROUND, Attachment, Drive, Linkage
 from presswear.linkage.topology import cranks_of, hinge_of
 from presswear.physics.contact import CONTACT
 from presswear.physics.motion import drive_motion, is_steady, motion_of
 from presswear.physics.prescribed import pack_cranks
-from presswear.record.observe import Book
 from presswear.record.recorder import Recorder
-from presswear.tools.compiled import Records, specialised
+from presswear.tools.compiled import specialised
 
 Array = NDArray[np.float64]
 
@@ -39,28 +37,17 @@ class JointsModel:
     container: Any
     system: Any
     joints: dict[str, int]  # object number of each ideal joint and drive
-    cranks: Records  # driven bodies that are left out
+    solved: Any = None  # live coordinates, rates, accelerations and multipliers
     frame: Any = None
-    multipliers: Any = None
+    connect: Any = None  # compiled forces of all clearance joints
 
     def state(self) -> dict[str, Array]:
         """The live arrays that hold the state between two solves."""
         frame = self.frame
-        solved = {"q": frame.solved_q, "v": frame.solved_v, "a": frame.solved_a}
-        arrays = {**solved, "multipliers": self.multipliers}
+        arrays = dict(zip(("q", "v", "a", "multipliers"), self.solved, strict=True))
         if frame.places.size:
             arrays |= {"all_q": frame.q, "all_v": frame.v, "all_a": frame.a, "axes": frame.axes}
         return {name: np.asarray(array) for name, array in arrays.items()}
-
-    def begin(self, settings: Any, solve: Solve, longest: float) -> None:
-        """Let the next solve begin from the present state, up to the end of the cycle."""
-        data = self.system.systemData
-        initial = exu.ConfigurationType.Initial
-        data.SetODE2Coordinates(np.array(self.frame.solved_q), initial)
-        data.SetODE2Coordinates_t(np.array(self.frame.solved_v), initial)
-        data.SetODE2Coordinates_tt(np.array(self.frame.solved_a), initial)
-        data.SetAECoordinates(np.array(self.multipliers), initial)
-        solve.set_span(settings, longest)
 
 
 def _speed_function(drive: Drive) -> Callable[..., float]:
@@ -203,76 +190,50 @@ def assemble(linkage: Linkage, start: Start, recorder: Recorder) -> JointsModel:
             ("TorqueVector", [0.0, 0.0, load.moment]),
         ):
             system.AddLoad({"loadType": kind, "markerNumber": at_centre, "loadVector": vector})
-    model = JointsModel(container, system, constraints, pack_cranks(linkage, omitted))
-    connector = _Connector.of(linkage, nodes, recorder.book)
+    model = JointsModel(container, system, constraints)
+    ends = [end.body for joint in linkage.clearances for end in (joint.bearing, joint.pin)]
+    joined = tuple(name for name in dict.fromkeys(ends) if name in nodes)
+    slots = np.array([3 * joined.index(name) if name in joined else -1 for name in ends], np.int64)
+    book = recorder.book
+    arguments = book.packed, slots.reshape(-1, 2), book.onset
+    out = np.zeros(3 * len(joined))
+
+    def contacts(system: Any, t: float, item: int, q: Any, v: Any) -> Array:
+        # Reads the live state instead of Exudyn's copies.
+        model.connect(model.frame, *arguments, t, out)
+        return out
+
     if linkage.clearances:
         system.AddObject(
             {
                 "objectType": "GenericODE2",
-                "nodeNumbers": [nodes[name] for name in connector.bodies],
-                "forceUserFunction": connector.function(),
+                "nodeNumbers": [nodes[name] for name in joined],
+                "forceUserFunction": contacts,
             }
         )
     system.Assemble()
-    model.frame = _frame(model, linkage, start, omitted)
-    model.multipliers = system.systemData.GetAECoordinates(copy=False)
-    connector.connect(model.frame)
-    return model
-
-
-def _frame(model: JointsModel, linkage: Linkage, start: Start, omitted: frozenset[str]) -> Frame:
-    data = model.system.systemData
-    solved = (
+    data = system.systemData
+    model.solved = (
         data.GetODE2Coordinates(copy=False),
         data.GetODE2Coordinates_t(copy=False),
         data.GetODE2Coordinates_tt(copy=False),
+        data.GetAECoordinates(copy=False),
     )
+    model.frame = _frame(model.solved[:3], linkage, start, omitted)
+    model.connect = specialised(connector_forces, model.frame, *arguments, 0.0, out)
+    return model
+
+
+def _frame(solved: Any, linkage: Linkage, start: Start, omitted: frozenset[str]) -> Frame:
+    """Coordinates of all bodies, from Exudyn's live coordinates, rates and accelerations."""
+    cranks = pack_cranks(linkage, omitted)
     count = 3 * len(linkage.bodies)
     contacts = np.zeros(len(linkage.clearances), CONTACT)
-    if not omitted:
-        nowhere = np.zeros(0, dtype=np.int64)
-        return Frame(*solved, nowhere, model.cranks, *solved, np.zeros(count), contacts)
     kept = [i for i, body in enumerate(linkage.bodies) if body.name not in omitted]
-    places = np.array([3 * i + c for i in kept for c in range(3)])
-    q, v = np.array(start.position), np.array(start.velocity)
-    return Frame(*solved, places, model.cranks, q, v, np.zeros(count), np.zeros(count), contacts)
-
-
-@dataclass
-class _Connector:
-    """The object of all clearance joints and its user function.
-
-    The function reads the live state instead of Exudyn's copies, so it is complete only
-    when the system is assembled.
-    """
-
-    bodies: tuple[str, ...]
-    arguments: tuple[Any, ...]  # packed, slots, onset
-    out: Array
-    frame: Any = None
-    kernel: Any = None
-
-    @staticmethod
-    def of(linkage: Linkage, nodes: dict[str, Any], book: Book) -> "_Connector":
-        ends = [end.body for joint in linkage.clearances for end in (joint.bearing, joint.pin)]
-        bodies = tuple(name for name in dict.fromkeys(ends) if name in nodes)
-        slots = [3 * bodies.index(name) if name in bodies else -1 for name in ends]
-        arguments = (
-            book.packed,
-            np.array(slots, dtype=np.int64).reshape(-1, 2),
-            book.onset,
-        )
-        return _Connector(bodies, arguments, np.zeros(3 * len(bodies)))
-
-    def connect(self, frame: Frame) -> None:
-        self.frame = frame
-        self.kernel = specialised(connector_forces, frame, *self.arguments, 0.0, self.out)
-
-    def function(self) -> Callable[..., Array]:
-        packed, slots, onset = self.arguments
-
-        def force(system: Any, t: float, item: int, q: Any, v: Any) -> Array:
-            self.kernel(self.frame, packed, slots, onset, t, self.out)
-            return self.out
-
-        return force
+    places = np.array([3 * i + c for i in kept for c in range(3)], np.int64)
+    q, v, a = np.array(start.position), np.array(start.velocity), np.zeros(count)
+    if not omitted:
+        places, (q, v, a) = places[:0], solved
+    return Frame(
+        solved[0], solved[1], solved[2], places, cranks, q, v, a, np.zeros(count), contacts
+    )

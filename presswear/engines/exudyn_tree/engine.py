@@ -26,7 +26,6 @@ from presswear.engines.exudyn import (
     quiet,
     run_to_end,
     settings_of,
-    shares_of,
     timed,
 )
 from presswear.engines.exudyn_tree.kernels import (
@@ -66,9 +65,14 @@ _INSTANT = 1e-12
 """Length of the step that asks Exudyn for the accelerations at the start, s."""
 
 
-_STAGES = ("forces", "mass_matrix", "integrator", "end_of_step")
-_SUMS = ("steps", "sent_back", "wall", "total", *_STAGES)
-"""Counts and times that are summed over the cycles of a run."""
+_STAGES = {
+    "forces": ("ODE2RHS",),
+    "mass_matrix": ("massMatrix", "factorization", "newtonIncrement"),
+    "integrator": ("integrationFormula", "errorEstimator"),
+    "end_of_step": ("python",),
+}
+"""Forces include the tree's own in C++ and the Python user function; the step's end is contact
+state, wear, recording and the choice of the next step."""
 
 
 def system_of(tree: Tree, linkage: Linkage, longest: float) -> TreeSystem:
@@ -187,7 +191,8 @@ def prepare(
         forces = _Forces(system, book, np.zeros(len(tree.links)))
         model = assemble(tree, linkage, start, forces.function())
         forces.x, forces.u = model.x, model.u
-        solve = Solve.of(recorder, plan, _SUMS, FIRST_STEP)
+        counts = {"sent_back": "rejectedAutomaticStepSizeSteps"}
+        solve = Solve.of(recorder, plan, _STAGES, counts, FIRST_STEP)
         accept = _accept(model, system, book, forces)
         limit = StepLimit(solve)
         model.system.SetPreStepUserFunction(lambda system, t: limit.pre_step(system, t))
@@ -204,13 +209,8 @@ def prepare(
     exudyn = _settings(settings, longest)
 
     def advance(end: float) -> Finding | None:
-        solve.begin(end)
-        model.begin(exudyn, solve, longest)
-        finding = run_to_end(model.system, exudyn, exu.DynamicSolverType.DOPRI5, solve, REMEDY)
-        solver = model.system.sys["dynamicSolver"]
-        solve.add(_wall_times(solver.timer))
-        solve.add({"sent_back": solver.it.rejectedAutomaticStepSizeSteps})
-        return finding
+        kind, live = exu.DynamicSolverType.DOPRI5, (model.x, model.u)
+        return run_to_end(model.system, live, exudyn, kind, solve, longest, end, REMEDY)
 
     def ledger() -> Ledger:
         stored, momentum = energy()
@@ -220,8 +220,9 @@ def prepare(
 
     def diagnostics() -> dict[str, float | int | str]:
         sums, pace = solve.sums, system.pace[0]
+        words = f"open tree of {len(tree.links)} coordinates ({listed(tree.names)})"
         return {
-            "model": described(linkage, _model_words(tree, linkage)),
+            "model": described(linkage, words, cranks_of(linkage)),
             "solver": f"Exudyn DOPRI5 at tolerance {settings.tree_tolerance:g}, "
             "steps end on touches and separations",
             "steps": int(sums["steps"]),
@@ -230,8 +231,7 @@ def prepare(
             "events": int(pace["events"]),
             "deepest_touch_m": float(pace["deepest_touch"]),
             **times,
-            "wall_solve_s": sums["wall"],
-            **shares_of(sums, _STAGES),
+            **solve.shares(),
         }
 
     return Simulation(
@@ -252,12 +252,6 @@ def prepare(
     )
 
 
-def _model_words(tree: Tree, linkage: Linkage) -> str:
-    words = f"open tree of {len(tree.links)} coordinates ({listed(tree.names)})"
-    known = sorted(cranks_of(linkage))
-    return f"{words}, {listed(known)} prescribed" if known else words
-
-
 def _warm_up(tree: Tree, linkage: Linkage, start: Start) -> None:
     """Compile every kernel, or load it from the cache, on a state thrown away."""
     book = Recorder.of(linkage, start.position, 1, 1.0).book
@@ -268,18 +262,3 @@ def _warm_up(tree: Tree, linkage: Linkage, start: Start) -> None:
     specialised(accept_tree_step, system, book, 0.0, x, x, x)
     specialised(tree_state, system, book, 0.0, x, x, x)
     specialised(hinge_power_integral, system)
-
-
-def _wall_times(timer: Any) -> dict[str, float]:
-    """Where the time of a solve went, s; ``total`` is all of it.
-
-    Forces include the tree's own in C++ and the Python user function; the step's end is
-    contact state, wear, recording and the choice of the next step.
-    """
-    return {
-        "total": timer.total,
-        "forces": timer.ODE2RHS,
-        "mass_matrix": timer.massMatrix + timer.factorization + timer.newtonIncrement,
-        "integrator": timer.integrationFormula + timer.errorEstimator,
-        "end_of_step": timer.python,
-    }

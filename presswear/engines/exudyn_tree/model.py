@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.engines.base import Start
-from presswear.engines.exudyn import Solve
 from presswear.linkage.elements import Linkage
 from presswear.physics.tree import Tree
 
@@ -28,15 +27,6 @@ class TreeModel:
     x: Any
     u: Any
     u_t: Any
-
-    def begin(self, settings: Any, solve: Solve, longest: float) -> None:
-        """Let the next solve begin from the present state, up to the end of the cycle."""
-        data = self.system.systemData
-        initial = exu.ConfigurationType.Initial
-        data.SetODE2Coordinates(np.array(self.x), initial)
-        data.SetODE2Coordinates_t(np.array(self.u), initial)
-        solve.set_span(settings, longest)
-        settings.timeIntegration.initialStepSize = solve.sums["proposed"]
 
 
 def _turned(angle: float) -> Array:
