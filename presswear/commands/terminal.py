@@ -4,7 +4,7 @@ import math
 import shlex
 from argparse import ArgumentTypeError
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rich.box import SIMPLE
 from rich.console import Console
@@ -25,14 +25,25 @@ from presswear.studies import STUDIES
 from presswear.tools.errors import InputError, nearest
 from presswear.tools.quantities import Meaning, parse_quantity
 
-_ANY = Meaning("", -math.inf, math.inf, "", "")
-
 if TYPE_CHECKING:
     from presswear.results.result import Result
 
+_ANY = Meaning("", -math.inf, math.inf, "", "")
 
 LONGEST = 86400.0
 """Time that an option may say, s: a day."""
+
+
+def add_out(parser: Any, name: str) -> None:
+    """Add the option ``--out``, of results/NAME where nothing is said."""
+    parser.add_argument("--out", type=folder_given, help=f"new folder (default results/{name})")
+
+
+def add_settings(parser: Any) -> None:
+    """Add the option ``--set`` to a command that is not ``run``."""
+    parser.add_argument(
+        "--set", action="append", default=[], metavar="KEY=VALUE", help="as in presswear run"
+    )
 
 
 def settings_given(items: list[str]) -> dict[str, str]:
