@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.record.film import Film
-from presswear.results.stage import StageResult, stage_at
+from presswear.results.stage import StageResult
 from presswear.results.stored import (
     StoredResult,
     check_arrays,
@@ -76,7 +76,14 @@ class Result:
 
     def stage(self, index: int) -> StageResult:
         """The stage after so many wears; InputError tells which there are."""
-        return stage_at(self.stages, index, str(self.path or self.scene.name))
+        for stage in self.stages:
+            if stage.index == index:
+                return stage
+        held = [stage.index for stage in self.stages]
+        told = ", ".join(map(str, held)) or "none"
+        near = f"; did you mean {min(held, key=lambda own: abs(own - index))}?" if held else ""
+        where = self.path or self.scene.name
+        raise InputError(f"{where} has no stage {index}; it has {told}{near}")
 
     @property
     def grew_in_steps(self) -> bool:

@@ -17,11 +17,11 @@ from presswear.engines.dae.march import (
     DONE,
     RUNNING,
     STUCK,
-    Integration,
     march_controlled,
     march_fixed,
     note_torques,
 )
+from presswear.engines.dae.runge_kutta import Integration
 from presswear.engines.dormand_prince import DOP853, DOPRI5
 from presswear.engines.driver import Simulation
 from presswear.engines.settings import InHouse

@@ -144,27 +144,20 @@ def assemble(linkage: Linkage, start: Start, recorder: Recorder) -> JointsModel:
                 "constrainRotation": True,
             }
         )
-    fixed = system.AddMarker(
-        {
-            "markerType": "NodeCoordinate",
-            "nodeNumber": system.AddNode({"nodeType": "PointGround"}),
-            "coordinate": 0,
-        }
-    )
+
+    def coordinate_of(node: Any, number: int) -> Any:
+        return system.AddMarker(
+            {"markerType": "NodeCoordinate", "nodeNumber": node, "coordinate": number}
+        )
+
+    fixed = coordinate_of(system.AddNode({"nodeType": "PointGround"}), 0)
     for drive in linkage.drives:
         if drive.body in omitted:
             continue
-        turned = system.AddMarker(
-            {
-                "markerType": "NodeCoordinate",
-                "nodeNumber": nodes[drive.body],
-                "coordinate": 2,
-            }
-        )
         # At velocity level; the trapezoidal rule integrates a constant speed exactly.
         turning = {
             "objectType": "ConnectorCoordinate",
-            "markerNumbers": [fixed, turned],
+            "markerNumbers": [fixed, coordinate_of(nodes[drive.body], 2)],
             "velocityLevel": True,
             "offset": drive.speed,
         }
