@@ -30,16 +30,15 @@ from presswear.tools.compiled import specialised
 Array = NDArray[np.float64]
 
 
-@dataclass
+@dataclass(frozen=True)
 class JointsModel:
     """An assembled Exudyn system; the views of ``frame`` stay live during the solve."""
 
     container: Any
     system: Any
     joints: dict[str, int]  # object number of each ideal joint and drive
-    solved: Any = None  # live coordinates, rates, accelerations and multipliers
-    frame: Any = None
-    connect: Any = None  # compiled forces of all clearance joints
+    solved: tuple[Any, ...]  # live coordinates, rates, accelerations and multipliers
+    frame: Frame
 
     def state(self) -> dict[str, Array]:
         """The live arrays that hold the state between two solves."""
@@ -183,17 +182,16 @@ def assemble(linkage: Linkage, start: Start, recorder: Recorder) -> JointsModel:
             ("TorqueVector", [0.0, 0.0, load.moment]),
         ):
             system.AddLoad({"loadType": kind, "markerNumber": at_centre, "loadVector": vector})
-    model = JointsModel(container, system, constraints)
     ends = [end.body for joint in linkage.clearances for end in (joint.bearing, joint.pin)]
     joined = tuple(name for name in dict.fromkeys(ends) if name in nodes)
-    slots = np.array([3 * joined.index(name) if name in joined else -1 for name in ends], np.int64)
-    book = recorder.book
-    arguments = book.packed, slots.reshape(-1, 2), book.onset
+    places = [3 * joined.index(name) if name in joined else -1 for name in ends]
+    slots = np.array(places, dtype=np.int64).reshape(-1, 2)
+    packed, onset = recorder.book.packed, recorder.book.onset
     out = np.zeros(3 * len(joined))
 
     def contacts(system: Any, t: float, item: int, q: Any, v: Any) -> Array:
-        # Reads the live state instead of Exudyn's copies.
-        model.connect(model.frame, *arguments, t, out)
+        # Reads the live state, known once all is assembled, instead of Exudyn's copies.
+        kernel(frame, packed, slots, onset, t, out)
         return out
 
     if linkage.clearances:
@@ -206,15 +204,15 @@ def assemble(linkage: Linkage, start: Start, recorder: Recorder) -> JointsModel:
         )
     system.Assemble()
     data = system.systemData
-    model.solved = (
+    solved = (
         data.GetODE2Coordinates(copy=False),
         data.GetODE2Coordinates_t(copy=False),
         data.GetODE2Coordinates_tt(copy=False),
         data.GetAECoordinates(copy=False),
     )
-    model.frame = _frame(model.solved[:3], linkage, start, omitted)
-    model.connect = specialised(connector_forces, model.frame, *arguments, 0.0, out)
-    return model
+    frame = _frame(solved[:3], linkage, start, omitted)
+    kernel = specialised(connector_forces, frame, packed, slots, onset, 0.0, out)
+    return JointsModel(container, system, constraints, solved, frame)
 
 
 def _frame(solved: Any, linkage: Linkage, start: Start, omitted: frozenset[str]) -> Frame:

@@ -7,8 +7,6 @@ weights and moving hinges at once.  Contact state changes only between accepted
 steps, and steps end where a pin touches or leaves.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import exudyn as exu
@@ -95,40 +93,6 @@ def system_of(tree: Tree, linkage: Linkage, longest: float) -> TreeSystem:
     )
 
 
-@dataclass
-class _Forces:
-    """The user function of the tree; knows the live state once the model is assembled.
-
-    Attributes
-    ----------
-    calls : int
-        Since the last accepted step.
-    """
-
-    system: TreeSystem
-    book: Book
-    out: Array
-    x: Any = None
-    u: Any = None
-    calls: int = 0
-
-    def function(self) -> Callable[..., Array]:
-        """The function that Exudyn calls in every stage; its copies of the state are not needed."""
-        system, out = self.system, self.out
-        book = self.book
-        packed, contacts = book.packed, book.contacts
-        kernel = specialised(stage_forces, system, packed, contacts, 0.0, out, out, out)
-
-        def force(mbs: Any, t: float, item: int, q: Any, q_t: Any) -> Array:
-            self.calls += 1
-            if self.calls > MOST_CALLS:
-                raise StuckError
-            kernel(system, packed, contacts, t, self.x, self.u, out)
-            return out
-
-        return force
-
-
 def _settings(accuracy: ExudynTree, longest: float) -> Any:
     settings = settings_of(longest, SHORTEST_STEP)
     integration = settings.timeIntegration
@@ -154,18 +118,35 @@ def _accelerations_at_start(model: TreeModel) -> Array:
     return np.array(model.u_t)
 
 
-def _accept(model: TreeModel, system: TreeSystem, book: Book, forces: _Forces) -> Accept:
-    """Account for accepted steps and choose the next."""
+def _build(
+    tree: Tree, linkage: Linkage, start: Start, system: TreeSystem, book: Book
+) -> tuple[TreeModel, Accept]:
+    """The tree with its user function, and what accounts for a step and chooses the next."""
+    packed, contacts, out = book.packed, book.contacts, np.zeros(len(tree.links))
+    stage = specialised(stage_forces, system, packed, contacts, 0.0, out, out, out)
+    calls = 0  # since the last accepted step
+
+    def forces(mbs: Any, t: float, item: int, q: Any, q_t: Any) -> Array:
+        # Reads the live state, known once the model is assembled, instead of Exudyn's copies.
+        nonlocal calls
+        calls += 1
+        if calls > MOST_CALLS:
+            raise StuckError
+        stage(system, packed, contacts, t, x, u, out)
+        return out
+
+    model = assemble(tree, linkage, start, forces)
     x, u, u_t = model.x, model.u, model.u_t
     at_start = _accelerations_at_start(model)
     system.pace["evaluations"] = 0
     kernel = specialised(accept_tree_step, system, book, 0.0, x, u, u_t)
 
     def accept(t: float) -> float:
-        forces.calls = 0
+        nonlocal calls
+        calls = 0
         return kernel(system, book, t, x, u, at_start if t == 0.0 else u_t)
 
-    return accept
+    return model, accept
 
 
 def prepare(
@@ -188,12 +169,9 @@ def prepare(
     with timed(times, "wall_build_s"):
         book = recorder.book
         system = system_of(tree, linkage, longest)
-        forces = _Forces(system, book, np.zeros(len(tree.links)))
-        model = assemble(tree, linkage, start, forces.function())
-        forces.x, forces.u = model.x, model.u
+        model, accept = _build(tree, linkage, start, system, book)
         counts = {"sent_back": "rejectedAutomaticStepSizeSteps"}
         solve = Solve.of(recorder, plan, _STAGES, counts, FIRST_STEP)
-        accept = _accept(model, system, book, forces)
         limit = StepLimit(solve)
         model.system.SetPreStepUserFunction(lambda system, t: limit.pre_step(system, t))
         model.system.SetPostStepUserFunction(post_step(solve, accept, limit.write))
