@@ -267,9 +267,12 @@ def run_to_end(
             system.SolveDynamic(settings, solverType=kind)
     except exu.ExudynError as error:
         # What a user function raises comes wrapped.
-        if not isinstance(error, exu.SolverError) and StuckError.__name__ not in str(error):
+        if isinstance(error, exu.SolverError) or StuckError.__name__ in str(error):
+            message = "the solver found no solution at the shortest step"
+        elif "not factorized" in str(error):
+            message = "the matrix of the equations is singular or not finite"
+        else:
             raise
-        message = "the solver found no solution at the shortest step"
     if solve.error is not None:
         raise solve.error
     solver = system.sys["dynamicSolver"]
