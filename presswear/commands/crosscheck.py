@@ -147,4 +147,4 @@ def _print_checks(
     for quantity, unit, numbers, passed in rows:
         shown = ["" if number is None else f"{number:.2e}" for number in numbers]
         cells.append([quantity, *shown, unit, "" if numbers[-1] is None else verdict(passed)])
-    print_table(console, ("quantity", "unit", ""), names, cells)
+    print_table(console, ("quantity",), names, cells, ("unit", ""))
