@@ -37,7 +37,7 @@ def frames_at(reels: Sequence[Reel], time: float) -> tuple[int, ...]:
         slack = 2.0 * reel.period / FRAMES_PER_CYCLE
         if not first - slack <= own <= last + slack:
             raise InputError(
-                f"time {own:g} s: the film of {reel.subject.title}, {reel.subject.stage}, "
+                f"time {own:g} s: the film of {reel.title}, {reel.stage}, "
                 f"goes from {first:g} s to {last:g} s"
             )
         found.append(reel.frame_at(own))

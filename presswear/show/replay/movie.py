@@ -29,7 +29,7 @@ _COLOURS = 64
 
 def still(reels: Sequence[Reel], frames: Sequence[int], size: tuple[int, int]) -> Pixels:
     """One picture, shape (height, width, 3)."""
-    picture = Picture([reel.subject for reel in reels], size)
+    picture = Picture(reels, size)
     try:
         first, last = reels[0].span
         part = (reels[0].film.time[frames[0]] - first) / (last - first)
@@ -49,7 +49,7 @@ _worker: dict[str, Any] = {}
 
 
 def _begin(reels: Sequence[Reel], frames: Frames, note: str, size: tuple[int, int]) -> None:
-    picture = Picture([reel.subject for reel in reels], size)
+    picture = Picture(reels, size)
     picture.container.visualizationSettings.raytracer.numberOfThreads = 1
     _worker.update(reels=reels, frames=frames, note=note, picture=picture)
 

@@ -76,16 +76,10 @@ class Instant:
 
 
 @dataclass(frozen=True)
-class Reel:
-    """A stored film and its subject."""
+class Reel(Subject):
+    """A subject with its stored film."""
 
-    subject: Subject
     film: Film
-
-    @property
-    def period(self) -> float:
-        """Duration of a cycle, s."""
-        return self.subject.period
 
     @property
     def span(self) -> tuple[float, float]:
@@ -140,7 +134,7 @@ def reel_of(result: Result, index: int) -> Reel:
     film, linkage = stage.film, _linkage(scene, stage)
     forces = np.hypot(film.joints[:, :, NORMAL], film.joints[:, :, TANGENTIAL])
     largest = forces.max(axis=0, initial=0.0).tolist()
-    subject = Subject(
+    return Reel(
         title=f"{result.path.resolve().name}: {scene.name}" if result.path else scene.name,
         stage=stage.name,
         linkage=linkage,
@@ -148,8 +142,8 @@ def reel_of(result: Result, index: int) -> Reel:
         deepest=_greatest(deepest(_linkage(scene, one)) for one in result.stages),
         largest={joint.name: own for joint, own in zip(linkage.clearances, largest, strict=True)},
         motion=film.position,
+        film=film,
     )
-    return Reel(subject, film)
 
 
 def _linkage(scene: Scene, stage: StageResult) -> Linkage:
@@ -175,12 +169,9 @@ def deepest(linkage: Linkage) -> dict[str, float]:
 
 def alike(reels: Sequence[Reel]) -> list[Reel]:
     """The reels with room for the same depths and forces, so that they can be compared."""
-    deepest = _greatest(reel.subject.deepest for reel in reels)
-    largest = _greatest(reel.subject.largest for reel in reels)
-    return [
-        replace(reel, subject=replace(reel.subject, deepest=deepest, largest=largest))
-        for reel in reels
-    ]
+    deepest = _greatest(reel.deepest for reel in reels)
+    largest = _greatest(reel.largest for reel in reels)
+    return [replace(reel, deepest=deepest, largest=largest) for reel in reels]
 
 
 def _greatest(rooms: Iterable[Mapping[str, float]]) -> dict[str, float]:

@@ -156,7 +156,7 @@ def _show(
     # Every reel has frames up to the crank angle at which the shortest ends.
     last = first.period * min(reel.span[1] / reel.period for reel in reels)
     player = Player(first.span[0], last, start, slowed, first.period / FRAMES_PER_CYCLE)
-    window = Window(Picture([reel.subject for reel in reels], size), player.press)
+    window = Window(Picture(reels, size), player.press)
     asker.send("open")
     before = frames_at(reels, player.time)
     shown = clock.perf_counter()
