@@ -143,12 +143,12 @@ class Result:
         return path
 
     def table(self) -> "pandas.DataFrame":
-        """Statistics, a row a stage, a column a number; needs pandas."""
+        """Statistics, a row a stage, a column a number, names joined with points; needs pandas."""
         import pandas
 
-        rows = [dict(_flat(stage.statistics)) for stage in self.stages]
-        index = pandas.Index([stage.name for stage in self.stages], name="stage")
-        return pandas.DataFrame(rows, index=index)
+        table = pandas.json_normalize([dict(stage.statistics) for stage in self.stages])
+        table.index = pandas.Index([stage.name for stage in self.stages], name="stage")
+        return table
 
     def dataset(self, stage: int) -> "xarray.Dataset":
         """Series and wear maps of a stage over time and angle, SI units; needs xarray."""
@@ -170,17 +170,6 @@ class Result:
 
 def _short(value: float | None) -> str:
     return "–" if value is None else f"{value:.3g}"
-
-
-def _flat(numbers: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
-    """Nested statistics by names joined with points."""
-    found: list[tuple[str, Any]] = []
-    for name, value in numbers.items():
-        if isinstance(value, Mapping):
-            found += _flat(value, f"{prefix}{name}.")
-        else:
-            found.append((f"{prefix}{name}", value))
-    return found
 
 
 def read_document(path: Path) -> dict[str, Any]:

@@ -61,7 +61,7 @@ _COUNTS = {"newton": "newtonStepsCount", "jacobians": "newtonJacobiCount"}
 def _settings(accuracy: ExudynJoints, longest: float) -> Any:
     settings = settings_of(longest, 0.1 * accuracy.least_step)
     integration = settings.timeIntegration
-    # Steps are chosen by accept_step; Exudyn must not lengthen them behind its back.
+    # Steps are chosen by accept_joint_step; Exudyn must not lengthen them behind its back.
     integration.adaptiveStepRecoverySteps = 2**30
     integration.newton.relativeTolerance = accuracy.newton
     integration.newton.absoluteTolerance = accuracy.newton
