@@ -193,6 +193,26 @@ def post_step(solve: Solve, accept: Accept, write: Write = write_step) -> Callab
     return after
 
 
+def add_node(system: Any, kind: str, **values: Any) -> Any:
+    """Add a node to a system; gives its number."""
+    return system.AddNode({"nodeType": kind, **values})
+
+
+def add_object(system: Any, kind: str, **values: Any) -> Any:
+    """Add an object to a system; gives its number."""
+    return system.AddObject({"objectType": kind, **values})
+
+
+def add_marker(system: Any, kind: str, **values: Any) -> Any:
+    """Add a marker to a system; gives its number."""
+    return system.AddMarker({"markerType": kind, **values})
+
+
+def add_load(system: Any, kind: str, **values: Any) -> Any:
+    """Add a load to a system; gives its number."""
+    return system.AddLoad({"loadType": kind, **values})
+
+
 def settings_of(longest: float, shortest: float) -> Any:
     """Settings common to all solvers, with steps of a length at most, s."""
     settings = exu.SimulationSettings()

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.engines.base import Start
+from presswear.engines.exudyn import add_load, add_marker, add_node, add_object
 from presswear.engines.exudyn_joints.kernels import Frame, connector_forces
 from presswear.linkage.elements import GROUND, Attachment, Drive, Linkage
 from presswear.linkage.topology import cranks_of, hinge_of
@@ -75,113 +76,79 @@ def assemble(linkage: Linkage, start: Start, recorder: Recorder) -> JointsModel:
     omitted = left_out(linkage)
     hinges = {id(hinge_of(linkage, name)) for name in omitted}
     nodes: dict[str, Any] = {}
-    bodies: dict[str, Any] = {}
+    bodies: dict[str, Any] = {GROUND: add_object(system, "Ground")}
     for i, body in enumerate(linkage.bodies):
         if body.name in omitted:
             continue
         # Reference coordinates are zero, so that coordinates are positions.
-        node = system.AddNode(
-            {
-                "nodeType": "RigidBody2D",
-                "referenceCoordinates": [0.0, 0.0, 0.0],
-                "initialCoordinates": list(start.position[3 * i : 3 * i + 3]),
-                "initialVelocities": list(start.velocity[3 * i : 3 * i + 3]),
-            }
+        node = add_node(
+            system,
+            "RigidBody2D",
+            referenceCoordinates=[0.0, 0.0, 0.0],
+            initialCoordinates=list(start.position[3 * i : 3 * i + 3]),
+            initialVelocities=list(start.velocity[3 * i : 3 * i + 3]),
         )
-        rigid = system.AddObject(
-            {
-                "objectType": "RigidBody2D",
-                "mass": body.mass,
-                "inertia": body.inertia,
-                "nodeNumber": node,
-            }
+        rigid = add_object(
+            system, "RigidBody2D", mass=body.mass, inertia=body.inertia, nodeNumber=node
         )
         if linkage.gravity != 0.0:
-            marker = system.AddMarker({"markerType": "BodyMass", "bodyNumber": rigid})
-            system.AddLoad(
-                {
-                    "loadType": "MassProportional",
-                    "markerNumber": marker,
-                    "loadVector": [0.0, -linkage.gravity, 0.0],
-                }
-            )
+            marker = add_marker(system, "BodyMass", bodyNumber=rigid)
+            weight = [0.0, -linkage.gravity, 0.0]
+            add_load(system, "MassProportional", markerNumber=marker, loadVector=weight)
         nodes[body.name] = node
         bodies[body.name] = rigid
-    ground = system.AddObject({"objectType": "Ground"})
 
     def marker_at(point: Attachment) -> Any:
-        owner = ground if point.body == GROUND else bodies[point.body]
-        return system.AddMarker(
-            {
-                "markerType": "BodyRigid",
-                "bodyNumber": owner,
-                "localPosition": [point.x, point.y, 0.0],
-            }
-        )
+        place = [point.x, point.y, 0.0]
+        return add_marker(system, "BodyRigid", bodyNumber=bodies[point.body], localPosition=place)
 
     constraints: dict[str, int] = {}
     for joint in linkage.revolutes:
         if id(joint) in hinges:
             continue
-        constraints[joint.name] = system.AddObject(
-            {
-                "objectType": "JointRevolute2D",
-                "markerNumbers": [marker_at(joint.first), marker_at(joint.second)],
-            }
-        )
+        markers = [marker_at(joint.first), marker_at(joint.second)]
+        constraints[joint.name] = add_object(system, "JointRevolute2D", markerNumbers=markers)
     for guide in linkage.guides:
         normal = guide.direction - guide.angle + 0.5 * math.pi
-        constraints[guide.name] = system.AddObject(
-            {
-                "objectType": "JointPrismatic2D",
-                "markerNumbers": [
-                    marker_at(Attachment(GROUND, guide.x, guide.y)),
-                    marker_at(Attachment(guide.body, 0.0, 0.0)),
-                ],
-                "axisMarker0": [math.cos(guide.direction), math.sin(guide.direction), 0.0],
-                "normalMarker1": [math.cos(normal), math.sin(normal), 0.0],
-                "constrainRotation": True,
-            }
+        on_frame = marker_at(Attachment(GROUND, guide.x, guide.y))
+        constraints[guide.name] = add_object(
+            system,
+            "JointPrismatic2D",
+            markerNumbers=[on_frame, marker_at(Attachment(guide.body, 0.0, 0.0))],
+            axisMarker0=[math.cos(guide.direction), math.sin(guide.direction), 0.0],
+            normalMarker1=[math.cos(normal), math.sin(normal), 0.0],
+            constrainRotation=True,
         )
-
-    def coordinate_of(node: Any, number: int) -> Any:
-        return system.AddMarker(
-            {"markerType": "NodeCoordinate", "nodeNumber": node, "coordinate": number}
-        )
-
-    fixed = coordinate_of(system.AddNode({"nodeType": "PointGround"}), 0)
+    still = add_node(system, "PointGround")
+    fixed = add_marker(system, "NodeCoordinate", nodeNumber=still, coordinate=0)
     for drive in linkage.drives:
         if drive.body in omitted:
             continue
+        turned = add_marker(system, "NodeCoordinate", nodeNumber=nodes[drive.body], coordinate=2)
         # At velocity level; the trapezoidal rule integrates a constant speed exactly.
-        turning = {
-            "objectType": "ConnectorCoordinate",
-            "markerNumbers": [fixed, coordinate_of(nodes[drive.body], 2)],
-            "velocityLevel": True,
-            "offset": drive.speed,
-        }
+        turning: dict[str, Any] = {"offset": drive.speed}
         if not is_steady(drive):
-            turning |= {"offset": 0.0, "offsetUserFunction_t": _speed_function(drive)}
-        constraints[drive.name] = system.AddObject(turning)
+            turning = {"offset": 0.0, "offsetUserFunction_t": _speed_function(drive)}
+        markers = [fixed, turned]
+        constraints[drive.name] = add_object(
+            system, "ConnectorCoordinate", markerNumbers=markers, velocityLevel=True, **turning
+        )
     for spring in linkage.springs:
-        system.AddObject(
-            {
-                "objectType": "ConnectorSpringDamper",
-                "markerNumbers": [marker_at(spring.first), marker_at(spring.second)],
-                "stiffness": spring.stiffness,
-                "damping": spring.damping,
-                "referenceLength": spring.length,
-            }
+        add_object(
+            system,
+            "ConnectorSpringDamper",
+            markerNumbers=[marker_at(spring.first), marker_at(spring.second)],
+            stiffness=spring.stiffness,
+            damping=spring.damping,
+            referenceLength=spring.length,
         )
     for load in linkage.loads:
         if load.body in omitted:
             continue
         at_centre = marker_at(Attachment(load.body, 0.0, 0.0))
-        for kind, vector in (
-            ("ForceVector", [load.x, load.y, 0.0]),
-            ("TorqueVector", [0.0, 0.0, load.moment]),
-        ):
-            system.AddLoad({"loadType": kind, "markerNumber": at_centre, "loadVector": vector})
+        force, torque = [load.x, load.y, 0.0], [0.0, 0.0, load.moment]
+        add_load(system, "ForceVector", markerNumber=at_centre, loadVector=force)
+        add_load(system, "TorqueVector", markerNumber=at_centre, loadVector=torque)
     ends = [end.body for joint in linkage.clearances for end in (joint.bearing, joint.pin)]
     joined = tuple(name for name in dict.fromkeys(ends) if name in nodes)
     places = [3 * joined.index(name) if name in joined else -1 for name in ends]
@@ -195,13 +162,8 @@ def assemble(linkage: Linkage, start: Start, recorder: Recorder) -> JointsModel:
         return out
 
     if linkage.clearances:
-        system.AddObject(
-            {
-                "objectType": "GenericODE2",
-                "nodeNumbers": [nodes[name] for name in joined],
-                "forceUserFunction": contacts,
-            }
-        )
+        numbers = [nodes[name] for name in joined]
+        add_object(system, "GenericODE2", nodeNumbers=numbers, forceUserFunction=contacts)
     system.Assemble()
     data = system.systemData
     solved = (
