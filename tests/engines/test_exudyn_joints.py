@@ -19,7 +19,6 @@ from presswear.linkage.laws import (
     greatest_penetration,
     lankarani_nikravesh_damping,
 )
-from presswear.linkage.press import GEOMETRIES, Press
 from presswear.scene.catalog import ideal, wear_times
 from presswear.scene.scene import CONVENTIONS
 
@@ -114,24 +113,6 @@ def test_onset_speed_at_the_working_step_under_acceleration() -> None:
     assert run.recorder.book.tally["contacts"][0] >= 1
     assert onset == pytest.approx(2.0 * half / spin, rel=1e-6)
     assert closing == pytest.approx(arm * spin * math.cos(half), rel=1e-6)
-
-
-@pytest.mark.parametrize("geometry", list(GEOMETRIES))
-def test_ideal_press_follows_the_closed_form(geometry: str) -> None:
-    scene = replace(ideal(), mechanism=Press(geometry=GEOMETRIES[geometry]))
-    run = scene.numerics.joints.over(scene.mechanism.period).simulate(
-        scene.linkage(), start_of(scene), Plan(scene.mechanism.period, 1)
-    )
-    rows = run.recorder.rows
-    motion = scene.mechanism.ideal_motion(rows[:, 0])
-    column = 3 * scene.linkage().index("slider 6") + 1
-    assert rows.shape[0] > 1000
-    exact = motion.position[:, column] - motion.position[0, column]
-    assert np.abs(rows[:, 1] - exact).max() < 1e-6
-    assert np.abs(rows[:, 2] - motion.velocity[:, column]).max() < 1e-5
-    assert np.abs(rows[:, 3] - motion.acceleration[:, column]).max() < 1e-2
-    closing = scene.mechanism.ideal_motion(np.array([scene.mechanism.period]))
-    assert np.abs(run.end.position - closing.position[0]).max() < 1e-6
 
 
 @pytest.fixture(scope="module")
