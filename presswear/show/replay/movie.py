@@ -13,9 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from presswear.show.replay.clip import instants
 from presswear.show.replay.picture import Picture
-from presswear.show.replay.reel import Reel
+from presswear.show.replay.reel import Reel, instants
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.files import write_whole
 
