@@ -8,7 +8,7 @@ COMMANDS = {
     "export": ("export", "write the recorded motion of a run as a table for other programs"),
     "crosscheck": ("crosscheck", "engine against engine, or a run against a solver of yours"),
     "verify": ("verify", "both engines against published references; --hard: on hard cases"),
-    "precision": ("precision", "speed against error of every engine and integrator"),
-    "costs": ("costs", "what the features of a model cost, how engines compare"),
+    "precision": ("measure", "speed against error of every engine and integrator"),
+    "costs": ("measure", "what the features of a model cost, how engines compare"),
 }
 """Module and one line of help of each command."""

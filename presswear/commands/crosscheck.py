@@ -8,9 +8,10 @@ from rich.console import Console
 
 from presswear.commands.export import TABLE_TEXT
 from presswear.commands.terminal import (
+    add_out,
+    add_settings,
     check_folder,
     finished_part,
-    folder_given,
     free_folder,
     number_given,
     print_table,
@@ -45,12 +46,8 @@ def add(commands: Any) -> None:
     check.add_argument(
         "target", nargs="?", metavar="SCENE|DIR", help="scene (default wear-times) or result folder"
     )
-    check.add_argument(
-        "--out", type=folder_given, help="new folder (default results/crosscheck-SCENE)"
-    )
-    check.add_argument(
-        "--set", action="append", default=[], metavar="KEY=VALUE", help="as in presswear run"
-    )
+    add_out(check, "crosscheck-SCENE")
+    add_settings(check)
     check.add_argument(
         "--duration",
         type=number_given,
@@ -150,4 +147,4 @@ def _print_checks(
     for quantity, unit, numbers, passed in rows:
         shown = ["" if number is None else f"{number:.2e}" for number in numbers]
         cells.append([quantity, *shown, unit, "" if numbers[-1] is None else verdict(passed)])
-    print_table(console, ("quantity", "unit", ""), names, cells)
+    print_table(console, ("quantity",), names, cells, ("unit", ""))

@@ -134,8 +134,8 @@ def _size(text: str) -> tuple[int, int]:
 def _still(
     arguments: argparse.Namespace, console: Console, reels: "list[Reel]", size: tuple[int, int]
 ) -> int:
-    from presswear.show.replay.clip import frames_at
     from presswear.show.replay.movie import still, write_still
+    from presswear.show.replay.reel import frames_at
 
     time = _time("--at", arguments.at, reels[0], reels[0].start)
     write_still(arguments.still, still(reels, frames_at(reels, time), size))
@@ -146,8 +146,8 @@ def _still(
 def _movie(
     arguments: argparse.Namespace, console: Console, reels: "list[Reel]", size: tuple[int, int]
 ) -> int:
-    from presswear.show.replay.clip import frames_between, played
     from presswear.show.replay.movie import pictures, write_movie
+    from presswear.show.replay.reel import frames_between, played
 
     first = reels[0]
     start = _time("--from", arguments.start, first, first.start)

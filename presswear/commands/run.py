@@ -1,8 +1,7 @@
 """``presswear run`` and ``presswear report``: a scene or a study into its result folder."""
 
 import argparse
-from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, closing, nullcontext
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -29,8 +28,8 @@ from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.stopping import is_stopped
 
 if TYPE_CHECKING:
-    from presswear.record.tracker import Tracker
     from presswear.results.folder import ResultFolder
+    from presswear.show.replay.live import Live
 
 OPTIONS = ("engine", "cycles", "wears", "tolerance")
 """Settings that have an option of their own."""
@@ -87,13 +86,8 @@ def add(commands: Any) -> None:
     report.set_defaults(run=_report)
 
 
-def _scene_from(arguments: argparse.Namespace) -> Scene:
-    """The scene that the options of ``run`` describe; InputError before anything runs."""
-    return _with_options(scene_given(arguments.scene), arguments)
-
-
 def _with_options(scene: Scene, arguments: argparse.Namespace) -> Scene:
-    """A scene changed as the options of ``run`` say."""
+    """A scene changed as the options of ``run`` say; InputError before anything runs."""
     if arguments.conventions is not None:
         if arguments.conventions not in CONVENTIONS:
             raise InputError(
@@ -125,8 +119,9 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
         raise InputError("--resume needs the folder to go on in: --out DIR")
     goes_on = arguments.resume and (arguments.out / "result.json").exists()
     told = goes_on and _is_plain(arguments)
-    scene = _stored_scene(arguments) if told else _scene_from(arguments)
-    folder = arguments.out if arguments.out is not None else free_folder(scene.name)
+    named = scene_given(arguments.scene)  # an unknown name is told first
+    scene = _stored_scene(arguments) if told else _with_options(named, arguments)
+    folder = arguments.out or free_folder(scene.name)
     from presswear.results.folder import ResultFolder
     from presswear.results.result import load
 
@@ -156,7 +151,6 @@ def _stored_scene(arguments: argparse.Namespace) -> Scene:
     """The scene of the folder to go on in."""
     from presswear.results.result import stored_scene
 
-    scene_given(arguments.scene)  # an unknown name is told first
     scene, _ = stored_scene(arguments.out)
     if scene.name != arguments.scene:
         raise InputError(
@@ -165,9 +159,7 @@ def _stored_scene(arguments: argparse.Namespace) -> Scene:
     return scene
 
 
-def _run_into(
-    store: "ResultFolder", scene: Scene, window: "list[Tracker]", console: Console
-) -> None:
+def _run_into(store: "ResultFolder", scene: Scene, window: "Live | None", console: Console) -> None:
     """Run a scene into its folder, from where it stands, with progress on the terminal."""
     from presswear.campaign.single import run_into
     from presswear.commands.running import Terminal
@@ -175,7 +167,7 @@ def _run_into(
     go_on = go_on_with(scene.name, store.path)
     try:
         with progress_bar(console) as bar:
-            run_into(store, scene, [Terminal(bar), *window])
+            run_into(store, scene, [Terminal(bar), *([window] if window else [])])
     except InputError:
         raise
     except RunFailed as error:
@@ -187,19 +179,13 @@ def _run_into(
         raise KeyboardInterrupt(f"interrupted; kept up to {store.kept}; {go_on}") from None
 
 
-@contextmanager
-def _window(arguments: argparse.Namespace, scene: Scene) -> "Iterator[list[Tracker]]":
+def _window(arguments: argparse.Namespace, scene: Scene) -> "AbstractContextManager[Live | None]":
     """The window that shows the run while it lasts, where that is asked for."""
     if not arguments.live:
-        yield []
-        return
+        return nullcontext()
     from presswear.show.replay.live import Live
 
-    live = Live(scene, LIVE_SIZE)
-    try:
-        yield [live]
-    finally:
-        live.close()
+    return closing(Live(scene, LIVE_SIZE))
 
 
 def _report(arguments: argparse.Namespace, console: Console) -> int:
@@ -209,9 +195,9 @@ def _report(arguments: argparse.Namespace, console: Console) -> int:
 
         return studies.report(arguments.folder, console)
     if (arguments.folder / "precision.json").exists():
-        from presswear.commands import precision
+        from presswear.commands import measure
 
-        return precision.report(arguments.folder, console)
+        return measure.report(arguments.folder, console)
     from presswear.show.report import write_report
 
     result = finished_part(arguments.folder, console)

@@ -2,21 +2,13 @@
 
 import argparse
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 
 from rich.console import Console
 from rich.progress import Progress, TaskID
 
 from presswear.campaign.parallel import run_study
-from presswear.campaign.study import (
-    Study,
-    Variant,
-    is_study,
-    load_study,
-    unchanged,
-    waiting,
-)
+from presswear.campaign.study import Study, is_study, load_study, unchanged, waiting
 from presswear.commands.terminal import (
     free_folder,
     go_on_with,
@@ -31,50 +23,35 @@ from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.stopping import check_stopped
 
 
-@dataclass
 class Board(Tracker):
-    """Progress of a study on a terminal: one line for the whole, one for each run at work.
+    """Progress of a study on a terminal: one line for the whole, one for each run at work."""
 
-    Attributes
-    ----------
-    parts : dict
-        Part done 0 .. 1 by key of the variant.
-    """
-
-    bar: Progress
-    variants: dict[str, Variant]
-    parts: dict[str, float]
-    whole: TaskID
-    lines: dict[str, TaskID]
-
-    @staticmethod
-    def of(study: Study, bar: Progress) -> "Board":
-        """A board on which nothing has been done yet."""
-        variants = {variant.key: variant for variant in study.variants}
-        total = sum(variant.extent for variant in study.variants)
-        whole = bar.add_task(study.name, total=total)
-        return Board(bar, variants, dict.fromkeys(variants, 0.0), whole, {})
+    def __init__(self, study: Study, bar: Progress) -> None:
+        self._bar = bar
+        self._variants = {variant.key: variant for variant in study.variants}
+        self._parts = dict.fromkeys(self._variants, 0.0)
+        self._whole = bar.add_task(study.name, total=sum(own.extent for own in study.variants))
+        self._lines: dict[str, TaskID] = {}
 
     def variant(self, key: str, part: float, word: str) -> None:
         """Show how far a variant is; ends the study where a signal has come."""
         check_stopped()
-        label = self.variants[key].label
-        is_news = part >= 1.0 > self.parts[key]
-        self.parts[key] = max(part, self.parts[key])
-        if key not in self.lines and part < 1.0:
-            self.lines[key] = self.bar.add_task(label, total=1.0)
-        if key in self.lines:
+        label = self._variants[key].label
+        is_news = part >= 1.0 > self._parts[key]
+        self._parts[key] = max(part, self._parts[key])
+        if key not in self._lines and part < 1.0:
+            self._lines[key] = self._bar.add_task(label, total=1.0)
+        if key in self._lines:
             text = f"{label}{': ' if word else ''}{word}"
-            self.bar.update(self.lines[key], completed=self.parts[key], description=text)
+            self._bar.update(self._lines[key], completed=self._parts[key], description=text)
         if is_news:
-            finished = sum(done >= 1.0 for done in self.parts.values())
-            self.bar.console.print(
-                f"finished {finished} of {len(self.parts)}: {label}", highlight=False
-            )
-            if key in self.lines:
-                self.bar.remove_task(self.lines.pop(key))
-        done = sum(variant.extent * self.parts[key] for key, variant in self.variants.items())
-        self.bar.update(self.whole, completed=done)
+            finished = sum(done >= 1.0 for done in self._parts.values())
+            line = f"finished {finished} of {len(self._parts)}: {label}"
+            self._bar.console.print(line, highlight=False)
+            if key in self._lines:
+                self._bar.remove_task(self._lines.pop(key))
+        done = sum(own.extent * self._parts[key] for key, own in self._variants.items())
+        self._bar.update(self._whole, completed=done)
 
 
 def run(
@@ -99,13 +76,12 @@ def run(
             )
     else:
         study = make_study(arguments.scene, change or unchanged)
-    folder = arguments.out if arguments.out is not None else free_folder(study.name)
+    folder = arguments.out or free_folder(study.name)
     go_on = go_on_with(study.name, folder)
     waiting(study, folder, arguments.resume)
     try:
         with progress_bar(console) as bar:
-            board = Board.of(study, bar)
-            run_study(study, folder, jobs, arguments.resume, [board], interval)
+            run_study(study, folder, jobs, arguments.resume, [Board(study, bar)], interval)
     except KeyboardInterrupt:
         raise KeyboardInterrupt(
             f"interrupted; finished runs are kept, the others go on where they stood; {go_on}"

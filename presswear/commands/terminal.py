@@ -3,8 +3,9 @@
 import math
 import shlex
 from argparse import ArgumentTypeError
+from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rich.box import SIMPLE
 from rich.console import Console
@@ -25,14 +26,25 @@ from presswear.studies import STUDIES
 from presswear.tools.errors import InputError, nearest
 from presswear.tools.quantities import Meaning, parse_quantity
 
-_ANY = Meaning("", -math.inf, math.inf, "", "")
-
 if TYPE_CHECKING:
     from presswear.results.result import Result
 
+_ANY = Meaning("", -math.inf, math.inf, "", "")
 
 LONGEST = 86400.0
 """Time that an option may say, s: a day."""
+
+
+def add_out(parser: Any, name: str) -> None:
+    """Add the option ``--out``, of results/NAME where nothing is said."""
+    parser.add_argument("--out", type=folder_given, help=f"new folder (default results/{name})")
+
+
+def add_settings(parser: Any) -> None:
+    """Add the option ``--set`` to a command that is not ``run``."""
+    parser.add_argument(
+        "--set", action="append", default=[], metavar="KEY=VALUE", help="as in presswear run"
+    )
 
 
 def settings_given(items: list[str]) -> dict[str, str]:
@@ -139,25 +151,33 @@ def progress_bar(console: Console) -> Progress:
 
 
 def print_table(
-    console: Console, texts: tuple[str, ...], numbers: tuple[str, ...], rows: list[list[str]]
+    console: Console,
+    texts: Sequence[str],
+    numbers: Sequence[str],
+    rows: Iterable[Sequence[str]],
+    more: Sequence[str] = (),
+    **look: Any,
 ) -> None:
-    """A table: the first column folds, then numbers to the right, then further texts.
+    """A table: columns that fold, then numbers to the right, then further texts.
 
     Parameters
     ----------
-    texts : tuple of str
-        Names of the first column and of those behind the numbers.
-    rows : list of list of str
+    texts, numbers, more : sequence of str
+        Names of the columns.
+    rows : iterable of sequence of str
         Cells in the order of the columns; rich's markup is kept in those behind the
         numbers only.
+    look
+        Changes rich's table.
     """
-    table = Table(box=SIMPLE, pad_edge=False)
-    table.add_column(texts[0], overflow="fold")
+    table = Table(box=SIMPLE, pad_edge=False, **look)
+    for name in texts:
+        table.add_column(name, overflow="fold")
     for name in numbers:
         table.add_column(name, justify="right", no_wrap=True)
-    for name in texts[1:]:
+    for name in more:
         table.add_column(name)
-    plain = 1 + len(numbers)
+    plain = len(texts) + len(numbers)
     for row in rows:
         table.add_row(*(escape(cell) for cell in row[:plain]), *row[plain:])
     console.print(table, highlight=False)

@@ -2,14 +2,12 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from rich.box import SIMPLE
 from rich.console import Console
 from rich.markup import escape
-from rich.table import Table
 
-from presswear.commands.terminal import progress_bar
+from presswear.commands.terminal import print_table, progress_bar
 
 if TYPE_CHECKING:
     from presswear.trials.costs.tables import TextTable
@@ -25,20 +23,8 @@ def telling(console: Console, name: str) -> Iterator[Callable[[str, float], None
 
 def print_text_table(console: Console, table: "TextTable") -> None:
     """Print a table and the sentences that explain it."""
-    shown = Table(
-        box=SIMPLE,
-        pad_edge=False,
-        collapse_padding=True,
-        title=table.title,
-        title_justify="left",
-    )
-    for name in table.texts:
-        shown.add_column(name, overflow="fold")
-    for name in table.numbers:
-        shown.add_column(name, justify="right", no_wrap=True)
-    for row in table.rows:
-        shown.add_row(*(escape(cell) for cell in row))
-    console.print(shown, highlight=False)
+    look: dict[str, Any] = {"collapse_padding": True, "title": table.title, "title_justify": "left"}
+    print_table(console, table.texts, table.numbers, table.rows, **look)
     for sentence in table.sentences:
         console.print(escape(sentence), highlight=False)
     console.print()

@@ -38,7 +38,7 @@ def _verify(arguments: argparse.Namespace, console: Console) -> int:
         rows = verify(told)
     print_table(
         console,
-        ("problem", ""),
+        ("problem",),
         ("reference", "ours", "error", "bound"),
         [
             [
@@ -51,6 +51,7 @@ def _verify(arguments: argparse.Namespace, console: Console) -> int:
             ]
             for row in rows
         ],
+        ("",),
     )
     missed = sum(not row.passed for row in rows)
     console.print(f"{len(rows) - missed} of {len(rows)} within their bounds", highlight=False)
@@ -72,7 +73,7 @@ def _hard(console: Console, *, long: bool) -> int:
             bar.advance(task)
     print_table(
         console,
-        ("case", "engine", "checked", ""),
+        ("case",),
         ("figure", "bound", "s"),
         [
             [
@@ -86,6 +87,7 @@ def _hard(console: Console, *, long: bool) -> int:
             ]
             for outcome in found
         ],
+        ("engine", "checked", ""),
     )
     missed = sum(outcome.verdict == "MISS" for outcome in found)
     refused = sum(outcome.verdict == "refused" for outcome in found)

@@ -114,26 +114,28 @@ def recorder_of(linkage: Linkage, start: Start, plan: Plan) -> Recorder:
     )
 
 
-def described(linkage: Linkage, model: str) -> str:
+def described(linkage: Linkage, model: str, prescribed: Iterable[str] = ()) -> str:
     """A sentence on the model that was built.
 
     Parameters
     ----------
     model : str
         The coordinates and joints that the engine solves for.
+    prescribed : iterable of str
+        Bodies whose motion is known, and which it does not solve for.
     """
-    opened = ", ".join(joint.name for joint in linkage.clearances) or "none"
-    friction = any(joint.friction.coefficient > 0.0 for joint in linkage.clearances)
-    worn = any(
-        surface.is_worn
-        for joint in linkage.clearances
-        for surface in (joint.bearing_surface, joint.pin_surface)
-    )
-    wear = any(joint.wear is not None for joint in linkage.clearances)
-    if not linkage.clearances:
+    known = sorted(prescribed)
+    if known:
+        model = f"{model}, {listed(known)} prescribed"
+    joints = linkage.clearances
+    if not joints:
         return f"{model}; clearance: none"
+    friction = any(joint.friction.coefficient > 0.0 for joint in joints)
+    worn = any(joint.bearing_surface.is_worn or joint.pin_surface.is_worn for joint in joints)
+    wear = any(joint.wear is not None for joint in joints)
     return (
-        f"{model}; clearance: {opened}; friction {'on' if friction else 'off'}; "
+        f"{model}; clearance: {', '.join(joint.name for joint in joints)}; "
+        f"friction {'on' if friction else 'off'}; "
         f"surfaces {'worn' if worn else 'round'}; wear account {'on' if wear else 'off'}"
     )
 

@@ -2,12 +2,13 @@
 
 import math
 import time as clock
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
 import exudyn as exu
+import numpy as np
 
 from presswear.engines.base import Plan
 from presswear.physics.energy import MADE_REMEDY, SETTLED, made_energy
@@ -22,6 +23,9 @@ _PROGRESS_STEPS = 512
 STEP_SAFETY = 0.9
 """Exudyn's own factor behind the step that an error of DOPRI5 allows."""
 
+Stages = Mapping[str, tuple[str, ...]]
+"""Stages of a solve by name, each with the timers of Exudyn that make it up."""
+
 Accept = Callable[[float], float]
 """Called with the time of an accepted step; gives the next step, s, or NaN for a broken state."""
 
@@ -35,10 +39,13 @@ class Solve:
 
     Attributes
     ----------
+    stages, counts : mapping
+        Timers by stage, and attributes of Exudyn's iteration by name of a count.
     sums : dict
-        Over all cycles so far: accepted steps (``steps``), and the counts and times that its
-        engine names; beside them the time of the last accepted step, and the next step as
-        the contacts allow it (``following``) and as the solver proposes it, s.
+        Over all cycles so far: accepted steps (``steps``), those counts, and wall times, s, of
+        the stages, of all of them (``total``) and as the clock shows (``wall``); beside them
+        the time of the last accepted step, and the next step as the contacts allow it
+        (``following``) and as the solver proposes it, s.
     end : float
         Of the present cycle, s.
     reached : bool
@@ -49,6 +56,8 @@ class Solve:
 
     recorder: Recorder
     plan: Plan
+    stages: Stages
+    counts: Mapping[str, str]
     sums: dict[str, float]
     end: float = 0.0
     reached: bool = False
@@ -58,33 +67,40 @@ class Solve:
     iteration: Any = None
 
     @staticmethod
-    def of(recorder: Recorder, plan: Plan, names: Iterable[str], proposed: float = 0.0) -> "Solve":
+    def of(
+        recorder: Recorder,
+        plan: Plan,
+        stages: Stages,
+        counts: Mapping[str, str],
+        proposed: float = 0.0,
+    ) -> "Solve":
         """A solve that has not begun, with a first step as proposed, s."""
-        sums = {**dict.fromkeys(names, 0.0), "time": 0.0, "following": 0.0, "proposed": proposed}
-        return Solve(recorder, plan, sums)
+        names = ("steps", "sent_back", *counts, "wall", "total", *stages, "time", "following")
+        sums = {**dict.fromkeys(names, 0.0), "proposed": proposed}
+        return Solve(recorder, plan, stages, counts, sums)
 
     @property
     def time(self) -> float:
         """Time of the last accepted step, s."""
         return self.sums["time"]
 
-    def begin(self, end: float) -> None:
-        """Begin another cycle; Exudyn makes a new solver for it."""
-        self.end, self.reached, self.iteration = end, False, None
+    def add(self, solver: Any, wall: float) -> None:
+        """Add the counts and times of a solver of Exudyn's that took a wall time, s."""
+        self.sums["wall"] += wall
+        self.sums["total"] += solver.timer.total
+        for name, timers in self.stages.items():
+            self.sums[name] += sum(getattr(solver.timer, timer) for timer in timers)
+        for name, counter in self.counts.items():
+            self.sums[name] += getattr(solver.it, counter)
 
-    def set_span(self, settings: Any, longest: float) -> None:
-        """Set the time of a solve that reaches the end of the cycle, in steps up to one, s.
-
-        Exudyn does not say which step it would take behind its own end: that lies further off,
-        and PostStep ends the solve.
-        """
-        steps = math.ceil((self.end - self.time) / longest) + 2
-        set_span(settings, self.time, longest, steps)
-
-    def add(self, more: Mapping[str, float]) -> None:
-        """Add counts and times of a solve."""
-        for name, value in more.items():
-            self.sums[name] += value
+    def shares(self) -> dict[str, float]:
+        """Wall time of all solves, s, its stages as parts of it, and the rest."""
+        total = self.sums["total"]
+        shares = {
+            f"share_{name}": self.sums[name] / total if total > 0.0 else 0.0 for name in self.stages
+        }
+        wall = {"wall_solve_s": self.sums["wall"]}
+        return {**wall, **shares, "share_other": 1.0 - sum(shares.values())}
 
     def is_sound(self) -> bool:
         """True while the contacts have made no energy; False ends the run."""
@@ -177,6 +193,26 @@ def post_step(solve: Solve, accept: Accept, write: Write = write_step) -> Callab
     return after
 
 
+def add_node(system: Any, kind: str, **values: Any) -> Any:
+    """Add a node to a system; gives its number."""
+    return system.AddNode({"nodeType": kind, **values})
+
+
+def add_object(system: Any, kind: str, **values: Any) -> Any:
+    """Add an object to a system; gives its number."""
+    return system.AddObject({"objectType": kind, **values})
+
+
+def add_marker(system: Any, kind: str, **values: Any) -> Any:
+    """Add a marker to a system; gives its number."""
+    return system.AddMarker({"markerType": kind, **values})
+
+
+def add_load(system: Any, kind: str, **values: Any) -> Any:
+    """Add a load to a system; gives its number."""
+    return system.AddLoad({"loadType": kind, **values})
+
+
 def settings_of(longest: float, shortest: float) -> Any:
     """Settings common to all solvers, with steps of a length at most, s."""
     settings = exu.SimulationSettings()
@@ -199,45 +235,78 @@ def set_span(settings: Any, begin: float, longest: float, steps: int) -> None:
 
 
 def run_to_end(
-    system: Any, settings: Any, solver: Any, solve: Solve, remedy: str
+    system: Any,
+    live: Sequence[Any],
+    settings: Any,
+    kind: Any,
+    solve: Solve,
+    longest: float,
+    end: float,
+    remedy: str,
 ) -> Finding | None:
-    """Run Exudyn's solver up to the end of a cycle; returns what went wrong, if anything.
+    """Run Exudyn's solver from the present state up to the end of a cycle.
+
+    Exudyn makes a new solver for every cycle.  It does not say which step it would take behind
+    its own end: that lies further off, and PostStep ends the solve.
 
     Parameters
     ----------
+    live : sequence of ndarray
+        Live coordinates, their rates, and where the solver begins from them accelerations and
+        multipliers.
+    kind : exudyn.DynamicSolverType
+    longest : float
+        Longest step, s.
+    end : float
+        End of the cycle, s.
     remedy : str
         What may help where the solver gives up.
+
+    Returns
+    -------
+    Finding or None
+        What went wrong, if anything.
     """
+    solve.end, solve.reached, solve.iteration = end, False, None
+    data, initial = system.systemData, exu.ConfigurationType.Initial
+    setters = (
+        data.SetODE2Coordinates,
+        data.SetODE2Coordinates_t,
+        data.SetODE2Coordinates_tt,
+        data.SetAECoordinates,
+    )
+    for setter, values in zip(setters, live, strict=False):
+        setter(np.array(values), initial)
+    set_span(settings, solve.time, longest, math.ceil((end - solve.time) / longest) + 2)
+    if settings.timeIntegration.automaticStepSize:
+        settings.timeIntegration.initialStepSize = solve.sums["proposed"]
     message = ""
     began = clock.perf_counter()
     try:
         with quiet():
-            system.SolveDynamic(settings, solverType=solver)
+            system.SolveDynamic(settings, solverType=kind)
     except exu.ExudynError as error:
         # What a user function raises comes wrapped.
-        if not isinstance(error, exu.SolverError) and StuckError.__name__ not in str(error):
+        if isinstance(error, exu.SolverError) or StuckError.__name__ in str(error):
+            message = "the solver found no solution at the shortest step"
+        elif "not factorized" in str(error):
+            message = "the matrix of the equations is singular or not finite"
+        else:
             raise
-        message = "the solver found no solution at the shortest step"
     if solve.error is not None:
         raise solve.error
-    solve.add({"wall": clock.perf_counter() - began})
+    solver = system.sys["dynamicSolver"]
+    solve.add(solver, clock.perf_counter() - began)
     if solve.reached:
         return None
     if solve.reason:
         return Finding("energy", solve.reason, solve.time, "", MADE_REMEDY)
-    if system.sys["dynamicSolver"].output.simulationStoppedByUser and not solve.is_broken:
+    if solver.output.simulationStoppedByUser and not solve.is_broken:
         raise KeyboardInterrupt
     if not message and not solve.is_broken:
         raise RuntimeError(f"Exudyn ended at {solve.time:.17g} s, not at {solve.end:.17g} s")
     message = message or "the state is no longer finite"
     return Finding("state", message, solve.time, "", remedy)
-
-
-def shares_of(sums: Mapping[str, float], names: Iterable[str]) -> dict[str, float]:
-    """Stages of all solves as parts of their wall time; ``share_other`` is the rest."""
-    total = sums["total"]
-    shares = {f"share_{name}": sums[name] / total if total > 0.0 else 0.0 for name in names}
-    return {**shares, "share_other": 1.0 - sum(shares.values())}
 
 
 @contextmanager

@@ -11,7 +11,7 @@ engine needs to run is imported when it runs.
 
 from dataclasses import dataclass, replace
 from importlib import import_module
-from typing import TYPE_CHECKING, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, cast
 
 from presswear.tools.quantities import choice, quantity
 
@@ -22,13 +22,42 @@ if TYPE_CHECKING:
 Integrator = Literal["dop853", "dopri5", "rk4", "rk4-paper"]
 
 LEAST_STEPS = 500
-"""Steps of an error-controlled engine in a cycle without contact."""
+"""Steps of an error-controlled engine in a cycle without contact, at least."""
 PAPER_STEP = 1e-4
 """Integral step of the paper's Table 2, s."""
 
 
+class _Engine:
+    """Parts that all engines share: the longest step, and how they are run."""
+
+    word: ClassVar[str]
+    free_step: float | None
+    """Longest step between contacts, s; None: a part of the plan's cycle."""
+
+    @property
+    def _least_steps(self) -> int:
+        return LEAST_STEPS
+
+    def longest(self, cycle: float) -> float:
+        """Longest step in a cycle of a duration, s."""
+        return cycle / self._least_steps if self.free_step is None else self.free_step
+
+    def over(self, cycle: float) -> Self:
+        """The same with the longest step of a cycle of a duration, s, whatever is run."""
+        return replace(cast(Any, self), free_step=self.longest(cycle))
+
+    def simulate(self, linkage: "Linkage", start: "Start", plan: "Plan") -> "Run":
+        """Run a linkage from a start; InputError where this engine cannot begin there."""
+        room = self.word.replace("-", "_")
+        prepare = import_module(f"presswear.engines.{room}.engine").prepare
+        run: Run = import_module("presswear.engines.driver").simulate(
+            prepare, linkage, start, self, plan
+        )
+        return run
+
+
 @dataclass(frozen=True)
-class ExudynTree:
+class ExudynTree(_Engine):
     """Exudyn with an open tree in minimal coordinates, explicit and error-controlled.
 
     Attributes
@@ -36,8 +65,6 @@ class ExudynTree:
     tree_tolerance : float
         Error allowed in a step: root mean square over the coordinates, rad or m, and
         their rates, rad/s or m/s.
-    free_step : float or None
-        Longest step, s; None: a 500th of the plan's cycle.
     """
 
     word: ClassVar[str] = "exudyn-tree"
@@ -52,21 +79,9 @@ class ExudynTree:
     )
     free_step: float | None = None
 
-    def longest(self, cycle: float) -> float:
-        """Longest step in a cycle of a duration, s."""
-        return cycle / LEAST_STEPS if self.free_step is None else self.free_step
-
-    def over(self, cycle: float) -> Self:
-        """The same with the longest step of a cycle of a duration, s, whatever is run."""
-        return replace(self, free_step=self.longest(cycle))
-
-    def simulate(self, linkage: "Linkage", start: "Start", plan: "Plan") -> "Run":
-        """Run a linkage from a start; InputError where it is no open tree."""
-        return _simulate("exudyn_tree", self, linkage, start, plan)
-
 
 @dataclass(frozen=True)
-class ExudynJoints:
+class ExudynJoints(_Engine):
     """Exudyn with bodies and joints, implicit: any linkage.
 
     Attributes
@@ -78,8 +93,6 @@ class ExudynJoints:
         to this as its error allows.
     free_steps : int
         Steps in a cycle of free flight, at least.
-    free_step : float or None
-        Longest step in free flight, s; None: as ``free_steps`` says.
     newton : float
         Relative and absolute tolerance of Newton's method; above 1e-9 its noise in the
         accelerations shortens the steps of a resting pin.
@@ -114,21 +127,13 @@ class ExudynJoints:
     newton: float = 1e-9
     least_step: float = 1e-9
 
-    def longest(self, cycle: float) -> float:
-        """Longest step in a cycle of a duration, s."""
-        return cycle / self.free_steps if self.free_step is None else self.free_step
-
-    def over(self, cycle: float) -> Self:
-        """The same with the longest step of a cycle of a duration, s, whatever is run."""
-        return replace(self, free_step=self.longest(cycle))
-
-    def simulate(self, linkage: "Linkage", start: "Start", plan: "Plan") -> "Run":
-        """Run a linkage from a start."""
-        return _simulate("exudyn_joints", self, linkage, start, plan)
+    @property
+    def _least_steps(self) -> int:
+        return self.free_steps
 
 
 @dataclass(frozen=True)
-class InHouse:
+class InHouse(_Engine):
     """Lagrange multipliers in Cartesian coordinates, with touches located.
 
     Attributes
@@ -145,8 +150,6 @@ class InHouse:
         Whether each accepted state is moved onto the constraints.
     alpha, beta : float
         Baumgarte's coefficients, 1/s (equation 19).
-    free_step : float or None
-        Longest step of ``dop853`` and ``dopri5``, s; None: a 500th of the plan's cycle.
     """
 
     word: ClassVar[str] = "dae"
@@ -182,27 +185,6 @@ class InHouse:
         """The equal step, s."""
         return PAPER_STEP if self.integrator == "rk4-paper" else self.equal_step
 
-    def longest(self, cycle: float) -> float:
-        """Longest step in a cycle of a duration, s."""
-        return cycle / LEAST_STEPS if self.free_step is None else self.free_step
-
-    def over(self, cycle: float) -> Self:
-        """The same with the longest step of a cycle of a duration, s, whatever is run."""
-        return replace(self, free_step=self.longest(cycle))
-
-    def simulate(self, linkage: "Linkage", start: "Start", plan: "Plan") -> "Run":
-        """Run a linkage from a start; InputError where the start violates a joint."""
-        return _simulate("dae", self, linkage, start, plan)
-
 
 Engine = ExudynTree | ExudynJoints | InHouse
 """An engine with its settings."""
-
-
-def _simulate(room: str, engine: Engine, linkage: "Linkage", start: "Start", plan: "Plan") -> "Run":
-    """Run a linkage in the engine of a room, which is imported now."""
-    prepare = import_module(f"presswear.engines.{room}.engine").prepare
-    run: Run = import_module("presswear.engines.driver").simulate(
-        prepare, linkage, start, engine, plan
-    )
-    return run

@@ -45,18 +45,8 @@ def source_digest() -> str:
     return found.hexdigest()[:16]
 
 
-def now() -> str:
-    """Date and time of day, UTC."""
-    return time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
-
-
-def machine() -> str:
-    """System, architecture and cores."""
-    return f"{platform.system()} {platform.machine()}, {os.cpu_count()} cores"
-
-
 class Provenance(TypedDict):
-    """Versions, revision, machine and date; ``resumed`` for each time that a run went on."""
+    """Versions, revision, machine and date, UTC; ``resumed`` for each time that a run went on."""
 
     python: str
     packages: dict[str, str]
@@ -74,8 +64,8 @@ def provenance() -> Provenance:
         "packages": {name: version(name) for name in PACKAGES},
         "revision": source_revision(),
         "source": source_digest(),
-        "machine": machine(),
-        "started": now(),
+        "machine": f"{platform.system()} {platform.machine()}, {os.cpu_count()} cores",
+        "started": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
     }
 
 

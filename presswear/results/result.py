@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.record.film import Film
-from presswear.results.stage import StageResult, stage_at
+from presswear.results.stage import StageResult
 from presswear.results.stored import (
     StoredResult,
     check_arrays,
@@ -76,7 +76,14 @@ class Result:
 
     def stage(self, index: int) -> StageResult:
         """The stage after so many wears; InputError tells which there are."""
-        return stage_at(self.stages, index, str(self.path or self.scene.name))
+        for stage in self.stages:
+            if stage.index == index:
+                return stage
+        held = [stage.index for stage in self.stages]
+        told = ", ".join(map(str, held)) or "none"
+        near = f"; did you mean {min(held, key=lambda own: abs(own - index))}?" if held else ""
+        where = self.path or self.scene.name
+        raise InputError(f"{where} has no stage {index}; it has {told}{near}")
 
     @property
     def grew_in_steps(self) -> bool:
@@ -136,12 +143,12 @@ class Result:
         return path
 
     def table(self) -> "pandas.DataFrame":
-        """Statistics, a row a stage, a column a number; needs pandas."""
+        """Statistics, a row a stage, a column a number, names joined with points; needs pandas."""
         import pandas
 
-        rows = [dict(_flat(stage.statistics)) for stage in self.stages]
-        index = pandas.Index([stage.name for stage in self.stages], name="stage")
-        return pandas.DataFrame(rows, index=index)
+        table = pandas.json_normalize([dict(stage.statistics) for stage in self.stages])
+        table.index = pandas.Index([stage.name for stage in self.stages], name="stage")
+        return table
 
     def dataset(self, stage: int) -> "xarray.Dataset":
         """Series and wear maps of a stage over time and angle, SI units; needs xarray."""
@@ -163,17 +170,6 @@ class Result:
 
 def _short(value: float | None) -> str:
     return "–" if value is None else f"{value:.3g}"
-
-
-def _flat(numbers: Mapping[str, Any], prefix: str = "") -> list[tuple[str, Any]]:
-    """Nested statistics by names joined with points."""
-    found: list[tuple[str, Any]] = []
-    for name, value in numbers.items():
-        if isinstance(value, Mapping):
-            found += _flat(value, f"{prefix}{name}.")
-        else:
-            found.append((f"{prefix}{name}", value))
-    return found
 
 
 def read_document(path: Path) -> dict[str, Any]:

@@ -228,14 +228,3 @@ class StageResult:
         told["finding"] = asdict(self.finding) if self.finding else None
         told["wear_steps"] = [asdict(step) for step in self.wear_steps]
         return told
-
-
-def stage_at(stages: tuple[StageResult, ...], index: int, where: str) -> StageResult:
-    """The stage of an index; InputError tells which there are."""
-    for stage in stages:
-        if stage.index == index:
-            return stage
-    held = [stage.index for stage in stages]
-    told = ", ".join(map(str, held)) or "none"
-    near = f"; did you mean {min(held, key=lambda own: abs(own - index))}?" if held else ""
-    raise InputError(f"{where} has no stage {index}; it has {told}{near}")

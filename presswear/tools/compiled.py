@@ -91,3 +91,12 @@ def copy_to(target: Array, source: Array) -> None:
     """Copy numbers; ``target[:] = source`` would allocate in case the two overlap."""
     for i in range(target.shape[0]):
         target[i] = source[i]
+
+
+@compiled
+def all_finite(one: Array, other: Array) -> bool:
+    """True where both arrays, as long as each other, hold no infinity and no NaN."""
+    total = 0.0
+    for i in range(one.shape[0]):
+        total += one[i] - one[i] + (other[i] - other[i])
+    return total == 0.0

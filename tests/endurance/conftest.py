@@ -41,7 +41,7 @@ def pytest_terminal_summary(
     if trials:
         terminalreporter.section("endurance")
         rows = [[escape(cell) for cell in trial.row] for trial in trials]
-        print_table(Console(), ("what", "", "note"), ("tried", "survived"), rows)
+        print_table(Console(), ("what",), ("tried", "survived"), rows, ("", "note"))
 
 
 @pytest.fixture(scope="session")

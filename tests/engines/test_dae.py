@@ -11,7 +11,6 @@ from presswear.engines.base import Plan, Run, Start
 from presswear.engines.dae.dynamics import rates, system_of
 from presswear.engines.settings import InHouse
 from presswear.linkage.elements import Attachment, Body, Linkage, Probe, Revolute
-from presswear.linkage.press import GEOMETRIES, Press
 from presswear.linkage.surface import Surface, bin_centres
 from presswear.physics.constraints import constraints_of
 from presswear.physics.packed import pack
@@ -61,18 +60,6 @@ def test_derivatives_of_the_constraints() -> None:
     _, phi_t, gamma, jacobian = constraints.evaluate(0.0, q, v)
     np.testing.assert_allclose((at(h)[0] - at(-h)[0]) / (2 * h), phi_t, atol=1e-7)
     np.testing.assert_allclose((at(h)[1] - at(-h)[1]) / (2 * h), jacobian @ a - gamma, atol=1e-7)
-
-
-@pytest.mark.parametrize("geometry", list(GEOMETRIES))
-def test_ideal_press_follows_the_closed_form(geometry: str) -> None:
-    scene = replace(ideal(), mechanism=Press(geometry=GEOMETRIES[geometry]))
-    run = InHouse().simulate(scene.linkage(), start_of(scene), Plan(scene.mechanism.period, 1))
-    exact = scene.mechanism.ideal_motion(np.array([run.time]))
-    assert np.abs(run.end.position - exact.position[0]).max() < 1e-10
-    assert np.abs(run.end.velocity - exact.velocity[0]).max() < 1e-9
-    rows = run.recorder.rows
-    motion = scene.mechanism.ideal_motion(rows[:, 0])
-    assert np.abs(rows[:, 3] - motion.acceleration[:, 13]).max() < 1e-8
 
 
 @pytest.fixture(scope="module")

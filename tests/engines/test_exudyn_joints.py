@@ -5,65 +5,22 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from listeners import EndsAfter, Interrupts
+from free_pair import CLEARANCE, STIFFNESS, free_pair
+from listeners import EndsAfter
 from numpy.typing import NDArray
 
 from presswear.campaign.starts import start_of
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import ExudynJoints
-from presswear.linkage.elements import (
-    Attachment,
-    Body,
-    ClearanceJoint,
-    Linkage,
-    Probe,
-    WearLaw,
-)
+from presswear.linkage.elements import Linkage
 from presswear.linkage.laws import (
     FrictionLaw,
-    NormalLaw,
     delivered_restitution,
     greatest_penetration,
     lankarani_nikravesh_damping,
 )
-from presswear.linkage.press import GEOMETRIES, Press
 from presswear.scene.catalog import ideal, wear_times
 from presswear.scene.scene import CONVENTIONS
-
-CLEARANCE = 0.8e-3
-STIFFNESS = 1.25e10
-
-
-def free_pair(
-    restitution: float = 0.9,
-    friction: float = 0.0,
-    bearing: tuple[float, float] = (0.0, 0.0),
-    pin: tuple[float, float] = (0.0, 0.0),
-    exponent: float = 1.5,
-    wear: WearLaw | None = None,
-) -> Linkage:
-    """Two free bodies, one with a bearing, the other with a pin in it."""
-    joint = ClearanceJoint(
-        "J",
-        Attachment("ring", *bearing),
-        Attachment("shaft", *pin),
-        bearing_radius=0.015,
-        clearance=CLEARANCE,
-        width=0.02,
-        normal=NormalLaw(STIFFNESS, exponent, lankarani_nikravesh_damping(restitution)),
-        friction=FrictionLaw(friction),
-        wear=wear,
-    )
-    return Linkage(
-        "two free bodies",
-        (Body("ring", 0.3, 4e-4), Body("shaft", 0.1, 1e-4)),
-        (),
-        (),
-        (),
-        (joint,),
-        Probe("shaft", 0.0),
-        gravity=0.0,
-    )
 
 
 def at(ring: tuple[float, ...], shaft: tuple[float, ...]) -> Start:
@@ -95,7 +52,7 @@ def test_free_impact_conserves_momentum(friction: float) -> None:
     Linear momentum holds to round-off.  Angular momentum does as far as the forces
     are concerned; the trapezoidal rule adds an error of second order in the step.
     """
-    linkage = free_pair(friction=friction, bearing=(0.1, 0.02), pin=(-0.05, 0.03))
+    linkage = free_pair(friction=FrictionLaw(friction), bearing=(0.1, 0.02), pin=(-0.05, 0.03))
     start = at((0.0, 0.0, 0.0, 0.0, 0.0, 2.0), (0.15, -0.01, 0.0, 0.3, 0.4, -30.0))
     before = momenta(linkage, start)
     errors = {}
@@ -158,24 +115,6 @@ def test_onset_speed_at_the_working_step_under_acceleration() -> None:
     assert closing == pytest.approx(arm * spin * math.cos(half), rel=1e-6)
 
 
-@pytest.mark.parametrize("geometry", list(GEOMETRIES))
-def test_ideal_press_follows_the_closed_form(geometry: str) -> None:
-    scene = replace(ideal(), mechanism=Press(geometry=GEOMETRIES[geometry]))
-    run = scene.numerics.joints.over(scene.mechanism.period).simulate(
-        scene.linkage(), start_of(scene), Plan(scene.mechanism.period, 1)
-    )
-    rows = run.recorder.rows
-    motion = scene.mechanism.ideal_motion(rows[:, 0])
-    column = 3 * scene.linkage().index("slider 6") + 1
-    assert rows.shape[0] > 1000
-    exact = motion.position[:, column] - motion.position[0, column]
-    assert np.abs(rows[:, 1] - exact).max() < 1e-6
-    assert np.abs(rows[:, 2] - motion.velocity[:, column]).max() < 1e-5
-    assert np.abs(rows[:, 3] - motion.acceleration[:, column]).max() < 1e-2
-    closing = scene.mechanism.ideal_motion(np.array([scene.mechanism.period]))
-    assert np.abs(run.end.position - closing.position[0]).max() < 1e-6
-
-
 @pytest.fixture(scope="module")
 def press_runs() -> dict[str, Run]:
     """A third of a cycle of the two-clearance press under both sets of conventions."""
@@ -228,19 +167,3 @@ def test_cycles_end_on_time_and_enough_stops() -> None:
     assert run.status == "enough"
     assert ends.asked == [1, 2]
     assert run.time == pytest.approx(2.0 * period, abs=1e-9)
-
-
-def test_a_state_that_is_not_finite_ends_the_run_as_failed() -> None:
-    start = at((0.0,) * 6, (0.0, 0.0, 0.0, 1e200, 0.0, 0.0))
-    run = run_pair(free_pair(), start, 0.001)
-    assert run.status == "failed"
-    assert "t = " in run.message
-
-
-def test_errors_and_interrupts_in_callbacks_arrive_as_they_are() -> None:
-    scene = ideal()
-    plan = Plan(scene.mechanism.period, 1, trackers=(Interrupts(),))
-    with pytest.raises(KeyboardInterrupt):
-        scene.numerics.joints.over(scene.mechanism.period).simulate(
-            scene.linkage(), start_of(scene), plan
-        )

@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from branches import branching, placed, tree
-from listeners import Interrupts
 
 from presswear.campaign.starts import start_of
 from presswear.engines.base import Plan, Run, Start
@@ -188,22 +187,6 @@ def test_a_linkage_with_a_loop_is_refused_by_name() -> None:
     scene = replace(wear_times(), joints="A")
     with pytest.raises(InputError, match=r"joint \w+ closes a loop"):
         accuracy(1e-8).simulate(scene.linkage(), start_of(scene), Plan(END, 1))
-
-
-def test_a_state_that_is_not_finite_ends_the_run_as_failed() -> None:
-    scene = wear_times()
-    start = start_of(scene)
-    fast = Start(start.position, np.where(np.arange(18) == 13, 1e200, start.velocity))
-    run = accuracy(1e-8).simulate(scene.linkage(), fast, Plan(END, 1))
-    assert run.status == "failed"
-    assert "t = " in run.message
-
-
-def test_interrupts_in_callbacks_arrive_as_they_are() -> None:
-    scene = wear_times()
-    plan = Plan(END, 1, trackers=(Interrupts(),))
-    with pytest.raises(KeyboardInterrupt):
-        accuracy(1e-8).simulate(scene.linkage(), start_of(scene), plan)
 
 
 def test_cycles_end_on_time() -> None:

@@ -9,12 +9,13 @@ from dataclasses import replace
 import exudyn as exu
 import numpy as np
 import pytest
+from free_pair import free_pair
 from numpy.typing import NDArray
 
 from presswear.engines.base import Plan, Start
 from presswear.engines.settings import ExudynJoints, InHouse
-from presswear.linkage.elements import Attachment, Body, ClearanceJoint, Linkage, Probe
-from presswear.linkage.laws import FrictionLaw, NormalLaw, lankarani_nikravesh_damping
+from presswear.linkage.elements import Linkage
+from presswear.linkage.laws import FrictionLaw
 
 NOMINAL = 0.9
 DURATION = 1e-3
@@ -22,18 +23,7 @@ DURATION = 1e-3
 
 def pair(friction: float) -> Linkage:
     """Two free bodies that meet off their mass centres."""
-    joint = ClearanceJoint(
-        "J",
-        Attachment("ring", 0.1, 0.02),
-        Attachment("shaft", -0.05, 0.03),
-        bearing_radius=0.015,
-        clearance=0.8e-3,
-        width=0.02,
-        normal=NormalLaw(1.25e10, 1.5, lankarani_nikravesh_damping(NOMINAL)),
-        friction=FrictionLaw(friction, 0.0, 1e-3),
-    )
-    bodies = (Body("ring", 0.3, 4e-4), Body("shaft", 0.1, 1e-4))
-    return Linkage("pair", bodies, (), (), (), (joint,), Probe("shaft", 0.0), gravity=0.0)
+    return free_pair(NOMINAL, FrictionLaw(friction, 0.0, 1e-3), (0.1, 0.02), (-0.05, 0.03))
 
 
 START = Start(

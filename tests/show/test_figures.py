@@ -218,6 +218,19 @@ def test_ideal_slider_is_the_closed_form() -> None:
     assert slider[:, 2].min() == pytest.approx(-20.0, abs=0.1)
 
 
+@pytest.mark.parametrize(
+    ("figure", "column", "unit"),
+    [("force", "force_max", "N"), ("response", "acceleration_max", "")],
+)
+def test_the_largest_of_a_panel_is_that_of_its_cycles(figure: str, column: str, unit: str) -> None:
+    """Series are thinned: the peak of a cycle need not be in them."""
+    result = made_up(IDEAL if figure == "response" else BOTH, 1)
+    cycles = result.stages[0].arrays["cycles"]
+    cycles[:, (*CYCLE_FIXED, *CYCLE_JOINT).index(column)] = 2000.0, 3000.0
+    words = [text.get_text() for axes in sheet_of(figure, result).axes for text in axes.texts]
+    assert f"largest 3\u202f000 {unit}" in words[0]
+
+
 def test_unworn_surfaces_are_not_called_worn() -> None:
     """What the path's caption says of surfaces that turn is of worn ones only."""
     unworn, worn = (next(drawings(made_up(BODY, stages), ["path"])).caption for stages in (1, 2))

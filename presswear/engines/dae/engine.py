@@ -17,11 +17,11 @@ from presswear.engines.dae.march import (
     DONE,
     RUNNING,
     STUCK,
-    Integration,
     march_controlled,
     march_fixed,
     note_torques,
 )
+from presswear.engines.dae.runge_kutta import Integration
 from presswear.engines.dormand_prince import DOP853, DOPRI5
 from presswear.engines.driver import Simulation
 from presswear.engines.settings import InHouse
@@ -42,12 +42,12 @@ _CHUNK = 2000
 """Steps between two looks at the clock and the keyboard."""
 
 
-def check_start(constraints: Constraints, start: Start, time: float = 0.0) -> None:
+def check_start(constraints: Constraints, start: Start) -> None:
     """InputError naming the joint when a start violates or repeats a constraint.
 
     Positions must agree to 1e-6 m or rad and velocities to 1e-4 m/s or rad/s.
     """
-    phi, phi_t, _, jacobian = constraints.evaluate(time, start.position, start.velocity)
+    phi, phi_t, _, jacobian = constraints.evaluate(0.0, start.position, start.velocity)
     for kind, values, allowed in (("position", phi, 1e-6), ("velocity", phi_t, 1e-4)):
         worst = int(np.argmax(np.abs(values))) if values.size else 0
         if values.size and not abs(values[worst]) <= allowed:

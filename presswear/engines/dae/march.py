@@ -5,8 +5,6 @@ repeating the step until it ends there, and the integration starts anew from it,
 that no step ever crosses a change of law.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,7 +15,7 @@ from presswear.engines.dae.dynamics import (
     project,
     rates,
 )
-from presswear.engines.dae.runge_kutta import classical_step, embedded_step
+from presswear.engines.dae.runge_kutta import Integration, classical_step, embedded_step
 from presswear.engines.dormand_prince import Tableau
 from presswear.physics.constraints import DRIVE
 from presswear.physics.contact import note_contact, note_contacts
@@ -68,15 +66,6 @@ EVENT_DEPTH = 1e-17
 """Penetration at which an event is located, m."""
 FOUND_DEPTH = 1e-12
 """Penetration up to which a place that round-off keeps from it is one, m."""
-
-
-class Integration(NamedTuple):
-    """The state y, its trial successor, stage slopes and error scale."""
-
-    y: Array
-    trial: Array
-    slopes: Array
-    scale: Array
 
 
 @compiled
@@ -138,17 +127,7 @@ def locate(
     low, high = 0.0, h
     length = part * h
     for _ in range(NEWTON_STEPS):
-        embedded_step(
-            system,
-            tableau,
-            book.onset,
-            t,
-            length,
-            motion.y,
-            motion.slopes,
-            motion.trial,
-            motion.scale,
-        )
+        embedded_step(system, tableau, book.onset, motion, t, length)
         control[0].evaluations += tableau.b.shape[0]
         depth, rate = penetration_of(system, k, motion.trial)
         if abs(depth) <= EVENT_DEPTH:
@@ -242,9 +221,7 @@ def march_controlled(
         for i in range(n):
             motion.scale[i] = state.tolerance * POSITION_SCALE
             motion.scale[n + i] = state.tolerance * (1.0 + abs(motion.y[n + i]))
-        error = embedded_step(
-            system, tableau, book.onset, t, h, motion.y, motion.slopes, motion.trial, motion.scale
-        )
+        error = embedded_step(system, tableau, book.onset, motion, t, h)
         state.evaluations += tableau.b.shape[0]
         if not error <= 1.0:
             state.rejected += 1
@@ -309,7 +286,7 @@ def march_fixed(
         if left <= 1e-9 * state.step:
             return DONE
         h = min(state.step, left)
-        classical_step(system, book.onset, t, h, motion.y, motion.slopes, motion.trial)
+        classical_step(system, book.onset, motion, t, h)
         state.evaluations += 4
         copy_to(motion.y, motion.trial)
         t = end if h >= left else t + h

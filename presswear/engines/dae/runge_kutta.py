@@ -4,6 +4,7 @@ The classical method of order 4, and embedded methods by their tableau.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,19 +16,29 @@ from presswear.tools.compiled import compiled, copy_to
 Array = NDArray[np.float64]
 
 
-@compiled
-def classical_step(
-    system: System, onset: Array, t: float, h: float, y: Array, slopes: Array, new: Array
-) -> None:
-    """Make one step of order 4; ``slopes[0]`` holds dy/dt at the start.
+class Integration(NamedTuple):
+    """A state and the step from it.
 
-    Parameters
+    Attributes
     ----------
-    slopes : ndarray, shape (13, len(y))
-        Working space.
-    new : ndarray, shape (len(y),)
-        Result.
+    y, trial : ndarray, shape (m,)
+        The state, and its successor on trial.
+    slopes : ndarray, shape (13, m)
+        Slopes of the stages; the first holds dy/dt at the start.
+    scale : ndarray, shape (n,)
+        Allowed error of the first n components; the integrals behind them follow.
     """
+
+    y: Array
+    trial: Array
+    slopes: Array
+    scale: Array
+
+
+@compiled
+def classical_step(system: System, onset: Array, motion: Integration, t: float, h: float) -> None:
+    """Make one trial step of order 4."""
+    y, new, slopes, _ = motion
     for stage in range(1, 4):
         part = h if stage == 3 else 0.5 * h
         for i in range(y.shape[0]):
@@ -44,22 +55,15 @@ def embedded_step(
     system: System,
     tableau: Tableau,
     onset: Array,
+    motion: Integration,
     t: float,
     h: float,
-    y: Array,
-    slopes: Array,
-    new: Array,
-    scale: Array,
 ) -> float:
-    """Make one embedded step; returns its error as a multiple of the allowed one.
+    """Make one trial step with an embedded method; returns its error over the allowed one.
 
-    ``slopes[0]`` holds dy/dt at the start, ``slopes[stages]`` afterwards that at the end.
-
-    Parameters
-    ----------
-    scale : ndarray, shape (n,)
-        Allowed error of the first n components; the integrals behind them follow.
+    ``slopes[stages]`` holds dy/dt at the end afterwards.
     """
+    y, new, slopes, scale = motion
     size = y.shape[0]
     stages = tableau.b.shape[0]
     for stage in range(1, stages):

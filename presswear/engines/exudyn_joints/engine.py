@@ -5,13 +5,14 @@ functions are pure.  The same call chooses the next step and writes it into the
 running solver; ``PostNewton`` sends back a step that ran too far past a touch.
 """
 
+from collections.abc import Callable
 from typing import Any
 
 import exudyn as exu
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.engines.base import Plan, Start, described, listed
+from presswear.engines.base import Plan, Start, described
 from presswear.engines.driver import Simulation
 from presswear.engines.exudyn import (
     Accept,
@@ -19,10 +20,14 @@ from presswear.engines.exudyn import (
     post_step,
     run_to_end,
     settings_of,
-    shares_of,
     timed,
 )
-from presswear.engines.exudyn_joints.kernels import Drives, accept_joint_step, shorter_joint_step
+from presswear.engines.exudyn_joints.kernels import (
+    Drives,
+    Frame,
+    accept_joint_step,
+    shorter_joint_step,
+)
 from presswear.engines.exudyn_joints.model import JointsModel, assemble, left_out
 from presswear.engines.settings import ExudynJoints
 from presswear.linkage.elements import Linkage
@@ -41,21 +46,22 @@ Array = NDArray[np.float64]
 REMEDY = "more steps_per_contact may help"
 """Advice that makes a run finer."""
 
-_STAGES = (
-    "forces_and_connectors",
-    "constraints",
-    "jacobians_and_factors",
-    "linear_solves",
-    "end_of_step",
-)
-_SUMS = ("steps", "sent_back", "newton", "jacobians", "wall", "total", *_STAGES)
-"""Counts and times that are summed over the cycles of a run."""
+_STAGES = {
+    "forces_and_connectors": ("ODE2RHS",),
+    "constraints": ("AERHS", "reactionForces"),
+    "jacobians_and_factors": ("totalJacobian", "factorization"),
+    "linear_solves": ("newtonIncrement",),
+    "end_of_step": ("python",),
+}
+"""Forces include the Python connectors; the step's end is contact state, wear, recording and
+the choice of the next step."""
+_COUNTS = {"newton": "newtonStepsCount", "jacobians": "newtonJacobiCount"}
 
 
 def _settings(accuracy: ExudynJoints, longest: float) -> Any:
     settings = settings_of(longest, 0.1 * accuracy.least_step)
     integration = settings.timeIntegration
-    # Steps are chosen by accept_step; Exudyn must not lengthen them behind its back.
+    # Steps are chosen by accept_joint_step; Exudyn must not lengthen them behind its back.
     integration.adaptiveStepRecoverySteps = 2**30
     integration.newton.relativeTolerance = accuracy.newton
     integration.newton.absoluteTolerance = accuracy.newton
@@ -86,15 +92,14 @@ def _drives(model: JointsModel, linkage: Linkage) -> Drives:
             dtype=np.int64,
         ),
         motions=np.array([motion_of(drive) for drive in linkage.drives], dtype=MOTION),
-        multipliers=model.multipliers,
+        multipliers=model.solved[3],
         force=np.zeros(count),
         rates=np.zeros(JOINT_RATES * len(linkage.clearances)),
     )
 
 
-def _accept(model: JointsModel, drives: Drives, book: Book, steps: Records) -> Accept:
+def _accept(frame: Frame, drives: Drives, book: Book, steps: Records) -> Accept:
     """Account for accepted steps and choose the next."""
-    frame = model.frame
     kernel = specialised(accept_joint_step, frame, drives, book, steps, 0.0, 0.0)
 
     def accept(t: float) -> float:
@@ -103,25 +108,19 @@ def _accept(model: JointsModel, drives: Drives, book: Book, steps: Records) -> A
     return accept
 
 
-class _SendBack:
+def _send_back(frame: Frame, solve: Solve, steps: Records) -> Callable[[Any, float], list[float]]:
     """The function for PostNewton: repeats a step that ran too far past a touch."""
+    book = solve.recorder.book
+    kernel = specialised(shorter_joint_step, frame, book, steps, 0.0)
 
-    def __init__(self, model: JointsModel, book: Book, steps: Records):
-        self.count = 0
-        self._arguments = model.frame, book, steps
-        self._kernel = specialised(shorter_joint_step, *self._arguments, 0.0)
-
-    def taken(self) -> int:
-        """How many steps were sent back since this was asked last."""
-        count, self.count = self.count, 0
-        return count
-
-    def __call__(self, system: Any, t: float) -> list[float]:
-        shorter = self._kernel(*self._arguments, t)
+    def send_back(system: Any, t: float) -> list[float]:
+        shorter = kernel(frame, book, steps, t)
         if shorter < 0.0:
             return [0.0, -1.0]
-        self.count += 1
+        solve.sums["sent_back"] += 1.0
         return [2.0, shorter]
+
+    return send_back
 
 
 def prepare(
@@ -135,27 +134,19 @@ def prepare(
     with timed(times, "wall_build_s"):
         book = recorder.book
         model = assemble(linkage, start, recorder)
-        solve = Solve.of(recorder, plan, _SUMS)
-        send_back = _SendBack(model, book, steps)
+        solve = Solve.of(recorder, plan, _STAGES, _COUNTS)
         drives = _drives(model, linkage)
-        accept = _accept(model, drives, book, steps)
+        accept = _accept(model.frame, drives, book, steps)
         model.system.SetPostStepUserFunction(post_step(solve, accept))
         if linkage.clearances:
-            model.system.SetPostNewtonUserFunction(lambda system, t: send_back(system, t))
+            model.system.SetPostNewtonUserFunction(_send_back(model.frame, solve, steps))
     energies = book.memory["energy"]
     before = stored_energy(book.packed, energies, start.position, start.velocity)
     exudyn = _settings(settings, longest)
 
     def advance(end: float) -> Finding | None:
-        solve.begin(end)
-        model.begin(exudyn, solve, longest)
-        kind = exu.DynamicSolverType.TrapezoidalIndex2
-        finding = run_to_end(model.system, exudyn, kind, solve, REMEDY)
-        solver = model.system.sys["dynamicSolver"]
-        solve.add(_wall_times(solver.timer))
-        solve.add({"newton": solver.it.newtonStepsCount, "jacobians": solver.it.newtonJacobiCount})
-        solve.add({"sent_back": send_back.taken()})
-        return finding
+        kind, live = exu.DynamicSolverType.TrapezoidalIndex2, model.solved
+        return run_to_end(model.system, live, exudyn, kind, solve, longest, end, REMEDY)
 
     def state() -> tuple[float, Array, Array]:
         return solve.time, np.array(model.frame.q), np.array(model.frame.v)
@@ -165,17 +156,18 @@ def prepare(
         return Ledger.of(book.ledger[0], stored - before)
 
     def diagnostics() -> dict[str, float | int | str]:
-        sums = solve.sums
+        sums, omitted = solve.sums, left_out(linkage)
+        bodies = len(linkage.bodies) - len(omitted)
+        words = f"{bodies} bodies, {len(model.joints)} joints and drives"
         return {
-            "model": described(linkage, _model_words(model, linkage)),
+            "model": described(linkage, words, omitted),
             "solver": "Exudyn trapezoidal index 2, step chosen by contact state",
             "steps": int(sums["steps"]),
             "steps_sent_back": int(sums["sent_back"]),
             "newton_iterations": int(sums["newton"]),
             "jacobians": int(sums["jacobians"]),
             **times,
-            "wall_solve_s": sums["wall"],
-            **shares_of(sums, _STAGES),
+            **solve.shares(),
         }
 
     return Simulation(
@@ -189,25 +181,3 @@ def prepare(
         constraints_of(linkage),
         model.container.Reset,
     )
-
-
-def _model_words(model: JointsModel, linkage: Linkage) -> str:
-    omitted = sorted(left_out(linkage))
-    words = f"{len(linkage.bodies) - len(omitted)} bodies, {len(model.joints)} joints and drives"
-    return f"{words}, {listed(omitted)} prescribed" if omitted else words
-
-
-def _wall_times(timer: Any) -> dict[str, float]:
-    """Where the time of a solve went, s; ``total`` is all of it.
-
-    Forces include the Python connectors; the step's end is contact state, wear,
-    recording and the choice of the next step.
-    """
-    return {
-        "total": timer.total,
-        "forces_and_connectors": timer.ODE2RHS,
-        "constraints": timer.AERHS + timer.reactionForces,
-        "jacobians_and_factors": timer.totalJacobian + timer.factorization,
-        "linear_solves": timer.newtonIncrement,
-        "end_of_step": timer.python,
-    }

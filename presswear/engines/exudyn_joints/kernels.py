@@ -1,19 +1,21 @@
 """Compiled part of the model with bodies and joints: connector forces, accepted steps."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.engines.stepping import accept_step
 from presswear.physics.contact import note_contacts
+from presswear.physics.energy import loss_powers
 from presswear.physics.forces import add_contacts, load_of
 from presswear.physics.motion import drive_motion
 from presswear.physics.packed import Packed
 from presswear.physics.prescribed import drive_torque, place_cranks
-from presswear.physics.touchdown import shorter_step
-from presswear.record.observe import Book
-from presswear.tools.compiled import Records, compiled, copy_to
+from presswear.physics.touchdown import LEAST_STEPS, next_step, shorter_step
+from presswear.physics.wear import dose_rates
+from presswear.record.observe import Book, observe, settle_state
+from presswear.tools.compiled import Records, all_finite, compiled, copy_to
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -146,14 +148,53 @@ def drive_power(frame: Frame, drives: Drives, book: Book, t: float) -> float:
 
 
 @compiled
+def sum_step(book: Book, drive_power: float, t: float, h: float) -> None:
+    """Fill the doses of wear of a step, and add to the ledger of energy.
+
+    Doses are taken from the state at the step's end: over a whole contact that is the
+    trapezoidal rule, since the force is zero at both ends.  A step that began open
+    carries force only since its touchdown.  Powers are summed by the trapezoidal rule.
+    """
+    contact_power = 0.0
+    friction_power = 0.0
+    made_power = 0.0
+    for k in range(book.memory.shape[0]):
+        contact = book.contacts[k]
+        work, pressure = dose_rates(book.packed.joints[k], contact, contact.normal)
+        duration = min(h, t - book.memory[k].touchdown_time)
+        book.doses[k].work = work * duration
+        book.doses[k].pressure = pressure * duration
+        lost, rubbed, made = loss_powers(contact, contact.normal, contact.tangential)
+        contact_power += lost
+        friction_power += rubbed
+        made_power += made
+    ledger = book.ledger[0]
+    half = 0.5 * h
+    ledger.drive_work += half * (ledger.drive_power + drive_power)
+    ledger.drive_exchange += half * (abs(ledger.drive_power) + abs(drive_power))
+    ledger.contact_loss += half * (ledger.contact_power + contact_power)
+    ledger.friction_loss += half * (ledger.friction_power + friction_power)
+    ledger.made += half * (ledger.made_power + made_power)
+    ledger.drive_power = drive_power
+    ledger.contact_power = contact_power
+    ledger.friction_power = friction_power
+    ledger.made_power = made_power
+
+
+@compiled
 def accept_joint_step(
     frame: Frame, drives: Drives, book: Book, steps: Records, t: float, h: float
 ) -> float:
-    """Account for an accepted step and choose the next; see ``accept_step``."""
+    """Settle contact, account for an accepted step and choose the next; NaN if it is broken."""
     refresh(frame, t)
     note_contacts(book.packed, book.contacts, frame.q, frame.v)
     power = drive_power(frame, drives, book, t)
-    return accept_step(book, steps, power, t, h, frame.q, frame.v, frame.a)
+    if not all_finite(frame.q, frame.v):
+        return math.nan
+    settle_state(book, t, LEAST_STEPS)
+    sum_step(book, power, t, h)
+    observe(book, t, h, frame.q, frame.v, frame.a)
+    return next_step(book.packed, book.onset, book.memory, steps, book.contacts, frame.a)
 
 
 @compiled

@@ -7,8 +7,6 @@ weights and moving hinges at once.  Contact state changes only between accepted
 steps, and steps end where a pin touches or leaves.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import exudyn as exu
@@ -26,7 +24,6 @@ from presswear.engines.exudyn import (
     quiet,
     run_to_end,
     settings_of,
-    shares_of,
     timed,
 )
 from presswear.engines.exudyn_tree.kernels import (
@@ -66,9 +63,14 @@ _INSTANT = 1e-12
 """Length of the step that asks Exudyn for the accelerations at the start, s."""
 
 
-_STAGES = ("forces", "mass_matrix", "integrator", "end_of_step")
-_SUMS = ("steps", "sent_back", "wall", "total", *_STAGES)
-"""Counts and times that are summed over the cycles of a run."""
+_STAGES = {
+    "forces": ("ODE2RHS",),
+    "mass_matrix": ("massMatrix", "factorization", "newtonIncrement"),
+    "integrator": ("integrationFormula", "errorEstimator"),
+    "end_of_step": ("python",),
+}
+"""Forces include the tree's own in C++ and the Python user function; the step's end is contact
+state, wear, recording and the choice of the next step."""
 
 
 def system_of(tree: Tree, linkage: Linkage, longest: float) -> TreeSystem:
@@ -89,40 +91,6 @@ def system_of(tree: Tree, linkage: Linkage, longest: float) -> TreeSystem:
         carried=np.zeros((len(tree.links), CARRIED)),
         balance=np.zeros(len(tree.links)),
     )
-
-
-@dataclass
-class _Forces:
-    """The user function of the tree; knows the live state once the model is assembled.
-
-    Attributes
-    ----------
-    calls : int
-        Since the last accepted step.
-    """
-
-    system: TreeSystem
-    book: Book
-    out: Array
-    x: Any = None
-    u: Any = None
-    calls: int = 0
-
-    def function(self) -> Callable[..., Array]:
-        """The function that Exudyn calls in every stage; its copies of the state are not needed."""
-        system, out = self.system, self.out
-        book = self.book
-        packed, contacts = book.packed, book.contacts
-        kernel = specialised(stage_forces, system, packed, contacts, 0.0, out, out, out)
-
-        def force(mbs: Any, t: float, item: int, q: Any, q_t: Any) -> Array:
-            self.calls += 1
-            if self.calls > MOST_CALLS:
-                raise StuckError
-            kernel(system, packed, contacts, t, self.x, self.u, out)
-            return out
-
-        return force
 
 
 def _settings(accuracy: ExudynTree, longest: float) -> Any:
@@ -150,18 +118,35 @@ def _accelerations_at_start(model: TreeModel) -> Array:
     return np.array(model.u_t)
 
 
-def _accept(model: TreeModel, system: TreeSystem, book: Book, forces: _Forces) -> Accept:
-    """Account for accepted steps and choose the next."""
+def _build(
+    tree: Tree, linkage: Linkage, start: Start, system: TreeSystem, book: Book
+) -> tuple[TreeModel, Accept]:
+    """The tree with its user function, and what accounts for a step and chooses the next."""
+    packed, contacts, out = book.packed, book.contacts, np.zeros(len(tree.links))
+    stage = specialised(stage_forces, system, packed, contacts, 0.0, out, out, out)
+    calls = 0  # since the last accepted step
+
+    def forces(mbs: Any, t: float, item: int, q: Any, q_t: Any) -> Array:
+        # Reads the live state, known once the model is assembled, instead of Exudyn's copies.
+        nonlocal calls
+        calls += 1
+        if calls > MOST_CALLS:
+            raise StuckError
+        stage(system, packed, contacts, t, x, u, out)
+        return out
+
+    model = assemble(tree, linkage, start, forces)
     x, u, u_t = model.x, model.u, model.u_t
     at_start = _accelerations_at_start(model)
     system.pace["evaluations"] = 0
     kernel = specialised(accept_tree_step, system, book, 0.0, x, u, u_t)
 
     def accept(t: float) -> float:
-        forces.calls = 0
+        nonlocal calls
+        calls = 0
         return kernel(system, book, t, x, u, at_start if t == 0.0 else u_t)
 
-    return accept
+    return model, accept
 
 
 def prepare(
@@ -184,11 +169,9 @@ def prepare(
     with timed(times, "wall_build_s"):
         book = recorder.book
         system = system_of(tree, linkage, longest)
-        forces = _Forces(system, book, np.zeros(len(tree.links)))
-        model = assemble(tree, linkage, start, forces.function())
-        forces.x, forces.u = model.x, model.u
-        solve = Solve.of(recorder, plan, _SUMS, FIRST_STEP)
-        accept = _accept(model, system, book, forces)
+        model, accept = _build(tree, linkage, start, system, book)
+        counts = {"sent_back": "rejectedAutomaticStepSizeSteps"}
+        solve = Solve.of(recorder, plan, _STAGES, counts, FIRST_STEP)
         limit = StepLimit(solve)
         model.system.SetPreStepUserFunction(lambda system, t: limit.pre_step(system, t))
         model.system.SetPostStepUserFunction(post_step(solve, accept, limit.write))
@@ -204,13 +187,8 @@ def prepare(
     exudyn = _settings(settings, longest)
 
     def advance(end: float) -> Finding | None:
-        solve.begin(end)
-        model.begin(exudyn, solve, longest)
-        finding = run_to_end(model.system, exudyn, exu.DynamicSolverType.DOPRI5, solve, REMEDY)
-        solver = model.system.sys["dynamicSolver"]
-        solve.add(_wall_times(solver.timer))
-        solve.add({"sent_back": solver.it.rejectedAutomaticStepSizeSteps})
-        return finding
+        kind, live = exu.DynamicSolverType.DOPRI5, (model.x, model.u)
+        return run_to_end(model.system, live, exudyn, kind, solve, longest, end, REMEDY)
 
     def ledger() -> Ledger:
         stored, momentum = energy()
@@ -220,8 +198,9 @@ def prepare(
 
     def diagnostics() -> dict[str, float | int | str]:
         sums, pace = solve.sums, system.pace[0]
+        words = f"open tree of {len(tree.links)} coordinates ({listed(tree.names)})"
         return {
-            "model": described(linkage, _model_words(tree, linkage)),
+            "model": described(linkage, words, cranks_of(linkage)),
             "solver": f"Exudyn DOPRI5 at tolerance {settings.tree_tolerance:g}, "
             "steps end on touches and separations",
             "steps": int(sums["steps"]),
@@ -230,8 +209,7 @@ def prepare(
             "events": int(pace["events"]),
             "deepest_touch_m": float(pace["deepest_touch"]),
             **times,
-            "wall_solve_s": sums["wall"],
-            **shares_of(sums, _STAGES),
+            **solve.shares(),
         }
 
     return Simulation(
@@ -252,12 +230,6 @@ def prepare(
     )
 
 
-def _model_words(tree: Tree, linkage: Linkage) -> str:
-    words = f"open tree of {len(tree.links)} coordinates ({listed(tree.names)})"
-    known = sorted(cranks_of(linkage))
-    return f"{words}, {listed(known)} prescribed" if known else words
-
-
 def _warm_up(tree: Tree, linkage: Linkage, start: Start) -> None:
     """Compile every kernel, or load it from the cache, on a state thrown away."""
     book = Recorder.of(linkage, start.position, 1, 1.0).book
@@ -268,18 +240,3 @@ def _warm_up(tree: Tree, linkage: Linkage, start: Start) -> None:
     specialised(accept_tree_step, system, book, 0.0, x, x, x)
     specialised(tree_state, system, book, 0.0, x, x, x)
     specialised(hinge_power_integral, system)
-
-
-def _wall_times(timer: Any) -> dict[str, float]:
-    """Where the time of a solve went, s; ``total`` is all of it.
-
-    Forces include the tree's own in C++ and the Python user function; the step's end is
-    contact state, wear, recording and the choice of the next step.
-    """
-    return {
-        "total": timer.total,
-        "forces": timer.ODE2RHS,
-        "mass_matrix": timer.massMatrix + timer.factorization + timer.newtonIncrement,
-        "integrator": timer.integrationFormula + timer.errorEstimator,
-        "end_of_step": timer.python,
-    }

@@ -16,7 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.engines.dormand_prince import DOPRI5
-from presswear.engines.stepping import all_finite
 from presswear.physics.contact import note_contacts, penetration_acceleration
 from presswear.physics.forces import (
     CONTACT_LOSS,
@@ -33,7 +32,7 @@ from presswear.physics.springs import spring_forces
 from presswear.physics.touchdown import LEAST_PARTS, contact_step, skim_step, step_after_touchdown
 from presswear.physics.tree import accelerate_links, carry_branches, gather_forces, place_links
 from presswear.record.observe import Book, observe, settle_state
-from presswear.tools.compiled import Records, compiled, copy_to
+from presswear.tools.compiled import Records, all_finite, compiled, copy_to
 
 Array = NDArray[np.float64]
 

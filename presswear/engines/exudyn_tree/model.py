@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.engines.base import Start
-from presswear.engines.exudyn import Solve
+from presswear.engines.exudyn import add_node, add_object
 from presswear.linkage.elements import Linkage
 from presswear.physics.tree import Tree
 
@@ -29,15 +29,6 @@ class TreeModel:
     u: Any
     u_t: Any
 
-    def begin(self, settings: Any, solve: Solve, longest: float) -> None:
-        """Let the next solve begin from the present state, up to the end of the cycle."""
-        data = self.system.systemData
-        initial = exu.ConfigurationType.Initial
-        data.SetODE2Coordinates(np.array(self.x), initial)
-        data.SetODE2Coordinates_t(np.array(self.u), initial)
-        solve.set_span(settings, longest)
-        settings.timeIntegration.initialStepSize = solve.sums["proposed"]
-
 
 def _turned(angle: float) -> Array:
     c, s = math.cos(angle), math.sin(angle)
@@ -50,14 +41,13 @@ def assemble(tree: Tree, linkage: Linkage, start: Start, force: Callable[..., Ar
     system = container.AddSystem()
     x, u = tree.coordinates(start.position, start.velocity)
     count = len(tree.links)
-    node = system.AddNode(
-        {
-            "nodeType": "GenericODE2",
-            "referenceCoordinates": [0.0] * count,
-            "initialCoordinates": list(x),
-            "initialCoordinates_t": list(u),
-            "numberOfODE2Coordinates": count,
-        }
+    node = add_node(
+        system,
+        "GenericODE2",
+        referenceCoordinates=[0.0] * count,
+        initialCoordinates=list(x),
+        initialCoordinates_t=list(u),
+        numberOfODE2Coordinates=count,
     )
     types, turns, offsets, centres, masses, inertias = [], [], [], [], [], []
     for link, name in zip(tree.links, tree.names, strict=True):
@@ -80,19 +70,18 @@ def assemble(tree: Tree, linkage: Linkage, start: Start, force: Callable[..., Ar
         centres.append([*-own, 0.0])
         masses.append(body.mass)
         inertias.append(np.diag([0.0, 0.0, body.inertia]))
-    system.AddObject(
-        {
-            "objectType": "KinematicTree",
-            "nodeNumber": node,
-            "jointTypes": types,
-            "linkParents": [int(parent) for parent in tree.links["parent"]],
-            "jointTransformations": _EXUDYN.Matrix3DList(turns),
-            "jointOffsets": _EXUDYN.Vector3DList(offsets),
-            "linkInertiasCOM": _EXUDYN.Matrix3DList(inertias),
-            "linkCOMs": _EXUDYN.Vector3DList(centres),
-            "linkMasses": masses,
-            "forceUserFunction": force,
-        }
+    add_object(
+        system,
+        "KinematicTree",
+        nodeNumber=node,
+        jointTypes=types,
+        linkParents=[int(parent) for parent in tree.links["parent"]],
+        jointTransformations=_EXUDYN.Matrix3DList(turns),
+        jointOffsets=_EXUDYN.Vector3DList(offsets),
+        linkInertiasCOM=_EXUDYN.Matrix3DList(inertias),
+        linkCOMs=_EXUDYN.Vector3DList(centres),
+        linkMasses=masses,
+        forceUserFunction=force,
     )
     system.Assemble()
     data = system.systemData

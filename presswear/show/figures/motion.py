@@ -79,7 +79,7 @@ def response(result: Result, stages: Stages) -> list[Drawing]:
         stage.pen.draw(panels[2], stage.data.time, stage.data.velocity, linewidth=0.9)
     IDEAL.draw(panels[2], time, ideal[:, 1], linewidth=0.9)
     panels[2].set_ylabel("velocity\n(m/s)")
-    _draw_accelerations(panels[3 : 3 + len(shown)], shown, time, ideal[:, 2])
+    _draw_accelerations(panels[3 : 3 + len(shown)], result, shown, time, ideal[:, 2])
     caption = f"The slider over {span}, against the ideal motion in closed form."
     if with_impacts:
         interval = result.scene.mechanism.period / _MEANS_PER_CYCLE
@@ -114,17 +114,35 @@ def _draw_displacements(
     panels[1].set_ylabel(f"displacement\nless ideal ({unit})")
 
 
+def _draw_jagged(
+    axes: Axes, stage: ShownStage, values: Array, each_cycle: Array, period: float, unit: str
+) -> float:
+    """Draw what impacts make jagged, and name its largest value of either sign; gives that.
+
+    Parameters
+    ----------
+    each_cycle : ndarray
+        Largest value of each cycle.  Rows of a series are kept as a force changes by 2 % of its
+        peak, so that a peak itself may lie between two of them.
+    """
+    shown = each_cycle[: int(stage.data.time[-1] / period + 0.02)]
+    largest = max(float(np.abs(values).max()), float(shown.max(initial=0.0)))
+    axes.plot(stage.data.time, values, color=stage.pen.colour, linewidth=0.7)
+    note(axes, f"{stage.pen.label}, largest {readable(largest)} {unit}")
+    return largest
+
+
 def _draw_accelerations(
-    panels: Sequence[Axes], stages: list[ShownStage], time: Array, ideal: Array
+    panels: Sequence[Axes], result: Result, stages: list[ShownStage], time: Array, ideal: Array
 ) -> None:
     """One panel a stage on a common scale."""
     low, high = float(ideal.min()), float(ideal.max())
+    period = result.scene.mechanism.period
     for axes, stage in zip(panels, stages, strict=True):
-        values = stage.data.acceleration
-        axes.plot(stage.data.time, values, color=stage.pen.colour, linewidth=0.7)
+        values, peaks = stage.data.acceleration, stage.data.each_cycle("acceleration_max")
+        _draw_jagged(axes, stage, values, peaks, period, "m/s²")
         IDEAL.draw(axes, time, ideal, linewidth=0.9)
         axes.set_ylabel("acceleration\n(m/s²)")
-        note(axes, f"{stage.pen.label}, largest {readable(float(np.abs(values).max()))} m/s²")
         low, high = min(low, float(values.min())), max(high, float(values.max()))
     for axes in panels:
         axes.set_ylim(low - 0.05 * (high - low), high + 0.3 * (high - low))
@@ -158,11 +176,11 @@ def contact_force(result: Result, stages: Stages) -> list[Drawing]:
     for column, joint in zip(grid.T, joints, strict=True):
         largest = 0.0
         for axes, stage in zip(column, shown, strict=True):
-            force = stage.data.joints[joint].force[:, 0]
-            axes.plot(stage.data.time, force, color=stage.pen.colour, linewidth=0.7)
+            own = stage.data.joints[joint]
+            peaks, period = own.each_cycle("force_max"), result.scene.mechanism.period
+            peak = _draw_jagged(axes, stage, own.force[:, 0], peaks, period, "N")
             axes.set_ylabel("normal force (N)")
-            note(axes, f"{stage.pen.label}, largest {readable(float(force.max()))} N")
-            largest = max(largest, float(force.max()))
+            largest = max(largest, peak)
         column[0].set_title(f"joint {joint}", loc="left", fontweight="bold")
         column[0].set_ylim(0.0, 1.25 * largest if largest > 0.0 else 1.0)
         column[-1].set_xlabel("time (s)")

@@ -43,26 +43,35 @@ class Live(Tracker):
         times = np.linspace(0.0, scene.mechanism.period, 181)
         self._motion = scene.mechanism.ideal_motion(times).position
         self._linkage: Linkage | None = None
-        self._window: Connection | None
         self._process, self._window = opened(_show, size, self._subject(0, scene.linkage()))
-        self._is_ready = True
+        self._is_open = self._is_ready = True
         self._sent = 0.0
 
     def progress(self, progress: Progress) -> None:
         """Show how a run stands, if the window is there and has shown what it was sent."""
         now = clock.perf_counter()
-        if now - self._sent < _INTERVAL or not self._can_send():
+        if not self._is_open or now - self._sent < _INTERVAL:
             return
+        try:
+            while self._window.poll():
+                self._window.recv()
+                self._is_ready = True
+            if self._is_ready:
+                self._send(progress)
+                self._is_ready, self._sent = False, now
+        except (EOFError, OSError):
+            self._is_open = False
+
+    def _send(self, progress: Progress) -> None:
+        """Send the last frames of a run, and what runs where that is another."""
         if progress.linkage is not self._linkage:
             self._linkage = progress.linkage
-            self._send(self._subject(progress.stage, progress.linkage))
+            self._window.send(self._subject(progress.stage, progress.linkage))
         film = progress.recorder.last_frames
         time = float(film.time[-1])
         peaks = film.joints[-_RECENT:, :, PEAK].max(axis=0)
         instant = Instant(time, film.position[-PATH_FRAMES:], film.joints[-1], peaks)
-        self._send((instant, time / self._scene.mechanism.period % 1.0))
-        self._is_ready = False
-        self._sent = now
+        self._window.send((instant, time / self._scene.mechanism.period % 1.0))
 
     def _subject(self, stage: int, linkage: Linkage) -> Subject:
         return Subject(
@@ -75,29 +84,9 @@ class Live(Tracker):
             motion=self._motion,
         )
 
-    def _can_send(self) -> bool:
-        if self._window is None:
-            return False
-        try:
-            while self._window.poll():
-                self._window.recv()
-                self._is_ready = True
-        except (EOFError, OSError):
-            self._window = None
-            return False
-        return self._is_ready
-
-    def _send(self, what: Subject | tuple[Instant, float]) -> None:
-        try:
-            if self._window is not None:
-                self._window.send(what)
-        except OSError:
-            self._window = None
-
     def close(self) -> None:
         """Close the window."""
-        if self._window is not None:
-            self._window.close()
+        self._window.close()
         self._process.join(2.0)
         if self._process.is_alive():
             self._process.kill()

@@ -13,9 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from presswear.show.replay.clip import instants
 from presswear.show.replay.picture import Picture
-from presswear.show.replay.reel import Reel
+from presswear.show.replay.reel import Reel, instants
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.files import write_whole
 
@@ -29,7 +28,7 @@ _COLOURS = 64
 
 def still(reels: Sequence[Reel], frames: Sequence[int], size: tuple[int, int]) -> Pixels:
     """One picture, shape (height, width, 3)."""
-    picture = Picture([reel.subject for reel in reels], size)
+    picture = Picture(reels, size)
     try:
         first, last = reels[0].span
         part = (reels[0].film.time[frames[0]] - first) / (last - first)
@@ -49,7 +48,7 @@ _worker: dict[str, Any] = {}
 
 
 def _begin(reels: Sequence[Reel], frames: Frames, note: str, size: tuple[int, int]) -> None:
-    picture = Picture([reel.subject for reel in reels], size)
+    picture = Picture(reels, size)
     picture.container.visualizationSettings.raytracer.numberOfThreads = 1
     _worker.update(reels=reels, frames=frames, note=note, picture=picture)
 

@@ -1,4 +1,4 @@
-"""The film of a stage, and all else that is needed to draw it."""
+"""The film of a stage, all else that is needed to draw it, and which of its frames are shown."""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 
 from presswear.linkage.elements import GROUND, Attachment, Linkage
 from presswear.linkage.surface import Surface
-from presswear.record.film import FILM_JOINT, Film
+from presswear.record.film import FILM_JOINT, FRAMES_PER_CYCLE, Film
 from presswear.results.result import Result
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
+from presswear.tools.errors import InputError
 
 Array = NDArray[np.float64]
 
@@ -20,6 +21,8 @@ PATH_FRAMES = 60
 """Frames that the path of a pin's centre reaches back."""
 CYCLE_SECONDS = 10.0
 """Time that a cycle takes on the screen where nothing else is asked for, s."""
+MOST_PICTURES = 20_000
+"""Pictures of a film: a quarter of an hour at 25 a second."""
 NORMAL, TANGENTIAL, X, Y, PEAK = (
     FILM_JOINT.index(name)
     for name in ("normal", "tangential", "direction_x", "direction_y", "peak")
@@ -76,16 +79,10 @@ class Instant:
 
 
 @dataclass(frozen=True)
-class Reel:
-    """A stored film and its subject."""
+class Reel(Subject):
+    """A subject with its stored film."""
 
-    subject: Subject
     film: Film
-
-    @property
-    def period(self) -> float:
-        """Duration of a cycle, s."""
-        return self.subject.period
 
     @property
     def span(self) -> tuple[float, float]:
@@ -140,7 +137,7 @@ def reel_of(result: Result, index: int) -> Reel:
     film, linkage = stage.film, _linkage(scene, stage)
     forces = np.hypot(film.joints[:, :, NORMAL], film.joints[:, :, TANGENTIAL])
     largest = forces.max(axis=0, initial=0.0).tolist()
-    subject = Subject(
+    return Reel(
         title=f"{result.path.resolve().name}: {scene.name}" if result.path else scene.name,
         stage=stage.name,
         linkage=linkage,
@@ -148,8 +145,8 @@ def reel_of(result: Result, index: int) -> Reel:
         deepest=_greatest(deepest(_linkage(scene, one)) for one in result.stages),
         largest={joint.name: own for joint, own in zip(linkage.clearances, largest, strict=True)},
         motion=film.position,
+        film=film,
     )
-    return Reel(subject, film)
 
 
 def _linkage(scene: Scene, stage: StageResult) -> Linkage:
@@ -175,12 +172,9 @@ def deepest(linkage: Linkage) -> dict[str, float]:
 
 def alike(reels: Sequence[Reel]) -> list[Reel]:
     """The reels with room for the same depths and forces, so that they can be compared."""
-    deepest = _greatest(reel.subject.deepest for reel in reels)
-    largest = _greatest(reel.subject.largest for reel in reels)
-    return [
-        replace(reel, subject=replace(reel.subject, deepest=deepest, largest=largest))
-        for reel in reels
-    ]
+    deepest = _greatest(reel.deepest for reel in reels)
+    largest = _greatest(reel.largest for reel in reels)
+    return [replace(reel, deepest=deepest, largest=largest) for reel in reels]
 
 
 def _greatest(rooms: Iterable[Mapping[str, float]]) -> dict[str, float]:
@@ -190,3 +184,60 @@ def _greatest(rooms: Iterable[Mapping[str, float]]) -> dict[str, float]:
         for joint, number in room.items():
             found[joint] = max(found.get(joint, 0.0), number)
     return found
+
+
+def played(slowed: float) -> str:
+    """The speed at which something is played, in words."""
+    if slowed < 1.0:
+        return f"{1.0 / slowed:.3g} times as fast as it is"
+    return f"slowed {slowed:.3g} times" if slowed > 1.0 else "as fast as it is"
+
+
+def frames_at(reels: Sequence[Reel], time: float) -> tuple[int, ...]:
+    """The frame of each reel at one crank angle: that of the first at a time, s.
+
+    InputError where a reel does not reach so far.
+    """
+    found = []
+    for reel in reels:
+        first, last = reel.span
+        own = time / reels[0].period * reel.period
+        # Frames are apart: the last one stands for all up to the end of its cycle.
+        slack = 2.0 * reel.period / FRAMES_PER_CYCLE
+        if not first - slack <= own <= last + slack:
+            raise InputError(
+                f"time {own:g} s: the film of {reel.title}, {reel.stage}, "
+                f"goes from {first:g} s to {last:g} s"
+            )
+        found.append(reel.frame_at(own))
+    return tuple(found)
+
+
+def frames_between(
+    reels: Sequence[Reel], start: float, end: float, slowed: float, rate: float
+) -> list[tuple[int, ...]]:
+    """The frame of each reel in every picture from one time of the first reel to another, s.
+
+    InputError where the pictures are more than anybody would look at.
+
+    Parameters
+    ----------
+    slowed : float
+        Time on the screen over time of the first reel.
+    rate : float
+        Pictures a second.
+    """
+    count = max(round((end - start) * slowed * rate), 1)
+    if count > MOST_PICTURES:
+        raise InputError(
+            f"{count} pictures, {slowed:g} times slower at {rate:g} a second: at most "
+            f"{MOST_PICTURES} are drawn; choose a smaller --slow or --rate, or a shorter time"
+        )
+    return [frames_at(reels, start + k / (slowed * rate)) for k in range(count)]
+
+
+def instants(reels: Sequence[Reel], before: Sequence[int], frames: Sequence[int]) -> list[Instant]:
+    """A frame of each reel, where others were shown before."""
+    return [
+        reel.instant(frame, last) for reel, last, frame in zip(reels, before, frames, strict=True)
+    ]

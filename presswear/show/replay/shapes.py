@@ -19,10 +19,10 @@ _ARC = 48
 """Pieces of a full circle."""
 
 
-def colour(code: str, alpha: float = 1.0) -> Colour:
+def colour(code: str) -> Colour:
     """A colour from its hexadecimal code, ``#rrggbb``."""
     red, green, blue = (int(code[i : i + 2], 16) / 255.0 for i in (1, 3, 5))
-    return red, green, blue, alpha
+    return red, green, blue, 1.0
 
 
 def mixed(one: Colour, other: Colour, part: float) -> Colour:

@@ -7,15 +7,15 @@ import os
 import sys
 import time as clock
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from typing import Any
 
 import exudyn as exu
 
 from presswear.record.film import FRAMES_PER_CYCLE
-from presswear.show.replay.clip import Player, frames_at, instants, played
 from presswear.show.replay.picture import Picture
-from presswear.show.replay.reel import Reel
+from presswear.show.replay.reel import Reel, frames_at, instants, played
 from presswear.tools.errors import RunFailed
 
 WITHOUT_WINDOW = "--movie FILE.mp4 makes a film and --still FILE.png --at T a picture without one"
@@ -25,6 +25,10 @@ _TICK = 0.02
 """Time that is left to the window between two pictures, s."""
 _BAR_REACH = 0.03
 """Distance from the bar at which a click still means it, part of the picture's height."""
+SPACE, RIGHT, LEFT, DOWN, UP, HOME, END = 32, 262, 263, 264, 265, 268, 269
+"""Codes of keys as Exudyn's renderer (GLFW) gives them."""
+FASTER = 1.5
+"""Factor of one change of speed."""
 
 
 def check_display() -> None:
@@ -92,6 +96,61 @@ def opened(target: Callable[..., None], *given: Any) -> tuple[Any, Connection]:
     raise RunFailed(f"no window can be opened here: {why}; {WITHOUT_WINDOW}")
 
 
+@dataclass
+class Player:
+    """A place in time that moves on.
+
+    Attributes
+    ----------
+    first, last, time : float
+        Ends of the film and the present place, s.
+    slowed : float
+        Time on the screen over time of the run.
+    step : float
+        One frame, s.
+    plays : bool
+    """
+
+    first: float
+    last: float
+    time: float
+    slowed: float
+    step: float
+    plays: bool = True
+
+    def advance(self, seconds: float) -> None:
+        """Let time on the screen pass, s; from the end it begins again."""
+        if not self.plays:
+            return
+        self.time += seconds / self.slowed
+        if self.time > self.last:
+            self.time = self.first
+
+    def press(self, key: int) -> bool:
+        """Do what a key stands for; False where it stands for nothing."""
+        if key == SPACE:
+            self.plays = not self.plays
+        elif key in (LEFT, RIGHT):
+            self.plays = False
+            self.jump(self.time + (self.step if key == RIGHT else -self.step))
+        elif key in (UP, DOWN):
+            self.slowed *= FASTER if key == DOWN else 1.0 / FASTER
+        elif key in (HOME, END):
+            self.jump(self.first if key == HOME else self.last)
+        else:
+            return False
+        return True
+
+    def jump(self, time: float) -> None:
+        """Go to a time, s."""
+        self.time = min(max(time, self.first), self.last)
+
+    @property
+    def part(self) -> float:
+        """Its place between both ends, 0 .. 1."""
+        return (self.time - self.first) / (self.last - self.first)
+
+
 class Window:
     """Exudyn's window with a picture in it."""
 
@@ -156,7 +215,7 @@ def _show(
     # Every reel has frames up to the crank angle at which the shortest ends.
     last = first.period * min(reel.span[1] / reel.period for reel in reels)
     player = Player(first.span[0], last, start, slowed, first.period / FRAMES_PER_CYCLE)
-    window = Window(Picture([reel.subject for reel in reels], size), player.press)
+    window = Window(Picture(reels, size), player.press)
     asker.send("open")
     before = frames_at(reels, player.time)
     shown = clock.perf_counter()

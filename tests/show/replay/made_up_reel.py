@@ -5,7 +5,7 @@ import numpy as np
 from presswear.linkage.surface import Surface, bin_centres
 from presswear.record.film import FILM_JOINT, Film
 from presswear.scene.catalog import scene_named
-from presswear.show.replay.reel import Reel, Subject
+from presswear.show.replay.reel import Reel
 
 FRAMES = 101
 
@@ -32,7 +32,7 @@ def made_up_reel(title: str = "made up", deepest: float = 3e-5, largest: float =
     joints[:, :, 1] = 0.1 * joints[:, :, 0]
     joints[:, :, 2], joints[:, :, 3] = np.cos(turn)[:, None], np.sin(turn)[:, None]
     joints[:, :, 5] = 1.5 * joints[:, :, 0]
-    subject = Subject(
+    return Reel(
         title=title,
         stage="first wear",
         linkage=linkage,
@@ -40,5 +40,5 @@ def made_up_reel(title: str = "made up", deepest: float = 3e-5, largest: float =
         deepest=dict.fromkeys("AC", deepest),
         largest=dict.fromkeys("AC", largest),
         motion=position,
+        film=Film(motion.time, position, joints),
     )
-    return Reel(subject, Film(motion.time, position, joints))

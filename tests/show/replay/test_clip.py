@@ -3,20 +3,8 @@
 import pytest
 from made_up_reel import made_up_reel
 
-from presswear.show.replay.clip import (
-    DOWN,
-    END,
-    HOME,
-    LEFT,
-    RIGHT,
-    SPACE,
-    UP,
-    Player,
-    frames_at,
-    frames_between,
-    instants,
-    played,
-)
+from presswear.show.replay.reel import frames_at, frames_between, instants, played
+from presswear.show.replay.window import DOWN, END, HOME, LEFT, RIGHT, SPACE, UP, Player
 from presswear.tools.errors import InputError
 
 REEL = made_up_reel()

@@ -11,8 +11,8 @@ from made_up_reel import made_up_reel
 from numpy.typing import NDArray
 from PIL import Image
 
-from presswear.show.replay.clip import frames_between
 from presswear.show.replay.movie import check_movie, pictures, still, write_movie, write_still
+from presswear.show.replay.reel import frames_between
 from presswear.tools.errors import InputError
 
 REEL = made_up_reel()

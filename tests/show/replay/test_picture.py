@@ -19,12 +19,12 @@ from presswear.show.replay.shapes import colour
 Array = NDArray[np.float64]
 
 REEL = made_up_reel()
-LINKAGE = REEL.subject.linkage
+LINKAGE = REEL.linkage
 
 
 @pytest.fixture(scope="module")
 def picture() -> Iterator[Picture]:
-    made = Picture([REEL.subject], (480, 320))
+    made = Picture([REEL], (480, 320))
     yield made
     made.close()
 
@@ -47,7 +47,7 @@ def shifted(frame: int, by: Array) -> Instant:
 
 def enlarged(radius: float, joint: ClearanceJoint = LINKAGE.clearances[0]) -> EnlargedJoint:
     """A joint as it is drawn about the origin."""
-    room = REEL.subject.deepest[joint.name], REEL.subject.largest[joint.name]
+    room = REEL.deepest[joint.name], REEL.largest[joint.name]
     return EnlargedJoint(joint, *room, np.zeros(2), radius, FORCE)
 
 
@@ -176,9 +176,9 @@ def test_the_path_reaches_back_and_no_further_than_the_film() -> None:
 def test_two_reels_stand_side_by_side_at_one_scale() -> None:
     deeper = made_up_reel("deeper", deepest=9e-5, largest=900.0)
     one, other = alike([REEL, deeper])
-    assert one.subject.deepest == other.subject.deepest == {"A": 9e-5, "C": 9e-5}
-    assert one.subject.largest == other.subject.largest == {"A": 900.0, "C": 900.0}
-    both = Picture([one.subject, other.subject], (480, 320))
+    assert one.deepest == other.deepest == {"A": 9e-5, "C": 9e-5}
+    assert one.largest == other.largest == {"A": 900.0, "C": 900.0}
+    both = Picture([one, other], (480, 320))
     both.set([one.instant(5, 5), other.instant(5, 5)], 0.5, "")
     left, right = both.layout.panels
     assert right.offset[0] - left.offset[0] == pytest.approx(0.75 * both.layout.height)
@@ -190,7 +190,7 @@ def test_two_reels_stand_side_by_side_at_one_scale() -> None:
 
 
 def test_the_first_image_already_has_the_right_view() -> None:
-    fresh = Picture([REEL.subject], (480, 320))
+    fresh = Picture([REEL], (480, 320))
     fresh.set([REEL.instant(5, 5)], 0.5, "")
     first, second = fresh.image(), fresh.image()
     assert np.array_equal(first, second)

@@ -17,6 +17,7 @@ from presswear.__main__ import main
 from presswear.show.replay.window import missing_display
 
 REPLAY = [sys.executable, "-m", "presswear", "replay"]
+needs_xdotool = pytest.mark.skipif(shutil.which("xdotool") is None, reason="xdotool is missing")
 NO_DISPLAY = {key: value for key, value in os.environ.items() if key != "DISPLAY"}
 
 
@@ -30,8 +31,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def display() -> Iterator[str]:
-    """A display that nobody looks at."""
+def display(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """A display that nobody looks at, for this process and those that it starts."""
     if shutil.which("Xvfb") is None:
         pytest.skip("Xvfb is missing")
     read, write = os.pipe()
@@ -40,7 +41,9 @@ def display() -> Iterator[str]:
     os.close(write)
     with os.fdopen(read) as told:
         number = told.readline().strip()
-    yield f":{number}"
+    monkeypatch.setenv("DISPLAY", f":{number}")
+    assert missing_display() == ""
+    yield
     server.terminate()
     server.wait()
 
@@ -138,62 +141,42 @@ def test_without_a_display_a_line_names_what_works(folder: Path, name: str | Non
         assert "--still" in done.stderr
 
 
-def test_a_window_plays_and_is_quit_by_a_key(folder: Path, display: str) -> None:
-    if shutil.which("xdotool") is None:
-        pytest.skip("xdotool is missing")
-    environment = {**os.environ, "DISPLAY": display}
-    assert missing_display_at(display) == ""
-    window = subprocess.Popen([*REPLAY, str(folder)], env=environment, stderr=subprocess.PIPE)
-    press(environment, window, "space", "Right", "Up", "q")
+@needs_xdotool
+def test_a_window_plays_and_is_quit_by_a_key(folder: Path, display: None) -> None:
+    window = subprocess.Popen([*REPLAY, str(folder)], stderr=subprocess.PIPE)
+    press(window, "space", "Right", "Up", "q")
     assert window.wait(30) == 0
     assert window.stderr is not None
     assert window.stderr.read() == b""
 
 
-def test_ctrl_c_closes_the_window(folder: Path, display: str) -> None:
-    environment = {**os.environ, "DISPLAY": display}
-    window = subprocess.Popen([*REPLAY, str(folder)], env=environment, stderr=subprocess.DEVNULL)
+def test_ctrl_c_closes_the_window(folder: Path, display: None) -> None:
+    window = subprocess.Popen([*REPLAY, str(folder)], stderr=subprocess.DEVNULL)
     time.sleep(5.0)
     assert window.poll() is None
     window.send_signal(signal.SIGINT)
     assert window.wait(30) == 130
 
 
-def test_a_run_goes_on_when_its_window_is_closed(tmp_path: Path, display: str) -> None:
-    if shutil.which("xdotool") is None:
-        pytest.skip("xdotool is missing")
-    environment = {**os.environ, "DISPLAY": display}
+@needs_xdotool
+def test_a_run_goes_on_when_its_window_is_closed(tmp_path: Path, display: None) -> None:
     options = ["--engine", "dae", "--cycles", "40", "--wears", "0", "--live"]
     command = [*REPLAY[:3], "run", "wear-times", *options, "--out", str(tmp_path / "live")]
-    run = subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL)
-    press(environment, run, "q")
+    run = subprocess.Popen(command, stdout=subprocess.DEVNULL)
+    press(run, "q")
     assert run.wait(120) == 0
     assert (tmp_path / "live" / "result.json").exists()
 
 
-def press(environment: dict[str, str], process: "subprocess.Popen[bytes]", *keys: str) -> None:
+def press(process: "subprocess.Popen[bytes]", *keys: str) -> None:
     """Wait for the window of a process and press keys in it."""
     for _ in range(300):
-        found = subprocess.run(
-            ["xdotool", "search", "--name", "."], env=environment, capture_output=True, text=True
-        )
+        found = subprocess.run(["xdotool", "search", "--name", "."], capture_output=True, text=True)
         if found.stdout.strip() or process.poll() is not None:
             break
         time.sleep(0.1)
     assert process.poll() is None
     time.sleep(1.5)
     for key in ("mousemove 480 400", *(f"key {key}" for key in keys)):
-        subprocess.run(["xdotool", *key.split()], env=environment, check=True)
+        subprocess.run(["xdotool", *key.split()], check=True)
         time.sleep(0.3)
-
-
-def missing_display_at(name: str) -> str:
-    before = os.environ.get("DISPLAY")
-    os.environ["DISPLAY"] = name
-    try:
-        return missing_display()
-    finally:
-        if before is None:
-            del os.environ["DISPLAY"]
-        else:
-            os.environ["DISPLAY"] = before

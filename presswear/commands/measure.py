@@ -1,6 +1,6 @@
-"""``presswear precision``: speed against error of every engine and integrator.
+"""``presswear precision`` and ``presswear costs``: what accuracy and features cost.
 
-It measures and does not judge: the exit code is 0 however slow or wrong a method is.
+They measure and do not judge: the exit code is 0 however slow or wrong a method is.
 """
 
 import argparse
@@ -11,7 +11,8 @@ from typing import Any
 from rich.console import Console
 
 from presswear.commands.terminal import (
-    folder_given,
+    add_out,
+    add_settings,
     free_folder,
     repeats_given,
     scene_given,
@@ -25,7 +26,7 @@ SCENE = "wear-times"
 
 
 def add(commands: Any) -> None:
-    """Add the parser of ``precision``."""
+    """Add the parsers of ``precision`` and ``costs``."""
     precision = commands.add_parser(
         "precision",
         description="Runs every engine and integrator over its steps or tolerances and holds it "
@@ -39,15 +40,25 @@ def add(commands: Any) -> None:
     precision.add_argument(
         "scene", nargs="?", default=SCENE, metavar="SCENE", help=f"scene (default {SCENE})"
     )
-    precision.add_argument(
-        "--out", type=folder_given, help="new folder (default results/precision-SCENE)"
-    )
+    add_out(precision, "precision-SCENE")
     precision.add_argument("--repeats", help="how often each method is timed (default 5)")
     precision.add_argument("--quick", action="store_true", help="few steps and tolerances of each")
-    precision.add_argument(
-        "--set", action="append", default=[], metavar="KEY=VALUE", help="as in presswear run"
-    )
+    add_settings(precision)
     precision.set_defaults(run=_precision)
+
+    costs = commands.add_parser(
+        "costs",
+        description=f"Times the scene {SCENE} on one core, with each feature on and off, in every "
+        "engine at equal work, and stage by stage in the open tree. Ratios hold within one run "
+        "of this command; keep the machine calm meanwhile. About four minutes.",
+        epilog="example: presswear costs --repeats 7 --out results/costs-calm",
+    )
+    add_out(costs, "costs")
+    costs.add_argument("--repeats", help="how often each run is timed (default 5)")
+    costs.add_argument(
+        "--quick", action="store_true", help="short runs, twice each: rough, below a minute"
+    )
+    costs.set_defaults(run=_costs)
 
 
 def _precision(arguments: argparse.Namespace, console: Console) -> int:
@@ -72,7 +83,7 @@ def _precision(arguments: argparse.Namespace, console: Console) -> int:
 
 
 def report(folder: Path, console: Console) -> int:
-    """Write figures and report anew from a stored study."""
+    """Write figures and report anew from a stored study of precision."""
     from presswear.studies.paper.variants import base_scene
     from presswear.trials.precision.report import write_precision_report
     from presswear.trials.precision.store import load
@@ -82,3 +93,23 @@ def report(folder: Path, console: Console) -> int:
     console.print(answer, highlight=False)
     console.print(f"data in {folder}, report in {path}", highlight=False)
     return 0
+
+
+def _costs(arguments: argparse.Namespace, console: Console) -> int:
+    repeats = None if arguments.repeats is None else repeats_given(arguments.repeats)
+    scene = scene_given(SCENE)
+    folder = arguments.out or free_folder("costs")
+    with only_writer(folder):
+        from presswear.trials.costs.study import QUICK, CostsExtent, store, study
+        from presswear.trials.costs.tables import markdown_of, tables_of
+
+        extent = QUICK if arguments.quick else CostsExtent()
+        if repeats is not None:
+            extent = replace(extent, repeats=repeats)
+        with telling(console, "start") as told:
+            found = study(scene, extent, told)
+        store(found, markdown_of(found), folder)
+        for table in tables_of(found):
+            print_text_table(console, table)
+        console.print(f"tables and all times in {folder}", highlight=False)
+        return 0

@@ -1,0 +1,57 @@
+"""What holds for a run of the press in every engine."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from listeners import Interrupts
+
+from presswear.campaign.starts import start_of
+from presswear.engines.base import Plan, Start
+from presswear.engines.settings import Engine
+from presswear.linkage.press import GEOMETRIES, Press
+from presswear.scene.catalog import ideal, wear_times
+
+SCENE = wear_times()
+NUMERICS = SCENE.numerics
+EXUDYN = [engine.over(SCENE.mechanism.period) for engine in (NUMERICS.tree, NUMERICS.joints)]
+
+
+@pytest.mark.parametrize("engine", EXUDYN, ids=lambda engine: engine.word)
+def test_a_state_that_is_not_finite_ends_the_run_as_failed(engine: Engine) -> None:
+    """The in-house solver refuses such a start: its joints do not hold."""
+    start = start_of(SCENE)
+    fast = Start(start.position, np.where(np.arange(18) == 13, 1e200, start.velocity))
+    run = engine.simulate(SCENE.linkage(), fast, Plan(0.05, 1))
+    assert run.status == "failed"
+    assert "t = " in run.message
+
+
+@pytest.mark.parametrize("engine", [*EXUDYN, NUMERICS.dae], ids=lambda engine: engine.word)
+def test_interrupts_in_callbacks_arrive_as_they_are(engine: Engine) -> None:
+    plan = Plan(0.05, 1, trackers=(Interrupts(),))
+    with pytest.raises(KeyboardInterrupt):
+        engine.simulate(SCENE.linkage(), start_of(SCENE), plan)
+
+
+@pytest.mark.parametrize("geometry", list(GEOMETRIES))
+@pytest.mark.parametrize(
+    ("engine", "least", "errors"),
+    [(NUMERICS.joints, 1000, (1e-6, 1e-5, 1e-2)), (NUMERICS.dae, 400, (1e-10, 1e-9, 1e-8))],
+    ids=lambda value: value.word if isinstance(value, Engine) else "",
+)
+def test_ideal_press_follows_the_closed_form(
+    engine: Engine, least: int, errors: tuple[float, float, float], geometry: str
+) -> None:
+    """Position, velocity and acceleration of the slider in every row, and all bodies at the end."""
+    scene = replace(ideal(), mechanism=Press(geometry=GEOMETRIES[geometry]))
+    period = scene.mechanism.period
+    run = engine.over(period).simulate(scene.linkage(), start_of(scene), Plan(period, 1))
+    rows = run.recorder.rows
+    assert len(rows) > least
+    apart = np.abs(rows[:, 1:4] - scene.ideal_slider(rows[:, 0])).max(axis=0)
+    assert np.all(apart < errors)
+    closing = scene.mechanism.ideal_motion(np.array([run.time]))
+    assert run.time == pytest.approx(period, abs=1e-9)
+    assert np.abs(run.end.position - closing.position[0]).max() < errors[0]
+    assert np.abs(run.end.velocity - closing.velocity[0]).max() < errors[1]
