@@ -142,6 +142,22 @@ def growths(
         yield growth, None
 
 
+def unknown_wear(scene: Scene, stage: StageResult) -> list[str]:
+    """Say where the wear of a stage is known less well than was asked, and what it would take."""
+    error = stage.statistics.get("wear_error")
+    if scene.cycles is not None or error is None or error <= scene.tolerance:
+        return []
+    steps = len(stage.wear_steps)
+    run = steps * scene.draws if steps > 1 else stage.cycles
+    # Of the step's error one over the cycles, of the sampling's its square root.
+    needed = run * (error / scene.tolerance) ** 2
+    return [
+        f"the wear of stage {stage.index} is known to {100.0 * error:.2g} % where "
+        f"tolerance = {100.0 * scene.tolerance:.2g} % was asked: about most_cycles = "
+        f"{needed:.2g} would do"
+    ]
+
+
 def _gone(joints: Sequence[ClearanceJoint], worn: Array, where: str, time: float) -> Finding | None:
     """A finding on the first start whose surfaces are worn through."""
     for own in worn:
@@ -174,7 +190,10 @@ def run_campaign(
         for tracker in trackers:
             tracker.checkpoint(checkpoint, is_stage)
 
+    wanting: list[str] = []
+
     def finish(stage: StageResult) -> None:
+        wanting.extend(unknown_wear(scene, stage))
         for tracker in trackers:
             tracker.stage(stage)
 
@@ -203,7 +222,7 @@ def run_campaign(
             finish(without_wear(scene, index, ran))
             if ran.failure:
                 return "failed", f"stage {index}: {ran.failure}", ran.finding
-            return "completed", "", None
+            break
         growth, finding = at.growth, None
         # What has run in part is of the stage itself before its wear has begun.
         running = NOTHING if at.ran is None else at.partial
@@ -219,4 +238,6 @@ def run_campaign(
         assert growth is not None, "a wear without a finding has a pass"
         at = Checkpoint(index + 1, growth.worn, forecast=forecast.numbers())
         tell(at, is_stage=True)
+    if wanting:
+        return "unconverged", "; ".join(wanting), None
     return "completed", "", None

@@ -1,13 +1,16 @@
 """A stage that ran, as results keep it."""
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
 from presswear.campaign.deviation import deviations
 from presswear.campaign.ensemble import Ensemble
-from presswear.campaign.growth import Growth
+from presswear.campaign.growth import Growth, error_of
 from presswear.campaign.statistics import Wear, stage_statistics
 from presswear.linkage.surface import bin_centres
+from presswear.record.sampling import map_errors
 from presswear.record.soundness import Finding
 from presswear.results.stage import SIDES, StageResult
 from presswear.scene.scene import Scene
@@ -43,6 +46,11 @@ def stage_of(
     statistics = stage_statistics(
         ran.linkage, ran.recorders, Wear(added, batches, weights, coarser), index > 0
     )
+    joints = ran.linkage.clearances
+    errors = map_errors(*ran.batches()) if joints else np.zeros(0)
+    error = error_of(joints, growth) if is_in_steps else float(errors.max(initial=0.0))
+    if joints and math.isfinite(error):
+        statistics["wear_error"] = error
     diagnostics = ran.diagnostics()
     statistics["energy_residual_J"] = diagnostics["energy_residual_J"]
     statistics["energy_exchanged_J"] = diagnostics["drive_exchange_J"]

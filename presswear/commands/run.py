@@ -138,6 +138,8 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
     console.print(f"results in {folder}, report in {write_report(result)}", highlight=False)
     if result.status == "failed":
         raise RunFailed(result.message)
+    if result.status == "unconverged":
+        console.print(f"not converged: {result.message}", highlight=False)
     return 0
 
 

@@ -40,8 +40,11 @@ def _stage_line(stage: StageResult) -> str:
     for name, joint in stage.statistics.get("joints", {}).items():
         fewest = joint["fewest_steps_in_a_contact"]
         resolved = "no contact" if fewest is None else f"at least {fewest} steps in each"
+        force = joint["force_max_per_cycle_N"]
+        volume = joint["wear_volume_m3"], joint["wear_volume_half_width_m3"]
         parts.append(
-            f"{name}: {joint['contacts']} contacts, {resolved}, peak {joint['force_max_N']:.0f} N, "
-            f"wear {1e9 * joint['wear_volume_m3']:.3g} mm^3"
+            f"{name}: {joint['contacts']} contacts, {resolved}, mean peak "
+            f"{with_interval(force['mean'], force['half_width'])} N, wear "
+            f"{with_interval(*(scaled(own, 1e9) for own in volume))} mm^3"
         )
     return "; ".join(parts)

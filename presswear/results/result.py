@@ -39,7 +39,7 @@ Array = NDArray[np.float64]
 
 FILE = "result.json"
 SCHEMA = 4
-FINISHED = ("completed", "failed")
+FINISHED = ("completed", "unconverged", "failed")
 """Statuses of a run that has come to its end."""
 
 _FIGURES, _REPORT = "presswear.show.figures", "presswear.show.report"

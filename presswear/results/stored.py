@@ -73,7 +73,7 @@ class StoredResult:
     conventions: dict[str, str]
     engine: str
     provenance: Provenance
-    status: Literal["running", "interrupted", "completed", "failed"]
+    status: Literal["running", "interrupted", "completed", "unconverged", "failed"]
     message: str
     wall_s: float
     stages: tuple[StageResult, ...]

@@ -76,7 +76,9 @@ def status(result: Result) -> str:
     stored, wanted = len(result.stages), result.scene.wears + 1
     match result.status:
         case "completed":
-            return f"Completed: {_stages(stored)} run to the end."
+            return f"Completed: {_stages(stored)} run to the end.{_known(result)}"
+        case "unconverged":
+            return f"Not converged: {result.message}. {_stages(stored)} run to the end."
         case "failed":
             return f"Failed: {result.message or 'no reason was given'}"
         case "running":
@@ -86,6 +88,17 @@ def status(result: Result) -> str:
             )
         case other:
             return f"Ended as “{other}”. {result.message}".strip()
+
+
+def _known(result: Result) -> str:
+    """A sentence on how well the wear of a run is known that was to run so many cycles."""
+    errors = [stage.statistics.get("wear_error") for stage in result.stages]
+    known = [error for error in errors if error is not None]
+    if not known:
+        return " How well its wear is known cannot be told from so few cycles." * any(
+            stage.joints for stage in result.stages
+        )
+    return f" Its wear is known to {readable(100.0 * max(known), 2)} %, 95 % of the time."
 
 
 def _stages(count: int) -> str:
@@ -189,6 +202,12 @@ def _multiplied(stage: StageResult) -> str:
     return readable(stage.amplification)
 
 
+def _made(result: Result) -> str:
+    """Parts of the dissipated energy that contacts made, of the stages after a wear."""
+    parts = [stage.statistics.get("energy_made_part", 0.0) for stage in result.stages[1:]]
+    return ", ".join(f"{readable(100.0 * part, 2)} %" for part in parts)
+
+
 def notes(result: Result) -> list[str]:
     """Sentences to bear in mind when reading the numbers."""
     scene = result.scene
@@ -219,8 +238,9 @@ def notes(result: Result) -> list[str]:
         found.append(
             "A worn surface is met radially: the force points along the line of centres even "
             "where the profile slopes, which feeds energy into the joint or takes it out, and a "
-            "pin can enter a groove narrower than itself. Forces and wear after a wear are less "
-            "certain than those before it."
+            "pin can enter a groove narrower than itself. Of the energy that damping and friction "
+            f"took, contacts had made {_made(result)} in the stages after a wear: forces and "
+            "wear there are worth as much less."
         )
     if scene.bearings.wear_coefficient > 0.0:
         found.append(
@@ -229,14 +249,15 @@ def notes(result: Result) -> list[str]:
         )
         if result.grew_in_steps:
             found.append(
-                "A wear was applied in steps with a run after each, so that no surface changed by "
-                f"more than {readable(100.0 * scene.depth_step)} % of the clearance in one. The "
-                "wear that the last stage would cause is a single jump at the rate of that stage."
+                "A wear was applied in steps of a cycle each, by every start on surfaces of its own; "
+                "half as many steps tell their error. The wear that the last stage would cause is "
+                "a single jump at its rate."
             )
         elif scene.wears > 0:
             found.append(
-                "A wear is a single jump: the depth of the cycles run is multiplied and the "
-                "surfaces are rebuilt once."
+                "A wear is a single jump: each start multiplies the depth of its own cycles and "
+                "rebuilds its surfaces once. The noise of so few cycles makes them rough: forces "
+                "and depths after a jump are those of that roughness, too."
             )
         if scene.conventions.footprint == "bin":
             found.append(
