@@ -14,7 +14,7 @@ import numpy as np
 from presswear.engines.base import Plan, Run, Start
 from presswear.linkage.elements import Linkage
 from presswear.tools.errors import InputError, RunFailed
-from presswear.trials.precision.methods import Method, by_family
+from presswear.trials.precision.methods import Method, grouped
 from presswear.trials.runs import Told, finished, guarded, order_of, part_of
 from presswear.trials.timing import TimedRun, Timing, time_runs
 
@@ -109,7 +109,7 @@ class Diagram:
     @property
     def families(self) -> dict[str, list[TaskPoint]]:
         """Points of each curve, from coarse to fine, failures included."""
-        return by_family(self.points)
+        return grouped(self.points)
 
     @property
     def measured(self) -> tuple[str, ...]:

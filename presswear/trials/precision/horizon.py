@@ -5,7 +5,7 @@ has grown apart a thousand times.  Up to there every method is held against a re
 how well that is known tells a second one that shares nothing with it but the model.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,7 +59,6 @@ class UpToHorizon:
     ----------
     slider : ndarray, shape (2,)
         Position along the watched direction, m, and velocity, m/s, at the end.
-    touchdowns : tuple of Touchdown
     residual : float
         Energy that is missing, part of what the drives exchanged.
     """
@@ -83,11 +82,6 @@ class UpToHorizon:
         slider = np.abs(self.slider - reference.slider)
         numbers = [*slider, *apart.max(axis=0, initial=0.0), self.residual]
         return dict(zip(UNITS, map(float, numbers), strict=True))
-
-
-def longest_step(scene: Scene) -> float:
-    """Longest step of scenes, s."""
-    return scene.mechanism.period / LEAST_STEPS
 
 
 def check_clearance(scene: Scene) -> None:
@@ -122,12 +116,10 @@ def horizon_of(scene: Scene, longest: float) -> float:
 
 def second_reference(scene: Scene) -> tuple[str, Engine]:
     """The run that the reference is held against, in words and as an engine."""
-    longest = longest_step(scene)
     if isinstance(tree_of(scene.linkage()), Tree):
-        words = f"Exudyn's open tree, DOPRI5 at {OTHER_TREE:g}"
-        return words, ExudynTree(OTHER_TREE, longest)
+        return f"Exudyn's open tree, DOPRI5 at {OTHER_TREE:g}", ExudynTree(OTHER_TREE)
     words = f"the same with DOPRI5 at {OTHER_TOLERANCE:g} (there is no open tree)"
-    return words, InHouse("dopri5", OTHER_TOLERANCE, free_step=longest)
+    return words, InHouse("dopri5", OTHER_TOLERANCE)
 
 
 def with_clearance(scene: Scene, extent: PrecisionExtent, told: Told) -> tuple[Task, float]:
@@ -142,14 +134,15 @@ def with_clearance(scene: Scene, extent: PrecisionExtent, told: Told) -> tuple[T
     """
     check_clearance(scene)
     told("horizon", 0.0)
-    horizon, longest = horizon_of(scene, extent.longest), longest_step(scene)
+    horizon, period = horizon_of(scene, extent.longest), scene.mechanism.period
     linkage, start = scene.linkage(), start_of(scene)
     plan = Plan(horizon / PARTS, PARTS, PARTS, torques=False)
     words, other = second_reference(scene)
     found = []
-    for engine in (replace(TIGHT, free_step=longest), other):
+    for engine in (TIGHT, other):
         told("references", 0.0)
-        run = check_finite(engine.simulate(linkage, start, plan))
+        # The longest steps are those of scenes.
+        run = check_finite(engine.over(period).simulate(linkage, start, plan))
         found.append(UpToHorizon.of(linkage, run))
     reference, second = found
     # Energy is conserved exactly: its residual needs no reference.
@@ -173,6 +166,6 @@ def with_clearance(scene: Scene, extent: PrecisionExtent, told: Told) -> tuple[T
         f"distance from {words}",
     )
     is_tree = isinstance(tree_of(linkage), Tree)
-    period = scene.mechanism.period
+    longest = period / LEAST_STEPS
     methods = contact_methods(extent.rungs, scene.numerics, period, longest, is_tree)
     return Task(diagram, linkage, start, plan, methods, assess), horizon

@@ -11,7 +11,7 @@ from presswear.scene.scene import Numerics
 from presswear.trials.crosscheck.check import CLOSING_BOUND, FORCE_BOUND, SLIDER_BOUND, TIME_BOUND
 from presswear.trials.precision.chaos import Chaos, StatisticPoint
 from presswear.trials.precision.diagram import Diagram, TaskPoint
-from presswear.trials.precision.methods import Method, by_family, grouped, method_of
+from presswear.trials.precision.methods import Method, grouped, method_of
 from presswear.trials.precision.statistic import ONE_SIDED, is_for_wear, together
 from presswear.trials.precision.study import Precision
 from presswear.trials.precision.wear import QUANTITIES, TITLES, Group, WearPoint, WearStudy, change
@@ -143,7 +143,7 @@ def for_trajectories(
     for engine, points in grouped(diagram.points, lambda own: own.engine.word).items():
         if not bounds:
             return
-        families = by_family(points).values()
+        families = grouped(points).values()
         good = [point for family in families for point in good_points(family, bounds)]
         best = min(good, key=_wall, default=None)
         taken = next((point for point in points if point.method.is_default), None)

@@ -5,9 +5,7 @@ from dataclasses import dataclass
 
 from presswear.results.provenance import Provenance, provenance
 from presswear.scene.scene import Scene
-from presswear.trials.precision import chaos as beyond
-from presswear.trials.precision import horizon, impact, smooth
-from presswear.trials.precision import wear as worn
+from presswear.trials.precision import chaos, horizon, impact, smooth, wear
 from presswear.trials.precision.chaos import Chaos
 from presswear.trials.precision.diagram import Diagram, measure
 from presswear.trials.precision.extent import PrecisionExtent
@@ -28,9 +26,6 @@ class Precision:
 
     Attributes
     ----------
-    scene : Scene
-    extent : PrecisionExtent
-    provenance : Provenance
     processor : str
         Name that the operating system gives it.
     wall : float
@@ -69,20 +64,26 @@ def study(scene: Scene, extent: PrecisionExtent, told: Told) -> Precision:
         Where a reference fails.
     """
     horizon.check_clearance(scene)
-    sections = dict(_QUICK_SECTIONS if extent.quick else _SECTIONS)
+    quick, repeats = extent.quick, extent.repeats
+    sections = dict(_QUICK_SECTIONS if quick else _SECTIONS)
+    means = wear.QUICK if quick else wear.FULL
     if extent.beyond:
-        worn.check(scene, extent)
-        sections |= _QUICK_BEYOND if extent.quick else _BEYOND
+        # Asked before anything is measured, which takes half an hour.
+        wear.cases(scene, means)
+        sections |= _QUICK_BEYOND if quick else _BEYOND
     began, source, parts = clock.perf_counter(), provenance(), parts_of(told, sections)
     diagrams = [
-        measure(smooth.ideal_mechanism(scene, extent), extent.repeats, parts["ideal"]),
-        measure(smooth.andrews(extent), extent.repeats, parts["andrews"]),
-        measure(impact.single(scene, extent), extent.repeats, parts["impact"]),
+        measure(smooth.ideal_mechanism(scene, extent), repeats, parts["ideal"]),
+        measure(smooth.andrews(extent), repeats, parts["andrews"]),
+        measure(impact.single(scene, extent), repeats, parts["impact"]),
     ]
     task, until = horizon.with_clearance(scene, extent, parts["horizon"])
-    diagrams.append(measure(task, extent.repeats, parts["horizon"]))
-    statistics = beyond.measure(scene, extent, parts["statistics"]) if extent.beyond else None
-    wear = worn.measure(scene, extent, parts["wear"]) if extent.beyond else None
+    diagrams.append(measure(task, repeats, parts["horizon"]))
+    statistics, worn = None, None
+    if extent.beyond:
+        length = chaos.QUICK if quick else chaos.FULL
+        statistics = chaos.follow(scene, length, parts["statistics"])
+        worn = wear.vary(scene, means, parts["wear"])
     told("done", 1.0)
     return Precision(
         scene,
@@ -93,5 +94,5 @@ def study(scene: Scene, extent: PrecisionExtent, told: Told) -> Precision:
         until,
         tuple(diagrams),
         statistics,
-        wear,
+        worn,
     )

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from presswear.engines.settings import ExudynJoints
 from presswear.record.sampling import Estimate, Interval
@@ -17,6 +18,7 @@ from presswear.trials.precision.study import Precision
 from presswear.trials.precision.wear import DEEPEST, VOLUME, Group, Varied, WearPoint, WearStudy
 from presswear.trials.timing import Timing
 
+Array = NDArray[np.float64]
 SCENE = wear_times()
 NAMES = tuple(
     f"{kind} at {joint}" for kind in ("wear total", "wear map", "peak force") for joint in "AC"
@@ -86,6 +88,10 @@ def statistic_point(method: Method, bias: float, bound: float, cost: float) -> S
     )
 
 
+def parting(time: Array, apart: Array, touches: Array) -> Parting:
+    return Parting(tuple(time.tolist()), tuple(apart.tolist()), tuple(touches.astype(int).tolist()))
+
+
 def chaos(coarsest_honest: float = 1e-6, bound: float = 0.03) -> Chaos:
     """Settings coarser than one tolerance are biased by a tenth, finer ones are honest."""
     reference = statistic_point(finest(SCENE), 0.0, 0.0, 0.3)
@@ -96,9 +102,8 @@ def chaos(coarsest_honest: float = 1e-6, bound: float = 0.03) -> Chaos:
         points.append(statistic_point(method, 0.0 if fine else 0.1, bound if fine else 0.15, cost))
     time = np.linspace(0.0, 0.57, 400)
     apart = np.minimum(1e-9 * np.exp(77.0 * np.maximum(time - 0.05, 0.0)), 1e-3)
-    touches = np.floor(200.0 * time).astype(np.int64)
-    growth = Parting.of(time, apart, touches)
-    calm = Parting.of(time, np.full_like(time, 2e-9), touches)
+    growth = parting(time, apart, np.floor(200.0 * time))
+    calm = replace(growth, distance=(2e-9,) * 400)
     return Chaos((growth, calm), reference, tuple(points), STAGE_CYCLES)
 
 

@@ -12,6 +12,7 @@ from made_up_precision import precision
 from presswear.__main__ import main
 from presswear.tools.errors import InputError
 from presswear.trials.precision.diagram import Diagram
+from presswear.trials.precision.growth import Parting
 from presswear.trials.precision.store import FILE, load, store
 from presswear.trials.timing import Timing
 
@@ -28,7 +29,11 @@ def document(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
 def _read(owner: Any) -> Any:
     """The document without what is written for other programs and not read back."""
     if isinstance(owner, dict):
-        derived = (*Diagram.DERIVED, *(Timing.DERIVED if "walls" in owner else ()))
+        derived = [
+            *Diagram.DERIVED,
+            *Parting.DERIVED,
+            *(Timing.DERIVED if "walls" in owner else ()),
+        ]
         return {key: _read(value) for key, value in owner.items() if key not in derived}
     return [_read(value) for value in owner] if isinstance(owner, list) else owner
 

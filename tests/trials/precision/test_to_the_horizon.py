@@ -79,7 +79,7 @@ def test_a_scenes_own_numerics_are_marked() -> None:
 def test_without_an_open_tree_another_integrator_is_the_second_reference() -> None:
     words, engine = second_reference(scene_named("clearance-a"))
     assert "no open tree" in words
-    assert engine == InHouse("dopri5", 1e-13, free_step=SCENE.mechanism.period / 500.0)
+    assert engine == InHouse("dopri5", 1e-13)
 
 
 def test_a_scene_without_clearance_is_refused() -> None:

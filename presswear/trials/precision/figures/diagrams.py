@@ -15,7 +15,7 @@ from presswear.trials.precision.figures.panels import (
     pad_y,
     panels,
 )
-from presswear.trials.precision.methods import IMPACT, STEP, TOLERANCE, by_family
+from presswear.trials.precision.methods import IMPACT, STEP, TOLERANCE, grouped
 from presswear.trials.timing import Timing
 
 _MILLISECONDS = 1e3
@@ -51,7 +51,7 @@ def _curves(
         axes.axhline(quantity.known, color="0.6", linewidth=1.6, zorder=0.5)
     shown = [point for point in diagram.points if point.method.knob in knobs]
     ends = {}
-    for family, points in by_family(shown).items():
+    for family, points in grouped(shown).items():
         look = look_of(family)
         ran = [(p, p.timing) for p in points if p.timing is not None and not p.failure]
         curve = [(p, timing) for p, timing in ran if not p.method.is_paper]

@@ -78,10 +78,10 @@ def growth_of_disturbance(chaos: Chaos) -> Drawing:
 
 def _fit(axes: Axes, growth: Parting) -> None:
     """Draw the fitted exponential between its bounds."""
-    if growth.window is None or growth.rate is None:
+    if growth.rate is None:
         return
     time, apart = np.array(growth.time), np.array(growth.distance)
-    inside = (time >= growth.window[0]) & (time <= growth.window[1]) & (apart > 0.0)
+    inside = growth.inside
     middle = float(np.log(apart[inside]).mean())
     line = np.exp(middle + growth.rate * (time[inside] - time[inside].mean()))
     colour, dashes = LINES[1]
