@@ -58,7 +58,7 @@ def _precision(arguments: argparse.Namespace, console: Console) -> int:
         from presswear.trials.precision.extent import FULL, QUICK
         from presswear.trials.precision.store import store
         from presswear.trials.precision.study import study
-        from presswear.trials.precision.text import tables_of
+        from presswear.trials.precision.tables import terminal_tables
 
         extent = QUICK if arguments.quick else FULL
         if repeats is not None:
@@ -66,7 +66,7 @@ def _precision(arguments: argparse.Namespace, console: Console) -> int:
         with telling(console, "start") as told:
             found = study(scene, extent, told)
         store(found, folder)
-        for table in tables_of(found):
+        for table in terminal_tables(found):
             print_text_table(console, table)
         return report(folder, console)
 

@@ -1,4 +1,7 @@
-"""Tables of a study of speed against error: columns by name, each with what its cells show."""
+"""Tables of a study of speed against error, for its page and for a terminal.
+
+Of those of the page each column has a name and what its cells show.
+"""
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -7,10 +10,12 @@ from typing import TypeVar
 
 from presswear.show.report.parts import CUBIC_MILLIMETRES, MICRONS, Table
 from presswear.tools.numbers import given, readable, whole, with_interval
+from presswear.trials.costs.tables import TextTable
 from presswear.trials.precision.chaos import Chaos, StatisticPoint
 from presswear.trials.precision.diagram import Diagram, Quantity, TaskPoint
 from presswear.trials.precision.figures.diagrams import shown_order
 from presswear.trials.precision.growth import Parting
+from presswear.trials.precision.methods import IMPACT, STEP, TOLERANCE
 from presswear.trials.precision.recommendation import standing
 from presswear.trials.precision.statistic import MAP, sampling_error, unit_of
 from presswear.trials.precision.study import Precision
@@ -266,3 +271,69 @@ def origin_table(precision: Precision) -> Table:
         ("wall time of the study", f"{readable(precision.wall)} s"),
     )
     return _words(("", ""), rows)
+
+
+SHOWN = {
+    "slider position": "slider, m",
+    "slider velocity": "m/s",
+    "position constraints": "|Phi|",
+    "angles": "angle, rad",
+    "rates": "rad/s",
+    "delivered restitution": "restit.",
+    "contact time": "time, s",
+    "deepest penetration": "depth, m",
+    "touch times": "touches, s",
+    "peak forces": "force",
+    "energy residual / exchanged": "energy",
+}
+"""The quantities that a terminal has room for, and their headings."""
+_SKIPPED = {"horizon": {"slider velocity"}}
+_KNOBS = {STEP: "step", IMPACT: "steps/impact", TOLERANCE: "tol"}
+
+
+def terminal_tables(precision: Precision) -> list[TextTable]:
+    """A table for each diagram: families one below the other, each from coarse to fine."""
+    return [_terminal_table(diagram) for diagram in precision.diagrams]
+
+
+def _terminal_table(diagram: Diagram) -> TextTable:
+    skipped = _SKIPPED.get(diagram.key, set())
+    shown = [own for own in diagram.quantities if own.name in SHOWN and own.name not in skipped]
+    rows: list[tuple[str, ...]] = []
+    for family, points in diagram.families.items():
+        # An order is told where steps are what is varied.
+        order = diagram.order(family, shown[0])
+        told = not any(own.method.knob == TOLERANCE for own in points) and not math.isnan(order)
+        heading = f"{family}: order {order:.1f}" if told else family
+        rows += [(heading, *[""] * (len(shown) + 3)), *(_terminal_row(p, shown) for p in points)]
+    repeats = max((len(p.timing.walls) for p in diagram.points if p.timing), default=0)
+    known = ", ".join(f"{SHOWN[own.name]} {own.known:.0e}" for own in shown if own.known > 0.0)
+    return TextTable(
+        diagram.title,
+        ("method",),
+        (*(SHOWN[own.name] for own in shown), "steps", "ms", "us/step"),
+        tuple(rows),
+        (
+            diagram.task,
+            f"Errors are from {diagram.reference}{f' ({known})' if known else ''}.",
+            f"Times are medians of {repeats} interleaved repeats, without warm-up. * what scenes "
+            "take by themselves; + the paper's setting.",
+        ),
+    )
+
+
+def _terminal_row(point: TaskPoint, shown: list[Quantity]) -> tuple[str, ...]:
+    method, timing = point.method, point.timing
+    mark = "*" * method.is_default + "+" * method.is_paper
+    word = f"  {_KNOBS[method.knob]} {method.value:.3g} {mark}".rstrip()
+    if point.failure or timing is None:
+        return (f"{word}: {point.failure}", *("" for _ in shown), "", "", "failed")
+    milliseconds = 1e3 * timing.wall
+    return (
+        word,
+        *(f"{point.errors[own.name]:.1e}" for own in shown),
+        f"{timing.attempts}",
+        # Three digits, never a power of ten.
+        f"{milliseconds:.0f}" if milliseconds >= 100.0 else f"{milliseconds:.3g}",
+        f"{1e6 * timing.per_step:.1f}",
+    )

@@ -12,7 +12,7 @@ from presswear.scene.catalog import scene_named
 from presswear.trials.precision.extent import FULL, QUICK
 from presswear.trials.precision.store import load, store
 from presswear.trials.precision.study import Precision, study
-from presswear.trials.precision.text import tables_of
+from presswear.trials.precision.tables import terminal_tables
 
 KEYS = ["ideal", "andrews", "impact", "horizon"]
 
@@ -78,15 +78,15 @@ def test_what_is_stored_is_read_back_equal(found: Precision, tmp_path: Path) -> 
 
 
 def test_the_printed_tables_are_complete(found: Precision) -> None:
-    for table, diagram in zip(tables_of(found), found.diagrams, strict=True):
+    for table, diagram in zip(terminal_tables(found), found.diagrams, strict=True):
         assert len(table.rows) == len(diagram.points) + len(diagram.families)
         for row in table.rows:
             assert len(row) == len(table.texts) + len(table.numbers)
-    press = tables_of(found)[-1]
+    press = terminal_tables(found)[-1]
     failed = [row for row in press.rows if "do not add up" in row[0]]
     assert len(failed) == 1
     assert "+" in failed[0][0]
-    assert any("order 2.0" in row[0] for row in tables_of(found)[0].rows)
+    assert any("order 2.0" in row[0] for row in terminal_tables(found)[0].rows)
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ from presswear.show.report.parts import Table
 from presswear.studies.paper.variants import base_scene
 from presswear.trials.precision.recommendation import recommend
 from presswear.trials.precision.report import growth_sentence, headline, write_precision_report
-from presswear.trials.precision.rows import statistic_rows, wear_rows
+from presswear.trials.precision.store import statistic_rows, wear_rows
 from presswear.trials.precision.tables import (
     failures_table,
     growth_table,
