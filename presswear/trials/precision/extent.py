@@ -69,15 +69,12 @@ class PrecisionExtent:
         Steps and tolerances.
     longest : float
         Longest horizon up to which trajectories are compared, s.
-    beyond : bool
-        True where statistics beyond the horizon and wear are studied.
     """
 
     quick: bool
     repeats: int
     rungs: Rungs
     longest: float
-    beyond: bool = True
 
 
 QUICK = PrecisionExtent(quick=True, repeats=5, rungs=FEW, longest=0.05)

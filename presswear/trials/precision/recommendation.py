@@ -289,7 +289,7 @@ def largest_change(point: WearPoint, finest: WearPoint) -> tuple[str, Interval] 
 
 
 def recommend(precision: Precision, taken: Numerics) -> tuple[Recommendation, ...]:
-    """Give all recommendations that the results allow.
+    """Give all recommendations.
 
     Parameters
     ----------
@@ -300,10 +300,6 @@ def recommend(precision: Precision, taken: Numerics) -> tuple[Recommendation, ..
     for diagram in precision.diagrams:
         if diagram.key == "horizon":
             found += for_trajectories(diagram)
-    if precision.chaos is not None:
-        tree = taken.tree.over(precision.scene.mechanism.period)
-        own = (method_of(tree, tree), method_of(taken.dae, taken.dae))
-        found += for_statistics(precision.chaos, own)
-    if precision.wear is not None:
-        found += for_wear(precision.wear)
-    return tuple(found)
+    tree = taken.tree.over(precision.scene.mechanism.period)
+    own = (method_of(tree, tree), method_of(taken.dae, taken.dae))
+    return (*found, *for_statistics(precision.chaos, own), *for_wear(precision.wear))

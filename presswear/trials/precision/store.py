@@ -2,7 +2,7 @@
 
 import csv
 import io
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -29,14 +29,11 @@ def store(precision: Precision, folder: Path) -> None:
     KEY is that of a diagram, ``statistics`` or ``wear``.
     """
     write_document(folder, FILE, SCHEMA, precision)
-    tables: dict[str, Iterable[Cells]] = {own.key: diagram_rows(own) for own in precision.diagrams}
-    if precision.chaos is not None:
-        tables["statistics"] = statistic_rows(precision.chaos)
-    if precision.wear is not None:
-        tables["wear"] = wear_rows(precision.wear)
+    tables = {own.key: diagram_rows(own) for own in precision.diagrams}
+    tables |= {"statistics": statistic_rows(precision.chaos), "wear": wear_rows(precision.wear)}
     for key, rows in tables.items():
         file, cells = io.StringIO(), list(rows)
-        writer = csv.DictWriter(file, cells[0] if cells else (), lineterminator="\n")
+        writer = csv.DictWriter(file, cells[0], lineterminator="\n")
         writer.writeheader()
         writer.writerows(cells)
         write_bytes(folder / f"precision-{key}.csv", file.getvalue().encode())
@@ -50,6 +47,8 @@ def load(folder: Path) -> Precision:
         found: Precision = restored(Precision, data, "study")
     except InputError as error:
         raise InputError(f"{file}: {error}") from None
+    if not (found.diagrams and found.chaos.growths and found.wear.points):
+        raise InputError(f"{file}: a part of the study is empty")
     return found
 
 

@@ -13,10 +13,8 @@ from presswear.trials.precision.wear import WearStudy
 from presswear.trials.runs import Told, parts_of
 from presswear.trials.stored import processor_name
 
-_QUICK_SECTIONS = {"ideal": 8, "andrews": 4, "impact": 1, "horizon": 15}
-_SECTIONS = {"ideal": 50, "andrews": 60, "impact": 2, "horizon": 320}
-_QUICK_BEYOND = {"statistics": 40, "wear": 40}
-_BEYOND = {"statistics": 600, "wear": 600}
+_SECTIONS = ("ideal", "andrews", "impact", "horizon", "statistics", "wear")
+_QUICK_SECONDS, _SECONDS = (8, 4, 1, 15, 40, 40), (50, 60, 2, 320, 600, 600)
 """Seconds of each part of the study, roughly: what progress goes by."""
 
 
@@ -34,9 +32,9 @@ class Precision:
         Up to which trajectories are compared, s.
     diagrams : tuple of Diagram
         ``ideal``, ``andrews``, ``impact`` and ``horizon``.
-    chaos : Chaos or None
+    chaos : Chaos
         Statistics beyond the horizon.
-    wear : WearStudy or None
+    wear : WearStudy
         How wear depends on the means it is computed with.
     """
 
@@ -47,8 +45,8 @@ class Precision:
     wall: float
     horizon: float
     diagrams: tuple[Diagram, ...]
-    chaos: Chaos | None = None
-    wear: WearStudy | None = None
+    chaos: Chaos
+    wear: WearStudy
 
 
 def study(scene: Scene, extent: PrecisionExtent, told: Told) -> Precision:
@@ -65,13 +63,11 @@ def study(scene: Scene, extent: PrecisionExtent, told: Told) -> Precision:
     """
     horizon.check_clearance(scene)
     quick, repeats = extent.quick, extent.repeats
-    sections = dict(_QUICK_SECTIONS if quick else _SECTIONS)
-    means = wear.QUICK if quick else wear.FULL
-    if extent.beyond:
-        # Asked before anything is measured, which takes half an hour.
-        wear.cases(scene, means)
-        sections |= _QUICK_BEYOND if quick else _BEYOND
-    began, source, parts = clock.perf_counter(), provenance(), parts_of(told, sections)
+    means, length = (wear.QUICK, chaos.QUICK) if quick else (wear.FULL, chaos.FULL)
+    # Asked before anything is measured, which takes half an hour.
+    wear.cases(scene, means)
+    seconds = dict(zip(_SECTIONS, _QUICK_SECONDS if quick else _SECONDS, strict=True))
+    began, source, parts = clock.perf_counter(), provenance(), parts_of(told, seconds)
     diagrams = [
         measure(smooth.ideal_mechanism(scene, extent), repeats, parts["ideal"]),
         measure(smooth.andrews(extent), repeats, parts["andrews"]),
@@ -79,11 +75,8 @@ def study(scene: Scene, extent: PrecisionExtent, told: Told) -> Precision:
     ]
     task, until = horizon.with_clearance(scene, extent, parts["horizon"])
     diagrams.append(measure(task, repeats, parts["horizon"]))
-    statistics, worn = None, None
-    if extent.beyond:
-        length = chaos.QUICK if quick else chaos.FULL
-        statistics = chaos.follow(scene, length, parts["statistics"])
-        worn = wear.vary(scene, means, parts["wear"])
+    statistics = chaos.follow(scene, length, parts["statistics"])
+    worn = wear.vary(scene, means, parts["wear"])
     told("done", 1.0)
     return Precision(
         scene,

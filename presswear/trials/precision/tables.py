@@ -231,11 +231,9 @@ def failures_table(precision: Precision) -> Table | None:
     points: list[tuple[str, TaskPoint | StatisticPoint]] = [
         (diagram.title, point) for diagram in precision.diagrams for point in diagram.points
     ]
-    if precision.chaos is not None:
-        points += [("statistics", point) for point in precision.chaos.points]
+    points += [("statistics", point) for point in precision.chaos.points]
     rows = [(task, point.method.label, point.failure) for task, point in points if point.failure]
-    if precision.wear is not None:
-        rows += [("wear", what, why) for what, why in precision.wear.failed.items()]
+    rows += [("wear", what, why) for what, why in precision.wear.failed.items()]
     return _words(("task", "method", "why"), rows) if rows else None
 
 

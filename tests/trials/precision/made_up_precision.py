@@ -153,7 +153,7 @@ def wear() -> WearStudy:
     return WearStudy(tuple(points), {"paper": 50, "refined": 20}, "dae, DOPRI5 at tolerance 1e-07")
 
 
-def precision(whole: bool = True) -> Precision:
+def precision() -> Precision:
     return Precision(
         SCENE,
         QUICK,
@@ -169,6 +169,6 @@ def precision(whole: bool = True) -> Precision:
         100.0,
         0.1411,
         (diagram("ideal", 1e-3), diagram("horizon")),
-        chaos() if whole else None,
-        wear() if whole else None,
+        chaos(),
+        wear(),
     )

@@ -15,7 +15,6 @@ SHORT = PrecisionExtent(
         tree_tolerances=(1e-5, 1e-7),
     ),
     longest=0.025,
-    beyond=False,
 )
 """Long enough for the paper's step to blow up, at 0.0217 s."""
 

@@ -20,13 +20,12 @@ __all__ = ["precision_drawings"]
 def precision_drawings(precision: Precision) -> Iterator[Drawing]:
     """Draw whatever the study has, in the order of the report."""
     diagrams, chaos, wear = precision.diagrams, precision.chaos, precision.wear
-    draw: list[Callable[[], Drawing | None]] = [partial(work_precision, own) for own in diagrams]
-    if diagrams:
-        draw += [partial(orders, diagrams), partial(energy, diagrams)]
-    if chaos is not None:
-        draw += [partial(growth_of_disturbance, chaos), partial(statistics_against_cost, chaos)]
-    if wear is not None:
-        draw += [partial(wear_convergence, wear), partial(contact_models, wear)]
+    draw: list[Callable[[], Drawing | None]] = [
+        *(partial(work_precision, diagram) for diagram in diagrams),
+        *(partial(draw, diagrams) for draw in (orders, energy)),
+        *(partial(draw, chaos) for draw in (growth_of_disturbance, statistics_against_cost)),
+        *(partial(draw, wear) for draw in (wear_convergence, contact_models)),
+    ]
     for drawer in draw:
         with matplotlib.rc_context(SETTINGS):
             drawing = drawer()

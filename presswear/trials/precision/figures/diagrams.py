@@ -145,11 +145,9 @@ def shown_order(diagram: Diagram, family: str, quantity: Quantity) -> float:
     return diagram.order(family, quantity)
 
 
-def energy(diagrams: Sequence[Diagram]) -> Drawing | None:
-    """Draw energy that is missing over tolerance and step; None where no task tells it."""
+def energy(diagrams: Sequence[Diagram]) -> Drawing:
+    """Draw energy that is missing over tolerance and step."""
     told = [(d, own) for d in diagrams for own in d.quantities if ENERGY in own.name]
-    if not told:
-        return None
     known = {point.method.knob for diagram, _ in told for point in diagram.points}
     knobs = [knob for knob in (TOLERANCE, STEP, IMPACT) if knob in known]
     sheet = Sheet(figsize=(WIDTH, 1.0 + 2.4 * len(told)), layout="constrained")

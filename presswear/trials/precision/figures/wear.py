@@ -156,12 +156,10 @@ def _plain_scale(axes: Axes) -> None:
 _NAMED: tuple[Group, ...] = ("contact", "method")
 
 
-def contact_models(wear: WearStudy) -> Drawing | None:
+def contact_models(wear: WearStudy) -> Drawing:
     """Draw wear under each contact model and method: the first, and a second one in one jump."""
     series = _series(wear)
     points = [p for group in _NAMED for name in wear.conventions for p in wear.of(group, name)]
-    if not points:
-        return None
     rows = [(p, which) for p in points for which in ("first", "second")]
     sheet = Sheet(figsize=(WIDTH, 1.1 + 0.26 * len(rows)), layout="constrained")
     panels = sheet.subplots(1, len(QUANTITIES), sharey=True, squeeze=False)[0]
