@@ -94,8 +94,8 @@ def guided() -> tuple[Linkage, Start]:
 def deepest(run: Run) -> float:
     """Greatest penetration of a run, m, between the recorded rows too.
 
-    The quintic through penetration, rate and acceleration of the rows on both sides: a
-    cubic's error is larger than that of the better methods.
+    The top of the quintic through penetration, rate and acceleration of the rows on both sides:
+    a cubic's error is larger than that of the better methods.
     """
     series = run.recorder.series
     time, velocity = series("time"), series("velocity")

@@ -17,7 +17,7 @@ from presswear.trials.precision.figures.diagrams import shown_order
 from presswear.trials.precision.growth import Parting
 from presswear.trials.precision.methods import IMPACT, STEP, TOLERANCE
 from presswear.trials.precision.recommendation import standing
-from presswear.trials.precision.statistic import MAP, sampling_error, unit_of
+from presswear.trials.precision.statistic import MAP, UNITS, sampling_error
 from presswear.trials.precision.study import Precision
 from presswear.trials.precision.wear import (
     DEEPEST,
@@ -135,8 +135,9 @@ def sampling_table(chaos: Chaos) -> Table:
     found = chaos.reference.statistics
 
     def title(name: str) -> str:
-        kind = "root mean square of the map, " if name.startswith(MAP) else ""
-        return f"{name} ({kind}{unit_of(name)} a cycle)"
+        kind = name.partition(" at ")[0]
+        word = "root mean square of the map, " if kind == MAP else ""
+        return f"{name} ({word}{UNITS[kind]} a cycle)"
 
     def of_stage(name: str) -> str:
         part = sampling_error(found[name], chaos.stage_cycles) / abs(found[name].mean)
