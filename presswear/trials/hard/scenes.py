@@ -130,6 +130,7 @@ def law_cases() -> Iterator[HardCase]:
     for joint in "AC":
         alone = replace(BASE, joints=joint)
         yield from in_both(f"clearance at {joint} alone", "closed loops", alone)
+    yield from in_both("c -> 0", "the ideal joint is a limit, and a stiff one", BASE, approach)
 
 
 def slider_distance(scene: Scene, clearance: float) -> float:
@@ -152,11 +153,6 @@ def approach(scene: Scene) -> Iterator[Check]:
     yield Check("distance left at c = 1 nm (m)", least, 2e-6)
     yield Check("order of the distance from the ideal press in c, less 1", order - 1.0, 0.1)
     yield Check("distance / c at c = 1 um", distances[-1] / CLEARANCES[-1], 10.0)
-
-
-def approach_cases() -> Iterator[HardCase]:
-    """Clearance towards nothing."""
-    yield from in_both("c -> 0", "the ideal joint is a limit, and a stiff one", BASE, approach)
 
 
 def profiles() -> dict[str, tuple[str, Surface, Surface]]:
@@ -363,7 +359,6 @@ def refusal_cases() -> Iterator[HardCase]:
 
 def scene_cases() -> Iterator[HardCase]:
     """All hard cases of the press."""
-    for cases in (law_cases, approach_cases, profile_cases, start_cases, toggle_cases):
+    makers = law_cases, profile_cases, start_cases, toggle_cases, refusal_cases, drift_cases
+    for cases in makers:
         yield from cases()
-    yield from refusal_cases()
-    yield from drift_cases()

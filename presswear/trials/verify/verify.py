@@ -194,9 +194,14 @@ def creep(slope: float) -> float:
 
     The approach decays with mu g cos(theta) / (v1 - v0), 1090 per second.
     """
+    return _slid(*on_incline(slope, 0.005), 0.2)
+
+
+def on_incline(slope: float, speed: float) -> tuple[Linkage, Start]:
+    """A block on an incline, at a speed, m/s."""
     angle = math.atan(slope)
     pull, press = GRAVITY * math.sin(angle), GRAVITY * math.cos(angle)
-    return _slid(*references.block(pull, press, FRICTION, 0.005), 0.2)
+    return references.block(pull, press, FRICTION, speed)
 
 
 def _slid(linkage: Linkage, start: Start, time: float) -> float:
