@@ -37,7 +37,6 @@ class Timing:
 
     Attributes
     ----------
-    name, model : str
     simulated : float
         Simulated time, s.
     steps, sent_back : int

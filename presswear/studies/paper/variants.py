@@ -119,14 +119,12 @@ class PaperCase:
 
     Attributes
     ----------
-    key, label : str
     settings : tuple of str
         Keys of SETTINGS.
     change : callable
         Scene -> Scene.
     wears : int
         Most wears.
-    starts : int
     coarser : float
         The wear maps are known so many times worse than asked for.
     """

@@ -31,7 +31,6 @@ class EngineRow:
 
     Attributes
     ----------
-    timing : Timing
     slider_error : float
         Error at the end, m.
     touchdown_error : float
@@ -58,7 +57,6 @@ class EqualWork:
         Touchdowns whose times are compared.
     fixed, tree : EngineRow
         The joints model at fixed steps, and the open tree as scenes take it.
-    others : tuple of EngineRow
     """
 
     DERIVED: ClassVar = ("passed",)

@@ -32,7 +32,6 @@ class HardCase:
     ----------
     name, hard : str
         Its name, and why it is hard.
-    engine : str
     checks : callable
         Runs it; yields its checks.
     refusal : str

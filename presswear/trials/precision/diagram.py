@@ -57,7 +57,6 @@ class Quantity:
 
     Attributes
     ----------
-    name, unit : str
     known : float
         How far the reference is known itself; 0 for a closed form.
     """

@@ -34,7 +34,6 @@ class Method:
 
     Attributes
     ----------
-    engine : Engine
     integrator : str
         As people call it: trapezoidal rule, DOPRI5, DOP853, RK4.
     knob : str

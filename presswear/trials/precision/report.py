@@ -97,16 +97,6 @@ def growth_sentence(chaos: Chaos) -> str:
     return f"{text}."
 
 
-def purposes_of(found: tuple[Recommendation, ...]) -> list[dict[str, object]]:
-    """Recommendations by purpose, with the rule."""
-    by_purpose = {rule: [one for one in found if one.purpose == rule] for rule in RULES}
-    return [
-        {"purpose": purpose, "rule": RULES[purpose], "rows": rows}
-        for purpose, rows in by_purpose.items()
-        if rows
-    ]
-
-
 def write_precision_report(precision: Precision, taken: Numerics, folder: Path) -> tuple[str, Path]:
     """Write ``report.html`` and the figures into a folder; returns the answer and the path.
 
@@ -119,32 +109,24 @@ def write_precision_report(precision: Precision, taken: Numerics, folder: Path) 
         drawing.file: illustrate(drawing, folder / "figures")
         for drawing in precision_drawings(precision)
     }
-    found = recommend(precision, taken)
-    path = folder / "report.html"
-    write_bytes(path, render(precision, found, figures).encode())
-    return headline(precision, found), path
-
-
-def render(
-    precision: Precision,
-    found: tuple[Recommendation, ...],
-    figures: dict[str, Illustration],
-) -> str:
-    """Render the page."""
 
     def named(*names: str) -> list[Illustration]:
         files = [f"precision-{name}.png" for name in names]
         return [figures[file] for file in files if file in figures]
 
-    chaos = precision.chaos
-    return render_page(
+    found, chaos = recommend(precision, taken), precision.chaos
+    answer = headline(precision, found)
+    text = render_page(
         "precision.html",
         "presswear.trials.precision",
         scene=precision.scene,
         quick=precision.extent.quick,
-        headline=headline(precision, found),
+        headline=answer,
         growth=growth_sentence(chaos),
-        purposes=purposes_of(found),
+        purposes=[
+            (rule, words, [one for one in found if one.purpose == rule])
+            for rule, words in RULES.items()
+        ],
         tasks=[(own.key, own.title, named(own.key), task_table(own)) for own in precision.diagrams],
         together=named("orders", "energy"),
         chaos_figures=named("growth", "statistics"),
@@ -157,3 +139,6 @@ def render(
         references=references_table(precision.diagrams),
         origin=origin_table(precision),
     )
+    path = folder / "report.html"
+    write_bytes(path, text.encode())
+    return answer, path

@@ -40,7 +40,6 @@ class Means:
 
     Attributes
     ----------
-    angles, cycles : tuple of int
     finer : tuple of float
         Depth steps, parts of the scene's.
     usual : int
@@ -88,7 +87,6 @@ class Varied:
         Kind of change.
     conventions : str
         Name of the set.
-    label : str
     value : float or None
         Its value, where it is a number; 0: no step is too large, a single jump.
     is_default : bool
@@ -116,7 +114,6 @@ class WearPoint:
 
     Attributes
     ----------
-    varied : Varied
     first, second : Wears
         The first wear as it is applied, and what a second one would take off in a single
         jump; empty where it was not reached.

@@ -49,7 +49,6 @@ class Verified:
     ----------
     name : str
         Problem, engine and unit.
-    reference, ours : float
     bound : float
         Greatest error that passes; errors are absolute, in the unit of the name.
     """
