@@ -134,8 +134,8 @@ def with_clearance(scene: Scene, extent: PrecisionExtent, told: Told) -> tuple[T
         title=f"Clearance at {joints} up to the horizon",
         task=f"Scene {scene.name}, unworn, {horizon:.4g} s, {touches} touches: "
         f"the slider at the end; the worst of the first {min(touches, FIRST_TOUCHDOWNS)} touches, "
-        "closing speeds and peak forces relative, peaks read between accepted steps by a polynomial; energy that is "
-        "missing, part of what the drives exchanged.",
+        "closing speeds and peak forces relative, peaks read between accepted steps by a "
+        "polynomial; energy that is missing, part of what the drives exchanged.",
         quantities=tuple(Quantity(name, unit, known[name]) for name, unit in UNITS.items()),
         reference=f"DOP853 of dae at {TIGHT.integration_tolerance:g}; its own error is its "
         f"distance from {words}",
