@@ -7,8 +7,8 @@ from typing import TypeVar
 
 import numpy as np
 import pytest
-from made_up_precision import NAMES, SCENE, STAGE_CYCLES, chaos, parting
 
+from precision.made_up_precision import NAMES, SCENE, STAGE_CYCLES, chaos, parting
 from presswear.campaign.starts import start_of
 from presswear.record.sampling import Estimate, MapBatches
 from presswear.scene.catalog import ideal

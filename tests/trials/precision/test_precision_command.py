@@ -5,33 +5,15 @@ import json
 from pathlib import Path
 
 import pytest
-from short_study import SHORT
 
+from precision.short_study import SHORT
 from presswear.__main__ import main
-from presswear.scene.catalog import scene_named
-from presswear.trials.precision import chaos, wear
-from presswear.trials.precision.chaos import ChaosExtent
 from presswear.trials.precision.extent import FULL, QUICK
 from presswear.trials.precision.store import load, store
-from presswear.trials.precision.study import Precision, study
+from presswear.trials.precision.study import Precision
 from presswear.trials.precision.tables import terminal_tables
-from presswear.trials.precision.wear import Means
 
 KEYS = ["ideal", "andrews", "impact", "horizon"]
-
-
-@pytest.fixture(scope="module")
-def told() -> list[tuple[str, float]]:
-    return []
-
-
-@pytest.fixture(scope="module")
-def found(told: list[tuple[str, float]]) -> Precision:
-    few = {"dae, DOPRI5": (1e-5,)}
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(chaos, "QUICK", ChaosExtent(1, 1, starts=1, cycles=5, reference=1, few=few))
-        patch.setattr(wear, "QUICK", {"paper": Means((90,), (), (), 4)})
-        return study(scene_named("wear-times"), SHORT, lambda name, part: told.append((name, part)))
 
 
 def test_every_diagram_is_there_with_the_papers_setting(found: Precision) -> None:

@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 from endurance.forgery import NO_LEAVES, leaves
-from made_up_precision import precision
 
+from precision.made_up_precision import precision
 from presswear.__main__ import main
 from presswear.tools.errors import InputError
 from presswear.trials.precision.diagram import Diagram

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from made_up_precision import DEFAULTS, chaos, diagram, precision, wear
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure as Sheet
 from matplotlib.text import Text
 
+from precision.made_up_precision import DEFAULTS, chaos, diagram, precision, wear
 from presswear.show.figures.style import Drawing
 from presswear.trials.precision.figures import precision_drawings
 from presswear.trials.precision.figures.panels import LOOKS, look_of

@@ -4,8 +4,8 @@ from dataclasses import replace
 from html.parser import HTMLParser
 
 import pytest
-from made_up_precision import chaos, diagram, precision
 
+from precision.made_up_precision import chaos, diagram, precision
 from presswear.show.report.parts import Table
 from presswear.studies.paper.variants import base_scene
 from presswear.trials.precision.recommendation import recommend

@@ -3,8 +3,15 @@
 from collections.abc import Iterable
 from dataclasses import replace
 
-from made_up_precision import METHODS, chaos, diagram, interval, precision, wear, wear_point
-
+from precision.made_up_precision import (
+    METHODS,
+    chaos,
+    diagram,
+    interval,
+    precision,
+    wear,
+    wear_point,
+)
 from presswear.record.sampling import Interval
 from presswear.studies.paper.variants import base_scene
 from presswear.trials.precision.diagram import Diagram, TaskPoint

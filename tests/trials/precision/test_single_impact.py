@@ -5,13 +5,13 @@ import math
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from short_study import SHORT, silent
 
+from precision.short_study import SHORT
 from presswear.engines.settings import InHouse
 from presswear.linkage.laws import delivered_restitution
 from presswear.physics.tree import Tree, tree_of
 from presswear.scene.catalog import scene_named
-from presswear.trials.precision.diagram import Diagram, measure
+from presswear.trials.precision.diagram import Diagram
 from presswear.trials.precision.impact import (
     IMPACT,
     REDUCED_MASS,
@@ -21,11 +21,6 @@ from presswear.trials.precision.impact import (
     single,
     turning,
 )
-
-
-@pytest.fixture(scope="module")
-def impact() -> Diagram:
-    return measure(single(scene_named("wear-times"), SHORT), SHORT.repeats, silent)
 
 
 def test_contact_time_without_damping_is_hertz() -> None:

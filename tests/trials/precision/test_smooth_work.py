@@ -2,27 +2,17 @@
 
 import numpy as np
 import pytest
-from short_study import SHORT, silent
 
+from precision.short_study import SHORT
 from presswear.engines.base import Plan
 from presswear.engines.settings import ExudynJoints, InHouse
 from presswear.scene.catalog import scene_named
-from presswear.trials.precision.diagram import Diagram, measure
+from presswear.trials.precision.diagram import Diagram
 from presswear.trials.precision.methods import smooth_methods
-from presswear.trials.precision.smooth import HELD, andrews, constraint_errors, ideal_mechanism
-from presswear.trials.verify.references import andrews as squeezer
+from presswear.trials.precision.smooth import HELD, constraint_errors
+from presswear.trials.verify.references import andrews, andrews_start
 
 TRAPEZOIDAL, RK4 = "exudyn-joints, trapezoidal rule", "dae, RK4"
-
-
-@pytest.fixture(scope="module")
-def ideal() -> Diagram:
-    return measure(ideal_mechanism(scene_named("wear-times"), SHORT), SHORT.repeats, silent)
-
-
-@pytest.fixture(scope="module")
-def seven_bodies() -> Diagram:
-    return measure(andrews(SHORT), SHORT.repeats, silent)
 
 
 def test_orders_come_out_on_the_ideal_press(ideal: Diagram) -> None:
@@ -31,16 +21,14 @@ def test_orders_come_out_on_the_ideal_press(ideal: Diagram) -> None:
         assert ideal.order(RK4, quantity) == pytest.approx(4.0, abs=0.15)
 
 
-def test_orders_come_out_on_the_squeezer(seven_bodies: Diagram) -> None:
-    for quantity in seven_bodies.quantities[:2]:
-        assert seven_bodies.order(TRAPEZOIDAL, quantity) == pytest.approx(2.0, abs=0.1)
-        assert seven_bodies.order(RK4, quantity) == pytest.approx(4.0, abs=0.5)
+def test_orders_come_out_on_the_squeezer(squeezer: Diagram) -> None:
+    for quantity in squeezer.quantities[:2]:
+        assert squeezer.order(TRAPEZOIDAL, quantity) == pytest.approx(2.0, abs=0.1)
+        assert squeezer.order(RK4, quantity) == pytest.approx(4.0, abs=0.5)
 
 
-def test_the_printed_values_are_known_no_better_than_they_were_computed(
-    seven_bodies: Diagram,
-) -> None:
-    angles, rates, *_ = seven_bodies.quantities
+def test_printed_values_are_known_no_better_than_they_were_computed(squeezer: Diagram) -> None:
+    angles, rates, *_ = squeezer.quantities
     assert 1e-10 < angles.known < 5e-9
     assert 1e-8 < rates.known < 2e-6
 
@@ -84,10 +72,8 @@ def test_steps_of_a_ladder_are_as_many_as_asked(ideal: Diagram) -> None:
 
 
 def test_constraints_of_the_start_are_kept() -> None:
-    from presswear.trials.verify.references import andrews_start
-
-    run = InHouse().simulate(squeezer(), andrews_start(), Plan(1e-6, 1))
-    errors = constraint_errors(squeezer(), run)
+    run = InHouse().simulate(andrews(), andrews_start(), Plan(1e-6, 1))
+    errors = constraint_errors(andrews(), run)
     assert set(errors) == set(HELD)
     assert max(errors.values()) < 1e-9
 

@@ -4,13 +4,13 @@ import math
 from dataclasses import replace
 
 import pytest
-from short_study import SHORT, silent
 
+from precision.short_study import SHORT, silent
 from presswear.engines.base import Plan
 from presswear.engines.settings import InHouse
 from presswear.scene.catalog import scene_named
 from presswear.tools.errors import InputError, RunFailed
-from presswear.trials.precision.diagram import Diagram, Task, first_run, measure
+from presswear.trials.precision.diagram import Diagram, Task, first_run
 from presswear.trials.precision.horizon import horizon_of, second_reference, with_clearance
 from presswear.trials.precision.methods import contact_methods, method_of
 
@@ -22,11 +22,6 @@ def task() -> Task:
     found, horizon = with_clearance(SCENE, SHORT, silent)
     assert horizon == SHORT.longest
     return found
-
-
-@pytest.fixture(scope="module")
-def press(task: Task) -> Diagram:
-    return measure(task, SHORT.repeats, silent)
 
 
 def test_two_references_agree(press: Diagram) -> None:
