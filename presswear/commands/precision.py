@@ -55,9 +55,8 @@ def _precision(arguments: argparse.Namespace, console: Console) -> int:
     scene = changed(scene_given(arguments.scene), settings_given(arguments.set))
     folder = arguments.out or free_folder(f"precision-{scene.name}")
     with only_writer(folder):
-        from presswear.trials.precision.extent import FULL, QUICK
         from presswear.trials.precision.store import store
-        from presswear.trials.precision.study import study
+        from presswear.trials.precision.study import FULL, QUICK, study
         from presswear.trials.precision.tables import terminal_tables
 
         extent = QUICK if arguments.quick else FULL

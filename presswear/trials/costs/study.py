@@ -88,10 +88,7 @@ class Costs:
 def study(scene: Scene, extent: CostsExtent, told: Told) -> Costs:
     """Measure what the features of a scene cost, how engines compare, where time goes.
 
-    Raises
-    ------
-    RunFailed
-        Where a run fails.
+    RunFailed where a run fails.
     """
     parts, source = parts_of(told, _SECTIONS), provenance()
     told("wear of the worn surfaces", 0.0)

@@ -175,17 +175,12 @@ def exudyn_of(scene: Scene) -> dict[str, ExudynTree | ExudynJoints]:
 
 
 def check_engines(scene: Scene, duration: float | None, told: Told) -> Crosscheck:
-    """Run and compare both engines on the unworn linkage of a scene.
+    """Run and compare both engines on a scene's unworn linkage; RunFailed if one finds no way on.
 
     Parameters
     ----------
     duration : float or None
         Longest time over which trajectories are compared, s; None: one cycle.
-
-    Raises
-    ------
-    RunFailed
-        Where an engine finds no way on.
     """
     end = scene.mechanism.period if duration is None else duration
     linkage, start = scene.linkage(), start_of(scene)

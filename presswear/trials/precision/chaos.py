@@ -19,7 +19,7 @@ from presswear.engines.base import Plan, Run
 from presswear.record.sampling import Estimate, half_width, map_batches, map_errors
 from presswear.record.tracker import Telling
 from presswear.scene.scene import Scene
-from presswear.tools.errors import InputError, RunFailed
+from presswear.tools.errors import RunFailed
 from presswear.trials.precision.growth import Parting, measure_growth
 from presswear.trials.precision.methods import Method, finest, grouped, statistics_methods
 from presswear.trials.precision.statistic import (
@@ -184,15 +184,8 @@ class Chaos:
 def follow(scene: Scene, extent: ChaosExtent, told: Told) -> Chaos:
     """Run a scene's unworn linkage with each method, start by start in turn.
 
-    Raises
-    ------
-    InputError
-        Where the scene has no clearance joint.
-    RunFailed
-        Where the finest method fails.
+    RunFailed where the finest method fails.
     """
-    if not scene.clearance_joints:
-        raise InputError(f"scene {scene.name}: without a clearance joint nothing is chaotic")
     growing = part_of(told, 0.0, _GROWTH_SHARE)
     growths = measure_growth(scene, extent.duration, extent.pairs, growing)
     linkage, period = scene.linkage(), scene.mechanism.period

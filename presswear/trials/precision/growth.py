@@ -159,17 +159,12 @@ def measure_growth(scene: Scene, cycles: int, pairs: int, told: Told) -> tuple[P
     """Run pairs of starts that are APART, each pair from where the last one's first run ended.
 
     So a pair each begins somewhere else on the motion; pairs beside each other would only
-    repeat one growth.  Contacts begin anew with each pair.
+    repeat one growth.  Contacts begin anew with each pair.  RunFailed where a run fails.
 
     Parameters
     ----------
     cycles : int
         Length of each run; of the first pair one, which tells whether it parts.
-
-    Raises
-    ------
-    RunFailed
-        Where a run fails.
     """
     linkage, period = scene.linkage(), scene.mechanism.period
     start, found, done = start_of(scene), [], 0

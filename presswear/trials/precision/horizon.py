@@ -13,7 +13,7 @@ from presswear.engines.settings import LEAST_STEPS, Engine, ExudynTree, InHouse
 from presswear.linkage.elements import Linkage
 from presswear.physics.tree import Tree, tree_of
 from presswear.scene.scene import Scene
-from presswear.tools.errors import InputError, RunFailed
+from presswear.tools.errors import RunFailed
 from presswear.trials.crosscheck.check import DISTURBANCE, FIRST_TOUCHDOWNS, GROWTH
 from presswear.trials.crosscheck.check import PARTS as SEARCH_PARTS
 from presswear.trials.crosscheck.traces import (
@@ -24,8 +24,7 @@ from presswear.trials.crosscheck.traces import (
     trace_of,
 )
 from presswear.trials.precision.diagram import Diagram, Numbers, Quantity, Task, check_finite
-from presswear.trials.precision.extent import PrecisionExtent
-from presswear.trials.precision.methods import contact_methods
+from presswear.trials.precision.methods import Rungs, contact_methods
 from presswear.trials.runs import Told, missing_energy
 
 PARTS = 10
@@ -60,24 +59,15 @@ def errors_of(linkage: Linkage, run: Run, reference: Run) -> dict[str, float]:
     return dict(zip(UNITS, map(float, numbers), strict=True))
 
 
-def check_clearance(scene: Scene) -> None:
-    """InputError where a scene has no clearance."""
-    if not scene.clearance_joints:
-        raise InputError(f"scene {scene.name} has no clearance, so no impacts; name one that has")
-
-
 def horizon_of(scene: Scene, longest: float) -> float:
     """Time up to which two starts 1e-9 m apart stay within a thousand times that, s.
+
+    RunFailed where a run fails.
 
     Parameters
     ----------
     longest : float
         Time at which the search ends, s; beyond a cycle none is made.
-
-    Raises
-    ------
-    RunFailed
-        Where a run fails.
     """
     linkage, start = scene.linkage(), start_of(scene)
     end = min(scene.mechanism.period, longest)
@@ -98,19 +88,10 @@ def second_reference(scene: Scene) -> tuple[str, Engine]:
     return words, InHouse("dopri5", OTHER_TOLERANCE)
 
 
-def with_clearance(scene: Scene, extent: PrecisionExtent, told: Told) -> tuple[Task, float]:
-    """The unworn linkage of a scene up to its horizon, and the horizon, s.
-
-    Raises
-    ------
-    InputError
-        Where the scene has no clearance.
-    RunFailed
-        Where a reference fails.
-    """
-    check_clearance(scene)
+def with_clearance(scene: Scene, rungs: Rungs, longest: float, told: Told) -> tuple[Task, float]:
+    """A scene's unworn linkage up to its horizon, and that, s; RunFailed if a reference fails."""
     told("horizon", 0.0)
-    horizon, period = horizon_of(scene, extent.longest), scene.mechanism.period
+    horizon, period = horizon_of(scene, longest), scene.mechanism.period
     linkage, start = scene.linkage(), start_of(scene)
     plan = Plan(horizon / PARTS, PARTS, PARTS, torques=False)
     words, other = second_reference(scene)
@@ -141,6 +122,5 @@ def with_clearance(scene: Scene, extent: PrecisionExtent, told: Told) -> tuple[T
         f"distance from {words}",
     )
     is_tree = isinstance(tree_of(linkage), Tree)
-    longest = period / LEAST_STEPS
-    methods = contact_methods(extent.rungs, scene.numerics, period, longest, is_tree)
+    methods = contact_methods(rungs, scene.numerics, period, period / LEAST_STEPS, is_tree)
     return Task(diagram, linkage, start, plan, methods, assess), horizon

@@ -9,7 +9,6 @@ from typing import Protocol, TypeVar
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse, Integrator
 from presswear.physics.tree import Tree, tree_of
 from presswear.scene.scene import Numerics, Scene
-from presswear.trials.precision.extent import Rungs
 
 TRAPEZOIDAL = "trapezoidal rule"
 FIXED = "trapezoidal rule, equal steps"
@@ -67,6 +66,58 @@ class Method:
     def label(self) -> str:
         """The method in a few words."""
         return f"{self.engine.word}, {self.setting}"
+
+
+@dataclass(frozen=True)
+class Rungs:
+    """Steps and tolerances of the families, coarse to fine.
+
+    The setting that a scene takes by itself is added to its family where it is missing.
+
+    Attributes
+    ----------
+    free_steps : tuple of int
+        Steps in the run of the trapezoidal rule on smooth motion.
+    smooth_steps : tuple of int
+        Steps in the run of RK4 on smooth motion.
+    impact_steps : tuple of int
+        Steps in an impact of the trapezoidal rule with contacts.
+    fixed_steps, contact_steps : tuple of float
+        Equal steps of the trapezoidal rule and of RK4 with contacts, s.
+    tolerances : tuple of float
+        Those of DOP853 and DOPRI5 in the in-house solver.
+    tree_tolerances : tuple of float
+        Those of the open tree.
+    """
+
+    free_steps: tuple[int, ...]
+    smooth_steps: tuple[int, ...]
+    impact_steps: tuple[int, ...]
+    fixed_steps: tuple[float, ...]
+    contact_steps: tuple[float, ...]
+    tolerances: tuple[float, ...]
+    tree_tolerances: tuple[float, ...]
+
+
+FEW = Rungs(
+    free_steps=(300, 1000, 3000),
+    smooth_steps=(300, 1000, 3000, 10_000),
+    impact_steps=(20, 50, 100, 200),
+    fixed_steps=(1e-5, 5e-6, 2e-6),
+    contact_steps=(5e-5, 2e-5, 1e-5, 5e-6, 2e-6, 1e-6),
+    tolerances=(1e-4, 1e-6, 1e-8, 1e-9, 1e-10, 1e-12),
+    tree_tolerances=(1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10),
+)
+"""For a quick look."""
+ALL = Rungs(
+    free_steps=(300, 1000, 3000, 10_000, 30_000, 100_000),
+    smooth_steps=(150, 300, 1000, 3000, 10_000, 30_000, 100_000),
+    impact_steps=(20, 35, 50, 100, 200, 400, 800),
+    fixed_steps=(1e-5, 5e-6, 2e-6, 1e-6, 5e-7),
+    contact_steps=(5e-5, 2e-5, 1e-5, 5e-6, 2e-6, 1e-6, 5e-7, 2e-7, 1e-7),
+    tolerances=(1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12),
+    tree_tolerances=(1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11),
+)
 
 
 class _OfMethod(Protocol):

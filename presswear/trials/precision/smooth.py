@@ -12,8 +12,7 @@ from presswear.linkage.elements import Linkage
 from presswear.physics.constraints import constraints_of
 from presswear.scene.scene import Numerics, Scene
 from presswear.trials.precision.diagram import Diagram, Numbers, Quantity, Task, check_finite
-from presswear.trials.precision.extent import PrecisionExtent
-from presswear.trials.precision.methods import smooth_methods
+from presswear.trials.precision.methods import Rungs, smooth_methods
 from presswear.trials.verify import references
 
 Array = NDArray[np.float64]
@@ -38,7 +37,7 @@ def constraint_errors(linkage: Linkage, run: Run) -> dict[str, float]:
     return {HELD[0]: float(np.abs(phi).max()), HELD[1]: float(np.abs(phi_t).max())}
 
 
-def ideal_mechanism(scene: Scene, extent: PrecisionExtent) -> Task:
+def ideal_mechanism(scene: Scene, rungs: Rungs) -> Task:
     """The scene's mechanism with every joint closed."""
     linkage, period = scene.mechanism.linkage(), scene.mechanism.period
     motion = scene.mechanism.ideal_motion(np.zeros(1))
@@ -68,7 +67,7 @@ def ideal_mechanism(scene: Scene, extent: PrecisionExtent) -> Task:
         reference="the closed form; known is what round-off leaves of it after 1e5 steps",
     )
     start, plan = Start(motion.position[0], motion.velocity[0]), Plan(duration, 1, 1, torques=False)
-    methods = smooth_methods(extent.rungs, duration, scene.numerics, period)
+    methods = smooth_methods(rungs, duration, scene.numerics, period)
     return Task(diagram, linkage, start, plan, methods, assess)
 
 
@@ -83,13 +82,10 @@ def andrews_error(run: Run) -> dict[str, float]:
     return {"angles": float(np.abs(angles).max()), "rates": float(np.abs(rates).max())}
 
 
-def andrews(extent: PrecisionExtent) -> Task:
+def andrews(rungs: Rungs) -> Task:
     """Andrews' squeezer against the values of the IVP test set.
 
-    Raises
-    ------
-    RunFailed
-        Where the run fails that tells how well those are known.
+    RunFailed where the run fails that tells how well those are known.
     """
     linkage, start = references.andrews(), references.andrews_start()
     duration = references.ANDREWS_DURATION
@@ -116,5 +112,5 @@ def andrews(extent: PrecisionExtent) -> Task:
     def assess(run: Run) -> tuple[Numbers, Numbers]:
         return andrews_error(run) | constraint_errors(linkage, run), {}
 
-    methods = smooth_methods(extent.rungs, duration, Numerics(), None)
+    methods = smooth_methods(rungs, duration, Numerics(), None)
     return Task(diagram, linkage, start, plan, methods, assess)

@@ -195,10 +195,7 @@ def change(here: Interval, there: Interval) -> Interval:
 def cases(scene: Scene, extent: Mapping[str, Means]) -> tuple[tuple[Varied, Scene], ...]:
     """All that is varied, from coarse to fine, with the scene that each runs.
 
-    Raises
-    ------
-    InputError
-        Where the scene has nothing that wears, or allows not every case.
+    InputError where the scene has nothing that wears, or allows not every case.
     """
     if not scene.clearance_joints or scene.bearings.wear_coefficient == 0.0:
         raise InputError(f"scene {scene.name}: nothing wears")

@@ -256,13 +256,7 @@ GROUPS: dict[str, Callable[[], Iterator[Verified]]] = {
 
 
 def verify(told: Told) -> list[Verified]:
-    """Run every reference problem.
-
-    Raises
-    ------
-    RunFailed
-        A run failed, so that there is nothing to compare.
-    """
+    """Run every reference problem; RunFailed if one fails, so that there is nothing to compare."""
     rows: list[Verified] = []
     for done, (name, group) in enumerate(GROUPS.items()):
         told(name, done / len(GROUPS))

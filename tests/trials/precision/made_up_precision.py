@@ -10,11 +10,10 @@ from presswear.record.sampling import Estimate, Interval
 from presswear.scene.catalog import wear_times
 from presswear.trials.precision.chaos import Chaos, StatisticPoint
 from presswear.trials.precision.diagram import Diagram, Quantity, TaskPoint
-from presswear.trials.precision.extent import QUICK
 from presswear.trials.precision.growth import Parting
 from presswear.trials.precision.methods import IMPACT, Method, finest, statistics_methods
 from presswear.trials.precision.statistic import StepError
-from presswear.trials.precision.study import Precision
+from presswear.trials.precision.study import QUICK, Precision
 from presswear.trials.precision.wear import DEEPEST, VOLUME, Group, Varied, WearPoint, WearStudy
 from presswear.trials.timing import Timing
 

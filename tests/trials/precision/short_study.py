@@ -1,6 +1,7 @@
 """A study so small that tests can afford it."""
 
-from presswear.trials.precision.extent import PrecisionExtent, Rungs
+from presswear.trials.precision.methods import Rungs
+from presswear.trials.precision.study import PrecisionExtent
 
 SHORT = PrecisionExtent(
     quick=True,

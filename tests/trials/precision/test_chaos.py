@@ -11,10 +11,8 @@ import pytest
 from precision.made_up_precision import NAMES, SCENE, STAGE_CYCLES, chaos, parting
 from presswear.campaign.starts import start_of
 from presswear.record.sampling import Estimate, MapBatches
-from presswear.scene.catalog import ideal
 from presswear.scene.scene import Numerics
 from presswear.tools.documents import plain
-from presswear.tools.errors import InputError
 from presswear.trials.precision.chaos import ChaosExtent, follow, stage_cycles
 from presswear.trials.precision.growth import (
     HIGH,
@@ -264,9 +262,3 @@ def test_measured_statistics() -> None:
     assert told == sorted(told)
     assert told[-1] <= 1.0
     assert stored(found) == found
-
-
-def test_without_clearance_nothing_is_chaotic() -> None:
-    size = ChaosExtent(1, 1, starts=1, cycles=5)
-    with pytest.raises(InputError, match="clearance"):
-        follow(ideal(), size, lambda word, part: None)

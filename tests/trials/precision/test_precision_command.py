@@ -8,9 +8,8 @@ import pytest
 
 from precision.short_study import SHORT
 from presswear.__main__ import main
-from presswear.trials.precision.extent import FULL, QUICK
 from presswear.trials.precision.store import load, store
-from presswear.trials.precision.study import Precision
+from presswear.trials.precision.study import FULL, QUICK, Precision
 from presswear.trials.precision.tables import terminal_tables
 
 KEYS = ["ideal", "andrews", "impact", "horizon"]

@@ -52,7 +52,7 @@ def test_contact_time_is_that_of_the_integrated_motion() -> None:
 def test_guides_make_the_impact_a_tree_and_change_nothing() -> None:
     linkage, start = guided()
     assert isinstance(tree_of(linkage), Tree)
-    task = single(scene_named("wear-times"), SHORT)
+    task = single(scene_named("wear-times"), SHORT.rungs)
     tight = InHouse(integration_tolerance=1e-12, free_step=1.0)
     runs = [tight.simulate(each, start, task.plan) for each in (linkage, IMPACT.linkage)]
     np.testing.assert_allclose(runs[0].end.velocity, runs[1].end.velocity, atol=1e-12)

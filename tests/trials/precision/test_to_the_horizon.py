@@ -13,13 +13,14 @@ from presswear.tools.errors import InputError, RunFailed
 from presswear.trials.precision.diagram import Diagram, Task, first_run
 from presswear.trials.precision.horizon import horizon_of, second_reference, with_clearance
 from presswear.trials.precision.methods import contact_methods, method_of
+from presswear.trials.precision.study import study
 
 SCENE = scene_named("wear-times")
 
 
 @pytest.fixture(scope="module")
 def task() -> Task:
-    found, horizon = with_clearance(SCENE, SHORT, silent)
+    found, horizon = with_clearance(SCENE, SHORT.rungs, SHORT.longest, silent)
     assert horizon == SHORT.longest
     return found
 
@@ -79,7 +80,7 @@ def test_without_an_open_tree_another_integrator_is_the_second_reference() -> No
 
 def test_a_scene_without_clearance_is_refused() -> None:
     with pytest.raises(InputError, match="no clearance"):
-        with_clearance(scene_named("ideal"), SHORT, silent)
+        study(scene_named("ideal"), SHORT, silent)
 
 
 def test_whatever_a_method_does_is_a_point(task: Task) -> None:
