@@ -14,12 +14,15 @@ from presswear.results.stage import SIDES
 from presswear.show.figures.style import MICRONS, REFERENCE, SETTINGS, WIDTH, Drawing, Sheet
 from presswear.show.report.page import illustrate, render_page
 from presswear.show.report.parts import Table
+from presswear.studies.paper.printed import shown_in
 from presswear.studies.runaway.variants import CYCLES
 from presswear.tools.files import write_bytes
 
 RUNAWAY = 10.0
 """A second wear that adds so many times the depth of the first has run away."""
-PRINTED = (1.221e-6, 1.178e-3)
+PRINTED = tuple(
+    one.value for one in shown_in(8) if (one.quantity, one.place.joint) == ("depth", "A")
+)
 """The paper's deepest wear at A after the first and the second wear, m; the first may have
 lost a factor of ten in print."""
 
@@ -140,8 +143,7 @@ def answer(outcomes: Sequence[TwoWears], clearance: float) -> str:
         return "No variant reached its second wear: nothing can be said."
     parts = []
     if calm:
-        growths = [o.growth for o in calm]
-        deepest = max(o.deepest for o in calm)
+        growths, deepest = [o.growth for o in calm], max(o.deepest for o in calm)
         parts.append(
             f"Under {len(calm)} of {len(calm + away)} readings that can be computed the second "
             f"wear does not run away: it adds {min(growths):.2g} to {max(growths):.2g} times the "

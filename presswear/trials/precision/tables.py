@@ -6,7 +6,7 @@ Of those of the page each column has a name and what its cells show.
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
-from typing import TypeVar
+from typing import Literal, TypeVar
 
 from presswear.show.report.parts import CUBIC_MILLIMETRES, MICRONS, Table
 from presswear.tools.numbers import given, readable, whole, with_interval
@@ -191,26 +191,28 @@ def wear_table(wear: WearStudy) -> Table:
     def case(point: WearPoint) -> str:
         return _marked(point.varied.label, default=point.varied.is_default, failed=point.failure)
 
-    def cell(which: str, joint: str, name: str, factor: float, point: WearPoint) -> str:
+    def cell(which: Literal["first", "second"], name: str, joint: str, point: WearPoint) -> str:
         worn: Wears = getattr(point, which)
         if joint not in worn:
             return _NONE
-        interval = worn[joint][name]
+        interval, (factor, _) = worn[joint][name], units[QUANTITIES[name]]
         if interval.low is None or interval.high is None:
             return readable(factor * interval.value)
         spread = _spread(factor * interval.low, factor * interval.high, 2)
         return f"{readable(factor * interval.value)} ({spread})"
 
-    factors = {"m": (MICRONS, "µm"), "m^3": (CUBIC_MILLIMETRES, "mm³")}
-    columns: dict[str, Callable[[WearPoint], str]] = {"": case}
-    for name, unit in QUANTITIES.items():
-        factor, shown = factors[unit]
-        for joint in wear.joints:
-            columns[f"{name} at {joint} ({shown})"] = partial(cell, "first", joint, name, factor)
-    for joint in wear.joints:
-        title = f"second wear, deepest at {joint} (µm)"
-        columns[title] = partial(cell, "second", joint, DEEPEST, MICRONS)
-    columns |= {
+    units = {"m": (MICRONS, "µm"), "m^3": (CUBIC_MILLIMETRES, "mm³")}
+    columns: dict[str, Callable[[WearPoint], str]] = {
+        "": case,
+        **{
+            f"{name} at {joint} ({units[unit][1]})": partial(cell, "first", name, joint)
+            for name, unit in QUANTITIES.items()
+            for joint in wear.joints
+        },
+        **{
+            f"second wear, deepest at {joint} (µm)": partial(cell, "second", DEEPEST, joint)
+            for joint in wear.joints
+        },
         "steps of the first wear": lambda point: whole(point.steps),
         "cycles run": lambda point: whole(point.cycles),
         "wall time (s)": lambda point: readable(point.wall, 2),
