@@ -15,11 +15,9 @@ from presswear.show.figures.style import MICRONS, REFERENCE, SETTINGS, WIDTH, Dr
 from presswear.show.report.page import illustrate, render_page
 from presswear.show.report.parts import Table
 from presswear.studies.paper.printed import shown_in
-from presswear.studies.runaway.variants import CYCLES
+from presswear.studies.runaway.variants import CYCLES, RUNAWAY
 from presswear.tools.files import write_bytes
 
-RUNAWAY = 10.0
-"""A second wear that adds so many times the depth of the first has run away."""
 PRINTED = tuple(
     one.value for one in shown_in(8) if (one.quantity, one.place.joint) == ("depth", "A")
 )
