@@ -41,7 +41,7 @@ _CAPTION = (
 _NOTES = (
     f"A wear runs away here when the second adds more than {RUNAWAY:g} times the depth of "
     f"the first. Each run has {CYCLES} cycles unless the row or the command says "
-    "otherwise; a wear stands for 4 million. Depths scatter by some tens of per cent "
+    "otherwise; a wear stands for {million:g} million. Depths scatter by some tens of per cent "
     "between runs: the motion is chaotic, and the deepest bin of a map is its noisiest. "
     "Forces are means over cycles of the peak in each stage, unworn first.",
     "Each row's own result folder is beside this file; presswear report FOLDER/ROW draws "
@@ -194,7 +194,8 @@ def draw_wears(outcomes: Sequence[TwoWears], clearance: float) -> Drawing:
 def write_report(study: Study, folder: Path) -> tuple[str, Path]:
     """Write ``report.html`` and the figure into the study's folder; returns answer and path."""
     outcomes = [read_wears(variant, result) for variant, result in results_of(study, folder)]
-    clearance = study.variants[0].scene.bearings.clearance
+    scene = study.variants[0].scene
+    clearance, million = scene.bearings.clearance, 1e-6 * scene.represented_cycles
     sentence = answer(outcomes, clearance)
     with matplotlib.rc_context(SETTINGS):
         drawing = draw_wears(outcomes, clearance)
@@ -205,7 +206,7 @@ def write_report(study: Study, folder: Path) -> tuple[str, Path]:
         answer=sentence,
         outcomes=Table(_HEAD, (("", tuple(outcome.row() for outcome in outcomes)),)),
         figures=[illustrate(drawing, folder)],
-        notes=_NOTES,
+        notes=[note.format(million=million) for note in _NOTES],
     )
     path = folder / "report.html"
     write_bytes(path, text.encode())
