@@ -18,7 +18,7 @@ def told() -> list[tuple[str, float]]:
 
 @pytest.fixture(scope="session")
 def found(told: list[tuple[str, float]]) -> Precision:
-    few = {"dae, DOPRI5": (1e-5,)}
+    few = {"dae, DOPRI5": (1e-5,), "dae, RK4": (1e-4,)}
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(chaos, "QUICK", ChaosExtent(1, 1, starts=1, cycles=5, reference=1, few=few))
         patch.setattr(wear, "QUICK", {"paper": Means((90,), (), (), 4)})

@@ -159,9 +159,8 @@ def stopped_table(evidence: Evidence) -> Table:
         whole = value_text(full, quantity), str(full.samples)
         same = "no" if moves(found) else "yes"
         rows.append((place_text(place, quantity), *told, *whole, ratio_text(found), same))
-    early_head, full_head = ("stopped early", "cycles, starts"), ("200 cycles", "cycles")
-    head = ("", *early_head, *full_head, "ratio", "may be the same")
-    return Table(head, (("", tuple(rows)),), numeric=False)
+    heads = "stopped early", "cycles, starts", "200 cycles", "cycles", "ratio", "may be the same"
+    return Table(("", *heads), (("", tuple(rows)),), numeric=False)
 
 
 def distances_table(evidence: Evidence) -> Table:
