@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from presswear.trials.hard.free_pair import (
-    CLEARANCE,
+from presswear.trials.hard.bodies import (
+    PAIR_CLEARANCE,
     angular_momentum,
     kept,
     kinetic_energy,
@@ -19,7 +19,7 @@ def test_the_pair_is_what_it_says() -> None:
     assert joint.map_frame == "body"
     assert joint.contact == "foundation"
     for surface in (joint.bearing_surface, joint.pin_surface):
-        assert surface.depth.max() > 0.25 * CLEARANCE
+        assert surface.depth.max() > 0.25 * PAIR_CLEARANCE
         assert not np.allclose(surface.depth, surface.depth[::-1], atol=1e-5)
     assert joint.bearing_surface != joint.pin_surface
     assert abs(start.velocity[2]) > 1.0
