@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.linkage.elements import Attachment
 from presswear.tools.errors import AssemblyError
 
 Array = NDArray[np.float64]
@@ -157,11 +158,12 @@ def slide(
     )
 
 
-def on_guide(c: Point, angle: float) -> tuple[Array, Array, Array]:
-    """Coordinates of a body that slides with its mass centre at ``c`` and does not turn.
+BodyState = tuple[Array, Array, Array]
+"""Position, velocity and acceleration of a body, each (n, 3): mass centre and angle."""
 
-    Returns position, velocity and acceleration (n, 3) of the mass centre and angle.
-    """
+
+def slider_state(c: Point, angle: float) -> BodyState:
+    """Motion of a body that slides with its mass centre at ``c`` and does not turn."""
     still = np.zeros((len(c.position), 1))
     return (
         np.hstack([c.position, still + angle]),
@@ -170,13 +172,8 @@ def on_guide(c: Point, angle: float) -> tuple[Array, Array, Array]:
     )
 
 
-def body_state(
-    tail: Point, head: Point, tail_local: tuple[float, float]
-) -> tuple[Array, Array, Array]:
-    """Coordinates of a body whose x axis points from one of its points to another.
-
-    Returns position, velocity and acceleration (n, 3) of the mass centre and angle.
-    """
+def bar_state(own: Attachment, tail: Point, head: Point) -> BodyState:
+    """Motion of a body whose x axis points from one of its points, ``own``, to another."""
     arm = head.position - tail.position
     square = _dot(arm, arm)
     theta = np.arctan2(arm[:, 1], arm[:, 0])
@@ -184,7 +181,7 @@ def body_state(
     alpha = _dot(_left(arm), head.acceleration - tail.acceleration) / square
     axis = _direction(theta)
     # From the tail to the mass centre, in global directions.
-    lever = -(tail_local[0] * axis + tail_local[1] * _left(axis))
+    lever = -(own.x * axis + own.y * _left(axis))
     position = tail.position + lever
     velocity = tail.velocity + omega[:, None] * _left(lever)
     acceleration = tail.acceleration + alpha[:, None] * _left(lever) - (omega**2)[:, None] * lever

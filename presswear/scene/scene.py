@@ -1,7 +1,7 @@
 """A scene: everything a person chooses, as data that prints and stores itself."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
 from itertools import combinations
 from typing import Any
@@ -119,7 +119,6 @@ class Bearings:
         revolute: Revolute,
         conventions: Conventions,
         worn: tuple[Surface, Surface],
-        wear: bool,
     ) -> ClearanceJoint:
         """A revolute joint opened: bearing on its first end, pin on its second."""
         stiffness = hertz_stiffness(
@@ -145,18 +144,17 @@ class Bearings:
             self.width,
             NormalLaw(stiffness, self.exponent, lankarani_nikravesh_damping(self.restitution)),
             FrictionLaw(self.friction, self.lower_speed, self.upper_speed),
-            law if wear else None,
+            law if self.wear_coefficient > 0.0 else None,
             conventions.map_frame,
             conventions.contact,
             *worn,
         )
 
 
-_RESTORED: Mapping[str, Callable[[Mapping[str, Any]], Press | SliderCrank]] = {
-    Press.kind: Press.from_dict,
-    SliderCrank.kind: SliderCrank.from_dict,
+MECHANISMS: dict[str, type[Press | SliderCrank]] = {
+    kind.kind: kind for kind in (Press, SliderCrank)
 }
-"""Functions that make a stored mechanism anew, by its kind."""
+"""The mechanisms, by their kinds."""
 
 
 ENGINES = ("exudyn", ExudynTree.word, ExudynJoints.word, InHouse.word)
@@ -176,8 +174,8 @@ class Numerics:
 
     def of(self, engine: Engine) -> "Numerics":
         """The same with the settings of one engine."""
-        place = {ExudynTree: "tree", ExudynJoints: "joints", InHouse: "dae"}[type(engine)]
-        engines = {item.name: getattr(self, item.name) for item in fields(self)}
+        engines: dict[str, Any] = {item.name: getattr(self, item.name) for item in fields(self)}
+        place = next(name for name, own in engines.items() if type(own) is type(engine))
         return Numerics(**{**engines, place: engine})
 
     def having(self, **settings: Any) -> "Numerics":
@@ -321,18 +319,11 @@ class Scene:
     def linkage(self, worn: Mapping[str, tuple[Surface, Surface]] | None = None) -> Linkage:
         """The linkage of a stage; ``worn`` gives bearing and pin surface by joint name."""
         ideal = self.mechanism.linkage()
-        surfaces = worn or {}
-        opened = tuple(
-            self.bearings.joint(
-                joint,
-                self.conventions,
-                surfaces.get(joint.name, (Surface(), Surface())),
-                wear=self.bearings.wear_coefficient > 0.0,
-            )
-            for joint in ideal.revolutes
-            if joint.name in self.clearance_joints
+        surfaces = dict.fromkeys(self.clearance_joints, (Surface(), Surface())) | dict(worn or {})
+        joints = (joint for joint in ideal.revolutes if joint.name in self.clearance_joints)
+        return ideal.opened(
+            tuple(self.bearings.joint(j, self.conventions, surfaces[j.name]) for j in joints)
         )
-        return ideal.opened(opened)
 
     @property
     def solver(self) -> Engine:
@@ -383,9 +374,9 @@ class Scene:
             plain = dict(data)
             mechanism = dict(plain.pop("mechanism"))
             kind = mechanism.pop("kind")
-            Choice(tuple(_RESTORED), "").check("kind of mechanism", kind)
+            Choice(tuple(MECHANISMS), "").check("kind of mechanism", kind)
             scene = Scene(
-                mechanism=_RESTORED[kind](mechanism),
+                mechanism=MECHANISMS[kind].from_dict(mechanism),
                 bearings=Bearings(**plain.pop("bearings")),
                 conventions=Conventions(**plain.pop("conventions")),
                 numerics=_numerics(dict(plain.pop("numerics"))),

@@ -151,7 +151,7 @@ def test_motion_scales_with_speed_and_repeats(name: str) -> None:
 @names
 def test_plate_is_the_triangle_asked_for(name: str) -> None:
     press = Press(geometry=GEOMETRIES[name])
-    corner = {key: np.array(place) for key, place in press.plate_corners().items()}
+    corner = {key: np.array([at.x, at.y]) for key, at in press.plate_corners().items()}
     geometry = press.geometry
     for ends, side in (
         ("BD", geometry.side_bd),
