@@ -59,12 +59,6 @@ def is_free(path: Path) -> bool:
     return True
 
 
-def check_free(path: Path) -> None:
-    """InputError unless a folder can be begun in."""
-    if not is_free(path):
-        raise InputError(f"--out {path}: it exists and is not empty; name a new folder")
-
-
 def _unwritable(path: Path, error: OSError) -> InputError:
     return InputError(f"--out {path}: nothing can be written there: {error.strerror}")
 
@@ -186,7 +180,8 @@ def only_writer(path: Path) -> Iterator[None]:
     InputError
         Where the folder holds something, cannot be made, or somebody is at work in it.
     """
-    check_free(path)
+    if not is_free(path):
+        raise InputError(f"--out {path}: it exists and is not empty; name a new folder")
     lock = FolderLock(path)
     try:
         yield
