@@ -153,43 +153,43 @@ def campaign(monkeypatch: pytest.MonkeyPatch) -> Campaign:
 
 @pytest.mark.parametrize("limit", [1e-3, 0.0033, 0.01, 0.02, 1.0])
 def test_a_constant_rate_is_exact_with_any_limit(campaign: Campaign, limit: float) -> None:
-    seen = campaign(replace(SCENE, depth_step=limit), FakeEngine(constant))
+    """The last stage tells how it would wear, but nothing runs for that."""
+    engine = FakeEngine(constant)
+    seen = campaign(replace(SCENE, depth_step=limit), engine)
     assert seen.status == "completed"
     wears = {j.name: REPRESENTED * constant(0, j, np.zeros(0)) for j in SCENE.linkage().clearances}
-    for name, joint in seen.stages[2].joints.items():
-        np.testing.assert_allclose(both(joint, joint.depth), 2.0 * wears[name], rtol=1e-12)
-    for stage in seen.stages[:2]:
-        assert len(stage.wear_steps) == math.ceil(0.05 / limit - 1e-9)
+    steps = math.ceil(0.05 / limit - 1e-9)
+    assert [len(stage.wear_steps) for stage in seen.stages] == [steps, steps, 0]
+    assert engine.runs == 2 * steps + 1
+    for stage in seen.stages:
         for name, joint in stage.joints.items():
             np.testing.assert_allclose(both(joint, joint.wear), wears[name], rtol=1e-12)
+            depth = both(joint, joint.depth)
+            np.testing.assert_allclose(depth, stage.index * wears[name], rtol=1e-12)
 
 
 @pytest.mark.parametrize("law", [constant, uneven, exponential])
-@pytest.mark.parametrize("limit", [0.004, 0.01])
-def test_no_step_exceeds_its_limit(campaign: Campaign, law: Law, limit: float) -> None:
+@pytest.mark.parametrize("limit", [0.0037, 0.01])
+def test_steps_stay_below_their_limit_and_use_up_the_cycles(
+    campaign: Campaign, law: Law, limit: float
+) -> None:
     """Between consecutive runs no profile changes by more, and no more steps than that asks for."""
-    surfaces: list[list[Array]] = []
+    surfaces: list[Array] = []
 
     def spied(run: int, joint: ClearanceJoint, depth: Array) -> Array:
         if joint.name == "A":
-            surfaces.append([depth])
+            surfaces.append(depth)
         return law(run, joint, depth)
 
     seen = campaign(replace(SCENE, depth_step=limit), FakeEngine(spied))
-    depths = [surfaces[run * CYCLES][0] for run in range(len(surfaces) // CYCLES)]
+    depths = surfaces[::CYCLES]
     changes = [np.max(b - a) / CLEARANCE for a, b in pairwise(depths)]
     assert max(changes) <= limit * (1.0 + 1e-8)
     told = [step.largest_change_of_clearance for step in seen.steps]
     np.testing.assert_allclose(told, changes, rtol=1e-9)
     # Equal shares of what remains: a step may be below the limit by as much as one in n.
     assert np.mean(changes) > 0.75 * limit
-
-
-@pytest.mark.parametrize("law", [constant, uneven, exponential])
-def test_the_represented_cycles_are_used_up(campaign: Campaign, law: Law) -> None:
-    seen = campaign(replace(SCENE, depth_step=0.0037), FakeEngine(law))
     for stage in seen.stages[:2]:
-        assert len(stage.wear_steps) > 5
         total = math.fsum(step.represented_cycles for step in stage.wear_steps)
         assert total == pytest.approx(REPRESENTED, rel=1e-14)
         for step in stage.wear_steps:
@@ -242,45 +242,35 @@ def test_a_stage_runs_on_the_sum_of_the_steps_before_it(campaign: Campaign) -> N
             assert volume == pytest.approx(area * added.sum(), rel=1e-12)
 
 
-def test_nothing_runs_for_the_wear_after_the_last_stage(campaign: Campaign) -> None:
-    engine = FakeEngine(constant)
-    seen = campaign(replace(SCENE, depth_step=0.01), engine)
-    assert engine.runs == 5 + 5 + 1
-    last = seen.stages[-1]
-    assert last.wear_steps == ()
-    joint = last.joints["A"]
-    np.testing.assert_allclose(both(joint, joint.wear), REPRESENTED * RATE * SHAPE, rtol=1e-12)
-
-
 def test_a_surface_that_does_not_wear_takes_one_step(campaign: Campaign) -> None:
     engine = FakeEngine(lambda run, joint, depth: 0.0 * SHAPE)
     campaign(replace(SCENE, depth_step=1e-4), engine)
     assert engine.runs == 3
 
 
-def test_failure_inside_a_wear_names_the_step_and_keeps_the_stage(campaign: Campaign) -> None:
-    """Stage 0, steps 2 to 5 of its wear, stage 1, then the run after step 3 of the second wear."""
-    engine = FakeEngine(constant, fails=9)
-    seen = campaign(replace(SCENE, depth_step=0.01), engine)
-    assert seen.status == "failed"
-    assert seen.message == (
-        "after step 3 of the second wear (2.4e+06 of 4e+06 cycles): the solver found no step "
-        "(t = 0.1 s)"
-    )
-    assert [stage.index for stage in seen.stages] == [0, 1]
-    assert [len(stage.wear_steps) for stage in seen.stages] == [5, 3]
-    joint = seen.stages[1].joints["A"]
-    np.testing.assert_allclose(both(joint, joint.wear), 0.6 * REPRESENTED * RATE * SHAPE)
-    assert seen.stages[1].status == "completed"
+NO_STEP = "the solver found no step (t = 0.1 s)"
 
 
-def test_failure_of_a_stage_is_told_as_before(campaign: Campaign) -> None:
-    seen = campaign(replace(SCENE, depth_step=0.01), FakeEngine(constant, fails=6))
-    assert (seen.status, seen.message) == (
-        "failed",
-        "stage 1: the solver found no step (t = 0.1 s)",
-    )
-    assert [stage.status for stage in seen.stages] == ["completed", "failed"]
+@pytest.mark.parametrize(
+    ("fails", "says", "steps"),
+    [
+        # Stage 0 and steps 2 to 5 of its wear, then stage 1.
+        (6, f"stage 1: {NO_STEP}", [5, 0]),
+        # Stage 1 as well, then the run after step 3 of the second wear.
+        (9, f"after step 3 of the second wear (2.4e+06 of 4e+06 cycles): {NO_STEP}", [5, 3]),
+    ],
+)
+def test_a_failure_is_told_with_its_place_and_what_was_done_is_kept(
+    campaign: Campaign, fails: int, says: str, steps: list[int]
+) -> None:
+    seen = campaign(replace(SCENE, depth_step=0.01), FakeEngine(constant, fails=fails))
+    assert (seen.status, seen.message) == ("failed", says)
+    assert [len(stage.wear_steps) for stage in seen.stages] == steps
+    last = seen.stages[1]
+    assert last.status == ("completed" if steps[1] else "failed")
+    if steps[1]:
+        joint = last.joints["A"]
+        np.testing.assert_allclose(both(joint, joint.wear), 0.6 * REPRESENTED * RATE * SHAPE)
 
 
 def test_a_surface_worn_through_in_a_step_is_named(campaign: Campaign) -> None:
@@ -355,30 +345,21 @@ def test_a_stage_alone_is_not_worn(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.parametrize(
-    ("conventions", "extrapolation", "limit"),
+    ("scene", "extrapolation", "limit"),
     [
-        ("paper", "conventions", math.inf),
-        ("refined", "conventions", 0.02),
-        ("paper", "steps", 0.02),
-        ("refined", "single", math.inf),
+        (wear_times(), "conventions", math.inf),
+        (wear_times(), "steps", 0.02),
+        (slider_crank(), "conventions", 0.02),
+        (slider_crank(), "single", math.inf),
     ],
+    ids=["paper", "paper in steps", "refined", "refined at once"],
 )
 def test_conventions_decide_unless_the_scene_does(
-    conventions: str, extrapolation: str, limit: float
+    scene: Scene, extrapolation: str, limit: float
 ) -> None:
-    scene = replace(
-        wear_times(),
-        conventions=CONVENTIONS[conventions],
-        extrapolation=extrapolation,
-        depth_step=0.02,
-    )
-    assert Amplification.of(scene) == Amplification(4e6, limit)
-
-
-def test_amplification_is_of_the_cycles_run() -> None:
-    assert Amplification(4e6).factor(200) == 20_000.0
-    assert Amplification.of(wear_times()).factor(200) == 20_000.0
-    assert Amplification.of(slider_crank()).limit == slider_crank().depth_step
+    found = Amplification.of(replace(scene, extrapolation=extrapolation, depth_step=0.02))
+    assert found == Amplification(4e6, limit)
+    assert found.factor(200) == 20_000.0
 
 
 LIMIT = 0.015
