@@ -7,12 +7,10 @@ intersecting circles, velocities and accelerations by two linear equations.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from presswear.linkage.elements import Attachment
+from presswear.tools.arrays import Array
 from presswear.tools.errors import AssemblyError
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

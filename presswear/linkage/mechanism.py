@@ -7,14 +7,12 @@ from dataclasses import dataclass, fields
 from typing import Any, ClassVar, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from presswear.linkage.dyads import Point, bar_state, slider_state
 from presswear.linkage.elements import Attachment, Linkage
+from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import check_fields, quantity
-
-Array = NDArray[np.float64]
 
 SHORT, LONG = 1e-3, 10.0
 """Shortest and longest link that is still one of a machine, m."""

@@ -12,7 +12,6 @@ from functools import partial
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from presswear.linkage.dyads import Line, Point, crank, dyad, slide
 from presswear.linkage.elements import (
@@ -36,10 +35,9 @@ from presswear.linkage.mechanism import (
     mass,
     motion_of,
 )
+from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import check_fields, named_set, quantity
-
-Array = NDArray[np.float64]
 
 CRANK_2_START = math.radians(-119.27)
 CRANK_7_START = math.radians(-51.18)

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from presswear.linkage.dyads import Line, Point, crank, slide
 from presswear.linkage.elements import (
@@ -34,10 +33,9 @@ from presswear.linkage.mechanism import (
     mass,
     motion_of,
 )
+from presswear.tools.arrays import Array
 from presswear.tools.errors import AssemblyError
 from presswear.tools.quantities import quantity
-
-Array = NDArray[np.float64]
 
 LITERATURE = "literature, from memory"
 

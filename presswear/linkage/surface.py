@@ -11,9 +11,8 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from presswear.tools.arrays import Array
 
 
 def monotone_slopes(depth: Array) -> Array:

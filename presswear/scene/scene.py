@@ -7,7 +7,6 @@ from itertools import combinations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.elements import (
@@ -32,11 +31,10 @@ from presswear.linkage.press import Press
 from presswear.linkage.slider_crank import SliderCrank
 from presswear.linkage.surface import Surface
 from presswear.linkage.topology import branches_of
+from presswear.tools.arrays import Array
 from presswear.tools.documents import typed
 from presswear.tools.errors import InputError
-from presswear.tools.quantities import Choice, check_fields, choice, quantity
-
-Array = NDArray[np.float64]
+from presswear.tools.quantities import Choice, check_fields, choice, count, quantity
 
 
 @dataclass(frozen=True)
@@ -99,7 +97,7 @@ class Bearings:
     bearing_share: float = quantity(
         0.5, "", 0.0, 1.0, "paper", "part of the wear depth that the bearing loses"
     )
-    angles: int = quantity(360, "", 16, 100_000, "assumed", "bins of a wear map", whole=True)
+    angles: int = count(360, 16, 100_000, "assumed", "bins of a wear map")
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -224,24 +222,18 @@ class Scene:
         "what solves the motion; exudyn takes the open tree where there is one, or the joints",
     )
     drive_torque: str = choice("off", ("off", "on"), "whether drive torques are stored")
-    wears: int = quantity(
-        2, "", 0, 20, "paper, per study", "how often the joints are worn", whole=True
-    )
-    cycles: int | None = quantity(
+    wears: int = count(2, 0, 20, "paper, per study", "how often the joints are worn")
+    cycles: int | None = count(
         None,
-        "",
         1,
         100_000,
         "chosen",
         "cycles of each stage and start; none given: until the maps are known",
-        whole=True,
     )
     tolerance: float = quantity(
         0.1, "", 1e-3, 1.0, "chosen", "how well the wear maps must be known, part of their rms"
     )
-    most_cycles: int = quantity(
-        200, "", 1, 100_000, "paper", "cycles of a stage at most without --cycles", whole=True
-    )
+    most_cycles: int = count(200, 1, 100_000, "paper", "cycles of a stage at most without --cycles")
     represented_cycles: float = quantity(
         4e6,
         "",
@@ -264,14 +256,12 @@ class Scene:
         "chosen",
         "in steps: largest change of a surface in one, part of the clearance",
     )
-    starts: int = quantity(
+    starts: int = count(
         1,
-        "",
         1,
         100,
         "chosen",
         "starts 1e-9 m apart, from each of which every stage runs: several draws of the motion",
-        whole=True,
     )
     statuses: Mapping[str, str] = field(default_factory=dict, hash=False)
 

@@ -101,6 +101,11 @@ def quantity(
     return field(default=default, metadata={"meaning": meaning})
 
 
+def count(default: int | None, low: int, high: int, status: str, text: str) -> Any:
+    """A dataclass field for a whole number without a unit."""
+    return quantity(default, "", low, high, status, text, whole=True)
+
+
 @dataclass(frozen=True)
 class Choice:
     """A named choice: the allowed words and what they decide."""
