@@ -70,6 +70,23 @@ class Geometry:
     side_c: float = RIGHT
     slider_side: float = BELOW
 
+    def __post_init__(self) -> None:
+        check_fields(self)
+        if not isinstance(self.name, str):
+            raise InputError(f"name of a geometry = {self.name!r}: a text is expected")
+        for side in ("side_b", "side_c", "slider_side"):
+            value = getattr(self, side)
+            if isinstance(value, bool) or value not in (-1.0, 1.0):
+                raise InputError(
+                    f"{side} = {value!r}: allowed is -1 (right, below) or 1 (left, above)"
+                )
+        short, middle, longest = sorted((self.side_bd, self.side_bc, self.side_cd))
+        if longest >= short + middle:
+            raise InputError(
+                f"plate 4 is no triangle: its longest side {longest:g} m must be below the sum "
+                f"of the others, {short + middle:g} m"
+            )
+
 
 GEOMETRIES: dict[str, Geometry] = {
     geometry.name: geometry
@@ -125,24 +142,6 @@ class Press(Mechanism):
         "paper, per study",
         "crank speed w: crank 7 turns at +w, crank 2 at -w",
     )
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        check_fields(self.geometry)
-        if not isinstance(self.geometry.name, str):
-            raise InputError(f"name of a geometry = {self.geometry.name!r}: a text is expected")
-        for side in ("side_b", "side_c", "slider_side"):
-            value = getattr(self.geometry, side)
-            if isinstance(value, bool) or value not in (-1.0, 1.0):
-                raise InputError(
-                    f"{side} = {value!r}: allowed is -1 (right, below) or 1 (left, above)"
-                )
-        plate = sorted((self.geometry.side_bd, self.geometry.side_bc, self.geometry.side_cd))
-        if plate[2] >= plate[0] + plate[1]:
-            raise InputError(
-                f"plate 4 is no triangle: its longest side {plate[2]:g} m must be below the sum "
-                f"of the others, {plate[0] + plate[1]:g} m"
-            )
 
     @property
     def origin(self) -> str:
