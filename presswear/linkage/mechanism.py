@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from presswear.linkage.dyads import Point, bar_state, slider_state
-from presswear.linkage.elements import Attachment, Linkage
+from presswear.linkage.elements import Linkage
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import check_fields, quantity
@@ -135,10 +135,7 @@ class Mechanism(ABC):
 
 
 def motion_of(
-    linkage: Linkage,
-    time: Array,
-    bars: Mapping[str, tuple[Attachment, Point, Point]],
-    sliders: Mapping[str, Point],
+    linkage: Linkage, time: Array, joints: Mapping[str, Point], axes: Mapping[str, tuple[str, str]]
 ) -> Motion:
     """Put the motions of single bodies together in the order of a linkage.
 
@@ -148,15 +145,24 @@ def motion_of(
     ----------
     time : ndarray, shape (n,)
         s.
-    bars : mapping of str to tuple
-        By name of the body: a point of it, and the motions of that point and of another to
-        which its x axis points.
-    sliders : mapping of str to Point
-        Motions of the mass centres of bodies on guides.
+    joints : mapping of str to Point
+        Motions of the revolute joints by their names; a body on a guide has one, in its mass
+        centre.
+    axes : mapping of str to tuple of str
+        Joints by name of the body that its x axis points from and to; none of bodies on guides.
     """
-    states = {name: bar_state(*bar) for name, bar in bars.items()}
+    ends = {
+        (end.body, joint.name): end
+        for joint in linkage.revolutes
+        for end in (joint.first, joint.second)
+    }
+    states = {
+        body: bar_state(ends[body, tail], joints[tail], joints[head])
+        for body, (tail, head) in axes.items()
+    }
     for guide in linkage.guides:
-        states[guide.body] = slider_state(sliders[guide.body], guide.angle)
+        (name,) = (name for body, name in ends if body == guide.body)
+        states[guide.body] = slider_state(joints[name], guide.angle)
     position, velocity, acceleration = (
         np.hstack([states[body.name][level] for body in linkage.bodies]) for level in range(3)
     )

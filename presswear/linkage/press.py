@@ -47,6 +47,15 @@ BELOW, ABOVE = -1.0, 1.0
 _DEAD_POINT = 1e-4
 """Square of the sine at which a pair of links counts as stretched: 0.6 degrees."""
 
+_AXES = {
+    "crank 2": ("A", "O2"),
+    "rod 3": ("B", "A"),
+    "plate 4": ("D", "B"),
+    "rod 5": ("E", "C"),
+    "crank 7": ("O7", "D"),
+}
+"""Joints that the x axes of the bodies point from and to."""
+
 _length, _mass, _inertia = (partial(make, "paper") for make in (length, mass, inertia))
 _side = partial(length, "paper, reading chosen")
 
@@ -221,14 +230,8 @@ class Press(Mechanism):
         guide = Line((geometry.hx, 0.0), (0.0, 1.0))
         names = ("C", "rod 5", "E")
         e = slide(c, self.length_5, guide, geometry.slider_side, names, angle, least)
-        bars = {
-            "crank 2": (bar_ends("crank 2", self.length_2)[0], a, o2),
-            "rod 3": (bar_ends("rod 3", self.length_3)[0], b, a),
-            "plate 4": (self.plate_corners()["D"], d, b),
-            "rod 5": (bar_ends("rod 5", self.length_5)[0], e, c),
-            "crank 7": (bar_ends("crank 7", self.length_7)[0], o7, d),
-        }
-        return motion_of(self.linkage(), time, bars, {"slider 6": e})
+        joints = {"O2": o2, "O7": o7, "A": a, "B": b, "C": c, "D": d, "E": e}
+        return motion_of(self.linkage(), time, joints, _AXES)
 
     def check_assembly(self) -> None:
         """Raise AssemblyError unless the linkage closes over the whole cycle."""

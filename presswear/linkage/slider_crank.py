@@ -110,11 +110,8 @@ class SliderCrank(Mechanism):
         guide = Line((0.0, 0.0), (1.0, 0.0))
         names = ("A", "the rod", "B")
         b = slide(a, self.rod_length, guide, 1.0, names, np.degrees(theta), least)
-        bars = {
-            "crank": (bar_ends("crank", self.crank_length)[0], o, a),
-            "rod": (bar_ends("rod", self.rod_length)[0], a, b),
-        }
-        return motion_of(self.linkage(), time, bars, {"slider": b})
+        axes = {"crank": ("O", "A"), "rod": ("A", "B")}
+        return motion_of(self.linkage(), time, {"O": o, "A": a, "B": b}, axes)
 
     def check_assembly(self) -> None:
         """Raise AssemblyError unless the crank can turn all around."""
