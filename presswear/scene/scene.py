@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
 from itertools import combinations
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
@@ -42,20 +42,18 @@ class Conventions:
     """How the paper's wear model is read; each choice stands alone."""
 
     stiffness: StiffnessReading = choice(
-        "paper", ("paper", "refined"), "K with R_i + R_j as printed, or R_i - R_j"
+        "paper", get_args(StiffnessReading), "K with R_i + R_j as printed, or R_i - R_j"
     )
-    slip: Slip = choice(
-        "angle", ("angle", "sliding"), "ds = (R_j + delta) |d phi| (eq. 24), or |v_t| dt"
-    )
+    slip: Slip = choice("angle", get_args(Slip), "ds = (R_j + delta) |d phi| (eq. 24), or |v_t| dt")
     map_frame: MapFrame = choice(
-        "fixed", ("fixed", "body"), "wear maps fixed in direction, or turning with their bodies"
+        "fixed", get_args(MapFrame), "wear maps fixed in direction, or turning with their bodies"
     )
     footprint: Footprint = choice(
-        "bin", ("bin", "arc"), "wear into the one bin of the contact, or over the contact arc"
+        "bin", get_args(Footprint), "wear into the one bin of the contact, or over the contact arc"
     )
     contact: SurfaceContact = choice(
         "radial",
-        ("radial", "foundation"),
+        get_args(SurfaceContact),
         "worn surfaces meet where e points, or over all of the arc on an elastic foundation",
     )
 
