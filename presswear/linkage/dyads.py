@@ -58,29 +58,34 @@ def crank(centre: Point, length: float, angle: Array, speed: float) -> Point:
     return Point(centre.position + arm, speed * _left(arm), -(speed**2) * arm)
 
 
-def _refuse(joint: str, gap: Array, needed: str, angle: Array, least: float) -> None:
-    """Raise AssemblyError where the margin is not above the least one.
+@dataclass(frozen=True)
+class Course:
+    """Where a linkage must close.
 
-    ``angle`` is what the message names the place by, degrees, shape (n,).
+    Attributes
+    ----------
+    angle : ndarray, shape (n,)
+        Crank angles by which a message names the place, degrees.
+    least : float
+        Square of the sine of the angle by which each pair of links must be short of stretched.
     """
-    if np.all(gap > least):
-        return
-    worst = int(np.argmin(gap))
-    raise AssemblyError(
-        f"the linkage cannot be assembled over the cycle: at crank angle {angle[worst]:.1f} deg "
-        f"joint {joint} does not close or is at a dead point; {needed}"
-    )
+
+    angle: Array
+    least: float
+
+    def check(self, joint: str, square: Array, needed: str) -> None:
+        """Raise AssemblyError where the square of the sine of a pair is not above the least."""
+        if np.all(square > self.least):
+            return
+        worst = self.angle[int(np.argmin(square))]
+        raise AssemblyError(
+            f"the linkage cannot be assembled over the cycle: at crank angle {worst:.1f} deg "
+            f"joint {joint} does not close or is at a dead point; {needed}"
+        )
 
 
 def dyad(
-    p: Point,
-    q: Point,
-    from_p: float,
-    from_q: float,
-    side: float,
-    joint: str,
-    angle: Array,
-    least: float,
+    p: Point, q: Point, from_p: float, from_q: float, side: float, joint: str, course: Course
 ) -> Point:
     """The point at given distances from two moving points, on a given side of p to q."""
     base = q.position - p.position
@@ -90,7 +95,7 @@ def dyad(
     square = from_p**2 - along**2
     reach = f"the distance {length[int(np.argmin(square))]:.4g} m between its links' other ends"
     allowed = f"must stay between {abs(from_p - from_q):.4g} and {from_p + from_q:.4g} m"
-    _refuse(joint, square / from_p**2, f"{reach} {allowed}", angle, least)
+    course.check(joint, square / from_p**2, f"{reach} {allowed}")
     unit = base / length[:, None]
     height = side * np.sqrt(square)
     position = p.position + along[:, None] * unit + height[:, None] * _left(unit)
@@ -115,13 +120,7 @@ def _solve_two(row_1: Array, row_2: Array, right_1: Array, right_2: Array) -> Ar
 
 
 def slide(
-    c: Point,
-    length: float,
-    line: Line,
-    side: float,
-    names: tuple[str, str, str],
-    angle: Array,
-    least: float,
+    c: Point, length: float, line: Line, side: float, names: tuple[str, str, str], course: Course
 ) -> Point:
     """The end on a line of a rod from a moving point, ahead of it on the line or behind.
 
@@ -140,7 +139,7 @@ def slide(
     far = abs(offset[int(np.argmin(square))])
     point, rod, joint = names
     needed = f"{point} is {far:.4g} m from the guide, {rod} is {length:.4g} m long"
-    _refuse(joint, square / length**2, needed, angle, least)
+    course.check(joint, square / length**2, needed)
     reach = side * np.sqrt(square)
     offset_t, offset_tt = c.velocity @ across, c.acceleration @ across
     reach_t = -offset * offset_t / reach

@@ -13,7 +13,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from presswear.linkage.dyads import Line, Point, crank, dyad, slide
+from presswear.linkage.dyads import Course, Line, Point, crank, dyad, slide
 from presswear.linkage.elements import (
     GROUND,
     Attachment,
@@ -224,12 +224,11 @@ class Press(Mechanism):
         o7 = Point.fixed(0.0, 0.0, time.size)
         a = crank(o2, -self.length_2, CRANK_2_START - self.speed * time, -self.speed)
         d = crank(o7, self.length_7, CRANK_7_START + self.speed * time, self.speed)
-        angle = np.degrees(self.speed * time)
-        b = dyad(d, a, geometry.side_bd, self.length_3, geometry.side_b, "B", angle, least)
-        c = dyad(d, b, geometry.side_cd, geometry.side_bc, geometry.side_c, "C", angle, least)
+        course = Course(np.degrees(self.speed * time), least)
+        b = dyad(d, a, geometry.side_bd, self.length_3, geometry.side_b, "B", course)
+        c = dyad(d, b, geometry.side_cd, geometry.side_bc, geometry.side_c, "C", course)
         guide = Line((geometry.hx, 0.0), (0.0, 1.0))
-        names = ("C", "rod 5", "E")
-        e = slide(c, self.length_5, guide, geometry.slider_side, names, angle, least)
+        e = slide(c, self.length_5, guide, geometry.slider_side, ("C", "rod 5", "E"), course)
         joints = {"O2": o2, "O7": o7, "A": a, "B": b, "C": c, "D": d, "E": e}
         return motion_of(self.linkage(), time, joints, _AXES)
 

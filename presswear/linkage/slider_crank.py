@@ -11,7 +11,7 @@ from functools import partial
 
 import numpy as np
 
-from presswear.linkage.dyads import Line, Point, crank, slide
+from presswear.linkage.dyads import Course, Line, Point, crank, slide
 from presswear.linkage.elements import (
     GROUND,
     Attachment,
@@ -108,8 +108,8 @@ class SliderCrank(Mechanism):
         o = Point.fixed(0.0, 0.0, time.size)
         a = crank(o, self.crank_length, theta, self.speed)
         guide = Line((0.0, 0.0), (1.0, 0.0))
-        names = ("A", "the rod", "B")
-        b = slide(a, self.rod_length, guide, 1.0, names, np.degrees(theta), least)
+        course = Course(np.degrees(theta), least)
+        b = slide(a, self.rod_length, guide, 1.0, ("A", "the rod", "B"), course)
         axes = {"crank": ("O", "A"), "rod": ("A", "B")}
         return motion_of(self.linkage(), time, {"O": o, "A": a, "B": b}, axes)
 
