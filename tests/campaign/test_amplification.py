@@ -124,9 +124,14 @@ class Seen(Tracker):
         return [step for stage in self.stages for step in stage.wear_steps]
 
 
-def both(joint: JointResult, of: Callable[[str], Array]) -> Array:
-    """Bearing and pin, shape (2, m), m."""
-    return np.stack([of(side) for side in SIDES])
+def depth(joint: JointResult) -> Array:
+    """Depth of bearing and pin that a stage ran on, shape (2, m), m."""
+    return np.stack([joint.depth(side) for side in SIDES])
+
+
+def wear(joint: JointResult) -> Array:
+    """Depth that a wear added to bearing and pin, shape (2, m), m."""
+    return np.stack([joint.wear(side) for side in SIDES])
 
 
 def use(engine: FakeEngine, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -163,9 +168,8 @@ def test_a_constant_rate_is_exact_with_any_limit(campaign: Campaign, limit: floa
     assert engine.runs == 2 * steps + 1
     for stage in seen.stages:
         for name, joint in stage.joints.items():
-            np.testing.assert_allclose(both(joint, joint.wear), wears[name], rtol=1e-12)
-            depth = both(joint, joint.depth)
-            np.testing.assert_allclose(depth, stage.index * wears[name], rtol=1e-12)
+            np.testing.assert_allclose(wear(joint), wears[name], rtol=1e-12)
+            np.testing.assert_allclose(depth(joint), stage.index * wears[name], rtol=1e-12)
 
 
 @pytest.mark.parametrize("law", [constant, uneven, exponential])
@@ -205,12 +209,12 @@ def test_single_jumps_are_those_of_the_paper(campaign: Campaign) -> None:
     worn = np.zeros((2, 2, 360))
     for run, stage in enumerate(seen.stages, start=1):
         joints = stage.joints.values()
-        assert np.array_equal([both(joint, joint.depth) for joint in joints], worn)
+        assert np.array_equal([depth(joint) for joint in joints], worn)
         assert stage.amplification == REPRESENTED / 7
         maps = MapBatches((2, 2, 360))
         for _ in range(7):
             maps.add(np.stack([uneven(run, j, worn) for j in SCENE.linkage().clearances]))
-        added = np.stack([both(joint, joint.wear) for joint in joints])
+        added = np.stack([wear(joint) for joint in joints])
         assert np.array_equal(added, mean_map([maps]) * REPRESENTED)
         worn = worn + added
     assert [len(stage.wear_steps) for stage in seen.stages] == [1, 1, 0]
@@ -223,7 +227,7 @@ def test_halving_the_step_halves_the_error(campaign: Campaign) -> None:
     for limit in (0.004, 0.002, 0.001):
         seen = campaign(replace(SCENE, depth_step=limit), FakeEngine(exponential))
         joint = seen.stages[2].joints["A"]
-        errors.append(np.max(np.abs(both(joint, joint.depth) - exact)))
+        errors.append(np.max(np.abs(depth(joint) - exact)))
     assert errors[0] < 0.1 * exact.max()
     np.testing.assert_allclose(np.divide(errors[:-1], errors[1:]), 2.0, rtol=0.06)
 
@@ -232,9 +236,8 @@ def test_a_stage_runs_on_the_sum_of_the_steps_before_it(campaign: Campaign) -> N
     seen = campaign(replace(SCENE, depth_step=0.006), FakeEngine(exponential))
     for before, after in pairwise(seen.stages):
         for name, joint in before.joints.items():
-            there = both(after.joints[name], after.joints[name].depth)
-            added = both(joint, joint.wear)
-            np.testing.assert_allclose(there, both(joint, joint.depth) + added, rtol=1e-12)
+            there, added = depth(after.joints[name]), wear(joint)
+            np.testing.assert_allclose(there, depth(joint) + added, rtol=1e-12)
             deepest = before.wear_steps[-1].deepest_m[name]
             assert [deepest["bearing"], deepest["pin"]] == list(there.max(axis=1))
             area = 0.02 * 0.015 * 2.0 * math.pi / 360
@@ -270,30 +273,30 @@ def test_a_failure_is_told_with_its_place_and_what_was_done_is_kept(
     assert last.status == ("completed" if steps[1] else "failed")
     if steps[1]:
         joint = last.joints["A"]
-        np.testing.assert_allclose(both(joint, joint.wear), 0.6 * REPRESENTED * RATE * SHAPE)
+        np.testing.assert_allclose(wear(joint), 0.6 * REPRESENTED * RATE * SHAPE)
 
 
-def test_a_surface_worn_through_in_a_step_is_named(campaign: Campaign) -> None:
-    """At half the clearance a step, the third is deeper than the clearance."""
+@pytest.mark.parametrize(
+    ("extrapolation", "says", "steps"),
+    [
+        # At half the clearance a step, the third is deeper than the clearance.
+        ("steps", "step 3 of the first wear (1.2e+08 of 4e+09 cycles) the bearing would lose", 3),
+        ("single", "after stage 0 the bearing would lose 0.04 m", 1),
+    ],
+)
+def test_a_surface_worn_through_is_named(
+    campaign: Campaign, extrapolation: str, says: str, steps: int
+) -> None:
     scene = replace(SCENE, depth_step=0.5, represented_cycles=1e3 * REPRESENTED)
     engine = FakeEngine(lambda run, joint, depth: RATE * np.ones((2, 360)))
-    seen = campaign(scene, engine)
+    seen = campaign(replace(scene, extrapolation=extrapolation), engine)
     assert seen.status == "failed"
-    assert seen.message.startswith(
-        "joint A: step 3 of the first wear (1.2e+08 of 4e+09 cycles) the bearing would lose"
-    )
+    assert seen.message.startswith(f"joint A: {says}")
     assert "more than the clearance of 0.0008 m" in seen.message
     (stage,) = seen.stages
-    assert len(stage.wear_steps) == 3
     assert stage.finding is not None
     assert (stage.finding.kind, stage.finding.joint) == ("wear", "A")
-    assert engine.runs == 3
-
-
-def test_a_surface_worn_through_in_one_jump_is_told_as_before(campaign: Campaign) -> None:
-    scene = replace(SCENE, extrapolation="single", represented_cycles=1e3 * REPRESENTED)
-    seen = campaign(scene, FakeEngine(constant))
-    assert seen.message.startswith("joint A: after stage 0 the bearing would lose 0.04 m")
+    assert len(stage.wear_steps) == engine.runs == steps
 
 
 def test_a_stage_outlives_an_interrupted_wear(monkeypatch: pytest.MonkeyPatch) -> None:
