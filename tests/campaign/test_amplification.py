@@ -124,9 +124,14 @@ class Seen(Tracker):
         return [step for stage in self.stages for step in stage.wear_steps]
 
 
-def both(joint: JointResult, of: Callable[[str], Array]) -> Array:
-    """Bearing and pin, shape (2, m), m."""
-    return np.stack([of(side) for side in SIDES])
+def depth(joint: JointResult) -> Array:
+    """Depth of bearing and pin that a stage ran on, shape (2, m), m."""
+    return np.stack([joint.depth(side) for side in SIDES])
+
+
+def wear(joint: JointResult) -> Array:
+    """Depth that a wear added to bearing and pin, shape (2, m), m."""
+    return np.stack([joint.wear(side) for side in SIDES])
 
 
 def use(engine: FakeEngine, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -153,43 +158,42 @@ def campaign(monkeypatch: pytest.MonkeyPatch) -> Campaign:
 
 @pytest.mark.parametrize("limit", [1e-3, 0.0033, 0.01, 0.02, 1.0])
 def test_a_constant_rate_is_exact_with_any_limit(campaign: Campaign, limit: float) -> None:
-    seen = campaign(replace(SCENE, depth_step=limit), FakeEngine(constant))
+    """The last stage tells how it would wear, but nothing runs for that."""
+    engine = FakeEngine(constant)
+    seen = campaign(replace(SCENE, depth_step=limit), engine)
     assert seen.status == "completed"
     wears = {j.name: REPRESENTED * constant(0, j, np.zeros(0)) for j in SCENE.linkage().clearances}
-    for name, joint in seen.stages[2].joints.items():
-        np.testing.assert_allclose(both(joint, joint.depth), 2.0 * wears[name], rtol=1e-12)
-    for stage in seen.stages[:2]:
-        assert len(stage.wear_steps) == math.ceil(0.05 / limit - 1e-9)
+    steps = math.ceil(0.05 / limit - 1e-9)
+    assert [len(stage.wear_steps) for stage in seen.stages] == [steps, steps, 0]
+    assert engine.runs == 2 * steps + 1
+    for stage in seen.stages:
         for name, joint in stage.joints.items():
-            np.testing.assert_allclose(both(joint, joint.wear), wears[name], rtol=1e-12)
+            np.testing.assert_allclose(wear(joint), wears[name], rtol=1e-12)
+            np.testing.assert_allclose(depth(joint), stage.index * wears[name], rtol=1e-12)
 
 
 @pytest.mark.parametrize("law", [constant, uneven, exponential])
-@pytest.mark.parametrize("limit", [0.004, 0.01])
-def test_no_step_exceeds_its_limit(campaign: Campaign, law: Law, limit: float) -> None:
+@pytest.mark.parametrize("limit", [0.0037, 0.01])
+def test_steps_stay_below_their_limit_and_use_up_the_cycles(
+    campaign: Campaign, law: Law, limit: float
+) -> None:
     """Between consecutive runs no profile changes by more, and no more steps than that asks for."""
-    surfaces: list[list[Array]] = []
+    surfaces: list[Array] = []
 
     def spied(run: int, joint: ClearanceJoint, depth: Array) -> Array:
         if joint.name == "A":
-            surfaces.append([depth])
+            surfaces.append(depth)
         return law(run, joint, depth)
 
     seen = campaign(replace(SCENE, depth_step=limit), FakeEngine(spied))
-    depths = [surfaces[run * CYCLES][0] for run in range(len(surfaces) // CYCLES)]
+    depths = surfaces[::CYCLES]
     changes = [np.max(b - a) / CLEARANCE for a, b in pairwise(depths)]
     assert max(changes) <= limit * (1.0 + 1e-8)
     told = [step.largest_change_of_clearance for step in seen.steps]
     np.testing.assert_allclose(told, changes, rtol=1e-9)
     # Equal shares of what remains: a step may be below the limit by as much as one in n.
     assert np.mean(changes) > 0.75 * limit
-
-
-@pytest.mark.parametrize("law", [constant, uneven, exponential])
-def test_the_represented_cycles_are_used_up(campaign: Campaign, law: Law) -> None:
-    seen = campaign(replace(SCENE, depth_step=0.0037), FakeEngine(law))
     for stage in seen.stages[:2]:
-        assert len(stage.wear_steps) > 5
         total = math.fsum(step.represented_cycles for step in stage.wear_steps)
         assert total == pytest.approx(REPRESENTED, rel=1e-14)
         for step in stage.wear_steps:
@@ -205,12 +209,12 @@ def test_single_jumps_are_those_of_the_paper(campaign: Campaign) -> None:
     worn = np.zeros((2, 2, 360))
     for run, stage in enumerate(seen.stages, start=1):
         joints = stage.joints.values()
-        assert np.array_equal([both(joint, joint.depth) for joint in joints], worn)
+        assert np.array_equal([depth(joint) for joint in joints], worn)
         assert stage.amplification == REPRESENTED / 7
         maps = MapBatches((2, 2, 360))
         for _ in range(7):
             maps.add(np.stack([uneven(run, j, worn) for j in SCENE.linkage().clearances]))
-        added = np.stack([both(joint, joint.wear) for joint in joints])
+        added = np.stack([wear(joint) for joint in joints])
         assert np.array_equal(added, mean_map([maps]) * REPRESENTED)
         worn = worn + added
     assert [len(stage.wear_steps) for stage in seen.stages] == [1, 1, 0]
@@ -223,7 +227,7 @@ def test_halving_the_step_halves_the_error(campaign: Campaign) -> None:
     for limit in (0.004, 0.002, 0.001):
         seen = campaign(replace(SCENE, depth_step=limit), FakeEngine(exponential))
         joint = seen.stages[2].joints["A"]
-        errors.append(np.max(np.abs(both(joint, joint.depth) - exact)))
+        errors.append(np.max(np.abs(depth(joint) - exact)))
     assert errors[0] < 0.1 * exact.max()
     np.testing.assert_allclose(np.divide(errors[:-1], errors[1:]), 2.0, rtol=0.06)
 
@@ -232,24 +236,13 @@ def test_a_stage_runs_on_the_sum_of_the_steps_before_it(campaign: Campaign) -> N
     seen = campaign(replace(SCENE, depth_step=0.006), FakeEngine(exponential))
     for before, after in pairwise(seen.stages):
         for name, joint in before.joints.items():
-            there = both(after.joints[name], after.joints[name].depth)
-            added = both(joint, joint.wear)
-            np.testing.assert_allclose(there, both(joint, joint.depth) + added, rtol=1e-12)
+            there, added = depth(after.joints[name]), wear(joint)
+            np.testing.assert_allclose(there, depth(joint) + added, rtol=1e-12)
             deepest = before.wear_steps[-1].deepest_m[name]
             assert [deepest["bearing"], deepest["pin"]] == list(there.max(axis=1))
             area = 0.02 * 0.015 * 2.0 * math.pi / 360
             volume = joint.statistics["wear_volume_m3"]
             assert volume == pytest.approx(area * added.sum(), rel=1e-12)
-
-
-def test_nothing_runs_for_the_wear_after_the_last_stage(campaign: Campaign) -> None:
-    engine = FakeEngine(constant)
-    seen = campaign(replace(SCENE, depth_step=0.01), engine)
-    assert engine.runs == 5 + 5 + 1
-    last = seen.stages[-1]
-    assert last.wear_steps == ()
-    joint = last.joints["A"]
-    np.testing.assert_allclose(both(joint, joint.wear), REPRESENTED * RATE * SHAPE, rtol=1e-12)
 
 
 def test_a_surface_that_does_not_wear_takes_one_step(campaign: Campaign) -> None:
@@ -258,52 +251,52 @@ def test_a_surface_that_does_not_wear_takes_one_step(campaign: Campaign) -> None
     assert engine.runs == 3
 
 
-def test_failure_inside_a_wear_names_the_step_and_keeps_the_stage(campaign: Campaign) -> None:
-    """Stage 0, steps 2 to 5 of its wear, stage 1, then the run after step 3 of the second wear."""
-    engine = FakeEngine(constant, fails=9)
-    seen = campaign(replace(SCENE, depth_step=0.01), engine)
-    assert seen.status == "failed"
-    assert seen.message == (
-        "after step 3 of the second wear (2.4e+06 of 4e+06 cycles): the solver found no step "
-        "(t = 0.1 s)"
-    )
-    assert [stage.index for stage in seen.stages] == [0, 1]
-    assert [len(stage.wear_steps) for stage in seen.stages] == [5, 3]
-    joint = seen.stages[1].joints["A"]
-    np.testing.assert_allclose(both(joint, joint.wear), 0.6 * REPRESENTED * RATE * SHAPE)
-    assert seen.stages[1].status == "completed"
+NO_STEP = "the solver found no step (t = 0.1 s)"
 
 
-def test_failure_of_a_stage_is_told_as_before(campaign: Campaign) -> None:
-    seen = campaign(replace(SCENE, depth_step=0.01), FakeEngine(constant, fails=6))
-    assert (seen.status, seen.message) == (
-        "failed",
-        "stage 1: the solver found no step (t = 0.1 s)",
-    )
-    assert [stage.status for stage in seen.stages] == ["completed", "failed"]
+@pytest.mark.parametrize(
+    ("fails", "says", "steps"),
+    [
+        # Stage 0 and steps 2 to 5 of its wear, then stage 1.
+        (6, f"stage 1: {NO_STEP}", [5, 0]),
+        # Stage 1 as well, then the run after step 3 of the second wear.
+        (9, f"after step 3 of the second wear (2.4e+06 of 4e+06 cycles): {NO_STEP}", [5, 3]),
+    ],
+)
+def test_a_failure_is_told_with_its_place_and_what_was_done_is_kept(
+    campaign: Campaign, fails: int, says: str, steps: list[int]
+) -> None:
+    seen = campaign(replace(SCENE, depth_step=0.01), FakeEngine(constant, fails=fails))
+    assert (seen.status, seen.message) == ("failed", says)
+    assert [len(stage.wear_steps) for stage in seen.stages] == steps
+    last = seen.stages[1]
+    assert last.status == ("completed" if steps[1] else "failed")
+    if steps[1]:
+        joint = last.joints["A"]
+        np.testing.assert_allclose(wear(joint), 0.6 * REPRESENTED * RATE * SHAPE)
 
 
-def test_a_surface_worn_through_in_a_step_is_named(campaign: Campaign) -> None:
-    """At half the clearance a step, the third is deeper than the clearance."""
+@pytest.mark.parametrize(
+    ("extrapolation", "says", "steps"),
+    [
+        # At half the clearance a step, the third is deeper than the clearance.
+        ("steps", "step 3 of the first wear (1.2e+08 of 4e+09 cycles) the bearing would lose", 3),
+        ("single", "after stage 0 the bearing would lose 0.04 m", 1),
+    ],
+)
+def test_a_surface_worn_through_is_named(
+    campaign: Campaign, extrapolation: str, says: str, steps: int
+) -> None:
     scene = replace(SCENE, depth_step=0.5, represented_cycles=1e3 * REPRESENTED)
     engine = FakeEngine(lambda run, joint, depth: RATE * np.ones((2, 360)))
-    seen = campaign(scene, engine)
+    seen = campaign(replace(scene, extrapolation=extrapolation), engine)
     assert seen.status == "failed"
-    assert seen.message.startswith(
-        "joint A: step 3 of the first wear (1.2e+08 of 4e+09 cycles) the bearing would lose"
-    )
+    assert seen.message.startswith(f"joint A: {says}")
     assert "more than the clearance of 0.0008 m" in seen.message
     (stage,) = seen.stages
-    assert len(stage.wear_steps) == 3
     assert stage.finding is not None
     assert (stage.finding.kind, stage.finding.joint) == ("wear", "A")
-    assert engine.runs == 3
-
-
-def test_a_surface_worn_through_in_one_jump_is_told_as_before(campaign: Campaign) -> None:
-    scene = replace(SCENE, extrapolation="single", represented_cycles=1e3 * REPRESENTED)
-    seen = campaign(scene, FakeEngine(constant))
-    assert seen.message.startswith("joint A: after stage 0 the bearing would lose 0.04 m")
+    assert len(stage.wear_steps) == engine.runs == steps
 
 
 def test_a_stage_outlives_an_interrupted_wear(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -355,30 +348,21 @@ def test_a_stage_alone_is_not_worn(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.parametrize(
-    ("conventions", "extrapolation", "limit"),
+    ("scene", "extrapolation", "limit"),
     [
-        ("paper", "conventions", math.inf),
-        ("refined", "conventions", 0.02),
-        ("paper", "steps", 0.02),
-        ("refined", "single", math.inf),
+        (wear_times(), "conventions", math.inf),
+        (wear_times(), "steps", 0.02),
+        (slider_crank(), "conventions", 0.02),
+        (slider_crank(), "single", math.inf),
     ],
+    ids=["paper", "paper in steps", "refined", "refined at once"],
 )
 def test_conventions_decide_unless_the_scene_does(
-    conventions: str, extrapolation: str, limit: float
+    scene: Scene, extrapolation: str, limit: float
 ) -> None:
-    scene = replace(
-        wear_times(),
-        conventions=CONVENTIONS[conventions],
-        extrapolation=extrapolation,
-        depth_step=0.02,
-    )
-    assert Amplification.of(scene) == Amplification(4e6, limit)
-
-
-def test_amplification_is_of_the_cycles_run() -> None:
-    assert Amplification(4e6).factor(200) == 20_000.0
-    assert Amplification.of(wear_times()).factor(200) == 20_000.0
-    assert Amplification.of(slider_crank()).limit == slider_crank().depth_step
+    found = Amplification.of(replace(scene, extrapolation=extrapolation, depth_step=0.02))
+    assert found == Amplification(4e6, limit)
+    assert found.factor(200) == 20_000.0
 
 
 LIMIT = 0.015
