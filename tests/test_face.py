@@ -1,5 +1,6 @@
 """The face: everything that a script may import, and how a run ends for it."""
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -93,3 +94,18 @@ def test_settings_of_an_engine_are_checked_like_any_other() -> None:
         pw.run(pw.scenes.wear_times(), jobs=2)
     with pytest.raises(pw.InputError, match="'papre'; did you mean paper"):
         pw.study("papre")
+
+
+def test_rooms_import_only_what_stands_below_them() -> None:
+    """Floors are those of the table in CONTRIBUTING.md."""
+    root = Path(__file__).parents[1]
+    floors: dict[str, int] = {}
+    for line in (root / "CONTRIBUTING.md").read_text().splitlines():
+        if found := re.match(r"\| (\d+) \| (.*?) \|", line):
+            rooms = re.findall(r"`presswear/(\w+)/`", found[2])
+            floors |= dict.fromkeys(rooms, int(found[1]))
+    assert set(floors) == {path.parent.name for path in root.glob("presswear/*/__init__.py")}
+    for file in root.glob("presswear/*/**/*.py"):
+        own = file.relative_to(root).parts[1]
+        for name in re.findall(r"(?:from|import) presswear\b\.?(\w*)", file.read_text()):
+            assert name == own or floors.get(name, 99) < floors[own], f"{file}: {name}"

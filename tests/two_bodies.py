@@ -6,17 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import (
-    GROUND,
-    Attachment,
-    Body,
-    ClearanceJoint,
-    Linkage,
-    MapFrame,
-    Probe,
-)
-from presswear.linkage.laws import FrictionLaw, NormalLaw
-from presswear.linkage.surface import Surface
+import presswear as pw
+from presswear.linkage.elements import GROUND, MapFrame
 from presswear.physics.contact import CONTACT, note_contacts, penetration_acceleration
 from presswear.physics.forces import JointLoad, load_of
 from presswear.physics.packed import Packed, pack
@@ -24,24 +15,24 @@ from presswear.tools.compiled import Records
 
 Array = NDArray[np.float64]
 
-JOINT = ClearanceJoint(
+JOINT = pw.ClearanceJoint(
     "J",
-    bearing=Attachment("bearing", 0.17, -0.03),
-    pin=Attachment("pin", -0.11, 0.05),
+    bearing=pw.Attachment("bearing", 0.17, -0.03),
+    pin=pw.Attachment("pin", -0.11, 0.05),
     bearing_radius=0.015,
     clearance=0.8e-3,
     width=0.02,
-    normal=NormalLaw(1.25e10, 1.5, 0.1425),
-    friction=FrictionLaw(0.1, 1e-4, 1e-3),
+    normal=pw.NormalLaw(1.25e10, 1.5, 0.1425),
+    friction=pw.FrictionLaw(0.1, 1e-4, 1e-3),
 )
 
 
-def waves(count: int, deepest: float, seed: int) -> Surface:
+def waves(count: int, deepest: float, seed: int) -> pw.Surface:
     """A surface of random depths from zero up."""
-    return Surface(np.random.default_rng(seed).uniform(0.0, deepest, count))
+    return pw.Surface(np.random.default_rng(seed).uniform(0.0, deepest, count))
 
 
-def worn_joint(frame: MapFrame, count: int = 24, deepest: float = 1e-4) -> ClearanceJoint:
+def worn_joint(frame: MapFrame, count: int = 24, deepest: float = 1e-4) -> pw.ClearanceJoint:
     """The joint with different wear on bearing and pin."""
     return replace(
         JOINT,
@@ -67,16 +58,16 @@ def joint_load(packed: Packed, onset: float, q: Array, v: Array) -> JointLoad:
 class Pair:
     """A state of the two bodies: coordinates and rates, each (6,), bearing body first."""
 
-    joint: ClearanceJoint
+    joint: pw.ClearanceJoint
     q: Array
     v: Array
 
     @property
-    def linkage(self) -> Linkage:
+    def linkage(self) -> pw.Linkage:
         """The two bodies, or the pin's alone when the frame holds the bearing."""
         names = ("pin",) if self.joint.bearing.body == GROUND else ("bearing", "pin")
-        bodies = tuple(Body(name, 0.1, 1e-3) for name in names)
-        return Linkage("pair", bodies, (), (), (), (self.joint,), Probe("pin", 0.0), 0.0)
+        bodies = tuple(pw.Body(name, 0.1, 1e-3) for name in names)
+        return pw.Linkage("pair", bodies, (), (), (), (self.joint,), pw.Probe("pin", 0.0), 0.0)
 
     @property
     def packed(self) -> Packed:
@@ -117,7 +108,7 @@ def turned(angle: float, x: float, y: float) -> Array:
 
 
 def gap_of(
-    joint: ClearanceJoint, direction: float, bearing_angle: float, pin_angle: float
+    joint: pw.ClearanceJoint, direction: float, bearing_angle: float, pin_angle: float
 ) -> float:
     """Clearance plus both depths in a direction, m."""
     turns = float(joint.map_frame == "body")
@@ -127,7 +118,7 @@ def gap_of(
 
 
 def placed(
-    joint: ClearanceJoint,
+    joint: pw.ClearanceJoint,
     penetration: float,
     direction: float,
     *,

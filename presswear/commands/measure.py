@@ -66,10 +66,9 @@ def _precision(arguments: argparse.Namespace, console: Console) -> int:
     scene = changed(scene_given(arguments.scene), settings_given(arguments.set))
     folder = arguments.out or free_folder(f"precision-{scene.name}")
     with only_writer(folder):
-        from presswear.trials.precision.extent import FULL, QUICK
         from presswear.trials.precision.store import store
-        from presswear.trials.precision.study import study
-        from presswear.trials.precision.text import tables_of
+        from presswear.trials.precision.study import FULL, QUICK, study
+        from presswear.trials.precision.tables import terminal_tables
 
         extent = QUICK if arguments.quick else FULL
         if repeats is not None:
@@ -77,7 +76,7 @@ def _precision(arguments: argparse.Namespace, console: Console) -> int:
         with telling(console, "start") as told:
             found = study(scene, extent, told)
         store(found, folder)
-        for table in tables_of(found):
+        for table in terminal_tables(found):
             print_text_table(console, table)
         return report(folder, console)
 

@@ -42,10 +42,10 @@ def _verify(arguments: argparse.Namespace, console: Console) -> int:
         ("reference", "ours", "error", "bound"),
         [
             [
-                row.name,
+                row.quantity,
                 f"{row.reference:.9g}",
-                f"{row.ours:.9g}",
-                f"{row.error:.1e}",
+                f"{row.reference + row.value:.9g}",
+                f"{abs(row.value):.1e}",
                 f"{row.bound:.0e}",
                 verdict(row.passed),
             ]

@@ -7,11 +7,10 @@ intersecting circles, velocities and accelerations by two linear equations.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from presswear.linkage.elements import Attachment
+from presswear.tools.arrays import Array
 from presswear.tools.errors import AssemblyError
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -59,29 +58,34 @@ def crank(centre: Point, length: float, angle: Array, speed: float) -> Point:
     return Point(centre.position + arm, speed * _left(arm), -(speed**2) * arm)
 
 
-def _refuse(joint: str, gap: Array, needed: str, angle: Array, least: float) -> None:
-    """Raise AssemblyError where the margin is not above the least one.
+@dataclass(frozen=True)
+class Course:
+    """Where a linkage must close.
 
-    ``angle`` is what the message names the place by, degrees, shape (n,).
+    Attributes
+    ----------
+    angle : ndarray, shape (n,)
+        Crank angles by which a message names the place, degrees.
+    least : float
+        Square of the sine of the angle by which each pair of links must be short of stretched.
     """
-    if np.all(gap > least):
-        return
-    worst = int(np.argmin(gap))
-    raise AssemblyError(
-        f"the linkage cannot be assembled over the cycle: at crank angle {angle[worst]:.1f} deg "
-        f"joint {joint} does not close or is at a dead point; {needed}"
-    )
+
+    angle: Array
+    least: float
+
+    def check(self, joint: str, square: Array, needed: str) -> None:
+        """Raise AssemblyError where the square of the sine of a pair is not above the least."""
+        if np.all(square > self.least):
+            return
+        worst = self.angle[int(np.argmin(square))]
+        raise AssemblyError(
+            f"the linkage cannot be assembled over the cycle: at crank angle {worst:.1f} deg "
+            f"joint {joint} does not close or is at a dead point; {needed}"
+        )
 
 
 def dyad(
-    p: Point,
-    q: Point,
-    from_p: float,
-    from_q: float,
-    side: float,
-    joint: str,
-    angle: Array,
-    least: float,
+    p: Point, q: Point, from_p: float, from_q: float, side: float, joint: str, course: Course
 ) -> Point:
     """The point at given distances from two moving points, on a given side of p to q."""
     base = q.position - p.position
@@ -91,7 +95,7 @@ def dyad(
     square = from_p**2 - along**2
     reach = f"the distance {length[int(np.argmin(square))]:.4g} m between its links' other ends"
     allowed = f"must stay between {abs(from_p - from_q):.4g} and {from_p + from_q:.4g} m"
-    _refuse(joint, square / from_p**2, f"{reach} {allowed}", angle, least)
+    course.check(joint, square / from_p**2, f"{reach} {allowed}")
     unit = base / length[:, None]
     height = side * np.sqrt(square)
     position = p.position + along[:, None] * unit + height[:, None] * _left(unit)
@@ -116,13 +120,7 @@ def _solve_two(row_1: Array, row_2: Array, right_1: Array, right_2: Array) -> Ar
 
 
 def slide(
-    c: Point,
-    length: float,
-    line: Line,
-    side: float,
-    names: tuple[str, str, str],
-    angle: Array,
-    least: float,
+    c: Point, length: float, line: Line, side: float, names: tuple[str, str, str], course: Course
 ) -> Point:
     """The end on a line of a rod from a moving point, ahead of it on the line or behind.
 
@@ -141,7 +139,7 @@ def slide(
     far = abs(offset[int(np.argmin(square))])
     point, rod, joint = names
     needed = f"{point} is {far:.4g} m from the guide, {rod} is {length:.4g} m long"
-    _refuse(joint, square / length**2, needed, angle, least)
+    course.check(joint, square / length**2, needed)
     reach = side * np.sqrt(square)
     offset_t, offset_tt = c.velocity @ across, c.acceleration @ across
     reach_t = -offset * offset_t / reach
@@ -157,11 +155,12 @@ def slide(
     )
 
 
-def on_guide(c: Point, angle: float) -> tuple[Array, Array, Array]:
-    """Coordinates of a body that slides with its mass centre at ``c`` and does not turn.
+BodyState = tuple[Array, Array, Array]
+"""Position, velocity and acceleration of a body, each (n, 3): mass centre and angle."""
 
-    Returns position, velocity and acceleration (n, 3) of the mass centre and angle.
-    """
+
+def slider_state(c: Point, angle: float) -> BodyState:
+    """Motion of a body that slides with its mass centre at ``c`` and does not turn."""
     still = np.zeros((len(c.position), 1))
     return (
         np.hstack([c.position, still + angle]),
@@ -170,13 +169,8 @@ def on_guide(c: Point, angle: float) -> tuple[Array, Array, Array]:
     )
 
 
-def body_state(
-    tail: Point, head: Point, tail_local: tuple[float, float]
-) -> tuple[Array, Array, Array]:
-    """Coordinates of a body whose x axis points from one of its points to another.
-
-    Returns position, velocity and acceleration (n, 3) of the mass centre and angle.
-    """
+def bar_state(own: Attachment, tail: Point, head: Point) -> BodyState:
+    """Motion of a body whose x axis points from one of its points, ``own``, to another."""
     arm = head.position - tail.position
     square = _dot(arm, arm)
     theta = np.arctan2(arm[:, 1], arm[:, 0])
@@ -184,7 +178,7 @@ def body_state(
     alpha = _dot(_left(arm), head.acceleration - tail.acceleration) / square
     axis = _direction(theta)
     # From the tail to the mass centre, in global directions.
-    lever = -(tail_local[0] * axis + tail_local[1] * _left(axis))
+    lever = -(own.x * axis + own.y * _left(axis))
     position = tail.position + lever
     velocity = tail.velocity + omega[:, None] * _left(lever)
     acceleration = tail.acceleration + alpha[:, None] * _left(lever) - (omega**2)[:, None] * lever

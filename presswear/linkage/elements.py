@@ -37,6 +37,11 @@ class Attachment:
     y: float
 
 
+def bar_ends(body: str, length: float) -> tuple[Attachment, Attachment]:
+    """Tail and head of a bar along its x axis, its mass centre halfway between them."""
+    return Attachment(body, -0.5 * length, 0.0), Attachment(body, 0.5 * length, 0.0)
+
+
 @dataclass(frozen=True)
 class Revolute:
     """An ideal pin joint between two points."""

@@ -6,14 +6,12 @@ literature (Flores) and were not checked against a page.
 """
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
-from presswear.linkage.dyads import Line, Point, body_state, crank, on_guide, slide
+from presswear.linkage.dyads import Course, Line, Point, crank, slide
 from presswear.linkage.elements import (
     GROUND,
     Attachment,
@@ -23,43 +21,39 @@ from presswear.linkage.elements import (
     Linkage,
     Probe,
     Revolute,
+    bar_ends,
 )
-from presswear.linkage.mechanism import Motion, check_masses, motion_of
+from presswear.linkage.mechanism import (
+    LONG,
+    Mechanism,
+    Motion,
+    gravity,
+    inertia,
+    length,
+    mass,
+    motion_of,
+)
+from presswear.tools.arrays import Array
 from presswear.tools.errors import AssemblyError
-from presswear.tools.quantities import check_fields, quantity
-
-Array = NDArray[np.float64]
+from presswear.tools.quantities import quantity
 
 LITERATURE = "literature, from memory"
 
 _LEAST_RATIO = 1.0001
 """Shortest rod over the crank: a rod that stands upright leaves the slider's side open."""
 
-
-def _length(default: float, text: str) -> float:
-    value: float = quantity(default, "m", 1e-3, 10.0, LITERATURE, text)
-    return value
-
-
-def _mass(default: float, text: str) -> float:
-    value: float = quantity(default, "kg", 1e-6, 1e4, LITERATURE, text)
-    return value
-
-
-def _inertia(default: float, text: str) -> float:
-    value: float = quantity(default, "kg m^2", 1e-9, 1e4, LITERATURE, text)
-    return value
+_length, _mass, _inertia = (partial(make, LITERATURE) for make in (length, mass, inertia))
 
 
 @dataclass(frozen=True)
-class SliderCrank:
+class SliderCrank(Mechanism):
     """A slider-crank: everything but its clearance joints.
 
     Mass centres are at mid-length and the rod carries the bearings (both assumed).
     """
 
-    kind: ClassVar[str] = "slider-crank"
-    openable: ClassVar[tuple[str, ...]] = ("A", "B")
+    kind = "slider-crank"
+    openable = ("A", "B")
 
     crank_length: float = _length(0.05, "crank, O to A")
     rod_length: float = _length(0.12, "rod, A to B; longer than the crank")
@@ -68,19 +62,10 @@ class SliderCrank:
     slider_mass: float = _mass(0.14, "mass of the slider")
     crank_inertia: float = _inertia(1e-4, "inertia of the crank (torque only)")
     rod_inertia: float = _inertia(2.5e-4, "inertia of the rod")
-    gravity: float = quantity(9.81, "m/s^2", -100.0, 100.0, "assumed", "gravity along -y")
+    gravity: float = gravity()
     speed: float = quantity(
         5000.0 * math.pi / 30.0, "rad/s", 1.0, 5000.0, LITERATURE, "crank speed, 5000 rpm"
     )
-
-    def __post_init__(self) -> None:
-        check_fields(self)
-        check_masses({key: getattr(self, key) for key in ("crank_mass", "rod_mass", "slider_mass")})
-
-    @property
-    def period(self) -> float:
-        """Time of one cycle, s."""
-        return 2.0 * math.pi / self.speed
 
     @property
     def origin(self) -> str:
@@ -91,17 +76,13 @@ class SliderCrank:
             "page."
         )
 
-    @staticmethod
-    def from_dict(data: Mapping[str, Any]) -> "SliderCrank":
-        """A slider-crank from its fields as plain data."""
-        return SliderCrank(**data)
-
     def linkage(self) -> Linkage:
         """The ideal linkage, every joint closed.
 
         The crank points from O to A, the rod from A to B: both are at angle 0 at the start.
         """
-        half_crank, half_rod = 0.5 * self.crank_length, 0.5 * self.rod_length
+        crank_tail, crank_head = bar_ends("crank", self.crank_length)
+        rod_tail, rod_head = bar_ends("rod", self.rod_length)
         return Linkage(
             name="slider-crank",
             bodies=(
@@ -111,11 +92,9 @@ class SliderCrank:
                 Body("slider", self.slider_mass, 1.0),
             ),
             revolutes=(
-                Revolute("O", Attachment(GROUND, 0.0, 0.0), Attachment("crank", -half_crank, 0.0)),
-                Revolute(
-                    "A", Attachment("rod", -half_rod, 0.0), Attachment("crank", half_crank, 0.0)
-                ),
-                Revolute("B", Attachment("rod", half_rod, 0.0), Attachment("slider", 0.0, 0.0)),
+                Revolute("O", Attachment(GROUND, 0.0, 0.0), crank_tail),
+                Revolute("A", rod_tail, crank_head),
+                Revolute("B", rod_head, Attachment("slider", 0.0, 0.0)),
             ),
             guides=(Guide("guide", "slider", 0.0, 0.0, 0.0),),
             drives=(Drive("drive", "crank", 0.0, self.speed),),
@@ -124,32 +103,15 @@ class SliderCrank:
             gravity=self.gravity,
         )
 
-    def ideal_motion(self, time: Array) -> Motion:
-        """Motion of every body with all joints closed, in closed form.
-
-        Parameters
-        ----------
-        time : ndarray, shape (n,)
-            s.
-
-        Raises
-        ------
-        AssemblyError
-            Where the rod does not reach the guide.
-        """
-        time = np.atleast_1d(np.asarray(time, dtype=float))
+    def _motion(self, time: Array, least: float) -> Motion:
         theta = self.speed * time
         o = Point.fixed(0.0, 0.0, time.size)
         a = crank(o, self.crank_length, theta, self.speed)
         guide = Line((0.0, 0.0), (1.0, 0.0))
-        names = ("A", "the rod", "B")
-        b = slide(a, self.rod_length, guide, 1.0, names, np.degrees(theta), 0.0)
-        states = {
-            "crank": body_state(o, a, (-0.5 * self.crank_length, 0.0)),
-            "rod": body_state(a, b, (-0.5 * self.rod_length, 0.0)),
-            "slider": on_guide(b, 0.0),
-        }
-        return motion_of(self.linkage(), time, states, {"crank": theta})
+        course = Course(np.degrees(theta), least)
+        b = slide(a, self.rod_length, guide, 1.0, ("A", "the rod", "B"), course)
+        axes = {"crank": ("O", "A"), "rod": ("A", "B")}
+        return motion_of(self.linkage(), time, {"O": o, "A": a, "B": b}, axes)
 
     def check_assembly(self) -> None:
         """Raise AssemblyError unless the crank can turn all around."""
@@ -157,5 +119,6 @@ class SliderCrank:
         if not self.rod_length >= least:
             raise AssemblyError(
                 f"rod_length = {self.rod_length:g} m: with crank_length = {self.crank_length:g} m "
-                f"allowed is {least:.6g} m to 10 m; joint B does not close over the whole turn"
+                f"allowed is {least:.6g} m to {LONG:g} m; joint B does not close over the whole "
+                "turn"
             )

@@ -11,9 +11,8 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from presswear.tools.arrays import Array
 
 
 def monotone_slopes(depth: Array) -> Array:
@@ -94,4 +93,4 @@ class Surface:
         """The surface after a further loss of depth, m, shape (m,)."""
         if self.depth.size and self.depth.shape != added.shape:
             raise ValueError(f"wear on {added.shape} bins cannot be added to {self.depth.shape}")
-        return Surface(self.depth + added if self.depth.size else np.array(added))
+        return Surface(self.depth + added if self.depth.size else added)

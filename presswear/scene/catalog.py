@@ -3,7 +3,6 @@
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
-from functools import wraps
 from typing import Any
 
 from presswear.linkage.press import Press
@@ -27,124 +26,89 @@ SCENES: dict[str, Entry] = {}
 """The named scenes, by their names."""
 
 
-def _named(name: str, title: str) -> Callable[[Callable[[], Scene]], Make]:
-    """Enter a scene under a name; called with settings by key, it is changed by them.
+def _named(name: str, title: str, base: Make = Scene, **changes: Any) -> Make:
+    """Enter a scene under a name: another one with some of its fields changed.
 
-    A setting is text with its unit, as on the command line, or a number, SI.
+    Called with settings by key, it is changed by them.  A setting is text with its unit, as on
+    the command line, or a number, SI.
     """
 
-    def enter(make: Callable[[], Scene]) -> Make:
-        @wraps(make)
-        def with_settings(**settings: Any) -> Scene:
-            scene = replace(make(), name=name, title=title)
-            return changed(scene, settings) if settings else scene
+    def make(**settings: Any) -> Scene:
+        scene = replace(base(), name=name, title=title, **changes)
+        return changed(scene, settings) if settings else scene
 
-        SCENES[name] = Entry(title, with_settings)
-        return with_settings
-
-    return enter
+    make.__doc__ = f"{title}; settings by key change it."
+    SCENES[name] = Entry(title, make)
+    return make
 
 
-@_named("ideal", "The press without clearance, against the closed form")
-def ideal() -> Scene:
-    """The press with every joint closed."""
-    return Scene(
-        joints="none",
-        wears=0,
-        cycles=2,
-    )
+ideal = _named(
+    "ideal",
+    "The press without clearance, against the closed form",
+    joints="none",
+    wears=0,
+    cycles=2,
+)
+wear_times = _named(
+    "wear-times",
+    "Clearance at A and C, worn twice (paper, sections 5.3.1 and 5.4.1)",
+    mechanism=Press(speed=3.5 * math.pi),
+    bearings=Bearings(clearance=0.8e-3, friction=0.02),
+    wears=2,
+)
+friction = _named(
+    "friction",
+    "Friction 0.05 at 6 pi rad/s (paper, 5.3.2 and 5.4.2)",
+    wear_times,
+    mechanism=Press(speed=6.0 * math.pi),
+    bearings=Bearings(clearance=0.6e-3, friction=0.05),
+    wears=1,
+)
+friction_high = _named(
+    "friction-0.1",
+    "Friction 0.1, else as friction",
+    friction,
+    bearings=Bearings(clearance=0.6e-3, friction=0.1),
+)
+speed = _named(
+    "speed",
+    "Cranks at 4 pi rad/s (paper, 5.3.3 and 5.4.3)",
+    wear_times,
+    mechanism=Press(speed=4.0 * math.pi),
+    bearings=Bearings(clearance=0.8e-3, friction=0.03),
+    wears=1,
+)
+speed_high = _named(
+    "speed-8pi",
+    "Cranks at 8 pi rad/s, else as speed",
+    speed,
+    mechanism=Press(speed=8.0 * math.pi),
+)
+clearance_a = _named(
+    "clearance-a",
+    "The press with clearance at A alone",
+    wear_times,
+    joints="A",
+    wears=0,
+    cycles=5,
+)
+clearance_c = _named("clearance-c", "The press with clearance at C alone", clearance_a, joints="C")
 
-
-@_named("wear-times", "Clearance at A and C, worn twice (paper, sections 5.3.1 and 5.4.1)")
-def wear_times() -> Scene:
-    """Section 5.3.1 and 5.4.1: no wear, first wear, second wear."""
-    return Scene(
-        mechanism=Press(speed=3.5 * math.pi),
-        bearings=Bearings(clearance=0.8e-3, friction=0.02),
-        wears=2,
-    )
-
-
-@_named("friction", "Friction 0.05 at 6 pi rad/s (paper, 5.3.2 and 5.4.2)")
-def friction() -> Scene:
-    """Section 5.3.2 and 5.4.2: the lower of two friction coefficients."""
-    return replace(
-        wear_times(),
-        mechanism=Press(speed=6.0 * math.pi),
-        bearings=Bearings(clearance=0.6e-3, friction=0.05),
-        wears=1,
-    )
-
-
-@_named("friction-0.1", "Friction 0.1, else as friction")
-def friction_high() -> Scene:
-    """As ``friction``, with the higher coefficient."""
-    return replace(
-        friction(),
-        bearings=Bearings(clearance=0.6e-3, friction=0.1),
-    )
-
-
-@_named("speed", "Cranks at 4 pi rad/s (paper, 5.3.3 and 5.4.3)")
-def speed() -> Scene:
-    """Section 5.3.3 and 5.4.3: the lower of two speeds."""
-    return replace(
-        wear_times(),
-        mechanism=Press(speed=4.0 * math.pi),
-        bearings=Bearings(clearance=0.8e-3, friction=0.03),
-        wears=1,
-    )
-
-
-@_named("speed-8pi", "Cranks at 8 pi rad/s, else as speed")
-def speed_high() -> Scene:
-    """As ``speed``, with the higher speed."""
-    return replace(
-        speed(),
-        mechanism=Press(speed=8.0 * math.pi),
-    )
-
-
-@_named("clearance-a", "The press with clearance at A alone")
-def clearance_a() -> Scene:
-    """As ``wear_times``, unworn, with one joint open."""
-    return replace(
-        wear_times(),
-        joints="A",
-        wears=0,
-        cycles=5,
-    )
-
-
-@_named("clearance-c", "The press with clearance at C alone")
-def clearance_c() -> Scene:
-    """As ``clearance_a``, at the other joint."""
-    return replace(
-        clearance_a(),
-        joints="C",
-    )
-
-
-@_named("slider-crank", "A slider-crank with clearance between rod and slider")
-def slider_crank() -> Scene:
-    """A slider-crank with clearance between rod and slider, as Flores studied it.
-
-    The literature takes the stiffness with R_i - R_j: the ``refined`` conventions.
-    """
-    known = ("bearing_radius", "clearance", "youngs_modulus", "poisson_ratio", "restitution")
-    return Scene(
-        mechanism=SliderCrank(),
-        bearings=Bearings(
-            clearance=0.5e-3, bearing_radius=0.010, youngs_modulus=207e9, friction=0.0
-        ),
-        conventions=CONVENTIONS["refined"],
-        joints="B",
-        wears=0,
-        cycles=10,
-        statuses=dict.fromkeys((*known, "exponent"), LITERATURE)
-        | dict.fromkeys(("friction", "lower_speed", "upper_speed", "bearing_share"), "assumed")
-        | dict.fromkeys(("wears", "most_cycles", "represented_cycles"), "chosen"),
-    )
+_KNOWN = ("bearing_radius", "clearance", "youngs_modulus", "poisson_ratio", "restitution")
+# As Flores studied it.  The literature takes the stiffness with R_i - R_j.
+slider_crank = _named(
+    "slider-crank",
+    "A slider-crank with clearance between rod and slider",
+    mechanism=SliderCrank(),
+    bearings=Bearings(clearance=0.5e-3, bearing_radius=0.010, youngs_modulus=207e9, friction=0.0),
+    conventions=CONVENTIONS["refined"],
+    joints="B",
+    wears=0,
+    cycles=10,
+    statuses=dict.fromkeys((*_KNOWN, "exponent"), LITERATURE)
+    | dict.fromkeys(("friction", "lower_speed", "upper_speed", "bearing_share"), "assumed")
+    | dict.fromkeys(("wears", "most_cycles", "represented_cycles"), "chosen"),
+)
 
 
 def scene_named(name: str, others: Iterable[str] = ()) -> Scene:

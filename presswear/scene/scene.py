@@ -1,13 +1,12 @@
 """A scene: everything a person chooses, as data that prints and stores itself."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
 from itertools import combinations
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.elements import (
@@ -32,11 +31,10 @@ from presswear.linkage.press import Press
 from presswear.linkage.slider_crank import SliderCrank
 from presswear.linkage.surface import Surface
 from presswear.linkage.topology import branches_of
+from presswear.tools.arrays import Array
 from presswear.tools.documents import typed
 from presswear.tools.errors import InputError
-from presswear.tools.quantities import Choice, check_fields, choice, quantity
-
-Array = NDArray[np.float64]
+from presswear.tools.quantities import Choice, check_fields, choice, count, quantity
 
 
 @dataclass(frozen=True)
@@ -44,20 +42,18 @@ class Conventions:
     """How the paper's wear model is read; each choice stands alone."""
 
     stiffness: StiffnessReading = choice(
-        "paper", ("paper", "refined"), "K with R_i + R_j as printed, or R_i - R_j"
+        "paper", get_args(StiffnessReading), "K with R_i + R_j as printed, or R_i - R_j"
     )
-    slip: Slip = choice(
-        "angle", ("angle", "sliding"), "ds = (R_j + delta) |d phi| (eq. 24), or |v_t| dt"
-    )
+    slip: Slip = choice("angle", get_args(Slip), "ds = (R_j + delta) |d phi| (eq. 24), or |v_t| dt")
     map_frame: MapFrame = choice(
-        "fixed", ("fixed", "body"), "wear maps fixed in direction, or turning with their bodies"
+        "fixed", get_args(MapFrame), "wear maps fixed in direction, or turning with their bodies"
     )
     footprint: Footprint = choice(
-        "bin", ("bin", "arc"), "wear into the one bin of the contact, or over the contact arc"
+        "bin", get_args(Footprint), "wear into the one bin of the contact, or over the contact arc"
     )
     contact: SurfaceContact = choice(
         "radial",
-        ("radial", "foundation"),
+        get_args(SurfaceContact),
         "worn surfaces meet where e points, or over all of the arc on an elastic foundation",
     )
 
@@ -99,7 +95,7 @@ class Bearings:
     bearing_share: float = quantity(
         0.5, "", 0.0, 1.0, "paper", "part of the wear depth that the bearing loses"
     )
-    angles: int = quantity(360, "", 16, 100_000, "assumed", "bins of a wear map", whole=True)
+    angles: int = count(360, 16, 100_000, "assumed", "bins of a wear map")
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -119,7 +115,6 @@ class Bearings:
         revolute: Revolute,
         conventions: Conventions,
         worn: tuple[Surface, Surface],
-        wear: bool,
     ) -> ClearanceJoint:
         """A revolute joint opened: bearing on its first end, pin on its second."""
         stiffness = hertz_stiffness(
@@ -145,18 +140,17 @@ class Bearings:
             self.width,
             NormalLaw(stiffness, self.exponent, lankarani_nikravesh_damping(self.restitution)),
             FrictionLaw(self.friction, self.lower_speed, self.upper_speed),
-            law if wear else None,
+            law if self.wear_coefficient > 0.0 else None,
             conventions.map_frame,
             conventions.contact,
             *worn,
         )
 
 
-_RESTORED: Mapping[str, Callable[[Mapping[str, Any]], Press | SliderCrank]] = {
-    Press.kind: Press.from_dict,
-    SliderCrank.kind: SliderCrank.from_dict,
+MECHANISMS: dict[str, type[Press | SliderCrank]] = {
+    kind.kind: kind for kind in (Press, SliderCrank)
 }
-"""Functions that make a stored mechanism anew, by its kind."""
+"""The mechanisms, by their kinds."""
 
 
 ENGINES = ("exudyn", ExudynTree.word, ExudynJoints.word, InHouse.word)
@@ -176,8 +170,8 @@ class Numerics:
 
     def of(self, engine: Engine) -> "Numerics":
         """The same with the settings of one engine."""
-        place = {ExudynTree: "tree", ExudynJoints: "joints", InHouse: "dae"}[type(engine)]
-        engines = {item.name: getattr(self, item.name) for item in fields(self)}
+        engines: dict[str, Any] = {item.name: getattr(self, item.name) for item in fields(self)}
+        place = next(name for name, own in engines.items() if type(own) is type(engine))
         return Numerics(**{**engines, place: engine})
 
     def having(self, **settings: Any) -> "Numerics":
@@ -230,24 +224,18 @@ class Scene:
         "what solves the motion; exudyn takes the open tree where there is one, or the joints",
     )
     drive_torque: str = choice("off", ("off", "on"), "whether drive torques are stored")
-    wears: int = quantity(
-        2, "", 0, 20, "paper, per study", "how often the joints are worn", whole=True
-    )
-    cycles: int | None = quantity(
+    wears: int = count(2, 0, 20, "paper, per study", "how often the joints are worn")
+    cycles: int | None = count(
         None,
-        "",
         1,
         100_000,
         "chosen",
         "cycles of each stage and start; none given: until the maps are known",
-        whole=True,
     )
     tolerance: float = quantity(
         0.1, "", 1e-3, 1.0, "chosen", "how well the wear maps must be known, part of their rms"
     )
-    most_cycles: int = quantity(
-        200, "", 1, 100_000, "paper", "cycles of a stage at most without --cycles", whole=True
-    )
+    most_cycles: int = count(200, 1, 100_000, "paper", "cycles of a stage at most without --cycles")
     represented_cycles: float = quantity(
         4e6,
         "",
@@ -262,19 +250,15 @@ class Scene:
         "how a wear is applied: in a single jump, as the paper does, in steps of a cycle each, "
         "or in steps only where the footprint is an arc",
     )
-    starts: int | None = quantity(
+    starts: int | None = count(
         None,
-        "",
         1,
         100,
         "chosen",
         "starts 1e-9 m apart, each through all stages on surfaces of its own: independent draws; "
         "none given: 4 where something wears, else 1",
-        whole=True,
     )
-    seed: int = quantity(
-        0, "", 0, 100_000, "chosen", "draws the starts anew, for an independent run", whole=True
-    )
+    seed: int = count(0, 0, 100_000, "chosen", "draws the starts anew, for an independent run")
     statuses: Mapping[str, str] = field(default_factory=dict, hash=False)
 
     def __post_init__(self) -> None:
@@ -328,18 +312,11 @@ class Scene:
     def linkage(self, worn: Mapping[str, tuple[Surface, Surface]] | None = None) -> Linkage:
         """The linkage of a stage; ``worn`` gives bearing and pin surface by joint name."""
         ideal = self.mechanism.linkage()
-        surfaces = worn or {}
-        opened = tuple(
-            self.bearings.joint(
-                joint,
-                self.conventions,
-                surfaces.get(joint.name, (Surface(), Surface())),
-                wear=self.bearings.wear_coefficient > 0.0,
-            )
-            for joint in ideal.revolutes
-            if joint.name in self.clearance_joints
+        surfaces = dict.fromkeys(self.clearance_joints, (Surface(), Surface())) | dict(worn or {})
+        joints = (joint for joint in ideal.revolutes if joint.name in self.clearance_joints)
+        return ideal.opened(
+            tuple(self.bearings.joint(j, self.conventions, surfaces[j.name]) for j in joints)
         )
-        return ideal.opened(opened)
 
     @property
     def solver(self) -> Engine:
@@ -390,9 +367,9 @@ class Scene:
             plain = dict(data)
             mechanism = dict(plain.pop("mechanism"))
             kind = mechanism.pop("kind")
-            Choice(tuple(_RESTORED), "").check("kind of mechanism", kind)
+            Choice(tuple(MECHANISMS), "").check("kind of mechanism", kind)
             scene = Scene(
-                mechanism=_RESTORED[kind](mechanism),
+                mechanism=MECHANISMS[kind].from_dict(mechanism),
                 bearings=Bearings(**plain.pop("bearings")),
                 conventions=Conventions(**plain.pop("conventions")),
                 numerics=_numerics(dict(plain.pop("numerics"))),

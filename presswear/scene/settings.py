@@ -34,8 +34,7 @@ class Setting:
         """Value, range and text in one line."""
         if isinstance(self.meaning, Choice):
             return f"{self.value}  ({' | '.join(self.meaning.words)})  {self.meaning.text}"
-        unit = f" {self.meaning.unit}" if self.meaning.unit else ""
-        value = "none" if self.value is None else f"{self.value:.6g}{unit}"
+        value = "none" if self.value is None else self.meaning.with_unit(f"{self.value:.6g}")
         return f"{value}  ({self.meaning.range_text()}; {self.meaning.status})  {self.meaning.text}"
 
 

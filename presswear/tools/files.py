@@ -12,7 +12,7 @@ PART = ".part"
 """Ending of a file that is being written."""
 
 
-def write_whole(path: Path, write: Callable[[BinaryIO], None]) -> None:
+def write_whole(path: Path, write: Callable[[BinaryIO], object]) -> None:
     """Write a file so that it is there whole or not at all, even when power fails.
 
     Raises
@@ -51,11 +51,7 @@ def _sync_folder(folder: Path) -> None:
 
 def write_bytes(path: Path, data: bytes) -> None:
     """Write bytes as ``write_whole`` does."""
-
-    def write(file: BinaryIO) -> None:
-        file.write(data)
-
-    write_whole(path, write)
+    write_whole(path, lambda file: file.write(data))
 
 
 def digest(data: bytes) -> str:

@@ -59,12 +59,6 @@ def is_free(path: Path) -> bool:
     return True
 
 
-def check_free(path: Path) -> None:
-    """InputError unless a folder can be begun in."""
-    if not is_free(path):
-        raise InputError(f"--out {path}: it exists and is not empty; name a new folder")
-
-
 def _unwritable(path: Path, error: OSError) -> InputError:
     return InputError(f"--out {path}: nothing can be written there: {error.strerror}")
 
@@ -97,15 +91,14 @@ class FolderLock:
     def _locked(self) -> IO[str]:
         for _ in range(_TRIES):
             file = (self.path / LOCK).open("a+", encoding="utf-8")
-            try:
-                _lock(file)
-            except OSError as error:
-                if error.errno in _BUSY:
-                    file.close()
-                    time.sleep(_PAUSE)
-                    continue
+            problem = _lock(file)
+            if problem in _BUSY:
+                file.close()
+                time.sleep(_PAUSE)
+                continue
+            if problem:
                 self.warning = (
-                    f"{self.path} is on a file system without locks ({error.strerror}): "
+                    f"{self.path} is on a file system without locks ({os.strerror(problem)}): "
                     "start no second run in it"
                 )
             # It may have been released, and removed, since it was opened.
@@ -140,17 +133,21 @@ class FolderLock:
         self._file.close()
 
 
-def _lock(file: IO[str]) -> None:
-    """Take the system's lock on a file; OSError where another has it or there is none."""
-    if sys.platform == "win32":
-        import msvcrt
+def _lock(file: IO[str]) -> int:
+    """Take the system's lock on a file; the number of the error where that fails, or 0."""
+    try:
+        if sys.platform == "win32":
+            import msvcrt
 
-        file.seek(1 << 30)  # behind the text, which others may read
-        msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
-        return
-    import fcntl
+            file.seek(1 << 30)  # behind the text, which others may read
+            msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
+        else:
+            import fcntl
 
-    fcntl.flock(file.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
+            fcntl.flock(file.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError as error:
+        return error.errno or errno.EIO
+    return 0
 
 
 def _is_same(path: Path, file: IO[str]) -> bool:
@@ -163,17 +160,10 @@ def _is_same(path: Path, file: IO[str]) -> bool:
 
 def holder(path: Path) -> str | None:
     """Who is at work in a folder, in words; None where nobody is."""
-    try:
-        with (path / LOCK).open("r+", encoding="utf-8") as file:
-            try:
-                _lock(file)
-            except OSError as error:
-                if error.errno not in _BUSY:
-                    return None
-                file.seek(0)
-                return file.readline().strip() or "another process"
-    except OSError:
-        pass
+    with suppress(OSError), (path / LOCK).open("r+", encoding="utf-8") as file:
+        if _lock(file) in _BUSY:
+            file.seek(0)
+            return file.readline().strip() or "another process"
     return None
 
 
@@ -186,7 +176,8 @@ def only_writer(path: Path) -> Iterator[None]:
     InputError
         Where the folder holds something, cannot be made, or somebody is at work in it.
     """
-    check_free(path)
+    if not is_free(path):
+        raise InputError(f"--out {path}: it exists and is not empty; name a new folder")
     lock = FolderLock(path)
     try:
         yield

@@ -3,12 +3,8 @@
 import math
 
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-
-
 _MOST_DECIMALS = 6
 """Decimals beyond which a mean is no longer written out to the digits of its interval."""
-
-
 _NOTHING = 1e-300
 """Below this the powers of ten that a number is divided by have no digits left."""
 

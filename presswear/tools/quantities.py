@@ -14,31 +14,19 @@ from typing import Any
 
 from presswear.tools.errors import InputError, nearest
 
-_UNITS: dict[str, dict[str, float]] = {
-    "m": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6},
-    "rad/s": {"rad/s": 1.0, "deg/s": math.pi / 180.0, "rpm": math.pi / 30.0},
-    "rad": {"rad": 1.0, "deg": math.pi / 180.0},
-    "kg": {"kg": 1.0, "g": 1e-3},
-    "kg m^2": {"kg m^2": 1.0, "kg m2": 1.0, "kgm^2": 1.0, "kgm2": 1.0},
-    "Pa": {"Pa": 1.0, "MPa": 1e6, "GPa": 1e9},
-    "1/Pa": {"1/Pa": 1.0, "/Pa": 1.0},
-    "m/s": {"m/s": 1.0, "mm/s": 1e-3},
-    "m/s^2": {"m/s^2": 1.0, "m/s2": 1.0},
-    "s": {"s": 1.0, "ms": 1e-3, "us": 1e-6},
+_UNITS: dict[str, tuple[str, dict[str, float]]] = {
+    "m": ("0.8mm", {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6}),
+    "rad/s": ("3.5pi rad/s", {"rad/s": 1.0, "deg/s": math.pi / 180.0, "rpm": math.pi / 30.0}),
+    "rad": ("30deg", {"rad": 1.0, "deg": math.pi / 180.0}),
+    "kg": ("0.1kg", {"kg": 1.0, "g": 1e-3}),
+    "kg m^2": ("1e-3kg m^2", dict.fromkeys(("kg m^2", "kg m2", "kgm^2", "kgm2"), 1.0)),
+    "Pa": ("200GPa", {"Pa": 1.0, "MPa": 1e6, "GPa": 1e9}),
+    "1/Pa": ("1.2e-15/Pa", {"1/Pa": 1.0, "/Pa": 1.0}),
+    "m/s": ("1mm/s", {"m/s": 1.0, "mm/s": 1e-3}),
+    "m/s^2": ("9.81m/s^2", {"m/s^2": 1.0, "m/s2": 1.0}),
+    "s": ("1ms", {"s": 1.0, "ms": 1e-3, "us": 1e-6}),
 }
-
-_EXAMPLE = {
-    "m": "0.8mm",
-    "rad/s": "3.5pi rad/s",
-    "rad": "30deg",
-    "kg": "0.1kg",
-    "kg m^2": "1e-3kg m^2",
-    "Pa": "200GPa",
-    "1/Pa": "1.2e-15/Pa",
-    "m/s": "1mm/s",
-    "m/s^2": "9.81m/s^2",
-    "s": "1ms",
-}
+"""An example and the known units of each dimension, by its SI unit, and their sizes in it."""
 
 _NUMBER = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(.*)$")
 
@@ -64,15 +52,18 @@ class Meaning:
     open_low: bool = False
     whole: bool = False
 
+    def with_unit(self, value: str) -> str:
+        """A value as text with the unit behind it."""
+        return f"{value} {self.unit}".rstrip()
+
     def range_text(self) -> str:
         """The allowed range as a person reads it, with the unit."""
-        unit = f" {self.unit}" if self.unit else ""
         if math.isinf(self.high) and math.isinf(self.low):
-            return f"any finite number{' in' if unit else ''}{unit}"
+            return self.with_unit(f"any finite number{' in' if self.unit else ''}")
         if math.isinf(self.high):
-            return f"{'above' if self.open_low else 'at least'} {_exact(self.low)}{unit}"
+            return self.with_unit(f"{'above' if self.open_low else 'at least'} {_exact(self.low)}")
         first = f"above {_exact(self.low)} up to" if self.open_low else f"{_exact(self.low)} to"
-        return f"{first} {_exact(self.high)}{unit}"
+        return self.with_unit(f"{first} {_exact(self.high)}")
 
     def check(self, name: str, value: Any) -> None:
         """Raise InputError unless the value is a finite number in range."""
@@ -87,12 +78,11 @@ class Meaning:
             value = math.inf if value > 0 else -math.inf
         fits = self.low < value <= self.high if self.open_low else self.low <= value <= self.high
         if not (math.isfinite(value) and fits):
-            unit = f" {self.unit}" if self.unit else ""
             shown = f"{value:g}"
             # What is outside by a hair must not be told as what is allowed.
             if self.low <= float(shown) <= self.high:
                 shown = f"{value!r}"
-            raise InputError(f"{name} = {shown}{unit}: allowed is {self.range_text()}")
+            raise InputError(f"{name} = {self.with_unit(shown)}: allowed is {self.range_text()}")
 
 
 def quantity(
@@ -109,6 +99,11 @@ def quantity(
     """A dataclass field that carries its meaning; a default of None may stay None."""
     meaning = Meaning(unit, low, high, status, text, open_low, whole)
     return field(default=default, metadata={"meaning": meaning})
+
+
+def count(default: int | None, low: int, high: int, status: str, text: str) -> Any:
+    """A dataclass field for a whole number without a unit."""
+    return quantity(default, "", low, high, status, text, whole=True)
 
 
 @dataclass(frozen=True)
@@ -190,7 +185,8 @@ def parse_quantity(name: str, text: str, meaning: Meaning) -> float | int:
     and a silent guess is worse than a question.
     """
     unit = meaning.unit
-    example = f", for instance {name}={_EXAMPLE[unit]!r}" if unit else ""
+    shown, sizes = _UNITS.get(unit, ("", {}))
+    example = f", for instance {name}={shown!r}" if unit else ""
     match = _NUMBER.match(text)
     if match is None:
         raise InputError(
@@ -208,11 +204,10 @@ def parse_quantity(name: str, text: str, meaning: Meaning) -> float | int:
         raise InputError(
             f"{name} = {text!r} has no unit{example}; allowed is {meaning.range_text()}"
         )
-    elif rest not in _UNITS[unit]:
-        known = ", ".join(_UNITS[unit])
-        raise InputError(f"{name} = {text!r}: unknown unit {rest!r}; known are {known}")
+    elif rest not in sizes:
+        raise InputError(f"{name} = {text!r}: unknown unit {rest!r}; known are {', '.join(sizes)}")
     else:
-        value *= _UNITS[unit][rest]
+        value *= sizes[rest]
     number: float | int = int(value) if meaning.whole and value.is_integer() else value
     meaning.check(name, number)
     return number

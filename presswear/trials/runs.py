@@ -53,8 +53,6 @@ class Check:
         Name of the figure.
     value : float
         Its size passes up to the bound.
-    bound : float or None
-    unit : str
     """
 
     quantity: str

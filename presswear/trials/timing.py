@@ -37,7 +37,6 @@ class Timing:
 
     Attributes
     ----------
-    name, model : str
     simulated : float
         Simulated time, s.
     steps, sent_back : int
@@ -104,10 +103,7 @@ def model_of(linkage: Linkage, engine: Engine) -> str:
 def time_runs(runs: Sequence[TimedRun], repeats: int, told: Told) -> tuple[Timing, ...]:
     """Run all in turn, as often as asked.
 
-    Raises
-    ------
-    RunFailed
-        Where a run fails, or a repeat takes other steps than the first.
+    RunFailed where a run fails, or a repeat takes other steps than the first.
     """
     found: dict[int, Timing] = {}
     for repeat in range(repeats):

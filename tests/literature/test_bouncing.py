@@ -1,17 +1,11 @@
 """Impacts in the engines: delivered restitution, duration, depth, and a bouncing ball."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
-from presswear.engines.base import Plan, Start
+from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import ExudynJoints, InHouse
-from presswear.linkage.laws import (
-    delivered_restitution,
-    greatest_penetration,
-    lankarani_nikravesh_damping,
-)
+from presswear.linkage.laws import delivered_restitution, lankarani_nikravesh_damping
 from presswear.trials.runs import order_of
 from presswear.trials.verify import references
 from presswear.trials.verify.verify import (
@@ -26,14 +20,21 @@ from presswear.trials.verify.verify import (
 PLAN = Plan(0.005, 1)
 
 
-@pytest.mark.parametrize("tolerance", [1e-11, 1e-12, 1e-13])
+def rebound(run: Run) -> float:
+    """Speed at which two free bodies part at the end of a run, m/s."""
+    return float(run.end.velocity[0] - run.end.velocity[3])
+
+
+@pytest.mark.parametrize(("tolerance", "bound"), [(1e-9, 5e-8), (1e-11, 1e-8), (1e-13, 1e-8)])
 @pytest.mark.parametrize(("nominal", "expected"), references.DELIVERED.items())
-def test_dae_delivers_the_closed_form(nominal: float, expected: float, tolerance: float) -> None:
+def test_dae_delivers_the_closed_form(
+    nominal: float, expected: float, tolerance: float, bound: float
+) -> None:
+    """Already at 1e-9, its default, the restitution is right to 5e-8."""
     impact = references.Impact(nominal)
     run = InHouse(integration_tolerance=tolerance).simulate(impact.linkage, impact.start, PLAN)
-    assert delivered(run, impact.speed) == pytest.approx(expected, abs=1e-8)
-    final = run.end.velocity[3] - run.end.velocity[0]
-    assert -final / impact.speed == pytest.approx(expected, abs=1e-8)
+    assert delivered(run, impact.speed) == pytest.approx(expected, abs=bound)
+    assert rebound(run) / impact.speed == pytest.approx(expected, abs=bound)
 
 
 def test_a_run_that_starts_on_the_touch_does_not_miss_it() -> None:
@@ -42,18 +43,7 @@ def test_a_run_that_starts_on_the_touch_does_not_miss_it() -> None:
     position[3] = impact.linkage.clearances[0].clearance
     start = Start(position, impact.start.velocity)
     run = InHouse(integration_tolerance=1e-11).simulate(impact.linkage, start, PLAN)
-    final = run.end.velocity[3] - run.end.velocity[0]
-    assert -final / impact.speed == pytest.approx(references.DELIVERED[0.9], abs=1e-8)
-
-
-@pytest.mark.parametrize(("nominal", "steps"), [(0.9, 50), (0.8, 100), (0.5, 100)])
-def test_exudyn_delivers_the_closed_form(nominal: float, steps: int) -> None:
-    """To 1e-4; below a nominal 0.9 that takes more than the default of 50 steps."""
-    impact = references.Impact(nominal)
-    accuracy = ExudynJoints(steps, 10, free_step=2e-5, newton=1e-10)
-    run = accuracy.simulate(impact.linkage, impact.start, PLAN)
-    expected = references.DELIVERED[nominal]
-    assert delivered(run, impact.speed) == pytest.approx(expected, abs=1e-4)
+    assert rebound(run) / impact.speed == pytest.approx(references.DELIVERED[0.9], abs=1e-8)
 
 
 def test_exudyn_delivers_to_second_order_in_the_step() -> None:
@@ -90,13 +80,6 @@ def test_depth_is_the_closed_form(nominal: float) -> None:
     assert deepest_penetration(run, impact.speed) == pytest.approx(impact.deepest, rel=1e-8)
 
 
-def test_default_tolerance_leaves_little() -> None:
-    """At 1e-9 the restitution is right to 5e-8."""
-    impact = references.Impact(0.9)
-    run = InHouse().simulate(impact.linkage, impact.start, PLAN)
-    assert delivered(run, impact.speed) == pytest.approx(references.DELIVERED[0.9], abs=5e-8)
-
-
 def test_ball_flies_as_thrown() -> None:
     """Every flight takes 2 v / g, with v the rebound speed before it."""
     ball = references.Ball(0.9)
@@ -119,30 +102,3 @@ def test_ball_rebounds_with_the_delivered_restitution(nominal: float) -> None:
     for bounce in range(4):
         limit = stiff_limit([ratios[1][bounce], ratios[2][bounce]], 10.0)
         assert limit == pytest.approx(expected, abs=5e-9)
-
-
-def test_elastic_ball_touches_for_the_hertz_time() -> None:
-    """Gravity adds about g t / v to it."""
-    ball = references.Ball(1.0)
-    deepest = greatest_penetration(0.1, ball.speed, ball.stiffness, 1.5, 0.0)
-    expected = references.HERTZ_DURATION * deepest / ball.speed
-    assert bounced(ball, 0.7).contacts[0] == pytest.approx(expected, rel=2e-5)
-
-
-@pytest.mark.parametrize("nominal", [0.9, 0.5])
-def test_ball_comes_to_rest_when_the_series_says(nominal: float) -> None:
-    """2 v0 / g / (1 - e') without the contact times.
-
-    Where gravity outlasts the impact a bounce gives back less, so that the sum of
-    all flights falls short by a part that vanishes with the contact time, K^(-2/5).
-    """
-    restitution = delivered_restitution(lankarani_nikravesh_damping(nominal))
-    ball = references.Ball(nominal)
-    total = 2.0 * ball.speed / ball.gravity / (1.0 - restitution)
-    sums = []
-    for stiffness in (1e10, 1e12):
-        seen = bounced(replace(ball, stiffness=stiffness), 1.02 * total)
-        sums.append(float(seen.flights.sum()) / total)
-    assert sums[0] < sums[1] < 1.0
-    assert sums[1] == pytest.approx(1.0, abs=2e-3)
-    assert 4.0 < (1.0 - sums[0]) / (1.0 - sums[1]) < 8.0

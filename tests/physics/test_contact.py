@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from two_bodies import JOINT, Pair, gap_of, placed, worn_joint
 
-from presswear.linkage.elements import GROUND, Attachment, ClearanceJoint, MapFrame
-from presswear.linkage.laws import FrictionLaw
+from presswear.linkage.elements import GROUND, Attachment, ClearanceJoint
 from presswear.physics.contact import direction_of, joint_end
 from presswear.physics.laws import FRICTION, ONSET_SPEED_FLOOR, friction_force, normal_force
 
@@ -19,7 +18,6 @@ Array = NDArray[np.float64]
 
 EPS = float(np.finfo(float).eps)
 NO_CENTRE = Attachment("pin", 0.0, 0.0)
-FRAMES: tuple[MapFrame, ...] = ("fixed", "body")
 NO_LOAD = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 joints = st.sampled_from([JOINT, worn_joint("fixed"), worn_joint("body")])
@@ -146,23 +144,6 @@ def test_rate_is_the_derivative_of_penetration(pair: Pair) -> None:
     assert contact.rate == pytest.approx((ahead - behind) / (2.0 * step), abs=tolerance)
 
 
-@pytest.mark.parametrize("frame", FRAMES)
-def test_wear_maps_follow_their_frame(frame: MapFrame) -> None:
-    joint = worn_joint(frame)
-    here = placed(joint, 0.0, 0.7, angles=(0.0, 0.0))
-    assert here.contact().penetration == pytest.approx(0.0, abs=8.0 * EPS)
-    # Both bodies turned about the pin's and the bearing's centres: only the maps may notice.
-    bearing_turned = placed(replace(joint, clearance=1e-3), 0.0, 0.7, angles=(0.9, 0.0))
-    gap = bearing_turned.contact().eccentricity - 1e-3
-    own = joint.bearing_surface(np.array([0.7 - (0.9 if frame == "body" else 0.0)]))[0]
-    other = joint.pin_surface(np.array([0.7]))[0]
-    assert gap == pytest.approx(own + other, abs=8.0 * EPS)
-    # The pin's body spins about the pin's own centre.
-    spinning = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 40.0])
-    pair = placed(replace(joint, pin=NO_CENTRE), 1e-6, 0.3, rates=spinning)
-    assert (pair.contact().rate != 0.0) == (frame == "body")
-
-
 def _knot_is_near(pair: Pair, span: float) -> bool:
     """Whether the contact crosses the centre of a bin within so many radians."""
     count = pair.packed.surfaces.shape[2]
@@ -226,24 +207,6 @@ def test_first_step_of_a_contact_uses_its_own_rate() -> None:
     slow.v[3] = 1e-9
     floored = elastic * (1.0 + 0.1425 * 1e-9 / ONSET_SPEED_FLOOR)
     assert slow.load(0.0).normal == pytest.approx(floored, rel=1e-8)
-
-
-def test_without_friction_the_force_is_central() -> None:
-    smooth = replace(JOINT, friction=FrictionLaw())
-    load = placed(smooth, 1e-5, 0.5, rates=np.array([0.1, 0.0, 50.0, 0.0, 0.3, -40.0])).load(90.0)
-    assert load.normal > 0.0
-    assert load.tangential == 0.0
-    assert math.atan2(-load.y, -load.x) == pytest.approx(0.5, abs=1e-11)
-
-
-def test_joint_end_on_the_frame_and_on_a_body() -> None:
-    end = joint_end(-1, 0.3, -0.4, np.full(3, 7.0), np.full(3, 9.0))
-    assert end == (0.3, -0.4, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    q = np.array([9.0, 9.0, 9.0, 1.0, 2.0, 0.5 * math.pi])
-    v = np.array([9.0, 9.0, 9.0, 0.1, 0.2, 3.0])
-    end = joint_end(3, 0.5, 0.25, q, v)
-    expected = (0.75, 2.5, 0.1 - 3.0 * 0.5, 0.2 - 3.0 * 0.25, -0.25, 0.5, 0.5 * math.pi, 3.0)
-    assert tuple(end) == pytest.approx(expected, rel=1e-14)
 
 
 @given(st.floats(-1e-4, 1e-4), directions, rates(1.0, 30.0))

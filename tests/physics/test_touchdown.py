@@ -127,32 +127,19 @@ def _meeting(stiffness: float, exponent: float = 1.5) -> Records:
     return joint
 
 
-@pytest.mark.parametrize("speed", [1e-4, 0.01, 0.3, 5.0])
-def test_contact_step_divides_a_hertz_impact(speed: float) -> None:
-    stiffness = 1.25e10
-    deepest = (5.0 * MASS * speed**2 / (4.0 * stiffness)) ** 0.4
-    duration = 2.9432751843 * deepest / speed
-    step = contact_step(_meeting(stiffness), 0.0, speed, PARTS)
-    # Half a period at the deepest point's tangent stiffness: pi sqrt(8 / 15) against 2.943.
-    expected = math.pi * math.sqrt(8.0 / 15.0) / 2.9432751843
-    assert step * PARTS / duration == pytest.approx(expected, rel=1e-9)
-
-
-def test_contact_step_of_a_linear_spring_is_exact() -> None:
-    half_period = math.pi * math.sqrt(MASS / 1e6)
-    for depth, rate in ((0.0, 0.3), (1e-4, 0.0), (5e-5, -0.1)):
-        step = contact_step(_meeting(1e6, 1.0), depth, rate, PARTS)
-        assert step == pytest.approx(half_period / PARTS, rel=1e-12)
-
-
-@given(st.floats(1e-9, 1e-5), st.floats(-1.0, 1.0), st.floats(1.0, 2.5))
-def test_contact_step_depends_on_energy_alone(depth: float, rate: float, exponent: float) -> None:
+@given(
+    st.floats(0.0, 1e-5), st.floats(1e-4, 5.0), st.sampled_from([-1.0, 1.0]), st.floats(1.0, 2.5)
+)
+def test_contact_step_divides_half_a_period_at_the_deepest_point(
+    depth: float, speed: float, sign: float, exponent: float
+) -> None:
+    """It depends on the energy alone; 1.5 % longer than a Hertz impact, exact for a spring."""
     stiffness = 1e10
-    energy = 0.5 * MASS * rate**2 + stiffness * depth ** (exponent + 1.0) / (exponent + 1.0)
+    energy = 0.5 * MASS * speed**2 + stiffness * depth ** (exponent + 1.0) / (exponent + 1.0)
     deepest = ((exponent + 1.0) * energy / stiffness) ** (1.0 / (exponent + 1.0))
-    joint = _meeting(stiffness, exponent)
-    here = contact_step(joint, depth, rate, PARTS)
-    assert here == pytest.approx(contact_step(joint, deepest, 0.0, PARTS), rel=1e-9)
+    tangent = exponent * stiffness * deepest ** (exponent - 1.0)
+    step = contact_step(_meeting(stiffness, exponent), depth, sign * speed, PARTS)
+    assert step == pytest.approx(math.pi * math.sqrt(MASS / tangent) / PARTS, rel=1e-9)
 
 
 def test_contact_step_without_energy_or_give_sets_no_limit() -> None:

@@ -80,6 +80,7 @@ def test_the_script_runs_and_its_study_can_be_gone_on_with(
     assert [v.key for v, result in results_of(study, folder) if result is None] == []
     page = (folder / "report.html").read_text()
     assert page.count("<figure>") == 1
+    assert "a wear stands for 0.1 million" in page
     assert all(variant.label in page for variant in study.variants)
     assert main(["run", "runaway", "--resume", "--out", str(folder)]) == 0
     assert (folder / "report.html").read_text() == page

@@ -43,18 +43,15 @@ def test_every_altered_byte_of_a_sealed_document_is_found(tmp_path: Path) -> Non
     ],
 )
 def test_no_damaged_json_is_read(text: bytes, says: str, tmp_path: Path) -> None:
+    for nothing in (tmp_path, tmp_path / "none"):
+        with pytest.raises(InputError, match="it is missing"):
+            read_json(nothing, "it is missing", 1)
     file = tmp_path / "some.json"
     file.write_bytes(text)
     with pytest.raises(InputError, match=says) as refused:
         read_json(file, "", 1)
     assert "some.json" in str(refused.value)
     assert len(str(refused.value)) < 300
-
-
-def test_what_is_not_there_is_told_in_given_words(tmp_path: Path) -> None:
-    for path in (tmp_path, tmp_path / "none"):
-        with pytest.raises(InputError, match="it is missing"):
-            read_json(path, "it is missing", 1)
 
 
 def test_plain_data_can_be_stored_and_read(tmp_path: Path) -> None:

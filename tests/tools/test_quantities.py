@@ -1,6 +1,7 @@
 """Typed values: units, ranges and what is refused."""
 
 import math
+import re
 from dataclasses import dataclass, fields, replace
 
 import pytest
@@ -73,16 +74,14 @@ def test_reads(text: str, unit: str, value: float) -> None:
 
 
 @pytest.mark.parametrize("unit", UNITS)
-def test_a_number_without_its_unit_is_refused_with_an_example_that_works(unit: str) -> None:
+def test_a_number_without_a_known_unit_is_refused_with_what_works(unit: str) -> None:
     with pytest.raises(InputError, match="has no unit") as refusal:
         _read("1.5", unit)
     example_text = str(refusal.value).split("key='")[1].split("'")[0]
     assert math.isfinite(_read(example_text, unit))
-
-
-@pytest.mark.parametrize("unit", UNITS)
-def test_an_unknown_unit_is_refused_and_the_known_are_listed(unit: str) -> None:
-    with pytest.raises(InputError, match="unknown unit 'furlong'; known are"):
+    with pytest.raises(
+        InputError, match=f"unknown unit 'furlong'; known are (.*, )?{re.escape(unit)}"
+    ):
         _read("1.5 furlong", unit)
 
 
@@ -109,6 +108,7 @@ def test_an_unknown_unit_is_refused_and_the_known_are_listed(unit: str) -> None:
         ("0.3m", ""),
         ("--1", ""),
         ("0_8mm", "m"),
+        ("0.8m m", "m"),  # not 0.8 mm
         ("٣m", "m"),
         ("１", ""),
     ],
@@ -119,42 +119,23 @@ def test_refuses(text: str, unit: str) -> None:
     assert "\n" not in str(refusal.value)
 
 
-def test_a_unit_torn_apart_is_no_unit() -> None:
-    """0.8 m m is not 0.8 mm."""
-    with pytest.raises(InputError, match="unknown unit"):
-        _read("0.8m m", "m")
-
-
-@pytest.mark.parametrize("text", ["3", "3.0", "3e0", " 3 "])
-def test_whole_numbers(text: str) -> None:
-    value = _read(text, "", whole=True)
-    assert value == 3
-    assert isinstance(value, int)
-
-
-@pytest.mark.parametrize("text", ["3.5", "1e999", "-1e-9"])
-def test_parts_are_no_whole_numbers(text: str) -> None:
-    with pytest.raises(InputError, match="a whole number is expected"):
-        _read(text, "", whole=True)
+def test_whole_numbers() -> None:
+    for text in ("3", "3.0", "3e0", " 3 "):
+        value = _read(text, "", whole=True)
+        assert value == 3
+        assert isinstance(value, int)
+    for text in ("3.5", "1e999", "-1e-9"):
+        with pytest.raises(InputError, match="a whole number is expected"):
+            _read(text, "", whole=True)
 
 
 @pytest.mark.parametrize(
     ("meaning", "inside", "outside", "said"),
     [
         (Meaning("m", 0.0, 1.0, "", ""), ["0m", "1m"], ["-1um", "1.1m"], "0 to 1 m"),
-        (
-            Meaning("m", 0.0, 1.0, "", "", open_low=True),
-            ["1e-300m", "1m"],
-            ["0m", "-0m", "2m"],
-            "above 0 up to 1 m",
-        ),
+        (Meaning("m", 0.0, 1.0, "", "", True), ["1e-9m", "1m"], ["0m", "2m"], "above 0 up to 1 m"),
         (Meaning("", 2.0, math.inf, "", ""), ["2", "1e300"], ["1.999"], "at least 2"),
-        (
-            Meaning("s", 0.0, math.inf, "", "", open_low=True),
-            ["1us"],
-            ["0s"],
-            "above 0 s",
-        ),
+        (Meaning("s", 0.0, math.inf, "", "", True), ["1us"], ["0s"], "above 0 s"),
     ],
 )
 def test_ranges(meaning: Meaning, inside: list[str], outside: list[str], said: str) -> None:
@@ -167,28 +148,31 @@ def test_ranges(meaning: Meaning, inside: list[str], outside: list[str], said: s
 
 def test_a_range_is_told_so_that_its_ends_can_be_typed() -> None:
     meaning = Meaning("rad/s", 0.1 * math.pi, 40.0 * math.pi, "", "")
-    low, high = meaning.range_text().removesuffix(" rad/s").split(" to ")
-    for end in (low, high):
+    for end in meaning.range_text().removesuffix(" rad/s").split(" to "):
         parse_quantity("key", f"{end} rad/s", meaning)
-
-
-def test_a_value_outside_by_a_hair_is_not_told_as_one_inside() -> None:
-    with pytest.raises(InputError, match=r"key = 0\.80000000000000\d+: allowed is 0 to 0\.8"):
-        Meaning("", 0.0, 0.8, "", "").check("key", math.nextafter(0.8, 1.0))
-
-
-def test_a_whole_number_beyond_all_floats_is_refused() -> None:
-    for number, shown in ((10**400, "inf"), (-(10**400), "-inf")):
-        with pytest.raises(InputError, match=f"key = {shown}: allowed is 1 to 5"):
-            Meaning("", 1, 5, "", "", whole=True).check("key", number)
-
-
-def test_any_finite_number_still_has_to_be_finite() -> None:
     assert _any("").range_text() == "any finite number"
     assert _any("m").range_text() == "any finite number in m"
-    for value in (math.nan, math.inf, -math.inf):
-        with pytest.raises(InputError, match="any finite number"):
-            _any("m").check("key", value)
+
+
+@pytest.mark.parametrize(
+    ("meaning", "value", "says"),
+    [
+        # What is outside by a hair is not told as one inside.
+        (
+            Meaning("", 0.0, 0.8, "", ""),
+            math.nextafter(0.8, 1.0),
+            r"0\.80000000000000\d+: allowed is 0 to 0\.8",
+        ),
+        # A whole number beyond all floats.
+        (Meaning("", 1, 5, "", "", whole=True), 10**400, "inf: allowed is 1 to 5"),
+        (Meaning("", 1, 5, "", "", whole=True), -(10**400), "-inf: allowed is 1 to 5"),
+        (Meaning("", 1, 5, "", "", whole=True), True, "True: a whole number is expected"),
+        *((_any("m"), value, ".*any finite number") for value in (math.nan, math.inf, -math.inf)),
+    ],
+)
+def test_a_value_out_of_range_is_told_as_it_is(meaning: Meaning, value: float, says: str) -> None:
+    with pytest.raises(InputError, match=f"^key = {says}"):
+        meaning.check("key", value)
 
 
 texts = st.text(max_size=30) | st.from_regex(

@@ -16,7 +16,7 @@ from presswear.engines.settings import ExudynJoints, InHouse
 from presswear.scene.catalog import scene_named
 from presswear.tools.errors import InputError, RunFailed
 from presswear.trials.costs import study as costs_study
-from presswear.trials.costs.equal_work import FIXED_STEP, check_fixed, equal_work, fixed_steps
+from presswear.trials.costs.equal_work import FIXED, FIXED_STEP, check_fixed, equal_work
 from presswear.trials.costs.features import SWITCHES, deepest, plan_of, timed_run, wear_once
 from presswear.trials.costs.profile import call_costs, profile, record
 from presswear.trials.costs.study import Costs, CostsExtent, store, study
@@ -102,7 +102,7 @@ def test_engines_are_complete_and_compared_with_fixed_steps(found: Costs) -> Non
 
 def test_fixed_steps_are_all_of_one_length() -> None:
     plan = Plan(3e-3, 1, 1, torques=False)
-    timed = replace(timed_run("fixed", JOINTS, 1.0), engine=fixed_steps(), plan=plan)
+    timed = replace(timed_run("fixed", JOINTS, 1.0), engine=FIXED, plan=plan)
     rows = timed.run().recorder.book.record
     assert int(rows["steps"][0]) == 3001  # the start is one
     timing = time_runs([timed], 1, silent)[0]

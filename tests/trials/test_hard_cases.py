@@ -59,7 +59,7 @@ def test_a_law_that_is_off_misses(monkeypatch: pytest.MonkeyPatch) -> None:
     assert not next(iter(bodies.strikes(TIGHT, 8e-4, 1e-6, 1e-10, 0.9))).passed
     monkeypatch.setattr(bodies, "FRICTION", FrictionLaw(0.1001, 1e-4, 1e-3))
     linkage, start = block(0.0, GRAVITY, FrictionLaw(0.1, 1e-4, 1e-3), 0.0)
-    monkeypatch.setattr(bodies, "block", lambda *arguments: (linkage, start))
+    monkeypatch.setattr(bodies, "on_incline", lambda *arguments: (linkage, start))
     assert not next(iter(bodies.creeps(TIGHT, 0.05))).passed
 
 

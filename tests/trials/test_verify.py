@@ -13,10 +13,9 @@ from presswear.trials.verify.verify import Verified, impact_rows, stiff_limit, v
 
 
 def test_row_passes_up_to_its_bound() -> None:
-    assert Verified("x", 1.0, 1.25, 0.25).passed
-    assert Verified("x", 1.0, 0.75, 0.25).passed
-    assert not Verified("x", 1.0, 1.2500001, 0.25).passed
-    assert not Verified("x", 1.0, math.nan, 0.25).passed
+    assert Verified.of("x", 1.0, 0.75, 0.25).passed
+    assert not Verified.of("x", 1.0, 1.2500001, 0.25).passed
+    assert not Verified.of("x", 1.0, math.nan, 0.25).passed
 
 
 def test_limit() -> None:
@@ -27,15 +26,15 @@ def test_limit() -> None:
 def test_everything_is_within_its_bound() -> None:
     told: list[tuple[str, float]] = []
     rows = verify(lambda name, part: told.append((name, part)))
-    assert [row.name for row in rows if not row.passed] == []
-    assert len({row.name for row in rows}) == len(rows) == 20
+    assert [row.quantity for row in rows if not row.passed] == []
+    assert len({row.quantity for row in rows}) == len(rows) == 20
     assert [part for _, part in told] == sorted(part for _, part in told)
     assert told[-1] == ("done", 1.0)
 
 
 def test_a_worse_engine_misses(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "TIGHT", InHouse("rk4", equal_step=5e-6))
-    missed = [row.name for row in impact_rows() if not row.passed]
+    missed = [row.quantity for row in impact_rows() if not row.passed]
     assert "restitution, nominal 0.9, dae" in missed
     assert "restitution, nominal 0.9, Exudyn, 50 steps" not in missed
 
@@ -45,14 +44,14 @@ def test_the_command_prints_a_table_that_fits_and_fails_on_a_miss(
 ) -> None:
     monkeypatch.setenv("COLUMNS", "100")
     name = "restitution, nominal 0.8, Exudyn, 100 steps"
-    rows = [Verified(name, -15.75637105984, -15.756371, 1e-3)]
+    rows = [Verified.of(name, -15.75637105984, -15.756371, 1e-3)]
     monkeypatch.setattr(module, "GROUPS", {"one": lambda: iter(rows)})
     assert main(["verify"]) == 0
     out = capsys.readouterr().out
     for words in (name, "-15.7563711", "pass", "1 of 1"):
         assert words in out
     assert max(len(line.rstrip()) for line in out.splitlines()) <= 100
-    rows.append(Verified("bad", 1.0, 2.0, 0.1))
+    rows.append(Verified.of("bad", 1.0, 2.0, 0.1))
     assert main(["verify"]) == 1
     out = capsys.readouterr().out
     assert "MISS" in out

@@ -25,7 +25,7 @@ class Comparison:
         As ``Evidence`` names it.
     over, under : tuple of Place
         Numerators and denominators, as many of each; one of each for a difference.
-    expected : {"more", "less", "same"}
+    expected
         Change of the second against the first.
     """
 
@@ -63,7 +63,6 @@ class Claim:
         Section and figure.
     quote : str
         The paper's words, shortened.
-    parts : tuple of Comparison
     note : str
         How the words were read, or what is odd about them.
     """
@@ -121,9 +120,20 @@ def a_grows_more(*pairs: tuple[tuple[str, int], tuple[str, int]]) -> tuple[Compa
 FIRST_WEARS = ((WEAR, 1), (WEAR, 2), (FRICTION, 1), (HIGH_FRICTION, 1), (SLOW, 1), (FAST, 1))
 """Settings and wears whose depths the paper shows."""
 STAGE_NOT_SAID = "The paper does not say before or after which wear; both are compared."
-A_DEEPER = "Deepest wear."
 C_WIDER = "Worn is where the depth is at least 5 % of the deepest."
 FREQUENCY = "Amplitude: peak acceleration; frequency: contacts in a second."
+
+
+def _a_deeper_c_wider(where: str, of: str, *stages: tuple[str, int]) -> tuple[Claim, Claim]:
+    """The same two sentences, with one word or another, on each picture of depths."""
+    pairs = c_and_a(*stages)
+    deeper = f"the wear degree {of} clearance A is more serious"
+    wider = f"but the wear range {of} clearance C is wider"
+    return (
+        Claim(where, deeper, more("depth", pairs), "Deepest wear."),
+        Claim(where, wider, more("range", pairs, "less"), C_WIDER),
+    )
+
 
 CLAIMS: tuple[Claim, ...] = (
     Claim(
@@ -144,18 +154,7 @@ CLAIMS: tuple[Claim, ...] = (
         more("added_depth", by_wear(JOINTS, 1, 2)),
         "Read as: the second wear adds more than the first did.",
     ),
-    Claim(
-        "5.3.1, Fig. 8",
-        "the wear degree of clearance A is more serious",
-        more("depth", c_and_a((WEAR, 1), (WEAR, 2))),
-        A_DEEPER,
-    ),
-    Claim(
-        "5.3.1, Fig. 8",
-        "but the wear range of clearance C is wider",
-        more("range", c_and_a((WEAR, 1), (WEAR, 2)), "less"),
-        C_WIDER,
-    ),
+    *_a_deeper_c_wider("5.3.1, Fig. 8", "of", (WEAR, 1), (WEAR, 2)),
     Claim(
         "5.3.1, Fig. 9, 10",
         "non-uniform wear occurs on the surface of shaft and bearing, and the second wear is more "
@@ -173,18 +172,7 @@ CLAIMS: tuple[Claim, ...] = (
         "the wear depth at the friction coefficient of 0.05 is much greater than that of 0.1",
         more("depth", by_friction(JOINTS, 1), "less"),
     ),
-    Claim(
-        "5.3.2, Fig. 11",
-        "the wear degree of clearance A is more serious",
-        more("depth", c_and_a((FRICTION, 1), (HIGH_FRICTION, 1))),
-        A_DEEPER,
-    ),
-    Claim(
-        "5.3.2, Fig. 11",
-        "but the wear range of clearance C is wider",
-        more("range", c_and_a((FRICTION, 1), (HIGH_FRICTION, 1)), "less"),
-        C_WIDER,
-    ),
+    *_a_deeper_c_wider("5.3.2, Fig. 11", "of", (FRICTION, 1), (HIGH_FRICTION, 1)),
     Claim(
         "5.3.2, Fig. 12, 13",
         "the smaller the friction coefficient is, the more serious the non-uniform wear of shaft "
@@ -206,18 +194,7 @@ CLAIMS: tuple[Claim, ...] = (
         "the angle of peak [at C] increases from 310.3° to 312.8°",
         more("angle", by_speed(("C",), 1)),
     ),
-    Claim(
-        "5.3.3, Fig. 14",
-        "the wear degree at clearance A is more serious",
-        more("depth", c_and_a((SLOW, 1), (FAST, 1))),
-        A_DEEPER,
-    ),
-    Claim(
-        "5.3.3, Fig. 14",
-        "but the wear range at clearance C is wider",
-        more("range", c_and_a((SLOW, 1), (FAST, 1)), "less"),
-        C_WIDER,
-    ),
+    *_a_deeper_c_wider("5.3.3, Fig. 14", "at", (SLOW, 1), (FAST, 1)),
     Claim(
         "5.3.3, Fig. 15, 16",
         "the higher the driving velocities, the more serious the non-uniform wear",

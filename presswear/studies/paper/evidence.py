@@ -19,7 +19,7 @@ from presswear.record.sampling import (
     resampled,
 )
 from presswear.results.result import Result
-from presswear.results.stage import StageResult
+from presswear.results.stage import SIDES, StageResult
 from presswear.studies.paper.printed import Place
 from presswear.studies.paper.variants import variant_key
 
@@ -254,7 +254,12 @@ def _drawn(result: Result, joint: str, stages: range) -> tuple[Array, Array, int
     turns = result.scene.conventions.map_frame == "body"
     pools = []
     for stage in stages:
-        maps, weights = _batches(result.stages[stage].arrays, joint)
+        arrays = result.stages[stage].arrays
+        maps, weights = arrays[f"{joint}_wear_batches"], arrays["wear_batch_cycles"]
+        if not len(maps):
+            # Too few cycles for batches: the wear is one.
+            sides = [arrays[f"{joint}_wear_{side}"] for side in SIDES]
+            maps, weights = np.stack(sides)[np.newaxis], np.ones(1)
         pools.append((maps if turns else maps.sum(axis=1, keepdims=True), weights))
     shape = pools[0][0].shape[1:]
     mean = sum((np.tensordot(w / w.sum(), m, 1) for m, w in pools), np.zeros(shape))
@@ -263,15 +268,3 @@ def _drawn(result: Result, joint: str, stages: range) -> tuple[Array, Array, int
         np.zeros((1, mean.size)),
     )
     return mean, draws.reshape(-1, *shape), min(len(m) for m, _ in pools)
-
-
-def _batches(arrays: Mapping[str, Array], joint: str) -> tuple[Array, Array]:
-    """Depth of one wear by batches, (n, 2, m), and the cycles in each, (n,).
-
-    Where there are no batches, of too few cycles, the wear is one.
-    """
-    own = arrays[f"{joint}_wear_batches"]
-    if len(own):
-        return own, arrays["wear_batch_cycles"]
-    whole = np.stack([arrays[f"{joint}_wear_bearing"], arrays[f"{joint}_wear_pin"]])
-    return whole[np.newaxis], np.ones(1)

@@ -55,7 +55,6 @@ class Printed:
     ----------
     section, figure : str
         Where it stands, and the number of the figure that shows it.
-    place : Place
     quantity : str
         As ``Evidence`` names it: ``depth`` is of both surfaces, after all wears so far.
     value : float

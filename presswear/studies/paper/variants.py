@@ -119,14 +119,12 @@ class PaperCase:
 
     Attributes
     ----------
-    key, label : str
     settings : tuple of str
         Keys of SETTINGS.
     change : callable
         Scene -> Scene.
     wears : int
         Most wears.
-    starts : int
     coarser : float
         The wear maps are known so many times worse than asked for.
     """
@@ -183,24 +181,24 @@ def base_scene(setting: str, change: Change = unchanged) -> Scene:
     return change(replace(scene, tolerance=TOLERANCE, numerics=numerics))
 
 
-def _variant(case: PaperCase, setting: str, change: Change) -> Variant:
-    scene = base_scene(setting, change)
-    scene = replace(
-        scene,
-        tolerance=min(scene.tolerance * case.coarser, 1.0),
-        wears=min(scene.wears, case.wears),
-        starts=case.starts,
-    )
-    label = f"{case.label}, {SETTINGS[setting].label}"
-    return Variant(variant_key(case.key, setting), label, case.change(scene))
-
-
 def make(change: Change = unchanged) -> Study:
     """The study ``paper``, its settings changed by a person."""
+    variants = []
+    for case in CASES:
+        for setting in case.settings:
+            scene = base_scene(setting, change)
+            scene = replace(
+                scene,
+                tolerance=min(scene.tolerance * case.coarser, 1.0),
+                wears=min(scene.wears, case.wears),
+                starts=case.starts,
+            )
+            label = f"{case.label}, {SETTINGS[setting].label}"
+            variants.append(Variant(variant_key(case.key, setting), label, case.change(scene)))
     return Study(
         "paper",
         "Chen, Tang and Gao's worn press, computed again",
         "Which numbers and claims of the paper hold when every contact is resolved and every "
         "peak is known for the draw that it is?",
-        tuple(_variant(case, setting, change) for case in CASES for setting in case.settings),
+        tuple(variants),
     )

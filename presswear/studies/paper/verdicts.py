@@ -44,19 +44,19 @@ def ratio(over: Sequence[Measured], under: Sequence[Measured]) -> Measured:
     The method of variance estimates recovery on logarithms (Donner and Zou, Statistical
     Methods in Medical Research 21, 2012, 347).
     """
+
+    def logs(value: float, ends: Ends) -> Ends:
+        """Distances from a value to the ends of its interval, as logarithms."""
+        below = math.log(value / ends[0]) if ends[0] > 0.0 else math.inf
+        return below, math.log(max(ends[1] / value, 1.0))
+
     value = math.prod(m.value for m in over) / math.prod(m.value for m in under)
-    above, below = ([_logs(m.value, m.ends) for m in some if m.ends] for some in (over, under))
+    above, below = ([logs(m.value, m.ends) for m in some if m.ends] for some in (over, under))
     if len(above) + len(below) < len(over) + len(under):
         return Measured(value, None)
     down = math.hypot(*(low for low, _ in above), *(high for _, high in below))
     up = math.hypot(*(high for _, high in above), *(low for low, _ in below))
     return Measured(value, (value * math.exp(-down), value * math.exp(up)))
-
-
-def _logs(value: float, ends: Ends) -> Ends:
-    """Distances from a value to the ends of its interval, as logarithms."""
-    below = math.log(value / ends[0]) if ends[0] > 0.0 else math.inf
-    return below, math.log(max(ends[1] / value, 1.0))
 
 
 def difference(over: Measured, under: Measured, is_angle: bool) -> Measured:

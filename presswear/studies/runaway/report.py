@@ -14,12 +14,13 @@ from presswear.results.stage import SIDES
 from presswear.show.figures.style import MICRONS, REFERENCE, SETTINGS, WIDTH, Drawing, Sheet
 from presswear.show.report.page import illustrate, render_page
 from presswear.show.report.parts import Table
-from presswear.studies.runaway.variants import CYCLES
+from presswear.studies.paper.printed import shown_in
+from presswear.studies.runaway.variants import CYCLES, RUNAWAY
 from presswear.tools.files import write_bytes
 
-RUNAWAY = 10.0
-"""A second wear that adds so many times the depth of the first has run away."""
-PRINTED = (1.221e-6, 1.178e-3)
+PRINTED = tuple(
+    one.value for one in shown_in(8) if (one.quantity, one.place.joint) == ("depth", "A")
+)
 """The paper's deepest wear at A after the first and the second wear, m; the first may have
 lost a factor of ten in print."""
 
@@ -40,7 +41,7 @@ _CAPTION = (
 _NOTES = (
     f"A wear runs away here when the second adds more than {RUNAWAY:g} times the depth of "
     f"the first. Each run has {CYCLES} cycles unless the row or the command says "
-    "otherwise; a wear stands for 4 million. Depths scatter by some tens of per cent "
+    "otherwise; a wear stands for {million:g} million. Depths scatter by some tens of per cent "
     "between runs: the motion is chaotic, and the deepest bin of a map is its noisiest. "
     "Forces are means over cycles of the peak in each stage, unworn first.",
     "Each row's own result folder is beside this file; presswear report FOLDER/ROW draws "
@@ -140,8 +141,7 @@ def answer(outcomes: Sequence[TwoWears], clearance: float) -> str:
         return "No variant reached its second wear: nothing can be said."
     parts = []
     if calm:
-        growths = [o.growth for o in calm]
-        deepest = max(o.deepest for o in calm)
+        growths, deepest = [o.growth for o in calm], max(o.deepest for o in calm)
         parts.append(
             f"Under {len(calm)} of {len(calm + away)} readings that can be computed the second "
             f"wear does not run away: it adds {min(growths):.2g} to {max(growths):.2g} times the "
@@ -194,7 +194,8 @@ def draw_wears(outcomes: Sequence[TwoWears], clearance: float) -> Drawing:
 def write_report(study: Study, folder: Path) -> tuple[str, Path]:
     """Write ``report.html`` and the figure into the study's folder; returns answer and path."""
     outcomes = [read_wears(variant, result) for variant, result in results_of(study, folder)]
-    clearance = study.variants[0].scene.bearings.clearance
+    scene = study.variants[0].scene
+    clearance, million = scene.bearings.clearance, 1e-6 * scene.represented_cycles
     sentence = answer(outcomes, clearance)
     with matplotlib.rc_context(SETTINGS):
         drawing = draw_wears(outcomes, clearance)
@@ -205,7 +206,7 @@ def write_report(study: Study, folder: Path) -> tuple[str, Path]:
         answer=sentence,
         outcomes=Table(_HEAD, (("", tuple(outcome.row() for outcome in outcomes)),)),
         figures=[illustrate(drawing, folder)],
-        notes=_NOTES,
+        notes=[note.format(million=million) for note in _NOTES],
     )
     path = folder / "report.html"
     write_bytes(path, text.encode())

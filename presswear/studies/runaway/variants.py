@@ -12,6 +12,8 @@ from presswear.scene.catalog import wear_times
 from presswear.scene.scene import CONVENTIONS
 from presswear.scene.settings import changed
 
+RUNAWAY = 10.0
+"""A second wear that adds so many times the depth of the first has run away."""
 CYCLES = 5
 """Cycles of each run: of wear maps and totals, some per cent to a few tens of per cent."""
 

@@ -19,7 +19,7 @@ from presswear.trials.timing import TimedRun, Timing, time_runs
 
 WARM_UP_PART = 0.05
 """Part of a run's time that is run beforehand and thrown away."""
-CLEARANCES = (("none", "none"), ("A", "A"), ("C", "C"), ("A and C", "AC"))
+CLEARANCES = {"none": "none", "A": "A", "C": "C", "A and C": "AC"}
 """Name of a row, and the scene's word for it."""
 SWITCHES = (
     ("friction", "no friction", "the scene"),
@@ -36,8 +36,6 @@ class FeatureRow:
 
     Attributes
     ----------
-    feature, state : str
-    timing : Timing
     step_ratio, wall_ratio : float
         Wall time per attempted step and per simulated second, parts of those of the run with
         the feature off.
@@ -117,12 +115,12 @@ def clearance_rows(scene: Scene, cycles: float, repeats: int, told: Told) -> tup
     """Time a scene with neither, one and both of its joints open, in the engine it names."""
     runs = [
         timed_run(f"clearance {state}", replace(scene, joints=joints), cycles)
-        for state, joints in CLEARANCES
+        for state, joints in CLEARANCES.items()
     ]
     timings = _timed(runs, repeats, told)
     return tuple(
         FeatureRow.of("clearance", state, timing, timings[0])
-        for (state, _), timing in zip(CLEARANCES, timings, strict=True)
+        for state, timing in zip(CLEARANCES, timings, strict=True)
     )
 
 

@@ -69,14 +69,8 @@ class Costs:
 
     Attributes
     ----------
-    scene : Scene
-    provenance : Provenance
-    processor : str
-    extent : CostsExtent
     deepest : dict
         Deepest wear of each joint on the worn surfaces, bearing and pin together, m.
-    features : tuple of FeatureTable
-    engines : EqualWork
     profiles : dict of Profile
         Those of the open tree, ``unworn`` and ``worn``.
     """
@@ -94,31 +88,27 @@ class Costs:
 def study(scene: Scene, extent: CostsExtent, told: Told) -> Costs:
     """Measure what the features of a scene cost, how engines compare, where time goes.
 
-    Raises
-    ------
-    RunFailed
-        Where a run fails.
+    RunFailed where a run fails.
     """
     parts, source = parts_of(told, _SECTIONS), provenance()
     told("wear of the worn surfaces", 0.0)
     worn = wear_once(scene, extent.wear_cycles)
     tree, joints = (replace(scene, engine=each.word) for each in (ExudynTree, ExudynJoints))
-    cycles, repeats = extent.tree_cycles, extent.repeats
+    many, repeats = (extent.tree_cycles, extent.repeats), extent.repeats
     few = extent.joints_cycles, extent.joints_repeats
-    halves = (part_of(parts["joints"], start, 0.5) for start in (0.0, 0.5))
+    first, second = (part_of(parts["joints"], start, 0.5) for start in (0.0, 0.5))
     features = (
         FeatureTable(
             "Clearance, in the model that Exudyn gets for each",
-            clearance_rows(scene, cycles, repeats, parts["chosen"]),
+            clearance_rows(scene, *many, parts["chosen"]),
         ),
         FeatureTable(
             "Features, clearance at A and C, open tree",
-            switched_rows(tree, worn, cycles, repeats, parts["tree"]),
+            switched_rows(tree, worn, *many, parts["tree"]),
         ),
         FeatureTable(
             "Features, bodies and joints",
-            clearance_rows(joints, *few, next(halves))
-            + switched_rows(joints, worn, *few, next(halves)),
+            clearance_rows(joints, *few, first) + switched_rows(joints, worn, *few, second),
         ),
     )
     engines = equal_work(scene, extent.equal_time, repeats, parts["engines"])

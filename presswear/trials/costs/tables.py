@@ -7,6 +7,7 @@ from presswear.trials.costs.equal_work import FIXED_STEP, REFERENCE, WANTED, Equ
 from presswear.trials.costs.features import FeatureTable
 from presswear.trials.costs.profile import LARGEST_PYTHON_SHARE, Profile
 from presswear.trials.costs.study import Costs
+from presswear.trials.timing import Timing
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,11 @@ def _fixed(value: float, digits: int) -> str:
     return f"{round(value, digits) + 0.0:.{digits}f}"
 
 
+def _ends(timing: Timing, unit: float) -> str:
+    """Least and greatest wall time, in parts of a time, s."""
+    return "{:.2f}..{:.2f}".format(*(wall / unit for wall in timing.ends))
+
+
 def _features(table: FeatureTable, simulated: float, surfaces: str) -> TextTable:
     repeats = len(table.rows[0].timing.walls)
     sentences = [
@@ -39,29 +45,21 @@ def _features(table: FeatureTable, simulated: float, surfaces: str) -> TextTable
     ]
     if any(row.feature == "worn surfaces" for row in table.rows):
         sentences.append(surfaces)
-    rows = []
-    for row in table.rows:
-        timing = row.timing
-        low, high = (1e6 * wall / timing.attempts for wall in timing.ends)
-        rows.append(
-            (
-                f"{row.feature}: {row.state}",
-                timing.model,
-                _fixed(timing.per_second, 3),
-                _fixed(1e6 * timing.per_step, 2),
-                f"{low:.2f}..{high:.2f}",
-                _fixed(timing.attempts / timing.simulated, 0),
-                _fixed(row.step_ratio, 3),
-                _fixed(row.wall_ratio, 2),
-            )
+    rows = tuple(
+        (
+            f"{row.feature}: {row.state}",
+            row.timing.model,
+            _fixed(row.timing.per_second, 3),
+            _fixed(1e6 * row.timing.per_step, 2),
+            _ends(row.timing, 1e-6 * row.timing.attempts),
+            _fixed(row.timing.attempts / row.timing.simulated, 0),
+            _fixed(row.step_ratio, 3),
+            _fixed(row.wall_ratio, 2),
         )
-    return TextTable(
-        table.title,
-        ("feature", "model"),
-        ("s/s", "us/step", "min..max", "steps/s", "ratio/step", "ratio/s"),
-        tuple(rows),
-        tuple(sentences),
+        for row in table.rows
     )
+    numbers = ("s/s", "us/step", "min..max", "steps/s", "ratio/step", "ratio/s")
+    return TextTable(table.title, ("feature", "model"), numbers, rows, tuple(sentences))
 
 
 def _engines(work: EqualWork) -> TextTable:
@@ -73,7 +71,7 @@ def _engines(work: EqualWork) -> TextTable:
             f"{row.slider_error:.1e}",
             f"{row.touchdown_error:.1e}",
             _fixed(row.timing.per_second, 3),
-            "{:.2f}..{:.2f}".format(*(wall / row.timing.simulated for wall in row.timing.ends)),
+            _ends(row.timing, row.timing.simulated),
             _fixed(row.faster, 1),
         )
         for row in work.rows
@@ -101,21 +99,13 @@ def _engines(work: EqualWork) -> TextTable:
 
 def _profiles(profiles: Mapping[str, Profile]) -> TextTable:
     found = list(profiles.values())
-    rows = tuple(
-        (
-            parts[0].name,
-            parts[0].kind,
-            *(
-                cell
-                for each, part in zip(found, parts, strict=True)
-                for cell in (
-                    _fixed(1e6 * part.seconds / each.timing.attempts, 2),
-                    _fixed(100.0 * part.share, 1),
-                )
-            ),
-        )
-        for parts in zip(*(each.parts for each in found), strict=True)
-    )
+    rows = []
+    for parts in zip(*(each.parts for each in found), strict=True):
+        cells = [parts[0].name, parts[0].kind]
+        for each, part in zip(found, parts, strict=True):
+            cells.append(_fixed(1e6 * part.seconds / each.timing.attempts, 2))
+            cells.append(_fixed(100.0 * part.share, 1))
+        rows.append(tuple(cells))
     sentences = [
         f"{found[0].timing.simulated:.3g} s simulated; medians of {len(found[0].timing.walls)}. "
         "Kernels were timed in compiled loops on the states of the run, clocks around Python's "
@@ -132,9 +122,8 @@ def _profiles(profiles: Mapping[str, Profile]) -> TextTable:
             f"{100.0 * LARGEST_PYTHON_SHARE:.0f} %."
         )
     columns = tuple(column for name in profiles for column in (f"{name}, us/step", "%"))
-    return TextTable(
-        "Where the time of the open tree goes", ("stage", "in"), columns, rows, tuple(sentences)
-    )
+    title = "Where the time of the open tree goes"
+    return TextTable(title, ("stage", "in"), columns, tuple(rows), tuple(sentences))
 
 
 def tables_of(costs: Costs) -> tuple[TextTable, ...]:

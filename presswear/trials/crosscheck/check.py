@@ -8,8 +8,9 @@ touchdowns and forces are compared one by one; beyond it only means over cycles 
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -23,7 +24,6 @@ from presswear.record.sampling import Estimate, estimate
 from presswear.record.tracker import Telling
 from presswear.results.provenance import provenance
 from presswear.scene.scene import Scene
-from presswear.tools.errors import InputError
 from presswear.trials.crosscheck.traces import (
     Difference,
     Touchdown,
@@ -36,6 +36,7 @@ from presswear.trials.crosscheck.traces import (
     velocity_difference,
 )
 from presswear.trials.runs import Check, Told, finished, order_of
+from presswear.trials.stored import as_plain
 
 Array = NDArray[np.float64]
 
@@ -86,7 +87,6 @@ class Crosscheck:
         s.
     parted : bool
         True where the trajectories parted at the horizon; else it is where the runs end.
-    checks : tuple of Check
     touchdowns : tuple of Touchdown
         Those of the reference, up to the horizon.
     differences : tuple of Difference
@@ -139,11 +139,8 @@ class _Runner:
     told: Told
 
     def run(self, word: str, start: Start, engine: Engine, plan: Plan) -> Run:
-        def told(part: float) -> None:
-            self.told(word, part)
-
-        told(0.0)
-        plan = replace(plan, trackers=(Telling(told),))
+        self.told(word, 0.0)
+        plan = replace(plan, trackers=(Telling(partial(self.told, word)),))
         return finished(engine.simulate(self.linkage, start, plan))
 
     def trace(self, word: str, start: Start, engine: Engine, end: float) -> Trace:
@@ -167,11 +164,10 @@ def exudyn_of(scene: Scene) -> dict[str, ExudynTree | ExudynJoints]:
     period = scene.mechanism.period
     engine = scene.solver.over(period)
     if isinstance(engine, ExudynTree):
-        tolerances = [engine.tree_tolerance / parts for parts in TOLERANCE_PARTS]
-        return {
-            f"Exudyn's tree at {tolerance:g}": replace(engine, tree_tolerance=tolerance)
-            for tolerance in tolerances
-        }
+        trees = [
+            replace(engine, tree_tolerance=engine.tree_tolerance / part) for part in TOLERANCE_PARTS
+        ]
+        return {f"Exudyn's tree at {tree.tree_tolerance:g}": tree for tree in trees}
     return {
         "Exudyn" if n == 1 else f"Exudyn, steps / {n}": finer(scene.numerics.joints, period, n)
         for n in FINENESS
@@ -179,44 +175,33 @@ def exudyn_of(scene: Scene) -> dict[str, ExudynTree | ExudynJoints]:
 
 
 def check_engines(scene: Scene, duration: float | None, told: Told) -> Crosscheck:
-    """Run and compare both engines on the unworn linkage of a scene.
+    """Run and compare both engines on a scene's unworn linkage; RunFailed if one finds no way on.
 
     Parameters
     ----------
     duration : float or None
         Longest time over which trajectories are compared, s; None: one cycle.
-
-    Raises
-    ------
-    RunFailed
-        Where an engine finds no way on.
     """
     end = scene.mechanism.period if duration is None else duration
-    if not (math.isfinite(end) and end > 0.0):
-        raise InputError(f"duration = {end:g} s: a time above 0 is expected")
     linkage, start = scene.linkage(), start_of(scene)
     runner = _Runner(linkage, told)
     precise = InHouse(integration_tolerance=REFERENCE_TOLERANCE)
     other_start = disturbed(linkage, start, DISTURBANCE)
-    found, differences = None, []
+    found, curves = None, []
     if other_start is not None:
         calm = runner.trace("dae", start, precise, end)
         moved = runner.trace("dae, disturbed", other_start, precise, end)
         found = parting_time(calm, moved, GROWTH * DISTURBANCE)
         label = f"in-house, start moved by {DISTURBANCE:g} m"
-        differences.append(slider_difference(label, calm, moved))
+        curves.append(slider_difference(label, calm, moved))
     horizon, parted = (end, False) if found is None else (found, True)
     reference = runner.trace("dae to the horizon", start, precise, horizon)
     first = reference.touchdowns[:FIRST_TOUCHDOWNS]
     engines = exudyn_of(scene)
-    traces = [runner.trace(word, start, engine, horizon) for word, engine in engines.items()]
-    curves = [
-        slider_difference(word, reference, trace)
-        for word, trace in zip(engines, traces, strict=True)
-    ]
-    differences += curves
+    traces = {word: runner.trace(word, start, own, horizon) for word, own in engines.items()}
+    curves += [slider_difference(word, reference, trace) for word, trace in traces.items()]
     is_tree = isinstance(next(iter(engines.values())), ExudynTree)
-    checks = _exudyn_checks(is_tree, reference, traces, curves, horizon)
+    checks = _exudyn_checks(is_tree, reference, traces, horizon)
     if parted:
         checks += _reported("disturbed start", reference, moved, horizon)
     if first:
@@ -237,24 +222,21 @@ def check_engines(scene: Scene, duration: float | None, told: Told) -> Crosschec
         parted,
         tuple(checks),
         reference.touchdowns,
-        tuple(differences),
+        tuple(curves),
         tuple(engines),
         statistics,
     )
 
 
 def _exudyn_checks(
-    is_tree: bool,
-    reference: Trace,
-    traces: Sequence[Trace],
-    curves: Sequence[Difference],
-    horizon: float,
+    is_tree: bool, reference: Trace, traces: Mapping[str, Trace], horizon: float
 ) -> list[Check]:
     """Check Exudyn, ever finer, against the reference up to the horizon."""
     first = reference.touchdowns[:FIRST_TOUCHDOWNS]
-    apart = [touchdown_differences(first, trace.touchdowns) for trace in traces]
-    finest, curve = traces[-1], curves[-1]
-    name, distance = curve.label, curve.slider
+    apart = [touchdown_differences(first, trace.touchdowns) for trace in traces.values()]
+    curves = [slider_difference(name, reference, trace) for name, trace in traces.items()]
+    name, finest = list(traces.items())[-1]
+    distance = curves[-1].slider
     checks = [Check(f"{name}: slider", float(distance.max()), SLIDER_BOUND, "m")]
     if first:
         last = first[-1].time
@@ -270,15 +252,14 @@ def _exudyn_checks(
             *_reported(name, reference, finest, horizon),
         ]
         if is_tree:
-            early = float(distance[curve.time <= last].max())
+            early = float(distance[curves[-1].time <= last].max())
             words = f"{name}: slider to touch {len(first)}"
             checks.append(Check(words, early, TREE_SLIDER_BOUND, "m"))
     if not is_tree:
-        errors = (
-            [float(np.sqrt(np.mean(own[:, 0] ** 2))) for own in apart]
-            if first
-            else [float(own.slider.max()) for own in curves]
-        )
+        # Where nothing touches, the slider's distance has the order.
+        errors = [float(own.slider.max()) for own in curves]
+        if first:
+            errors = [float(np.sqrt(np.mean(own[:, 0] ** 2))) for own in apart]
         order = -order_of(FINENESS, errors)
         words = f"Exudyn's order {order:.2f}, from 2"
         checks.append(Check(words, abs(order - ORDER), ORDER_BOUND))
@@ -304,7 +285,14 @@ def _check_means(scene: Scene, start: Start, runner: _Runner) -> tuple[list[Chec
     """Check means over cycles of both engines: their 95 % intervals must overlap."""
     cycles = CYCLES if scene.cycles is None else scene.cycles
     plan = Plan(scene.mechanism.period, cycles, recorded_cycles=1)
-    quantities = mean_quantities(scene)
+    # Name in a recorder's cycles, joint, and unit.
+    quantities: dict[str, tuple[str, int | None, str]] = {
+        "greatest slider velocity": ("velocity_max", None, "m/s"),
+        "greatest slider acceleration": ("acceleration_max", None, "m/s^2"),
+    }
+    for k, joint in enumerate(scene.clearance_joints):
+        quantities[f"peak force in {joint}"] = ("force_max", k, "N")
+        quantities[f"dose of wear in {joint}"] = ("dose", k, "N m")
     means: dict[str, dict[str, Estimate]] = {}
     exudyn = next(iter(exudyn_of(scene).values()))
     for word, engine in (("dae", scene.numerics.dae), ("Exudyn", exudyn)):
@@ -316,26 +304,8 @@ def _check_means(scene: Scene, start: Start, runner: _Runner) -> tuple[list[Chec
     checks = []
     for quantity, (*_, unit) in quantities.items():
         one, other = (found[quantity] for found in means.values())
-        # One cycle alone has no interval.
-        bound = (
-            None
-            if one.half_width is None or other.half_width is None
-            else one.half_width + other.half_width
-        )
+        bound = None  # one cycle alone has no interval
+        if one.half_width is not None and other.half_width is not None:
+            bound = one.half_width + other.half_width
         checks.append(Check(f"mean {quantity}", abs(one.mean - other.mean), bound, unit))
-    return checks, {
-        word: {quantity: asdict(mean) for quantity, mean in found.items()}
-        for word, found in means.items()
-    }
-
-
-def mean_quantities(scene: Scene) -> dict[str, tuple[str, int | None, str]]:
-    """Quantities whose means are compared: name in a recorder's cycles, joint, and unit."""
-    found: dict[str, tuple[str, int | None, str]] = {
-        "greatest slider velocity": ("velocity_max", None, "m/s"),
-        "greatest slider acceleration": ("acceleration_max", None, "m/s^2"),
-    }
-    for k, joint in enumerate(scene.linkage().clearances):
-        found[f"peak force in {joint.name}"] = ("force_max", k, "N")
-        found[f"dose of wear in {joint.name}"] = ("dose", k, "N m")
-    return found
+    return checks, as_plain(means)

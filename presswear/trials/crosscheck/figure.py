@@ -10,15 +10,9 @@ BEYOND = 1.5
 _COLOURS = ("#56B4E9", "#0072B2", "#009E73", "#E69F00", "#D55E00")
 
 
+@matplotlib.rc_context(SETTINGS)
 def draw_differences(outcome: Crosscheck) -> Drawing:
     """Draw the slider's distance from the reference over time, on a logarithmic scale."""
-    with matplotlib.rc_context(SETTINGS):
-        sheet = _sheet(outcome)
-    title = "Distance of the engines from the in-house reference"
-    return Drawing("difference.png", title, "", sheet)
-
-
-def _sheet(outcome: Crosscheck) -> Sheet:
     sheet = Sheet(figsize=(WIDTH, 3.6), layout="constrained")
     axes = sheet.subplots()
     end = max(float(curve.time[-1]) for curve in outcome.differences)
@@ -45,4 +39,5 @@ def _sheet(outcome: Crosscheck) -> Sheet:
     axes.set_xlabel("time (s)")
     axes.set_ylabel("distance of the slider from the\nin-house reference (m)")
     sheet.legend(loc="outside upper center", ncols=3)
-    return sheet
+    title = "Distance of the engines from the in-house reference"
+    return Drawing("difference.png", title, "", sheet)

@@ -27,7 +27,6 @@ class Touchdown:
 
     Attributes
     ----------
-    joint : int
     time : float
         s.
     closing_speed : float

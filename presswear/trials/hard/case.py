@@ -4,6 +4,7 @@ import re
 import time as clock
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from presswear.linkage.elements import Linkage
 from presswear.tools.errors import InputError, RunFailed
 from presswear.trials.runs import Check, finished, missing_energy
 
+Verdict = Literal["pass", "MISS", "refused"]
 ENERGY = {"dae": 1e-6, "exudyn-tree": 1e-6, "exudyn-joints": 1e-4}
 """Energy that may be missing after a run, part of what the drives exchanged.
 
@@ -30,7 +32,6 @@ class HardCase:
     ----------
     name, hard : str
         Its name, and why it is hard.
-    engine : str
     checks : callable
         Runs it; yields its checks.
     refusal : str
@@ -56,7 +57,6 @@ class HardOutcome:
     ----------
     check : Check or None
         None where there is no figure: a refusal, or a run that did not end well.
-    verdict : {"pass", "MISS", "refused"}
     message : str
         Words of a refusal, or on what went wrong.
     seconds : float
@@ -65,7 +65,7 @@ class HardOutcome:
 
     case: HardCase
     check: Check | None
-    verdict: str
+    verdict: Verdict
     message: str
     seconds: float
 
@@ -74,7 +74,7 @@ def outcomes(case: HardCase) -> Iterator[HardOutcome]:
     """Run a case; whatever it does, every figure and every way to end gives an outcome."""
     began = clock.perf_counter()
 
-    def told(check: Check | None, verdict: str, message: str = "") -> HardOutcome:
+    def told(check: Check | None, verdict: Verdict, message: str = "") -> HardOutcome:
         nonlocal began
         seconds, began = clock.perf_counter() - began, clock.perf_counter()
         return HardOutcome(case, check, verdict, message, seconds)

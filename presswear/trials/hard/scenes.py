@@ -1,7 +1,11 @@
-"""Hard cases of the press: laws and sizes at the ends of their ranges, worn profiles, toggles."""
+"""Hard cases of the press: laws and sizes at the ends of their ranges, worn profiles, toggles.
+
+Over many cycles constraints, energy and memory must not drift.
+"""
 
 import math
 import re
+import resource
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
@@ -16,6 +20,8 @@ from presswear.engines.base import Run, Start
 from presswear.linkage.press import Press
 from presswear.linkage.slider_crank import SliderCrank
 from presswear.linkage.surface import Surface, bin_centres
+from presswear.record.recorder import Recorder
+from presswear.record.tracker import Tracker
 from presswear.scene.catalog import slider_crank, wear_times
 from presswear.scene.scene import CONVENTIONS, Scene
 from presswear.tools.errors import InputError
@@ -44,6 +50,16 @@ MADE = 0.5
 """Energy that radial contact may make, part of what the drives exchange.
 
 Beyond that the law drives the press as much as the drives do, and the run means nothing.
+"""
+FAST = 40.0 * math.pi
+"""Crank speed of the many cycles, rad/s: a cycle takes 50 ms and some hundred contacts."""
+LONGEST = 1200.0
+"""Wall time that many cycles may take, s."""
+GROWTH = 20.0
+"""Most that the error of the constraints may grow over ten times the cycles.
+
+Crank angles count on, 6 rad a cycle, and their round-off with them: the error grows ten
+times, from 5e-12 m after ten cycles.  What feeds on itself grows a hundred times or more.
 """
 WORN_PATIENCE = 20.0
 """Wall time after which a run on worn surfaces counts as hung, s; others take up to 8."""
@@ -114,6 +130,7 @@ def law_cases() -> Iterator[HardCase]:
     for joint in "AC":
         alone = replace(BASE, joints=joint)
         yield from in_both(f"clearance at {joint} alone", "closed loops", alone)
+    yield from in_both("c -> 0", "the ideal joint is a limit, and a stiff one", BASE, approach)
 
 
 def slider_distance(scene: Scene, clearance: float) -> float:
@@ -136,11 +153,6 @@ def approach(scene: Scene) -> Iterator[Check]:
     yield Check("distance left at c = 1 nm (m)", least, 2e-6)
     yield Check("order of the distance from the ideal press in c, less 1", order - 1.0, 0.1)
     yield Check("distance / c at c = 1 um", distances[-1] / CLEARANCES[-1], 10.0)
-
-
-def approach_cases() -> Iterator[HardCase]:
-    """Clearance towards nothing."""
-    yield from in_both("c -> 0", "the ideal joint is a limit, and a stiff one", BASE, approach)
 
 
 def profiles() -> dict[str, tuple[str, Surface, Surface]]:
@@ -265,6 +277,53 @@ def toggle_cases() -> Iterator[HardCase]:
     yield from in_both("rod as long as the crank", "the rod stands upright", flat)
 
 
+class _Memory(Tracker):
+    """Notes the peak memory of the process after each cycle, MB."""
+
+    def __init__(self) -> None:
+        self.sizes: list[float] = []
+
+    def cycle(self, recorder: Recorder, state: object) -> bool:
+        """Note the memory; it never ends the run."""
+        self.sizes.append(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0)
+        return False
+
+
+def many_cycles(scene: Scene, cycles: int) -> tuple[Run, float]:
+    """Run many cycles, and see by how much the process grew after a tenth of them, MB."""
+    memory, period = _Memory(), scene.mechanism.period
+    plan = guarded(period, cycles, LONGEST)
+    plan = replace(plan, trackers=(*plan.trackers, memory))
+    run = ran(scene.linkage(), start_of(scene), scene.solver.over(period), plan)
+    return run, memory.sizes[-1] - memory.sizes[cycles // 10]
+
+
+def drifts(cycles: int, scene: Scene) -> Iterator[Check]:
+    """Compare many cycles with a tenth of them."""
+    engine = scene.solver.word
+    first, _ = many_cycles(scene, cycles // 10)
+    run, grown = many_cycles(scene, cycles)
+    yield energy_of(run, engine)
+    yield Check("cycles missing", cycles - len(run.recorder.cycles), 0.0)
+    yield Check("memory grown (MB)", grown, 8.0)
+    if engine == "dae":
+        early, late = (float(r.diagnostics["constraint_error_m"]) for r in (first, run))
+        yield Check("greatest |Phi| / clearance", late / scene.bearings.clearance, 1e-5)
+        yield Check("|Phi| over that of a tenth of the cycles", late / early, GROWTH)
+    early, late = (abs(float(r.diagnostics["energy_residual_J"])) for r in (first, run))
+    exchanged = float(run.diagnostics["drive_exchange_J"])
+    per_cycle = (late / 10.0 - early) / (exchanged / 10.0)
+    yield Check("residual a cycle, growth / exchanged", per_cycle, 1e-8)
+
+
+def drift_cases() -> Iterator[HardCase]:
+    """A hundred cycles, and 2,000."""
+    fast = turning(FAST)
+    for cycles, long in ((100, False), (2000, True)):
+        name = f"{cycles:,} cycles at 40 pi"
+        yield from in_both(name, "errors add up", fast, partial(drifts, cycles), long=long)
+
+
 def refused(make: Callable[[], object]) -> Iterator[Check]:
     """Make something that must be refused."""
     make()
@@ -300,6 +359,6 @@ def refusal_cases() -> Iterator[HardCase]:
 
 def scene_cases() -> Iterator[HardCase]:
     """All hard cases of the press."""
-    for cases in (law_cases, approach_cases, profile_cases, start_cases, toggle_cases):
+    makers = law_cases, profile_cases, start_cases, toggle_cases, refusal_cases, drift_cases
+    for cases in makers:
         yield from cases()
-    yield from refusal_cases()

@@ -6,8 +6,8 @@ less than a run's own scatter.
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import partial
 from statistics import median
 
@@ -19,13 +19,11 @@ from presswear.engines.base import Plan, Run
 from presswear.record.sampling import Estimate, half_width, map_batches, map_errors
 from presswear.record.tracker import Telling
 from presswear.scene.scene import Scene
-from presswear.tools.errors import InputError, RunFailed
-from presswear.trials.precision.extent import PrecisionExtent
+from presswear.tools.errors import RunFailed
 from presswear.trials.precision.growth import Parting, measure_growth
-from presswear.trials.precision.methods import Method, by_family, finest, statistics_methods
+from presswear.trials.precision.methods import Method, finest, grouped, statistics_methods
 from presswear.trials.precision.statistic import (
     Draws,
-    Names,
     StepError,
     honest_cycles,
     is_for_wear,
@@ -53,8 +51,8 @@ class ChaosExtent:
         Those of each method.
     reference : int
         So many times the starts for the finest method.
-    methods : callable
-        Picks from the methods.
+    few : mapping or None
+        Steps or tolerances that are run, by family; None: all of all.
     """
 
     pairs: int
@@ -62,21 +60,15 @@ class ChaosExtent:
     starts: int
     cycles: int
     reference: int = 3
-    methods: Callable[[Method], bool] = lambda method: True
+    few: Mapping[str, tuple[float, ...]] | None = None
 
 
-_FEW = {
+FEW = {
     "exudyn-tree, DOPRI5": (1e-4, 1e-6),
     "dae, DOPRI5": (1e-3, 1e-4, 1e-5, 1e-7),
     "dae, RK4": (1e-4, 5e-5),
 }
-
-
-def _is_cheap(method: Method) -> bool:
-    return method.value in _FEW.get(method.family, ())
-
-
-QUICK = ChaosExtent(pairs=2, duration=2, starts=2, cycles=26, reference=2, methods=_is_cheap)
+QUICK = ChaosExtent(pairs=2, duration=2, starts=2, cycles=26, reference=2, few=FEW)
 FULL = ChaosExtent(pairs=6, duration=3, starts=4, cycles=30)
 
 
@@ -114,6 +106,19 @@ class StatisticPoint:
         """Median wall time per simulated second; nan where nothing was timed."""
         return median(self.rates) if self.rates else math.nan
 
+    def and_run(self, run: Run) -> "StatisticPoint":
+        """The point with what a further run took, and with how it failed."""
+        told, failed = run.diagnostics, run.status == "failed"
+        rate = float(told["wall_solve_s"]) / run.time if not failed else math.nan
+        return replace(
+            self,
+            rates=self.rates if failed else (*self.rates, rate),
+            warm_up=self.warm_up if self.rates else float(told["wall_compile_s"]),
+            simulated=self.simulated + run.time,
+            steps=self.steps + int(told["steps"]),
+            failure=f"start {len(self.rates) + 1}: {run.message}" if failed else "",
+        )
+
 
 @dataclass(frozen=True)
 class Chaos:
@@ -123,10 +128,8 @@ class Chaos:
     ----------
     growths : tuple of Parting
         One a pair of starts.
-    reference : StatisticPoint
-        The finest method, with more cycles than the others.
-    points : tuple of StatisticPoint
-        The methods, each compared with the reference.
+    reference, points : StatisticPoint, tuple of StatisticPoint
+        The finest method, with more cycles than the others, which are compared with it.
     stage_cycles : int
         Cycles that a stage of the scene takes until its wear maps are known to the scene's
         tolerance.
@@ -159,8 +162,8 @@ class Chaos:
 
     def is_honest_in(self, point: StatisticPoint, name: str) -> bool:
         """True where a step error is not seen, and must be below a stage's sampling error."""
-        is_seen = point.step_errors[name].is_seen
-        return not is_seen and self.honest_cycles(point, name) >= self.stage_cycles
+        enough = self.honest_cycles(point, name) >= self.stage_cycles
+        return enough and not point.step_errors[name].is_seen
 
     def is_honest(self, point: StatisticPoint) -> bool:
         """True where a method has the statistics right that count for wear in a stage."""
@@ -175,98 +178,56 @@ class Chaos:
     @property
     def families(self) -> dict[str, list[StatisticPoint]]:
         """Points of each curve, from coarse to fine, failures included."""
-        return by_family(self.points)
-
-
-@dataclass
-class _Gathered:
-    """Numbers that the runs of a method have given so far; large series are not kept."""
-
-    method: Method
-    names: Names
-    runs: int = 0
-    draws: Draws = Draws((), ())
-    rates: tuple[float, ...] = ()
-    warm_up: float = 0.0
-    simulated: float = 0.0
-    steps: int = 0
-    failure: str = ""
-
-    def add(self, run: Run) -> None:
-        """File a run."""
-        self.runs += 1
-        if self.runs == 1:
-            self.warm_up = float(run.diagnostics["wall_compile_s"])
-        self.simulated += run.time
-        self.steps += int(run.diagnostics["steps"])
-        if run.status == "failed":
-            self.failure = f"start {self.runs}: {run.message}"
-            return
-        self.rates += (float(run.diagnostics["wall_solve_s"]) / run.time,)
-        self.draws = self.draws.and_of(run.recorder, self.names)
-
-    def point(self, reference: Draws) -> StatisticPoint:
-        """The method's point."""
-        known = not self.failure
-        return StatisticPoint(
-            self.method,
-            self.rates,
-            self.warm_up,
-            self.simulated,
-            self.steps,
-            statistics_of(self.names, self.draws) if known else {},
-            step_errors(self.names, self.draws, reference) if known else {},
-            self.failure,
-        )
-
-
-def measure(scene: Scene, extent: PrecisionExtent, told: Told) -> Chaos:
-    """Follow a scene beyond the horizon, quick or in full; see ``follow``."""
-    return follow(scene, QUICK if extent.quick else FULL, told)
+        return grouped(self.points)
 
 
 def follow(scene: Scene, extent: ChaosExtent, told: Told) -> Chaos:
     """Run a scene's unworn linkage with each method, start by start in turn.
 
-    Raises
-    ------
-    InputError
-        Where the scene has no clearance joint.
-    RunFailed
-        Where the finest method fails.
+    RunFailed where the finest method fails.
     """
-    if not scene.clearance_joints:
-        raise InputError(f"scene {scene.name}: without a clearance joint nothing is chaotic")
     growing = part_of(told, 0.0, _GROWTH_SHARE)
     growths = measure_growth(scene, extent.duration, extent.pairs, growing)
     linkage, period = scene.linkage(), scene.mechanism.period
-    names = names_of(linkage)
-    reference = _Gathered(finest(scene), names)
-    methods = [_Gathered(own, names) for own in statistics_methods(scene) if extent.methods(own)]
+    names, few = names_of(linkage), extent.few
+    methods = [
+        own
+        for own in statistics_methods(scene)
+        if few is None or own.value in few.get(own.family, ())
+    ]
+    points = [StatisticPoint(method) for method in (*methods, finest(scene))]
+    draws = [Draws((), ()) for _ in points]
     # In turn, so that a slow minute of the machine is shared by all.  The finest method has
     # starts of its own: where it is among the others as well, it is held against other draws.
-    tasks = [(gathered, start) for start in range(extent.starts) for gathered in methods]
-    own = range(extent.starts, (1 + extent.reference) * extent.starts)
-    tasks += [(reference, start) for start in own]
+    tasks = [(start, k) for start in range(extent.starts) for k in range(len(methods))]
+    own_starts = range(extent.starts, (1 + extent.reference) * extent.starts)
+    tasks += [(start, len(methods)) for start in own_starts]
     share = (1.0 - _GROWTH_SHARE) / len(tasks)
-    for done, (gathered, start) in enumerate(tasks):
-        if gathered.failure:
+    for done, (start, k) in enumerate(tasks):
+        if points[k].failure:
             continue
-        method = gathered.method
+        method = points[k].method
         tell = partial(part_of(told, _GROWTH_SHARE + share * done, share), method.label)
         tell(0.0)
-        plan = Plan(
-            period, extent.cycles, recorded_cycles=1, torques=False, trackers=(Telling(tell),)
+        plan = Plan(period, extent.cycles, 1, torques=False, trackers=(Telling(tell),))
+        run = method.engine.simulate(linkage, start_of(scene, start), plan)
+        points[k] = points[k].and_run(run)
+        if not points[k].failure:
+            # Of a run its numbers a cycle are kept, not its large series.
+            draws[k] = draws[k].and_of(run.recorder, names)
+    if points[-1].failure:
+        raise RunFailed(f"{points[-1].method.label}: {points[-1].failure}")
+    known = [
+        point
+        if point.failure
+        else replace(
+            point,
+            statistics=statistics_of(names, own),
+            step_errors=step_errors(names, own, draws[-1]),
         )
-        gathered.add(method.engine.simulate(linkage, start_of(scene, start), plan))
-    if reference.failure:
-        raise RunFailed(f"{reference.method.label}: {reference.failure}")
-    return Chaos(
-        growths,
-        reference.point(reference.draws),
-        tuple(gathered.point(reference.draws) for gathered in methods),
-        stage_cycles(scene, reference.draws),
-    )
+        for point, own in zip(points, draws, strict=True)
+    ]
+    return Chaos(growths, known[-1], tuple(known[:-1]), stage_cycles(scene, draws[-1]))
 
 
 def stage_cycles(scene: Scene, reference: Draws) -> int:

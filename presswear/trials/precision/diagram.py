@@ -14,7 +14,7 @@ import numpy as np
 from presswear.engines.base import Plan, Run, Start
 from presswear.linkage.elements import Linkage
 from presswear.tools.errors import InputError, RunFailed
-from presswear.trials.precision.methods import Method, by_family
+from presswear.trials.precision.methods import Method, grouped
 from presswear.trials.runs import Told, finished, guarded, order_of, part_of
 from presswear.trials.timing import TimedRun, Timing, time_runs
 
@@ -30,9 +30,9 @@ class TaskPoint:
 
     Attributes
     ----------
-    errors : mapping of str to float
+    errors : mapping
         By the names of the diagram's quantities; empty for a failure.
-    values : mapping of str to float
+    values : mapping
         Other numbers, by their names with units: ``steps in the contact``,
         ``contact time (s)``; empty for a failure.
     warm_up : float or None
@@ -57,7 +57,6 @@ class Quantity:
 
     Attributes
     ----------
-    name, unit : str
     known : float
         How far the reference is known itself; 0 for a closed form.
     """
@@ -69,16 +68,12 @@ class Quantity:
     @property
     def title(self) -> str:
         """Its name with its unit."""
-        return self.name + self._unit
+        return f"{self.name} ({self.unit})" if self.unit else self.name
 
     @property
     def error(self) -> str:
         """Name of a column of it."""
-        return f"{self.name} error{self._unit}"
-
-    @property
-    def _unit(self) -> str:
-        return f" ({self.unit})" if self.unit else ""
+        return replace(self, name=f"{self.name} error").title
 
 
 @dataclass(frozen=True)
@@ -91,10 +86,8 @@ class Diagram:
         Its name in files.
     title, task : str
         The task in a few words, and at length.
-    quantities : tuple of Quantity
     reference : str
         Origin of the values that errors are distances from.
-    points : tuple of TaskPoint
     """
 
     DERIVED: ClassVar = ("orders",)
@@ -109,7 +102,7 @@ class Diagram:
     @property
     def families(self) -> dict[str, list[TaskPoint]]:
         """Points of each curve, from coarse to fine, failures included."""
-        return by_family(self.points)
+        return grouped(self.points)
 
     @property
     def measured(self) -> tuple[str, ...]:
@@ -147,9 +140,8 @@ class Task:
     ----------
     diagram : Diagram
         Still without points.
-    linkage, start, plan :
-        As engines take them; the plan's trackers are not told.
-    methods : tuple of Method
+    plan : Plan
+        Its trackers are not told.
     assess : callable
         Errors and other values of a run that ended well; RunFailed where it lacks what
         errors are taken from.
@@ -161,10 +153,6 @@ class Task:
     plan: Plan
     methods: tuple[Method, ...]
     assess: Callable[[Run], tuple[Numbers, Numbers]]
-
-    def timed(self, method: Method) -> TimedRun:
-        """The method as a run to be timed."""
-        return TimedRun(method.label, self.linkage, self.start, method.engine, self.plan)
 
 
 def first_run(task: Task, method: Method) -> TaskPoint:
@@ -211,7 +199,11 @@ def measure(task: Task, repeats: int, told: Told) -> Diagram:
     for i, method in enumerate(task.methods):
         told(method.label, FIRST_ROUND / whole * i / len(task.methods))
         firsts.append(first_run(task, method))
-    runs = [task.timed(point.method) for point in firsts if not point.failure]
+    runs = [
+        TimedRun(point.method.label, task.linkage, task.start, point.method.engine, task.plan)
+        for point in firsts
+        if not point.failure
+    ]
     timings = iter(time_runs(runs, repeats, part_of(told, FIRST_ROUND, repeats, whole)))
     points = tuple(
         point if point.failure else replace(point, timing=next(timings)) for point in firsts

@@ -5,9 +5,10 @@ starts and not an error of the steps.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,52 +48,65 @@ class Parting:
         s; the greatest difference of the pins' places in their bearings, m.
     touchdowns : tuple of int
         Touchdowns in the first of both runs until then.
-    rate : float or None
-        Slope of log distance over time, by least squares, 1/s; None where it never grew
-        from LOW to HIGH.
-    per_touchdown : float or None
-        Slope of log distance over touchdowns; None likewise.
-    window : (float, float) or None
-        Times between which both are fitted, s.
-    divergence : float or None
-        Time at which both runs have parted, s.
     """
+
+    DERIVED: ClassVar = ("rate", "per_touchdown", "window", "divergence")
 
     time: tuple[float, ...]
     distance: tuple[float, ...]
     touchdowns: tuple[int, ...]
-    rate: float | None
-    per_touchdown: float | None
-    window: tuple[float, float] | None
-    divergence: float | None
 
-    @staticmethod
-    def of(time: Array, apart: Array, touchdowns: NDArray[np.int64]) -> "Parting":
-        """Fit a distance over time, each shape (n,)."""
-        window = growing(time, apart)
-        rate = per_touchdown = None
-        if window is not None:
-            inside = (time >= window[0]) & (time <= window[1]) & (apart > 0.0)
-            logarithm = np.log(apart[inside])
-            rate = fitted_slope(time[inside], logarithm)
-            per_touchdown = fitted_slope(touchdowns[inside].astype(float), logarithm)
-        late = np.flatnonzero(apart >= PARTED)
-        return Parting(
-            tuple(time.tolist()),
-            tuple(apart.tolist()),
-            tuple(touchdowns.tolist()),
-            rate,
-            per_touchdown,
-            window,
-            float(time[late[0]]) if late.size else None,
-        )
+    def _first(self, distance: float) -> int | None:
+        """Place of the first distance that is as large, m."""
+        return next((i for i, apart in enumerate(self.distance) if apart >= distance), None)
+
+    @property
+    def window(self) -> tuple[float, float] | None:
+        """Times from which the distance stays above LOW and first reaches HIGH, s, if ever.
+
+        "Stays" until HIGH is reached: distances dip where two curves cross.
+        """
+        high = self._first(HIGH)
+        if high is None:
+            return None
+        below = [i for i, apart in enumerate(self.distance[:high]) if apart < LOW]
+        first = below[-1] + 1 if below else 0
+        return (self.time[first], self.time[high]) if first < high else None
+
+    @property
+    def inside(self) -> NDArray[np.bool_]:
+        """True in the window, where a logarithm can be taken."""
+        begin, end = self.window or (math.inf, -math.inf)
+        time = np.array(self.time)
+        return (time >= begin) & (time <= end) & (np.array(self.distance) > 0.0)
+
+    def _slope(self, over: Sequence[float]) -> float | None:
+        """Slope of log distance in the window, by least squares; None where ``over`` is even."""
+        inside = self.inside
+        x, y = np.array(over, dtype=float)[inside], np.array(self.distance)[inside]
+        return float(np.polyfit(x, np.log(y), 1)[0]) if np.unique(x).size > 1 else None
+
+    @property
+    def rate(self) -> float | None:
+        """Slope of log distance over time in the window, 1/s."""
+        return self._slope(self.time)
+
+    @property
+    def per_touchdown(self) -> float | None:
+        """Slope of log distance over touchdowns in the window."""
+        return self._slope(self.touchdowns)
+
+    @property
+    def divergence(self) -> float | None:
+        """Time at which both runs have parted, s; None where they never do."""
+        late = self._first(PARTED)
+        return None if late is None else self.time[late]
 
     @property
     def touchdowns_to_divergence(self) -> int | None:
         """Touchdowns before both runs have parted."""
-        if self.divergence is None:
-            return None
-        return self.touchdowns[self.time.index(self.divergence)]
+        late = self._first(PARTED)
+        return None if late is None else self.touchdowns[late]
 
     @property
     def overall(self) -> float:
@@ -100,32 +114,11 @@ class Parting:
 
         Lulls count, unlike in ``rate``.
         """
-        apart = np.array(self.distance)
-        late = np.flatnonzero(apart >= HIGH)
-        last = int(late[0]) if late.size else apart.size - 1
-        if last < 0 or self.time[last] <= 0.0 or apart[last] <= 0.0:
+        last = self._first(HIGH)
+        last = len(self.distance) - 1 if last is None else last
+        if last < 0 or self.time[last] <= 0.0 or self.distance[last] <= 0.0:
             return math.nan
-        return math.log(apart[last] / APART) / self.time[last]
-
-
-def growing(time: Array, apart: Array) -> tuple[float, float] | None:
-    """Times from which the distance stays above LOW and first reaches HIGH, s; None if never.
-
-    "Stays" until HIGH is reached: distances dip where two curves cross.
-    """
-    high = np.flatnonzero(apart >= HIGH)
-    if not high.size:
-        return None
-    below = np.flatnonzero(apart[: high[0]] < LOW)
-    first = below[-1] + 1 if below.size else 0
-    return (float(time[first]), float(time[high[0]])) if first < high[0] else None
-
-
-def fitted_slope(x: Array, y: Array) -> float | None:
-    """Slope of a straight line by least squares; None where x does not vary."""
-    if x.size < 2 or np.ptp(x) == 0.0:
-        return None
-    return float(np.polyfit(x, y, 1)[0])
+        return math.log(self.distance[last] / APART) / self.time[last]
 
 
 def turned_back(end: Start, start: Start) -> Start:
@@ -157,13 +150,8 @@ def sampled_run(
     """Run so many cycles and sample each SAMPLES times; RunFailed if the run fails."""
     engine = InHouse("dop853", TOLERANCE, free_step=period / LEAST_STEPS)
     sampler = _Sampler([], [])
-    plan = Plan(
-        period / SAMPLES,
-        cycles * SAMPLES,
-        recorded_cycles=1,
-        torques=False,
-        trackers=(sampler, Telling(told)),
-    )
+    trackers = sampler, Telling(told)
+    plan = Plan(period / SAMPLES, cycles * SAMPLES, 1, torques=False, trackers=trackers)
     return finished(engine.simulate(linkage, start, plan)), sampler
 
 
@@ -171,35 +159,28 @@ def measure_growth(scene: Scene, cycles: int, pairs: int, told: Told) -> tuple[P
     """Run pairs of starts that are APART, each pair from where the last one's first run ended.
 
     So a pair each begins somewhere else on the motion; pairs beside each other would only
-    repeat one growth.  Contacts begin anew with each pair.
+    repeat one growth.  Contacts begin anew with each pair.  RunFailed where a run fails.
 
     Parameters
     ----------
     cycles : int
         Length of each run; of the first pair one, which tells whether it parts.
-
-    Raises
-    ------
-    RunFailed
-        Where a run fails.
     """
     linkage, period = scene.linkage(), scene.mechanism.period
-    start = start_of(scene)
-    lengths = [1, *(cycles for _ in range(pairs - 1))]
-    work = 2 * sum(lengths)
-    found: list[Parting] = []
-    done = 0
+    start, found, done = start_of(scene), [], 0
+    lengths = [1, *[cycles] * (pairs - 1)]
     for length in lengths:
         beside = disturbed(linkage, start, APART)
         assert beside is not None, "a scene with a clearance joint has a free direction"
         runs: list[tuple[Run, _Sampler]] = []
         for own in (start, beside):
-            tell = partial(part_of(told, done, length, work), "growth of a disturbance")
+            tell = partial(part_of(told, done, length, 2 * sum(lengths)), "growth of a disturbance")
             runs.append(sampled_run(linkage, own, period, length, tell))
             done += length
         (first, calm), (_, moved) = runs
         apart = np.abs(np.array(calm.places) - np.array(moved.places)).max(axis=(1, 2))
         time = period / SAMPLES * np.arange(1, apart.size + 1)
-        found.append(Parting.of(time, apart, np.array(calm.touchdowns)))
+        distance = tuple(apart.tolist())
+        found.append(Parting(tuple(time.tolist()), distance, tuple(calm.touchdowns)))
         start = turned_back(first.end, start)
     return tuple(found)

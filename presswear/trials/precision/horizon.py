@@ -5,10 +5,7 @@ has grown apart a thousand times.  Up to there every method is held against a re
 how well that is known tells a second one that shares nothing with it but the model.
 """
 
-from dataclasses import dataclass, replace
-
 import numpy as np
-from numpy.typing import NDArray
 
 from presswear.campaign.starts import disturbed, start_of
 from presswear.engines.base import Plan, Run
@@ -16,11 +13,10 @@ from presswear.engines.settings import LEAST_STEPS, Engine, ExudynTree, InHouse
 from presswear.linkage.elements import Linkage
 from presswear.physics.tree import Tree, tree_of
 from presswear.scene.scene import Scene
-from presswear.tools.errors import InputError, RunFailed
+from presswear.tools.errors import RunFailed
 from presswear.trials.crosscheck.check import DISTURBANCE, FIRST_TOUCHDOWNS, GROWTH
 from presswear.trials.crosscheck.check import PARTS as SEARCH_PARTS
 from presswear.trials.crosscheck.traces import (
-    Touchdown,
     parting_time,
     slider_at_end,
     touchdown_differences,
@@ -28,11 +24,8 @@ from presswear.trials.crosscheck.traces import (
     trace_of,
 )
 from presswear.trials.precision.diagram import Diagram, Numbers, Quantity, Task, check_finite
-from presswear.trials.precision.extent import PrecisionExtent
-from presswear.trials.precision.methods import contact_methods
+from presswear.trials.precision.methods import Rungs, contact_methods
 from presswear.trials.runs import Told, missing_energy
-
-Array = NDArray[np.float64]
 
 PARTS = 10
 """Parts of a run: the recorded series, which peaks are read from, is so much finer."""
@@ -51,63 +44,30 @@ UNITS = {
 """Units of the errors; closing speeds and forces are relative."""
 
 
-@dataclass(frozen=True)
-class UpToHorizon:
-    """The parts of a run that are compared.
+def errors_of(linkage: Linkage, run: Run, reference: Run) -> dict[str, float]:
+    """Distance of a run from a reference; RunFailed where one of the first touchdowns is missing.
 
-    Attributes
-    ----------
-    slider : ndarray, shape (2,)
-        Position along the watched direction, m, and velocity, m/s, at the end.
-    touchdowns : tuple of Touchdown
-    residual : float
-        Energy that is missing, part of what the drives exchanged.
+    The energy residual is the run's own.
     """
-
-    slider: Array
-    touchdowns: tuple[Touchdown, ...]
-    residual: float
-
-    @staticmethod
-    def of(linkage: Linkage, run: Run) -> "UpToHorizon":
-        """Read a run that ended well."""
-        return UpToHorizon(slider_at_end(linkage, run), touchdowns_of(run), missing_energy(run))
-
-    def errors(self, reference: "UpToHorizon") -> dict[str, float]:
-        """Distance from a reference; RunFailed where one of its first touchdowns is missing."""
-        first = reference.touchdowns[:FIRST_TOUCHDOWNS]
-        apart = touchdown_differences(first, self.touchdowns)
-        missing = int(np.count_nonzero(np.isinf(apart[:, 0])))
-        if missing:
-            raise RunFailed(f"{missing} of the first {len(first)} touches missing")
-        slider = np.abs(self.slider - reference.slider)
-        numbers = [*slider, *apart.max(axis=0, initial=0.0), self.residual]
-        return dict(zip(UNITS, map(float, numbers), strict=True))
-
-
-def longest_step(scene: Scene) -> float:
-    """Longest step of scenes, s."""
-    return scene.mechanism.period / LEAST_STEPS
-
-
-def check_clearance(scene: Scene) -> None:
-    """InputError where a scene has no clearance."""
-    if not scene.clearance_joints:
-        raise InputError(f"scene {scene.name} has no clearance, so no impacts; name one that has")
+    first = touchdowns_of(reference)[:FIRST_TOUCHDOWNS]
+    apart = touchdown_differences(first, touchdowns_of(run))
+    missing = int(np.count_nonzero(np.isinf(apart[:, 0])))
+    if missing:
+        raise RunFailed(f"{missing} of the first {len(first)} touches missing")
+    slider = np.abs(slider_at_end(linkage, run) - slider_at_end(linkage, reference))
+    numbers = [*slider, *apart.max(axis=0, initial=0.0), missing_energy(run)]
+    return dict(zip(UNITS, map(float, numbers), strict=True))
 
 
 def horizon_of(scene: Scene, longest: float) -> float:
     """Time up to which two starts 1e-9 m apart stay within a thousand times that, s.
 
+    RunFailed where a run fails.
+
     Parameters
     ----------
     longest : float
         Time at which the search ends, s; beyond a cycle none is made.
-
-    Raises
-    ------
-    RunFailed
-        Where a run fails.
     """
     linkage, start = scene.linkage(), start_of(scene)
     end = min(scene.mechanism.period, longest)
@@ -122,57 +82,45 @@ def horizon_of(scene: Scene, longest: float) -> float:
 
 def second_reference(scene: Scene) -> tuple[str, Engine]:
     """The run that the reference is held against, in words and as an engine."""
-    longest = longest_step(scene)
     if isinstance(tree_of(scene.linkage()), Tree):
-        words = f"Exudyn's open tree, DOPRI5 at {OTHER_TREE:g}"
-        return words, ExudynTree(OTHER_TREE, longest)
+        return f"Exudyn's open tree, DOPRI5 at {OTHER_TREE:g}", ExudynTree(OTHER_TREE)
     words = f"the same with DOPRI5 at {OTHER_TOLERANCE:g} (there is no open tree)"
-    return words, InHouse("dopri5", OTHER_TOLERANCE, free_step=longest)
+    return words, InHouse("dopri5", OTHER_TOLERANCE)
 
 
-def with_clearance(scene: Scene, extent: PrecisionExtent, told: Told) -> tuple[Task, float]:
-    """The unworn linkage of a scene up to its horizon, and the horizon, s.
-
-    Raises
-    ------
-    InputError
-        Where the scene has no clearance.
-    RunFailed
-        Where a reference fails.
-    """
-    check_clearance(scene)
+def with_clearance(scene: Scene, rungs: Rungs, longest: float, told: Told) -> tuple[Task, float]:
+    """A scene's unworn linkage up to its horizon, and that, s; RunFailed if a reference fails."""
     told("horizon", 0.0)
-    horizon, longest = horizon_of(scene, extent.longest), longest_step(scene)
+    horizon, period = horizon_of(scene, longest), scene.mechanism.period
     linkage, start = scene.linkage(), start_of(scene)
     plan = Plan(horizon / PARTS, PARTS, PARTS, torques=False)
     words, other = second_reference(scene)
     found = []
-    for engine in (replace(TIGHT, free_step=longest), other):
+    for engine in (TIGHT, other):
         told("references", 0.0)
-        run = check_finite(engine.simulate(linkage, start, plan))
-        found.append(UpToHorizon.of(linkage, run))
+        # The longest steps are those of scenes.
+        found.append(check_finite(engine.over(period).simulate(linkage, start, plan)))
     reference, second = found
     # Energy is conserved exactly: its residual needs no reference.
-    known = second.errors(reference) | {RESIDUAL: 0.0}
-    count = min(len(reference.touchdowns), FIRST_TOUCHDOWNS)
+    known = errors_of(linkage, second, reference) | {RESIDUAL: 0.0}
+    touches = len(touchdowns_of(reference))
 
     def assess(run: Run) -> tuple[Numbers, Numbers]:
-        reached = UpToHorizon.of(linkage, run)
-        return reached.errors(reference), {"touches": float(len(reached.touchdowns))}
+        found = {"touches": float(len(touchdowns_of(run)))}
+        return errors_of(linkage, run, reference), found
 
     joints = " and ".join(scene.clearance_joints)
     diagram = Diagram(
         key="horizon",
         title=f"Clearance at {joints} up to the horizon",
-        task=f"Scene {scene.name}, unworn, {horizon:.4g} s, {len(reference.touchdowns)} touches: "
-        f"the slider at the end; the worst of the first {count} touches, closing speeds and peak "
-        "forces relative, peaks read between accepted steps by a polynomial; energy that is "
-        "missing, part of what the drives exchanged.",
+        task=f"Scene {scene.name}, unworn, {horizon:.4g} s, {touches} touches: "
+        f"the slider at the end; the worst of the first {min(touches, FIRST_TOUCHDOWNS)} touches, "
+        "closing speeds and peak forces relative, peaks read between accepted steps by a "
+        "polynomial; energy that is missing, part of what the drives exchanged.",
         quantities=tuple(Quantity(name, unit, known[name]) for name, unit in UNITS.items()),
         reference=f"DOP853 of dae at {TIGHT.integration_tolerance:g}; its own error is its "
         f"distance from {words}",
     )
     is_tree = isinstance(tree_of(linkage), Tree)
-    period = scene.mechanism.period
-    methods = contact_methods(extent.rungs, scene.numerics, period, longest, is_tree)
+    methods = contact_methods(rungs, scene.numerics, period, period / LEAST_STEPS, is_tree)
     return Task(diagram, linkage, start, plan, methods, assess), horizon

@@ -20,8 +20,7 @@ from presswear.linkage.laws import delivered_restitution
 from presswear.scene.scene import Scene
 from presswear.tools.errors import RunFailed
 from presswear.trials.precision.diagram import Diagram, Numbers, Quantity, Task
-from presswear.trials.precision.extent import PrecisionExtent
-from presswear.trials.precision.methods import contact_methods
+from presswear.trials.precision.methods import Rungs, contact_methods
 from presswear.trials.runs import contacts_of
 from presswear.trials.verify.references import Impact
 
@@ -94,8 +93,8 @@ def guided() -> tuple[Linkage, Start]:
 def deepest(run: Run) -> float:
     """Greatest penetration of a run, m, between the recorded rows too.
 
-    The quintic through penetration, rate and acceleration of the rows on both sides: a
-    cubic's error is larger than that of the better methods.
+    The top of the quintic through penetration, rate and acceleration of the rows on both sides:
+    a cubic's error is larger than that of the better methods.
     """
     series = run.recorder.series
     time, velocity = series("time"), series("velocity")
@@ -117,7 +116,7 @@ def turning(time: Array, ends: Array) -> float:
     return low if slope(high) >= 0.0 else float(brentq(slope, low, high, xtol=1e-18))
 
 
-def single(scene: Scene, extent: PrecisionExtent) -> Task:
+def single(scene: Scene, rungs: Rungs) -> Task:
     """One impact for every method; numerics and the period that steps go by are the scene's."""
     linkage, start = guided()
     speed = IMPACT.speed
@@ -173,5 +172,5 @@ def single(scene: Scene, extent: PrecisionExtent) -> Task:
         reference="closed forms of restitution and penetration, a quadrature of the contact time",
     )
     plan, period = Plan(duration, 1, 1, torques=False), scene.mechanism.period
-    methods = contact_methods(extent.rungs, scene.numerics, period, duration, tree=True)
+    methods = contact_methods(rungs, scene.numerics, period, duration, tree=True)
     return Task(diagram, linkage, start, plan, methods, assess)

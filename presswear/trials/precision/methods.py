@@ -3,12 +3,12 @@
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from operator import attrgetter
 from typing import Protocol, TypeVar
 
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse, Integrator
 from presswear.physics.tree import Tree, tree_of
 from presswear.scene.scene import Numerics, Scene
-from presswear.trials.precision.extent import Rungs
 
 TRAPEZOIDAL = "trapezoidal rule"
 FIXED = "trapezoidal rule, equal steps"
@@ -33,7 +33,6 @@ class Method:
 
     Attributes
     ----------
-    engine : Engine
     integrator : str
         As people call it: trapezoidal rule, DOPRI5, DOP853, RK4.
     knob : str
@@ -69,6 +68,58 @@ class Method:
         return f"{self.engine.word}, {self.setting}"
 
 
+@dataclass(frozen=True)
+class Rungs:
+    """Steps and tolerances of the families, coarse to fine.
+
+    The setting that a scene takes by itself is added to its family where it is missing.
+
+    Attributes
+    ----------
+    free_steps : tuple of int
+        Steps in the run of the trapezoidal rule on smooth motion.
+    smooth_steps : tuple of int
+        Steps in the run of RK4 on smooth motion.
+    impact_steps : tuple of int
+        Steps in an impact of the trapezoidal rule with contacts.
+    fixed_steps, contact_steps : tuple of float
+        Equal steps of the trapezoidal rule and of RK4 with contacts, s.
+    tolerances : tuple of float
+        Those of DOP853 and DOPRI5 in the in-house solver.
+    tree_tolerances : tuple of float
+        Those of the open tree.
+    """
+
+    free_steps: tuple[int, ...]
+    smooth_steps: tuple[int, ...]
+    impact_steps: tuple[int, ...]
+    fixed_steps: tuple[float, ...]
+    contact_steps: tuple[float, ...]
+    tolerances: tuple[float, ...]
+    tree_tolerances: tuple[float, ...]
+
+
+FEW = Rungs(
+    free_steps=(300, 1000, 3000),
+    smooth_steps=(300, 1000, 3000, 10_000),
+    impact_steps=(20, 50, 100, 200),
+    fixed_steps=(1e-5, 5e-6, 2e-6),
+    contact_steps=(5e-5, 2e-5, 1e-5, 5e-6, 2e-6, 1e-6),
+    tolerances=(1e-4, 1e-6, 1e-8, 1e-9, 1e-10, 1e-12),
+    tree_tolerances=(1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10),
+)
+"""For a quick look."""
+ALL = Rungs(
+    free_steps=(300, 1000, 3000, 10_000, 30_000, 100_000),
+    smooth_steps=(150, 300, 1000, 3000, 10_000, 30_000, 100_000),
+    impact_steps=(20, 35, 50, 100, 200, 400, 800),
+    fixed_steps=(1e-5, 5e-6, 2e-6, 1e-6, 5e-7),
+    contact_steps=(5e-5, 2e-5, 1e-5, 5e-6, 2e-6, 1e-6, 5e-7, 2e-7, 1e-7),
+    tolerances=(1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12),
+    tree_tolerances=(1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11),
+)
+
+
 class _OfMethod(Protocol):
     @property
     def method(self) -> Method: ...
@@ -77,17 +128,14 @@ class _OfMethod(Protocol):
 P = TypeVar("P", bound=_OfMethod)
 
 
-def grouped(points: Iterable[P], key: Callable[[Method], str]) -> dict[str, list[P]]:
-    """Points by a word on their methods, in their order."""
+def grouped(
+    points: Iterable[P], key: Callable[[Method], str] = attrgetter("family")
+) -> dict[str, list[P]]:
+    """Points by a word on their methods, in their order: families run from coarse to fine."""
     found: dict[str, list[P]] = {}
     for point in points:
         found.setdefault(key(point.method), []).append(point)
     return found
-
-
-def by_family(points: Iterable[P]) -> dict[str, list[P]]:
-    """Points of each family, from coarse to fine, failures included."""
-    return grouped(points, lambda method: method.family)
 
 
 def method_of(engine: ExudynTree | InHouse, own: Engine) -> Method:
@@ -108,27 +156,6 @@ def method_of(engine: ExudynTree | InHouse, own: Engine) -> Method:
     return Method(engine, name, knob, value, is_paper, is_default)
 
 
-def joints_over_steps(
-    counts: Sequence[int], duration: float, numerics: Numerics | None, period: float
-) -> list[Method]:
-    """The trapezoidal rule without contacts, over so many equal steps in a duration, s.
-
-    Parameters
-    ----------
-    numerics : Numerics or None
-        Whose own step, over a period, s, is added; None: there is none.
-    """
-    found = []
-    for count in counts:
-        step = duration / count
-        engine = ExudynJoints(50, 10, free_step=step * _EXACT, newton=SMOOTH_NEWTON)
-        found.append(Method(engine, TRAPEZOIDAL, STEP, step))
-    if numerics is not None:
-        own = numerics.joints.over(period)
-        found.append(Method(own, TRAPEZOIDAL, STEP, own.longest(period), is_default=True))
-    return sorted(found, key=lambda method: -method.value)
-
-
 def joints_over_impacts(
     counts: Sequence[int], numerics: Numerics, period: float
 ) -> Iterator[Method]:
@@ -145,15 +172,6 @@ def joints_over_impacts(
             newton=own.newton / max(finer, 1.0) ** 2,
         )
         yield Method(engine, TRAPEZOIDAL, IMPACT, count, is_default=engine == own)
-
-
-def joints_over_fixed(steps: Sequence[float]) -> Iterator[Method]:
-    """The trapezoidal rule at equal steps throughout, s, contact or not.
-
-    The longest allowed is shorter than any wanted.
-    """
-    for step in sorted(steps, reverse=True):
-        yield Method(ExudynJoints(1, 1, free_step=step), FIXED, STEP, step)
 
 
 def tree_over_tolerances(tolerances: Sequence[float], own: ExudynTree) -> Iterator[Method]:
@@ -193,15 +211,20 @@ def smooth_methods(
     Parameters
     ----------
     period : float or None
-        Period of a cycle of the scene that is run, s; None where it is no scene's.
+        Period of a cycle of the scene that is run, s, over which its own step of the trapezoidal
+        rule is added; None where it is no scene's.
     """
-    joints = None if period is None else numerics
-    dae = replace(numerics.dae, free_step=duration)
-    steps = [duration / count for count in rungs.smooth_steps]
+    joints = []
+    for step in (duration / count for count in rungs.free_steps):
+        engine = ExudynJoints(50, 10, free_step=step * _EXACT, newton=SMOOTH_NEWTON)
+        joints.append(Method(engine, TRAPEZOIDAL, STEP, step))
+    if period is not None:
+        own = numerics.joints.over(period)
+        joints.append(Method(own, TRAPEZOIDAL, STEP, own.longest(period), is_default=True))
     return (
-        *joints_over_steps(rungs.free_steps, duration, joints, period or duration),
-        *dae_over_tolerances(rungs.tolerances, dae),
-        *dae_over_steps(steps, numerics.dae),
+        *sorted(joints, key=lambda method: -method.value),
+        *dae_over_tolerances(rungs.tolerances, replace(numerics.dae, free_step=duration)),
+        *dae_over_steps([duration / count for count in rungs.smooth_steps], numerics.dae),
     )
 
 
@@ -219,12 +242,14 @@ def contact_methods(
     tree : bool
         True where there is an open tree.
     """
-    dae, own_tree = replace(numerics.dae, free_step=longest), numerics.tree.over(period)
+    # Contact or not, these steps are equal: the longest allowed is shorter than any wanted.
+    fixed = [(ExudynJoints(1, 1, free_step=step), step) for step in rungs.fixed_steps]
+    own_tree = numerics.tree.over(period)
     return (
         *joints_over_impacts(rungs.impact_steps, numerics, period),
-        *joints_over_fixed(rungs.fixed_steps),
+        *(Method(engine, FIXED, STEP, step) for engine, step in fixed),
         *(tree_over_tolerances(rungs.tree_tolerances, own_tree) if tree else ()),
-        *dae_over_tolerances(rungs.tolerances, dae),
+        *dae_over_tolerances(rungs.tolerances, replace(numerics.dae, free_step=longest)),
         *dae_over_steps(rungs.contact_steps, numerics.dae),
     )
 

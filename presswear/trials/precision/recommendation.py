@@ -5,13 +5,14 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product, takewhile
+from operator import attrgetter
 
 from presswear.record.sampling import Interval
 from presswear.scene.scene import Numerics
 from presswear.trials.crosscheck.check import CLOSING_BOUND, FORCE_BOUND, SLIDER_BOUND, TIME_BOUND
 from presswear.trials.precision.chaos import Chaos, StatisticPoint
 from presswear.trials.precision.diagram import Diagram, TaskPoint
-from presswear.trials.precision.methods import Method, by_family, grouped, method_of
+from presswear.trials.precision.methods import Method, grouped, method_of
 from presswear.trials.precision.statistic import ONE_SIDED, is_for_wear, together
 from presswear.trials.precision.study import Precision
 from presswear.trials.precision.wear import QUANTITIES, TITLES, Group, WearPoint, WearStudy, change
@@ -79,15 +80,12 @@ class Recommendation:
     @property
     def verdict(self) -> str:
         """Judgement on what the code takes, in words."""
-        if self.agrees is None:
-            return f"the code takes {self.taken}"
         if self.agrees:
             return "the code takes it"
-        if not self.recommended:
+        if self.agrees is None or not self.recommended:
             return f"the code takes {self.taken}"
-        if self.meets:
-            return f"the code takes another that meets the rule as well: {self.taken}"
-        return f"the code takes another that does not: {self.taken}"
+        word = "meets the rule as well" if self.meets else "does not"
+        return f"the code takes another that {word}: {self.taken}"
 
 
 def is_same(one: Method, other: Method) -> bool:
@@ -100,7 +98,7 @@ def is_same(one: Method, other: Method) -> bool:
 def _of_engine(
     purpose: str,
     engine: str,
-    best: Method | None,
+    best: TaskPoint | StatisticPoint | None,
     taken: Method | None,
     nothing: str,
     meets: bool | None,
@@ -110,9 +108,9 @@ def _of_engine(
     return Recommendation(
         purpose,
         engine,
-        "" if best is None else best.setting,
+        "" if best is None else best.method.setting,
         nothing if taken is None else taken.setting,
-        None if taken is None else best is not None and is_same(best, taken),
+        None if taken is None else best is not None and is_same(best.method, taken),
         meets,
         "; ".join(details),
     )
@@ -140,20 +138,19 @@ def for_trajectories(
         By quantity; those that the diagram does not have do not count.
     """
     bounds = {own.name: bounds[own.name] for own in diagram.quantities if own.name in bounds}
-    for engine, points in grouped(diagram.points, lambda own: own.engine.word).items():
-        if not bounds:
-            return
-        families = by_family(points).values()
-        good = [point for family in families for point in good_points(family, bounds)]
+    if not bounds:
+        return
+    for engine, points in grouped(diagram.points, attrgetter("engine.word")).items():
+        good = [p for family in grouped(points).values() for p in good_points(family, bounds)]
         best = min(good, key=_wall, default=None)
         taken = next((point for point in points if point.method.is_default), None)
         details = [] if best is None else [_point_words(best, bounds)]
-        if taken is not None and (best is None or not is_same(best.method, taken.method)):
+        if taken is not None and taken is not best:
             details.append(f"what is taken: {_point_words(taken, bounds)}")
         yield _of_engine(
             TRAJECTORIES,
             engine,
-            None if best is None else best.method,
+            best,
             None if taken is None else taken.method,
             "nothing of this diagram",
             None if taken is None else any(point is taken for point in good),
@@ -183,15 +180,14 @@ def for_statistics(chaos: Chaos, taken: Iterable[Method]) -> Iterator[Recommenda
         Methods that the code takes, one an engine.
     """
     by_engine = {method.engine.word: method for method in taken}
-    for engine, points in grouped(chaos.points, lambda own: own.engine.word).items():
+    for engine, points in grouped(chaos.points, attrgetter("engine.word")).items():
         best, own = chaos.cheapest(points), by_engine.get(engine)
         same = next((p for p in points if own is not None and is_same(p.method, own)), None)
         details = [] if best is None else [f"{best.cost:.2g} s for a simulated second"]
         if same is not None and same is not best:
             details.append(f"what is taken: {same.cost:.2g} s, {standing(chaos, same)}")
         meets = None if same is None else chaos.is_honest(same)
-        method = None if best is None else best.method
-        yield _of_engine(STATISTICS, engine, method, own, "nothing of its own", meets, details)
+        yield _of_engine(STATISTICS, engine, best, own, "nothing of its own", meets, details)
 
 
 def standing(chaos: Chaos, point: StatisticPoint) -> str:
@@ -230,12 +226,13 @@ def _wear_choice(subject: str, points: Sequence[WearPoint]) -> Recommendation:
     good = list(takewhile(is_good, reversed(coarser)))
     best = good[-1].varied.label if good else ""
     taken = next((point for point in points if point.varied.is_default), None)
-    largest = largest_change(good[-1] if good else coarser[-1], finest)
+    moves = changes(good[-1] if good else coarser[-1], finest).items()
+    known = [(name, moved.value) for name, moved in moves if math.isfinite(moved.value)]
     detail = ""
-    if largest is not None:
-        name, moved = largest
+    if known:
+        name, moved = max(known, key=lambda one: abs(one[1]))
         word = "largest change from" if good else f"{coarser[-1].varied.label} differs from"
-        detail = f"{word} {finest.varied.label}: {100.0 * moved.value:+.0f} % in {name}"
+        detail = f"{word} {finest.varied.label}: {100.0 * moved:+.0f} % in {name}"
     is_cycles = finest.varied.group == "cycles"
     usual = "as many as the wear maps' tolerance takes" if is_cycles else "another"
     return Recommendation(
@@ -282,28 +279,16 @@ def is_alike(point: WearPoint, finest: WearPoint) -> bool:
     return bool(found) and all(map(is_small, found.values()))
 
 
-def largest_change(point: WearPoint, finest: WearPoint) -> tuple[str, Interval] | None:
-    """The quantity that changes most, and by how much."""
-    found = {k: v for k, v in changes(point, finest).items() if math.isfinite(v.value)}
-    return max(found.items(), key=lambda item: abs(item[1].value), default=None)
-
-
 def recommend(precision: Precision, taken: Numerics) -> tuple[Recommendation, ...]:
-    """Give all recommendations that the results allow.
+    """Give all recommendations.
 
     Parameters
     ----------
     taken : Numerics
         Engines that the study of the paper takes for statistics.
     """
-    found: list[Recommendation] = []
-    for diagram in precision.diagrams:
-        if diagram.key == "horizon":
-            found += for_trajectories(diagram)
-    if precision.chaos is not None:
-        tree = taken.tree.over(precision.scene.mechanism.period)
-        own = (method_of(tree, tree), method_of(taken.dae, taken.dae))
-        found += for_statistics(precision.chaos, own)
-    if precision.wear is not None:
-        found += for_wear(precision.wear)
-    return tuple(found)
+    diagrams = [diagram for diagram in precision.diagrams if diagram.key == "horizon"]
+    found = [one for diagram in diagrams for one in for_trajectories(diagram)]
+    tree = taken.tree.over(precision.scene.mechanism.period)
+    own = (method_of(tree, tree), method_of(taken.dae, taken.dae))
+    return (*found, *for_statistics(precision.chaos, own), *for_wear(precision.wear))

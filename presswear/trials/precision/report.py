@@ -1,6 +1,7 @@
 """The report of a study of speed against error: one HTML file."""
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 
 from presswear.campaign.starts import APART
@@ -8,6 +9,8 @@ from presswear.scene.scene import Numerics
 from presswear.show.report.page import Illustration, illustrate, render_page
 from presswear.tools.files import write_bytes
 from presswear.tools.numbers import given, readable, with_interval
+from presswear.trials.precision.chaos import Chaos, StatisticPoint
+from presswear.trials.precision.diagram import TaskPoint
 from presswear.trials.precision.figures import precision_drawings
 from presswear.trials.precision.growth import HIGH, LOW, PARTED
 from presswear.trials.precision.recommendation import RULES, Recommendation, recommend
@@ -26,19 +29,17 @@ from presswear.trials.precision.tables import (
 
 def headline(precision: Precision, found: tuple[Recommendation, ...]) -> str:
     """Answer in a few sentences."""
-    parts = []
-    chaos = precision.chaos
-    best = None if chaos is None else chaos.cheapest()
-    if chaos is not None and best is not None:
-        parts.append(
+    best, cycles = precision.chaos.cheapest(), precision.chaos.stage_cycles
+    if best is None:
+        text = (
+            "No setting has been shown to be honest for wear: so few cycles leave room for step "
+            f"errors larger than the sampling error of a stage of {cycles} cycles."
+        )
+    else:
+        text = (
             f"The cheapest setting that is honest for wear is {best.method.label}: "
             f"{best.cost:.2g} s for a simulated second, with every step error below the sampling "
-            f"error of a stage of {chaos.stage_cycles} cycles."
-        )
-    elif chaos is not None:
-        parts.append(
-            "No setting has been shown to be honest for wear: so few cycles leave room for step "
-            f"errors larger than the sampling error of a stage of {chaos.stage_cycles} cycles."
+            f"error of a stage of {cycles} cycles."
         )
     agreed = [one for one in found if one.agrees is not None and one.recommended]
     nothing = sum(not one.recommended for one in found)
@@ -46,37 +47,26 @@ def headline(precision: Precision, found: tuple[Recommendation, ...]) -> str:
         taken = sum(bool(one.agrees) for one in agreed)
         finer = sum(bool(one.meets) and not one.agrees for one in agreed)
         rest = len(agreed) - taken - finer
-        parts.append(
-            f"Of {len(agreed)} recommendations below the code takes {taken} as they are, {finer} "
+        text += (
+            f" Of {len(agreed)} recommendations below the code takes {taken} as they are, {finer} "
             f"in a form that meets the rule at a higher price, and {rest} in one that does not."
             + (f" For {nothing} more nothing that was run meets the rule." if nothing else "")
         )
-    failed = paper_failures(precision)
-    if failed:
-        parts.append(f"The paper's setting, RK4 at 1e-4 s, fails: {'; '.join(failed)}.")
-    return " ".join(parts) or "There is nothing to recommend from what was run."
-
-
-def paper_failures(precision: Precision) -> list[str]:
-    """Name what the paper's setting failed at."""
-    failed = [
-        diagram.title
-        for diagram in precision.diagrams
-        for point in diagram.points
-        if point.method.is_paper and point.failure
+    tasks: list[tuple[str, Sequence[TaskPoint | StatisticPoint]]] = [
+        *((diagram.title, diagram.points) for diagram in precision.diagrams),
+        ("statistics of wear", precision.chaos.points),
     ]
-    chaos = precision.chaos
-    if chaos is not None and any(p.method.is_paper and p.failure for p in chaos.points):
-        failed.append("statistics of wear")
-    return failed
+    failed = [
+        title for title, points in tasks if any(p.method.is_paper and p.failure for p in points)
+    ]
+    if failed:
+        text += f" The paper's setting, RK4 at 1e-4 s, fails: {'; '.join(failed)}."
+    return text
 
 
-def growth_sentence(precision: Precision) -> str:
+def growth_sentence(chaos: Chaos) -> str:
     """Tell growth rate and divergence time in a sentence."""
-    chaos = precision.chaos
-    if chaos is None or not chaos.growths:
-        return ""
-    first = chaos.growths[0]
+    first, *others = chaos.growths
     if first.window is None:
         return (
             f"Two runs whose starts are {given(APART)} m apart stay within {given(HIGH)} m over "
@@ -93,7 +83,6 @@ def growth_sentence(precision: Precision) -> str:
             f"; it is {given(PARTED)} m after {readable(first.divergence)} s and "
             f"{first.touchdowns_to_divergence} touches"
         )
-    others = chaos.growths[1:]
     if others:
         settled = chaos.settled_rate
         rate = readable(settled.mean)
@@ -108,16 +97,6 @@ def growth_sentence(precision: Precision) -> str:
     return f"{text}."
 
 
-def purposes_of(found: tuple[Recommendation, ...]) -> list[dict[str, object]]:
-    """Recommendations by purpose, with the rule."""
-    by_purpose = {rule: [one for one in found if one.purpose == rule] for rule in RULES}
-    return [
-        {"purpose": purpose, "rule": RULES[purpose], "rows": rows}
-        for purpose, rows in by_purpose.items()
-        if rows
-    ]
-
-
 def write_precision_report(precision: Precision, taken: Numerics, folder: Path) -> tuple[str, Path]:
     """Write ``report.html`` and the figures into a folder; returns the answer and the path.
 
@@ -130,43 +109,36 @@ def write_precision_report(precision: Precision, taken: Numerics, folder: Path) 
         drawing.file: illustrate(drawing, folder / "figures")
         for drawing in precision_drawings(precision)
     }
-    found = recommend(precision, taken)
-    path = folder / "report.html"
-    write_bytes(path, render(precision, found, figures).encode())
-    return headline(precision, found), path
-
-
-def render(
-    precision: Precision,
-    found: tuple[Recommendation, ...],
-    figures: dict[str, Illustration],
-) -> str:
-    """Render the page."""
 
     def named(*names: str) -> list[Illustration]:
         files = [f"precision-{name}.png" for name in names]
         return [figures[file] for file in files if file in figures]
 
-    chaos, wear = precision.chaos, precision.wear
-    return render_page(
+    found, chaos = recommend(precision, taken), precision.chaos
+    answer = headline(precision, found)
+    text = render_page(
         "precision.html",
         "presswear.trials.precision",
         scene=precision.scene,
         quick=precision.extent.quick,
-        headline=headline(precision, found),
-        growth=growth_sentence(precision),
-        purposes=purposes_of(found),
+        headline=answer,
+        growth=growth_sentence(chaos),
+        purposes=[
+            (rule, words, [one for one in found if one.purpose == rule])
+            for rule, words in RULES.items()
+        ],
         tasks=[(own.key, own.title, named(own.key), task_table(own)) for own in precision.diagrams],
         together=named("orders", "energy"),
-        chaos=chaos,
         chaos_figures=named("growth", "statistics"),
-        growth_table=None if chaos is None else growth_table(chaos),
-        sampling_table=None if chaos is None else sampling_table(chaos),
-        statistics_table=None if chaos is None else statistics_table(chaos),
-        wear=wear,
+        growth_table=growth_table(chaos),
+        sampling_table=sampling_table(chaos),
+        statistics_table=statistics_table(chaos),
         wear_figures=named("wear", "contact"),
-        wear_table=None if wear is None else wear_table(wear),
+        wear_table=wear_table(precision.wear),
         failures=failures_table(precision),
         references=references_table(precision.diagrams),
         origin=origin_table(precision),
     )
+    path = folder / "report.html"
+    write_bytes(path, text.encode())
+    return answer, path

@@ -3,6 +3,8 @@
 Nothing meets, so that the order of each integrator is seen.
 """
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,33 +14,33 @@ from presswear.linkage.elements import Linkage
 from presswear.physics.constraints import constraints_of
 from presswear.scene.scene import Numerics, Scene
 from presswear.trials.precision.diagram import Diagram, Numbers, Quantity, Task, check_finite
-from presswear.trials.precision.extent import PrecisionExtent
-from presswear.trials.precision.methods import smooth_methods
+from presswear.trials.precision.methods import Rungs, smooth_methods
 from presswear.trials.verify import references
 
 Array = NDArray[np.float64]
 
 CYCLES = 1.25
 """Cycles of the ideal mechanism: over whole ones errors of a periodic motion cancel."""
-HELD = ("position constraints", "velocity constraints")
-"""|Phi| and |dPhi/dt|: m and m/s, rad and rad/s for driven angles."""
-ROUND_OFF = {
-    "slider position": 5e-14,
-    "slider velocity": 1e-12,
-    "position constraints": 1e-12,
-    "velocity constraints": 1e-11,
-}
-"""Errors that double precision leaves where times are summed over 1e5 steps."""
+SLIDER = (Quantity("slider position", "m", 5e-14), Quantity("slider velocity", "m/s", 1e-12))
+HELD = (
+    Quantity("position constraints", "m, rad", 1e-12),
+    Quantity("velocity constraints", "m/s, rad/s", 1e-11),
+)
+"""|Phi| and |dPhi/dt|; of driven angles rad and rad/s.
+
+Errors that are known are those that double precision leaves where times are summed over 1e5
+steps.
+"""
 
 
 def constraint_errors(linkage: Linkage, run: Run) -> dict[str, float]:
     """Greatest |Phi| and |dPhi/dt| of the state at the end of a run."""
     constraints = constraints_of(linkage)
     phi, phi_t, _, _ = constraints.evaluate(run.time, run.end.position, run.end.velocity)
-    return {HELD[0]: float(np.abs(phi).max()), HELD[1]: float(np.abs(phi_t).max())}
+    return {own.name: float(np.abs(x).max()) for own, x in zip(HELD, (phi, phi_t), strict=True)}
 
 
-def ideal_mechanism(scene: Scene, extent: PrecisionExtent) -> Task:
+def ideal_mechanism(scene: Scene, rungs: Rungs) -> Task:
     """The scene's mechanism with every joint closed."""
     linkage, period = scene.mechanism.linkage(), scene.mechanism.period
     motion = scene.mechanism.ideal_motion(np.zeros(1))
@@ -47,13 +49,11 @@ def ideal_mechanism(scene: Scene, extent: PrecisionExtent) -> Task:
     def assess(run: Run) -> tuple[Numbers, Numbers]:
         series = run.recorder.series
         exact = scene.ideal_slider(series("time"))
-        slider = {
-            "slider position": float(np.abs(series("displacement") - exact[:, 0]).max()),
-            "slider velocity": float(np.abs(series("velocity") - exact[:, 1]).max()),
-        }
+        found = np.column_stack([series("displacement"), series("velocity")])
+        errors = np.abs(found - exact[:, :2]).max(axis=0).tolist()
+        slider = {own.name: error for own, error in zip(SLIDER, errors, strict=True)}
         return slider | constraint_errors(linkage, run), {}
 
-    units = ("m", "m/s", "m, rad", "m/s, rad/s")
     diagram = Diagram(
         key="ideal",
         title=f"Smooth work: the ideal {scene.mechanism.kind.replace('-', ' ')}",
@@ -61,14 +61,11 @@ def ideal_mechanism(scene: Scene, extent: PrecisionExtent) -> Task:
         "slider's greatest error on the way, the constraints' at the end. Scenes limit steps of "
         "dae to a 500th of a cycle; here the tolerance alone chooses them. The open tree needs "
         "open joints and has no part in it.",
-        quantities=tuple(
-            Quantity(name, unit, known)
-            for (name, known), unit in zip(ROUND_OFF.items(), units, strict=True)
-        ),
+        quantities=(*SLIDER, *HELD),
         reference="the closed form; known is what round-off leaves of it after 1e5 steps",
     )
     start, plan = Start(motion.position[0], motion.velocity[0]), Plan(duration, 1, 1, torques=False)
-    methods = smooth_methods(extent.rungs, duration, scene.numerics, period)
+    methods = smooth_methods(rungs, duration, scene.numerics, period)
     return Task(diagram, linkage, start, plan, methods, assess)
 
 
@@ -83,13 +80,10 @@ def andrews_error(run: Run) -> dict[str, float]:
     return {"angles": float(np.abs(angles).max()), "rates": float(np.abs(rates).max())}
 
 
-def andrews(extent: PrecisionExtent) -> Task:
+def andrews(rungs: Rungs) -> Task:
     """Andrews' squeezer against the values of the IVP test set.
 
-    Raises
-    ------
-    RunFailed
-        Where the run fails that tells how well those are known.
+    RunFailed where the run fails that tells how well those are known.
     """
     linkage, start = references.andrews(), references.andrews_start()
     duration = references.ANDREWS_DURATION
@@ -104,10 +98,7 @@ def andrews(extent: PrecisionExtent) -> Task:
         quantities=(
             Quantity("angles", "rad", known["angles"]),
             Quantity("rates", "rad/s", known["rates"]),
-            *(
-                Quantity(name, unit, ROUND_OFF[name])
-                for name, unit in zip(HELD, ("m", "m/s"), strict=True)
-            ),
+            *(replace(own, unit=unit) for own, unit in zip(HELD, ("m", "m/s"), strict=True)),
         ),
         reference="the printed values of the IVP test set (PSIDE); their own error is their "
         f"distance from DOP853 at tolerance {TIGHT.integration_tolerance:g}",
@@ -116,5 +107,5 @@ def andrews(extent: PrecisionExtent) -> Task:
     def assess(run: Run) -> tuple[Numbers, Numbers]:
         return andrews_error(run) | constraint_errors(linkage, run), {}
 
-    methods = smooth_methods(extent.rungs, duration, Numerics(), None)
+    methods = smooth_methods(rungs, duration, Numerics(), None)
     return Task(diagram, linkage, start, plan, methods, assess)

@@ -86,7 +86,6 @@ class Draws:
     ----------
     cycles : tuple of mapping of str to ndarray, shape (cycles,)
         Numbers of each cycle by the names of their statistics.
-    maps : tuple of MapBatches
     """
 
     cycles: tuple[Mapping[str, Array], ...]
@@ -113,11 +112,6 @@ def names_of(linkage: Linkage) -> Names:
 
 UNITS = {DOSE: "N m", MAP: "m", FORCE: "N"}
 """Unit of each kind, in a cycle."""
-
-
-def unit_of(name: str) -> str:
-    """Unit of a statistic by its name."""
-    return next(unit for kind, unit in UNITS.items() if name.startswith(kind))
 
 
 def is_for_wear(name: str) -> bool:
@@ -172,9 +166,8 @@ def mean_step_error(here: Estimate, there: Estimate, widening: float) -> StepErr
     if here.half_width is None or there.half_width is None:
         return StepError(value, None, None, None)
     half = math.hypot(here.half_width, there.half_width)
-    return StepError(
-        value, value - widening * half, value + widening * half, abs(value) + ONE_SIDED * half
-    )
+    wide = widening * half
+    return StepError(value, value - wide, value + wide, abs(value) + ONE_SIDED * half)
 
 
 def map_step_error(
@@ -191,9 +184,9 @@ def map_step_error(
         batches, weights = map_batches(runs)
         own = batches[:, k].reshape(len(batches), -1)
         pools.append((own, weights, map_errors(batches, weights)[k]))
-    means = [np.tensordot(w / w.sum(), m, 1) if len(m) else np.zeros(0) for m, w, _ in pools]
     if not all(math.isfinite(error) for _, _, error in pools):
         return StepError(None, None, None, None)
+    means = [np.tensordot(w / w.sum(), m, 1) for m, w, _ in pools]
     noise = sum((e * _rms(m)) ** 2 for (_, _, e), m in zip(pools, means, strict=True))
     raw = float(np.mean((means[0] - means[1]) ** 2))
     drawn = [resampled(m, w, seed) for seed, (m, w, _) in enumerate(pools, 1)]

@@ -5,21 +5,45 @@ from dataclasses import dataclass
 
 from presswear.results.provenance import Provenance, provenance
 from presswear.scene.scene import Scene
-from presswear.trials.precision import chaos as beyond
-from presswear.trials.precision import horizon, impact, smooth
-from presswear.trials.precision import wear as worn
+from presswear.tools.errors import InputError
+from presswear.trials.precision import chaos, horizon, impact, smooth, wear
 from presswear.trials.precision.chaos import Chaos
 from presswear.trials.precision.diagram import Diagram, measure
-from presswear.trials.precision.extent import PrecisionExtent
+from presswear.trials.precision.methods import ALL, FEW, Rungs
 from presswear.trials.precision.wear import WearStudy
 from presswear.trials.runs import Told, parts_of
 from presswear.trials.stored import processor_name
 
-_QUICK_SECTIONS = {"ideal": 8, "andrews": 4, "impact": 1, "horizon": 15}
-_SECTIONS = {"ideal": 50, "andrews": 60, "impact": 2, "horizon": 320}
-_QUICK_BEYOND = {"statistics": 40, "wear": 40}
-_BEYOND = {"statistics": 600, "wear": 600}
+_SECTIONS = ("ideal", "andrews", "impact", "horizon", "statistics", "wear")
+_QUICK_SECONDS, _SECONDS = (8, 4, 1, 15, 40, 40), (50, 60, 2, 320, 600, 600)
 """Seconds of each part of the study, roughly: what progress goes by."""
+
+
+@dataclass(frozen=True)
+class PrecisionExtent:
+    """Extent of a study of speed against error.
+
+    Attributes
+    ----------
+    quick : bool
+        True where statistics and wear are studied in short as well.
+    repeats : int
+        How often each method is timed.
+    rungs : Rungs
+        Steps and tolerances.
+    longest : float
+        Longest horizon up to which trajectories are compared, s.
+    """
+
+    quick: bool
+    repeats: int
+    rungs: Rungs
+    longest: float
+
+
+QUICK = PrecisionExtent(quick=True, repeats=5, rungs=FEW, longest=0.05)
+"""A few steps and tolerances of each family."""
+FULL = PrecisionExtent(quick=False, repeats=5, rungs=ALL, longest=1.0)
 
 
 @dataclass(frozen=True)
@@ -28,9 +52,6 @@ class Precision:
 
     Attributes
     ----------
-    scene : Scene
-    extent : PrecisionExtent
-    provenance : Provenance
     processor : str
         Name that the operating system gives it.
     wall : float
@@ -39,9 +60,9 @@ class Precision:
         Up to which trajectories are compared, s.
     diagrams : tuple of Diagram
         ``ideal``, ``andrews``, ``impact`` and ``horizon``.
-    chaos : Chaos or None
+    chaos : Chaos
         Statistics beyond the horizon.
-    wear : WearStudy or None
+    wear : WearStudy
         How wear depends on the means it is computed with.
     """
 
@@ -52,8 +73,8 @@ class Precision:
     wall: float
     horizon: float
     diagrams: tuple[Diagram, ...]
-    chaos: Chaos | None = None
-    wear: WearStudy | None = None
+    chaos: Chaos
+    wear: WearStudy
 
 
 def study(scene: Scene, extent: PrecisionExtent, told: Told) -> Precision:
@@ -68,21 +89,23 @@ def study(scene: Scene, extent: PrecisionExtent, told: Told) -> Precision:
     RunFailed
         Where a reference fails.
     """
-    horizon.check_clearance(scene)
-    sections = dict(_QUICK_SECTIONS if extent.quick else _SECTIONS)
-    if extent.beyond:
-        worn.check(scene, extent)
-        sections |= _QUICK_BEYOND if extent.quick else _BEYOND
-    began, source, parts = clock.perf_counter(), provenance(), parts_of(told, sections)
+    if not scene.clearance_joints:
+        raise InputError(f"scene {scene.name} has no clearance, so no impacts; name one that has")
+    quick, repeats, rungs = extent.quick, extent.repeats, extent.rungs
+    means, length = (wear.QUICK, chaos.QUICK) if quick else (wear.FULL, chaos.FULL)
+    # Asked before anything is measured, which takes half an hour.
+    wear.cases(scene, means)
+    seconds = dict(zip(_SECTIONS, _QUICK_SECONDS if quick else _SECONDS, strict=True))
+    began, source, parts = clock.perf_counter(), provenance(), parts_of(told, seconds)
     diagrams = [
-        measure(smooth.ideal_mechanism(scene, extent), extent.repeats, parts["ideal"]),
-        measure(smooth.andrews(extent), extent.repeats, parts["andrews"]),
-        measure(impact.single(scene, extent), extent.repeats, parts["impact"]),
+        measure(smooth.ideal_mechanism(scene, rungs), repeats, parts["ideal"]),
+        measure(smooth.andrews(rungs), repeats, parts["andrews"]),
+        measure(impact.single(scene, rungs), repeats, parts["impact"]),
     ]
-    task, until = horizon.with_clearance(scene, extent, parts["horizon"])
-    diagrams.append(measure(task, extent.repeats, parts["horizon"]))
-    statistics = beyond.measure(scene, extent, parts["statistics"]) if extent.beyond else None
-    wear = worn.measure(scene, extent, parts["wear"]) if extent.beyond else None
+    task, until = horizon.with_clearance(scene, rungs, extent.longest, parts["horizon"])
+    diagrams.append(measure(task, repeats, parts["horizon"]))
+    statistics = chaos.follow(scene, length, parts["statistics"])
+    worn = wear.vary(scene, means, parts["wear"])
     told("done", 1.0)
     return Precision(
         scene,
@@ -93,5 +116,5 @@ def study(scene: Scene, extent: PrecisionExtent, told: Told) -> Precision:
         until,
         tuple(diagrams),
         statistics,
-        wear,
+        worn,
     )

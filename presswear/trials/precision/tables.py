@@ -1,18 +1,23 @@
-"""Tables of a study of speed against error: columns by name, each with what its cells show."""
+"""Tables of a study of speed against error, for its page and for a terminal.
+
+Of those of the page each column has a name and what its cells show.
+"""
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
-from typing import TypeVar
+from typing import Literal, TypeVar
 
 from presswear.show.report.parts import CUBIC_MILLIMETRES, MICRONS, Table
 from presswear.tools.numbers import given, readable, whole, with_interval
+from presswear.trials.costs.tables import TextTable
 from presswear.trials.precision.chaos import Chaos, StatisticPoint
 from presswear.trials.precision.diagram import Diagram, Quantity, TaskPoint
 from presswear.trials.precision.figures.diagrams import shown_order
 from presswear.trials.precision.growth import Parting
+from presswear.trials.precision.methods import IMPACT, STEP, TOLERANCE
 from presswear.trials.precision.recommendation import standing
-from presswear.trials.precision.statistic import MAP, sampling_error, unit_of
+from presswear.trials.precision.statistic import MAP, UNITS, sampling_error
 from presswear.trials.precision.study import Precision
 from presswear.trials.precision.wear import (
     DEEPEST,
@@ -130,8 +135,9 @@ def sampling_table(chaos: Chaos) -> Table:
     found = chaos.reference.statistics
 
     def title(name: str) -> str:
-        kind = "root mean square of the map, " if name.startswith(MAP) else ""
-        return f"{name} ({kind}{unit_of(name)} a cycle)"
+        kind = name.partition(" at ")[0]
+        word = "root mean square of the map, " if kind == MAP else ""
+        return f"{name} ({word}{UNITS[kind]} a cycle)"
 
     def of_stage(name: str) -> str:
         part = sampling_error(found[name], chaos.stage_cycles) / abs(found[name].mean)
@@ -185,26 +191,28 @@ def wear_table(wear: WearStudy) -> Table:
     def case(point: WearPoint) -> str:
         return _marked(point.varied.label, default=point.varied.is_default, failed=point.failure)
 
-    def cell(which: str, joint: str, name: str, factor: float, point: WearPoint) -> str:
+    def cell(which: Literal["first", "second"], name: str, joint: str, point: WearPoint) -> str:
         worn: Wears = getattr(point, which)
         if joint not in worn:
             return _NONE
-        interval = worn[joint][name]
+        interval, (factor, _) = worn[joint][name], units[QUANTITIES[name]]
         if interval.low is None or interval.high is None:
             return readable(factor * interval.value)
         spread = _spread(factor * interval.low, factor * interval.high, 2)
         return f"{readable(factor * interval.value)} ({spread})"
 
-    factors = {"m": (MICRONS, "µm"), "m^3": (CUBIC_MILLIMETRES, "mm³")}
-    columns: dict[str, Callable[[WearPoint], str]] = {"": case}
-    for name, unit in QUANTITIES.items():
-        factor, shown = factors[unit]
-        for joint in wear.joints:
-            columns[f"{name} at {joint} ({shown})"] = partial(cell, "first", joint, name, factor)
-    for joint in wear.joints:
-        title = f"second wear, deepest at {joint} (µm)"
-        columns[title] = partial(cell, "second", joint, DEEPEST, MICRONS)
-    columns |= {
+    units = {"m": (MICRONS, "µm"), "m^3": (CUBIC_MILLIMETRES, "mm³")}
+    columns: dict[str, Callable[[WearPoint], str]] = {
+        "": case,
+        **{
+            f"{name} at {joint} ({units[unit][1]})": partial(cell, "first", name, joint)
+            for name, unit in QUANTITIES.items()
+            for joint in wear.joints
+        },
+        **{
+            f"second wear, deepest at {joint} (µm)": partial(cell, "second", DEEPEST, joint)
+            for joint in wear.joints
+        },
         "steps of the first wear": lambda point: whole(point.steps),
         "cycles run": lambda point: whole(point.cycles),
         "wall time (s)": lambda point: readable(point.wall, 2),
@@ -226,11 +234,9 @@ def failures_table(precision: Precision) -> Table | None:
     points: list[tuple[str, TaskPoint | StatisticPoint]] = [
         (diagram.title, point) for diagram in precision.diagrams for point in diagram.points
     ]
-    if precision.chaos is not None:
-        points += [("statistics", point) for point in precision.chaos.points]
+    points += [("statistics", point) for point in precision.chaos.points]
     rows = [(task, point.method.label, point.failure) for task, point in points if point.failure]
-    if precision.wear is not None:
-        rows += [("wear", what, why) for what, why in precision.wear.failed.items()]
+    rows += [("wear", what, why) for what, why in precision.wear.failed.items()]
     return _words(("task", "method", "why"), rows) if rows else None
 
 
@@ -266,3 +272,69 @@ def origin_table(precision: Precision) -> Table:
         ("wall time of the study", f"{readable(precision.wall)} s"),
     )
     return _words(("", ""), rows)
+
+
+SHOWN = {
+    "slider position": "slider, m",
+    "slider velocity": "m/s",
+    "position constraints": "|Phi|",
+    "angles": "angle, rad",
+    "rates": "rad/s",
+    "delivered restitution": "restit.",
+    "contact time": "time, s",
+    "deepest penetration": "depth, m",
+    "touch times": "touches, s",
+    "peak forces": "force",
+    "energy residual / exchanged": "energy",
+}
+"""The quantities that a terminal has room for, and their headings."""
+_SKIPPED = {"horizon": {"slider velocity"}}
+_KNOBS = {STEP: "step", IMPACT: "steps/impact", TOLERANCE: "tol"}
+
+
+def terminal_tables(precision: Precision) -> list[TextTable]:
+    """A table for each diagram: families one below the other, each from coarse to fine."""
+    return [_terminal_table(diagram) for diagram in precision.diagrams]
+
+
+def _terminal_table(diagram: Diagram) -> TextTable:
+    skipped = _SKIPPED.get(diagram.key, set())
+    shown = [own for own in diagram.quantities if own.name in SHOWN and own.name not in skipped]
+    rows: list[tuple[str, ...]] = []
+    for family, points in diagram.families.items():
+        # An order is told where steps are what is varied.
+        order = diagram.order(family, shown[0])
+        told = not any(own.method.knob == TOLERANCE for own in points) and not math.isnan(order)
+        heading = f"{family}: order {order:.1f}" if told else family
+        rows += [(heading, *[""] * (len(shown) + 3)), *(_terminal_row(p, shown) for p in points)]
+    repeats = max((len(p.timing.walls) for p in diagram.points if p.timing), default=0)
+    known = ", ".join(f"{SHOWN[own.name]} {own.known:.0e}" for own in shown if own.known > 0.0)
+    return TextTable(
+        diagram.title,
+        ("method",),
+        (*(SHOWN[own.name] for own in shown), "steps", "ms", "us/step"),
+        tuple(rows),
+        (
+            diagram.task,
+            f"Errors are from {diagram.reference}{f' ({known})' if known else ''}.",
+            f"Times are medians of {repeats} interleaved repeats, without warm-up. * what scenes "
+            "take by themselves; + the paper's setting.",
+        ),
+    )
+
+
+def _terminal_row(point: TaskPoint, shown: list[Quantity]) -> tuple[str, ...]:
+    method, timing = point.method, point.timing
+    mark = "*" * method.is_default + "+" * method.is_paper
+    word = f"  {_KNOBS[method.knob]} {method.value:.3g} {mark}".rstrip()
+    if point.failure or timing is None:
+        return (f"{word}: {point.failure}", *("" for _ in shown), "", "", "failed")
+    milliseconds = 1e3 * timing.wall
+    return (
+        word,
+        *(f"{point.errors[own.name]:.1e}" for own in shown),
+        f"{timing.attempts}",
+        # Three digits, never a power of ten.
+        f"{milliseconds:.0f}" if milliseconds >= 100.0 else f"{milliseconds:.3g}",
+        f"{1e6 * timing.per_step:.1f}",
+    )

@@ -18,7 +18,6 @@ from presswear.record.tracker import Progress, Tracker
 from presswear.results.stage import StageResult
 from presswear.scene.scene import CONVENTIONS, Scene
 from presswear.tools.errors import InputError, RunFailed
-from presswear.trials.precision.extent import PrecisionExtent
 from presswear.trials.runs import Told, part_of
 
 Group = Literal["angles", "cycles", "depth step", "contact", "method"]
@@ -41,7 +40,6 @@ class Means:
 
     Attributes
     ----------
-    angles, cycles : tuple of int
     finer : tuple of float
         Depth steps, parts of the scene's.
     usual : int
@@ -89,7 +87,6 @@ class Varied:
         Kind of change.
     conventions : str
         Name of the set.
-    label : str
     value : float or None
         Its value, where it is a number; 0: no step is too large, a single jump.
     is_default : bool
@@ -117,7 +114,6 @@ class WearPoint:
 
     Attributes
     ----------
-    varied : Varied
     first, second : Wears
         The first wear as it is applied, and what a second one would take off in a single
         jump; empty where it was not reached.
@@ -197,44 +193,40 @@ def change(here: Interval, there: Interval) -> Interval:
 
 
 def cases(scene: Scene, extent: Mapping[str, Means]) -> tuple[tuple[Varied, Scene], ...]:
-    """All that is varied, from coarse to fine, with the scene that each runs."""
-    found: list[tuple[Varied, Scene]] = []
+    """All that is varied, from coarse to fine, with the scene that each runs.
+
+    InputError where the scene has nothing that wears, or allows not every case.
+    """
+    if not scene.clearance_joints or scene.bearings.wear_coefficient == 0.0:
+        raise InputError(f"scene {scene.name}: nothing wears")
+    found = []
     for name, means in extent.items():
         conventions = CONVENTIONS[name]
         varied = replace(scene, conventions=conventions, cycles=means.usual, wears=1)
         base = with_method(varied, USUAL)
-
-        def case(
-            group: Group,
-            label: str,
-            value: float | None,
-            default: bool,
-            changed: Scene,
-            name: str = name,
-        ) -> None:
-            found.append((Varied(group, name, label, value, default), changed))
-
+        bearings = base.bearings
+        told: list[tuple[Group, str, float | None, bool, Scene]] = []
         for angles in means.angles:
-            bearings = replace(base.bearings, angles=angles)
-            own = angles == base.bearings.angles
-            case("angles", f"{angles}", angles, own, replace(base, bearings=bearings))
+            changed = replace(base, bearings=replace(bearings, angles=angles))
+            told.append(("angles", f"{angles}", angles, angles == bearings.angles, changed))
         for cycles in means.cycles:
-            own = cycles == scene.cycles
-            case("cycles", f"{cycles}", cycles, own, replace(base, cycles=cycles))
+            changed = replace(base, cycles=cycles)
+            told.append(("cycles", f"{cycles}", cycles, cycles == scene.cycles, changed))
         if base.wears_in_steps:
             jump = replace(base, extrapolation="single")
-            case("depth step", "single jump", 0.0, False, jump)
+            told.append(("depth step", "single jump", 0.0, False, jump))
             for part in sorted(means.finer, reverse=True):
                 step = part * base.depth_step
                 changed = replace(base, depth_step=step)
-                case("depth step", f"{step:g}", step, part == 1.0, changed)
+                told.append(("depth step", f"{step:g}", step, part == 1.0, changed))
         contacts: tuple[SurfaceContact, ...] = ("radial", "foundation")
         for contact in contacts:
-            own = contact == conventions.contact
-            read = replace(conventions, contact=contact)
-            case("contact", contact, None, own, replace(base, conventions=read))
+            changed = replace(base, conventions=replace(conventions, contact=contact))
+            told.append(("contact", contact, None, contact == conventions.contact, changed))
         for method in means.methods:
-            case("method", method, None, False, with_method(varied, method))
+            told.append(("method", method, None, False, with_method(varied, method)))
+        for group, label, value, is_default, changed in told:
+            found.append((Varied(group, name, label, value, is_default), changed))
     return tuple(found)
 
 
@@ -300,38 +292,8 @@ def run_case(varied: Varied, scene: Scene, told: Callable[[float], None]) -> Wea
     )
 
 
-def measure(scene: Scene, extent: PrecisionExtent, told: Told) -> WearStudy:
-    """Compute the wear of a scene by other means, quick or in full; see ``vary``."""
-    return vary(scene, _extent(extent), told)
-
-
-def check(scene: Scene, extent: PrecisionExtent) -> None:
-    """InputError where a scene has nothing that wears, or allows not every case.
-
-    Asked before anything else is measured, which takes half an hour.
-    """
-    _check_wears(scene)
-    cases(scene, _extent(extent))
-
-
-def _check_wears(scene: Scene) -> None:
-    if not scene.clearance_joints or scene.bearings.wear_coefficient == 0.0:
-        raise InputError(f"scene {scene.name}: nothing wears")
-
-
-def _extent(extent: PrecisionExtent) -> Mapping[str, Means]:
-    return QUICK if extent.quick else FULL
-
-
 def vary(scene: Scene, extent: Mapping[str, Means], told: Told) -> WearStudy:
-    """Run every case; what several groups have in common runs once.
-
-    Raises
-    ------
-    InputError
-        Where the scene has nothing that wears.
-    """
-    _check_wears(scene)
+    """Run every case; what several groups have in common runs once."""
     wanted = cases(scene, extent)
     _warm_up(wanted)
     work = [_work(own) for _, own in wanted]

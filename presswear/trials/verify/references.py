@@ -170,15 +170,14 @@ def andrews_start() -> Start:
     position = np.zeros(21)
     for body, held in _HUNG.items():
         i = int(body[1]) - 1
-        cosine, sine = math.cos(angles[i]), math.sin(angles[i])
-
-        def turned(point: tuple[float, float], c: float = cosine, s: float = sine) -> Array:
-            return np.array([c * point[0] - s * point[1], s * point[0] + c * point[1]])
-
-        centre = np.array(places[held]) - turned(_PINS[body][held])
-        for name, point in _PINS[body].items():
-            place = centre + turned(point)
-            places.setdefault(name, (float(place[0]), float(place[1])))
+        c, s = math.cos(angles[i]), math.sin(angles[i])
+        turned = {
+            name: np.array([c * x - s * y, s * x + c * y]) for name, (x, y) in _PINS[body].items()
+        }
+        centre = np.array(places[held]) - turned[held]
+        for name, point in turned.items():
+            x, y = centre + point
+            places.setdefault(name, (float(x), float(y)))
         position[3 * i : 3 * i + 3] = centre[0], centre[1], angles[i]
     return Start(position, np.zeros(21))
 
@@ -247,8 +246,7 @@ class Impact:
     @property
     def elastic_duration(self) -> float:
         """Duration of the same impact without damping, s."""
-        deepest = greatest_penetration(0.3 * 0.1 / 0.4, self.speed, self.stiffness, 1.5, 0.0)
-        return HERTZ_DURATION * deepest / self.speed
+        return HERTZ_DURATION * replace(self, nominal=1.0).deepest / self.speed
 
 
 # Mass on a spring with dry friction: code_aster V5.01.100, test SDND100.

@@ -14,7 +14,7 @@ from presswear.linkage.elements import Linkage
 from presswear.linkage.laws import FrictionLaw
 from presswear.record.observe import SERIES_NAMES
 from presswear.tools.errors import RunFailed
-from presswear.trials.runs import Told, contacts_of, finished, order_of
+from presswear.trials.runs import Check, Told, contacts_of, finished, order_of
 from presswear.trials.verify import references
 
 Array = NDArray[np.float64]
@@ -42,38 +42,21 @@ ANDREWS = (
 
 
 @dataclass(frozen=True)
-class Verified:
-    """A number held against its reference.
+class Verified(Check):
+    """A distance from a reference, both in the unit that its name tells."""
 
-    Attributes
-    ----------
-    name : str
-        Problem, engine and unit.
-    reference, ours : float
-    bound : float
-        Greatest error that passes; errors are absolute, in the unit of the name.
-    """
+    reference: float = 0.0
 
-    name: str
-    reference: float
-    ours: float
-    bound: float
-
-    @property
-    def error(self) -> float:
-        """Distance from the reference."""
-        return abs(self.ours - self.reference)
-
-    @property
-    def passed(self) -> bool:
-        """True where the error is within the bound; never for what is not a number."""
-        return self.error <= self.bound
+    @staticmethod
+    def of(quantity: str, reference: float, ours: float, bound: float) -> "Verified":
+        """Hold a number against its reference."""
+        return Verified(quantity, ours - reference, bound, reference=reference)
 
 
 def _worst(name: str, reference: Sequence[float], ours: Array, bound: float) -> Verified:
     """The component that is furthest off."""
     i = int(np.argmax(np.abs(ours - np.array(reference))))
-    return Verified(name, float(reference[i]), float(ours[i]), bound)
+    return Verified.of(name, float(reference[i]), float(ours[i]), bound)
 
 
 def andrews_with_exudyn(step: float) -> Array:
@@ -94,7 +77,7 @@ def andrews_rows() -> Iterator[Verified]:
     name = f"Andrews, Exudyn, {1e6 * ANDREWS_STEPS[-1]:g} us: worst angle (rad)"
     yield _worst(name, references.ANDREWS_ANGLES, found[-1], 1e-5)
     errors = [float(np.abs(a - np.array(references.ANDREWS_ANGLES)).max()) for a in found]
-    yield Verified("Andrews, Exudyn: order", 2.0, order_of(ANDREWS_STEPS, errors), 0.1)
+    yield Verified.of("Andrews, Exudyn: order", 2.0, order_of(ANDREWS_STEPS, errors), 0.1)
 
 
 def delivered(run: Run, speed: float) -> float:
@@ -130,16 +113,16 @@ def impact_rows() -> Iterator[Verified]:
         for word, engine, bound in (("dae", TIGHT, 1e-8), (f"Exudyn, {steps} steps", joints, 1e-4)):
             run = engine.simulate(impact.linkage, impact.start, plan)
             name = f"restitution, nominal {nominal}, {word}"
-            yield Verified(name, expected, delivered(run, impact.speed), bound)
+            yield Verified.of(name, expected, delivered(run, impact.speed), bound)
     impact = references.Impact(0.9, clearance=1e-5)
     run = TIGHT.simulate(impact.linkage, impact.start, Plan(2.2e-4, 1))
     part = deepest_penetration(run, impact.speed) / impact.deepest
-    yield Verified("penetration over closed form, dae", 1.0, part, 1e-8)
+    yield Verified.of("penetration over closed form, dae", 1.0, part, 1e-8)
     impact = references.Impact(1.0)
     contact = first_contact(TIGHT.simulate(impact.linkage, impact.start, plan))
     lasted = (contact["separation"] - contact["touchdown"]) * impact.speed / impact.deepest
     expected = references.HERTZ_DURATION
-    yield Verified("Hertz: duration (delta_max/v), dae", expected, lasted, 1e-8)
+    yield Verified.of("Hertz: duration (delta_max/v), dae", expected, lasted, 1e-8)
 
 
 def turning_points(run: Run, begin: float) -> tuple[Array, Array]:
@@ -175,13 +158,13 @@ def friction_rows() -> Iterator[Verified]:
     expected = [references.SDND100_INTERVAL * (k + 1) for k in range(len(extrema))]
     yield _worst("SDND100, dae: its time (s)", expected, times, 1e-5)
     rest = 1e3 * float(run.end.position[0])
-    yield Verified("SDND100, dae: sticks at (mm)", millimetres[-1], rest, 1e-4)
+    yield Verified.of("SDND100, dae: sticks at (mm)", millimetres[-1], rest, 1e-4)
     creeping = references.creep_speed(FRICTION, SLOPE)
-    yield Verified("creep on an incline (mm/s)", 1e3 * creeping, 1e3 * creep(SLOPE), 1e-6)
+    yield Verified.of("creep on an incline (mm/s)", 1e3 * creeping, 1e3 * creep(SLOPE), 1e-6)
     for time in (0.005, 0.011):
         slowing = references.slowed_speed(FRICTION, 0.01, GRAVITY, time)
         name = f"slowing on the flat, {1e3 * time:g} ms (mm/s)"
-        yield Verified(name, 1e3 * slowing, 1e3 * slowed(0.01, time), 1e-6)
+        yield Verified.of(name, 1e3 * slowing, 1e3 * slowed(0.01, time), 1e-6)
 
 
 def slowed(speed: float, time: float) -> float:
@@ -194,9 +177,14 @@ def creep(slope: float) -> float:
 
     The approach decays with mu g cos(theta) / (v1 - v0), 1090 per second.
     """
+    return _slid(*on_incline(slope, 0.005), 0.2)
+
+
+def on_incline(slope: float, speed: float) -> tuple[Linkage, Start]:
+    """A block on an incline, at a speed, m/s."""
     angle = math.atan(slope)
     pull, press = GRAVITY * math.sin(angle), GRAVITY * math.cos(angle)
-    return _slid(*references.block(pull, press, FRICTION, 0.005), 0.2)
+    return references.block(pull, press, FRICTION, speed)
 
 
 def _slid(linkage: Linkage, start: Start, time: float) -> float:
@@ -253,9 +241,9 @@ def bouncing_rows() -> Iterator[Verified]:
         rebounds.append(last)
     speed = stiffer.speed
     total, rebound = stiff_limit(totals, 10.0), stiff_limit(rebounds, 10.0)
-    yield Verified("bouncing ball, dae: total time (s)", series * speed, total, 1e-6)
+    yield Verified.of("bouncing ball, dae: total time (s)", series * speed, total, 1e-6)
     expected = speed * restitution**BOUNCES
-    yield Verified(f"bouncing ball, dae: rebound {BOUNCES} (m/s)", expected, rebound, 1e-6)
+    yield Verified.of(f"bouncing ball, dae: rebound {BOUNCES} (m/s)", expected, rebound, 1e-6)
 
 
 GROUPS: dict[str, Callable[[], Iterator[Verified]]] = {
@@ -268,13 +256,7 @@ GROUPS: dict[str, Callable[[], Iterator[Verified]]] = {
 
 
 def verify(told: Told) -> list[Verified]:
-    """Run every reference problem.
-
-    Raises
-    ------
-    RunFailed
-        A run failed, so that there is nothing to compare.
-    """
+    """Run every reference problem; RunFailed if one fails, so that there is nothing to compare."""
     rows: list[Verified] = []
     for done, (name, group) in enumerate(GROUPS.items()):
         told(name, done / len(GROUPS))

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
-from invented import cut, every_evidence, every_result
+from invented import EVEN, cut, every_evidence, every_result, result, stage
 
 from presswear.__main__ import main
 from presswear.show.report.page import Illustration
@@ -18,7 +18,7 @@ from presswear.studies.paper.printed import PRINTED
 from presswear.studies.paper.report import render
 from presswear.studies.paper.report.numbers import numbers_table, ranges_table, ratios_table
 from presswear.studies.paper.report.summary import findings, headline
-from presswear.studies.paper.variants import make
+from presswear.studies.paper.variants import BASE, WEAR, make, variant_key
 from presswear.studies.paper.verdicts import judged
 from presswear.studies.paper.words import as_printed
 
@@ -54,6 +54,21 @@ def test_the_first_screen_counts_right() -> None:
     assert inside + above + below == peaks
     assert len(findings(evidence, {})) == 5
     assert len(findings(evidence, {"paper-step": "it blew up"})) == 6
+
+
+def test_findings_follow_the_numbers() -> None:
+    told = " ".join(findings(every_evidence(), {}))
+    assert "The second wear does not run away" in told
+    deep = {
+        variant_key(BASE, WEAR): result(
+            WEAR, [stage(WEAR, k, k + 1, peak=(20e-6 * 20**k, 8e-6)) for k in range(3)]
+        )
+    }
+    assert "The second wear runs away" in " ".join(findings(Evidence(deep), {}))
+    strong = {"A": 1e5, "C": 1e5}
+    stages = [stage(WEAR, k, k + 1, [strong if k else EVEN]) for k in range(3)]
+    high = findings(Evidence({variant_key(BASE, WEAR): result(WEAR, stages)}), {})
+    assert any("of the others are lower than any but the rarest of ours" in one for one in high)
 
 
 def test_the_tables_show_ours_beside_the_paper() -> None:

@@ -3,20 +3,21 @@
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from presswear.engines.settings import ExudynJoints
 from presswear.record.sampling import Estimate, Interval
 from presswear.scene.catalog import wear_times
 from presswear.trials.precision.chaos import Chaos, StatisticPoint
 from presswear.trials.precision.diagram import Diagram, Quantity, TaskPoint
-from presswear.trials.precision.extent import QUICK
 from presswear.trials.precision.growth import Parting
 from presswear.trials.precision.methods import IMPACT, Method, finest, statistics_methods
 from presswear.trials.precision.statistic import StepError
-from presswear.trials.precision.study import Precision
+from presswear.trials.precision.study import QUICK, Precision
 from presswear.trials.precision.wear import DEEPEST, VOLUME, Group, Varied, WearPoint, WearStudy
 from presswear.trials.timing import Timing
 
+Array = NDArray[np.float64]
 SCENE = wear_times()
 NAMES = tuple(
     f"{kind} at {joint}" for kind in ("wear total", "wear map", "peak force") for joint in "AC"
@@ -86,6 +87,10 @@ def statistic_point(method: Method, bias: float, bound: float, cost: float) -> S
     )
 
 
+def parting(time: Array, apart: Array, touches: Array) -> Parting:
+    return Parting(tuple(time.tolist()), tuple(apart.tolist()), tuple(touches.astype(int).tolist()))
+
+
 def chaos(coarsest_honest: float = 1e-6, bound: float = 0.03) -> Chaos:
     """Settings coarser than one tolerance are biased by a tenth, finer ones are honest."""
     reference = statistic_point(finest(SCENE), 0.0, 0.0, 0.3)
@@ -96,9 +101,8 @@ def chaos(coarsest_honest: float = 1e-6, bound: float = 0.03) -> Chaos:
         points.append(statistic_point(method, 0.0 if fine else 0.1, bound if fine else 0.15, cost))
     time = np.linspace(0.0, 0.57, 400)
     apart = np.minimum(1e-9 * np.exp(77.0 * np.maximum(time - 0.05, 0.0)), 1e-3)
-    touches = np.floor(200.0 * time).astype(np.int64)
-    growth = Parting.of(time, apart, touches)
-    calm = Parting.of(time, np.full_like(time, 2e-9), touches)
+    growth = parting(time, apart, np.floor(200.0 * time))
+    calm = replace(growth, distance=(2e-9,) * 400)
     return Chaos((growth, calm), reference, tuple(points), STAGE_CYCLES)
 
 
@@ -148,7 +152,7 @@ def wear() -> WearStudy:
     return WearStudy(tuple(points), {"paper": 50, "refined": 20}, "dae, DOPRI5 at tolerance 1e-07")
 
 
-def precision(whole: bool = True) -> Precision:
+def precision() -> Precision:
     return Precision(
         SCENE,
         QUICK,
@@ -164,6 +168,6 @@ def precision(whole: bool = True) -> Precision:
         100.0,
         0.1411,
         (diagram("ideal", 1e-3), diagram("horizon")),
-        chaos() if whole else None,
-        wear() if whole else None,
+        chaos(),
+        wear(),
     )

@@ -1,6 +1,7 @@
 """A study so small that tests can afford it."""
 
-from presswear.trials.precision.extent import PrecisionExtent, Rungs
+from presswear.trials.precision.methods import Rungs
+from presswear.trials.precision.study import PrecisionExtent
 
 SHORT = PrecisionExtent(
     quick=True,
@@ -15,7 +16,6 @@ SHORT = PrecisionExtent(
         tree_tolerances=(1e-5, 1e-7),
     ),
     longest=0.025,
-    beyond=False,
 )
 """Long enough for the paper's step to blow up, at 0.0217 s."""
 

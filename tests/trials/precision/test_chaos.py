@@ -7,21 +7,17 @@ from typing import TypeVar
 
 import numpy as np
 import pytest
-from made_up_precision import NAMES, SCENE, STAGE_CYCLES, chaos
 
+from precision.made_up_precision import NAMES, SCENE, STAGE_CYCLES, chaos, parting
 from presswear.campaign.starts import start_of
 from presswear.record.sampling import Estimate, MapBatches
-from presswear.scene.catalog import ideal
 from presswear.scene.scene import Numerics
 from presswear.tools.documents import plain
-from presswear.tools.errors import InputError
-from presswear.trials.precision.chaos import ChaosExtent, follow, stage_cycles
+from presswear.trials.precision.chaos import stage_cycles
 from presswear.trials.precision.growth import (
     HIGH,
     LOW,
     PARTED,
-    Parting,
-    growing,
     sampled_run,
     turned_back,
 )
@@ -36,11 +32,12 @@ from presswear.trials.precision.statistic import (
     sampling_error,
     together,
 )
+from presswear.trials.precision.study import Precision
 from presswear.trials.stored import as_plain, restored
 
 T = TypeVar("T")
 TIME = np.linspace(0.0, 1.0, 2001)
-NO_TOUCHES = np.zeros(2001, dtype=np.int64)
+NO_TOUCHES = np.zeros(2001)
 
 
 def stored(owner: T) -> T:
@@ -53,8 +50,7 @@ def stored(owner: T) -> T:
 
 def test_growth_rate_of_an_exponential() -> None:
     apart = np.minimum(1e-9 * np.exp(30.0 * TIME), 1e-3)
-    touches = np.floor(100.0 * TIME).astype(np.int64)
-    growth = Parting.of(TIME, apart, touches)
+    growth = parting(TIME, apart, np.floor(100.0 * TIME))
     assert growth.rate == pytest.approx(30.0, rel=1e-3)
     assert growth.per_touchdown == pytest.approx(0.3, rel=2e-2)
     assert growth.divergence == pytest.approx(math.log(1000.0) / 30.0, abs=1e-3)
@@ -69,13 +65,12 @@ def test_rate_is_read_between_its_bounds_only() -> None:
     """A slow start and a plateau behind do not count."""
     grown = 1e-9 * np.exp(60.0 * (TIME - 0.4))
     apart = np.where(TIME < 0.4, 1e-9, np.minimum(grown, 1e-4))
-    growth = Parting.of(TIME, apart, NO_TOUCHES)
+    growth = parting(TIME, apart, NO_TOUCHES)
     assert growth.rate == pytest.approx(60.0, rel=1e-3)
     # To HIGH after 0.4 s of lull.
     until = 0.4 + math.log(1e4) / 60.0
     assert growth.overall == pytest.approx(math.log(1e4) / until, rel=1e-2)
     assert growth.per_touchdown is None
-    assert growing(TIME, apart) == growth.window
     assert growth.window is not None
     inside = (growth.window[0] <= TIME) & (growth.window[1] >= TIME)
     assert LOW <= apart[inside][0] < 1.2 * LOW
@@ -83,7 +78,7 @@ def test_rate_is_read_between_its_bounds_only() -> None:
 
 
 def test_starts_that_never_part_have_no_rate() -> None:
-    growth = Parting.of(TIME, np.full_like(TIME, 0.5 * PARTED), NO_TOUCHES)
+    growth = parting(TIME, np.full_like(TIME, 0.5 * PARTED), NO_TOUCHES)
     assert growth.overall == pytest.approx(math.log(500.0))
     assert growth.rate is None
     assert growth.window is None
@@ -242,38 +237,23 @@ def test_ladder_has_the_paper_and_the_defaults() -> None:
     assert [stored(method) for method in methods] == list(methods)
 
 
-def test_measured_statistics() -> None:
+def test_measured_statistics(found: Precision) -> None:
     """Few cycles of two methods and the paper's, which fails and stays in."""
-
-    def few(label: str) -> bool:
-        return label in ("dae, DOPRI5, tolerance 1e-05", "dae, RK4, step 0.0001")
-
-    size = ChaosExtent(1, 1, starts=1, cycles=5, reference=1, methods=lambda m: few(m.label))
-    told: list[float] = []
-    found = follow(SCENE, size, lambda word, part: told.append(part))
-    quick, paper = found.points
+    measured = found.chaos
+    quick, paper = measured.points
     assert paper.method.is_paper
     assert "no longer finite" in paper.failure
     assert not paper.statistics
-    assert not found.is_honest(paper)
-    assert set(found.names) == set(NAMES) == set(quick.statistics)
+    assert not measured.is_honest(paper)
+    assert set(measured.names) == set(NAMES) == set(quick.statistics)
     for name in NAMES:
-        statistic, reference = quick.statistics[name], found.reference.statistics[name]
+        statistic, reference = quick.statistics[name], measured.reference.statistics[name]
         assert statistic.cycles == 4
         assert statistic.mean == pytest.approx(reference.mean, rel=1.0)
         assert quick.step_errors[name].bound is not None
     assert quick.cost > 0.0
     assert quick.simulated == pytest.approx(5 * SCENE.mechanism.period)
-    (growth,) = found.growths
+    (growth,) = measured.growths
     assert growth.divergence == pytest.approx(0.14, abs=0.03)
     assert growth.rate is not None
     assert 40.0 < growth.rate < 150.0
-    assert told == sorted(told)
-    assert told[-1] <= 1.0
-    assert stored(found) == found
-
-
-def test_without_clearance_nothing_is_chaotic() -> None:
-    size = ChaosExtent(1, 1, starts=1, cycles=5)
-    with pytest.raises(InputError, match="clearance"):
-        follow(ideal(), size, lambda word, part: None)

@@ -5,26 +5,14 @@ import json
 from pathlib import Path
 
 import pytest
-from short_study import SHORT
 
+from precision.short_study import SHORT
 from presswear.__main__ import main
-from presswear.scene.catalog import scene_named
-from presswear.trials.precision.extent import FULL, QUICK
 from presswear.trials.precision.store import load, store
-from presswear.trials.precision.study import Precision, study
-from presswear.trials.precision.text import tables_of
+from presswear.trials.precision.study import FULL, QUICK, Precision
+from presswear.trials.precision.tables import terminal_tables
 
 KEYS = ["ideal", "andrews", "impact", "horizon"]
-
-
-@pytest.fixture(scope="module")
-def told() -> list[tuple[str, float]]:
-    return []
-
-
-@pytest.fixture(scope="module")
-def found(told: list[tuple[str, float]]) -> Precision:
-    return study(scene_named("wear-times"), SHORT, lambda name, part: told.append((name, part)))
 
 
 def test_every_diagram_is_there_with_the_papers_setting(found: Precision) -> None:
@@ -36,7 +24,6 @@ def test_every_diagram_is_there_with_the_papers_setting(found: Precision) -> Non
         for point in diagram.points:
             assert bool(point.failure) == (point.timing is None)
             assert set(point.errors) == (set() if point.failure else names)
-    assert found.chaos is None
     assert min(QUICK.repeats, FULL.repeats) >= 5
     assert found.processor
     assert found.provenance["packages"]["exudyn"]
@@ -48,7 +35,7 @@ def test_progress_rises_to_its_end(found: Precision, told: list[tuple[str, float
     assert 0.0 <= parts[0] < 0.01
     assert parts[-1] == 1.0
     sections = list(dict.fromkeys(name.partition(":")[0] for name, _ in told))
-    assert sections == [*KEYS, "done"]
+    assert sections == [*KEYS, "statistics", "wear", "done"]
 
 
 def test_what_is_stored_is_read_back_equal(found: Precision, tmp_path: Path) -> None:
@@ -78,15 +65,15 @@ def test_what_is_stored_is_read_back_equal(found: Precision, tmp_path: Path) -> 
 
 
 def test_the_printed_tables_are_complete(found: Precision) -> None:
-    for table, diagram in zip(tables_of(found), found.diagrams, strict=True):
+    for table, diagram in zip(terminal_tables(found), found.diagrams, strict=True):
         assert len(table.rows) == len(diagram.points) + len(diagram.families)
         for row in table.rows:
             assert len(row) == len(table.texts) + len(table.numbers)
-    press = tables_of(found)[-1]
+    press = terminal_tables(found)[-1]
     failed = [row for row in press.rows if "do not add up" in row[0]]
     assert len(failed) == 1
     assert "+" in failed[0][0]
-    assert any("order 2.0" in row[0] for row in tables_of(found)[0].rows)
+    assert any("order 2.0" in row[0] for row in terminal_tables(found)[0].rows)
 
 
 @pytest.mark.parametrize(

@@ -7,11 +7,12 @@ from typing import Any
 
 import pytest
 from endurance.forgery import NO_LEAVES, leaves
-from made_up_precision import precision
 
+from precision.made_up_precision import precision
 from presswear.__main__ import main
 from presswear.tools.errors import InputError
 from presswear.trials.precision.diagram import Diagram
+from presswear.trials.precision.growth import Parting
 from presswear.trials.precision.store import FILE, load, store
 from presswear.trials.timing import Timing
 
@@ -28,7 +29,11 @@ def document(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
 def _read(owner: Any) -> Any:
     """The document without what is written for other programs and not read back."""
     if isinstance(owner, dict):
-        derived = (*Diagram.DERIVED, *(Timing.DERIVED if "walls" in owner else ()))
+        derived = [
+            *Diagram.DERIVED,
+            *Parting.DERIVED,
+            *(Timing.DERIVED if "walls" in owner else ()),
+        ]
         return {key: _read(value) for key, value in owner.items() if key not in derived}
     return [_read(value) for value in owner] if isinstance(owner, list) else owner
 
@@ -57,6 +62,10 @@ def test_parts_that_are_missing_are_refused(tmp_path: Path, document: dict[str, 
     for key in document:
         altered = {name: value for name, value in document.items() if name != key}
         with pytest.raises(InputError, match=FILE):
+            load(_written(tmp_path, altered))
+    for part, name in (("chaos", "growths"), ("wear", "points")):
+        altered = document | {part: document[part] | {name: []}}
+        with pytest.raises(InputError, match="a part of the study is empty"):
             load(_written(tmp_path, altered))
 
 

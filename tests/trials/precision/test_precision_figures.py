@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from made_up_precision import DEFAULTS, chaos, diagram, precision, wear
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure as Sheet
 from matplotlib.text import Text
 
+from precision.made_up_precision import DEFAULTS, chaos, diagram, precision, wear
 from presswear.show.figures.style import Drawing
 from presswear.trials.precision.figures import precision_drawings
 from presswear.trials.precision.figures.panels import LOOKS, look_of
@@ -36,8 +36,6 @@ def test_everything_that_was_run_is_drawn(drawn: dict[str, Drawing]) -> None:
     names = ["ideal", "horizon", "orders", "energy", "growth", "statistics", "wear", "contact"]
     assert list(drawn) == [f"precision-{name}.png" for name in names]
     assert all(drawing.title and drawing.caption for drawing in drawn.values())
-    some = [d.file for d in precision_drawings(precision(whole=False))]
-    assert some == [f"precision-{name}.png" for name in names[:4]]
 
 
 def test_errors_over_wall_times(drawn: dict[str, Drawing]) -> None:
@@ -85,7 +83,7 @@ def test_the_paper_has_its_mark_where_it_ran() -> None:
     found = diagram()
     like = found.points[0]
     points = [replace(like, method=p.method) if p.method.is_paper else p for p in found.points]
-    study = replace(precision(whole=False), diagrams=(replace(found, points=tuple(points)),))
+    study = replace(precision(), diagrams=(replace(found, points=tuple(points)),))
     assert like.timing is not None
     (place,) = marks(next(precision_drawings(study)), "paper")
     assert place == pytest.approx((1e3 * like.timing.wall, like.errors["slider position"]))
@@ -179,7 +177,7 @@ def test_wear_in_parts_of_the_finest(drawn: dict[str, Drawing]) -> None:
 def test_a_wear_that_failed_throughout_is_no_picture() -> None:
     found = wear()
     failed = tuple(replace(p, first={}, second={}, failure="no") for p in found.points)
-    study = replace(precision(), chaos=None, wear=replace(found, points=failed))
+    study = replace(precision(), wear=replace(found, points=failed))
     files = [drawing.file for drawing in precision_drawings(study)]
     assert "precision-wear.png" not in files
 

@@ -2,16 +2,15 @@
 
 from dataclasses import replace
 from html.parser import HTMLParser
-from pathlib import Path
 
 import pytest
-from made_up_precision import chaos, diagram, precision
 
+from precision.made_up_precision import chaos, diagram, precision
 from presswear.show.report.parts import Table
 from presswear.studies.paper.variants import base_scene
 from presswear.trials.precision.recommendation import recommend
 from presswear.trials.precision.report import growth_sentence, headline, write_precision_report
-from presswear.trials.precision.rows import statistic_rows, wear_rows
+from presswear.trials.precision.store import statistic_rows, wear_rows
 from presswear.trials.precision.tables import (
     failures_table,
     growth_table,
@@ -60,6 +59,8 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> str:
     text = path.read_text()
     assert (folder / "figures" / "precision-horizon.png").exists()
     assert answer.split(":")[0] in text
+    failed = "Task <ideal>; Task <horizon>; statistics of wear"
+    assert answer.endswith(f"The paper's setting, RK4 at 1e-4 s, fails: {failed}.")
     return text
 
 
@@ -138,8 +139,10 @@ def test_failures_are_listed_with_reasons() -> None:
     assert any(row[2] == "3 of the first 10 touches missing" for row in rows)
     assert any(row[2] == "stage 1: it blew up" for row in rows)
     clean = replace(diagram(), points=tuple(p for p in diagram().points if not p.failure))
-    calm = replace(precision(whole=False), diagrams=(clean,))
-    assert failures_table(calm) is None
+    found = precision()
+    ran = replace(found.chaos, points=tuple(p for p in found.chaos.points if not p.failure))
+    worn = replace(found.wear, points=tuple(p for p in found.wear.points if not p.failure))
+    assert failures_table(replace(found, diagrams=(clean,), chaos=ran, wear=worn)) is None
 
 
 def test_references_tell_their_own_error() -> None:
@@ -156,8 +159,8 @@ def test_growth_and_statistics_in_numbers() -> None:
     assert pairs[0][1] == "77.0"
     assert pairs[1][1:3] == ["–", "–"]
     assert pairs[1][4:7] == ["–"] * 3
-    assert "of two runs" in growth_sentence(precision())
-    assert "Of 1 further pairs, begun later in the motion, 0 part" in growth_sentence(precision())
+    assert "of two runs" in growth_sentence(found)
+    assert "Of 1 further pairs, begun later in the motion, 0 part" in growth_sentence(found)
     means = cells(sampling_table(found))["wear total at A (N m a cycle)"]
     assert means["sampling error of 16 cycles"] == "5.0 %"
     rows = cells(statistics_table(found))
@@ -167,9 +170,7 @@ def test_growth_and_statistics_in_numbers() -> None:
 
 
 def test_wear_in_numbers() -> None:
-    found = precision().wear
-    assert found is not None
-    rows = cells(wear_table(found))
+    rows = cells(wear_table(precision().wear))
     first = rows["90"]
     assert first["deepest wear at A (µm)"] == "10.0 (9.5 to 10)"
     assert [first[name] for name in list(first)[-3:]] == ["1", "60", "3.5"]
@@ -182,25 +183,8 @@ def test_nothing_honest_is_said_so() -> None:
     assert "No setting has been shown to be honest" in headline(study, recommend(study, TAKEN))
 
 
-def test_page_without_statistics_and_wear(tmp_path: Path) -> None:
-    answer, path = write_precision_report(precision(whole=False), TAKEN, tmp_path)
-    text = path.read_text()
-    parsed(text)
-    assert "Beyond the horizon" not in text
-    assert "The paper's setting, RK4 at 1e-4 s, fails" in answer
-
-
-def test_page_of_nothing(tmp_path: Path) -> None:
-    study = replace(precision(whole=False), diagrams=())
-    answer, path = write_precision_report(study, TAKEN, tmp_path)
-    assert answer == "There is nothing to recommend from what was run."
-    parsed(path.read_text())
-
-
 def test_statistics_and_wear_are_rows_of_equal_length() -> None:
     study = precision()
-    assert study.chaos is not None
-    assert study.wear is not None
     told, worn = list(statistic_rows(study.chaos)), list(wear_rows(study.wear))
     for rows in (told, worn):
         assert len(rows) > 3

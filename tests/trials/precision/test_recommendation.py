@@ -3,9 +3,15 @@
 from collections.abc import Iterable
 from dataclasses import replace
 
-import pytest
-from made_up_precision import METHODS, chaos, diagram, interval, precision, wear, wear_point
-
+from precision.made_up_precision import (
+    METHODS,
+    chaos,
+    diagram,
+    interval,
+    precision,
+    wear,
+    wear_point,
+)
 from presswear.record.sampling import Interval
 from presswear.studies.paper.variants import base_scene
 from presswear.trials.precision.diagram import Diagram, TaskPoint
@@ -197,19 +203,17 @@ def test_wear_does_not_trust_a_failed_finest() -> None:
     assert found.recommended == ""
 
 
-@pytest.mark.parametrize("whole", [True, False])
-def test_everything_together(whole: bool) -> None:
+def test_everything_together() -> None:
     numerics = base_scene("wear-times").numerics
-    found = recommend(precision(whole), numerics)
+    found = recommend(precision(), numerics)
     purposes = list(dict.fromkeys(one.purpose for one in found))
-    assert purposes == ([TRAJECTORIES, STATISTICS, WEAR] if whole else [TRAJECTORIES])
-    assert set(purposes) <= set(RULES)
+    assert purposes == [TRAJECTORIES, STATISTICS, WEAR] == list(RULES)
     # The diagram of the horizon alone speaks of trajectories.
     engines = [one.subject for one in found if one.purpose == TRAJECTORIES]
     assert len(engines) == len(set(engines)) == 3
     taken = {one.subject: one.taken for one in found if one.purpose == STATISTICS}
     settings = [method_of(own, own).setting for own in (numerics.tree, numerics.dae)]
-    assert list(taken.values()) == (settings if whole else [])
+    assert list(taken.values()) == settings
     assert all(one.verdict.startswith("the code takes") for one in found)
 
 

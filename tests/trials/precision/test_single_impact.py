@@ -5,13 +5,13 @@ import math
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from short_study import SHORT, silent
 
+from precision.short_study import SHORT
 from presswear.engines.settings import InHouse
 from presswear.linkage.laws import delivered_restitution
 from presswear.physics.tree import Tree, tree_of
 from presswear.scene.catalog import scene_named
-from presswear.trials.precision.diagram import Diagram, measure
+from presswear.trials.precision.diagram import Diagram
 from presswear.trials.precision.impact import (
     IMPACT,
     REDUCED_MASS,
@@ -21,11 +21,6 @@ from presswear.trials.precision.impact import (
     single,
     turning,
 )
-
-
-@pytest.fixture(scope="module")
-def impact() -> Diagram:
-    return measure(single(scene_named("wear-times"), SHORT), SHORT.repeats, silent)
 
 
 def test_contact_time_without_damping_is_hertz() -> None:
@@ -57,7 +52,7 @@ def test_contact_time_is_that_of_the_integrated_motion() -> None:
 def test_guides_make_the_impact_a_tree_and_change_nothing() -> None:
     linkage, start = guided()
     assert isinstance(tree_of(linkage), Tree)
-    task = single(scene_named("wear-times"), SHORT)
+    task = single(scene_named("wear-times"), SHORT.rungs)
     tight = InHouse(integration_tolerance=1e-12, free_step=1.0)
     runs = [tight.simulate(each, start, task.plan) for each in (linkage, IMPACT.linkage)]
     np.testing.assert_allclose(runs[0].end.velocity, runs[1].end.velocity, atol=1e-12)

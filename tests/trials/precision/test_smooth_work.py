@@ -2,27 +2,17 @@
 
 import numpy as np
 import pytest
-from short_study import SHORT, silent
 
+from precision.short_study import SHORT
 from presswear.engines.base import Plan
 from presswear.engines.settings import ExudynJoints, InHouse
 from presswear.scene.catalog import scene_named
-from presswear.trials.precision.diagram import Diagram, measure
+from presswear.trials.precision.diagram import Diagram
 from presswear.trials.precision.methods import smooth_methods
-from presswear.trials.precision.smooth import HELD, andrews, constraint_errors, ideal_mechanism
-from presswear.trials.verify.references import andrews as squeezer
+from presswear.trials.precision.smooth import HELD, constraint_errors
+from presswear.trials.verify.references import andrews, andrews_start
 
 TRAPEZOIDAL, RK4 = "exudyn-joints, trapezoidal rule", "dae, RK4"
-
-
-@pytest.fixture(scope="module")
-def ideal() -> Diagram:
-    return measure(ideal_mechanism(scene_named("wear-times"), SHORT), SHORT.repeats, silent)
-
-
-@pytest.fixture(scope="module")
-def seven_bodies() -> Diagram:
-    return measure(andrews(SHORT), SHORT.repeats, silent)
 
 
 def test_orders_come_out_on_the_ideal_press(ideal: Diagram) -> None:
@@ -31,16 +21,14 @@ def test_orders_come_out_on_the_ideal_press(ideal: Diagram) -> None:
         assert ideal.order(RK4, quantity) == pytest.approx(4.0, abs=0.15)
 
 
-def test_orders_come_out_on_the_squeezer(seven_bodies: Diagram) -> None:
-    for quantity in seven_bodies.quantities[:2]:
-        assert seven_bodies.order(TRAPEZOIDAL, quantity) == pytest.approx(2.0, abs=0.1)
-        assert seven_bodies.order(RK4, quantity) == pytest.approx(4.0, abs=0.5)
+def test_orders_come_out_on_the_squeezer(squeezer: Diagram) -> None:
+    for quantity in squeezer.quantities[:2]:
+        assert squeezer.order(TRAPEZOIDAL, quantity) == pytest.approx(2.0, abs=0.1)
+        assert squeezer.order(RK4, quantity) == pytest.approx(4.0, abs=0.5)
 
 
-def test_the_printed_values_are_known_no_better_than_they_were_computed(
-    seven_bodies: Diagram,
-) -> None:
-    angles, rates, *_ = seven_bodies.quantities
+def test_printed_values_are_known_no_better_than_they_were_computed(squeezer: Diagram) -> None:
+    angles, rates, *_ = squeezer.quantities
     assert 1e-10 < angles.known < 5e-9
     assert 1e-8 < rates.known < 2e-6
 
@@ -53,9 +41,9 @@ def test_a_smaller_tolerance_is_a_smaller_error(ideal: Diagram) -> None:
 
 
 def test_the_papers_setting_and_the_defaults_are_in_it(ideal: Diagram) -> None:
-    papers = [point for point in ideal.points if point.method.is_paper]
-    assert [point.method.label for point in papers] == ["dae, RK4, step 0.0001"]
-    assert papers[0].errors["slider position"] < 1e-12
+    (papers,) = (point for point in ideal.points if point.method.is_paper)
+    assert papers.method.label == "dae, RK4, step 0.0001"
+    assert papers.errors["slider position"] < 1e-12
     defaults = {point.method.family: point for point in ideal.points if point.method.is_default}
     assert set(defaults) == {TRAPEZOIDAL, "dae, DOP853"}
     scene = scene_named("wear-times")
@@ -69,8 +57,7 @@ def test_times_steps_and_evaluations_are_complete(ideal: Diagram) -> None:
         assert timing is not None
         assert point.warm_up is not None
         assert len(timing.walls) == SHORT.repeats
-        assert min(timing.walls) > 0.0
-        assert point.warm_up >= 0.0
+        assert min(timing.walls) > 0.0 <= point.warm_up
         assert timing.steps > 0
         assert (timing.evaluations is None) == isinstance(point.method.engine, ExudynJoints)
     rk4 = ideal.families[RK4][0].timing
@@ -84,11 +71,9 @@ def test_steps_of_a_ladder_are_as_many_as_asked(ideal: Diagram) -> None:
 
 
 def test_constraints_of_the_start_are_kept() -> None:
-    from presswear.trials.verify.references import andrews_start
-
-    run = InHouse().simulate(squeezer(), andrews_start(), Plan(1e-6, 1))
-    errors = constraint_errors(squeezer(), run)
-    assert set(errors) == set(HELD)
+    run = InHouse().simulate(andrews(), andrews_start(), Plan(1e-6, 1))
+    errors = constraint_errors(andrews(), run)
+    assert set(errors) == {own.name for own in HELD}
     assert max(errors.values()) < 1e-9
 
 

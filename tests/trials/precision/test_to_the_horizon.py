@@ -4,29 +4,25 @@ import math
 from dataclasses import replace
 
 import pytest
-from short_study import SHORT, silent
 
+from precision.short_study import SHORT, silent
 from presswear.engines.base import Plan
 from presswear.engines.settings import InHouse
 from presswear.scene.catalog import scene_named
 from presswear.tools.errors import InputError, RunFailed
-from presswear.trials.precision.diagram import Diagram, Task, first_run, measure
+from presswear.trials.precision.diagram import Diagram, Task, first_run
 from presswear.trials.precision.horizon import horizon_of, second_reference, with_clearance
 from presswear.trials.precision.methods import contact_methods, method_of
+from presswear.trials.precision.study import study
 
 SCENE = scene_named("wear-times")
 
 
 @pytest.fixture(scope="module")
 def task() -> Task:
-    found, horizon = with_clearance(SCENE, SHORT, silent)
+    found, horizon = with_clearance(SCENE, SHORT.rungs, SHORT.longest, silent)
     assert horizon == SHORT.longest
     return found
-
-
-@pytest.fixture(scope="module")
-def press(task: Task) -> Diagram:
-    return measure(task, SHORT.repeats, silent)
 
 
 def test_two_references_agree(press: Diagram) -> None:
@@ -37,12 +33,9 @@ def test_two_references_agree(press: Diagram) -> None:
 
 
 def test_the_papers_setting_stays_in_as_a_failure(press: Diagram) -> None:
-    papers = [point for point in press.points if point.method.is_paper]
-    assert len(papers) == 1
-    assert "do not add up" in papers[0].failure
-    assert papers[0].timing is None
-    assert not papers[0].errors
-    assert all(not point.failure for point in press.points if not point.method.is_paper)
+    (failed,) = (point for point in press.points if point.failure)
+    assert failed.method.is_paper
+    assert "do not add up" in failed.failure
 
 
 def test_finer_is_better_in_every_family(press: Diagram) -> None:
@@ -79,12 +72,12 @@ def test_a_scenes_own_numerics_are_marked() -> None:
 def test_without_an_open_tree_another_integrator_is_the_second_reference() -> None:
     words, engine = second_reference(scene_named("clearance-a"))
     assert "no open tree" in words
-    assert engine == InHouse("dopri5", 1e-13, free_step=SCENE.mechanism.period / 500.0)
+    assert engine == InHouse("dopri5", 1e-13)
 
 
 def test_a_scene_without_clearance_is_refused() -> None:
     with pytest.raises(InputError, match="no clearance"):
-        with_clearance(scene_named("ideal"), SHORT, silent)
+        study(scene_named("ideal"), SHORT, silent)
 
 
 def test_whatever_a_method_does_is_a_point(task: Task) -> None:

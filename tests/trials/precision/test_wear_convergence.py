@@ -5,8 +5,8 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
-from made_up_precision import SCENE
 
+from precision.made_up_precision import SCENE
 from presswear.record.sampling import Interval
 from presswear.scene.catalog import ideal
 from presswear.scene.scene import Scene

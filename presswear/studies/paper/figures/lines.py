@@ -23,7 +23,6 @@ class PaperLine:
     ----------
     setting : str
         Key of the study's settings.
-    wears : int
     order : int
         Its place among the lines.
     own : str

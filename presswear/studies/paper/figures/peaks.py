@@ -17,15 +17,17 @@ from presswear.studies.paper.variants import BASE
 
 ROW = 0.24
 """Height of a line, inches."""
-_MARK: dict[str, Any] = {
-    "marker": "D",
-    "markersize": 5.0,
-    "markerfacecolor": "none",
-    "markeredgewidth": 1.1,
-}
+
+
+def _mark(marker: str, size: float, width: float, **others: Any) -> dict[str, Any]:
+    """Look of a mark."""
+    return {"marker": marker, "markersize": size, "markeredgewidth": width, **others}
+
+
+_MARK = _mark("D", 5.0, 1.1, markerfacecolor="none")
+_CYCLE = _mark("x", 6.0, 1.5)
 _IDEAL: dict[str, Any] = {"color": REFERENCE, "linewidth": 1.6}
 _SCATTER: dict[str, Any] = {"alpha": 0.25, "linewidth": 0.0}
-_CYCLE: dict[str, Any] = {"marker": "x", "markersize": 6.0, "markeredgewidth": 1.5}
 
 
 @dataclass(frozen=True)
@@ -72,7 +74,7 @@ def draw_peaks(
         Line2D([], [], color=REFERENCE, linestyle="none", label="printed", **_MARK),
     ]
     if any(peak.ideal for peak in peaks):
-        bar: dict[str, Any] = {"marker": "|", "markersize": 9.0, "markeredgewidth": 1.6}
+        bar = _mark("|", 9.0, 1.6)
         handles.append(Line2D([], [], color=REFERENCE, linestyle="none", label="ideal", **bar))
     sheet.legend(handles=handles, loc="outside lower center", ncols=len(handles))
     return _caption(known, number)

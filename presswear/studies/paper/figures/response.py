@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from functools import partial
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import SubFigure
@@ -100,31 +101,15 @@ def _draw_motion(sheet: SubFigure, columns: dict[str, list[ShownLine]], rows: in
         lowest.set_xlabel("time (s)")
         lowest.tick_params(labelbottom=True)
     first = grid[:, 0]
-    for axes, text in zip(
-        first[:3],
-        ("displacement\n(m)", "displacement\nless ideal (mm)", "velocity\n(m/s)"),
-        strict=True,
-    ):
+    labels = ["displacement\n(m)", "displacement\nless ideal (mm)", "velocity\n(m/s)"]
+    for axes, text in zip(first, [*labels, *["acceleration\n(m/s²)"] * rows], strict=True):
         axes.set_ylabel(text)
-    for axes in first[3:]:
-        axes.set_ylabel("acceleration\n(m/s²)")
-    for axes, text in zip(first[[0, 2, 3]], "abc", strict=True):
-        _letter(axes, text)
+    # Letters as in the paper.
+    white = {"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 1.0}
+    look: dict[str, Any] = {"ha": "left", "va": "top", "fontweight": "bold", "bbox": white}
+    for axes, letter in zip(first[[0, 2, 3]], "abc", strict=True):
+        axes.text(0.008, 0.95, letter, transform=axes.transAxes, **look)
     sheet.align_ylabels(list(first))
-
-
-def _letter(axes: Axes, text: str) -> None:
-    """The letter of a panel, as in the paper, in its upper left corner."""
-    axes.text(
-        0.008,
-        0.95,
-        text,
-        transform=axes.transAxes,
-        ha="left",
-        va="top",
-        fontweight="bold",
-        bbox={"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 1.0},
-    )
 
 
 def _draw_column(panels: Sequence[Axes], shown: Sequence[ShownLine]) -> None:

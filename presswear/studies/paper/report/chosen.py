@@ -26,8 +26,12 @@ from presswear.studies.paper.words import (
 )
 from presswear.tools.numbers import readable
 
-_SMOOTH = (("displacement", (1, 2)), ("stroke", (0,)), ("velocity", (0, 1, 2)))
-"""Quantities of the slider, and after how many wears, that geometries are told apart by."""
+_SMOOTH = tuple(
+    (quantity, Place(WEAR, wears))
+    for quantity, stages in (("displacement", (1, 2)), ("stroke", (0,)), ("velocity", (0, 1, 2)))
+    for wears in stages
+)
+"""Quantities of the slider that geometries are told apart by."""
 
 WATCHED = (
     *(("depth", "deepest wear", Place(WEAR, 1, joint)) for joint in JOINTS),
@@ -36,18 +40,23 @@ WATCHED = (
 )
 """Quantities that sensitivities are shown of, with short names."""
 
-_STOPPED = (
-    ("depth", 1, JOINTS),
-    ("added_mean", 1, JOINTS),
-    ("range", 1, JOINTS),
-    ("added_mean", 2, JOINTS),
-    ("force", 0, JOINTS),
-    ("force", 1, JOINTS),
-    ("velocity", 0, SLIDER),
-    ("acceleration", 0, SLIDER),
-    ("acceleration", 1, SLIDER),
+_STOPPED = tuple(
+    (quantity, Place(setting, wears, joint))
+    for setting in LONG_SETTINGS
+    for quantity, wears, joints in (
+        ("depth", 1, JOINTS),
+        ("added_mean", 1, JOINTS),
+        ("range", 1, JOINTS),
+        ("added_mean", 2, JOINTS),
+        ("force", 0, JOINTS),
+        ("force", 1, JOINTS),
+        ("velocity", 0, SLIDER),
+        ("acceleration", 0, SLIDER),
+        ("acceleration", 1, SLIDER),
+    )
+    for joint in joints
 )
-"""Quantities compared between runs that stopped early and 200 cycles: wears, joints."""
+"""Quantities compared between runs that stopped early and 200 cycles."""
 
 
 def factors_of(evidence: Evidence, case: str) -> dict[Place, float]:
@@ -77,16 +86,12 @@ def fit_of(factors: Mapping[Place, float]) -> tuple[float, float]:
 def geometry_table(evidence: Evidence) -> Table:
     """How each geometry meets the printed peaks of smooth motion."""
     rows = []
-    for quantity, place in ((name, Place(WEAR, k)) for name, wears in _SMOOTH for k in wears):
+    for quantity, place in _SMOOTH:
         printed = printed_at(place, quantity)
+        value = as_printed(printed.value if printed else None, quantity)
         ours = [evidence.measured(name, place, quantity) for name in GEOMETRIES]
-        rows.append(
-            (
-                place_text(place, quantity),
-                as_printed(printed.value if printed else None, quantity),
-                *(value_text(found, quantity) for found in ours),
-            )
-        )
+        texts = (value_text(found, quantity) for found in ours)
+        rows.append((place_text(place, quantity), value, *texts))
     return Table(("", "paper", *GEOMETRIES), (("", tuple(rows)),))
 
 
@@ -145,36 +150,17 @@ def sensitivity_table(evidence: Evidence, failures: Mapping[str, str]) -> Table:
 def stopped_table(evidence: Evidence) -> Table:
     """Runs that stopped early beside 200 cycles, where both ran."""
     rows = []
-    for setting in LONG_SETTINGS:
-        for quantity, wears, joints in _STOPPED:
-            for joint in joints:
-                place = Place(setting, wears, joint)
-                early = evidence.measured(BASE, place, quantity)
-                full = evidence.measured(LONG, place, quantity)
-                found = across(evidence, place, quantity, BASE, LONG)
-                if early is None or full is None or found is None:
-                    continue
-                rows.append(
-                    (
-                        place_text(place, quantity),
-                        value_text(early, quantity),
-                        f"{early.samples} from {early.starts}",
-                        value_text(full, quantity),
-                        str(full.samples),
-                        ratio_text(found),
-                        "no" if moves(found) else "yes",
-                    )
-                )
-    head = (
-        "",
-        "stopped early",
-        "cycles, starts",
-        "200 cycles",
-        "cycles",
-        "ratio",
-        "may be the same",
-    )
-    return Table(head, (("", tuple(rows)),), numeric=False)
+    for quantity, place in _STOPPED:
+        early, full = (evidence.measured(case, place, quantity) for case in (BASE, LONG))
+        found = across(evidence, place, quantity, BASE, LONG)
+        if early is None or full is None or found is None:
+            continue
+        told = value_text(early, quantity), f"{early.samples} from {early.starts}"
+        whole = value_text(full, quantity), str(full.samples)
+        same = "no" if moves(found) else "yes"
+        rows.append((place_text(place, quantity), *told, *whole, ratio_text(found), same))
+    heads = "stopped early", "cycles, starts", "200 cycles", "cycles", "ratio", "may be the same"
+    return Table(("", *heads), (("", tuple(rows)),), numeric=False)
 
 
 def distances_table(evidence: Evidence) -> Table:

@@ -4,7 +4,7 @@ import numpy as np
 
 from presswear.show.report.parts import Row, Table
 from presswear.studies.paper.claims import DEPTH_RATIOS
-from presswear.studies.paper.evidence import Evidence, WearMap
+from presswear.studies.paper.evidence import Evidence
 from presswear.studies.paper.printed import PRINTED, RANGES, Place, Printed
 from presswear.studies.paper.variants import BASE, FRICTION, HIGH_FRICTION, SETTINGS
 from presswear.studies.paper.verdicts import Standing, agreement, compared, standing
@@ -112,7 +112,13 @@ def ranges_table(evidence: Evidence) -> Table:
         for setting in (FRICTION, HIGH_FRICTION):
             place = Place(setting, 1, item.joint)
             ours = evidence.wear_map(BASE, place)
-            inside = "–" if ours is None else f"{readable(100.0 * _inside(ours, item.arcs))} %"
+            inside = "–"
+            if ours is not None:
+                within = np.zeros(ours.angle.size, dtype=bool)
+                for low, high in item.arcs:
+                    within |= (ours.angle >= low) & (ours.angle <= high)
+                part = float(ours.mean[within].sum() / ours.mean.sum())
+                inside = f"{readable(100.0 * part)} %"
             rows.append(
                 (
                     joint_text(place),
@@ -124,11 +130,3 @@ def ranges_table(evidence: Evidence) -> Table:
             )
     head = ("main wear area", "Fig.", "paper", "part of the circle", "part of our wear inside")
     return Table(head, (("", tuple(rows)),), numeric=False)
-
-
-def _inside(ours: WearMap, arcs: tuple[tuple[float, float], ...]) -> float:
-    """Part of the depth, summed over the angle, that lies in some arcs."""
-    within = np.zeros(ours.angle.size, dtype=bool)
-    for low, high in arcs:
-        within |= (ours.angle >= low) & (ours.angle <= high)
-    return float(ours.mean[within].sum() / ours.mean.sum())

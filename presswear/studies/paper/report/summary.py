@@ -19,6 +19,7 @@ from presswear.studies.paper.variants import (
 )
 from presswear.studies.paper.verdicts import Judged, Standing, Verdict, compared, verdict
 from presswear.studies.paper.words import QUANTITIES, compared_text, ratio_text
+from presswear.studies.runaway.variants import RUNAWAY
 from presswear.tools.numbers import readable
 
 STYLES = {
@@ -92,7 +93,7 @@ _RATIOS = {
 _TRENDS = (
     (
         ("second",),
-        "The second wear does not run away: after it the deepest wear at A is {second} times that "
+        "The second wear {second_runs}: after it the deepest wear at A is {second} times that "
         "after the first; the paper prints {second_printed} times. presswear run runaway asks why.",
     ),
     (
@@ -117,23 +118,33 @@ def _trends(evidence: Evidence) -> list[str]:
         ours = compared(evidence, BASE, part)
         if ours is not None:
             texts |= {name: ratio_text(ours), f"{name}_printed": readable(part.printed)}
+            # Of a ratio of depths one is the first wear itself.
+            is_away = ours.value - 1.0 > RUNAWAY
+            texts[f"{name}_runs"] = "runs away" if is_away else "does not run away"
     return [sentence.format(**texts) for names, sentence in _TRENDS if texts.keys() >= set(names)]
 
 
 def _peaks(evidence: Evidence) -> list[str]:
     """Printed peaks by whether the surfaces were worn; those of an unsaid stage are left out."""
-    told = [
-        (item.place.wears > 0, stand is Standing.INSIDE)
-        for item, stand in standings(evidence)
-        if not item.stage_not_said and stand in (Standing.INSIDE, Standing.ABOVE, Standing.BELOW)
-    ]
-    new, worn = ([inside for is_worn, inside in told if is_worn is own] for own in (False, True))
+    new, worn = (
+        Counter(
+            stand
+            for item, stand in standings(evidence)
+            if not item.stage_not_said
+            and (item.place.wears > 0) is is_worn
+            and stand in (Standing.INSIDE, Standing.ABOVE, Standing.BELOW)
+        )
+        for is_worn in (False, True)
+    )
     if not new or not worn:
         return []
+    below = worn[Standing.BELOW]
+    others = f"{below} of the others are lower" if below else "the others are higher"
     return [
-        f"A peak of one cycle is one draw of many. Without wear {sum(new)} of {len(new)} printed "
-        f"peaks lie within the scatter of our single cycles; after a wear {sum(worn)} of "
-        f"{len(worn)} do, and the others are higher than any but the rarest of ours."
+        f"A peak of one cycle is one draw of many. Without wear {new[Standing.INSIDE]} of "
+        f"{new.total()} printed peaks lie within the scatter of our single cycles; after a wear "
+        f"{worn[Standing.INSIDE]} of {worn.total()} do, and {others} than any but the rarest of "
+        "ours."
     ]
 
 

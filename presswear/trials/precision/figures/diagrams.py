@@ -3,19 +3,22 @@
 import math
 from collections.abc import Callable, Sequence
 
+import numpy as np
+from matplotlib.ticker import LogLocator, NullFormatter
+
 from presswear.show.figures.style import WIDTH, Axes, Drawing, Sheet
 from presswear.trials.precision.diagram import Diagram, Quantity, TaskPoint
 from presswear.trials.precision.figures.panels import (
+    RING,
+    STAR,
     failed_strip,
     legend_above,
     log_labels,
-    log_scales,
     look_of,
-    mark_point,
     pad_y,
     panels,
 )
-from presswear.trials.precision.methods import IMPACT, STEP, TOLERANCE, by_family
+from presswear.trials.precision.methods import IMPACT, STEP, TOLERANCE, grouped
 from presswear.trials.timing import Timing
 
 _MILLISECONDS = 1e3
@@ -46,27 +49,32 @@ def _curves(
     spread : bool
         True draws bars from the least to the greatest wall time.
     """
-    log_scales(axes)
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    axes.yaxis.set_major_locator(LogLocator(numticks=7))
+    axes.yaxis.set_minor_formatter(NullFormatter())
     if quantity.known > 0.0:
         axes.axhline(quantity.known, color="0.6", linewidth=1.6, zorder=0.5)
     shown = [point for point in diagram.points if point.method.knob in knobs]
     ends = {}
-    for family, points in by_family(shown).items():
-        look = look_of(family)
+    for family, points in grouped(shown).items():
         ran = [(p, p.timing) for p in points if p.timing is not None and not p.failure]
-        curve = [(p, timing) for p, timing in ran if not p.method.is_paper]
-        x = [place(*own) for own in curve]
-        y = [max(p.errors.get(quantity.name, math.nan), _LEAST) for p, _ in curve]
-        bars = None
-        if spread:
-            walls = [(t.wall - t.ends[0], t.ends[1] - t.wall) for _, t in curve]
-            bars = [[_MILLISECONDS * wall[side] for wall in walls] for side in range(2)]
+        places = [
+            (place(p, timing), max(p.errors.get(quantity.name, math.nan), _LEAST))
+            for p, timing in ran
+        ]
+        curve = [k for k, (point, _) in enumerate(ran) if not point.method.is_paper]
         if curve:
-            axes.errorbar(x, y, xerr=bars, elinewidth=0.9, **look.line())
-            ends[family] = x[-1], y[-1]
-        for p, timing in ran:
-            error = max(p.errors.get(quantity.name, math.nan), _LEAST)
-            mark_point(axes, p.method, place(p, timing), error)
+            x, y = zip(*(places[k] for k in curve), strict=True)
+            walls = [(t.wall - t.ends[0], t.ends[1] - t.wall) for _, t in (ran[k] for k in curve)]
+            bars = _MILLISECONDS * np.transpose(walls) if spread else None
+            axes.errorbar(x, y, xerr=bars, elinewidth=0.9, **look_of(family).line())
+            ends[family] = places[curve[-1]]
+        for (point, _), at in zip(ran, places, strict=True):
+            if point.method.is_default:
+                axes.plot(*at, gid="default", **RING)
+            if point.method.is_paper:
+                axes.plot(*at, zorder=4.0, gid="paper", **STAR)
     failed_strip(axes, [point.method for point in shown if point.failure])
     log_labels(axes.xaxis)
     return ends
@@ -145,11 +153,9 @@ def shown_order(diagram: Diagram, family: str, quantity: Quantity) -> float:
     return diagram.order(family, quantity)
 
 
-def energy(diagrams: Sequence[Diagram]) -> Drawing | None:
-    """Draw energy that is missing over tolerance and step; None where no task tells it."""
+def energy(diagrams: Sequence[Diagram]) -> Drawing:
+    """Draw energy that is missing over tolerance and step."""
     told = [(d, own) for d in diagrams for own in d.quantities if ENERGY in own.name]
-    if not told:
-        return None
     known = {point.method.knob for diagram, _ in told for point in diagram.points}
     knobs = [knob for knob in (TOLERANCE, STEP, IMPACT) if knob in known]
     sheet = Sheet(figsize=(WIDTH, 1.0 + 2.4 * len(told)), layout="constrained")

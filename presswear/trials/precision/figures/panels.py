@@ -48,29 +48,18 @@ _KNOWN = (
     "exudyn-joints, trapezoidal rule, equal steps",
 )
 
-_ALONE: dict[str, Any] = {"linestyle": "none", "markeredgecolor": REFERENCE}
-RING: dict[str, Any] = {
-    **_ALONE,
-    "marker": "o",
-    "markersize": 10.0,
-    "markerfacecolor": "none",
-    "markeredgewidth": 0.9,
-}
+
+def _mark(marker: str, size: float, width: float, **others: Any) -> dict[str, Any]:
+    """Look of a mark that stands alone."""
+    own = {"marker": marker, "markersize": size, "markeredgewidth": width}
+    return {"linestyle": "none", **own, **others}
+
+
+RING = _mark("o", 10.0, 0.9, markeredgecolor=REFERENCE, markerfacecolor="none")
 """Around what scenes take by themselves."""
-STAR: dict[str, Any] = {
-    **_ALONE,
-    "marker": "*",
-    "markersize": 10.0,
-    "markerfacecolor": "white",
-    "markeredgewidth": 1.0,
-}
+STAR = _mark("*", 10.0, 1.0, markeredgecolor=REFERENCE, markerfacecolor="white")
 """The paper's own setting."""
-FAILED: dict[str, Any] = {
-    "linestyle": "none",
-    "marker": "x",
-    "markersize": 5.0,
-    "markeredgewidth": 1.4,
-}
+FAILED = _mark("x", 5.0, 1.4)
 """A method that failed."""
 PAPER = "paper, RK4 at 1e-4 s"
 
@@ -115,14 +104,6 @@ def legend_above(
     sheet.legend(handles=[*handles, *others], loc="outside upper left", ncols=2)
 
 
-def log_scales(axes: Axes) -> None:
-    """Make both axes logarithmic, with as many labels as fit."""
-    axes.set_xscale("log")
-    axes.set_yscale("log")
-    axes.yaxis.set_major_locator(LogLocator(numticks=7))
-    axes.yaxis.set_minor_formatter(NullFormatter())
-
-
 def plain_labels(axis: Axis) -> None:
     """Write the labels of a logarithmic axis without powers of ten."""
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
@@ -144,14 +125,6 @@ def pad_y(axes: Axes) -> None:
     axes.set_ylim(low / 2.0, high * 2.0)
 
 
-def mark_point(axes: Axes, method: Method, x: float, y: float) -> None:
-    """Draw a ring around what scenes take by themselves, a star at the paper's own setting."""
-    if method.is_default:
-        axes.plot(x, y, gid="default", **RING)
-    if method.is_paper:
-        axes.plot(x, y, zorder=4.0, gid="paper", **STAR)
-
-
 _STRIP, _FIRST, _NEXT = 1.0, 34.0, 9.0
 """Height of the strip over a panel, part of the panel, and places of its marks, points."""
 
@@ -162,14 +135,17 @@ def failed_strip(axes: Axes, methods: Iterable[Method]) -> None:
     failed = sorted(methods, key=lambda method: not method.is_paper)
     if not failed:
         return
-    corner = ScaledTranslation(0.0, 7.0 / 72.0, axes.figure.dpi_scale_trans)
-    over: dict[str, Any] = {"clip_on": False}
-    axes.text(0.0, _STRIP, "failed:", va="center", transform=axes.transAxes + corner, **over)
+
+    def over(right: float) -> dict[str, Any]:
+        """Place over the upper left corner, so many points to the right."""
+        moved = ScaledTranslation(right / 72.0, 7.0 / 72.0, axes.figure.dpi_scale_trans)
+        return {"transform": axes.transAxes + moved, "clip_on": False}
+
+    axes.text(0.0, _STRIP, "failed:", va="center", **over(0.0))
     for place, method in enumerate(failed):
-        right = ScaledTranslation((_FIRST + _NEXT * place) / 72.0, 0.0, axes.figure.dpi_scale_trans)
-        over["transform"] = axes.transAxes + corner + right
+        at = over(_FIRST + _NEXT * place)
         if method.is_paper:
-            axes.plot(0.0, _STRIP, zorder=4.0, gid="paper", **STAR, **over)
+            axes.plot(0.0, _STRIP, zorder=4.0, gid="paper", **STAR, **at)
         else:
             colour = look_of(method.family).colour
-            axes.plot(0.0, _STRIP, color=colour, gid="failed", **FAILED, **over)
+            axes.plot(0.0, _STRIP, color=colour, gid="failed", **FAILED, **at)

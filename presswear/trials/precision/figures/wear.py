@@ -1,7 +1,8 @@
 """Wear against angles, cycles, depth step and contact model."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping
+from itertools import cycle, product
 
 from matplotlib.lines import Line2D
 from matplotlib.ticker import NullFormatter
@@ -32,7 +33,7 @@ _Series = tuple[str, str]
 
 def wear_convergence(wear: WearStudy) -> Drawing | None:
     """Draw the first wear over what it is computed with, in parts of the finest's."""
-    series = _series(wear)
+    series = _looks(wear)
     groups = [group for group in _NUMBERED if any(wear.of(group, name) for name, _ in series)]
     if not series or not groups:
         return None
@@ -45,7 +46,8 @@ def wear_convergence(wear: WearStudy) -> Drawing | None:
         row[0].set_ylabel(f"{name} / that of the finest")
     for axes, group in zip(panels[-1], groups, strict=True):
         axes.set_xlabel("depth step / clearance" if group == "depth step" else group)
-    sheet.legend(handles=_handles(series, True), loc="outside upper left", ncols=3)
+    ring = Line2D([], [], label="taken by default", **RING)
+    sheet.legend(handles=[*_handles(series), ring], loc="outside upper left", ncols=3)
     return Drawing(
         "precision-wear.png",
         "First wear against angles, cycles and depth step",
@@ -57,40 +59,32 @@ def wear_convergence(wear: WearStudy) -> Drawing | None:
     )
 
 
-def _series(wear: WearStudy) -> list[_Series]:
-    return [(name, joint) for name in wear.conventions for joint in wear.joints]
+def _looks(wear: WearStudy) -> dict[_Series, Look]:
+    return dict(zip(product(wear.conventions, wear.joints), cycle(LOOKS), strict=False))
 
 
-def _look(series: Sequence[_Series], one: _Series) -> Look:
-    return LOOKS[series.index(one) % len(LOOKS)]
-
-
-def _handles(series: Sequence[_Series], with_default: bool) -> list[Line2D]:
-    handles = [
-        Line2D([], [], label=f"{joint}, {name}", **_look(series, (name, joint)).line())
-        for name, joint in series
+def _handles(series: Mapping[_Series, Look]) -> list[Line2D]:
+    return [
+        Line2D([], [], label=f"{joint}, {name}", **look.line())
+        for (name, joint), look in series.items()
     ]
-    if with_default:
-        handles.append(Line2D([], [], label="taken by default", **RING))
-    return handles
 
 
 def _panel(
-    axes: Axes, wear: WearStudy, group: Group, series: Sequence[_Series], quantity: str
+    axes: Axes, wear: WearStudy, group: Group, series: Mapping[_Series, Look], quantity: str
 ) -> None:
-    labels = labels_of(wear, group, series)
+    labels = labels_of(wear, group)
     axes.axhline(1.0, color=REFERENCE, linewidth=0.7)
-    for place, one in enumerate(series):
-        points = wear.of(group, one[0])
+    for place, ((name, joint), look) in enumerate(series.items()):
+        points = wear.of(group, name)
         if not points:
             continue
-        finest = points[-1].first.get(one[1])
-        look = _look(series, one)
+        finest = points[-1].first.get(joint)
         shift = _SHIFT * (place - 0.5 * (len(series) - 1))
         drawn: list[tuple[float, float, float]] = []
         for point in points:
             x = labels.index(point.varied.label) + shift
-            found = point.first.get(one[1])
+            found = point.first.get(joint)
             if found is None or finest is None:
                 if point.failure:
                     top = axes.get_xaxis_transform()
@@ -111,13 +105,10 @@ def _panel(
     _plain_scale(axes)
 
 
-def labels_of(wear: WearStudy, group: Group, series: Sequence[_Series]) -> list[str]:
+def labels_of(wear: WearStudy, group: Group) -> list[str]:
     """Labels of a group's values, coarse to fine, of all conventions together."""
-    values = {
-        point.varied.label: point.varied.value or 0.0
-        for name, _ in series
-        for point in wear.of(group, name)
-    }
+    told = [point.varied for name in wear.conventions for point in wear.of(group, name)]
+    values = {varied.label: varied.value or 0.0 for varied in told}
     # A depth step is the coarser the larger it is, and coarsest in one jump.
     falls = group == "depth step"
     return sorted(
@@ -156,12 +147,10 @@ def _plain_scale(axes: Axes) -> None:
 _NAMED: tuple[Group, ...] = ("contact", "method")
 
 
-def contact_models(wear: WearStudy) -> Drawing | None:
+def contact_models(wear: WearStudy) -> Drawing:
     """Draw wear under each contact model and method: the first, and a second one in one jump."""
-    series = _series(wear)
+    series = _looks(wear)
     points = [p for group in _NAMED for name in wear.conventions for p in wear.of(group, name)]
-    if not points:
-        return None
     rows = [(p, which) for p in points for which in ("first", "second")]
     sheet = Sheet(figsize=(WIDTH, 1.1 + 0.26 * len(rows)), layout="constrained")
     panels = sheet.subplots(1, len(QUANTITIES), sharey=True, squeeze=False)[0]
@@ -173,7 +162,7 @@ def contact_models(wear: WearStudy) -> Drawing | None:
             if not found:
                 axes.annotate("failed", (0.02, row), xycoords=("axes fraction", "data"))
             for joint, own in found.items():
-                look = _look(series, (point.varied.conventions, joint))
+                look = series[point.varied.conventions, joint]
                 value, low, high = factor * own[name].value, own[name].low, own[name].high
                 if low is not None and high is not None:
                     ends = max(factor * low, 0.02 * value), factor * high
@@ -185,7 +174,7 @@ def contact_models(wear: WearStudy) -> Drawing | None:
     labels = [f"{p.varied.conventions}, {p.varied.label}, {which} wear" for p, which in rows]
     panels[0].set_yticks(range(len(rows)), labels)
     panels[0].set_ylim(len(rows) - 0.5, -0.5)
-    sheet.legend(handles=_handles(series, False), loc="outside upper left", ncols=4)
+    sheet.legend(handles=_handles(series), loc="outside upper left", ncols=4)
     return Drawing(
         "precision-contact.png",
         "Wear under each contact model, and by method",

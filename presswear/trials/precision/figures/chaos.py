@@ -1,13 +1,19 @@
-"""Statistics beyond the horizon against their cost: step error and sampling error."""
+"""Beyond the horizon: growth of a disturbance, and statistics against their cost."""
 
 import math
+from typing import Any
 
+import numpy as np
 from matplotlib.lines import Line2D
 
-from presswear.show.figures.style import REFERENCE, Axes, Drawing
+from presswear.campaign.starts import APART
+from presswear.show.figures.style import LINES, MUTED, REFERENCE, WIDTH, Axes, Drawing, Pen, Sheet
+from presswear.tools.numbers import given
 from presswear.trials.precision.chaos import Chaos
 from presswear.trials.precision.figures.panels import (
+    PAPER,
     RING,
+    STAR,
     failed_strip,
     legend_above,
     log_labels,
@@ -15,13 +21,71 @@ from presswear.trials.precision.figures.panels import (
     panels,
     plain_labels,
 )
+from presswear.trials.precision.growth import HIGH, LOW, PARTED, TOLERANCE
 from presswear.trials.precision.statistic import sampling_error
 
+_SMALLEST = 1e-12  # m
 _PERCENT = 100.0
 _LEAST = 0.1
 """Per cent; what is smaller is drawn there."""
 _BAND = "#F0E442"
 _DASHED = (0.0, (4.0, 2.0))
+_DOTTED = (0.0, (2.0, 2.0))
+
+
+def growth_of_disturbance(chaos: Chaos) -> Drawing:
+    """Draw the distance of each pair over time, with the bounds of the fit and the touchdowns."""
+    sheet = Sheet(figsize=(WIDTH, 3.6), layout="constrained")
+    axes = sheet.subplots()
+    axes.set_yscale("log")
+    top = axes.get_xaxis_transform()
+    for place, growth in enumerate(chaos.growths):
+        time, apart = np.array(growth.time), np.array(growth.distance)
+        shown = np.maximum(apart, _SMALLEST)
+        if place > 0:
+            label = "further pairs" if place == 1 else None
+            axes.plot(time, shown, color="0.65", linewidth=0.7, label=label)
+            continue
+        Pen("first pair", *LINES[0], 1.3).draw(axes, time, shown, label="first pair")
+        inside = growth.inside
+        if growth.rate is not None:
+            middle = float(np.log(apart[inside]).mean())
+            line = np.exp(middle + growth.rate * (time[inside] - time[inside].mean()))
+            Pen("fit to it", *LINES[1], 1.6).draw(axes, time[inside], line, label="fit to it")
+        touched = np.diff(growth.touchdowns, prepend=0) > 0
+        marks: dict[str, Any] = {
+            "linestyle": "none",
+            "marker": "|",
+            "markersize": 6.0,
+            "color": REFERENCE,
+        }
+        where = np.full(np.count_nonzero(touched), 0.02)
+        axes.plot(time[touched], where, transform=top, label="touches of the first", **marks)
+    for bound, word, colour, style, text in (
+        (LOW, "fitted from", MUTED, _DOTTED, "0.3"),
+        (HIGH, "fitted to", MUTED, _DOTTED, "0.3"),
+        (PARTED, "parted", REFERENCE, "solid", "black"),
+    ):
+        axes.axhline(bound, color=colour, linewidth=0.8, linestyle=style)
+        at: dict[str, Any] = {"ha": "right", "va": "bottom", "color": text}
+        axes.annotate(word, (0.998, bound), xycoords=("axes fraction", "data"), **at)
+    paper = next((p for p in chaos.points if p.method.is_paper and p.failure), None)
+    if paper is not None:
+        label = f"{PAPER}: failed by then"
+        axes.plot(paper.simulated, 0.94, transform=top, gid="paper", label=label, **STAR)
+    axes.set_xlabel("time (s)")
+    axes.set_ylabel("distance of two runs (m)")
+    axes.margins(x=0.01)
+    sheet.legend(loc="outside upper left", ncols=2)
+    return Drawing(
+        "precision-growth.png",
+        "Growth of a disturbance",
+        "Greatest difference of the pins' places in their bearings between two runs of one method "
+        f"(DOP853 of dae at {given(TOLERANCE)}) whose starts are {given(APART)} m apart. The first "
+        "pair starts as scenes do, with pins in the middle of their bearings; each further one "
+        "where the last one's first run was after whole cycles.",
+        sheet,
+    )
 
 
 def statistics_against_cost(chaos: Chaos) -> Drawing:
@@ -36,8 +100,7 @@ def statistics_against_cost(chaos: Chaos) -> Drawing:
         Line2D([], [], color=_BAND, linewidth=5.0, label="below the sampling error of a stage"),
         Line2D([], [], color="0.3", linewidth=0.8, label="bound of the step error, 95 %"),
     ]
-    best = chaos.cheapest()
-    if best is not None:
+    if chaos.cheapest() is not None:
         marks.append(Line2D([], [], color=REFERENCE, linestyle=_DASHED, label="cheapest honest"))
     methods = [point.method for point in chaos.points]
     legend_above(sheet, chaos.families, methods, False, marks)
@@ -72,14 +135,12 @@ def _panel(axes: Axes, chaos: Chaos, name: str) -> None:
         ran = [p for p in points if not p.failure]
         look = look_of(family)
         costs = [point.cost for point in ran]
-        errors = [point.step_errors[name] for point in ran]
-        sizes = [_percent(error.value, reference.mean) for error in errors]
+        sizes = [_percent(point.step_errors[name].value, reference.mean) for point in ran]
         axes.plot(costs, sizes, **look.line(marker="none", linewidth=0.8, alpha=0.7))
-        for point, error, cost, size in zip(ran, errors, costs, sizes, strict=True):
-            if error.bound is not None:
-                bound = _percent(error.bound, reference.mean)
-                axes.plot((cost, cost), (size, bound), color=look.colour, linewidth=0.8)
-                axes.plot(cost, bound, color=look.colour, marker="_", markersize=5.0)
+        for point, cost, size in zip(ran, costs, sizes, strict=True):
+            bound = _percent(point.step_errors[name].bound, reference.mean)
+            axes.plot((cost, cost), (size, bound), color=look.colour, linewidth=0.8)
+            axes.plot(cost, bound, color=look.colour, marker="_", markersize=5.0)
             is_honest = chaos.is_honest_in(point, name)
             fill = look.colour if is_honest else "white"
             mark = look.line(linestyle="none", markerfacecolor=fill)

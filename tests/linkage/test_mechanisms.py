@@ -1,0 +1,381 @@
+"""The ideal press and slider-crank in closed form: figures, constraints, derivatives, refusals."""
+
+import math
+from dataclasses import fields, replace
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from presswear.campaign.starts import start_of
+from presswear.engines.base import Plan
+from presswear.engines.settings import InHouse
+from presswear.linkage.elements import GROUND, Attachment, Linkage
+from presswear.linkage.mechanism import Mechanism, Motion
+from presswear.linkage.press import CRANK_2_START, CRANK_7_START, GEOMETRIES, Geometry, Press
+from presswear.linkage.slider_crank import SliderCrank
+from presswear.physics.constraints import constraints_of
+from presswear.scene.catalog import slider_crank
+from presswear.scene.scene import Scene
+from presswear.tools.errors import AssemblyError, InputError
+from presswear.tools.quantities import meaning_of
+
+Array = NDArray[np.float64]
+
+CRANK = SliderCrank()
+ROD, SLIDER = 3, 6
+"""Where the x of these bodies of the slider-crank is."""
+PRESSES = [Press(geometry=geometry) for geometry in GEOMETRIES.values()]
+EVERY = pytest.mark.parametrize("mechanism", [*PRESSES, CRANK], ids=[*GEOMETRIES, "slider-crank"])
+each_press = pytest.mark.parametrize("press", PRESSES, ids=list(GEOMETRIES))
+mechanisms: st.SearchStrategy[Mechanism] = st.one_of(
+    st.builds(
+        lambda press, speed: replace(press, speed=speed),
+        st.sampled_from(PRESSES),
+        st.floats(0.1 * math.pi, 40.0 * math.pi),
+    ),
+    st.builds(
+        lambda crank, ratio, speed: SliderCrank(crank, ratio * crank, speed=speed),
+        st.floats(0.001, 1.0),
+        st.floats(1.01, 10.0),
+        st.floats(1.0, 5000.0),
+    ),
+)
+
+
+def _cycle(mechanism: Mechanism, count: int) -> Motion:
+    return mechanism.ideal_motion(np.linspace(0.0, mechanism.period, count))
+
+
+def _scale(position: Array) -> float:
+    """Size of a linkage, at least 1 m."""
+    return max(1.0, float(np.abs(np.delete(position, np.s_[2::3], axis=1)).max()))
+
+
+def _violations(linkage: Linkage, motion: Motion, speed: float) -> Array:
+    """Greatest violation of Phi = 0, its first and its second derivative, shape (3,).
+
+    Drives are among the constraints.  Relative to the size of the linkage and to the speed.
+    """
+    constraints = constraints_of(linkage)
+    worst = np.zeros(3)
+    for k, t in enumerate(motion.time):
+        q, v, a = motion.position[k], motion.velocity[k], motion.acceleration[k]
+        phi, phi_t, gamma, jacobian = constraints.evaluate(float(t), q, v)
+        found = [np.abs(phi).max(), np.abs(phi_t).max(), np.abs(jacobian @ a - gamma).max()]
+        worst = np.maximum(worst, found)
+    return np.asarray(worst / _scale(motion.position) / speed ** np.arange(3))
+
+
+@given(mechanisms)
+def test_every_constraint_holds_at_all_three_levels(mechanism: Mechanism) -> None:
+    found = _violations(mechanism.linkage(), _cycle(mechanism, 37), mechanism.speed)
+    assert np.all(found < [1e-14, 1e-12, 1e-11])
+
+
+@pytest.mark.parametrize(
+    ("mechanism", "name"),
+    [
+        *((CRANK, name) for name in ("crank_length", "rod_length", "speed")),
+        *((Press(), name) for name in ("length_2", "length_3", "length_5", "length_7", "speed")),
+    ],
+)
+def test_a_changed_value_is_noticed(mechanism: Any, name: str) -> None:
+    """The constraints of one mechanism do not hold on the motion of another."""
+    other = replace(mechanism, **{name: 1.001 * getattr(mechanism, name)})
+    motion = other.ideal_motion(_cycle(mechanism, 37).time)
+    assert _violations(mechanism.linkage(), motion, mechanism.speed).max() > 1e-6
+
+
+@given(mechanisms, st.floats(0.0, 1.0))
+def test_velocity_and_acceleration_are_derivatives(mechanism: Mechanism, part: float) -> None:
+    step = 1e-4 / mechanism.speed
+    time = part * mechanism.period + np.linspace(-2.0 * step, 2.0 * step, 5)
+    motion = mechanism.ideal_motion(time)
+    # Fourth-order differences: truncation some (1e-4)^4, round-off 1e-16 / 1e-4, both
+    # relative to the size of the linkage per radian of crank.
+    stencil = np.array([1.0, -8.0, 0.0, 8.0, -1.0]) / (12.0 * step)
+    bound = (1e-10 if isinstance(mechanism, Press) else 1e-9) * _scale(motion.position)
+    for level, (value, rate) in enumerate(
+        ((motion.position, motion.velocity), (motion.velocity, motion.acceleration)), start=1
+    ):
+        atol = bound * mechanism.speed**level
+        np.testing.assert_allclose(rate[2], stencil @ value, atol=atol)
+
+
+@EVERY
+def test_motion_scales_with_speed_and_repeats(mechanism: Any) -> None:
+    fast = replace(mechanism, speed=4.0 * mechanism.speed)
+    one, other = _cycle(mechanism, 37), _cycle(fast, 37)
+    np.testing.assert_allclose(one.position, other.position, atol=1e-13)
+    np.testing.assert_allclose(
+        one.acceleration / mechanism.speed**2, other.acceleration / fast.speed**2, atol=1e-11
+    )
+    linkage = mechanism.linkage()
+    turns = np.zeros(one.position.shape[1])
+    for drive in linkage.drives:
+        turns[3 * linkage.index(drive.body) + 2] = math.copysign(2.0 * math.pi, drive.speed)
+    np.testing.assert_allclose(one.position[-1] - one.position[0], turns, atol=1e-13)
+
+
+@EVERY
+def test_a_mechanism_is_what_a_scene_needs(mechanism: Mechanism) -> None:
+    linkage = mechanism.linkage()
+    freedoms = 3 * len(linkage.bodies) - 2 * len(linkage.revolutes) - 2 * len(linkage.guides)
+    assert freedoms == len(linkage.drives)
+    assert set(mechanism.openable) <= {joint.name for joint in linkage.revolutes}
+    assert all(len(name) == 1 for name in mechanism.openable)
+    assert mechanism.period * mechanism.speed == pytest.approx(2.0 * math.pi)
+    if isinstance(mechanism, Press):
+        assert mechanism.geometry.name in linkage.name
+        assert mechanism.geometry == GEOMETRIES[mechanism.geometry.name]
+
+
+@pytest.mark.parametrize("mechanism", [Press(), CRANK], ids=["press", "slider-crank"])
+def test_every_quantity_is_checked_by_name(mechanism: Any) -> None:
+    for item in fields(mechanism):
+        meaning = meaning_of(item)
+        if meaning is None:
+            assert item.name == "geometry"
+            continue
+        for value in (meaning.low - 1.0, meaning.high + 1.0, math.nan, "1"):
+            with pytest.raises(InputError, match=f"^{item.name} = .*allowed is"):
+                replace(mechanism, **{item.name: value})
+
+
+def test_every_value_of_the_slider_crank_says_where_it_comes_from() -> None:
+    for item in fields(SliderCrank):
+        meaning = meaning_of(item)
+        assert meaning is not None, item.name
+        expected = "assumed" if item.name == "gravity" else "literature, from memory"
+        assert meaning.status == expected
+
+
+SHORT_ROD = r"rod_length = \S+ m: with crank_length = 0\.05 m allowed is 0\.050005 m to 10 m"
+
+
+@pytest.mark.parametrize(
+    ("mechanism", "says"),
+    [
+        (Press(length_3=0.05), "joint B does not close"),
+        (Press(length_3=2.0), "joint B does not close"),
+        (Press(geometry=Geometry(hx=5.0)), "joint B does not close"),
+        (Press(length_5=0.02), "joint E does not close"),
+        *((SliderCrank(rod_length=rod), SHORT_ROD) for rod in (0.01, 0.05, 0.0500001)),
+    ],
+)
+def test_what_does_not_assemble_is_refused_by_name(mechanism: Any, says: str) -> None:
+    with pytest.raises(AssemblyError, match=says) as refusal:
+        mechanism.check_assembly()
+    assert "\n" not in str(refusal.value)
+    with pytest.raises(AssemblyError, match=says):
+        Scene(mechanism=mechanism, joints=mechanism.openable[0])
+
+
+def _joint(press: Press, name: str, time: float = 0.0) -> Array:
+    """Global place of a joint."""
+    linkage = press.linkage()
+    end: Attachment = next(joint.first for joint in linkage.revolutes if joint.name == name)
+    if end.body == GROUND:
+        return np.array([end.x, end.y])
+    i = 3 * linkage.index(end.body)
+    x, y, turn = press.ideal_motion(np.array([time])).position[0, i : i + 3]
+    c, s = math.cos(turn), math.sin(turn)
+    return np.array([x + c * end.x - s * end.y, y + s * end.x + c * end.y])
+
+
+@pytest.mark.parametrize(
+    ("joint", "place"),
+    [
+        ("O7", (0.0, 0.0)),
+        ("O2", (0.24, 0.1345)),
+        ("A", (0.27422, 0.19556)),
+        ("B", (0.43041, -0.10644)),
+        ("C", (0.23614, -0.18617)),
+        ("D", (0.04388, -0.05454)),
+        ("E", (0.240, -0.58615)),
+    ],
+)
+def test_standard_press_at_the_start(joint: str, place: tuple[float, float]) -> None:
+    # Given to five decimals.
+    np.testing.assert_allclose(_joint(Press(), joint), place, atol=5.1e-6)
+
+
+def test_equation_14_at_any_time() -> None:
+    press = Press()
+    for time in (0.0, 0.1, 0.37):
+        theta_2 = math.radians(-119.27) - press.speed * time
+        theta_7 = math.radians(-51.18) + press.speed * time
+        a = np.array([0.24, 0.1345]) - 0.07 * np.array([math.cos(theta_2), math.sin(theta_2)])
+        d = 0.07 * np.array([math.cos(theta_7), math.sin(theta_7)])
+        np.testing.assert_allclose(_joint(press, "A", time), a, atol=1e-15)
+        np.testing.assert_allclose(_joint(press, "D", time), d, atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("name", "low", "high", "start", "fastest"),
+    [
+        ("standard", -0.5871, -0.4800, -0.5862, 0.966),
+        ("swapped", -0.5772, -0.4678, -0.5744, 0.955),
+        ("lifted", 0.0785, 0.1856, 0.1695, 0.983),
+    ],
+)
+def test_travel_of_each_geometry(
+    name: str, low: float, high: float, start: float, fastest: float
+) -> None:
+    motion = _cycle(Press(geometry=GEOMETRIES[name], speed=3.5 * math.pi), 20_001)
+    i = 3 * Press().linkage().index("slider 6") + 1
+    height, velocity, acceleration = (
+        level[:, i] for level in (motion.position, motion.velocity, motion.acceleration)
+    )
+    # Four decimals.
+    assert height.min() == pytest.approx(low, abs=5.1e-5)
+    assert height.max() == pytest.approx(high, abs=5.1e-5)
+    assert height[0] == pytest.approx(start, abs=5.1e-5)
+    assert velocity.max() == pytest.approx(fastest, abs=5.1e-4)
+    if name == "standard":
+        assert velocity.min() == pytest.approx(-0.889, abs=5e-4)
+        assert acceleration.min() == pytest.approx(-20.0, abs=0.05)
+        assert acceleration.max() == pytest.approx(12.4, abs=0.05)
+
+
+@each_press
+def test_plate_is_the_triangle_asked_for(press: Press) -> None:
+    corner = {key: np.array([at.x, at.y]) for key, at in press.plate_corners().items()}
+    for side in ("bd", "bc", "cd"):
+        one, other = (corner[end] for end in side.upper())
+        asked = getattr(press.geometry, f"side_{side}")
+        assert np.hypot(*(one - other)) == pytest.approx(asked, rel=1e-14)
+    # The mass centre is the centroid.
+    np.testing.assert_allclose(sum(corner.values()), [0.0, 0.0], atol=1e-16)
+
+
+@each_press
+def test_assembly_is_on_the_sides_asked_for(press: Press) -> None:
+    def left_of(p: Array, q: Array, r: Array) -> float:
+        return float((q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]))
+
+    for time in np.linspace(0.0, press.period, 12):
+        a, b, c, d, e = (_joint(press, joint, float(time)) for joint in "ABCDE")
+        assert left_of(d, a, b) * press.geometry.side_b > 0.0
+        assert left_of(d, b, c) * press.geometry.side_c > 0.0
+        assert (e[1] - c[1]) * press.geometry.slider_side > 0.0
+
+
+def test_the_press_is_the_papers() -> None:
+    linkage = Press().linkage()
+    masses = [body.mass for body in linkage.bodies]
+    assert masses == [0.0243, 0.1085, 0.4503, 0.1272, 0.0288, 0.0243]
+    inertias = [body.inertia for body in linkage.bodies if body.name != "slider 6"]
+    assert inertias == [5.396e-4, 1.1e-3, 3.779e-3, 1.771e-3, 5.396e-4]
+    drives = {drive.body: (drive.angle, drive.speed) for drive in linkage.drives}
+    speed = Press().speed
+    assert drives == {"crank 2": (CRANK_2_START, -speed), "crank 7": (CRANK_7_START, speed)}
+    # Rod 3 carries the hole at A, rod 5 that at C.
+    holes = {joint.name: (joint.first.body, joint.second.body) for joint in linkage.revolutes}
+    assert (holes["A"], holes["C"]) == (("rod 3", "crank 2"), ("rod 5", "plate 4"))
+
+
+@pytest.mark.parametrize(
+    ("changes", "says"),
+    [
+        ({"side_bd": 0.5}, r"plate 4 is no triangle.*0\.5 m"),
+        # Half a side assembles into links of another length.
+        ({"side_b": 0.5}, "side_b"),
+        ({"side_c": 0.0}, "side_c"),
+        ({"slider_side": 2.0}, "slider_side"),
+    ],
+)
+def test_a_geometry_that_is_none_is_refused(changes: dict[str, float], says: str) -> None:
+    with pytest.raises(InputError, match=says):
+        Press(geometry=replace(Geometry(), **changes))  # type: ignore[arg-type]
+
+
+@pytest.mark.filterwarnings("error")
+def test_cranks_that_meet_are_refused_quietly() -> None:
+    """A on D leaves the direction of B open; that is no reason for a numerical warning."""
+    angles = np.array([CRANK_2_START, CRANK_7_START])
+    hx, hy = (0.07 * float(along(angles).sum()) for along in (np.cos, np.sin))
+    with pytest.raises(AssemblyError, match="joint B does not close"):
+        Press(geometry=Geometry(hx=hx, hy=hy)).check_assembly()
+
+
+@pytest.mark.parametrize(
+    ("name", "open_at"), [("length_3", 0.05), ("length_3", 2), ("length_5", 0.02)]
+)
+def test_a_gap_between_two_samples_is_found(name: str, open_at: float) -> None:
+    """A linkage that opens for a fraction of a degree does not pass."""
+    press: Any = Press()
+    closed, apart = getattr(press, name), open_at
+    for _ in range(60):
+        middle = 0.5 * (closed + apart)
+        try:
+            replace(press, **{name: middle}).check_assembly()
+            closed = middle
+        except AssemblyError:
+            apart = middle
+    # The last that passes must close at every time, not only where it was sampled.
+    _cycle(replace(press, **{name: closed}), 200_001)
+
+
+def test_the_slider_moves_as_in_the_textbook() -> None:
+    """x = r cos a + sqrt(l^2 - r^2 sin^2 a), written out here on its own."""
+    motion = _cycle(CRANK, 3601)
+    r, l, turn = 0.05, 0.12, CRANK.speed * motion.time  # noqa: E741
+    expected = r * np.cos(turn) + np.sqrt(l**2 - (r * np.sin(turn)) ** 2)
+    np.testing.assert_allclose(motion.position[:, SLIDER], expected, atol=1e-15)
+    start = [0.025, 0, 0, 0.11, 0, 0, 0.17, 0, 0]
+    np.testing.assert_allclose(motion.position[0], start, atol=1e-16)
+    # At the ends the acceleration is r w^2 (1 + r / l) and r w^2 (1 - r / l).
+    outer, inner = motion.acceleration[[0, 1800], SLIDER] / (r * CRANK.speed**2)
+    assert outer == pytest.approx(-(1.0 + r / l), rel=1e-12)
+    assert inner == pytest.approx(1.0 - r / l, rel=1e-9)
+    swing = motion.position[:, ROD + 2]
+    assert (swing.max(), swing.min()) == pytest.approx((math.asin(r / l), -math.asin(r / l)))
+
+
+def test_the_slider_crank_is_the_one_of_the_literature() -> None:
+    linkage = CRANK.linkage()
+    masses = {body.name: (body.mass, body.inertia) for body in linkage.bodies}
+    assert (masses["crank"], masses["rod"]) == ((0.30, 1e-4), (0.21, 2.5e-4))
+    assert masses["slider"][0] == 0.14
+    assert CRANK.speed == pytest.approx(5000.0 / 60.0 * 2.0 * math.pi, rel=1e-15)
+    ends = {joint.name: (joint.first.body, joint.second.body) for joint in linkage.revolutes}
+    # The bearing is on the first.
+    assert (ends["A"], ends["B"]) == (("rod", "crank"), ("rod", "slider"))
+
+
+def test_the_shortest_rod_passes_all_around() -> None:
+    shortest = SliderCrank(rod_length=1.0001 * 0.05)
+    shortest.check_assembly()
+    found = _violations(shortest.linkage(), _cycle(shortest, 721), shortest.speed)
+    assert found.max() < 1e-8
+
+
+@pytest.mark.parametrize("engine", ["dae", "exudyn-joints"])
+def test_engines_follow_the_closed_form(engine: str) -> None:
+    """Displacement, velocity and acceleration of the slider over two turns."""
+    scene = replace(slider_crank(), joints="none", engine=engine)
+    run = scene.solver.over(CRANK.period).simulate(
+        scene.linkage(), start_of(scene), Plan(CRANK.period, 2)
+    )
+    assert run.status == "completed"
+    rows = run.recorder.rows
+    assert len(rows) > 100
+
+    def errors(mechanism: SliderCrank) -> Array:
+        exact = mechanism.ideal_motion(rows[:, 0])
+        levels = (exact.position, exact.velocity, exact.acceleration)
+        slider = np.column_stack([level[:, SLIDER] for level in levels])
+        slider[:, 0] -= slider[0, 0]
+        return np.asarray(np.abs(rows[:, 1:4] - slider).max(axis=0))
+
+    in_house = isinstance(scene.solver, InHouse)
+    assert np.all(errors(CRANK) < ([1e-12, 1e-10, 1e-7] if in_house else [1e-8, 1e-6, 1e-2]))
+    assert np.all(errors(replace(CRANK, rod_length=0.1201)) > 100.0 * errors(CRANK))
+    if in_house:
+        end = CRANK.ideal_motion(np.array([run.time]))
+        assert np.abs(run.end.position - end.position[0]).max() < 1e-9

@@ -1,0 +1,218 @@
+"""Settings as text: what they change, what is refused and how, for any text at all."""
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from presswear.linkage.press import GEOMETRIES, Press
+from presswear.linkage.slider_crank import SliderCrank
+from presswear.scene.catalog import scene_named, slider_crank
+from presswear.scene.scene import CONVENTIONS, Conventions, Scene
+from presswear.scene.settings import changed, settings_of
+from presswear.tools.errors import AssemblyError, InputError
+from presswear.tools.quantities import Meaning
+
+PRESS = Scene("base", "a scene")
+CRANK = Scene("other", "a slider-crank", mechanism=SliderCrank(), joints="B")
+
+
+def _described(scene: Scene, key: str) -> str:
+    return next(s.described() for s in settings_of(scene) if s.key == key)
+
+
+@pytest.mark.parametrize("scene", [PRESS, CRANK], ids=["press", "slider-crank"])
+def test_settings_have_one_key_and_describe_themselves_in_one_line(scene: Scene) -> None:
+    settings = list(settings_of(scene))
+    assert len({setting.key for setting in settings}) == len(settings)
+    assert all(len(setting.described().splitlines()) == 1 for setting in settings)
+    assert "0.0008 m" in _described(scene, "clearance")
+    words = "(A | C | AC | none)" if scene is PRESS else "(A | B | AB | none)"
+    assert words in _described(scene, "joints")
+
+
+def test_where_a_value_comes_from_follows_it() -> None:
+    assert "; paper, per study)" in _described(PRESS, "clearance")
+    scene = slider_crank()
+    meanings = [s.meaning for s in settings_of(scene) if isinstance(s.meaning, Meaning)]
+    assert meanings
+    assert not [meaning for meaning in meanings if "paper" in meaning.status]
+    assert "; literature, from memory)" in _described(scene, "clearance")
+    scene = changed(scene, {"clearance": "0.4mm"})
+    assert "; set by the user)" in _described(scene, "clearance")
+    assert "; literature, from memory)" in _described(scene, "bearing_radius")
+
+
+def test_changed_sets_every_part_and_nothing_else() -> None:
+    assert changed(PRESS, {}) == PRESS
+    values = {"speed": "4pi rad/s", "hx": "241mm", "clearance": "0.6mm", "footprint": "arc"}
+    scene = changed(PRESS, {**values, "joints": "C", "wears": "3", "cycles": "7"})
+    geometry = replace(GEOMETRIES["standard"], name="standard, changed", hx=0.241)
+    assert scene.mechanism == Press(geometry=geometry, speed=4.0 * math.pi)
+    assert scene.bearings == replace(PRESS.bearings, clearance=0.6e-3)
+    assert scene.conventions == replace(Conventions(), footprint="arc")
+    assert scene.clearance_joints == ("C",)
+    assert (scene.wears, scene.cycles) == (3, 7)
+    crank = changed(CRANK, {"crank_length": "60mm", "speed": "3000rpm", "clearance": "0.2mm"})
+    assert crank.mechanism == SliderCrank(crank_length=0.06, speed=100.0 * math.pi)
+    assert crank.bearings.clearance == 0.2e-3
+    assert Scene("base", "a scene") == PRESS
+
+
+@pytest.mark.parametrize("name", list(GEOMETRIES))
+def test_every_geometry_can_be_named(name: str) -> None:
+    geometry = GEOMETRIES[name]
+    assert changed(PRESS, {"geometry": name}).mechanism == Press(geometry=geometry)
+    moved = changed(PRESS, {"hy": f"{geometry.hy + 1e-4} m", "geometry": name})
+    expected = replace(geometry, name=f"{name}, changed", hy=geometry.hy + 1e-4)
+    assert moved.mechanism == Press(geometry=expected)
+
+
+@pytest.mark.parametrize(
+    ("scene", "settings", "says"),
+    [
+        (
+            PRESS,
+            {"clearence": "1mm"},
+            r"unknown key 'clearence'; did you mean clearance\?; known are ",
+        ),
+        (PRESS, {"rod_length": "1m"}, "unknown key 'rod_length'"),
+        (CRANK, {"geometry": "standard"}, "unknown key 'geometry'.*; known are .*rod_length"),
+        (CRANK, {"hx": "1m"}, "unknown key 'hx'.*; known are .*rod_length"),
+        (PRESS, {"geometry": "round"}, "geometry = 'round': allowed is one of standard"),
+        *(
+            (scene, {"joints": word}, f"joints = '{word}': allowed is one of {allowed}($|; did)")
+            for scene, words, allowed in (
+                (PRESS, ("B", "CA", ""), "A, C, AC, none"),
+                (CRANK, ("AC", "O"), "A, B, AB, none"),
+            )
+            for word in words
+        ),
+        (PRESS, {"clearance": "15mm"}, r"clearance = 0\.015 m: .* below the bearing radius"),
+        (PRESS, {"bearing_radius": "0.5mm"}, r"clearance = 0\.0008 m"),
+        (PRESS, {"lower_speed": "1mm/s"}, r"lower_speed = 0\.001 m/s"),
+        (PRESS, {"lower_speed": "0.991mm/s"}, "lower_speed = .*allowed is 0 to 1e-05 m/s below"),
+        (PRESS, {"lower_speed": "0m/s", "upper_speed": "9e-6m/s"}, ".*allowed is 1e-05 to 1 m/s"),
+        (
+            PRESS,
+            {"mass_6": "1000kg", "mass_3": "1e-4kg"},
+            "mass_6 = 1000 kg beside mass_3 = 0.0001",
+        ),
+        (
+            CRANK,
+            {"slider_mass": "1000kg", "rod_mass": "1e-4kg"},
+            "slider_mass = .* beside rod_mass",
+        ),
+        (PRESS, {"length_3": "0.1m"}, ".*joint B does not close"),
+        (
+            PRESS,
+            {"contact": "foundation", "exponent": "1.2"},
+            r"exponent = 1\.2.*allowed is 1.5",
+        ),
+        (PRESS, {"joints": "none", "starts": "2"}, "starts = 2: without a clearance joint"),
+        (PRESS, {"joints": "C", "engine": "exudyn-tree"}, "engine = 'exudyn-tree'.*closes a loop"),
+    ],
+)
+def test_what_names_nothing_or_does_not_fit_together_is_refused(
+    scene: Scene, settings: Mapping[str, str], says: str
+) -> None:
+    with pytest.raises(InputError, match=f"^{says}"):
+        changed(scene, settings)
+
+
+@pytest.mark.parametrize(
+    ("scene", "settings"),
+    [
+        (PRESS, {"clearance": "15mm", "bearing_radius": "16mm"}),
+        (PRESS, {"lower_speed": "0.99mm/s", "upper_speed": "1mm/s"}),
+        (PRESS, {"mass_6": "100kg", "mass_3": "1.1e-4kg"}),
+        (CRANK, {"slider_mass": "100kg", "rod_mass": "1.1e-4kg"}),
+        *((PRESS, {"contact": word}) for word in ("radial", "foundation")),
+    ],
+)
+def test_what_just_fits_is_taken(scene: Scene, settings: Mapping[str, str]) -> None:
+    _use(changed(scene, settings))
+
+
+def test_an_unknown_scene_is_refused_with_those_known() -> None:
+    with pytest.raises(InputError, match="unknown scene 'nothing'; known are ideal"):
+        scene_named("nothing")
+
+
+FACTORS = ["", "mm", "m", "pi rad/s", "GPa", "/Pa", "kg", "m/s", "m/s^2", "kg m^2"]
+values = st.text(max_size=20) | st.builds(
+    lambda number, factor: f"{number}{factor}",
+    st.integers(-10, 10**7) | st.floats() | st.floats(0.0, 2.0),
+    st.sampled_from(FACTORS),
+)
+
+
+@given(st.sampled_from(sorted(setting.key for setting in settings_of(PRESS))), values)
+@example("clearance", "1e-20m")
+@example("clearance", "1e-300m")
+@example("width", "1e-320m")
+@example("length_7", "1e-200m")
+@example("length_2", "1e-300m")
+@example("bearing_radius", "1m")
+@example("poisson_ratio", "0.5")
+@example("restitution", "1")
+@example("upper_speed", "1e-4m/s")
+@example("side_bd", "0.023m")
+@example("angles", "16")
+@example("cycles", "none")
+@pytest.mark.filterwarnings("error")
+def test_any_text_makes_a_usable_scene_or_one_line_of_refusal(key: str, text: str) -> None:
+    for conventions in CONVENTIONS.values():
+        _use_or_refuse(replace(PRESS, conventions=conventions), key, text)
+
+
+@given(st.sampled_from(sorted(setting.key for setting in settings_of(CRANK))), values)
+@example("crank_length", "120mm")
+@example("crank_length", "119.99mm")
+@example("rod_length", "50mm")
+@example("rod_length", "1e-3m")
+@example("speed", "0 rpm")
+@pytest.mark.filterwarnings("error")
+def test_any_text_makes_a_usable_slider_crank_or_one_line_of_refusal(key: str, text: str) -> None:
+    _use_or_refuse(CRANK, key, text)
+
+
+def _use_or_refuse(base: Scene, key: str, text: str) -> None:
+    refusal: InputError | None = None
+    try:
+        scene = changed(base, {key: text})
+    except InputError as error:
+        refusal = error
+    if refusal is None:
+        _use(scene)
+    else:
+        assert len(str(refusal).splitlines()) == 1
+        assert _names(key, refusal), refusal
+
+
+def _names(key: str, refusal: InputError) -> bool:
+    """Whether a refusal says what is wrong: the key, or the joint or plate it breaks."""
+    if isinstance(refusal, AssemblyError):
+        return "joint" in str(refusal)
+    other = {"bearing_radius": "bearing radius"} | dict.fromkeys(
+        ("side_bd", "side_bc", "side_cd"), "plate 4"
+    )
+    return key in str(refusal) or other.get(key, key) in str(refusal)
+
+
+def _use(scene: Scene) -> None:
+    """Everything that is made of a scene before it runs is finite, and it can be stored."""
+    for joint in scene.linkage().clearances:
+        for value in (joint.normal.stiffness, joint.pin_radius, joint.width):
+            assert math.isfinite(value)
+            assert value > 0.0
+    assert scene.numerics.joints.longest(scene.mechanism.period) > 0.0
+    start = scene.mechanism.ideal_motion(np.zeros(1))
+    for level in (start.position, start.velocity, start.acceleration):
+        assert all(math.isfinite(value) for value in level[0])
+    assert Scene.from_dict(json.loads(json.dumps(scene.as_dict(), allow_nan=False))) == scene
