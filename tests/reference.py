@@ -28,7 +28,7 @@ from presswear.__main__ import main as presswear
 FILE = Path(__file__).with_suffix(".json")
 
 TREE, JOINTS, DAE = "exudyn-tree", "exudyn-joints", "dae"
-STEPS = ("--conventions", "refined", "--set", "extrapolation=steps", "--set", "depth_step=0.05")
+STEPS = ("--conventions", "refined", "--set", "extrapolation=steps")
 CASES = {
     "tree unworn": ("wear-times", "--engine", TREE, "--wears", "0", "--cycles", "3"),
     "tree worn paper": ("wear-times", "--engine", TREE, "--wears", "2", "--cycles", "4"),

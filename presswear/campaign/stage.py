@@ -48,7 +48,9 @@ def stage_of(
     )
     joints = ran.linkage.clearances
     errors = map_errors(*ran.batches()) if joints else np.zeros(0)
-    error = error_of(joints, growth) if is_in_steps else float(errors.max(initial=0.0))
+    error = float(errors.max(initial=0.0))
+    if growth is not None and is_in_steps:
+        error = error_of(joints, growth)
     if joints and math.isfinite(error):
         statistics["wear_error"] = error
     diagnostics = ran.diagnostics()

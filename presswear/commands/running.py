@@ -5,6 +5,7 @@ from rich.progress import Progress as Bar
 from presswear.record.tracker import Progress, Tracker
 from presswear.results.stage import StageResult
 from presswear.scene.scene import stage_name
+from presswear.tools.numbers import with_interval
 from presswear.tools.stopping import check_stopped
 
 
@@ -41,10 +42,11 @@ def _stage_line(stage: StageResult) -> str:
         fewest = joint["fewest_steps_in_a_contact"]
         resolved = "no contact" if fewest is None else f"at least {fewest} steps in each"
         force = joint["force_max_per_cycle_N"]
-        volume = joint["wear_volume_m3"], joint["wear_volume_half_width_m3"]
+        volume, half = joint["wear_volume_m3"], joint["wear_volume_half_width_m3"]
+        half = None if half is None else 1e9 * half
         parts.append(
             f"{name}: {joint['contacts']} contacts, {resolved}, mean peak "
             f"{with_interval(force['mean'], force['half_width'])} N, wear "
-            f"{with_interval(*(scaled(own, 1e9) for own in volume))} mm^3"
+            f"{with_interval(1e9 * volume, half)} mm^3"
         )
     return "; ".join(parts)

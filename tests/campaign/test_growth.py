@@ -376,9 +376,7 @@ def test_a_stage_alone_is_not_worn(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_conventions_decide_unless_the_scene_does(
     conventions: str, extrapolation: str, in_steps: bool
 ) -> None:
-    scene = replace(
-        wear_times(), conventions=CONVENTIONS[conventions], extrapolation=extrapolation
-    )
+    scene = replace(wear_times(), conventions=CONVENTIONS[conventions], extrapolation=extrapolation)
     assert scene.wears_in_steps == in_steps
     assert scene.draws == DRAWS
     assert replace(scene, wears=0).draws == 1

@@ -143,7 +143,7 @@ class Subject:
         return end(self.start(out, *more))
 
 
-_PRESS = ("speed=60rad/s", "represented_cycles=1e6", "extrapolation=steps", "depth_step=0.012")
+_PRESS = ("speed=60rad/s", "represented_cycles=1e6", "extrapolation=steps")
 _CRANK = ("represented_cycles=2e4", "steps_per_contact=20", "steps_sustained=5")
 TREE = Subject("exudyn-tree", "wear-times", (*_PRESS, "cycles=2"))
 IN_HOUSE = Subject("dae", "wear-times", (*_PRESS, "cycles=2", "starts=2"))

@@ -249,9 +249,9 @@ def notes(result: Result) -> list[str]:
         )
         if result.grew_in_steps:
             found.append(
-                "A wear was applied in steps of a cycle each, by every start on surfaces of its own; "
-                "half as many steps tell their error. The wear that the last stage would cause is "
-                "a single jump at its rate."
+                "A wear was applied in steps of a cycle each, by every start on surfaces of its "
+                "own; half as many steps tell their error. The wear that the last stage would "
+                "cause is a single jump at its rate."
             )
         elif scene.wears > 0:
             found.append(

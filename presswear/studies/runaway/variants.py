@@ -27,7 +27,7 @@ _READINGS: dict[str, tuple[str, str, dict[str, str]]] = {
     "steps": ("paper", "paper, wear in steps", {"extrapolation": "steps"}),
     "arc": ("paper", "paper, wear over the arc", _ARC),
     "arc-foundation": ("paper", "paper, arc, contact on a foundation", _ARC | _FOUNDATION),
-    "arc-steps": ("paper", "paper, arc, wear in steps", {"footprint": "arc", "depth_step": "0.02"}),
+    "arc-steps": ("paper", "paper, arc, wear in steps", {"footprint": "arc"}),
     "arc-once": ("once", "paper, arc, multiplied from one cycle", _ARC),
     **{
         f"angles-{count}": ("paper", f"paper, {count} angles", {"angles": str(count)})

@@ -7,15 +7,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
-from presswear.campaign.amplification import Worn
 from presswear.campaign.campaign import run_stage
+from presswear.campaign.ensemble import linkage_on
 from presswear.campaign.starts import start_of
 from presswear.engines.base import Plan
 from presswear.scene.scene import Scene
 from presswear.tools.errors import RunFailed
 from presswear.trials.runs import Told
 from presswear.trials.timing import TimedRun, Timing, time_runs
+
+Array = NDArray[np.float64]
 
 WARM_UP_PART = 0.05
 """Part of a run's time that is run beforehand and thrown away."""
@@ -69,11 +72,12 @@ def plan_of(period: float, cycles: float, torques: bool = False) -> Plan:
     return Plan(period, int(cycles), int(cycles), torques=torques)
 
 
-def timed_run(name: str, scene: Scene, cycles: float, worn: Worn | None = None) -> TimedRun:
+def timed_run(name: str, scene: Scene, cycles: float, worn: Array | None = None) -> TimedRun:
     """A scene as a run to be timed, on unworn or worn surfaces."""
     period = scene.mechanism.period
     plan = plan_of(period, cycles, scene.drive_torque == "on")
-    return TimedRun(name, scene.linkage(worn), start_of(scene), scene.solver.over(period), plan)
+    linkage = scene.linkage() if worn is None else linkage_on(scene, worn)
+    return TimedRun(name, linkage, start_of(scene), scene.solver.over(period), plan)
 
 
 def warm_up(timed: TimedRun) -> None:
@@ -89,26 +93,18 @@ def _timed(runs: Sequence[TimedRun], repeats: int, told: Told) -> tuple[Timing, 
     return time_runs(runs, repeats, told)
 
 
-def wear_once(scene: Scene, cycles: int) -> Worn:
-    """Surfaces after one wear of a scene, from the wear of so many cycles."""
+def wear_once(scene: Scene, cycles: int) -> Array:
+    """Depth of the surfaces after one wear, from so many cycles, shape (joints, 2, m), m."""
     stage, ran = run_stage(replace(scene, cycles=cycles), 0)
     if stage.failed:
         raise RunFailed(stage.message)
-    return {
-        joint.name: (
-            joint.bearing_surface.worn_by(stage.joints[joint.name].wear("bearing")),
-            joint.pin_surface.worn_by(stage.joints[joint.name].wear("pin")),
-        )
-        for joint in ran.linkage.clearances
-    }
+    return scene.represented_cycles * ran.depth()
 
 
-def deepest(worn: Worn) -> dict[str, float]:
+def deepest(scene: Scene, worn: Array) -> dict[str, float]:
     """Deepest wear of each joint, bearing and pin together, m."""
-    return {
-        name: float(np.max(bearing.depth) + np.max(pin.depth))
-        for name, (bearing, pin) in worn.items()
-    }
+    depths = worn.max(axis=2).sum(axis=1)
+    return dict(zip(scene.clearance_joints, map(float, depths), strict=True))
 
 
 def clearance_rows(scene: Scene, cycles: float, repeats: int, told: Told) -> tuple[FeatureRow, ...]:
@@ -125,7 +121,7 @@ def clearance_rows(scene: Scene, cycles: float, repeats: int, told: Told) -> tup
 
 
 def switched_rows(
-    scene: Scene, worn: Worn, cycles: float, repeats: int, told: Told
+    scene: Scene, worn: Array, cycles: float, repeats: int, told: Told
 ) -> tuple[FeatureRow, ...]:
     """Time a scene with friction, worn surfaces, wear account and stored torques on and off."""
     bearings = scene.bearings

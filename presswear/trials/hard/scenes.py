@@ -6,7 +6,7 @@ Over many cycles constraints, energy and memory must not drift.
 import math
 import re
 import resource
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.campaign.amplification import Worn
 from presswear.campaign.starts import start_of
 from presswear.engines.base import Run, Start
 from presswear.linkage.press import Press
@@ -79,7 +78,7 @@ def run_scene(
     scene: Scene,
     duration: float = 0.0,
     start: Start | None = None,
-    worn: Worn | None = None,
+    worn: Mapping[str, tuple[Surface, Surface]] | None = None,
     patience: float = PATIENCE,
 ) -> Run:
     """Run a cycle of a scene, or some seconds, by its engine."""
@@ -176,7 +175,7 @@ def profiles() -> dict[str, tuple[str, Surface, Surface]]:
     }
 
 
-def on_worn(scene: Scene, worn: Worn) -> Iterator[Check]:
+def on_worn(scene: Scene, worn: Mapping[str, tuple[Surface, Surface]]) -> Iterator[Check]:
     """Run on worn surfaces, and see that the energy adds up."""
     run = run_scene(scene, worn=worn, patience=WORN_PATIENCE)
     found = energy_of(run, scene.solver.word)

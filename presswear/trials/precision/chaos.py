@@ -233,7 +233,7 @@ def follow(scene: Scene, extent: ChaosExtent, told: Told) -> Chaos:
 def stage_cycles(scene: Scene, reference: Draws) -> int:
     """Cycles until a stage of the scene knows its wear maps to the scene's tolerance."""
     if scene.cycles is not None:
-        return scene.cycles * scene.starts
+        return scene.cycles * scene.draws
     maps, weights = map_batches(reference.maps)
     error = float(map_errors(maps, weights).max())
     if not math.isfinite(error):

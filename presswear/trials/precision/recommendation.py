@@ -205,7 +205,7 @@ def standing(chaos: Chaos, point: StatisticPoint) -> str:
     return "honest" if math.isinf(fewest) else f"honest up to {fewest:.0f} cycles"
 
 
-GROUPS: tuple[Group, ...] = ("angles", "cycles", "depth step")
+GROUPS: tuple[Group, ...] = ("angles", "cycles")
 """Groups that have a finest value."""
 
 

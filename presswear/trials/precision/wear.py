@@ -13,19 +13,19 @@ from typing import Any, Literal
 
 from presswear.campaign.campaign import run_campaign
 from presswear.linkage.elements import SurfaceContact
-from presswear.record.sampling import Interval
+from presswear.record.sampling import LEAST_SAMPLES, Interval
 from presswear.record.tracker import Progress, Tracker
 from presswear.results.stage import StageResult
 from presswear.scene.scene import CONVENTIONS, Scene
 from presswear.tools.errors import InputError, RunFailed
 from presswear.trials.runs import Told, part_of
 
-Group = Literal["angles", "cycles", "depth step", "contact", "method"]
+Group = Literal["angles", "cycles", "jump", "contact", "method"]
 
 TITLES: dict[Group, str] = {
     "angles": "angles of a wear map",
     "cycles": "cycles run for a wear",
-    "depth step": "largest change of a surface in one step, part of the clearance",
+    "jump": "how a wear is applied",
     "contact": "how worn surfaces meet",
     "method": "how the motion is integrated",
 }
@@ -40,8 +40,6 @@ class Means:
 
     Attributes
     ----------
-    finer : tuple of float
-        Depth steps, parts of the scene's.
     usual : int
         Cycles of each run where they are not what is varied.
     methods : tuple of str
@@ -50,7 +48,6 @@ class Means:
 
     angles: tuple[int, ...]
     cycles: tuple[int, ...]
-    finer: tuple[float, ...]
     usual: int
     methods: tuple[str, ...] = ()
 
@@ -66,14 +63,13 @@ METHODS: dict[str, dict[str, Any]] = {
 }
 """Engine and numerics by name."""
 PAPER_STEP, USUAL = tuple(METHODS)[:2]
-# A wear in steps on a foundation takes some ten times as long as one in a jump.
 QUICK = {
-    "paper": Means((90, 360, 1440), (5, 10, 20), (), 10, (PAPER_STEP, USUAL)),
-    "refined": Means((90, 360), (), (1.0, 2.0), 5),
+    "paper": Means((90, 360, 1440), (5, 10, 20), 10, (PAPER_STEP, USUAL)),
+    "refined": Means((90, 360), (), 5),
 }
 FULL = {
-    "paper": Means((90, 180, 360, 720, 1440), (5, 10, 20, 50, 100, 200), (), 50, tuple(METHODS)),
-    "refined": Means((90, 180, 360, 720, 1440), (5, 10, 20, 50, 100), (0.5, 1.0, 2.0), 20),
+    "paper": Means((90, 180, 360, 720, 1440), (5, 10, 20, 50, 100, 200), 50, tuple(METHODS)),
+    "refined": Means((90, 180, 360, 720, 1440), (5, 10, 20, 50, 100), 20),
 }
 
 
@@ -88,7 +84,7 @@ class Varied:
     conventions : str
         Name of the set.
     value : float or None
-        Its value, where it is a number; 0: no step is too large, a single jump.
+        Its value, where it is a number.
     is_default : bool
         True where the scene takes it by itself.
     """
@@ -212,13 +208,10 @@ def cases(scene: Scene, extent: Mapping[str, Means]) -> tuple[tuple[Varied, Scen
         for cycles in means.cycles:
             changed = replace(base, cycles=cycles)
             told.append(("cycles", f"{cycles}", cycles, cycles == scene.cycles, changed))
-        if base.wears_in_steps:
-            jump = replace(base, extrapolation="single")
-            told.append(("depth step", "single jump", 0.0, False, jump))
-            for part in sorted(means.finer, reverse=True):
-                step = part * base.depth_step
-                changed = replace(base, depth_step=step)
-                told.append(("depth step", f"{step:g}", step, part == 1.0, changed))
+        for word, label in (("single", "single jump"), ("steps", "cycle by cycle")):
+            is_default = (word == "steps") == base.wears_in_steps
+            changed = base if is_default else replace(base, extrapolation=word)
+            told.append(("jump", label, None, is_default, changed))
         contacts: tuple[SurfaceContact, ...] = ("radial", "foundation")
         for contact in contacts:
             changed = replace(base, conventions=replace(conventions, contact=contact))
@@ -231,10 +224,11 @@ def cases(scene: Scene, extent: Mapping[str, Means]) -> tuple[tuple[Varied, Scen
 
 
 def with_method(scene: Scene, name: str) -> Scene:
-    """Take a scene from one start with a method of METHODS."""
+    """Take a scene from a few starts with a method of METHODS."""
     settings = dict(METHODS[name])
     engine = settings.pop("engine")
-    return replace(scene, engine=engine, starts=1, numerics=scene.numerics.having(**settings))
+    numerics = scene.numerics.having(**settings)
+    return replace(scene, engine=engine, starts=LEAST_SAMPLES, numerics=numerics)
 
 
 def joint_wears(stage: StageResult) -> Wears:
@@ -286,7 +280,8 @@ def run_case(varied: Varied, scene: Scene, told: Callable[[float], None]) -> Wea
         first,
         second,
         len(steps),
-        sum(stage.cycles for stage in stages) + sum(step.cycles for step in steps[1:]),
+        sum(stage.cycles for stage in stages)
+        + (sum(s.cycles for s in steps) if scene.wears_in_steps else 0),
         wall,
         message if status == "failed" else "",
     )
@@ -315,10 +310,8 @@ def vary(scene: Scene, extent: Mapping[str, Means], told: Told) -> WearStudy:
 def _work(scene: Scene) -> float:
     """Work of a case, roughly, in cycles on round surfaces."""
     assert scene.cycles is not None
-    if not scene.wears_in_steps:
-        return 3.0 * scene.cycles
-    steps = 1.0 + 0.02 / scene.depth_step
-    return scene.cycles * (1.0 + 3.0 * steps * (1.0 + scene.bearings.angles / 400.0))
+    # Two stages on the surfaces of a jump, or those and a pass and a half between them.
+    return scene.cycles * (4.0 if scene.wears_in_steps else 3.0)
 
 
 def _warm_up(wanted: Sequence[tuple[Varied, Scene]]) -> None:

@@ -124,7 +124,7 @@ def wear_point(
     group: Group, conventions: str, label: str, value: float | None, depth: float
 ) -> WearPoint:
     return WearPoint(
-        Varied(group, conventions, label, value, label in ("360", "0.005")),
+        Varied(group, conventions, label, value, label in ("360", "cycle by cycle")),
         joint_wears(depth, 10.0),
         joint_wears(1.2 * depth, 11.0),
         1,
@@ -143,9 +143,8 @@ def wear() -> WearStudy:
         for cycles in (5, 50, 200):
             depth = 10.0 + 20.0 / cycles
             points.append(wear_point("cycles", conventions, f"{cycles}", cycles, depth))
-    for step, label in ((0.0, "single jump"), (0.01, "0.01"), (0.005, "0.005"), (0.0025, "0.0025")):
-        depth = 30.0 if step == 0.0 else 10.0
-        points.append(wear_point("depth step", "refined", label, step, depth))
+    for label, depth in (("single jump", 30.0), ("cycle by cycle", 10.0)):
+        points.append(wear_point("jump", "refined", label, None, depth))
     points.append(wear_point("contact", "paper", "radial", None, 10.0))
     foundation = Varied("contact", "paper", "foundation", None, False)
     points.append(WearPoint(foundation, failure="stage 1: it blew up"))

@@ -43,7 +43,7 @@ def test_each_case_varies_one_thing(varied: Varied, scene: Scene) -> None:
     undone = {
         "angles": replace(scene, bearings=base.bearings),
         "cycles": replace(scene, cycles=base.cycles),
-        "depth step": replace(scene, depth_step=base.depth_step, extrapolation="conventions"),
+        "jump": replace(scene, extrapolation="conventions"),
         "contact": replace(scene, conventions=base.conventions),
         "method": replace(scene, engine=base.engine, numerics=base.numerics),
     }
@@ -60,8 +60,6 @@ def test_extents_cover_what_is_asked_for() -> None:
         found = [varied for varied, _ in cases(SCENE, extent)]
         assert {c.group for c in found} == set(TITLES)
         assert {c.conventions for c in found if c.group == "angles"} == {"paper", "refined"}
-        # A jump in one is what the paper's conventions do anyway.
-        assert {c.conventions for c in found if c.group == "depth step"} == {"refined"}
         assert sum(c.label == PAPER_STEP for c in found) == 1
 
 
@@ -74,9 +72,6 @@ def test_finest_comes_last() -> None:
     for group in ("angles", "cycles"):
         values = values_of(group, "paper")
         assert values == sorted(values)
-    jump, *steps = values_of("depth step", "refined")
-    assert jump == 0.0
-    assert steps == sorted(steps, reverse=True)
 
 
 def test_relative_change_with_its_interval() -> None:
@@ -92,7 +87,7 @@ def test_relative_change_with_its_interval() -> None:
 
 def ran(conventions: str, group: str, label: str, wears: int = 1) -> WearPoint:
     """The point of a case of few cycles and a wear in one jump."""
-    means = Means((90, 360), (4,), (), 4)
+    means = Means((90, 360), (4,), 4)
     extent = {"paper": replace(means, methods=(PAPER_STEP, USUAL)), "refined": means}
     varied, scene = next(
         (varied, own)
@@ -115,7 +110,7 @@ def test_depth_by_bins_depends_on_their_width() -> None:
         assert high is not None
         assert low < fine.first[joint][VOLUME].value < high
     assert set(fine.second) == {"A", "C"}
-    assert (fine.steps, fine.cycles) == (1, 8)
+    assert (fine.steps, fine.cycles) == (1, 24)
     assert fine.wall > 0.0
 
 
@@ -144,13 +139,13 @@ def test_what_groups_have_in_common_runs_once(monkeypatch: pytest.MonkeyPatch) -
 
     monkeypatch.setattr(module, "run_case", pretend)
     told: list[float] = []
-    means = Means((90, 360), (4, 10), (1.0,), 10)
+    means = Means((90, 360), (4, 10), 10)
     extent = {"paper": replace(means, methods=(PAPER_STEP, USUAL)), "refined": means}
     study = vary(SCENE, extent, lambda word, part: told.append(part))
     scenes = [scene for scene in ran if scene.cycles != 1]
     assert all(scenes.count(scene) == 1 for scene in scenes)
-    # Of each set once as it is; angles, cycles, contact, depth step, the paper's step once each.
-    assert len(scenes) == 2 * (1 + 1 + 1 + 1) + 1 + 1
+    # Of each set once as it is; angles, cycles, jump, contact, the paper's step once each.
+    assert len(scenes) == 2 * (1 + 1 + 1 + 1 + 1) + 1
     assert [point.varied for point in study.points] == [c for c, _ in cases(SCENE, extent)]
     assert told == sorted(told)
     assert 0.0 <= told[0] <= told[-1] <= 1.0

@@ -1,6 +1,5 @@
-"""Wear against angles, cycles, depth step and contact model."""
+"""Wear against angles, cycles and contact model."""
 
-import math
 from collections.abc import Mapping
 from itertools import cycle, product
 
@@ -26,7 +25,7 @@ from presswear.trials.precision.wear import (
 
 _SHIFT = 0.06
 """Between curves of one panel, part of the distance of two values."""
-_NUMBERED: tuple[Group, ...] = ("angles", "cycles", "depth step")
+_NUMBERED: tuple[Group, ...] = ("angles", "cycles")
 _Series = tuple[str, str]
 """Conventions and joint."""
 
@@ -45,12 +44,12 @@ def wear_convergence(wear: WearStudy) -> Drawing | None:
             _panel(axes, wear, group, series, name)
         row[0].set_ylabel(f"{name} / that of the finest")
     for axes, group in zip(panels[-1], groups, strict=True):
-        axes.set_xlabel("depth step / clearance" if group == "depth step" else group)
+        axes.set_xlabel(group)
     ring = Line2D([], [], label="taken by default", **RING)
     sheet.legend(handles=[*_handles(series), ring], loc="outside upper left", ncols=3)
     return Drawing(
         "precision-wear.png",
-        "First wear against angles, cycles and depth step",
+        "First wear against angles and cycles",
         f"Deepest wear of either surface and worn volume after the first wear, in parts of what "
         f"the finest value (to the right) gives, with 95 % intervals of both. Where cycles are not "
         f"what is varied: {usual}. All runs: {wear.method}."
@@ -98,8 +97,7 @@ def _panel(
             x_all, values, halves = zip(*drawn, strict=True)
             axes.errorbar(x_all, values, yerr=halves, elinewidth=0.9, **look.line())
     axes.set_yscale("log")
-    short = [label.replace("single jump", "one\njump") for label in labels]
-    axes.set_xticks(range(len(labels)), short)
+    axes.set_xticks(range(len(labels)), labels)
     if len(labels) > 4:
         axes.tick_params(axis="x", rotation=45.0)
     _plain_scale(axes)
@@ -109,11 +107,7 @@ def labels_of(wear: WearStudy, group: Group) -> list[str]:
     """Labels of a group's values, coarse to fine, of all conventions together."""
     told = [point.varied for name in wear.conventions for point in wear.of(group, name)]
     values = {varied.label: varied.value or 0.0 for varied in told}
-    # A depth step is the coarser the larger it is, and coarsest in one jump.
-    falls = group == "depth step"
-    return sorted(
-        values, key=lambda label: -(values[label] or math.inf) if falls else values[label]
-    )
+    return sorted(values, key=values.__getitem__)
 
 
 def _relative(
@@ -144,7 +138,7 @@ def _plain_scale(axes: Axes) -> None:
     axes.set_ylim(low, high)
 
 
-_NAMED: tuple[Group, ...] = ("contact", "method")
+_NAMED: tuple[Group, ...] = ("jump", "contact", "method")
 
 
 def contact_models(wear: WearStudy) -> Drawing:
