@@ -75,7 +75,8 @@ class FakeEngine:
             added = recorder.end_cycle()
             if plan.wear is not None:
                 recorder.wear(plan.wear(cycle + 1, added), start.position, start.velocity)
-            if any([tracker.cycle(recorder, recorder.state) for tracker in plan.trackers]):
+            answers = [tracker.cycle(recorder, recorder.state) for tracker in plan.trackers]
+            if any(answers):
                 break
         failed = self.runs == self.fails
         return Run(

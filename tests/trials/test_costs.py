@@ -149,7 +149,8 @@ def test_what_a_call_takes_is_known_for_the_tree_only() -> None:
 
 
 def test_worn_surfaces_come_from_a_wear() -> None:
-    depths = deepest(wear_once(scene_named("wear-times"), 1))
+    scene = scene_named("wear-times")
+    depths = deepest(scene, wear_once(scene, 1))
     assert sorted(depths) == ["A", "C"]
     assert all(1e-6 < depth < 1e-3 for depth in depths.values())
 

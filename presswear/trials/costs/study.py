@@ -118,7 +118,7 @@ def study(scene: Scene, extent: CostsExtent, told: Told) -> Costs:
     }
     told("done", 1.0)
     return Costs(
-        scene, source, processor_name(), extent, deepest(worn), features, engines, profiles
+        scene, source, processor_name(), extent, deepest(scene, worn), features, engines, profiles
     )
 
 

@@ -280,8 +280,7 @@ def run_case(varied: Varied, scene: Scene, told: Callable[[float], None]) -> Wea
         first,
         second,
         len(steps),
-        sum(stage.cycles for stage in stages)
-        + (sum(s.cycles for s in steps) if scene.wears_in_steps else 0),
+        sum(stage.cycles for stage in stages) + sum(own.cycles for own in steps[1:]),
         wall,
         message if status == "failed" else "",
     )
