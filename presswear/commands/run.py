@@ -2,7 +2,6 @@
 
 import argparse
 from contextlib import AbstractContextManager, closing, nullcontext
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -21,7 +20,7 @@ from presswear.commands.terminal import (
     settings_given,
 )
 from presswear.scene.catalog import SCENES
-from presswear.scene.scene import CONVENTIONS, Scene
+from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.studies import STUDIES
 from presswear.tools.errors import InputError, RunFailed
@@ -31,7 +30,7 @@ if TYPE_CHECKING:
     from presswear.results.folder import ResultFolder
     from presswear.show.replay.live import Live
 
-OPTIONS = ("engine", "cycles", "wears", "tolerance")
+OPTIONS = ("conventions", "engine", "cycles", "wears", "tolerance")
 """Settings that have an option of their own."""
 
 
@@ -88,12 +87,6 @@ def add(commands: Any) -> None:
 
 def _with_options(scene: Scene, arguments: argparse.Namespace) -> Scene:
     """A scene changed as the options of ``run`` say; InputError before anything runs."""
-    if arguments.conventions is not None:
-        if arguments.conventions not in CONVENTIONS:
-            raise InputError(
-                f"--conventions {arguments.conventions}: allowed is one of {', '.join(CONVENTIONS)}"
-            )
-        scene = replace(scene, conventions=CONVENTIONS[arguments.conventions])
     settings = settings_given(arguments.set)
     for key in OPTIONS:
         given = getattr(arguments, key)
@@ -145,8 +138,7 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
 
 def _is_plain(arguments: argparse.Namespace) -> bool:
     """True where nothing is said about the scene but its name."""
-    options = (*OPTIONS, "conventions")
-    return not arguments.set and all(getattr(arguments, key) is None for key in options)
+    return not arguments.set and all(getattr(arguments, key) is None for key in OPTIONS)
 
 
 def _stored_scene(arguments: argparse.Namespace) -> Scene:

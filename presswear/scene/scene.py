@@ -34,7 +34,7 @@ from presswear.linkage.topology import branches_of
 from presswear.tools.arrays import Array
 from presswear.tools.documents import typed
 from presswear.tools.errors import InputError
-from presswear.tools.quantities import Choice, check_fields, choice, count, quantity
+from presswear.tools.quantities import Choice, check_fields, choice, count, named_set, quantity
 
 
 @dataclass(frozen=True)
@@ -56,6 +56,11 @@ class Conventions:
         get_args(SurfaceContact),
         "worn surfaces meet where e points, or over all of the arc on an elastic foundation",
     )
+
+    @property
+    def name(self) -> str:
+        """Name of the set, or ``own`` for one that has none."""
+        return next((name for name, preset in CONVENTIONS.items() if self == preset), "own")
 
 
 CONVENTIONS: dict[str, Conventions] = {
@@ -215,7 +220,9 @@ class Scene:
     title: str = "A scene of one's own"
     mechanism: Press | SliderCrank = field(default_factory=Press)
     bearings: Bearings = field(default_factory=Bearings)
-    conventions: Conventions = field(default_factory=Conventions)
+    conventions: Conventions = named_set(
+        "paper", CONVENTIONS, "what the paper prints, or what a careful engineer would compute"
+    )
     numerics: Numerics = field(default_factory=Numerics)
     joints: str = choice("AC", _words, "which joints have clearance")
     engine: str = choice(

@@ -117,6 +117,6 @@ def _part(item: Field[Any], value: Any, settings: Mapping[str, Any]) -> Any:
         sets.choice.check(item.name, settings[item.name])
         value = sets.sets[settings[item.name]]
     updates = _updates(value, settings)
-    if sets is not None and updates:
+    if sets is not None and updates and any(own.name == "name" for own in fields(value)):
         updates["name"] = f"{value.name}, changed"
     return replace(value, **updates)

@@ -151,7 +151,7 @@ class NamedSets:
 
 
 def named_set(default: str, sets: Mapping[str, Any], text: str) -> Any:
-    """A dataclass field that holds one of some dataclass instances with a field ``name``."""
+    """A dataclass field that holds one of some dataclass instances with a ``name``."""
     return field(default=sets[default], metadata={"sets": NamedSets(sets, text)})
 
 
