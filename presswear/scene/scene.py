@@ -359,6 +359,11 @@ class Scene:
         slider[:, 0] -= slider[0, 0]
         return slider[1:]
 
+    def modelled(self) -> dict[str, Any]:
+        """What is computed as plain data; how finely, by what and how often is left out."""
+        names = ("mechanism", "bearings", "conventions", "extrapolation", "represented_cycles")
+        return {name: value for name, value in self.as_dict().items() if name in names}
+
     def as_dict(self) -> dict[str, Any]:
         """The scene as plain data, SI units, radians; its mechanism says of which kind it is."""
         plain = asdict(self)

@@ -62,12 +62,17 @@ def _settings(owner: Any, statuses: Mapping[str, str]) -> Iterator[Setting]:
 
 
 def differences(first: Any, second: Any, key: str = "") -> list[tuple[str, Any, Any]]:
-    """Keys under which two stored scenes differ, and both values; a part by its own keys."""
+    """Keys under which two stored scenes differ, and both values; a part by its own keys.
+
+    The name of a part stands under the part's key.
+    """
     if isinstance(first, Mapping) and isinstance(second, Mapping):
         return [
             found
             for name in dict.fromkeys([*first, *second])
-            for found in differences(first.get(name), second.get(name), name)
+            for found in differences(
+                first.get(name), second.get(name), key if key and name == "name" else name
+            )
         ]
     return [] if first == second else [(key, first, second)]
 

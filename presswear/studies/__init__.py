@@ -20,8 +20,26 @@ def make_study(name: str, change: "Change") -> "Study":
 
     if name not in STUDIES:
         raise unknown("study", name, STUDIES)
-    found: Study = import_module(f"presswear.studies.{name}.variants").make(change)
+    make = import_module(f"presswear.studies.{name}.variants").make
+    found: Study = make(change)
+    _check_labels(make(lambda scene: scene), found)
     return found
+
+
+def _check_labels(plain: "Study", found: "Study") -> None:
+    """InputError where a change touches what the variants of a study differ in and are named by."""
+    from presswear.scene.settings import differences
+    from presswear.tools.errors import InputError
+
+    scenes = [variant.scene.modelled() for variant in plain.variants]
+    varied = {key for scene in scenes for key, *_ in differences(scenes[0], scene)}
+    for scene, variant in zip(scenes, found.variants, strict=True):
+        for key, own, given in differences(scene, variant.scene.modelled()):
+            if key in varied:
+                raise InputError(
+                    f"{key} = {given}: the study {plain.name} varies it itself and names its "
+                    f"variants by it ({variant.label} has {own}); run a scene of your own"
+                )
 
 
 def study(name: str, **settings: Any) -> "Study":

@@ -14,8 +14,10 @@ from presswear.scene.catalog import friction, friction_high, speed, speed_high, 
 from presswear.scene.scene import CONVENTIONS, Scene
 from presswear.scene.settings import changed
 
-STARTS = 3
+STARTS = 4
 """Starts of each run of the paper's own settings, 1e-9 m apart."""
+FEW = 3
+"""Starts of every other run: the fewest with an interval."""
 TOLERANCE = 0.05
 """How well the wear maps of a setting are to be known from all its starts together."""
 
@@ -134,7 +136,7 @@ class PaperCase:
     settings: tuple[str, ...]
     change: Change
     wears: int = 1
-    starts: int = 1
+    starts: int = FEW
     coarser: float = 2.0
 
 
