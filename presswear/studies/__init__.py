@@ -9,6 +9,7 @@ if TYPE_CHECKING:
 
 STUDIES = {
     "paper": "Study: every number and figure of the paper, with errors",
+    "coverage": "Study: do the intervals hold? Sixty campaigns beside a long one; takes hours",
     "runaway": "Study: does the second wear run away? One reading changed at a time",
 }
 """Names and titles of the studies, which run several scenes each."""

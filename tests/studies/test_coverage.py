@@ -1,0 +1,70 @@
+"""The study of coverage, on campaigns whose intervals are known to hold or not."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pytest
+
+from presswear.studies.coverage.report import answer, coverages, estimates
+from presswear.studies.coverage.variants import CAMPAIGNS, make
+
+SPREAD, TRUE = 4.0, 200.0
+
+
+@dataclass(frozen=True)
+class Told:
+    """As much of a stage as is looked at."""
+
+    statistics: dict[str, Any]
+
+
+def stage(force: float, half: float) -> Told:
+    mean = {"mean": force, "half_width": half}
+    joint = {
+        "force_max_per_cycle_N": mean,
+        "wear_volume_m3": 1e-9,
+        "wear_volume_half_width_m3": None,
+        "wear_depth_max_both_m": 1e-5,
+        "wear_depth_max_both_interval_m": [0.9e-5, 1.1e-5],
+    }
+    return Told({"slider": {"acceleration_max_per_cycle_m_s2": mean}, "joints": {"A": joint}})
+
+
+@pytest.mark.parametrize(
+    ("half", "bias", "passes"), [(2.0, 0.0, True), (1.0, 0.0, False), (2.0, 1.0, False)]
+)
+def test_intervals_that_hold_are_told_from_those_that_do_not(
+    half: float, bias: float, passes: bool
+) -> None:
+    """Half widths in standard deviations of the estimates: 1 holds in 68 %."""
+    draws = TRUE + SPREAD * (bias + np.random.default_rng(3).standard_normal(400))
+    campaigns = [[stage(float(draw), half * SPREAD)] for draw in draws]
+    found = {
+        one.quantity: one
+        for one in coverages("paper", [stage(TRUE, 0.1)], campaigns)  # type: ignore[arg-type, list-item]
+    }
+    force = found["force_max_per_cycle_N, A"]
+    assert force.passes == passes
+    assert force.bias == pytest.approx(bias / half, abs=0.06)
+    assert found["wear_depth_max_both_m, A"].row()[5] == "400 of 400"
+    # Without an interval nothing can hold.
+    assert "wear_volume_m3, A" not in found
+    said = answer(list(found.values()))
+    assert said.startswith(f"Of 3 quantities {3 if half == 2.0 and not bias else 1} are held")
+
+
+def test_the_error_of_the_step_belongs_to_the_volume() -> None:
+    own = stage(TRUE, 1.0).statistics
+    own["joints"]["A"] |= {"wear_volume_half_width_m3": 3e-11, "wear_volume_step_m3": 4e-11}
+    found = estimates(own)["wear_volume_m3, A"]
+    assert found.high == pytest.approx(1e-9 + 5e-11)
+
+
+def test_campaigns_share_no_start_with_each_other_or_the_truth() -> None:
+    study = make()
+    assert len(study.variants) == 2 * (CAMPAIGNS + 1)
+    seeds = [variant.scene.seed for variant in study.variants]
+    assert sorted(seeds) == sorted([0, *range(1, CAMPAIGNS + 1)] * 2)
+    for variant in study.variants:
+        assert (variant.scene.seed == 0) == (variant.scene.cycles == 200)
