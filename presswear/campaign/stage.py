@@ -33,18 +33,19 @@ def stage_of(
     maps, weights = ran.batches()
     # Depth that one wear adds by each batch of the stage's cycles alone.
     batches = represented * maps
+    by_start = represented * ran.depths() if growth is None else growth.added
     coarser = None
     is_in_steps = growth is not None and scene.wears_in_steps
     if scene.draws > 1 and (index > 0 or is_in_steps):
         # Cycles on one surface are no draws of what other surfaces do: the starts are.
-        batches = represented * ran.depths() if growth is None else growth.added
+        batches = by_start
         weights = np.ones(len(batches))
     elif is_in_steps:
         batches, weights = batches[:0], weights[:0]
     if growth is not None and growth.coarser is not None:
         coarser = growth.coarser.mean(axis=0)
     statistics = stage_statistics(
-        ran.linkage, ran.recorders, Wear(added, batches, weights, coarser), index > 0
+        ran.linkage, ran.recorders, Wear(added, batches, weights, coarser, by_start), index > 0
     )
     joints = ran.linkage.clearances
     errors = map_errors(*ran.batches()) if joints else np.zeros(0)

@@ -51,12 +51,15 @@ class Wear:
         Cycles in each.
     coarser : ndarray or None
         The same in half as many steps; its difference is the error of the step.
+    by_start : ndarray, shape (starts, joints, 2, m)
+        The same by each start alone, m.
     """
 
     added: Array
     maps: Array
     weights: Array
     coarser: Array | None
+    by_start: Array
 
 
 def joint_statistics(
@@ -93,6 +96,8 @@ def joint_statistics(
         "wear_volume_half_width_m3": half_width(np.array([worn_volume(joint, m) for m in maps])),
         "wear_map_error": float(map_errors(maps[:, np.newaxis], weights)[0]),
     }
+    each = wear.by_start[:, k].max(axis=(1, 2))
+    numbers["wear_depth_max_by_start_m"] = [float(depth) for depth in each]
     if wear.coarser is not None:
         coarser = worn_volume(joint, wear.coarser[k])
         numbers["wear_volume_step_m3"] = abs(coarser - worn_volume(joint, added))

@@ -118,6 +118,8 @@ def kind_of(name: str) -> Any:
     """The kind of a number of the slider or a joint, which its name tells."""
     if "_per_cycle" in name:
         return StoredEstimate
+    if "_by_start" in name:
+        return tuple[float, ...]
     return tuple[float, float] | None if "_interval" in name else Number
 
 

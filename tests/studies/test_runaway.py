@@ -5,6 +5,7 @@ import runpy
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from presswear.__main__ import main
@@ -21,31 +22,40 @@ SCRIPT = Path(__file__).parents[2] / "scenarios" / "runaway.py"
 
 def outcome(label: str, first: float, second: float, failure: str = "") -> TwoWears:
     variant = Variant(label, label, wear_times())
-    return TwoWears(variant, {"A": first}, {"A": second}, (100.0,), 1e-9, failure)
+    one, other = (
+        {"A": np.full(4, depth) if depth > 0.0 else np.zeros(0)} for depth in (first, second)
+    )
+    return TwoWears(variant, one, other, (100.0,), 1e-9, failure)
 
 
 def test_the_answer_names_what_runs_away_and_what_stops() -> None:
     calm, away = outcome("calm", 1e-5, 2e-5), outcome("wild", 1e-5, 3e-4)
     stopped = outcome("broken", math.nan, math.nan, "it stopped")
-    assert (calm.runs_away, away.runs_away, stopped.runs_away) == (False, True, None)
+    assert (calm.away, away.away, stopped.growth.size) == (0, 4, 0)
     text = answer([calm, away, stopped], 8e-4)
     assert "1 of 2 readings" in text
-    assert "does run away under: wild (300 µm, 30 times the first)" in text
+    assert "from none of 4 starts: as a median it adds 2 to 2 times" in text
+    # Of a probability with nothing but successes the interval has an end of its own.
+    assert "wild, 4 of 4 (51 to 100 %), up to 30 times the first and 300 µm" in text
     assert "Not to be computed at all: broken" in text
-    assert "run away under" not in answer([calm], 8e-4)
+    assert "runs away from some" not in answer([calm], 8e-4)
     assert "nothing can be said" in answer([stopped], 8e-4)
 
 
 def test_outcomes_are_read_from_results() -> None:
-    short = changed(replace(wear_times(), wears=1, cycles=1), {"engine": "dae", "angles": "16"})
+    short = changed(
+        replace(wear_times(), wears=1, cycles=1, starts=1), {"engine": "dae", "angles": "16"}
+    )
     result = run_scene(short)
     one = read_wears(Variant("one", "", short), result)
     for wear, stage in zip((one.first, one.second), result.stages, strict=True):
         for name, joint in stage.joints.items():
-            assert wear[name] == max(joint.wear(side).max() for side in ("bearing", "pin")) > 0.0
+            deepest = max(joint.wear(side).max() for side in ("bearing", "pin"))
+            assert wear[name].shape == (1,)
+            assert wear[name][0] == deepest > 0.0
     paper_step = changed(short, {"integrator": "rk4-paper"})
     stops = read_wears(Variant("stops", "", paper_step), run_scene(paper_step, check=False))
-    assert math.isnan(stops.growth)
+    assert stops.growth.size == 0
     assert "t = " in stops.failure
 
 
@@ -71,10 +81,10 @@ def test_the_script_runs_and_its_study_can_be_gone_on_with(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     folder = tmp_path / "runaway"
-    quick = {"engine": "dae", "cycles": 1, "represented_cycles": 1e5, "speed": 60.0}
+    quick = {"engine": "dae", "cycles": 1, "starts": 1, "represented_cycles": 1e5, "speed": 60.0}
     runpy.run_path(str(SCRIPT))["main"](str(folder), **quick)
     said = capsys.readouterr().out
-    assert "of 15 readings that can be computed" in said
+    assert "of 19 readings that can be computed" in said
     assert f"report: {folder / 'report.html'}" in said
     study = load_study(folder)
     assert [v.key for v, result in results_of(study, folder) if result is None] == []

@@ -10,13 +10,14 @@ import numpy as np
 
 from presswear.campaign.study import Study, Variant, results_of
 from presswear.results.result import Result
-from presswear.results.stage import SIDES
 from presswear.show.figures.style import MICRONS, REFERENCE, SETTINGS, WIDTH, Drawing, Sheet
 from presswear.show.report.page import illustrate, render_page
 from presswear.show.report.parts import Table
 from presswear.studies.paper.printed import shown_in
-from presswear.studies.runaway.variants import CYCLES, RUNAWAY
+from presswear.studies.runaway.variants import CYCLES, RUNAWAY, STARTS
+from presswear.tools.arrays import Array
 from presswear.tools.files import write_bytes
+from presswear.tools.numbers import readable
 
 PRINTED = tuple(
     one.value for one in shown_in(8) if (one.quantity, one.place.joint) == ("depth", "A")
@@ -28,22 +29,24 @@ _HEAD = (
     "reading",
     "first wear, A, C (µm)",
     "second wear, A, C (µm)",
-    "second / first, at most",
+    "second / first: median, 5 % to 95 %",
+    "starts that run away",
     "peak force at A, mean a cycle (N)",
     "energy residual",
     "",
 )
-_VERDICTS = {True: "runs away", False: "does not run away", None: "cannot be told"}
 _CAPTION = (
     "Deepest depth that the first and the second wear add to one surface, bearing or pin, "
-    "under each reading; dashed: the clearance. The last row is what the paper prints for A."
+    "under each reading: every start, and its median; dashed: the clearance. The last row is what "
+    "the paper prints for A."
 )
 _NOTES = (
     f"A wear runs away here when the second adds more than {RUNAWAY:g} times the depth of "
-    f"the first. Each run has {CYCLES} cycles unless the row or the command says "
-    "otherwise; a wear stands for {million:g} million. Depths scatter by some tens of per cent "
-    "between runs: the motion is chaotic, and the deepest bin of a map is its noisiest. "
-    "Forces are means over cycles of the peak in each stage, unworn first.",
+    f"the first, at the joint where that is most. Each of {STARTS} starts wears surfaces of its "
+    f"own, in {CYCLES} cycles unless the row or the command says otherwise; a wear stands for "
+    "{million:g} million. Depths are medians over the starts; behind the number that ran away "
+    "stands the 95 % interval of its probability (Wilson). Forces are means over cycles of the "
+    "peak in each stage, unworn first.",
     "Each row's own result folder is beside this file; presswear report FOLDER/ROW draws "
     "its figures.",
 )
@@ -56,8 +59,8 @@ class TwoWears:
     Attributes
     ----------
     first, second : mapping
-        Deepest depth that a wear adds to either surface by joint, m; nan where it was not
-        reached.
+        Deepest depth that a wear adds to either surface by joint, for each start, m; empty
+        where it was not reached.
     force : tuple of float
         Mean over cycles of the peak force at the first joint in each stage, N.
     residual : float
@@ -67,66 +70,87 @@ class TwoWears:
     """
 
     variant: Variant
-    first: Mapping[str, float]
-    second: Mapping[str, float]
+    first: Mapping[str, Array]
+    second: Mapping[str, Array]
     force: tuple[float, ...]
     residual: float
     failure: str
 
     @property
-    def growth(self) -> float:
-        """Second wear over first at the joint where that is greatest."""
-        ratios = [self.second[j] / self.first[j] for j in self.first if self.first[j] > 0.0]
-        return max(filter(math.isfinite, ratios), default=math.nan)
+    def growth(self) -> Array:
+        """Second wear over first at the joint where that is greatest, for each start."""
+        known = [j for j in self.first if self.first[j].size and self.second[j].size]
+        if not known:
+            return np.zeros(0)
+        return np.asarray(np.max([self.second[j] / self.first[j] for j in known], axis=0))
+
+    @property
+    def away(self) -> int:
+        """Starts whose second wear ran away."""
+        return int((self.growth > RUNAWAY).sum())
 
     @property
     def deepest(self) -> float:
         """Deepest depth that one wear added anywhere, m."""
-        depths = [*self.first.values(), *self.second.values()]
-        return max(filter(math.isfinite, depths), default=math.nan)
-
-    @property
-    def runs_away(self) -> bool | None:
-        """True where the second wear ran away; None where it cannot be told."""
-        return None if math.isnan(self.growth) else self.growth > RUNAWAY
+        depths = np.concatenate([*self.first.values(), *self.second.values()])
+        return float(depths.max(initial=0.0))
 
     def row(self) -> tuple[str, ...]:
         """Its row in the report."""
         wears = [
-            ", ".join(_number(MICRONS * depth) for depth in wear.values())
+            ", ".join(
+                readable(MICRONS * float(np.median(own))) if own.size else "-"
+                for own in wear.values()
+            )
             for wear in (self.first, self.second)
         ]
+        growth, counted = "-", "-"
+        if self.growth.size:
+            low, middle, high = np.quantile(self.growth, (0.05, 0.5, 0.95))
+            growth = f"{middle:.2g}, {low:.2g} to {high:.2g}"
+            counted = told(self.away, self.growth.size)
         return (
             self.variant.label,
             *wears,
-            _number(self.growth, ".2g"),
+            growth,
+            counted,
             ", ".join(f"{force:.0f}" for force in self.force) or "-",
-            _number(self.residual, ".0e"),
-            self.failure or _VERDICTS[self.runs_away],
+            "-" if math.isnan(self.residual) else f"{self.residual:.0e}",
+            self.failure,
         )
 
 
-def _number(value: float, form: str = ".3g") -> str:
-    return "-" if math.isnan(value) else format(value, form)
+def wilson(count: int, of: int) -> tuple[float, float]:
+    """Ends of the 95 % interval of a probability (Wilson, J. Am. Stat. Assoc. 22, 1927, 209)."""
+    z = 1.959964
+    middle = (count + 0.5 * z * z) / (of + z * z)
+    half = z / (of + z * z) * math.sqrt(count * (of - count) / of + 0.25 * z * z)
+    return max(middle - half, 0.0), min(middle + half, 1.0)
+
+
+def told(count: int, of: int) -> str:
+    """So many of so many, with the interval of the probability."""
+    low, high = wilson(count, of)
+    return f"{count} of {of} ({100.0 * low:.0f} to {100.0 * high:.0f} %)"
 
 
 def read_wears(variant: Variant, result: Result | None) -> TwoWears:
     """Read a variant's two wears from its result."""
     joints = variant.scene.clearance_joints
-    nothing = dict.fromkeys(joints, math.nan)
+    nothing = dict.fromkeys(joints, np.zeros(0))
     if result is None:
         return TwoWears(variant, nothing, nothing, (), math.nan, "it stopped in the first stage")
     stages = [stage for stage in result.stages if not stage.failed]
     wears = [
         {
-            name: max(float(joint.wear(side).max()) for side in SIDES)
+            name: np.array(joint.statistics["wear_depth_max_by_start_m"])
             for name, joint in stage.joints.items()
         }
         for stage in stages[:2]
     ]
-    told = [stage.statistics for stage in stages]
-    residuals = [abs(own["energy_residual_J"]) / own["energy_exchanged_J"] for own in told]
-    force = [own["joints"][joints[0]]["force_max_per_cycle_N"]["mean"] for own in told]
+    statistics = [stage.statistics for stage in stages]
+    residuals = [abs(own["energy_residual_J"]) / own["energy_exchanged_J"] for own in statistics]
+    force = [own["joints"][joints[0]]["force_max_per_cycle_N"]["mean"] for own in statistics]
     failure = result.message if result.status == "failed" else ""
     first, second = [*wears, nothing, nothing][:2]
     residual = max(residuals, default=math.nan)
@@ -135,25 +159,27 @@ def read_wears(variant: Variant, result: Result | None) -> TwoWears:
 
 def answer(outcomes: Sequence[TwoWears], clearance: float) -> str:
     """The study's answer in a few plain sentences."""
-    calm = [o for o in outcomes if o.runs_away is False]
-    away = [o for o in outcomes if o.runs_away]
-    if not calm and not away:
+    ran = [o for o in outcomes if o.growth.size]
+    if not ran:
         return "No variant reached its second wear: nothing can be said."
+    calm, away = [o for o in ran if not o.away], [o for o in ran if o.away]
     parts = []
     if calm:
-        growths, deepest = [o.growth for o in calm], max(o.deepest for o in calm)
+        medians = [float(np.median(o.growth)) for o in calm]
+        starts, deepest = sum(o.growth.size for o in calm), max(o.deepest for o in calm)
         parts.append(
-            f"Under {len(calm)} of {len(calm + away)} readings that can be computed the second "
-            f"wear does not run away: it adds {min(growths):.2g} to {max(growths):.2g} times the "
-            f"depth of the first; no wear is deeper than {MICRONS * deepest:.0f} µm, "
-            f"{100.0 * deepest / clearance:.1f} % of the clearance."
+            f"Under {len(calm)} of {len(ran)} readings that can be computed the second wear runs "
+            f"away from none of {starts} starts: as a median it adds {min(medians):.2g} to "
+            f"{max(medians):.2g} times the depth of the first; no wear is deeper than "
+            f"{MICRONS * deepest:.0f} µm, {100.0 * deepest / clearance:.1f} % of the clearance."
         )
     if away:
         names = "; ".join(
-            f"{o.variant.label} ({MICRONS * o.deepest:.0f} µm, {o.growth:.0f} times the first)"
+            f"{o.variant.label}, {told(o.away, o.growth.size)}, up to {o.growth.max():.0f} times "
+            f"the first and {MICRONS * o.deepest:.0f} µm"
             for o in away
         )
-        parts.append(f"It does run away under: {names}.")
+        parts.append(f"It runs away from some starts under: {names}.")
     stopped = "; ".join(o.variant.label for o in outcomes if o.failure)
     if stopped:
         parts.append(f"Not to be computed at all: {stopped}.")
@@ -170,13 +196,16 @@ def draw_wears(outcomes: Sequence[TwoWears], clearance: float) -> Drawing:
     marks = (("first", "o", "#0072B2"), ("second", "s", "#D55E00"))
     for axes, joint in zip(panels, joints, strict=True):
         for (wear, marker, colour), printed in zip(marks, PRINTED, strict=True):
-            depths = [MICRONS * getattr(o, wear)[joint] for o in outcomes]
             style = {"linestyle": "none", "marker": marker, "color": colour}
-            axes.plot(depths, rows[:-1], markersize=5, label=f"{wear} wear", **style)
+            drawn = [(row, MICRONS * getattr(o, wear)[joint]) for row, o in enumerate(outcomes)]
+            for row, depths in drawn:
+                axes.plot(depths, [row] * depths.size, markersize=2, alpha=0.5, **style)
+            middles = [(np.median(depths), row) for row, depths in drawn if depths.size]
+            axes.plot(*zip(*middles, strict=True), markersize=5, label=f"{wear} wear", **style)
             if joint == "A":
                 axes.plot([MICRONS * printed], rows[-1:], **style)
         for row, outcome in zip(rows[:-1], outcomes, strict=True):
-            if math.isnan(outcome.first[joint]):
+            if not outcome.first[joint].size:
                 axes.annotate(
                     "stopped", (0.02, row), xycoords=("axes fraction", "data"), va="center"
                 )

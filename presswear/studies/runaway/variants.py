@@ -15,7 +15,9 @@ from presswear.scene.settings import changed
 RUNAWAY = 10.0
 """A second wear that adds so many times the depth of the first has run away."""
 CYCLES = 5
-"""Cycles of each run: of wear maps and totals, some per cent to a few tens of per cent."""
+"""Cycles of each start: of wear maps and totals, some per cent to a few tens of per cent."""
+STARTS = 16
+"""Each wears its own surfaces: a wear that runs away does so with a probability."""
 
 _FOUNDATION = {"contact": "foundation"}
 _ARC = {"footprint": "arc", "extrapolation": "single"}
@@ -29,9 +31,15 @@ _READINGS: dict[str, tuple[str, str, dict[str, str]]] = {
     "arc-foundation": ("paper", "paper, arc, contact on a foundation", _ARC | _FOUNDATION),
     "arc-steps": ("paper", "paper, arc, wear in steps", {"footprint": "arc"}),
     "arc-once": ("once", "paper, arc, multiplied from one cycle", _ARC),
+    "arc-once-foundation": (
+        "once",
+        "paper, arc, one cycle, on a foundation",
+        _ARC | _FOUNDATION,
+    ),
+    "arc-twice": ("twice", "paper, arc, multiplied from two cycles", _ARC),
     **{
         f"angles-{count}": ("paper", f"paper, {count} angles", {"angles": str(count)})
-        for count in (90, 180, 720, 1440)
+        for count in (60, 72, 90, 180, 720, 1440)
     },
     "refined": ("refined", "refined, wear in steps", {}),
     "refined-single": ("refined", "refined, one jump", {"extrapolation": "single"}),
@@ -52,10 +60,11 @@ _READINGS: dict[str, tuple[str, str, dict[str, str]]] = {
 def make(change: Change = unchanged) -> Study:
     """The study ``runaway``, from the paper's scene with a change."""
     # What a second wear would add in one jump is known once the first one has been run on.
-    paper = change(replace(wear_times(), name="runaway", cycles=CYCLES, wears=1))
+    paper = change(replace(wear_times(), name="runaway", cycles=CYCLES, starts=STARTS, wears=1))
     bases = {
         "paper": paper,
         "once": replace(paper, cycles=1),
+        "twice": replace(paper, cycles=2),
         "refined": replace(paper, conventions=CONVENTIONS["refined"]),
     }
     variants = []
