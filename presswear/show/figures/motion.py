@@ -2,11 +2,12 @@
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import MaxNLocator, MultipleLocator
 
+from presswear.record.sampling import STARTUP_CYCLES
 from presswear.results.result import Result
 from presswear.results.stage import SIDES, StageResult
 from presswear.show.figures.style import (
@@ -20,12 +21,12 @@ from presswear.show.figures.style import (
     Sheet,
     ShownStage,
     Stages,
+    between,
     legend,
     length_scale,
     maps_turn,
     note,
     shown_stages,
-    until,
 )
 from presswear.tools.numbers import readable
 
@@ -50,15 +51,50 @@ def _moving(result: Result, stages: Stages) -> list[ShownStage]:
     ]
 
 
-def _early(result: Result, stages: Sequence[ShownStage]) -> tuple[list[ShownStage], float, str]:
-    """The stages up to the end of the motion that is shown, that end, s, and it in words."""
+@dataclass(frozen=True)
+class Window:
+    """The part of the motion that is shown.
+
+    Attributes
+    ----------
+    begin, end, period : float
+        s.
+    words : str
+        The part in words.
+    """
+
+    begin: float
+    end: float
+    period: float
+    words: str
+
+    def label(self, axes: Axes) -> None:
+        """Limit an axis of time to it, and mark the crank's angle there."""
+        axes.set_xlim(self.begin, self.end)
+        axes.xaxis.set_major_locator(MultipleLocator(0.25 * self.period))
+        axes.xaxis.set_major_formatter(lambda time, place: f"{360.0 * time / self.period:.0f}")
+        axes.set_xlabel("crank angle since the start (°)")
+
+
+def _settled(result: Result, stages: Sequence[ShownStage]) -> tuple[list[ShownStage], Window]:
+    """The stages over the part of the motion that is shown: cycles behind the start-up."""
     period = result.scene.mechanism.period
-    end = min(SHOWN_CYCLES * period, max(float(stage.data.time[-1]) for stage in stages))
-    early = [replace(stage, data=until(stage.data, end)) for stage in stages]
-    whole = round(end / period)
-    if whole < 1 or abs(end / period - whole) > 0.02:
-        return early, end, f"the first {end / period:.2g} cycles"
-    return early, end, "the first cycle" if whole == 1 else f"the first {whole} cycles"
+    whole = [round(float(stage.data.time[-1]) / period - 0.48) for stage in stages]
+    behind = min(whole) > STARTUP_CYCLES
+    first = STARTUP_CYCLES if behind else 0
+    begin = first * period
+    last = max(float(stage.data.time[-1]) for stage in stages)
+    end = min(begin + SHOWN_CYCLES * period, last)
+    cycles = round(end / period)
+    if abs(end / period - cycles) > 0.02:
+        words = f"the first {end / period:.2g} cycles"
+    elif behind:
+        one = first + 1 == cycles
+        words = f"cycle {cycles}" if one else f"cycles {first + 1} to {cycles}"
+    else:
+        words = "the first cycle, at the start" if cycles == 1 else f"the first {cycles} cycles"
+    shown = [replace(stage, data=between(stage.data, begin, end)) for stage in stages]
+    return shown, Window(begin, end, period, f"{words} of {1e3 * period:.0f} ms")
 
 
 def response(result: Result, stages: Stages) -> list[Drawing]:
@@ -66,8 +102,8 @@ def response(result: Result, stages: Stages) -> list[Drawing]:
     moving = _moving(result, stages)
     if not moving:
         return []
-    shown, end, span = _early(result, moving)
-    time = np.linspace(0.0, end, 2001)
+    shown, window = _settled(result, moving)
+    time = np.linspace(window.begin, window.end, 2001)
     ideal = result.scene.ideal_slider(time)
     with_impacts = bool(result.scene.clearance_joints)
     heights = [1.25, 1.0, 1.25] + [0.95] * len(shown) + [1.25] * with_impacts
@@ -80,7 +116,7 @@ def response(result: Result, stages: Stages) -> list[Drawing]:
     IDEAL.draw(panels[2], time, ideal[:, 1], linewidth=0.9)
     panels[2].set_ylabel("velocity\n(m/s)")
     _draw_accelerations(panels[3 : 3 + len(shown)], result, shown, time, ideal[:, 2])
-    caption = f"The slider over {span}, against the ideal motion in closed form."
+    caption = f"The slider over {window.words}, against the ideal motion in closed form."
     if with_impacts:
         interval = result.scene.mechanism.period / _MEANS_PER_CYCLE
         _draw_mean_accelerations(panels[-1], moving, time, ideal[:, 1], interval)
@@ -89,8 +125,7 @@ def response(result: Result, stages: Stages) -> list[Drawing]:
             f"common scale; the lowest panel shows means over {readable(1e3 * interval, 2)} ms, in "
             "which the motion between the impacts is seen."
         )
-    panels[-1].set_xlabel("time (s)")
-    panels[-1].set_xlim(0.0, end)
+    window.label(panels[-1])
     sheet.align_ylabels()
     legend(sheet, [IDEAL, *(stage.pen for stage in shown)], "outside upper center")
     return [Drawing("response.png", "Motion of the slider", caption, sheet)]
@@ -125,7 +160,8 @@ def _draw_jagged(
         Largest value of each cycle.  Rows of a series are kept as a force changes by 2 % of its
         peak, so that a peak itself may lie between two of them.
     """
-    shown = each_cycle[: int(stage.data.time[-1] / period + 0.02)]
+    begin, end = (int(time / period + 0.02) for time in stage.data.time[[0, -1]])
+    shown = each_cycle[begin:end]
     largest = max(float(np.abs(values).max()), float(shown.max(initial=0.0)))
     axes.plot(stage.data.time, values, color=stage.pen.colour, linewidth=0.7)
     note(axes, f"{stage.pen.label}, largest {readable(largest)} {unit}")
@@ -170,7 +206,7 @@ def contact_force(result: Result, stages: Stages) -> list[Drawing]:
     moving = _moving(result, stages)
     if not joints or not moving:
         return []
-    shown, end, span = _early(result, moving)
+    shown, window = _settled(result, moving)
     sheet = Sheet(figsize=(WIDTH, 0.5 + 1.35 * len(shown)), layout="constrained")
     grid = sheet.subplots(len(shown), len(joints), squeeze=False, sharex=True, sharey="col")
     for column, joint in zip(grid.T, joints, strict=True):
@@ -183,10 +219,9 @@ def contact_force(result: Result, stages: Stages) -> list[Drawing]:
             largest = max(largest, peak)
         column[0].set_title(f"joint {joint}", loc="left", fontweight="bold")
         column[0].set_ylim(0.0, 1.25 * largest if largest > 0.0 else 1.0)
-        column[-1].set_xlabel("time (s)")
-        column[-1].set_xlim(0.0, end)
+        window.label(column[-1])
     caption = (
-        f"Normal contact force over {span}; the same scale for all stages of a "
+        f"Normal contact force over {window.words}; the same scale for all stages of a "
         "joint. The largest of all cycles is in the table of key numbers."
     )
     return [Drawing("contact-force.png", "Contact force", caption, sheet)]
@@ -198,7 +233,7 @@ def centre_trajectory(result: Result, stages: Stages) -> list[Drawing]:
     moving = _moving(result, stages)
     if not joints or not moving:
         return []
-    shown, _, span = _early(result, moving)
+    shown, window = _settled(result, moving)
     side = (WIDTH - 0.9) / max(len(shown), 2) - 0.1
     sheet = Sheet(figsize=(WIDTH, 0.95 + (side + 0.1) * len(joints)), layout="constrained")
     grid = sheet.subplots(len(joints), len(shown), squeeze=False, sharex=True, sharey=True)
@@ -218,9 +253,11 @@ def centre_trajectory(result: Result, stages: Stages) -> list[Drawing]:
         axes.set_xlabel(f"$e_x$ ({unit})")
     set_path_limits(grid.flat, 1.06 * factor * widest)
     caption = (
-        f"Centre of the pin from the centre of its bearing over {span}, in "
-        "fixed directions. It starts in the middle."
+        f"Centre of the pin from the centre of its bearing over {window.words}, in "
+        "fixed directions."
     )
+    if window.begin == 0.0:
+        caption += " It starts in the middle."
     depths = (stage.data.joints[j].depth(side) for stage in shown for j in joints for side in SIDES)
     if not bounded and any(np.any(depth > 0.0) for depth in depths):
         caption += " Worn surfaces turn with their bodies, so that no fixed line bounds the path."

@@ -27,7 +27,7 @@ DOTS_PER_INCH = 200
 SHOWN_STAGES = 5
 """Most stages in one figure; of more, evenly spaced ones are shown."""
 SHOWN_CYCLES = 2
-"""Cycles, from the start, whose motion is shown."""
+"""Cycles whose motion is shown."""
 
 SETTINGS: dict[Any, Any] = {
     "font.size": 8.5,
@@ -124,13 +124,14 @@ def stage_names(result: Result, stages: Iterable[StageResult]) -> list[str]:
     return [stage.name if result.scene.clearance_joints else "computed" for stage in stages]
 
 
-def until(stage: StageResult, end: float) -> StageResult:
-    """The stage with its motion and its joints' forces and eccentricities up to a time, s."""
-    rows = int(np.searchsorted(stage.time, end, side="right"))
+def between(stage: StageResult, begin: float, end: float) -> StageResult:
+    """The stage with its motion and its joints' forces and eccentricities between two times, s."""
+    first = int(np.searchsorted(stage.time, begin))
+    rows = slice(first, int(np.searchsorted(stage.time, end, side="right")))
     series = ["time", "slider"]
     for joint in stage.joint_names:
         series += [f"{joint}_force", f"{joint}_eccentricity"]
-    cut = {name: stage.arrays[name][:rows] for name in series}
+    cut = {name: stage.arrays[name][rows] for name in series}
     return replace(stage, arrays={**stage.arrays, **cut})
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from presswear.results.result import Result
 from presswear.results.stage import StageResult
 from presswear.scene.scene import stage_name
-from presswear.show.figures.style import LINES, Pen, Sheet, until
+from presswear.show.figures.style import LINES, Pen, Sheet, between
 from presswear.studies.paper.evidence import Evidence, Measured, each_cycle
 from presswear.studies.paper.printed import JOINTS, Place
 from presswear.studies.paper.variants import BASE, FAST, FRICTION, HIGH_FRICTION, SLOW, WEAR
@@ -107,7 +107,7 @@ def shown_cycles(evidence: Evidence, lines: Iterable[PaperLine]) -> list[ShownLi
             continue
         # The last row of a cycle may lie a rounding behind its end.
         end = result.scene.mechanism.period * (1.0 + 1e-9)
-        found.append(ShownLine(line, result, until(result.stages[line.wears], end)))
+        found.append(ShownLine(line, result, between(result.stages[line.wears], 0.0, end)))
     return found
 
 
