@@ -28,22 +28,25 @@ from presswear.__main__ import main as presswear
 FILE = Path(__file__).with_suffix(".json")
 
 TREE, JOINTS, DAE = "exudyn-tree", "exudyn-joints", "dae"
-STEPS = ("--conventions", "refined", "--set", "extrapolation=steps")
+STEPS = ("--conventions", "refined", "--set", "extrapolation=steps", "--set", "starts=2")
+ONE = ("--set", "starts=1")
 CASES = {
     "tree unworn": ("wear-times", "--engine", TREE, "--wears", "0", "--cycles", "3"),
-    "tree worn paper": ("wear-times", "--engine", TREE, "--wears", "2", "--cycles", "4"),
+    "tree worn paper": ("wear-times", "--engine", TREE, "--wears", "2", "--cycles", "4", *ONE),
     "tree worn refined": ("wear-times", "--engine", TREE, "--wears", "1", "--cycles", "2", *STEPS),
     "tree starts": (
         *("friction", "--engine", TREE, "--wears", "1", "--cycles", "4"),
         *("--set", "starts=3", "--set", "drive_torque=on"),
     ),
-    "tree until known": ("speed", "--engine", TREE, "--wears", "1", "--tolerance", "0.3"),
+    "tree until known": ("speed", "--engine", TREE, "--wears", "1", "--tolerance", "0.3", *ONE),
     "tree slider-crank": ("slider-crank", "--engine", TREE, "--cycles", "4"),
     "joints ideal": ("ideal", "--set", "drive_torque=on"),
-    "joints A": ("clearance-a", "--wears", "1", "--cycles", "1", "--set", "drive_torque=on"),
+    "joints A": (
+        *("clearance-a", "--wears", "1", "--cycles", "1", "--set", "drive_torque=on", *ONE),
+    ),
     "joints C": (
         *("clearance-c", "--wears", "1", "--cycles", "1", "--conventions", "refined"),
-        *("--set", "extrapolation=single", "--set", "angles=36"),
+        *("--set", "extrapolation=single", "--set", "angles=36", *ONE),
     ),
     "joints A and C": (
         *("speed-8pi", "--engine", JOINTS, "--wears", "0", "--cycles", "1"),
@@ -52,7 +55,7 @@ CASES = {
     "joints slider-crank": ("slider-crank", "--engine", JOINTS, "--cycles", "2"),
     "dae ideal": ("ideal", "--engine", DAE, "--set", "drive_torque=on"),
     "dae unworn": ("wear-times", "--engine", DAE, "--wears", "0", "--cycles", "4"),
-    "dae worn paper": ("wear-times", "--engine", DAE, "--wears", "2", "--cycles", "6"),
+    "dae worn paper": ("wear-times", "--engine", DAE, "--wears", "2", "--cycles", "6", *ONE),
     "dae worn refined": (
         *("wear-times", "--engine", DAE, "--wears", "2", "--cycles", "3", *STEPS),
         *("--set", "integrator=dopri5"),
@@ -62,9 +65,20 @@ CASES = {
     "dae slider-crank": ("slider-crank", "--engine", DAE, "--cycles", "5"),
     "dae equal steps": (
         *("wear-times", "--engine", DAE, "--wears", "1", "--cycles", "2"),
-        *("--set", "integrator=rk4"),
+        *("--set", "integrator=rk4", *ONE),
     ),
-    "study runaway": ("runaway", "--engine", DAE, "--cycles", "2", "--wears", "1", "--jobs", "2"),
+    "study runaway": (
+        "runaway",
+        "--engine",
+        DAE,
+        "--cycles",
+        "2",
+        "--wears",
+        "1",
+        "--jobs",
+        "2",
+        *ONE,
+    ),
 }
 
 _OF_A_MACHINE = ("wall_", "share_")

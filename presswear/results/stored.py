@@ -46,6 +46,8 @@ class StoredStatistics(TypedDict):
     joints: NotRequired[dict[str, dict[str, Any]]]
     energy_residual_J: Number
     energy_exchanged_J: Number
+    energy_made_part: Number
+    wear_error: NotRequired[Number]
 
 
 @dataclass(frozen=True)

@@ -167,9 +167,8 @@ def test_what_differs_is_named(whole: Path, tmp_path: Path) -> None:
 def test_stopping_stores_the_stage_and_where_the_run_stands(halted: Path) -> None:
     assert [stage["index"] for stage in read_document(halted)["stages"]] == [0]
     checkpoint = resumed(halted)
-    assert checkpoint.growth is not None
-    assert checkpoint.growth.steps
-    assert checkpoint.words().startswith("stage 0, step 2 of the wear")
+    assert checkpoint.ran is not None
+    assert checkpoint.words().startswith("stage 0, the wear after it, cycle ")
 
 
 def test_another_scene_is_refused_by_what_differs(halted: Path) -> None:
@@ -345,7 +344,7 @@ def test_the_command_goes_on_and_ends_as_if_never_stopped(
     assert main(["run", "wear-times", "--cycles", "3", "--resume", "--out", str(halted)]) == 2
     assert "cycles is 2 there and 3 here" in capsys.readouterr().err
     assert main(["run", "wear-times", "--resume", "--out", str(halted)]) == 0
-    assert "going on after stage 0, step 2" in capsys.readouterr().out
+    assert "going on after stage 0, the wear after it" in capsys.readouterr().out
     assert folder_differences(whole, halted) == []
     before = (halted / "result.json").read_bytes()
     assert main(["run", "wear-times", "--resume", "--out", str(halted)]) == 0

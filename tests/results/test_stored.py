@@ -78,7 +78,7 @@ def test_nothing_of_another_kind_is_read(document: dict[str, Any]) -> None:
     assert read == []
 
 
-OPEN = {"conventions", "packages", "resumed", "diagnostics", "slider", "joints"}
+OPEN = {"conventions", "packages", "resumed", "diagnostics", "slider", "joints", "wear_error"}
 """Parts that hold what there is, each under its name."""
 
 

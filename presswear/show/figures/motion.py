@@ -73,7 +73,7 @@ class Window:
         axes.set_xlim(self.begin, self.end)
         axes.xaxis.set_major_locator(MultipleLocator(0.25 * self.period))
         axes.xaxis.set_major_formatter(lambda time, place: f"{360.0 * time / self.period:.0f}")
-        axes.set_xlabel("crank angle since the start (°)")
+        axes.set_xlabel("crank angle since the start (degrees)")
 
 
 def _settled(result: Result, stages: Sequence[ShownStage]) -> tuple[list[ShownStage], Window]:
