@@ -34,6 +34,7 @@ def stage_of(
     # Depth that one wear adds by each batch of the stage's cycles alone.
     batches = represented * maps
     by_start = represented * ran.depths() if growth is None else growth.added
+    is_frozen = growth is None and index > 0 and scene.wears_in_steps
     coarser = None
     is_in_steps = growth is not None and scene.wears_in_steps
     if scene.draws > 1 and (index > 0 or is_in_steps):
@@ -45,7 +46,10 @@ def stage_of(
     if growth is not None and growth.coarser is not None:
         coarser = growth.coarser.mean(axis=0)
     statistics = stage_statistics(
-        ran.linkage, ran.recorders, Wear(added, batches, weights, coarser, by_start), index > 0
+        ran.linkage,
+        ran.recorders,
+        Wear(added, batches, weights, coarser, by_start, is_frozen),
+        apart=index > 0,
     )
     joints = ran.linkage.clearances
     errors = map_errors(*ran.batches()) if joints else np.zeros(0)

@@ -53,6 +53,9 @@ class Wear:
         The same in half as many steps; its difference is the error of the step.
     by_start : ndarray, shape (starts, joints, 2, m)
         The same by each start alone, m.
+    is_frozen : bool
+        True where a wear that goes cycle by cycle would answer to surfaces that stood still
+        here: the noise of few cycles hides its deepest places.
     """
 
     added: Array
@@ -60,6 +63,7 @@ class Wear:
     weights: Array
     coarser: Array | None
     by_start: Array
+    is_frozen: bool
 
 
 def joint_statistics(
@@ -101,6 +105,8 @@ def joint_statistics(
     if wear.coarser is not None:
         coarser = worn_volume(joint, wear.coarser[k])
         numbers["wear_volume_step_m3"] = abs(coarser - worn_volume(joint, added))
+    if wear.is_frozen:
+        return numbers
     sides: dict[str, list[int]] = {"bearing": [0], "pin": [1]}
     if joint.map_frame == "fixed":
         sides["both"] = [0, 1]

@@ -134,6 +134,9 @@ def key_numbers(result: Result) -> Table:
         "highest velocity (m/s)": number("", "velocity_max_m_s"),
         "largest acceleration (m/s²)": number("", "acceleration_max_m_s2"),
         "cycles": lambda stage: whole(stage.statistics.get("cycles")),
+        "energy made by contacts (% of what they and friction took)": lambda stage: readable(
+            100.0 * stage.statistics.get("energy_made_part", 0.0), 2
+        ),
     }
     return stage_table(result, "", {"Slider": slider, **by_joint(result, of_joint)})
 
@@ -251,7 +254,8 @@ def notes(result: Result) -> list[str]:
             found.append(
                 "A wear was applied in steps of a cycle each, by every start on surfaces of its "
                 "own; half as many steps tell their error. The wear that the last stage would "
-                "cause is a single jump at its rate."
+                "cause is a single jump at its rate, of which only the volume is told: its deepest "
+                "places would be noise."
             )
         elif scene.wears > 0:
             found.append(

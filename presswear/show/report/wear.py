@@ -35,6 +35,9 @@ def deepest(result: Result, joint: str) -> Rows[StageResult]:
 
 
 def _peak(joint: str, kind: str, sides: tuple[str, ...], stage: StageResult) -> str:
+    told = f"wear_depth_max_{sides[0] if len(sides) == 1 else 'both'}_m"
+    if kind == "wear" and told not in statistics(stage, joint):
+        return "–"
     own = stage.joints[joint].arrays
     depth = np.sum([own[f"{kind}_{side}"] for side in sides], axis=0)
     if not np.any(depth > 0.0):

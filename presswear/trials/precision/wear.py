@@ -15,7 +15,7 @@ from presswear.campaign.campaign import run_campaign
 from presswear.linkage.elements import SurfaceContact
 from presswear.record.sampling import LEAST_SAMPLES, Interval
 from presswear.record.tracker import Progress, Tracker
-from presswear.results.stage import StageResult
+from presswear.results.stage import SIDES, StageResult
 from presswear.scene.scene import CONVENTIONS, Scene
 from presswear.tools.errors import InputError, RunFailed
 from presswear.trials.runs import Told, part_of
@@ -235,11 +235,12 @@ def joint_wears(stage: StageResult) -> Wears:
     """Material that the wear after a stage takes off each joint."""
     found = {}
     for name, numbers in stage.statistics.get("joints", {}).items():
-        side = max(("bearing", "pin"), key=lambda own: numbers[f"wear_depth_max_{own}_m"])
+        depths = {side: numbers.get(f"wear_depth_max_{side}_m", math.nan) for side in SIDES}
+        side = max(depths, key=depths.__getitem__)
         low, high = numbers.get(f"wear_depth_max_{side}_interval_m") or (None, None)
         volume, half = numbers["wear_volume_m3"], numbers["wear_volume_half_width_m3"]
         ends = (None, None) if half is None else (volume - half, volume + half)
-        depth = Interval(numbers[f"wear_depth_max_{side}_m"], low, high)
+        depth = Interval(depths[side], low, high)
         found[name] = {DEEPEST: depth, VOLUME: Interval(volume, *ends)}
     return found
 
