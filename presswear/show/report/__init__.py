@@ -260,8 +260,9 @@ def notes(result: Result) -> list[str]:
         elif scene.wears > 0:
             found.append(
                 "A wear is a single jump: each start multiplies the depth of its own cycles and "
-                "rebuilds its surfaces once. The noise of so few cycles makes them rough: forces "
-                "and depths after a jump are those of that roughness, too."
+                "rebuilds its surfaces once. The noise of the cycles makes them rough. Forces and "
+                "wear after a jump, and their intervals, are those of maps of so many cycles; maps "
+                "of more cycles give others, by about one over their number."
             )
         if scene.conventions.footprint == "bin":
             found.append(
