@@ -1,11 +1,14 @@
 """The study of coverage, on campaigns whose intervals are known to hold or not."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from presswear.campaign.parallel import run_study
+from presswear.campaign.study import results_of
 from presswear.studies.coverage.report import answer, coverages, estimates
 from presswear.studies.coverage.variants import CAMPAIGNS, make
 
@@ -68,3 +71,20 @@ def test_campaigns_share_no_start_with_each_other_or_the_truth() -> None:
     assert sorted(seeds) == sorted([0, *range(1, CAMPAIGNS + 1)] * 2)
     for variant in study.variants:
         assert (variant.scene.seed == 0) == (variant.scene.cycles == 200)
+
+
+@pytest.mark.slow
+def test_intervals_of_a_wear_cycle_by_cycle_hold(tmp_path: Path) -> None:
+    """Of twenty intervals of 95 % fewer than seventeen hold by chance in one of forty."""
+    whole = make(lambda scene: replace(scene, wears=1))
+    truth, *campaigns = [v for v in whole.variants if v.key.startswith("refined")][:21]
+    long = replace(truth, scene=replace(truth.scene, starts=8, cycles=100))
+    study = replace(whole, variants=(long, *campaigns))
+    run_study(study, tmp_path, 2, resume=False)
+    stages = [result.stages for _, result in results_of(study, tmp_path) if result is not None]
+    assert len(stages) == 21
+    found = list(coverages("refined", stages[0], stages[1:]))
+    wear = [one for one in found if one.stage == 0]
+    assert len(wear) == 1 + 2 * 4
+    for one in wear:
+        assert one.held.sum() >= 17, one.row()
