@@ -9,8 +9,8 @@ if TYPE_CHECKING:
 
 STUDIES = {
     "paper": "Study: every number and figure of the paper, with errors",
-    "coverage": "Study: do the intervals hold? Sixty campaigns beside a long one; takes hours",
     "runaway": "Study: does the second wear run away? One reading changed at a time",
+    "coverage": "Study: do the intervals hold? Sixty campaigns beside a long one; takes hours",
 }
 """Names and titles of the studies, which run several scenes each."""
 

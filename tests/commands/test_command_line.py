@@ -117,6 +117,7 @@ def test_list_names_the_scenes(capsys: pytest.CaptureFixture[str]) -> None:
         "slider-crank",
         "paper",
         "runaway",
+        "coverage",
     ]
 
 
