@@ -7,11 +7,10 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.campaign import ensemble
 from presswear.campaign.checkpoint import Checkpoint
-from presswear.campaign.ensemble import NOTHING, Ensemble, Partial, Task, run_ensemble
+from presswear.campaign.ensemble import FEWEST, NOTHING, Ensemble, Partial, Task, run_ensemble
 from presswear.campaign.growth import (
-    FEWEST,
+    FIRST_PASS,
     Growth,
     cycle_by_cycle,
     error_of,
@@ -44,7 +43,7 @@ def stage_task(scene: Scene, index: int) -> Task:
         return Task(scene.cycles)
     # A jump multiplies the map of each start: the noise that it leaves has to be small.
     jumps = index < scene.wears and not scene.wears_in_steps
-    fewest = ensemble.FEWEST if jumps else LEAST_SAMPLES
+    fewest = FEWEST if jumps else LEAST_SAMPLES
     return Task(max(scene.most_cycles // scene.draws, 1), fewest, scene.tolerance)
 
 
@@ -64,17 +63,16 @@ def pass_task(scene: Scene, index: int, growth: Growth | None) -> Task | None:
         cycles = scene.cycles if done else max(scene.cycles // 2, 1)
         is_enough = done == scene.cycles
     else:
-        cycles = 2 * done or min(FEWEST, max(scene.most_cycles // scene.draws, 1))
+        cycles = 2 * done or min(FIRST_PASS, max(scene.most_cycles // scene.draws, 1))
         joints = scene.linkage().clearances
         is_enough = growth is not None and (
             error_of(joints, growth) <= scene.tolerance or cycles * scene.draws > scene.most_cycles
         )
     if is_enough:
         return None
-    number = 1 if growth is None else 2 if growth.coarser is None else 3 + done
     word = f"{stage_name(index + 1)} in {cycles} steps"
     wear = share_of(scene.represented_cycles, cycles)
-    return Task(STARTUP_CYCLES + cycles, wear=wear, number=number, word=word)
+    return Task(STARTUP_CYCLES + cycles, wear=wear, number=1 + done, word=word)
 
 
 def run_stage(
@@ -214,7 +212,7 @@ def run_campaign(
         task = stage_task(scene, index)
         is_last = index == scene.wears
         if scene.wears_in_steps and not is_last:
-            forecast.expect(3.0 * (scene.cycles or FEWEST))
+            forecast.expect(3.0 * (scene.cycles or FIRST_PASS))
         ran = at.ran or run_ensemble(
             scene, worn, task, forecast, at.partial, partial(keep, None, None)
         )
@@ -228,8 +226,8 @@ def run_campaign(
         running = NOTHING if at.ran is None else at.partial
         try:
             passes = growths(scene, index, ran, growth, forecast, running, partial(keep, ran))
-            for growth, finding in passes:  # noqa: B007 the last counts
-                pass
+            for reached in passes:
+                growth, finding = reached
         finally:
             # The stage ran to its end, even where somebody stops the wear after it.
             finish(stage_of(scene, index, ran, growth, finding))

@@ -26,7 +26,7 @@ from presswear.results.stage import SIDES, WearStep
 
 Array = NDArray[np.float64]
 
-FEWEST = 8
+FIRST_PASS = 8
 """Cycles of each start in the first pass of a wear."""
 
 

@@ -11,7 +11,7 @@ import pytest
 from numpy.typing import NDArray
 
 from presswear.campaign.campaign import run_campaign, run_stage
-from presswear.campaign.growth import FEWEST, Growth, error_of, worn_out
+from presswear.campaign.growth import FIRST_PASS, Growth, error_of, worn_out
 from presswear.campaign.single import run_scene
 from presswear.engines.base import Plan, Run, Start, recorder_of
 from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
@@ -193,9 +193,9 @@ def test_passes_go_on_until_the_wear_is_known(campaign: Campaign) -> None:
     scene = replace(SCENE, cycles=None, wears=1, tolerance=0.02)
     stage = campaign(scene, FakeEngine(exponential)).stages[0]
     # The error of the step is e / (e - 1) / 2, part of the wear, over the cycles.
-    assert len(stage.wear_steps) == 8 * FEWEST
+    assert len(stage.wear_steps) == 8 * FIRST_PASS
     short = campaign(replace(scene, most_cycles=70), FakeEngine(exponential)).stages[0]
-    assert len(short.wear_steps) == 4 * FEWEST
+    assert len(short.wear_steps) == 4 * FIRST_PASS
 
 
 def test_noise_is_worn_away_cycle_by_cycle_and_kept_by_a_jump(campaign: Campaign) -> None:

@@ -61,7 +61,10 @@ Edit = Callable[[dict[str, Any]], object]
         (lambda d: d["variants"][0].update(key=d["variants"][1]["key"]), "cannot name"),
         (lambda d: d["variants"][0].update(key=""), "cannot name"),
         (lambda d: d.update(variants=[]), "cannot name"),
-        (lambda d: d.update(name="sabotage"), "the study 'sabotage'; known are paper, runaway, coverage"),
+        (
+            lambda d: d.update(name="sabotage"),
+            "the study 'sabotage'; known are paper, runaway, coverage",
+        ),
         (lambda d: d["variants"].pop(), "with other variants than this version's"),
     ],
 )
