@@ -137,9 +137,9 @@ def wear_growth(result: Result, stages: Stages) -> list[Drawing]:
         axes.set_title(f"joint {joint}", loc="left", fontweight="bold")
     legend(sheet, _SURFACES.values(), "outside upper right")
     caption = (
-        "Deepest wear of each surface over the cycles that the runs stand for. Between two "
-        "points the surfaces kept their rate of wear; at each the linkage ran again on the "
-        "rebuilt surfaces. Grey lines end a wear. The deepest place may move along a surface."
+        "Deepest wear of each surface over the cycles that the runs stand for, as the mean of "
+        "the starts. Every point is a simulated cycle, after which the surfaces were rebuilt. "
+        "Grey lines end a wear. The deepest place may move along a surface."
     )
     if not maps_turn(result):
         caption += " Both surfaces are shown apart, each with its share of the depth."

@@ -98,7 +98,7 @@ def _known(result: Result) -> str:
         return " How well its wear is known cannot be told from so few cycles." * any(
             stage.joints for stage in result.stages
         )
-    return f" Its wear is known to {readable(100.0 * max(known), 2)} %, 95 % of the time."
+    return f" Its wear is known to {readable(100.0 * max(known), 2)} %."
 
 
 def _stages(count: int) -> str:
@@ -168,8 +168,7 @@ def endings(result: Result) -> Table:
     """The end of each stage, and how well its wear maps are known."""
     rows = []
     for name, stage in zip(stage_names(result, result.stages), result.stages, strict=True):
-        known = [own.statistics.get("wear_map_error") for own in stage.joints.values()]
-        errors = [error for error in known if error is not None]
+        error = stage.statistics.get("wear_error")
         ended = {
             "completed": "ran all its cycles",
             "enough": "ended early: its wear maps are known to the tolerance",
@@ -180,8 +179,8 @@ def endings(result: Result) -> Table:
                 name,
                 ended,
                 whole(stage.statistics.get("cycles")),
-                f"{readable(100.0 * max(errors), 2)} %" if errors else "–",
-                _multiplied(stage) if errors else "–",
+                "–" if error is None else f"{readable(100.0 * error, 2)} %",
+                _multiplied(stage) if stage.joints else "–",
                 readable(stage.simulated_s),
                 readable(stage.wall_s),
             )
@@ -190,7 +189,7 @@ def endings(result: Result) -> Table:
         "stage",
         "how it ended",
         "cycles",
-        "wear maps known to",
+        "wear known to",
         "depth multiplied by",
         "simulated (s)",
         "computed in (s)",

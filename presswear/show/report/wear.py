@@ -80,7 +80,10 @@ def growth(result: Result) -> Table | None:
 
     def of_joint(joint: str) -> Rows[Steps]:
         return {
-            **{f"deepest then, {side} (µm)": partial(_then, joint, side) for side in SIDES},
+            **{
+                f"deepest then, {side}, mean of the starts (µm)": partial(_then, joint, side)
+                for side in SIDES
+            },
             "largest normal force in its runs (N)": lambda steps: readable(
                 max(step.force_max_N[joint] for step in steps)
             ),
