@@ -307,3 +307,28 @@ def test_uniform_wear_has_the_volume_of_a_sleeve() -> None:
     depth = np.full((2, 77), 1e-6)
     sleeve = 2.0 * TURN * 0.015 * 0.02 * 1e-6
     assert worn_volume(JOINT, depth) == pytest.approx(sleeve, rel=1e-14)
+
+
+def test_a_bump_wears_faster_by_its_height_over_the_overlap() -> None:
+    """A step that takes less than twice the overlap wears a bump down, a longer one digs a pit."""
+    bins, place, height, overlap = 360, 100, 2e-9, 2e-6
+    even = np.full(bins, 1e-6)
+    bumpy = even.copy()
+    bumpy[place] -= height
+    worn = []
+    for depth in (even, bumpy):
+        joint = replace(
+            JOINT,
+            map_frame="fixed",
+            contact="foundation",
+            bearing_surface=Surface(depth),
+            wear=_law("arc", 1.0),
+        )
+        # At the same place, from which the bump is pressed in further.
+        pressed = overlap + even[place] - depth[place]
+        pair = placed(joint, pressed, float(bin_centres(bins)[place]))
+        worn.append(_deposited(pair, bins, 1.0)[0])
+    plain, bump = worn
+    # The neighbours share what the bump takes; its bin's mean is three quarters of its height.
+    faster = bump[place] / plain[place] - bump[place + 4] / plain[place + 4]
+    assert faster == pytest.approx(0.75 * height / overlap, rel=0.1)
