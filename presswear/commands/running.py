@@ -19,8 +19,9 @@ class Terminal(Tracker):
     def progress(self, progress: Progress) -> None:
         """Show where the campaign stands; ends it where a signal has come."""
         check_stopped()
-        word = f": {progress.word}" if progress.word else ""
-        description = f"{stage_name(progress.stage)}{word}"
+        name, word = stage_name(progress.stage), progress.word
+        is_wear = word.startswith(stage_name(progress.stage + 1))
+        description = word if is_wear else f"{name}: {word}" if word else name
         self._bar.update(self._task, description=description, completed=progress.whole)
 
     def stage(self, stage: StageResult) -> None:
