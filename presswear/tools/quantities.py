@@ -185,7 +185,7 @@ def parse_quantity(name: str, text: str, meaning: Meaning) -> float | int:
     and a silent guess is worse than a question.
     """
     unit = meaning.unit
-    shown, sizes = _UNITS.get(unit, ("", {}))
+    shown, sizes = _UNITS.get(unit, (f"1{unit}", {unit: 1.0}))
     example = f", for instance {name}={shown!r}" if unit else ""
     match = _NUMBER.match(text)
     if match is None:

@@ -237,3 +237,12 @@ def test_check_fields_names_the_field() -> None:
         check_fields(_Owner(count=6))
     with pytest.raises(InputError, match="word = 'three': allowed is one of one, two"):
         check_fields(_Owner(word="three"))
+
+
+def test_a_unit_that_nothing_else_has_is_known_by_itself() -> None:
+    force = Meaning("N/m", 0.0, 1e9, "chosen", "stiffness")
+    assert parse_quantity("stiffness", "3e4 N/m", force) == 3e4
+    with pytest.raises(InputError, match="unknown unit 'kN/m'; known are N/m"):
+        parse_quantity("stiffness", "3 kN/m", force)
+    with pytest.raises(InputError, match="for instance stiffness='1N/m'"):
+        parse_quantity("stiffness", "3", force)
