@@ -1,5 +1,6 @@
 """The outer loop: run, wear the surfaces, run again, from every start on its own surfaces."""
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
@@ -145,10 +146,11 @@ def unknown_wear(scene: Scene, stage: StageResult) -> list[str]:
     error = stage.statistics.get("wear_error")
     if scene.cycles is not None or error is None or error <= scene.tolerance:
         return []
-    steps = len(stage.wear_steps)
-    run = steps * scene.draws if steps > 1 else stage.cycles
-    # Of the step's error one over the cycles, of the sampling's its square root.
-    needed = run * (error / scene.tolerance) ** 2
+    # An error of sampling falls with the square root of the cycles, and passes double.
+    more = (error / scene.tolerance) ** 2
+    steps, needed = len(stage.wear_steps), more * stage.cycles
+    if steps > 1:
+        needed = 2.0 ** math.ceil(math.log2(more)) * steps * scene.draws
     return [
         f"the wear of stage {stage.index} is known to {100.0 * error:.2g} % where "
         f"tolerance = {100.0 * scene.tolerance:.2g} % was asked: about most_cycles = "

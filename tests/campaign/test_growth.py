@@ -444,3 +444,13 @@ def test_a_wear_without_a_coarser_pass_is_not_known() -> None:
     assert error_of(joints, Growth(added, added, ())) == math.inf
     assert error_of(joints, Growth(added, added, (), added)) < 1e-14
     assert error_of(joints, Growth(added, added, (), 1.5 * added)) == pytest.approx(0.5)
+
+
+def test_what_is_not_reached_says_what_it_would_take(campaign: Campaign) -> None:
+    scene = replace(SCENE, cycles=None, wears=1, tolerance=0.02, most_cycles=70)
+    seen = campaign(scene, FakeEngine(exponential))
+    assert seen.status == "unconverged"
+    assert "the wear of stage 0 is known to 2.3 % where tolerance = 2 % was asked" in seen.message
+    assert "about most_cycles = 1.3e+02 would do" in seen.message
+    enough = campaign(replace(scene, most_cycles=130), FakeEngine(exponential))
+    assert (enough.status, enough.message) == ("completed", "")
