@@ -111,6 +111,7 @@ def wear_rows(wear: WearStudy) -> Iterator[Cells]:
             for word, joints in (("first", point.first), ("second", point.second))
             for joint, worn in joints.items()
             for name, unit in QUANTITIES.items()
+            if name in worn
         ]
         for word, joint, name, found in wears or [("", "", "", None)]:
             yield {

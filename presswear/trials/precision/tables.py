@@ -193,7 +193,7 @@ def wear_table(wear: WearStudy) -> Table:
 
     def cell(which: Literal["first", "second"], name: str, joint: str, point: WearPoint) -> str:
         worn: Wears = getattr(point, which)
-        if joint not in worn:
+        if name not in worn.get(joint, {}):
             return _NONE
         interval, (factor, _) = worn[joint][name], units[QUANTITIES[name]]
         if interval.low is None or interval.high is None:

@@ -240,8 +240,10 @@ def joint_wears(stage: StageResult) -> Wears:
         low, high = numbers.get(f"wear_depth_max_{side}_interval_m") or (None, None)
         volume, half = numbers["wear_volume_m3"], numbers["wear_volume_half_width_m3"]
         ends = (None, None) if half is None else (volume - half, volume + half)
-        depth = Interval(depths[side], low, high)
-        found[name] = {DEEPEST: depth, VOLUME: Interval(volume, *ends)}
+        found[name] = {VOLUME: Interval(volume, *ends)}
+        # A stage that stood still says nothing of the deepest place of a wear cycle by cycle.
+        if not math.isnan(depths[side]):
+            found[name][DEEPEST] = Interval(depths[side], low, high)
     return found
 
 

@@ -156,6 +156,8 @@ def contact_models(wear: WearStudy) -> Drawing:
             if not found:
                 axes.annotate("failed", (0.02, row), xycoords=("axes fraction", "data"))
             for joint, own in found.items():
+                if name not in own:
+                    continue
                 look = series[point.varied.conventions, joint]
                 value, low, high = factor * own[name].value, own[name].low, own[name].high
                 if low is not None and high is not None:
