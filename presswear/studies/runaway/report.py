@@ -205,10 +205,12 @@ def draw_wears(outcomes: Sequence[TwoWears], clearance: float) -> Drawing:
             if joint == "A":
                 axes.plot([MICRONS * printed], rows[-1:], **style)
         for row, outcome in zip(rows[:-1], outcomes, strict=True):
-            if not outcome.first[joint].size:
-                axes.annotate(
-                    "stopped", (0.02, row), xycoords=("axes fraction", "data"), va="center"
-                )
+            if outcome.second[joint].size:
+                continue
+            own = MICRONS * outcome.first[joint]
+            word, x = ("second wear stopped", np.median(own)) if own.size else ("stopped", 1.0)
+            below = {"xytext": (0, -5), "textcoords": "offset points", "fontsize": 6.5}
+            axes.annotate(word, (float(x), row), ha="center", va="top", **below)
         axes.axvline(
             MICRONS * clearance, color=REFERENCE, linewidth=0.8, linestyle=(0.0, (3.0, 1.5))
         )
