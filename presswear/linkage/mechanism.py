@@ -55,6 +55,7 @@ class Motion:
     acceleration: Array
 
 
+@dataclass(frozen=True)
 class Mechanism(ABC):
     """A driven mechanism: everything but its clearance joints.
 
@@ -74,7 +75,7 @@ class Mechanism(ABC):
     def __post_init__(self) -> None:
         """InputError where a quantity is out of range, or bodies cannot move together."""
         check_fields(self)
-        names = [item.name for item in fields(self) if "mass" in item.name]  # type: ignore[arg-type]
+        names = [item.name for item in fields(self) if "mass" in item.name]
         masses = {name: getattr(self, name) for name in names}
         light, heavy = min(masses, key=masses.__getitem__), max(masses, key=masses.__getitem__)
         if masses[heavy] > HEAVIER * masses[light]:

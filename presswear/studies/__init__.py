@@ -17,13 +17,15 @@ STUDIES = {
 
 def make_study(name: str, change: "Change") -> "Study":
     """A named study, its scenes begun from changed ones; InputError lists the names."""
+    from presswear.campaign.study import unchanged
     from presswear.tools.errors import unknown
 
     if name not in STUDIES:
         raise unknown("study", name, STUDIES)
     make = import_module(f"presswear.studies.{name}.variants").make
     found: Study = make(change)
-    _check_labels(make(lambda scene: scene), found)
+    if change is not unchanged:
+        _check_labels(make(unchanged), found)
     return found
 
 

@@ -289,9 +289,9 @@ def test_the_press_is_the_papers() -> None:
         ({"slider_side": 2.0}, "slider_side"),
     ],
 )
-def test_a_geometry_that_is_none_is_refused(changes: dict[str, float], says: str) -> None:
+def test_a_geometry_that_is_none_is_refused(changes: dict[str, Any], says: str) -> None:
     with pytest.raises(InputError, match=says):
-        Press(geometry=replace(Geometry(), **changes))  # type: ignore[arg-type]
+        Press(geometry=replace(Geometry(), **changes))
 
 
 @pytest.mark.filterwarnings("error")

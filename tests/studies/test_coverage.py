@@ -1,6 +1,6 @@
 """The study of coverage, on campaigns whose intervals are known to hold or not."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,14 +15,8 @@ from presswear.studies.coverage.variants import CAMPAIGNS, make
 SPREAD, TRUE = 4.0, 200.0
 
 
-@dataclass(frozen=True)
-class Told:
-    """As much of a stage as is looked at."""
-
-    statistics: dict[str, Any]
-
-
-def stage(force: float, half: float) -> Told:
+def stage(force: float, half: float) -> dict[str, Any]:
+    """As many statistics of a stage as are looked at."""
     mean = {"mean": force, "half_width": half}
     joint = {
         "force_max_per_cycle_N": mean,
@@ -31,7 +25,7 @@ def stage(force: float, half: float) -> Told:
         "wear_depth_max_both_m": 1e-5,
         "wear_depth_max_both_interval_m": [0.9e-5, 1.1e-5],
     }
-    return Told({"slider": {"acceleration_max_per_cycle_m_s2": mean}, "joints": {"A": joint}})
+    return {"slider": {"acceleration_max_per_cycle_m_s2": mean}, "joints": {"A": joint}}
 
 
 @pytest.mark.parametrize(
@@ -43,10 +37,7 @@ def test_intervals_that_hold_are_told_from_those_that_do_not(
     """Half widths in standard deviations of the estimates: 1 holds in 68 %."""
     draws = TRUE + SPREAD * (bias + np.random.default_rng(3).standard_normal(400))
     campaigns = [[stage(float(draw), half * SPREAD)] for draw in draws]
-    found = {
-        one.quantity: one
-        for one in coverages("paper", [stage(TRUE, 0.1)], campaigns)  # type: ignore[arg-type, list-item]
-    }
+    found = {one.quantity: one for one in coverages("paper", [stage(TRUE, 0.1)], campaigns)}
     force = found["force_max_per_cycle_N, A"]
     assert force.passes == passes
     assert force.bias == pytest.approx(bias / half, abs=0.06)
@@ -58,7 +49,7 @@ def test_intervals_that_hold_are_told_from_those_that_do_not(
 
 
 def test_the_error_of_the_step_belongs_to_the_volume() -> None:
-    own = stage(TRUE, 1.0).statistics
+    own = stage(TRUE, 1.0)
     own["joints"]["A"] |= {"wear_volume_half_width_m3": 3e-11, "wear_volume_step_m3": 4e-11}
     found = estimates(own)["wear_volume_m3, A"]
     assert found.high == pytest.approx(1e-9 + 5e-11)
@@ -81,7 +72,11 @@ def test_intervals_of_a_wear_cycle_by_cycle_hold(tmp_path: Path) -> None:
     long = replace(truth, scene=replace(truth.scene, starts=8, cycles=100))
     study = replace(whole, variants=(long, *campaigns))
     run_study(study, tmp_path, 2, resume=False)
-    stages = [result.stages for _, result in results_of(study, tmp_path) if result is not None]
+    stages = [
+        [stage.statistics for stage in result.stages]
+        for _, result in results_of(study, tmp_path)
+        if result is not None
+    ]
     assert len(stages) == 21
     found = list(coverages("refined", stages[0], stages[1:]))
     wear = [one for one in found if one.stage == 0]

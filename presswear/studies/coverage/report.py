@@ -9,13 +9,14 @@ import numpy as np
 
 from presswear.campaign.study import Study, results_of
 from presswear.record.sampling import Interval
-from presswear.results.stage import StageResult
 from presswear.scene.scene import CONVENTIONS, stage_name
 from presswear.show.report.page import render_page
 from presswear.show.report.parts import Table
 from presswear.studies.coverage.variants import TRUTH
 from presswear.tools.files import write_bytes
 from presswear.tools.numbers import readable
+
+Statistics = Mapping[str, Any]
 
 WANTED = 0.88
 """Part of the intervals that have to hold: of sixty of 95 %, fewer are chance in one of fifty."""
@@ -81,7 +82,7 @@ class Coverage:
         )
 
 
-def estimates(statistics: Mapping[str, Any]) -> dict[str, Interval]:
+def estimates(statistics: Statistics) -> dict[str, Interval]:
     """Everything of a stage that stands with an interval, by quantity and joint."""
     found: dict[str, Interval] = {}
     mean = statistics["slider"]["acceleration_max_per_cycle_m_s2"]
@@ -107,12 +108,18 @@ def _add(found: dict[str, Interval], name: str, value: float, half: float | None
 
 
 def coverages(
-    conventions: str, truth: Sequence[StageResult], campaigns: Sequence[Sequence[StageResult]]
+    conventions: str, truth: Sequence[Statistics], campaigns: Sequence[Sequence[Statistics]]
 ) -> Iterator[Coverage]:
-    """Hold every quantity of every stage of some campaigns against the truth."""
+    """Hold every quantity of every stage of some campaigns against the truth.
+
+    Parameters
+    ----------
+    truth, campaigns : sequence of mapping
+        Statistics of each stage, of the long campaign and of each other one.
+    """
     for k, stage in enumerate(truth):
-        drawn = [estimates(stages[k].statistics) for stages in campaigns if len(stages) > k]
-        for quantity, right in estimates(stage.statistics).items():
+        drawn = [estimates(stages[k]) for stages in campaigns if len(stages) > k]
+        for quantity, right in estimates(stage).items():
             own = [one[quantity] for one in drawn if quantity in one]
             if not own:
                 continue
@@ -140,13 +147,13 @@ def answer(found: Sequence[Coverage]) -> str:
 def write_report(study: Study, folder: Path) -> tuple[str, Path]:
     """Write ``report.html`` into the study's folder; returns answer and path."""
     stages = {
-        variant.key: result.stages
+        variant.key: [stage.statistics for stage in result.stages]
         for variant, result in results_of(study, folder)
         if result is not None and result.status != "failed"
     }
     found: list[Coverage] = []
     for name in CONVENTIONS:
-        truth = stages.pop(f"{name}-{TRUTH}", ())
+        truth = stages.pop(f"{name}-{TRUTH}", [])
         own = [some for key, some in stages.items() if key.startswith(f"{name}-")]
         found += coverages(name, truth, own)
     head = ("quantity", "truth", "mean estimate", "mean half width", "off, half widths", "held", "")

@@ -36,13 +36,16 @@ def test_contact_time_is_that_of_the_integrated_motion() -> None:
         depth = max(y[0], 0.0)
         return [y[1], -stiffness / mass * depth**1.5 * (1.0 + damping * y[1] / speed)]
 
-    def apart(t: float, y: np.ndarray) -> float:
-        return float(y[0]) if t > 0.0 else 1.0
+    class Apart:
+        """The event that ends the contact."""
 
-    apart.terminal = True  # type: ignore[attr-defined]
-    apart.direction = -1.0  # type: ignore[attr-defined]
+        terminal, direction = True, -1.0
+
+        def __call__(self, t: float, y: np.ndarray) -> float:
+            return float(y[0]) if t > 0.0 else 1.0
+
     found = solve_ivp(
-        motion, (0.0, 1e-2), [0.0, speed], "DOP853", events=apart, rtol=1e-12, atol=1e-16
+        motion, (0.0, 1e-2), [0.0, speed], "DOP853", events=Apart(), rtol=1e-12, atol=1e-16
     )
     lasts, _ = contact_time(mass, speed, stiffness, 1.5, damping)
     assert lasts == pytest.approx(found.t_events[0][0], rel=1e-8)
