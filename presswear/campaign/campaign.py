@@ -9,7 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.campaign.checkpoint import Checkpoint
-from presswear.campaign.ensemble import FEWEST, NOTHING, Ensemble, Partial, Task, run_ensemble
+from presswear.campaign.ensemble import (
+    NOTHING,
+    Ensemble,
+    Partial,
+    Task,
+    run_ensemble,
+    worn_out,
+)
 from presswear.campaign.growth import (
     FIRST_PASS,
     Growth,
@@ -17,12 +24,11 @@ from presswear.campaign.growth import (
     error_of,
     jump,
     share_of,
-    worn_out,
 )
 from presswear.campaign.progress import Forecast
 from presswear.campaign.stage import stage_of, without_wear
 from presswear.linkage.elements import ClearanceJoint
-from presswear.record.sampling import LEAST_SAMPLES, STARTUP_CYCLES
+from presswear.record.sampling import STARTUP_CYCLES
 from presswear.record.soundness import Finding
 from presswear.record.tracker import Tracker
 from presswear.results.stage import StageResult
@@ -42,10 +48,11 @@ def stage_task(scene: Scene, index: int) -> Task:
     """The runs of a stage: cycles as given, or until the wear maps are known."""
     if scene.cycles is not None:
         return Task(scene.cycles)
-    # A jump multiplies the map of each start: the noise that it leaves has to be small.
+    # A jump multiplies the noise of its map, which moves whatever comes behind long before it
+    # shows in the map: all the cycles that may be, as in the paper.
     jumps = index < scene.wears and not scene.wears_in_steps
-    fewest = FEWEST if jumps else LEAST_SAMPLES
-    return Task(max(scene.most_cycles // scene.draws, 1), fewest, scene.tolerance)
+    most = max(scene.most_cycles // scene.draws, 1)
+    return Task(most, None if jumps else scene.tolerance)
 
 
 def pass_task(scene: Scene, index: int, growth: Growth | None) -> Task | None:
@@ -83,8 +90,8 @@ def run_stage(
 
     Parameters
     ----------
-    worn : ndarray, shape (starts, joints, 2, m)
-        Depth of the surfaces, m; None: they are round.
+    worn : ndarray, shape (runs, joints, 2, m)
+        Depth of the surfaces of each run, m; None: they are round.
     """
     forecast = Forecast(replace(scene, wears=index), trackers)
     forecast.begin(index)
@@ -118,7 +125,7 @@ def growths(
     """
     joints, represented = ran.linkage.clearances, scene.represented_cycles
     if not scene.wears_in_steps:
-        found = jump(joints, ran.worn, ran.depths(), represented, ran.recorders, ran.wall)
+        found = jump(ran, represented)
         yield found, _gone(joints, found.worn, f"after stage {index}", ran.time)
         return
     while True:
@@ -137,7 +144,7 @@ def growths(
         if gone:
             yield growth, gone
             return
-        growth = cycle_by_cycle(joints, ran.worn, worn.recorders, represented, growth, worn.wall)
+        growth = cycle_by_cycle(worn, represented, growth)
         yield growth, None
 
 

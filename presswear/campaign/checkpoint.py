@@ -36,8 +36,8 @@ class Checkpoint:
     ----------
     index : int
         Of the stage at hand.
-    worn : ndarray, shape (starts, joints, 2, m)
-        Depth of the surfaces that each start runs it on, m.
+    worn : ndarray, shape (runs, joints, 2, m)
+        Depth of the surfaces that each of its runs is on, m.
     ran : Ensemble or None
         Its runs, where they are finished and the wear after them is being applied.
     growth : Growth or None
@@ -99,7 +99,7 @@ class Checkpoint:
         ran = growth = None
         if "ran" in document:
             runs = _restored_runs("ran", document["ran"]["runs"], arrays, scene, worn)
-            ran = Ensemble(scene.linkage(), worn, runs, document["ran"]["wall"])
+            ran = Ensemble(scene.linkage(), worn, runs, scene.draws, document["ran"]["wall"])
         if "growth" in document:
             growth = Growth(
                 arrays["growth/worn"],

@@ -2,7 +2,8 @@
 
 Starts differ by a hair's breadth.  Within a cycle or two that makes the runs
 independent, which cycles of one run need not be.  Each start has worn surfaces of its own, so
-that what follows a wear is independent too.
+that what follows a wear is independent too.  Behind a wear in one jump they run in two sets:
+together on the surfaces that all their maps give, and each alone.
 """
 
 import math
@@ -13,11 +14,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.campaign.growth import worn_out
 from presswear.campaign.progress import Forecast
 from presswear.campaign.starts import start_of
 from presswear.engines.base import Plan, Run, Status
-from presswear.linkage.elements import Linkage
+from presswear.linkage.elements import ClearanceJoint, Linkage
 from presswear.linkage.surface import Surface
 from presswear.record.recorder import Recorder
 from presswear.record.sampling import (
@@ -29,6 +29,7 @@ from presswear.record.sampling import (
 )
 from presswear.record.soundness import Finding
 from presswear.record.tracker import Tracker
+from presswear.results.stage import SIDES
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import State
 
@@ -53,8 +54,6 @@ class Task:
     ----------
     cycles : int
         Most cycles of each start.
-    fewest : int
-        Samples of each start before its run may end.
     tolerance : float or None
         How well the wear maps must be known from all starts together for a run to end before;
         None: all cycles are run.
@@ -67,7 +66,6 @@ class Task:
     """
 
     cycles: int
-    fewest: int = LEAST_SAMPLES
     tolerance: float | None = None
     wear: Wear | None = None
     number: int = 0
@@ -82,10 +80,12 @@ class Ensemble:
     ----------
     linkage : Linkage
         With round surfaces.
-    worn : ndarray, shape (starts, joints, 2, m)
-        Depth of the surfaces that each start began with, m.
+    worn : ndarray, shape (runs, joints, 2, m)
+        Depth of the surfaces that each run began with, m.
     runs : tuple of Run
-        By start; a failed one is the last.
+        By start, of one set or two; a failed one is the last.
+    starts : int
+        Runs of a set.
     wall : float
         s.
     """
@@ -93,7 +93,21 @@ class Ensemble:
     linkage: Linkage
     worn: Array
     runs: tuple[Run, ...]
+    starts: int
     wall: float
+
+    @property
+    def together(self) -> "Ensemble":
+        """The first set, which the numbers of a stage are from."""
+        return self._set(slice(self.starts))
+
+    @property
+    def alone(self) -> "Ensemble":
+        """The last set, whose runs are independent: each start on surfaces of its own."""
+        return self._set(slice(-self.starts, None)) if len(self.runs) > self.starts else self
+
+    def _set(self, part: slice) -> "Ensemble":
+        return replace(self, worn=self.worn[part], runs=self.runs[part])
 
     @property
     def recorders(self) -> tuple[Recorder, ...]:
@@ -216,12 +230,12 @@ def run_ensemble(
     begun: Partial = NOTHING,
     keep: Callable[[Partial], None] = lambda partial: None,
 ) -> Ensemble:
-    """Run the linkage from every start on its own surfaces.
+    """Run the linkage from every start on its surfaces, in one set or two.
 
     Parameters
     ----------
-    worn : ndarray, shape (starts, joints, 2, m)
-        Depth of the surfaces, m.
+    worn : ndarray, shape (runs, joints, 2, m)
+        Depth of the surfaces of each run, m.
     begun : Partial
         What has run already.
     keep : callable
@@ -229,9 +243,10 @@ def run_ensemble(
     """
     began = clock.perf_counter() - begun.wall
     runs, state = list(begun.runs), begun.state
-    for index in range(len(runs), scene.draws):
+    for index in range(len(runs), len(worn)):
         linkage = linkage_on(scene, worn[index])
-        watching = _Watching(scene, linkage, task, forecast, [run.recorder for run in runs])
+        earlier = [run.recorder for run in runs]
+        watching = _Watching(scene, linkage, task, forecast, earlier, len(worn))
         storing = _Storing(tuple(runs), began, keep)
         plan = replace(
             plan_of(scene, task),
@@ -243,9 +258,32 @@ def run_ensemble(
         runs.append(scene.solver.simulate(linkage, start, plan))
         if runs[-1].status == "failed":
             break
-    ran = Ensemble(scene.linkage(), worn, tuple(runs), clock.perf_counter() - began)
+    wall = clock.perf_counter() - began
+    ran = Ensemble(scene.linkage(), worn, tuple(runs), scene.draws, wall)
     forecast.done += ran.cycles / scene.draws
     return ran
+
+
+def worn_out(joints: Sequence[ClearanceJoint], worn: Array) -> tuple[str, str] | None:
+    """Which joint has lost too much, and how much; None if none.
+
+    A bearing or pin that is worn deeper than the clearance is no pin in a round bearing any
+    more: a small clearance is what the whole model rests on.
+
+    Parameters
+    ----------
+    worn : ndarray, shape (joints, 2, m)
+        Depth of its surfaces, m.
+    """
+    for joint, own in zip(joints, worn, strict=True):
+        for name, depth in zip(SIDES, own, strict=True):
+            deepest = float(depth.max(initial=0.0))
+            if deepest > joint.clearance:
+                return joint.name, (
+                    f"the {name} would lose {deepest:.3g} m, more than the clearance of "
+                    f"{joint.clearance:.3g} m"
+                )
+    return None
 
 
 @dataclass
@@ -270,10 +308,14 @@ class _Watching(Tracker):
         linkage: Linkage,
         task: Task,
         forecast: Forecast,
-        earlier: Sequence[Recorder],
+        before: Sequence[Recorder],
+        runs: int,
     ) -> None:
         self._starts, self._linkage, self._task = scene.draws, linkage, task
-        self._forecast, self._earlier = forecast, earlier
+        self._forecast, self._before, self._runs = forecast, len(before), runs
+        # Those of its own set.
+        self._earlier = before[len(before) - len(before) % scene.draws :]
+        earlier = self._earlier
         # Each start adds its part: after k of n the error is that of k n-ths of the cycles.
         self._share = (len(earlier) + 1) / scene.draws
         # As many as the starts before it took, until its own maps tell.
@@ -288,13 +330,15 @@ class _Watching(Tracker):
         if not joints:
             return False
         start = f"start {len(self._earlier) + 1}, " if self._starts > 1 else ""
+        if self._before >= self._starts:
+            start += "alone, "
         done = len(recorder.cycles)
         if self._task.wear is not None:
             self._word = f"{self._task.word}, {start}cycle {done}"
             return worn_out(joints, recorder.worn) is not None
         maps = [*(earlier.maps for earlier in self._earlier), recorder.maps]
         samples = sum(run.samples for run in maps)
-        if done < STARTUP_CYCLES + self._task.fewest or samples < FEWEST * self._share:
+        if done < STARTUP_CYCLES + LEAST_SAMPLES or samples < FEWEST * self._share:
             return False
         error = float(map_errors(*map_batches(maps)).max())
         self._word = f"{start}cycle {done}, wear maps known to {100.0 * error:.0f} %"
@@ -308,5 +352,6 @@ class _Watching(Tracker):
 
     def advanced(self, part: float) -> None:
         own = min(part * self._task.cycles / self._needed, 1.0)
-        run = (len(self._earlier) + own) / self._starts * self._needed
-        self._forecast.tell(run, self._needed, self._word, self._linkage, self._recorder)
+        run = (self._before + own) / self._starts * self._needed
+        needed = self._runs / self._starts * self._needed
+        self._forecast.tell(run, needed, self._word, self._linkage, self._recorder)

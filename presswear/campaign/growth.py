@@ -7,7 +7,12 @@ faster, so that noise is worn away again.  That holds while a cycle's share take
 elastic overlap of the surfaces, twice of which a bump would overshoot.  The error of the step
 goes as one over the cycles; a pass with twice as many shows it.
 
-In one jump, as the paper does, every start multiplies its own map.
+In one jump, as the paper does, a map is multiplied as it is, and its noise with it: the next
+stage runs on a rougher surface than the true one, and what it tells is off by an amount that goes
+as one over the cycles of the map.  So the starts go on twice: together, on the mean of all their
+maps, and each alone on its own, which has as many times fewer cycles.  Those alone are
+independent, and say how much chance there is in it; their distance from those together bounds what
+the noise still does to these.
 """
 
 import math
@@ -18,9 +23,9 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.campaign.ensemble import Ensemble
 from presswear.linkage.elements import ClearanceJoint
 from presswear.physics.wear import worn_volume
-from presswear.record.recorder import Recorder
 from presswear.record.sampling import STARTUP_CYCLES, after_startup, half_width
 from presswear.results.stage import SIDES, WearStep
 
@@ -36,10 +41,10 @@ class Growth:
 
     Attributes
     ----------
-    worn : ndarray, shape (starts, joints, 2, m)
-        Depth of the surfaces of each start after it, m.
-    added : ndarray, shape (starts, joints, 2, m)
-        Depth that it added, m.
+    worn : ndarray, shape (runs, joints, 2, m)
+        Depth of the surfaces of each run after it, m.
+    added : ndarray, shape (runs, joints, 2, m)
+        Depth that it added, m; see ``Ensemble`` for the order of runs.
     steps : tuple of WearStep
         How it was applied, as the mean of the starts.
     coarser : ndarray or None
@@ -69,32 +74,25 @@ def _lost(share: float, done: int, added: Array) -> Array:
     return added * (share if done > STARTUP_CYCLES else 0.0)
 
 
-def jump(
-    joints: Sequence[ClearanceJoint],
-    before: Array,
-    depths: Array,
-    represented: float,
-    recorders: Sequence[Recorder],
-    wall: float,
-) -> Growth:
-    """A wear in one jump.
+def jump(ran: Ensemble, represented: float) -> Growth:
+    """A wear in one jump, of all starts together and of each alone.
 
     Parameters
     ----------
-    before : ndarray, shape (starts, joints, 2, m)
-        Depth of the surfaces that each start ran on, m.
-    depths : ndarray, shape (starts, joints, 2, m)
-        Mean depth that a cycle of each start adds, m.
+    ran : Ensemble
     represented : float
         Cycles that the wear stands for.
-    recorders : sequence of Recorder
-        Of the runs.
-    wall : float
-        Of the runs, s.
     """
+    together, alone = ran.together, ran.alone
+    mean = np.broadcast_to(together.depth(), together.worn.shape)
+    sets = [(together.worn, mean), (alone.worn, alone.depths())]
+    if ran.starts == 1:
+        sets = sets[:1]
+    before, depths = (np.concatenate(own) for own in zip(*sets, strict=True))
     added = represented * depths
     worn = before + added
-    cycles = sum(len(own.cycles) for own in recorders)
+    recorders, joints = together.recorders, ran.linkage.clearances
+    cycles = sum(own.maps.samples for own in recorders)
     forces = [
         max(float(after_startup(own.each_cycle("force_max", k)).max()) for own in recorders)
         for k in range(len(joints))
@@ -103,37 +101,27 @@ def jump(
         represented_cycles=represented,
         cycles=cycles,
         factor=represented * len(recorders) / cycles,
-        largest_change_of_clearance=largest_change(joints, added.max(axis=0)),
-        deepest_m=_by_side(joints, worn.max(axis=3).mean(axis=0)),
+        largest_change_of_clearance=largest_change(joints, added[0]),
+        deepest_m=_by_side(joints, worn[0].max(axis=2)),
         force_max_N={joint.name: force for joint, force in zip(joints, forces, strict=True)},
-        wall_s=wall,
+        wall_s=ran.wall,
     )
     return Growth(worn, added, (step,))
 
 
-def cycle_by_cycle(
-    joints: Sequence[ClearanceJoint],
-    before: Array,
-    recorders: Sequence[Recorder],
-    represented: float,
-    coarser: Growth | None,
-    wall: float,
-) -> Growth:
+def cycle_by_cycle(ran: Ensemble, represented: float, coarser: Growth | None) -> Growth:
     """A wear as a pass over it has left the surfaces.
 
     Parameters
     ----------
-    before : ndarray, shape (starts, joints, 2, m)
-        Depth of the surfaces of each start before the wear, m.
-    recorders : sequence of Recorder
-        Of the pass of each start.
+    ran : Ensemble
+        The pass.
     represented : float
         Cycles that the wear stands for.
     coarser : Growth or None
         The pass in half as many cycles.
-    wall : float
-        Of the pass, s.
     """
+    joints, recorders = ran.linkage.clearances, ran.recorders
     worn = np.array([recorder.worn for recorder in recorders])
     growth = np.array([recorder.growth for recorder in recorders])[:, STARTUP_CYCLES:]
     clearance = np.array([joint.clearance for joint in joints])[:, np.newaxis]
@@ -151,11 +139,11 @@ def cycle_by_cycle(
             largest_change_of_clearance=float(change[n]),
             deepest_m=_by_side(joints, deepest[n]),
             force_max_N={joint.name: float(forces[k, n]) for k, joint in enumerate(joints)},
-            wall_s=wall / cycles,
+            wall_s=ran.wall / cycles,
         )
         for n in range(cycles)
     )
-    return Growth(worn, worn - before, steps, None if coarser is None else coarser.added)
+    return Growth(worn, worn - ran.worn, steps, None if coarser is None else coarser.added)
 
 
 def _by_side(joints: Sequence[ClearanceJoint], depths: Array) -> dict[str, dict[str, float]]:
@@ -203,25 +191,3 @@ def error_of(joints: Sequence[ClearanceJoint], growth: Growth) -> float:
                 step = mean - float(other.mean())
                 errors.append(math.hypot(half_width(one) or 0.0, step) / mean)
     return max(errors)
-
-
-def worn_out(joints: Sequence[ClearanceJoint], worn: Array) -> tuple[str, str] | None:
-    """Which joint has lost too much, and how much; None if none.
-
-    A bearing or pin that is worn deeper than the clearance is no pin in a round bearing any
-    more: a small clearance is what the whole model rests on.
-
-    Parameters
-    ----------
-    worn : ndarray, shape (joints, 2, m)
-        Depth of its surfaces, m.
-    """
-    for joint, own in zip(joints, worn, strict=True):
-        for name, depth in zip(SIDES, own, strict=True):
-            deepest = float(depth.max(initial=0.0))
-            if deepest > joint.clearance:
-                return joint.name, (
-                    f"the {name} would lose {deepest:.3g} m, more than the clearance of "
-                    f"{joint.clearance:.3g} m"
-                )
-    return None

@@ -29,11 +29,15 @@ def stage_of(
         The wear after it as far as it is known; None: what one jump would add is told.
     """
     represented = scene.represented_cycles
-    added = ran.depth() * represented if growth is None else growth.added.mean(axis=0)
-    maps, weights = ran.batches()
+    together, alone = ran.together, ran.alone
+    if growth is None:
+        added, by_start = represented * together.depth(), represented * alone.depths()
+    else:
+        added, by_start = growth.added[: ran.starts].mean(axis=0), growth.added[-ran.starts :]
+    errors = map_errors(*together.batches())
     # Depth that one wear adds by each batch of the stage's cycles alone.
-    batches = represented * maps
-    by_start = represented * ran.depths() if growth is None else growth.added
+    batches, weights = together.batches()
+    batches = represented * batches
     is_frozen = growth is None and index > 0 and scene.wears_in_steps
     coarser = None
     is_in_steps = growth is not None and scene.wears_in_steps
@@ -47,12 +51,11 @@ def stage_of(
         coarser = growth.coarser.mean(axis=0)
     statistics = stage_statistics(
         ran.linkage,
-        ran.recorders,
+        together.recorders,
         Wear(added, batches, weights, coarser, by_start, is_frozen),
-        apart=index > 0,
+        alone=alone.recorders if index > 0 else (),
     )
     joints = ran.linkage.clearances
-    errors = map_errors(*ran.batches()) if joints else np.zeros(0)
     error = float(errors.max(initial=0.0))
     if growth is not None and is_in_steps:
         error = error_of(joints, growth)
@@ -67,13 +70,13 @@ def stage_of(
     statistics["energy_made_part"] = made / taken if taken > 0.0 else 0.0
     film = ran.recorders[0].film
     steps = () if growth is None else growth.steps
-    cycles = max(ran.cycles, 1)
+    samples = max(sum(own.maps.samples for own in together.recorders), 1)
     return StageResult(
         index=index,
         status=ran.status,
         message=ran.failure,
         finding=finding,
-        amplification=steps[0].factor if steps else represented * scene.draws / cycles,
+        amplification=steps[0].factor if steps else represented * len(together.runs) / samples,
         wear_steps=steps,
         simulated_s=ran.time,
         wall_s=ran.wall,
@@ -95,11 +98,12 @@ def _arrays(
 ) -> dict[str, Array]:
     """The arrays of one stage under their contracted names; SI units.
 
-    Series, contacts and torques are those of the first start.
+    Series, contacts and torques are those of the first run; behind the starts of the first set
+    stand those of the other.
     """
     joints = ran.linkage.clearances
     recorder = ran.recorders[0]
-    worn = ran.worn.mean(axis=0)
+    worn = ran.together.worn.mean(axis=0)
 
     def stacked(*names: str, joint: int | None = None) -> Array:
         return np.column_stack([recorder.series(name, joint) for name in names])

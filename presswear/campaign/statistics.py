@@ -5,7 +5,8 @@ and the intervals of ``sampling``.  Cycles at the start are in none of them, whe
 others ran.
 """
 
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -28,6 +29,7 @@ from presswear.record.sampling import (
 )
 
 Array = NDArray[np.float64]
+Recorders = Sequence[Recorder]
 
 
 def ends(interval: Interval, factor: float = 1.0) -> list[float] | None:
@@ -67,44 +69,37 @@ class Wear:
 
 
 def joint_statistics(
-    joint: ClearanceJoint, k: int, recorders: Sequence[Recorder], wear: Wear, apart: bool
+    joint: ClearanceJoint, k: int, recorders: Recorders, alone: Recorders, wear: Wear
 ) -> dict[str, Any]:
-    """Numbers of one clearance joint.
-
-    Parameters
-    ----------
-    recorders : sequence of Recorder
-        Of each start.
-    apart : bool
-        Whether the runs themselves are the samples, not their cycles.
-    """
+    """Numbers of one clearance joint; see ``stage_statistics``."""
     added, maps, weights = wear.added[k], wear.maps[:, k], wear.weights
-    force, dose, counted = (
-        [recorder.each_cycle(name, k) for recorder in recorders]
-        for name in ("force_max", "dose", "contacts")
-    )
+    mean, volume = _mean_of(recorders, alone), worn_volume(joint, added)
+    force = [recorder.each_cycle("force_max", k) for recorder in recorders]
     tallies = np.array([recorder.book.tally[k] for recorder in recorders])
     contacts = int(tallies["contacts"].sum())
     fewest = int(tallies["fewest_steps"].min()) if contacts else None
     time = sum(recorder.last_time for recorder in recorders)
     numbers: dict[str, Any] = {
         "force_max_N": float(max(after_startup(own).max() for own in force)),
-        "force_max_per_cycle_N": _mean(force, apart),
+        "force_max_per_cycle_N": mean(lambda own: own.each_cycle("force_max", k)),
         "contacts": contacts,
-        "contacts_per_cycle": _mean([np.diff(own, prepend=0.0) for own in counted], apart),
+        "contacts_per_cycle": mean(lambda own: np.diff(own.each_cycle("contacts", k), prepend=0.0)),
         "unresolved_contacts": int(tallies["unresolved"].sum()),
         "fewest_steps_in_a_contact": fewest,
         "part_of_time_in_contact": float(tallies["closed_time"].sum()) / time,
-        "dose_per_cycle_Nm": _mean(dose, apart),
-        "wear_volume_m3": worn_volume(joint, added),
-        "wear_volume_half_width_m3": half_width(np.array([worn_volume(joint, m) for m in maps])),
+        "dose_per_cycle_Nm": mean(lambda own: own.each_cycle("dose", k)),
+        "wear_volume_m3": volume,
+        "wear_volume_half_width_m3": None,
         "wear_map_error": float(map_errors(maps[:, np.newaxis], weights)[0]),
     }
+    if len(maps) > 1:
+        volumes = np.array([worn_volume(joint, own) for own in maps])
+        off = volume - float(np.average(volumes, weights=weights))
+        numbers["wear_volume_half_width_m3"] = math.hypot(half_width(volumes) or 0.0, off)
     each = wear.by_start[:, k].max(axis=(1, 2))
     numbers["wear_depth_max_by_start_m"] = [float(depth) for depth in each]
     if wear.coarser is not None:
-        coarser = worn_volume(joint, wear.coarser[k])
-        numbers["wear_volume_step_m3"] = abs(coarser - worn_volume(joint, added))
+        numbers["wear_volume_step_m3"] = abs(worn_volume(joint, wear.coarser[k]) - volume)
     if wear.is_frozen:
         return numbers
     sides: dict[str, list[int]] = {"bearing": [0], "pin": [1]}
@@ -120,25 +115,40 @@ def joint_statistics(
             step = abs(float(depth.max() - wear.coarser[k, some].sum(axis=0).max()))
             numbers[f"wear_depth_max_{name}_step_m"] = step
         if len(maps):
-            draws = resampled(maps[:, some].sum(axis=1), weights)
-            peak = peak_of(depth, draws, len(maps))
+            drawn = maps[:, some].sum(axis=1)
+            draws = resampled(drawn, weights)
+            peak = peak_of(depth, draws, len(maps), np.average(drawn, axis=0, weights=weights))
             numbers[f"wear_depth_max_{name}_interval_m"] = ends(widened(peak.depth, step))
             numbers[f"wear_depth_max_{name}_interval_deg"] = ends(peak.angle, np.degrees(1.0))
     return numbers
 
 
-def _mean(runs: Sequence[Array], apart: bool) -> dict[str, Any]:
-    """Mean over the cycles of all starts with its interval."""
-    return asdict(pooled(runs, apart)[0])
+def _mean_of(recorders: Recorders, alone: Recorders) -> Callable[..., dict[str, Any]]:
+    """What gives the mean of something that recorders have of each cycle, with its interval."""
+
+    def mean(each: Callable[[Recorder], Array]) -> dict[str, Any]:
+        return asdict(pooled([each(own) for own in recorders], [each(own) for own in alone])[0])
+
+    return mean
 
 
 def stage_statistics(
-    linkage: Linkage, recorders: Sequence[Recorder], wear: Wear, apart: bool
+    linkage: Linkage, recorders: Recorders, wear: Wear, alone: Recorders = ()
 ) -> dict[str, Any]:
-    """Numbers of one stage; see ``joint_statistics``."""
-    ran = [recorder for recorder in recorders if len(recorder.cycles)]
+    """Numbers of one stage.
+
+    Parameters
+    ----------
+    recorders : sequence of Recorder
+        Of each start.
+    alone : sequence of Recorder
+        Of each start on surfaces of its own, where the runs are the samples, not their cycles;
+        they may be the same.
+    """
+    ran, alone = ([own for own in some if len(own.cycles)] for some in (recorders, alone))
     if not ran:
         return {"cycles": 0}
+    mean = _mean_of(ran, alone)
     displacement, slowest, fastest, acceleration = (
         [recorder.each_cycle(name) for recorder in ran]
         for name in ("displacement_max", "velocity_min", "velocity_max", "acceleration_max")
@@ -150,12 +160,12 @@ def stage_statistics(
             "velocity_min_m_s": float(min(after_startup(own).min() for own in slowest)),
             "velocity_max_m_s": float(max(after_startup(own).max() for own in fastest)),
             "acceleration_max_m_s2": float(max(after_startup(own).max() for own in acceleration)),
-            "displacement_max_per_cycle_m": _mean(displacement, apart),
-            "velocity_max_per_cycle_m_s": _mean(fastest, apart),
-            "acceleration_max_per_cycle_m_s2": _mean(acceleration, apart),
+            "displacement_max_per_cycle_m": mean(lambda own: own.each_cycle("displacement_max")),
+            "velocity_max_per_cycle_m_s": mean(lambda own: own.each_cycle("velocity_max")),
+            "acceleration_max_per_cycle_m_s2": mean(lambda own: own.each_cycle("acceleration_max")),
         },
         "joints": {
-            joint.name: joint_statistics(joint, k, ran, wear, apart)
+            joint.name: joint_statistics(joint, k, ran, alone, wear)
             for k, joint in enumerate(linkage.clearances)
         },
     }

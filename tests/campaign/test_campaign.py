@@ -55,7 +55,7 @@ def test_the_next_stage_runs_on_the_amplified_wear(
     assert first.amplification == scene.represented_cycles
     _, ran = run_stage(scene, 0)
     for k, joint in enumerate(second.joints.values()):
-        expected = 1e6 * ran.recorders[0].maps.total[k]
+        expected = 1e6 * ran.recorders[0].maps.sampled[k]
         assert expected.max() > 0.0
         np.testing.assert_allclose(joint.depth("bearing"), expected[0], rtol=1e-14)
         np.testing.assert_allclose(joint.depth("pin"), expected[1], rtol=1e-14)

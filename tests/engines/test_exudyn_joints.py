@@ -140,12 +140,12 @@ def test_worn_volume_is_the_dose(press_runs: dict[str, Run]) -> None:
     recorder = press_runs["refined"].recorder
     joint = wear_times().linkage().clearances[0]
     assert joint.wear is not None
-    bins = recorder.maps.total.shape[2]
+    bins = recorder.maps.sampled.shape[2]
     area = joint.width * joint.bearing_radius * 2.0 * math.pi / bins
     for k in range(2):
         dose = recorder.cycles[0][5 + 3 * k + 1]
         assert dose > 0.0
-        volume = recorder.maps.total[k].sum() * area
+        volume = recorder.maps.sampled[k].sum() * area
         assert volume == pytest.approx(joint.wear.coefficient * dose, rel=1e-12)
 
 

@@ -12,6 +12,7 @@ from presswear.record.sampling import (
     MOST_BATCHES,
     STARTUP_CYCLES,
     MapBatches,
+    after_startup,
     batched,
     differ,
     estimate,
@@ -26,13 +27,13 @@ from presswear.record.sampling import (
 
 
 def test_interval_of_a_mean_over_cycles() -> None:
-    """Student's interval of 2, 4, 6 after the start-up cycle: 4 +- 4.303 * 2 / sqrt(3)."""
-    found = estimate(np.array([100.0, 2.0, 4.0, 6.0]))
+    """Student's interval of 2, 4, 6 after the start-up: 4 +- 4.303 * 2 / sqrt(3)."""
+    found = estimate(np.array([100.0, 50.0, 2.0, 4.0, 6.0]))
     assert found.mean == 4.0
     assert found.half_width == pytest.approx(4.30265 * 2.0 / 3.0**0.5, rel=1e-5)
     assert estimate(np.array([1.0])).half_width is None
-    # Too few to leave one out.
-    assert estimate(np.array([1.0, 3.0])).mean == 2.0
+    # Where no more ran, the last is the only sample.
+    assert estimate(np.array([1.0, 3.0])).mean == 3.0
 
 
 @given(st.integers(1, 500))
@@ -68,13 +69,13 @@ def test_map_batches_keep_sums_means_and_scatter(count: int, seed: int) -> None:
     found = MapBatches((2, 2, 5))
     for depth in maps:
         found.add(depth)
-    assert np.allclose(found.total, maps.sum(axis=0))
-    if count < STARTUP_CYCLES + LEAST_SAMPLES:
-        assert np.allclose(mean_map([found]), maps.mean(axis=0))
+    samples = maps[min(STARTUP_CYCLES, count - 1) :]
+    assert np.array_equal(after_startup(maps), samples)
+    assert found.samples == len(samples)
+    assert np.allclose(mean_map([found]), samples.mean(axis=0))
+    if len(samples) < LEAST_SAMPLES:
         assert np.all(np.isinf(map_errors(*map_batches([found]))))
         return
-    samples = maps[STARTUP_CYCLES:]
-    assert np.allclose(mean_map([found]), samples.mean(axis=0))
     whole = len(samples) // found.size
     expected = samples[: whole * found.size].reshape(whole, found.size, 2, 2, 5).mean(axis=1)
     assert np.allclose(found.batches(), expected)
@@ -96,8 +97,8 @@ def test_maps_of_several_starts_are_pooled_by_their_cycles() -> None:
         samples.append(maps[STARTUP_CYCLES:])
     assert np.allclose(mean_map(runs), np.concatenate(samples).mean(axis=0))
     batches, weights = map_batches(runs)
-    assert weights.tolist() == [1.0] * 11 + [4.0] * 19
-    plain = np.concatenate(samples).std(axis=0, ddof=1) / np.sqrt(90)
+    assert weights.tolist() == [1.0] * 10 + [4.0] * 19
+    plain = np.concatenate(samples).std(axis=0, ddof=1) / np.sqrt(88)
     expected = np.sqrt((plain**2).sum() / (mean_map(runs) ** 2).sum())
     assert map_errors(batches, weights)[0] == pytest.approx(expected, rel=0.25)
 
@@ -155,14 +156,14 @@ def test_runs_that_differ_are_single_samples() -> None:
     apart = [generator.normal(mean, 1.0, 30) for mean in (8.0, 10.0, 12.0)]
     together, are_apart = pooled(alike)
     assert not are_apart
-    assert together.cycles == 87
+    assert together.cycles == 84
     assert together.half_width is not None
     assert together.half_width < 0.5
     wide, are_apart = pooled(apart)
     assert are_apart
     assert wide.half_width is not None
     assert wide.half_width == pytest.approx(
-        half_width(np.array([rows[1:].mean() for rows in apart])) or 0.0
+        half_width(np.array([rows[STARTUP_CYCLES:].mean() for rows in apart])) or 0.0
     )
     assert wide.half_width > 2.0
 

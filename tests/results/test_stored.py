@@ -30,7 +30,7 @@ def document(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     """A run of two stages, as if it had failed and left a checkpoint."""
     scene = wear_times()
     scene = replace(
-        scene, mechanism=replace(scene.mechanism, speed=60.0), engine="dae", cycles=3, wears=1
+        scene, mechanism=replace(scene.mechanism, speed=60.0), engine="dae", cycles=5, wears=1
     )
     path = tmp_path_factory.mktemp("result") / "run"
     run_scene(scene, path)

@@ -80,15 +80,14 @@ def _settled(result: Result, stages: Sequence[ShownStage]) -> tuple[list[ShownSt
     """The stages over the part of the motion that is shown: cycles behind the start-up."""
     period = result.scene.mechanism.period
     whole = [round(float(stage.data.time[-1]) / period - 0.48) for stage in stages]
-    behind = min(whole) > STARTUP_CYCLES
-    first = STARTUP_CYCLES if behind else 0
+    first = max(min(STARTUP_CYCLES, min(whole) - 1), 0)
     begin = first * period
     last = max(float(stage.data.time[-1]) for stage in stages)
     end = min(begin + SHOWN_CYCLES * period, last)
     cycles = round(end / period)
     if abs(end / period - cycles) > 0.02:
         words = f"the first {end / period:.2g} cycles"
-    elif behind:
+    elif first:
         one = first + 1 == cycles
         words = f"cycle {cycles}" if one else f"cycles {first + 1} to {cycles}"
     else:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from presswear.campaign.deviation import COLUMNS
 from presswear.record.sampling import (
     LEAST_SAMPLES,
+    about,
     after_startup,
     basic_interval,
     map_errors,
@@ -98,7 +99,7 @@ def each_cycle(stage: StageResult, joint: str, name: str) -> Array:
 
 
 def _samples(result: Result, place: Place, quantity: str) -> list[Array]:
-    """One number a cycle, by start."""
+    """One number a cycle, by start, and behind the starts of the first set those of the other."""
     stage, name = result.stages[place.wears], CYCLES[quantity]
     if name in COLUMNS:
         values = stage.arrays["deviation"][:, COLUMNS.index(name)]
@@ -183,9 +184,14 @@ class Evidence:
         result = self.worn_at(case, place)
         if result is None:
             return None
-        mean, draws, count = _drawn(result, place.joint, range(place.wears))
-        low, high = pointwise_interval(mean[0], draws[:, 0], count)
-        return WearMap(result.stages[0].angle, mean[0], np.maximum(low, 0.0), high)
+        wear = _drawn(result, place.joint, range(place.wears))
+        mean, centre = wear.mean[0], wear.centre[0]
+        low, high = pointwise_interval(centre, wear.draws[:, 0], wear.count)
+        low, high = (
+            mean + side * np.hypot(end - centre, mean - centre)
+            for side, end in ((-1.0, low), (1.0, high))
+        )
+        return WearMap(result.stages[0].angle, mean, np.maximum(low, 0.0), high)
 
     def map_error(self, case: str, place: Place) -> float | None:
         """Standard error of the map of the last wear at a place, part of its rms."""
@@ -202,7 +208,11 @@ def _of_cycles(result: Result, place: Place, quantity: str) -> Measured | None:
     rows = _samples(result, place, quantity)
     if not rows:
         return None
-    estimate, apart = pooled(rows)
+    draws_of = result.scene.draws
+    # Behind a wear each start runs on surfaces of its own.
+    alone = rows[-draws_of:] if place.wears > 0 else ()
+    rows = rows[:draws_of]
+    estimate, apart = pooled(rows, alone)
     mean, half = estimate.mean, estimate.half_width
     samples = np.concatenate([after_startup(own) for own in rows])
     draws = None
@@ -227,44 +237,61 @@ def _of_maps(result: Result, place: Place, quantity: str) -> Measured | None:
         return None
     last = place.wears - 1
     stages = range(last if quantity in _LAST else 0, place.wears)
-    mean, draws, count = _drawn(result, place.joint, stages)
+    wear = _drawn(result, place.joint, stages)
     if quantity in _MAPS:
         functional = _MAPS[quantity]
-        found = basic_interval(float(functional(mean)), functional(draws), count)
-    elif len(mean) == 1:
-        found = peak_of(mean[0], draws[:, 0], count).angle
+        centre = float(functional(wear.centre))
+        interval = basic_interval(centre, functional(wear.draws), wear.count)
+        found = about(float(functional(wear.mean)), interval)
+    elif len(wear.mean) == 1:
+        found = peak_of(wear.mean[0], wear.draws[:, 0], wear.count).angle
     else:
         return None
     ends = None if found.low is None or found.high is None else (found.low, found.high)
     rows = _samples(result, Place(place.setting, last, place.joint), "dose")
+    rows = rows[: result.scene.draws]
     cycles = sum(after_startup(own).size for own in rows)
     return Measured(found.value, ends, samples=cycles, starts=len(rows))
 
 
-def _drawn(result: Result, joint: str, stages: range) -> tuple[Array, Array, int]:
-    """Mean of the wears after some stages added up, its draws, and their fewest samples.
+@dataclass(frozen=True)
+class _Drawn:
+    """The wears after some stages added up, m; see the quantities of maps.
 
-    Returns
-    -------
+    Attributes
+    ----------
     mean : ndarray, shape (surfaces, m)
-        m; see the quantities of maps.
+    centre : ndarray, shape (surfaces, m)
+        Mean of the maps that the draws are from.
     draws : ndarray, shape (RESAMPLES, surfaces, m)
     count : int
+        Fewest maps that they are from.
     """
+
+    mean: Array
+    centre: Array
+    draws: Array
+    count: int
+
+
+def _drawn(result: Result, joint: str, stages: range) -> _Drawn:
+    """Add up the wears after some stages."""
     turns = result.scene.conventions.map_frame == "body"
-    pools = []
+    pools, wears = [], []
     for stage in stages:
         arrays = result.stages[stage].arrays
         maps, weights = arrays[f"{joint}_wear_batches"], arrays["wear_batch_cycles"]
+        wear = np.stack([arrays[f"{joint}_wear_{side}"] for side in SIDES])
         if not len(maps):
             # Too few cycles for batches: the wear is one.
-            sides = [arrays[f"{joint}_wear_{side}"] for side in SIDES]
-            maps, weights = np.stack(sides)[np.newaxis], np.ones(1)
+            maps, weights = wear[np.newaxis], np.ones(1)
+        wears.append(wear if turns else wear.sum(axis=0, keepdims=True))
         pools.append((maps if turns else maps.sum(axis=1, keepdims=True), weights))
     shape = pools[0][0].shape[1:]
-    mean = sum((np.tensordot(w / w.sum(), m, 1) for m, w in pools), np.zeros(shape))
+    centre = sum((np.tensordot(w / w.sum(), m, 1) for m, w in pools), np.zeros(shape))
     draws = sum(
         (resampled(m.reshape(len(m), -1), w, seed) for seed, (m, w) in enumerate(pools)),
-        np.zeros((1, mean.size)),
+        np.zeros((1, centre.size)),
     )
-    return mean, draws.reshape(-1, *shape), min(len(m) for m, _ in pools)
+    mean = np.sum(wears, axis=0)
+    return _Drawn(mean, centre, draws.reshape(-1, *shape), min(len(m) for m, _ in pools))

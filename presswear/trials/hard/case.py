@@ -103,7 +103,7 @@ def sound(run: Run, plan: Plan) -> Run:
     arrays = {
         "series": recorder.rows,
         "cycles": np.array(recorder.cycles),
-        "wear": recorder.maps.total,
+        "wear": recorder.maps.sampled,
         "position": run.end.position,
         "velocity": run.end.velocity,
         "energy": np.array([x for x in run.diagnostics.values() if isinstance(x, float)]),

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 from invented import BINS, CYCLES, EVEN, every_evidence, evidence_of, stage
 
+from presswear.record.sampling import STARTUP_CYCLES, half_width
 from presswear.scene.scene import Conventions
 from presswear.studies.paper.evidence import Evidence, Measured
 from presswear.studies.paper.printed import Place
-from presswear.studies.paper.variants import base_scene
+from presswear.studies.paper.variants import BASE, base_scene, variant_key
 from presswear.studies.paper.words import QUANTITIES
 
 SETTING = "wear-times"
@@ -24,17 +25,17 @@ def known(evidence: Evidence, quantity: str, wears: int = 0, joint: str = "") ->
     return found
 
 
-def test_a_peak_is_the_mean_over_cycles_behind_the_first_of_each_start() -> None:
+def test_a_peak_is_the_mean_over_cycles_behind_the_startup_of_each_start() -> None:
     arrays = one(0, 1, force=[EVEN] * 3)
     found = known(evidence_of(SETTING, arrays), "force", joint="A")
-    samples = arrays["cycles"].reshape(3, CYCLES, -1)[:, 1:, 5]
+    samples = arrays["cycles"].reshape(3, CYCLES, -1)[:, STARTUP_CYCLES:, 5]
     assert found.value == pytest.approx(samples.mean())
-    assert (found.samples, found.starts, found.differ) == (3 * (CYCLES - 1), 3, False)
+    assert (found.samples, found.starts, found.differ) == (3 * (CYCLES - STARTUP_CYCLES), 3, False)
     assert found.ends is not None
     assert found.ends[0] < 200.0 < found.ends[1]
     assert found.draws is not None
     assert found.draws[0] < 170.0
-    assert found.draws[1] > 230.0
+    assert found.draws[1] > 225.0
 
 
 def test_contacts_are_counted_by_cycle_and_start_and_given_by_second() -> None:
@@ -113,6 +114,20 @@ def test_what_did_not_run_is_missing() -> None:
     assert none.measured("standard", Place(SETTING, 0, "A"), "force") is None
 
 
+def test_behind_a_wear_the_starts_alone_give_the_interval() -> None:
+    """The value is of the first set of starts; the other says how far it may be off."""
+    even, higher = dict(EVEN), {name: 1.5 * force for name, force in EVEN.items()}
+    evidence = evidence_of(SETTING, one(0, 1), one(1, 2, force=[even] * 2 + [higher] * 2), starts=2)
+    found = known(evidence, "force", 1, "A")
+    rows = evidence.results[variant_key(BASE, SETTING)].stages[1].arrays["cycles"]
+    each = rows.reshape(4, CYCLES, -1)[:, STARTUP_CYCLES:, 5].mean(axis=1)
+    assert found.value == pytest.approx(each[:2].mean())
+    assert found.starts == 2
+    assert found.ends is not None
+    half = math.hypot(half_width(each[2:]) or 0.0, each[:2].mean() - each[2:].mean())
+    assert found.ends[1] - found.value == pytest.approx(half)
+
+
 def test_every_quantity_has_words_and_can_be_measured() -> None:
     for quantity in QUANTITIES:
         joint = "" if quantity.endswith("_off") or quantity in SLIDER else "A"
@@ -126,6 +141,7 @@ def test_maps_that_turn_are_not_added_up_by_their_angles() -> None:
     """Each surface's own deepest place counts, wherever it is; there is no common angle."""
     arrays = one(0, 1)
     arrays["A_wear_batches"][:, 1] = np.roll(arrays["A_wear_batches"][:, 1], 30, axis=-1)
+    arrays["A_wear_pin"] = np.roll(arrays["A_wear_pin"], 30)
     fixed = known(evidence_of(SETTING, arrays), "depth", 1, "A").value
     turned = known(turning(arrays), "depth", 1, "A").value
     assert turned == pytest.approx(20e-6, rel=0.05)
