@@ -8,11 +8,13 @@ elastic overlap of the surfaces, twice of which a bump would overshoot.  The err
 goes as one over the cycles; a pass with twice as many shows it.
 
 In one jump, as the paper does, a map is multiplied as it is, and its noise with it: the next
-stage runs on a rougher surface than the true one, and what it tells is off by an amount that goes
-as one over the cycles of the map.  So the starts go on twice: together, on the mean of all their
-maps, and each alone on its own, which has as many times fewer cycles.  Those alone are
-independent, and say how much chance there is in it; their distance from those together bounds what
-the noise still does to these.
+stage runs on a surface the rougher, the fewer cycles its map is of, and what it tells falls or
+rises with them about as their root (of the paper's scene mean peak forces at A after two such
+wears of 50, 200 and 2000 cycles were 298, 256 and 226 N).  So a number behind a jump is one for
+that many cycles, as it is one for that many angles; the paper's are 200.  The starts go on twice:
+together, on the mean of all their maps, and each alone on its own map.  Those alone are
+independent, and say how much chance there is in it; their distance from those together, which is
+counted as an error, says how much the number of cycles does.
 """
 
 import math

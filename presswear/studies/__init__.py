@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 STUDIES = {
     "paper": "Study: every number and figure of the paper, with errors",
     "runaway": "Study: does the second wear run away? One reading changed at a time",
-    "coverage": "Study: do the intervals hold? 60 campaigns beside a long one",
+    "coverage": "Study: do the intervals hold? 60 campaigns beside many long ones",
 }
 """Names and titles of the studies, which run several scenes each."""
 

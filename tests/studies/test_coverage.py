@@ -1,5 +1,6 @@
 """The study of coverage, on campaigns whose intervals are known to hold or not."""
 
+import math
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,7 @@ import pytest
 from presswear.campaign.parallel import run_study
 from presswear.campaign.study import results_of
 from presswear.studies.coverage.report import answer, coverages, estimates
-from presswear.studies.coverage.variants import CAMPAIGNS, make
+from presswear.studies.coverage.variants import CAMPAIGNS, TRUTHS, make
 
 SPREAD, TRUE = 4.0, 200.0
 
@@ -37,9 +38,12 @@ def test_intervals_that_hold_are_told_from_those_that_do_not(
     """Half widths in standard deviations of the estimates: 1 holds in 68 %."""
     draws = TRUE + SPREAD * (bias + np.random.default_rng(3).standard_normal(400))
     campaigns = [[stage(float(draw), half * SPREAD)] for draw in draws]
-    found = {one.quantity: one for one in coverages("paper", [stage(TRUE, 0.1)], campaigns)}
+    truths = [[stage(TRUE + off, 0.1)] for off in (-1.0, 0.0, 1.0)]
+    found = {one.quantity: one for one in coverages("paper", truths, campaigns)}
     force = found["force_max_per_cycle_N, A"]
     assert force.passes == passes
+    assert force.truth.value == TRUE
+    assert force.truth.high == pytest.approx(TRUE + 4.3027 / math.sqrt(3.0), rel=1e-4)
     assert force.bias == pytest.approx(bias / half, abs=0.06)
     assert found["wear_depth_max_both_m, A"].row()[5] == "400 of 400"
     # Without an interval nothing can hold.
@@ -57,28 +61,28 @@ def test_the_error_of_the_step_belongs_to_the_volume() -> None:
 
 def test_campaigns_share_no_start_with_each_other_or_the_truth() -> None:
     study = make()
-    assert len(study.variants) == 2 * (CAMPAIGNS + 1)
     seeds = [variant.scene.seed for variant in study.variants]
-    assert sorted(seeds) == sorted([0, *range(1, CAMPAIGNS + 1)] * 2)
+    assert sorted(seeds) == sorted([*range(1, CAMPAIGNS + TRUTHS + 1)] * 2)
     for variant in study.variants:
-        assert (variant.scene.seed == 0) == (variant.scene.cycles == 200)
+        assert (variant.scene.seed > CAMPAIGNS) == (variant.scene.cycles == 200)
 
 
 @pytest.mark.slow
 def test_intervals_of_a_wear_cycle_by_cycle_hold(tmp_path: Path) -> None:
     """Of twenty intervals of 95 % fewer than seventeen hold by chance in one of forty."""
     whole = make(lambda scene: replace(scene, wears=1))
-    truth, *campaigns = [v for v in whole.variants if v.key.startswith("refined")][:21]
-    long = replace(truth, scene=replace(truth.scene, starts=8, cycles=100))
-    study = replace(whole, variants=(long, *campaigns))
+    refined = [variant for variant in whole.variants if variant.key.startswith("refined")]
+    long = [replace(v, scene=replace(v.scene, cycles=100)) for v in refined[:8]]
+    campaigns = refined[TRUTHS : TRUTHS + 20]
+    study = replace(whole, variants=(*long, *campaigns))
     run_study(study, tmp_path, 2, resume=False)
     stages = [
         [stage.statistics for stage in result.stages]
         for _, result in results_of(study, tmp_path)
         if result is not None
     ]
-    assert len(stages) == 21
-    found = list(coverages("refined", stages[0], stages[1:]))
+    assert len(stages) == 28
+    found = list(coverages("refined", stages[:8], stages[8:]))
     wear = [one for one in found if one.stage == 0]
     assert len(wear) == 1 + 2 * 4
     for one in wear:

@@ -1,1 +1,1 @@
-"""Do the intervals hold?  Many independent campaigns of one scene beside a long one."""
+"""Do the intervals hold?  Independent campaigns of one scene beside the mean of long ones."""

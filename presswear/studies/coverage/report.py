@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from presswear.campaign.study import Study, results_of
-from presswear.record.sampling import Interval
+from presswear.record.sampling import Interval, half_width
 from presswear.scene.scene import CONVENTIONS, stage_name
 from presswear.show.report.page import render_page
 from presswear.show.report.parts import Table
@@ -17,6 +17,7 @@ from presswear.tools.files import write_bytes
 from presswear.tools.numbers import readable
 
 Statistics = Mapping[str, Any]
+Stages = Sequence[Statistics]
 
 WANTED = 0.88
 """Part of the intervals that have to hold: of sixty of 95 %, fewer are chance in one of fifty."""
@@ -83,46 +84,50 @@ class Coverage:
 
 
 def estimates(statistics: Statistics) -> dict[str, Interval]:
-    """Everything of a stage that stands with an interval, by quantity and joint."""
-    found: dict[str, Interval] = {}
+    """Everything of a stage that is stored with an interval, by quantity and joint."""
     mean = statistics["slider"]["acceleration_max_per_cycle_m_s2"]
-    _add(found, "acceleration_max_per_cycle_m_s2", mean["mean"], mean["half_width"])
+    found = {"acceleration_max_per_cycle_m_s2": _around(mean["mean"], mean["half_width"])}
     for joint, own in statistics["joints"].items():
         force = own["force_max_per_cycle_N"]
-        _add(found, f"force_max_per_cycle_N, {joint}", force["mean"], force["half_width"])
+        found[f"force_max_per_cycle_N, {joint}"] = _around(force["mean"], force["half_width"])
         half = own["wear_volume_half_width_m3"]
         if half is not None:
             half = float(np.hypot(half, own.get("wear_volume_step_m3", 0.0)))
-        _add(found, f"wear_volume_m3, {joint}", own["wear_volume_m3"], half)
+        found[f"wear_volume_m3, {joint}"] = _around(own["wear_volume_m3"], half)
         for side in ("bearing", "pin", "both"):
-            ends = own.get(f"wear_depth_max_{side}_interval_m")
-            if ends is not None:
-                name = f"wear_depth_max_{side}_m"
-                found[f"{name}, {joint}"] = Interval(own[name], *map(float, ends))
+            name = f"wear_depth_max_{side}_m"
+            if name in own:
+                ends = own.get(f"wear_depth_max_{side}_interval_m") or (None, None)
+                found[f"{name}, {joint}"] = Interval(own[name], *ends)
     return found
 
 
-def _add(found: dict[str, Interval], name: str, value: float, half: float | None) -> None:
-    if half is not None:
-        found[name] = Interval(value, value - half, value + half)
+def _around(value: float, half: float | None) -> Interval:
+    return Interval(value, *((None, None) if half is None else (value - half, value + half)))
 
 
 def coverages(
-    conventions: str, truth: Sequence[Statistics], campaigns: Sequence[Sequence[Statistics]]
+    conventions: str, truths: Sequence[Stages], campaigns: Sequence[Stages]
 ) -> Iterator[Coverage]:
-    """Hold every quantity of every stage of some campaigns against the truth.
+    """Hold every quantity of every stage of some campaigns against the mean of the long ones.
 
     Parameters
     ----------
-    truth, campaigns : sequence of mapping
-        Statistics of each stage, of the long campaign and of each other one.
+    truths, campaigns : sequence of sequence of mapping
+        Statistics of each stage of each campaign.
     """
-    for k, stage in enumerate(truth):
-        drawn = [estimates(stages[k]) for stages in campaigns if len(stages) > k]
-        for quantity, right in estimates(stage).items():
+    for k in range(max(map(len, truths), default=0)):
+        longer, drawn = (
+            [estimates(stages[k]) for stages in some if len(stages) > k]
+            for some in (truths, campaigns)
+        )
+        for quantity in drawn[0] if drawn else ():
+            values = np.array([one[quantity].value for one in longer if quantity in one])
             own = [one[quantity] for one in drawn if quantity in one]
-            if not own:
+            own = [one for one in own if one.low is not None]
+            if not (values.size and own):
                 continue
+            right = _around(float(values.mean()), half_width(values))
             low, high = (np.array([getattr(one, end) for one in own]) for end in ("low", "high"))
             held = (low <= right.value) & (right.value <= high)
             means = np.array([one.value for one in own])
@@ -132,7 +137,7 @@ def coverages(
 def answer(found: Sequence[Coverage]) -> str:
     """The study's answer in a sentence or two."""
     if not found:
-        return "The long campaign or all others have not run: nothing can be said."
+        return "The long campaigns or all others have not run: nothing can be said."
     held = sum(one.held.mean() >= WANTED for one in found)
     true = sum(abs(one.bias) <= BIAS for one in found)
     worst = min(found, key=lambda one: float(one.held.mean()))
@@ -153,9 +158,9 @@ def write_report(study: Study, folder: Path) -> tuple[str, Path]:
     }
     found: list[Coverage] = []
     for name in CONVENTIONS:
-        truth = stages.pop(f"{name}-{TRUTH}", [])
-        own = [some for key, some in stages.items() if key.startswith(f"{name}-")]
-        found += coverages(name, truth, own)
+        own = {key: some for key, some in stages.items() if key.startswith(f"{name}-")}
+        truths = [own.pop(key) for key in list(own) if key.startswith(f"{name}-{TRUTH}-")]
+        found += coverages(name, truths, list(own.values()))
     head = ("quantity", "truth", "mean estimate", "mean half width", "off, half widths", "held", "")
     groups = {
         f"{one.conventions}, {stage_name(one.stage)}": tuple(
@@ -173,7 +178,7 @@ def write_report(study: Study, folder: Path) -> tuple[str, Path]:
         answer=sentence,
         outcomes=Table(head, tuple(groups.items())),
         figures=[],
-        notes=["The interval behind a truth is that of its own starts."],
+        notes=["The interval behind a truth is that of the mean of the long campaigns."],
     )
     path = folder / "report.html"
     write_bytes(path, text.encode())
