@@ -23,7 +23,7 @@ def start_of(scene: Scene, index: int = 0) -> Start:
         Of several starts, each beside the other by APART; the scene's seed moves all of them by
         parts of that.
     """
-    motion = scene.mechanism.ideal_motion(np.zeros(1))
+    motion = scene.ideal.at(np.zeros(1))
     start = Start(motion.position[0], motion.velocity[0])
     # Multiples of the golden ratio leave no two seeds close together.
     distance = (index + scene.seed * GOLDEN % 1.0) * APART

@@ -8,8 +8,11 @@ of ``Linkage.bodies``.  The frame is the name ``GROUND``; points on it are globa
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
+import numpy as np
+
 from presswear.linkage.laws import FrictionLaw, NormalLaw
 from presswear.linkage.surface import Surface
+from presswear.tools.arrays import Array
 
 GROUND = "frame"
 
@@ -83,6 +86,10 @@ class Drive:
     body: str
     angle: float
     speed: float
+
+    def motion(self, time: Array) -> tuple[Array, Array, Array]:
+        """Angle, rad, speed, rad/s, and acceleration, rad/s^2, at some instants, s."""
+        return self.angle + self.speed * time, np.full_like(time, self.speed), np.zeros_like(time)
 
 
 @dataclass(frozen=True)

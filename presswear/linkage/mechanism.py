@@ -6,11 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Any, ClassVar, Self
 
-import numpy as np
-
-from presswear.linkage.dyads import Point, bar_state, slider_state
 from presswear.linkage.elements import Linkage
-from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import check_fields, quantity
 
@@ -43,16 +39,6 @@ def inertia(status: str, default: float, text: str) -> Any:
 def gravity() -> Any:
     """A dataclass field: acceleration along -y, m/s^2."""
     return quantity(9.81, "m/s^2", -100.0, 100.0, "assumed", "gravity along -y")
-
-
-@dataclass(frozen=True)
-class Motion:
-    """Coordinates of all bodies over time, shapes (n,) and (n, 3 bodies), SI and rad."""
-
-    time: Array
-    position: Array
-    velocity: Array
-    acceleration: Array
 
 
 @dataclass(frozen=True)
@@ -108,66 +94,7 @@ class Mechanism(ABC):
     def linkage(self) -> Linkage:
         """The ideal linkage, every joint closed."""
 
-    def ideal_motion(self, time: Array) -> Motion:
-        """Motion of every body with all joints closed, in closed form.
-
-        Parameters
-        ----------
-        time : ndarray, shape (n,)
-            s.
-
-        Raises
-        ------
-        AssemblyError
-            Where two links cannot meet; says which, and at what crank angle.
-        """
-        return self._motion(np.atleast_1d(np.asarray(time, dtype=float)), 0.0)
-
+    @property
     @abstractmethod
-    def _motion(self, time: Array, least: float) -> Motion:
-        """``ideal_motion``, refused unless each pair of links is bent by ``least``.
-
-        That is the square of the sine of the angle by which it is short of stretched.
-        """
-
-    @abstractmethod
-    def check_assembly(self) -> None:
-        """Raise AssemblyError unless the linkage closes over the whole cycle."""
-
-
-def motion_of(
-    linkage: Linkage, time: Array, joints: Mapping[str, Point], axes: Mapping[str, tuple[str, str]]
-) -> Motion:
-    """Put the motions of single bodies together in the order of a linkage.
-
-    Angles of driven bodies are exact; those of the others are made continuous in time.
-
-    Parameters
-    ----------
-    time : ndarray, shape (n,)
-        s.
-    joints : mapping of str to Point
-        Motions of the revolute joints by their names; a body on a guide has one, in its mass
-        centre.
-    axes : mapping of str to tuple of str
-        Joints by name of the body that its x axis points from and to; none of bodies on guides.
-    """
-    ends = {
-        (end.body, joint.name): end
-        for joint in linkage.revolutes
-        for end in (joint.first, joint.second)
-    }
-    states = {
-        body: bar_state(ends[body, tail], joints[tail], joints[head])
-        for body, (tail, head) in axes.items()
-    }
-    for guide in linkage.guides:
-        (name,) = (name for body, name in ends if body == guide.body)
-        states[guide.body] = slider_state(joints[name], guide.angle)
-    position, velocity, acceleration = (
-        np.hstack([states[body.name][level] for body in linkage.bodies]) for level in range(3)
-    )
-    position[:, 2::3] = np.unwrap(position[:, 2::3], axis=0)
-    for drive in linkage.drives:
-        position[:, 3 * linkage.index(drive.body) + 2] = drive.angle + drive.speed * time
-    return Motion(time, position, velocity, acceleration)
+    def guess(self) -> Mapping[str, float]:
+        """Rough angle of each body at the start that is neither driven nor guided, rad."""

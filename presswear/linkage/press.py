@@ -5,15 +5,13 @@ rod 5, slider 6, crank 7.  The paper does not print enough to fix the mechanism;
 each value says whether it is the paper's, chosen or assumed.
 """
 
+import cmath
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, Self
 
-import numpy as np
-
-from presswear.linkage.dyads import Course, Line, Point, crank, dyad, slide
 from presswear.linkage.elements import (
     GROUND,
     Attachment,
@@ -28,14 +26,11 @@ from presswear.linkage.elements import (
 from presswear.linkage.mechanism import (
     LONG,
     Mechanism,
-    Motion,
     gravity,
     inertia,
     length,
     mass,
-    motion_of,
 )
-from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import check_fields, named_set, quantity
 
@@ -43,18 +38,6 @@ CRANK_2_START = math.radians(-119.27)
 CRANK_7_START = math.radians(-51.18)
 RIGHT, LEFT = -1.0, 1.0
 BELOW, ABOVE = -1.0, 1.0
-
-_DEAD_POINT = 1e-4
-"""Square of the sine at which a pair of links counts as stretched: 0.6 degrees."""
-
-_AXES = {
-    "crank 2": ("A", "O2"),
-    "rod 3": ("B", "A"),
-    "plate 4": ("D", "B"),
-    "rod 5": ("E", "C"),
-    "crank 7": ("O7", "D"),
-}
-"""Joints that the x axes of the bodies point from and to."""
 
 _length, _mass, _inertia = (partial(make, "paper") for make in (length, mass, inertia))
 _side = partial(length, "paper, reading chosen")
@@ -218,20 +201,27 @@ class Press(Mechanism):
             gravity=self.gravity,
         )
 
-    def _motion(self, time: Array, least: float) -> Motion:
+    @property
+    def guess(self) -> Mapping[str, float]:
+        """Angles of the rods and the plate at the start, rad, from circles that meet."""
         geometry = self.geometry
-        o2 = Point.fixed(geometry.hx, geometry.hy, time.size)
-        o7 = Point.fixed(0.0, 0.0, time.size)
-        a = crank(o2, -self.length_2, CRANK_2_START - self.speed * time, -self.speed)
-        d = crank(o7, self.length_7, CRANK_7_START + self.speed * time, self.speed)
-        course = Course(np.degrees(self.speed * time), least)
-        b = dyad(d, a, geometry.side_bd, self.length_3, geometry.side_b, "B", course)
-        c = dyad(d, b, geometry.side_cd, geometry.side_bc, geometry.side_c, "C", course)
-        guide = Line((geometry.hx, 0.0), (0.0, 1.0))
-        e = slide(c, self.length_5, guide, geometry.slider_side, ("C", "rod 5", "E"), course)
-        joints = {"O2": o2, "O7": o7, "A": a, "B": b, "C": c, "D": d, "E": e}
-        return motion_of(self.linkage(), time, joints, _AXES)
+        a = complex(geometry.hx, geometry.hy) - cmath.rect(self.length_2, CRANK_2_START)
+        d = cmath.rect(self.length_7, CRANK_7_START)
+        b = _meeting(d, a, geometry.side_bd, self.length_3, geometry.side_b)
+        c = _meeting(d, b, geometry.side_cd, geometry.side_bc, geometry.side_c)
+        across = c.real - geometry.hx
+        down = math.sqrt(max(self.length_5**2 - across**2, 0.0))
+        rod_5 = complex(across, -geometry.slider_side * down)
+        return {
+            "rod 3": cmath.phase(a - b),
+            "plate 4": cmath.phase(b - d),
+            "rod 5": cmath.phase(rod_5),
+        }
 
-    def check_assembly(self) -> None:
-        """Raise AssemblyError unless the linkage closes over the whole cycle."""
-        self._motion(np.linspace(0.0, self.period, 1441), _DEAD_POINT)
+
+def _meeting(p: complex, q: complex, from_p: float, from_q: float, side: float) -> complex:
+    """The point at given distances from two others, on a given side of p to q, or nearly."""
+    length = max(abs(q - p), 1e-12)
+    along = (length**2 + from_p**2 - from_q**2) / (2.0 * length)
+    across = side * math.sqrt(max(from_p**2 - along**2, 0.0))
+    return p + complex(along, across) * (q - p) / length

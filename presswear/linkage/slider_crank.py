@@ -6,12 +6,10 @@ literature (Flores) and were not checked against a page.
 """
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 
-import numpy as np
-
-from presswear.linkage.dyads import Course, Line, Point, crank, slide
 from presswear.linkage.elements import (
     GROUND,
     Attachment,
@@ -26,15 +24,12 @@ from presswear.linkage.elements import (
 from presswear.linkage.mechanism import (
     LONG,
     Mechanism,
-    Motion,
     gravity,
     inertia,
     length,
     mass,
-    motion_of,
 )
-from presswear.tools.arrays import Array
-from presswear.tools.errors import AssemblyError
+from presswear.tools.errors import InputError
 from presswear.tools.quantities import quantity
 
 LITERATURE = "literature, from memory"
@@ -66,6 +61,17 @@ class SliderCrank(Mechanism):
     speed: float = quantity(
         5000.0 * math.pi / 30.0, "rad/s", 1.0, 5000.0, LITERATURE, "crank speed, 5000 rpm"
     )
+
+    def __post_init__(self) -> None:
+        """InputError where a quantity is out of range, or the crank cannot turn all around."""
+        super().__post_init__()
+        least = _LEAST_RATIO * self.crank_length
+        if not self.rod_length >= least:
+            raise InputError(
+                f"rod_length = {self.rod_length:g} m: with crank_length = {self.crank_length:g} m "
+                f"allowed is {least:.6g} m to {LONG:g} m; joint B does not close over the whole "
+                "turn"
+            )
 
     @property
     def origin(self) -> str:
@@ -103,22 +109,7 @@ class SliderCrank(Mechanism):
             gravity=self.gravity,
         )
 
-    def _motion(self, time: Array, least: float) -> Motion:
-        theta = self.speed * time
-        o = Point.fixed(0.0, 0.0, time.size)
-        a = crank(o, self.crank_length, theta, self.speed)
-        guide = Line((0.0, 0.0), (1.0, 0.0))
-        course = Course(np.degrees(theta), least)
-        b = slide(a, self.rod_length, guide, 1.0, ("A", "the rod", "B"), course)
-        axes = {"crank": ("O", "A"), "rod": ("A", "B")}
-        return motion_of(self.linkage(), time, {"O": o, "A": a, "B": b}, axes)
-
-    def check_assembly(self) -> None:
-        """Raise AssemblyError unless the crank can turn all around."""
-        least = _LEAST_RATIO * self.crank_length
-        if not self.rod_length >= least:
-            raise AssemblyError(
-                f"rod_length = {self.rod_length:g} m: with crank_length = {self.crank_length:g} m "
-                f"allowed is {least:.6g} m to {LONG:g} m; joint B does not close over the whole "
-                "turn"
-            )
+    @property
+    def guess(self) -> Mapping[str, float]:
+        """Angle of the rod at the start, rad."""
+        return {"rod": 0.0}

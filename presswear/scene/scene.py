@@ -31,6 +31,7 @@ from presswear.linkage.press import Press
 from presswear.linkage.slider_crank import SliderCrank
 from presswear.linkage.surface import Surface
 from presswear.linkage.topology import branches_of
+from presswear.physics.assembly import IdealMotion, motion_of
 from presswear.tools.arrays import Array
 from presswear.tools.documents import typed
 from presswear.tools.errors import InputError
@@ -284,7 +285,7 @@ class Scene:
             )
         if self.draws > 1 and not self.clearance_joints:
             raise InputError(f"starts = {self.starts}: without a clearance joint allowed is 1")
-        self.mechanism.check_assembly()
+        _ = self.ideal
         reason = branches_of(self.linkage()) if self.engine == ExudynTree.word else ""
         if isinstance(reason, str) and reason:
             others = ", ".join(name for name in ENGINES if name != ExudynTree.word)
@@ -335,10 +336,13 @@ class Scene:
         named = {engine.word: engine for engine in (numerics.tree, numerics.joints, numerics.dae)}
         return named[self.engine]
 
+    @property
+    def ideal(self) -> IdealMotion:
+        """The motion of the mechanism with all joints closed."""
+        return motion_of(self.mechanism)
+
     def ideal_slider(self, time: Array) -> Array:
         """Displacement from the start, velocity and acceleration of the slider, joints closed.
-
-        In closed form.
 
         Parameters
         ----------
@@ -353,7 +357,7 @@ class Scene:
         linkage = self.mechanism.linkage()
         column = 3 * linkage.index(linkage.probe.body)
         along = np.array([math.cos(linkage.probe.direction), math.sin(linkage.probe.direction)])
-        motion = self.mechanism.ideal_motion(np.append(0.0, time))
+        motion = self.ideal.at(np.append(0.0, time))
         levels = (motion.position, motion.velocity, motion.acceleration)
         slider = np.column_stack([level[:, column : column + 2] @ along for level in levels])
         slider[:, 0] -= slider[0, 0]

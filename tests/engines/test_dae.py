@@ -27,7 +27,7 @@ def test_multipliers_solve_equation_18(joints: str) -> None:
     scene = replace(PRESS, joints=joints)
     linkage = scene.linkage()
     packed, constraints = pack(linkage), constraints_of(linkage)
-    motion = scene.mechanism.ideal_motion(np.array([0.1]))
+    motion = scene.ideal.at(np.array([0.1]))
     rng = np.random.default_rng(3)
     q = motion.position[0] + 1e-3 * rng.standard_normal(18)
     v = motion.velocity[0] + 0.1 * rng.standard_normal(18)
@@ -171,7 +171,7 @@ def test_projection_holds_the_constraints_without_baumgarte() -> None:
 def test_no_drift_over_200_cycles() -> None:
     scene = ideal()
     run = InHouse().simulate(scene.linkage(), start_of(scene), Plan(scene.mechanism.period, 200))
-    exact = scene.mechanism.ideal_motion(np.array([run.time]))
+    exact = scene.ideal.at(np.array([run.time]))
     assert float(run.diagnostics["constraint_error_m"]) < 1e-11
     assert np.abs(run.end.position - exact.position[0]).max() < 1e-9
 

@@ -88,7 +88,7 @@ def test_order_on_the_ideal_press(
 ) -> None:
     scene = replace(ideal(), mechanism=Press(geometry=GEOMETRIES[geometry]))
     period = scene.mechanism.period
-    exact = scene.mechanism.ideal_motion(np.array([period])).position[0]
+    exact = scene.ideal.at(np.array([period])).position[0]
     steps = [period / n for n in counts]
     errors = []
     for step in steps:

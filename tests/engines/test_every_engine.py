@@ -51,7 +51,7 @@ def test_ideal_press_follows_the_closed_form(
     assert len(rows) > least
     apart = np.abs(rows[:, 1:4] - scene.ideal_slider(rows[:, 0])).max(axis=0)
     assert np.all(apart < errors)
-    closing = scene.mechanism.ideal_motion(np.array([run.time]))
+    closing = scene.ideal.at(np.array([run.time]))
     assert run.time == pytest.approx(period, abs=1e-9)
     assert np.abs(run.end.position - closing.position[0]).max() < errors[0]
     assert np.abs(run.end.velocity - closing.velocity[0]).max() < errors[1]

@@ -152,7 +152,7 @@ def test_worn_volume_is_the_dose(press_runs: dict[str, Run]) -> None:
 def test_the_drives_turn_exactly(press_runs: dict[str, Run]) -> None:
     scene = wear_times()
     for run in press_runs.values():
-        exact = scene.mechanism.ideal_motion(np.array([run.time])).position[0]
+        exact = scene.ideal.at(np.array([run.time])).position[0]
         for crank in ("crank 2", "crank 7"):
             i = 3 * scene.linkage().index(crank) + 2
             assert run.end.position[i] == pytest.approx(exact[i], abs=1e-9)

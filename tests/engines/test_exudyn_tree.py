@@ -128,7 +128,7 @@ def test_pins_that_start_pressed_in_bring_their_energy() -> None:
 
 def test_the_cranks_turn_exactly(tight: tuple[Run, Run]) -> None:
     run = tight[0]
-    exact = wear_times().mechanism.ideal_motion(np.array([run.time])).position[0]
+    exact = wear_times().ideal.at(np.array([run.time])).position[0]
     for crank in ("crank 2", "crank 7"):
         i = 3 * wear_times().linkage().index(crank)
         assert run.end.position[i : i + 3] == pytest.approx(exact[i : i + 3], abs=1e-14)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from presswear.linkage.elements import Linkage
 from presswear.linkage.press import GEOMETRIES, Press
+from presswear.physics.assembly import motion_of
 from presswear.physics.prescribed import forced_power
 from presswear.physics.tree import CARRIED, accelerate_links, carry_branches, gather_forces, tree_of
 
@@ -54,7 +55,7 @@ def test_coordinates_give_back_the_ideal_motion(name: str) -> None:
     press = Press(geometry=GEOMETRIES[name])
     found = tree(without(press.linkage(), "A", "C"))
     for time in (0.0, 0.13, 0.41):
-        motion = press.ideal_motion(np.array([time]))
+        motion = motion_of(press).at(np.array([time]))
         exact_q, exact_v, exact_a = motion.position[0], motion.velocity[0], motion.acceleration[0]
         q, v, a, axes = placed(found, 6, time, *found.coordinates(exact_q, exact_v))
         turns = np.round((q - exact_q)[2::3] / (2.0 * math.pi))

@@ -27,7 +27,7 @@ def test_frames_of_the_ideal_press_lie_on_its_closed_form() -> None:
     scene = scene_named("ideal")
     run = ran(scene, 1)
     film = run.recorder.film
-    exact = scene.mechanism.ideal_motion(film.time)
+    exact = scene.ideal.at(film.time)
     apart = np.abs(film.position - exact.position)
     assert len(film.time) > 0.9 * FRAMES_PER_CYCLE
     assert apart.max() < 2e-7

@@ -212,7 +212,7 @@ def _use(scene: Scene) -> None:
             assert math.isfinite(value)
             assert value > 0.0
     assert scene.numerics.joints.longest(scene.mechanism.period) > 0.0
-    start = scene.mechanism.ideal_motion(np.zeros(1))
+    start = scene.ideal.at(np.zeros(1))
     for level in (start.position, start.velocity, start.acceleration):
         assert all(math.isfinite(value) for value in level[0])
     assert Scene.from_dict(json.loads(json.dumps(scene.as_dict(), allow_nan=False))) == scene

@@ -41,7 +41,7 @@ class Live(Tracker):
         check_display()
         self._scene = scene
         times = np.linspace(0.0, scene.mechanism.period, 181)
-        self._motion = scene.mechanism.ideal_motion(times).position
+        self._motion = scene.ideal.at(times).position
         self._linkage: Linkage | None = None
         self._process, self._window = opened(_show, size, self._subject(0, scene.linkage()))
         self._is_open = self._is_ready = True

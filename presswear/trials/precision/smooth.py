@@ -43,7 +43,7 @@ def constraint_errors(linkage: Linkage, run: Run) -> dict[str, float]:
 def ideal_mechanism(scene: Scene, rungs: Rungs) -> Task:
     """The scene's mechanism with every joint closed."""
     linkage, period = scene.mechanism.linkage(), scene.mechanism.period
-    motion = scene.mechanism.ideal_motion(np.zeros(1))
+    motion = scene.ideal.at(np.zeros(1))
     duration = CYCLES * period
 
     def assess(run: Run) -> tuple[Numbers, Numbers]:

@@ -20,7 +20,7 @@ def made_up_reel(title: str = "made up", deepest: float = 3e-5, largest: float =
     )
     linkage = scene.linkage(dict.fromkeys("AC", (bearing, pin)))
     period = scene.mechanism.period
-    motion = scene.mechanism.ideal_motion(np.linspace(0.0, period, FRAMES))
+    motion = scene.ideal.at(np.linspace(0.0, period, FRAMES))
     position = motion.position.copy()
     turn = 2.0 * np.pi * motion.time / period
     for body in ("rod 3", "rod 5"):

@@ -1,4 +1,4 @@
-"""Closed-form motion of planar linkages that are made of dyads.
+"""Closed-form motion of the press and the slider-crank, which are made of dyads.
 
 Two links that meet in a joint are solved from their other ends alone: positions by
 intersecting circles, velocities and accelerations by two linear equations.
@@ -8,9 +8,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from presswear.linkage.elements import Attachment
+from presswear.linkage.elements import Attachment, Linkage
+from presswear.linkage.press import CRANK_2_START, CRANK_7_START, Press
+from presswear.linkage.slider_crank import SliderCrank
+from presswear.physics.assembly import Motion
 from presswear.tools.arrays import Array
-from presswear.tools.errors import AssemblyError
 
 
 @dataclass(frozen=True)
@@ -58,46 +60,13 @@ def crank(centre: Point, length: float, angle: Array, speed: float) -> Point:
     return Point(centre.position + arm, speed * _left(arm), -(speed**2) * arm)
 
 
-@dataclass(frozen=True)
-class Course:
-    """Where a linkage must close.
-
-    Attributes
-    ----------
-    angle : ndarray, shape (n,)
-        Crank angles by which a message names the place, degrees.
-    least : float
-        Square of the sine of the angle by which each pair of links must be short of stretched.
-    """
-
-    angle: Array
-    least: float
-
-    def check(self, joint: str, square: Array, needed: str) -> None:
-        """Raise AssemblyError where the square of the sine of a pair is not above the least."""
-        if np.all(square > self.least):
-            return
-        worst = self.angle[int(np.argmin(square))]
-        raise AssemblyError(
-            f"the linkage cannot be assembled over the cycle: at crank angle {worst:.1f} deg "
-            f"joint {joint} does not close or is at a dead point; {needed}"
-        )
-
-
-def dyad(
-    p: Point, q: Point, from_p: float, from_q: float, side: float, joint: str, course: Course
-) -> Point:
+def dyad(p: Point, q: Point, from_p: float, from_q: float, side: float) -> Point:
     """The point at given distances from two moving points, on a given side of p to q."""
     base = q.position - p.position
     length = np.sqrt(_dot(base, base))
-    # Ends that coincide leave the direction open: a zero length is refused below.
-    along = (length**2 + from_p**2 - from_q**2) / (2.0 * np.maximum(length, 1e-12))
-    square = from_p**2 - along**2
-    reach = f"the distance {length[int(np.argmin(square))]:.4g} m between its links' other ends"
-    allowed = f"must stay between {abs(from_p - from_q):.4g} and {from_p + from_q:.4g} m"
-    course.check(joint, square / from_p**2, f"{reach} {allowed}")
+    along = (length**2 + from_p**2 - from_q**2) / (2.0 * length)
     unit = base / length[:, None]
-    height = side * np.sqrt(square)
+    height = side * np.sqrt(from_p**2 - along**2)
     position = p.position + along[:, None] * unit + height[:, None] * _left(unit)
     arm_p, arm_q = position - p.position, position - q.position
     velocity = _solve_two(arm_p, arm_q, _dot(arm_p, p.velocity), _dot(arm_q, q.velocity))
@@ -119,28 +88,19 @@ def _solve_two(row_1: Array, row_2: Array, right_1: Array, right_2: Array) -> Ar
     return np.column_stack([x, y])
 
 
-def slide(
-    c: Point, length: float, line: Line, side: float, names: tuple[str, str, str], course: Course
-) -> Point:
+def slide(c: Point, length: float, line: Line, side: float) -> Point:
     """The end on a line of a rod from a moving point, ahead of it on the line or behind.
 
     Parameters
     ----------
     side : float
         1 ahead of the foot of ``c`` on the line, -1 behind.
-    names : tuple of str
-        Moving point, rod and joint on the line, for the message.
     """
     unit = np.array(line.direction)
     across = np.array([-unit[1], unit[0]])
     away = c.position - np.array(line.point)
     offset = away @ across
-    square = length**2 - offset**2
-    far = abs(offset[int(np.argmin(square))])
-    point, rod, joint = names
-    needed = f"{point} is {far:.4g} m from the guide, {rod} is {length:.4g} m long"
-    course.check(joint, square / length**2, needed)
-    reach = side * np.sqrt(square)
+    reach = side * np.sqrt(length**2 - offset**2)
     offset_t, offset_tt = c.velocity @ across, c.acceleration @ across
     reach_t = -offset * offset_t / reach
     reach_tt = -(offset_t**2 + offset * offset_tt + reach_t**2) / reach
@@ -187,3 +147,65 @@ def bar_state(own: Attachment, tail: Point, head: Point) -> BodyState:
         np.column_stack([velocity, omega]),
         np.column_stack([acceleration, alpha]),
     )
+
+
+def _together(
+    linkage: Linkage, time: Array, joints: dict[str, Point], axes: dict[str, tuple[str, str]]
+) -> Motion:
+    """Put the motions of single bodies together in the order of a linkage.
+
+    Parameters
+    ----------
+    axes : dict
+        Joints by name of the body that its x axis points from and to; none of bodies on guides.
+    """
+    ends = {
+        (end.body, joint.name): end
+        for joint in linkage.revolutes
+        for end in (joint.first, joint.second)
+    }
+    states = {
+        body: bar_state(ends[body, tail], joints[tail], joints[head])
+        for body, (tail, head) in axes.items()
+    }
+    for guide in linkage.guides:
+        (name,) = (name for body, name in ends if body == guide.body)
+        states[guide.body] = slider_state(joints[name], guide.angle)
+    position, velocity, acceleration = (
+        np.hstack([states[body.name][level] for body in linkage.bodies]) for level in range(3)
+    )
+    position[:, 2::3] = np.unwrap(position[:, 2::3], axis=0)
+    for drive in linkage.drives:
+        position[:, 3 * linkage.index(drive.body) + 2] = drive.angle + drive.speed * time
+    return Motion(time, position, velocity, acceleration)
+
+
+def press_motion(press: Press, time: Array) -> Motion:
+    """Motion of the press with all joints closed."""
+    geometry = press.geometry
+    o2 = Point.fixed(geometry.hx, geometry.hy, time.size)
+    o7 = Point.fixed(0.0, 0.0, time.size)
+    a = crank(o2, -press.length_2, CRANK_2_START - press.speed * time, -press.speed)
+    d = crank(o7, press.length_7, CRANK_7_START + press.speed * time, press.speed)
+    b = dyad(d, a, geometry.side_bd, press.length_3, geometry.side_b)
+    c = dyad(d, b, geometry.side_cd, geometry.side_bc, geometry.side_c)
+    guide = Line((geometry.hx, 0.0), (0.0, 1.0))
+    e = slide(c, press.length_5, guide, geometry.slider_side)
+    joints = {"O2": o2, "O7": o7, "A": a, "B": b, "C": c, "D": d, "E": e}
+    axes = {
+        "crank 2": ("A", "O2"),
+        "rod 3": ("B", "A"),
+        "plate 4": ("D", "B"),
+        "rod 5": ("E", "C"),
+        "crank 7": ("O7", "D"),
+    }
+    return _together(press.linkage(), time, joints, axes)
+
+
+def slider_crank_motion(mechanism: SliderCrank, time: Array) -> Motion:
+    """Motion of the slider-crank with all joints closed."""
+    o = Point.fixed(0.0, 0.0, time.size)
+    a = crank(o, mechanism.crank_length, mechanism.speed * time, mechanism.speed)
+    b = slide(a, mechanism.rod_length, Line((0.0, 0.0), (1.0, 0.0)), 1.0)
+    axes = {"crank": ("O", "A"), "rod": ("A", "B")}
+    return _together(mechanism.linkage(), time, {"O": o, "A": a, "B": b}, axes)

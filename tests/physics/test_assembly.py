@@ -1,0 +1,165 @@
+"""Assembly and ideal motion: against closed forms and a textbook, and what must be refused."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from closed_form import press_motion, slider_crank_motion
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from presswear.linkage.elements import (
+    GROUND,
+    Attachment,
+    Body,
+    Drive,
+    Linkage,
+    Probe,
+    Revolute,
+    bar_ends,
+)
+from presswear.linkage.press import GEOMETRIES, Press
+from presswear.linkage.slider_crank import SliderCrank
+from presswear.physics.assembly import Motion, Rows, assembled, ideal_motion, motion_of
+from presswear.physics.constraints import constraints_of
+from presswear.tools.errors import AssemblyError
+
+Array = NDArray[np.float64]
+
+PERIOD = 2.0 * math.pi / 30.0
+
+
+def four_bar(
+    crank: float = 0.05, coupler: float = 0.20, rocker: float = 0.12, base: float = 0.18
+) -> Linkage:
+    ends = {
+        name: bar_ends(name, length)
+        for name, length in (("crank", crank), ("coupler", coupler), ("rocker", rocker))
+    }
+    return Linkage(
+        name="four-bar",
+        bodies=tuple(Body(name, 0.3, 1e-4) for name in ends),
+        revolutes=(
+            Revolute("O", Attachment(GROUND, 0.0, 0.0), ends["crank"][0]),
+            Revolute("A", ends["crank"][1], ends["coupler"][0]),
+            Revolute("B", ends["coupler"][1], ends["rocker"][1]),
+            Revolute("P", Attachment(GROUND, base, 0.0), ends["rocker"][0]),
+        ),
+        guides=(),
+        drives=(Drive("drive", "crank", 0.3, 30.0),),
+        clearances=(),
+        probe=Probe("rocker", 0.0),
+    )
+
+
+GUESS = (("coupler", 0.6), ("rocker", 1.4))
+
+
+def agree(found: Motion, exact: Motion, speed: float) -> None:
+    """To 1e-12 m and rad, and accelerations to 1e-10 of their greatest."""
+    np.testing.assert_allclose(found.position, exact.position, atol=1e-12)
+    np.testing.assert_allclose(found.velocity / speed, exact.velocity / speed, atol=1e-11)
+    most = np.abs(exact.acceleration).max()
+    np.testing.assert_allclose(found.acceleration, exact.acceleration, atol=1e-10 * most)
+
+
+@given(
+    st.sampled_from(sorted(GEOMETRIES)),
+    st.floats(0.1 * math.pi, 40.0 * math.pi),
+    st.lists(st.floats(-3.0, 3.0), min_size=1, max_size=50),
+)
+def test_the_press_moves_as_in_closed_form(name: str, speed: float, cycles: list[float]) -> None:
+    press = Press(geometry=GEOMETRIES[name], speed=speed)
+    time = press.period * np.array(cycles)
+    exact = press_motion(press, np.append(0.0, time))
+    found = motion_of(press).at(np.append(0.0, time))
+    # The closed form makes angles continuous from one instant to the next, whatever lies between.
+    turns = np.round((exact.position - found.position)[:, 2::3] / (2.0 * math.pi))
+    exact.position[:, 2::3] -= 2.0 * math.pi * turns
+    agree(found, exact, speed)
+
+
+@given(st.floats(0.001, 1.0), st.floats(1.01, 10.0), st.floats(1.0, 5000.0))
+def test_the_slider_crank_moves_as_in_closed_form(crank: float, ratio: float, speed: float) -> None:
+    mechanism = SliderCrank(crank, min(ratio * crank, 10.0), speed=speed)
+    time = np.linspace(0.0, 2.0 * mechanism.period, 97)
+    agree(motion_of(mechanism).at(time), slider_crank_motion(mechanism, time), speed)
+
+
+def test_the_four_bar_moves_as_in_the_textbook() -> None:
+    """Freudenstein's equation for the rocker, and the coupler between their ends."""
+    time = np.linspace(0.0, PERIOD, 361)
+    found = ideal_motion(four_bar(), GUESS, PERIOD).at(time).position
+    crank = 0.3 + 30.0 * time
+    a, b, c, d = 0.05, 0.20, 0.12, 0.18
+    k1, k2, k3 = d / a, d / c, (a * a - b * b + c * c + d * d) / (2.0 * a * c)
+    # K1 cos(rocker) - K2 cos(crank) + K3 = cos(crank - rocker), angles from the frame's line.
+    rocker = found[:, 8]
+    left = k1 * np.cos(rocker) - k2 * np.cos(crank) + k3
+    np.testing.assert_allclose(left, np.cos(crank - rocker), atol=1e-12)
+    tip = a * np.exp(1j * crank) + b * np.exp(1j * found[:, 5])
+    np.testing.assert_allclose(tip, d + c * np.exp(1j * rocker), atol=1e-13)
+
+
+def test_rows_are_those_of_the_engines() -> None:
+    """Phi, its derivatives and its Jacobian, far from any assembled position."""
+    generator = np.random.default_rng(2)
+    for linkage in (Press().linkage(), SliderCrank().linkage(), four_bar()):
+        rows, constraints = Rows(linkage), constraints_of(linkage)
+        assert rows.names == constraints.names
+        shape = 5, rows.bodies, 3
+        q, v, a = generator.normal(size=(3, *shape))
+        time = generator.uniform(0.0, 1.0, 5)
+        errors = rows.errors(time, q, v, a)
+        jacobian = rows.jacobian(q)
+        for k, t in enumerate(time):
+            phi, phi_t, gamma, dense = constraints.evaluate(float(t), q[k].ravel(), v[k].ravel())
+            np.testing.assert_allclose(errors[0][k], phi, atol=1e-12)
+            np.testing.assert_allclose(errors[1][k], phi_t, atol=1e-12)
+            np.testing.assert_allclose(errors[2][k], dense @ a[k].ravel() - gamma, atol=1e-12)
+            np.testing.assert_allclose(jacobian[k], dense, atol=1e-15)
+
+
+def test_the_guess_says_which_way_it_is_put_together() -> None:
+    up = assembled(four_bar(), {"coupler": 0.6, "rocker": 1.4})
+    down = assembled(four_bar(), {"coupler": -0.8, "rocker": -1.9})
+    crank, base = up[0, 2], 0.18
+    assert crank == down[0, 2] == 0.3
+    tip = np.array([0.05 * math.cos(0.3), 0.05 * math.sin(0.3)])
+    for found, side in ((up, 1.0), (down, -1.0)):
+        head = np.array([base, 0.0]) + 0.12 * np.array([np.cos(found[2, 2]), np.sin(found[2, 2])])
+        assert np.hypot(*(head - tip)) == pytest.approx(0.20, rel=1e-13)
+        line = np.array([base, 0.0]) - tip
+        assert side * (line[0] * (head - tip)[1] - line[1] * (head - tip)[0]) > 0.0
+
+
+def refused(linkage: Linkage, says: str, guess: tuple[tuple[str, float], ...] = GUESS) -> None:
+    with pytest.raises(AssemblyError, match=says) as refusal:
+        ideal_motion(linkage, guess, PERIOD)
+    assert "\n" not in str(refusal.value)
+
+
+def test_what_has_no_motion_is_refused_by_name() -> None:
+    whole = four_bar()
+    refused(replace(whole, drives=()), "free to move: .* 1 drives are missing")
+    two = replace(whole, drives=(*whole.drives, Drive("other", "rocker", 0.0, 1.0)))
+    refused(two, "overconstrained: .* 1 too many")
+    # The crank is too long to turn all around: the links stretch at B on the way.
+    refused(four_bar(crank=0.15), r"at crank angle \S+ deg joint [ABP] does not close or is at a")
+    # The rods never meet.
+    refused(four_bar(coupler=0.02), "joint [ABOP] does not close")
+    far = (("coupler", 2.6), ("rocker", 1.4))
+    refused(whole, "guess of coupler = 2.6 rad: .* right angle", far)
+    slow = replace(whole, drives=(Drive("drive", "crank", 0.3, 12.0),))
+    refused(slow, "does not come back: after a cycle of 0.20944 s crank is elsewhere")
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_parallelogram_is_refused_where_it_folds() -> None:
+    refused(
+        four_bar(crank=0.1, coupler=0.2, rocker=0.1, base=0.2),
+        r"at crank angle 162\.\d deg joint . does not close or is at a dead point",
+        (("coupler", 0.0), ("rocker", 0.3)),
+    )
