@@ -17,12 +17,14 @@ if TYPE_CHECKING:
     from presswear.engines.settings import ExudynTree as ExudynTree
     from presswear.engines.settings import InHouse as InHouse
     from presswear.linkage.elements import Attachment as Attachment
+    from presswear.linkage.elements import Bar as Bar
     from presswear.linkage.elements import Body as Body
     from presswear.linkage.elements import ClearanceJoint as ClearanceJoint
     from presswear.linkage.elements import Drive as Drive
     from presswear.linkage.elements import Guide as Guide
     from presswear.linkage.elements import Linkage as Linkage
     from presswear.linkage.elements import Load as Load
+    from presswear.linkage.elements import Pin as Pin
     from presswear.linkage.elements import Probe as Probe
     from presswear.linkage.elements import Revolute as Revolute
     from presswear.linkage.elements import Spring as Spring
@@ -51,12 +53,14 @@ _ROOMS = {
     "engines.settings": ("ExudynJoints", "ExudynTree", "InHouse"),
     "linkage.elements": (
         "Attachment",
+        "Bar",
         "Body",
         "ClearanceJoint",
         "Drive",
         "Guide",
         "Linkage",
         "Load",
+        "Pin",
         "Probe",
         "Revolute",
         "Spring",

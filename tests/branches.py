@@ -13,7 +13,6 @@ Array = NDArray[np.float64]
 def branching() -> pw.Linkage:
     """A driven crank with two rods in a row, and an inclined slider with a pendulum."""
     return pw.Linkage(
-        "branches",
         (
             pw.Body("crank", 0.1, 1e-4),
             pw.Body("pendulum", 0.4, 2e-3),
@@ -31,10 +30,9 @@ def branching() -> pw.Linkage:
             pw.Revolute(
                 "P", pw.Attachment("slider", 0.05, 0.02), pw.Attachment("pendulum", 0.0, 0.1)
             ),
+            pw.Guide("guide", "slider", 0.1, 0.2, direction=0.4, angle=-0.9),
         ),
-        (pw.Guide("guide", "slider", 0.1, 0.2, direction=0.4, angle=-0.9),),
-        (pw.Drive("drive", "crank", 0.7, -30.0),),
-        (),
+        (pw.Drive("crank", -30.0, 0.7),),
         pw.Probe("slider", 0.4),
     )
 

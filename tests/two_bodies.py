@@ -67,7 +67,7 @@ class Pair:
         """The two bodies, or the pin's alone when the frame holds the bearing."""
         names = ("pin",) if self.joint.bearing.body == GROUND else ("bearing", "pin")
         bodies = tuple(pw.Body(name, 0.1, 1e-3) for name in names)
-        return pw.Linkage("pair", bodies, (), (), (), (self.joint,), pw.Probe("pin", 0.0), 0.0)
+        return pw.Linkage(bodies, watch=pw.Probe("pin"), gravity=0.0, clearances=(self.joint,))
 
     @property
     def packed(self) -> Packed:

@@ -5,14 +5,18 @@ of its mass centre and its angle, ``q[3 i : 3 i + 3] = x, y, theta``, in the ord
 of ``Linkage.bodies``.  The frame is the name ``GROUND``; points on it are global.
 """
 
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from fractions import Fraction
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
 from presswear.linkage.laws import FrictionLaw, NormalLaw
 from presswear.linkage.surface import Surface
 from presswear.tools.arrays import Array
+from presswear.tools.errors import InputError, unknown
 
 GROUND = "frame"
 
@@ -22,13 +26,62 @@ Footprint = Literal["bin", "arc"]
 SurfaceContact = Literal["radial", "foundation"]
 
 
+Place = tuple[float, float]
+"""Coordinates, m."""
+
+
 @dataclass(frozen=True)
 class Body:
-    """A rigid body: mass, kg, and moment of inertia about its mass centre, kg m^2."""
+    """A rigid body.
+
+    Attributes
+    ----------
+    mass, inertia : float
+        kg; about its mass centre, kg m^2.
+    points : tuple of (str, (float, float))
+        Names for some of its points, in its frame with origin at the mass centre, m; a mapping
+        may be given.
+    """
 
     name: str
     mass: float
     inertia: float
+    points: Mapping[str, Place] | tuple[tuple[str, Place], ...] = ()
+
+    def __post_init__(self) -> None:
+        """InputError where a number is none."""
+        positive(self.mass, "mass", "kg", self.name)
+        positive(self.inertia, "inertia", "kg m^2", self.name)
+        points = tuple((name, (float(x), float(y))) for name, (x, y) in dict(self.points).items())
+        object.__setattr__(self, "points", points)
+
+
+def positive(value: float, what: str, unit: str, owner: str) -> None:
+    """InputError unless a value is a finite number above zero."""
+    number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    if not (number and 0.0 < value < math.inf):
+        raise InputError(f"{what} of {owner} = {value!r}: allowed is a number above 0 {unit}")
+
+
+def Bar(  # noqa: N802 - to whoever writes a linkage it is a kind of body
+    name: str, length: float, mass: float, inertia: float | None = None
+) -> Body:
+    """A bar: a body with the points ``tail`` and ``head`` at its ends.
+
+    Its x axis points from tail to head, its mass centre is halfway.
+
+    Parameters
+    ----------
+    length, mass : float
+        m, kg.
+    inertia : float or None
+        About its mass centre, kg m^2; None: that of a thin rod, m l^2 / 12.
+    """
+    positive(length, "length", "m", name)
+    positive(mass, "mass", "kg", name)
+    half = 0.5 * length
+    ends = (("tail", (-half, 0.0)), ("head", (half, 0.0)))
+    return Body(name, mass, mass * length**2 / 12.0 if inertia is None else inertia, ends)
 
 
 @dataclass(frozen=True)
@@ -43,6 +96,19 @@ class Attachment:
 def bar_ends(body: str, length: float) -> tuple[Attachment, Attachment]:
     """Tail and head of a bar along its x axis, its mass centre halfway between them."""
     return Attachment(body, -0.5 * length, 0.0), Attachment(body, 0.5 * length, 0.0)
+
+
+End = Attachment | str | Place
+"""A point: as it is, as ``body.point``, or as coordinates on the frame, m."""
+
+
+@dataclass(frozen=True)
+class Pin:
+    """A pin joint between two points as a person writes them; a linkage makes a Revolute of it."""
+
+    name: str
+    first: End
+    second: End
 
 
 @dataclass(frozen=True)
@@ -72,9 +138,9 @@ class Guide:
 
     name: str
     body: str
-    x: float
-    y: float
-    direction: float
+    x: float = 0.0
+    y: float = 0.0
+    direction: float = 0.0
     angle: float = 0.0
 
 
@@ -82,10 +148,14 @@ class Guide:
 class Drive:
     """A body turned at constant speed: theta = angle + speed t, rad and rad/s."""
 
-    name: str
     body: str
-    angle: float
     speed: float
+    angle: float = 0.0
+
+    @property
+    def name(self) -> str:
+        """Name of the drive."""
+        return f"drive of {self.body}"
 
     def motion(self, time: Array) -> tuple[Array, Array, Array]:
         """Angle, rad, speed, rad/s, and acceleration, rad/s^2, at some instants, s."""
@@ -191,37 +261,162 @@ class ClearanceJoint:
 
 @dataclass(frozen=True)
 class Probe:
-    """The coordinate that a study watches: a mass centre along a direction, rad."""
+    """The coordinate that a study watches: a point of a body along a direction, rad.
+
+    Attributes
+    ----------
+    x, y : float
+        The point in the body's frame with origin at the mass centre, m.
+    """
 
     body: str
-    direction: float
+    direction: float = 0.0
+    x: float = 0.0
+    y: float = 0.0
 
 
 @dataclass(frozen=True)
 class Linkage:
     """A planar mechanism, driven, with or without clearance joints.
 
+    Points may be given as text, ``body.point``, and those on the frame as coordinates; sequences
+    become tuples.
+
     Attributes
     ----------
+    bodies : tuple of Body
+    joints : tuple of Revolute or Guide
+        Ideal joints; a Pin is made a Revolute.
+    drives : tuple of Drive
+    watch : Probe
+        What is recorded as ``slider``; a point given as text is watched along x, without one
+        the mass centre of the last body.
+    guess : tuple of (str, float)
+        Rough angles at the start, rad, of bodies that are neither driven nor guided: which way
+        the linkage is put together.  A mapping may be given.
+    cycle : float or None
+        Time after which the motion repeats, s; None: as the speeds of the drives say.
     name : str
-    bodies, revolutes, guides, drives, clearances : tuple
-    probe : Probe
-        What is recorded as ``slider``.
     gravity : float
         Acceleration along -y, m/s^2.
-    springs, loads : tuple
+    springs, loads, clearances : tuple
     """
 
-    name: str
-    bodies: tuple[Body, ...]
-    revolutes: tuple[Revolute, ...]
-    guides: tuple[Guide, ...]
-    drives: tuple[Drive, ...]
-    clearances: tuple[ClearanceJoint, ...]
-    probe: Probe
+    kind: ClassVar[str] = "linkage"
+
+    bodies: Sequence[Body]
+    joints: Sequence[Pin | Revolute | Guide] = ()
+    drives: Sequence[Drive] = ()
+    watch: Probe | str = ""
+    guess: Mapping[str, float] | tuple[tuple[str, float], ...] = ()
+    cycle: float | None = None
+    name: str = "linkage"
     gravity: float = 9.81
-    springs: tuple[Spring, ...] = ()
-    loads: tuple[Load, ...] = ()
+    springs: Sequence[Spring] = ()
+    loads: Sequence[Load] = ()
+    clearances: Sequence[ClearanceJoint] = ()
+
+    def __post_init__(self) -> None:
+        """InputError naming a body, point or joint that is none, or stands twice."""
+
+        def put(name: str, value: Any) -> None:
+            object.__setattr__(self, name, value)
+
+        for item in ("bodies", "drives", "springs", "loads", "clearances"):
+            put(item, tuple(getattr(self, item)))
+        _once("body", [GROUND, *(body.name for body in self.bodies)])
+        put("joints", tuple(self._joined(joint) for joint in self.joints))
+        _once("joint", [joint.name for joint in (*self.joints, *self.clearances)])
+        _once("drive of", [drive.body for drive in self.drives])
+        if isinstance(self.watch, str):
+            end = self.point(self.watch or f"{self.bodies[-1].name}.centre", "watch")
+            put("watch", Probe(end.body, 0.0, end.x, end.y))
+        put("guess", tuple((name, float(angle)) for name, angle in dict(self.guess).items()))
+        for where, name in (
+            *(("drives", drive.body) for drive in self.drives),
+            *(("guess", name) for name in dict(self.guess)),
+            *(("loads", load.body) for load in self.loads),
+            ("watch", self.probe.body),
+        ):
+            self._check_body(name, where)
+
+    def _check_body(self, name: str, where: str) -> None:
+        names = [body.name for body in self.bodies]
+        if name not in names:
+            raise unknown(f"body in {where}", name, names)
+
+    def _joined(self, joint: Any) -> Revolute | Guide:
+        """A joint with its points found."""
+        if isinstance(joint, Guide):
+            self._check_body(joint.body, f"guide {joint.name}")
+            return joint
+        ends = (self.point(end, f"joint {joint.name}") for end in (joint.first, joint.second))
+        return Revolute(joint.name, *ends)
+
+    def point(self, end: Any, where: str) -> Attachment:
+        """A point that is given in any way; InputError names it and where it stands."""
+        if isinstance(end, str):
+            body, _, name = end.partition(".")
+            self._check_body(body, where)
+            points = dict(self.bodies[self.index(body)].points) | {"centre": (0.0, 0.0)}
+            if name not in points:
+                raise unknown(f"point of {body} in {where}", name, points)
+            return Attachment(body, *points[name])
+        if not isinstance(end, Attachment):
+            x, y = end
+            return Attachment(GROUND, float(x), float(y))
+        if end.body != GROUND:
+            self._check_body(end.body, where)
+        return end
+
+    @property
+    def probe(self) -> Probe:
+        """What is watched."""
+        assert isinstance(self.watch, Probe), "a text is replaced at the start"
+        return self.watch
+
+    @property
+    def revolutes(self) -> tuple[Revolute, ...]:
+        """The ideal pin joints."""
+        return tuple(joint for joint in self.joints if isinstance(joint, Revolute))
+
+    @property
+    def guides(self) -> tuple[Guide, ...]:
+        """The guides."""
+        return tuple(joint for joint in self.joints if isinstance(joint, Guide))
+
+    @property
+    def openable(self) -> tuple[str, ...]:
+        """Names of the joints that may have clearance."""
+        return tuple(joint.name for joint in self.revolutes)
+
+    @property
+    def origin(self) -> str:
+        """Where its values come from, in a sentence."""
+        return "Dimensions and masses are the user's own."
+
+    def linkage(self) -> "Linkage":
+        """The linkage, as any mechanism gives its own."""
+        return self
+
+    @property
+    def period(self) -> float:
+        """Time of one cycle, s: the shortest in which every drive makes whole turns."""
+        if self.cycle is not None:
+            return self.cycle
+        speeds = [abs(drive.speed) for drive in self.drives if drive.speed != 0.0]
+        if not speeds:
+            raise InputError(f"cycle of {self.name}: no drive turns, so that it has to be given, s")
+        turns = 1
+        for speed in speeds:
+            ratio = Fraction(speed / speeds[0]).limit_denominator(MOST_TURNS)
+            if abs(float(ratio) * speeds[0] / speed - 1.0) > 1e-9:
+                raise InputError(
+                    f"cycle of {self.name}: speeds of {speeds[0]:g} and {speed:g} rad/s have no "
+                    f"common cycle of {MOST_TURNS} turns or less; it has to be given, s"
+                )
+            turns = math.lcm(turns, ratio.denominator)
+        return 2.0 * math.pi * turns / speeds[0]
 
     def index(self, body: str) -> int:
         """Position of a body in ``bodies``."""
@@ -233,5 +428,16 @@ class Linkage:
     def opened(self, joints: tuple[ClearanceJoint, ...]) -> "Linkage":
         """The same linkage with clearance joints in place of revolutes of the same name."""
         names = {joint.name for joint in joints}
-        kept = tuple(joint for joint in self.revolutes if joint.name not in names)
-        return replace(self, revolutes=kept, clearances=self.clearances + joints)
+        kept = tuple(joint for joint in self.joints if joint.name not in names)
+        return replace(self, joints=kept, clearances=(*self.clearances, *joints))
+
+
+MOST_TURNS = 64
+"""Turns of a drive in the longest cycle that is found by itself."""
+
+
+def _once(what: str, names: Sequence[str]) -> None:
+    """InputError where a name stands twice."""
+    for name in names:
+        if list(names).count(name) > 1:
+            raise InputError(f"{what} {name}: the name stands twice")

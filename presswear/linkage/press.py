@@ -180,7 +180,7 @@ class Press(Mechanism):
                 Body("slider 6", self.mass_6, 1.0),
                 Body("crank 7", self.mass_7, self.inertia_7),
             ),
-            revolutes=(
+            joints=(
                 Revolute("O2", Attachment(GROUND, geometry.hx, geometry.hy), head_2),
                 Revolute("O7", Attachment(GROUND, 0.0, 0.0), tail_7),
                 Revolute("A", head_3, tail_2),
@@ -188,16 +188,13 @@ class Press(Mechanism):
                 Revolute("C", head_5, corner["C"]),
                 Revolute("D", head_7, corner["D"]),
                 Revolute("E", tail_5, Attachment("slider 6", 0.0, 0.0)),
-            ),
-            guides=(
                 Guide("guide", "slider 6", geometry.hx, 0.0, 0.5 * math.pi, angle=0.5 * math.pi),
             ),
             drives=(
-                Drive("drive 2", "crank 2", CRANK_2_START, -self.speed),
-                Drive("drive 7", "crank 7", CRANK_7_START, self.speed),
+                Drive("crank 2", -self.speed, CRANK_2_START),
+                Drive("crank 7", self.speed, CRANK_7_START),
             ),
-            clearances=(),
-            probe=Probe("slider 6", 0.5 * math.pi),
+            watch=Probe("slider 6", 0.5 * math.pi),
             gravity=self.gravity,
         )
 

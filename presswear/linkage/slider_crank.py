@@ -97,15 +97,14 @@ class SliderCrank(Mechanism):
                 # The slider does not turn: its inertia never enters.
                 Body("slider", self.slider_mass, 1.0),
             ),
-            revolutes=(
+            joints=(
                 Revolute("O", Attachment(GROUND, 0.0, 0.0), crank_tail),
                 Revolute("A", rod_tail, crank_head),
                 Revolute("B", rod_head, Attachment("slider", 0.0, 0.0)),
+                Guide("guide", "slider"),
             ),
-            guides=(Guide("guide", "slider", 0.0, 0.0, 0.0),),
-            drives=(Drive("drive", "crank", 0.0, self.speed),),
-            clearances=(),
-            probe=Probe("slider", 0.0),
+            drives=(Drive("crank", self.speed),),
+            watch=Probe("slider", 0.0),
             gravity=self.gravity,
         )
 

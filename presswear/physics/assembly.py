@@ -46,6 +46,24 @@ class Motion:
     velocity: Array
     acceleration: Array
 
+    def watched(self, linkage: Linkage) -> Array:
+        """Place, velocity and acceleration of what a linkage watches, shape (n, 3), m, s."""
+        probe = linkage.probe
+        column = 3 * linkage.index(probe.body)
+        own = slice(column, column + 3)
+        q, v, a = (level[:, own] for level in (self.position, self.velocity, self.acceleration))
+        cosine, sine = np.cos(q[:, 2] - probe.direction), np.sin(q[:, 2] - probe.direction)
+        # The point relative to the mass centre, along the direction and across.
+        along, across = probe.x * cosine - probe.y * sine, probe.x * sine + probe.y * cosine
+        unit = np.array([math.cos(probe.direction), math.sin(probe.direction)])
+        return np.column_stack(
+            [
+                q[:, :2] @ unit + along,
+                v[:, :2] @ unit - v[:, 2] * across,
+                a[:, :2] @ unit - a[:, 2] * across - v[:, 2] ** 2 * along,
+            ]
+        )
+
 
 class _Ends:
     """One end of each pin joint: its body's place and its coordinates in that body's frame, m."""
@@ -451,9 +469,9 @@ def ideal_motion(
     return motion
 
 
-def motion_of(mechanism: Mechanism) -> IdealMotion:
+def motion_of(mechanism: Mechanism | Linkage) -> IdealMotion:
     """The ideal motion of a mechanism; AssemblyError where it has none."""
-    guess = tuple(mechanism.guess.items())
+    guess = tuple(dict(mechanism.guess).items())
     return ideal_motion(mechanism.linkage(), guess, mechanism.period)
 
 

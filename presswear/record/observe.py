@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.physics.constraints import lever
 from presswear.physics.forces import note_forces
 from presswear.physics.packed import Packed
 from presswear.physics.touchdown import settle
@@ -63,6 +64,8 @@ RECORD = np.dtype(
         ("probe", np.int64),  # index of the watched body's x in q
         ("probe_cos", np.float64),
         ("probe_sin", np.float64),
+        ("probe_x", np.float64),  # the watched point in the body's frame, m
+        ("probe_y", np.float64),
         ("start", np.float64),  # watched coordinate at the start, m
         ("steps", np.int64),
         ("room", np.int64),  # rows that may be written
@@ -151,6 +154,25 @@ def settle_state(book: Book, t: float, needed: int) -> int:
 
 
 @compiled
+def watched(state: Records, q: Array, v: Array, a: Array) -> tuple[float, float, float]:
+    """Place, m, velocity and acceleration of the watched point along its direction."""
+    i = state.probe
+    along = state.probe_cos
+    across = state.probe_sin
+    place: float = along * q[i] + across * q[i + 1]
+    velocity: float = along * v[i] + across * v[i + 1]
+    acceleration: float = along * a[i] + across * a[i + 1]
+    if state.probe_x != 0.0 or state.probe_y != 0.0:
+        x, y = lever(i, state.probe_x, state.probe_y, q)
+        spin = v[i + 2]
+        place += along * x + across * y
+        velocity += spin * (across * x - along * y)
+        acceleration += a[i + 2] * (across * x - along * y)
+        acceleration -= spin * spin * (along * x + across * y)
+    return place, velocity, acceleration
+
+
+@compiled
 def observe(book: Book, t: float, h: float, q: Array, v: Array, a: Array) -> None:
     """Account for one accepted step of length ``h``, s, that ended in the given state.
 
@@ -160,10 +182,8 @@ def observe(book: Book, t: float, h: float, q: Array, v: Array, a: Array) -> Non
     cycle = book.cycle
     state = book.record[0]
     count = memory.shape[0]
-    i = state.probe
-    displacement = state.probe_cos * q[i] + state.probe_sin * q[i + 1] - state.start
-    velocity = state.probe_cos * v[i] + state.probe_sin * v[i + 1]
-    acceleration = state.probe_cos * a[i] + state.probe_sin * a[i + 1]
+    displacement, velocity, acceleration = watched(state, q, v, a)
+    displacement -= state.start
     cycle[DISPLACEMENT_MAX] = max(cycle[DISPLACEMENT_MAX], displacement)
     cycle[VELOCITY_MIN] = min(cycle[VELOCITY_MIN], velocity)
     cycle[VELOCITY_MAX] = max(cycle[VELOCITY_MAX], velocity)

@@ -38,6 +38,7 @@ from presswear.record.observe import (
     Book,
     observe,
     settle_state,
+    watched,
 )
 from presswear.record.sampling import MapBatches
 from presswear.tools.arrays import State, named, part
@@ -116,10 +117,8 @@ class Recorder:
         record["probe"] = 3 * linkage.index(linkage.probe.body)
         record["probe_cos"] = math.cos(linkage.probe.direction)
         record["probe_sin"] = math.sin(linkage.probe.direction)
-        record["start"] = (
-            record["probe_cos"] * position[record["probe"]]
-            + record["probe_sin"] * position[record["probe"] + 1]
-        )
+        record["probe_x"], record["probe_y"] = linkage.probe.x, linkage.probe.y
+        record["start"] = watched(record[0], position, position, position)[0]
         rows = recorded_cycles * (ROWS_AT_MOST if count else 2 * ROWS_AT_LEAST)
         columns = SERIES_FIXED + SERIES_JOINT * count + len(linkage.drives) * torques
         shape = (count, 2, angles)

@@ -1,6 +1,5 @@
 """A scene: everything a person chooses, as data that prints and stores itself."""
 
-import math
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
 from itertools import combinations
@@ -26,11 +25,11 @@ from presswear.linkage.laws import (
     hertz_stiffness,
     lankarani_nikravesh_damping,
 )
-from presswear.linkage.mechanism import Mechanism
 from presswear.linkage.press import Press
 from presswear.linkage.slider_crank import SliderCrank
 from presswear.linkage.surface import Surface
 from presswear.linkage.topology import branches_of
+from presswear.linkage.written import read, written
 from presswear.physics.assembly import IdealMotion, motion_of
 from presswear.tools.arrays import Array
 from presswear.tools.documents import typed
@@ -153,10 +152,11 @@ class Bearings:
         )
 
 
+OneMechanism = Press | SliderCrank | Linkage
 MECHANISMS: dict[str, type[Press | SliderCrank]] = {
     kind.kind: kind for kind in (Press, SliderCrank)
 }
-"""The mechanisms, by their kinds."""
+"""The mechanisms that are made of a few quantities, by their kinds."""
 
 
 ENGINES = ("exudyn", ExudynTree.word, ExudynJoints.word, InHouse.word)
@@ -196,11 +196,15 @@ DRAWS = 4
 """Starts of a scene that wears and does not say how many: the fewest with a usable interval."""
 
 
-def joint_words(mechanism: Mechanism) -> dict[str, tuple[str, ...]]:
-    """The choices of joints with clearance: every combination by its letters, and ``none``."""
+def joint_words(mechanism: OneMechanism) -> dict[str, tuple[str, ...]]:
+    """The choices of joints with clearance: every combination of their names, and ``none``.
+
+    Names of one letter stand side by side, longer ones with a comma between.
+    """
     names = mechanism.openable
+    between = "" if all(len(name) == 1 for name in names) else ","
     chosen = [some for count in range(len(names)) for some in combinations(names, count + 1)]
-    return {"".join(some): some for some in chosen} | {"none": ()}
+    return {between.join(some): some for some in chosen} | {"none": ()}
 
 
 def _words(scene: "Scene") -> tuple[str, ...]:
@@ -219,7 +223,7 @@ class Scene:
 
     name: str = "scene"
     title: str = "A scene of one's own"
-    mechanism: Press | SliderCrank = field(default_factory=Press)
+    mechanism: OneMechanism = field(default_factory=Press)
     bearings: Bearings = field(default_factory=Bearings)
     conventions: Conventions = named_set(
         "paper", CONVENTIONS, "what the paper prints, or what a careful engineer would compute"
@@ -354,12 +358,7 @@ class Scene:
         ndarray, shape (n, 3)
             m, m/s, m/s^2.
         """
-        linkage = self.mechanism.linkage()
-        column = 3 * linkage.index(linkage.probe.body)
-        along = np.array([math.cos(linkage.probe.direction), math.sin(linkage.probe.direction)])
-        motion = self.ideal.at(np.append(0.0, time))
-        levels = (motion.position, motion.velocity, motion.acceleration)
-        slider = np.column_stack([level[:, column : column + 2] @ along for level in levels])
+        slider = self.ideal.at(np.append(0.0, time)).watched(self.mechanism.linkage())
         slider[:, 0] -= slider[0, 0]
         return slider[1:]
 
@@ -370,8 +369,10 @@ class Scene:
 
     def as_dict(self) -> dict[str, Any]:
         """The scene as plain data, SI units, radians; its mechanism says of which kind it is."""
+        mechanism = self.mechanism
+        own = written(mechanism) if isinstance(mechanism, Linkage) else asdict(mechanism)
         plain = asdict(self)
-        return plain | {"mechanism": {"kind": self.mechanism.kind, **plain["mechanism"]}}
+        return plain | {"mechanism": {"kind": mechanism.kind, **own}}
 
     @staticmethod
     def from_dict(data: Mapping[str, Any]) -> "Scene":
@@ -383,9 +384,12 @@ class Scene:
             plain = dict(data)
             mechanism = dict(plain.pop("mechanism"))
             kind = mechanism.pop("kind")
-            Choice(tuple(MECHANISMS), "").check("kind of mechanism", kind)
+            Choice((*MECHANISMS, Linkage.kind), "").check("kind of mechanism", kind)
+            is_own = kind == Linkage.kind
             scene = Scene(
-                mechanism=MECHANISMS[kind].from_dict(mechanism),
+                mechanism=read(mechanism, "mechanism")
+                if is_own
+                else MECHANISMS[kind].from_dict(mechanism),
                 bearings=Bearings(**plain.pop("bearings")),
                 conventions=Conventions(**plain.pop("conventions")),
                 numerics=_numerics(dict(plain.pop("numerics"))),
@@ -395,7 +399,7 @@ class Scene:
             if lacking is not None:
                 raise InputError(f"this is no whole scene: {lacking!r} is missing")
             # What no person can set has no range of its own.
-            for part in ("mechanism", "numerics"):
+            for part in ("numerics",) if is_own else ("mechanism", "numerics"):
                 typed(data[part], type(getattr(scene, part)), f"this is no stored scene: {part}")
             return scene
         except InputError:

@@ -27,10 +27,9 @@ def folder_of(campaign: Ran) -> Path:
 
 def short(conventions: str) -> Scene:
     """One fast cycle of the press, worn once; each wear stands for that cycle a million times."""
-    scene = wear_times()
+    scene = wear_times(speed=60.0)
     return replace(
         scene,
-        mechanism=replace(scene.mechanism, speed=60.0),
         conventions=CONVENTIONS[conventions],
         cycles=1,
         wears=1,

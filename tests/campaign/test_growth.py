@@ -420,10 +420,9 @@ def test_conventions_decide_unless_the_scene_does(
 @pytest.fixture(scope="module")
 def real(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Fast cycles of the press in the in-house solver, worn once in steps, stored."""
-    scene = wear_times()
+    scene = wear_times(speed=60.0)
     scene = replace(
         scene,
-        mechanism=replace(scene.mechanism, speed=60.0),
         conventions=CONVENTIONS["refined"],
         engine="dae",
         cycles=4,

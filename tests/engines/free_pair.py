@@ -27,12 +27,8 @@ def free_pair(
         friction=friction,
     )
     return Linkage(
-        "two free bodies",
         (Body("ring", 0.3, 4e-4), Body("shaft", 0.1, 1e-4)),
-        (),
-        (),
-        (),
-        (joint,),
-        Probe("shaft", 0.0),
+        watch=Probe("shaft"),
         gravity=0.0,
+        clearances=(joint,),
     )

@@ -193,7 +193,7 @@ def test_a_joint_given_twice_is_refused_by_name() -> None:
     scene = ideal()
     linkage = scene.linkage()
     again = replace(linkage.revolutes[3], name="B again")
-    doubled = replace(linkage, revolutes=(*linkage.revolutes, again))
+    doubled = replace(linkage, joints=(*linkage.joints, again))
     with pytest.raises(InputError, match="joint B again repeats"):
         InHouse().simulate(doubled, start_of(scene), Plan(0.01, 1))
 
@@ -201,13 +201,9 @@ def test_a_joint_given_twice_is_refused_by_name() -> None:
 def test_a_pendulum_keeps_its_energy() -> None:
     """One body on one joint; the closed form is its energy."""
     linkage = Linkage(
-        "pendulum",
         (Body("rod", 1.0, 0.01),),
         (Revolute("pivot", Attachment("frame", 0.0, 0.0), Attachment("rod", -0.5, 0.0)),),
-        (),
-        (),
-        (),
-        Probe("rod", 0.0),
+        watch=Probe("rod"),
     )
     start = Start(np.array([0.5, 0.0, 0.0]), np.zeros(3))
     run = InHouse().simulate(linkage, start, Plan(2.0, 1))
@@ -219,17 +215,13 @@ def test_a_pendulum_keeps_its_energy() -> None:
 def test_a_singular_position_is_refused_by_name() -> None:
     """Two rods stretched out between two fixed points hold each other twice along the line."""
     linkage = Linkage(
-        "stretched",
         (Body("left", 1.0, 0.01), Body("right", 1.0, 0.01)),
         (
             Revolute("O", Attachment("frame", 0.0, 0.0), Attachment("left", -0.5, 0.0)),
             Revolute("P", Attachment("frame", 2.0, 0.0), Attachment("right", 0.5, 0.0)),
             Revolute("middle", Attachment("left", 0.5, 0.0), Attachment("right", -0.5, 0.0)),
         ),
-        (),
-        (),
-        (),
-        Probe("left", 0.0),
+        watch=Probe("left"),
     )
     start = Start(np.array([0.5, 0.0, 0.0, 1.5, 0.0, 0.0]), np.zeros(6))
     with pytest.raises(InputError, match=r"joint middle .* singular"):

@@ -29,13 +29,8 @@ def oscillator() -> Linkage:
         1.0,
     )
     return Linkage(
-        "oscillator",
         (Body("mass", 1.0, 1.0),),
-        (),
-        (),
-        (),
-        (),
-        Probe("mass", 0.0),
+        watch=Probe("mass"),
         gravity=0.0,
         springs=(spring,),
     )

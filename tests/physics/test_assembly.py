@@ -41,16 +41,14 @@ def four_bar(
     return Linkage(
         name="four-bar",
         bodies=tuple(Body(name, 0.3, 1e-4) for name in ends),
-        revolutes=(
+        joints=(
             Revolute("O", Attachment(GROUND, 0.0, 0.0), ends["crank"][0]),
             Revolute("A", ends["crank"][1], ends["coupler"][0]),
             Revolute("B", ends["coupler"][1], ends["rocker"][1]),
             Revolute("P", Attachment(GROUND, base, 0.0), ends["rocker"][0]),
         ),
-        guides=(),
-        drives=(Drive("drive", "crank", 0.3, 30.0),),
-        clearances=(),
-        probe=Probe("rocker", 0.0),
+        drives=(Drive("crank", 30.0, 0.3),),
+        watch=Probe("rocker", 0.0),
     )
 
 
@@ -144,7 +142,7 @@ def refused(linkage: Linkage, says: str, guess: tuple[tuple[str, float], ...] = 
 def test_what_has_no_motion_is_refused_by_name() -> None:
     whole = four_bar()
     refused(replace(whole, drives=()), "free to move: .* 1 drives are missing")
-    two = replace(whole, drives=(*whole.drives, Drive("other", "rocker", 0.0, 1.0)))
+    two = replace(whole, drives=(*whole.drives, Drive("rocker", 1.0)))
     refused(two, "overconstrained: .* 1 too many")
     # The crank is too long to turn all around: the links stretch at B on the way.
     refused(four_bar(crank=0.15), r"at crank angle \S+ deg joint [ABP] does not close or is at a")
@@ -152,7 +150,7 @@ def test_what_has_no_motion_is_refused_by_name() -> None:
     refused(four_bar(coupler=0.02), "joint [ABOP] does not close")
     far = (("coupler", 2.6), ("rocker", 1.4))
     refused(whole, "guess of coupler = 2.6 rad: .* right angle", far)
-    slow = replace(whole, drives=(Drive("drive", "crank", 0.3, 12.0),))
+    slow = replace(whole, drives=(Drive("crank", 12.0, 0.3),))
     refused(slow, "does not come back: after a cycle of 0.20944 s crank is elsewhere")
 
 

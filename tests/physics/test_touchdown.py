@@ -147,7 +147,7 @@ def test_contact_step_without_energy_or_give_sets_no_limit() -> None:
     assert contact_step(_meeting(1e10), -1e-3, 0.0, PARTS) == math.inf
     # Two driven bodies meet with infinite mass; a step that is no number helps nobody.
     pair = Pair(JOINT, np.zeros(6), np.zeros(6)).linkage
-    drives = tuple(Drive(body.name, body.name, 0.0, 1.0) for body in pair.bodies)
+    drives = tuple(Drive(body.name, 1.0) for body in pair.bodies)
     driven = pack(replace(pair, drives=drives)).joints[0]
     for rate in (0.0, 0.3):
         assert contact_step(driven, 1e-6, rate, PARTS) == math.inf
@@ -160,7 +160,7 @@ def test_the_mass_that_meets_is_that_of_two_free_bodies() -> None:
     )
     bearing, pin = 1 / 0.2 + (0.17**2 + 0.03**2) / 3e-3, 1 / 0.1 + (0.11**2 + 0.05**2) / 1e-3
     assert pack(pair).joints[0]["effective_mass"] == pytest.approx(1 / (bearing + pin), rel=1e-14)
-    held = replace(pair, drives=(Drive("bearing", "bearing", 0.0, 1.0),))
+    held = replace(pair, drives=(Drive("bearing", 1.0),))
     assert pack(held).joints[0]["effective_mass"] == pytest.approx(1.0 / pin, rel=1e-14)
 
 

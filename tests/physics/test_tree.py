@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 
 def without(linkage: Linkage, *names: str) -> Linkage:
     """The linkage with revolute joints taken out."""
-    return replace(linkage, revolutes=tuple(j for j in linkage.revolutes if j.name not in names))
+    return replace(linkage, joints=tuple(j for j in linkage.joints if j.name not in names))
 
 
 @pytest.mark.parametrize("name", sorted(GEOMETRIES))
@@ -39,7 +39,7 @@ def test_the_press_hangs_from_its_crank_and_its_guide(name: str) -> None:
         ("", "closes a loop"),
         ("A", "closes a loop"),
         ("C", "closes a loop"),
-        ("A C O7", "drive 7 turns a body that is not hinged"),
+        ("A C O7", "drive of crank 7 turns a body that is not hinged"),
         ("A B C", "rod 3 is not held by any joint"),
         ("A C D", "joint B hangs from nothing"),
     ],

@@ -28,10 +28,8 @@ NO_LEAVES: tuple[Any, ...] = (True, False, [], {})
 @pytest.fixture(scope="module")
 def document(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     """A run of two stages, as if it had failed and left a checkpoint."""
-    scene = wear_times()
-    scene = replace(
-        scene, mechanism=replace(scene.mechanism, speed=60.0), engine="dae", cycles=5, wears=1
-    )
+    scene = wear_times(speed=60.0)
+    scene = replace(scene, engine="dae", cycles=5, wears=1)
     path = tmp_path_factory.mktemp("result") / "run"
     run_scene(scene, path)
     found = read_document(path)

@@ -157,10 +157,8 @@ def test_a_table_that_does_not_belong_to_the_run_is_refused() -> None:
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """One fast cycle of the in-house solver, worn once."""
-    scene = wear_times()
-    scene = replace(
-        scene, mechanism=replace(scene.mechanism, speed=60.0), engine="dae", cycles=1, wears=0
-    )
+    scene = wear_times(speed=60.0)
+    scene = replace(scene, engine="dae", cycles=1, wears=0)
     path = tmp_path_factory.mktemp("result") / "run"
     run_scene(scene, path)
     return path

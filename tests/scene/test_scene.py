@@ -31,7 +31,7 @@ def test_defaults_are_the_papers() -> None:
     assert (bearings.youngs_modulus, bearings.poisson_ratio) == (200e9, 0.3)
     assert (bearings.restitution, bearings.exponent) == (0.9, 1.5)
     assert (bearings.lower_speed, bearings.upper_speed) == (1e-4, 1e-3)
-    assert BASE.mechanism.speed == 3.5 * math.pi
+    assert BASE.mechanism == Press(speed=3.5 * math.pi)
     assert CONVENTIONS["paper"] == Conventions("paper", "angle", "fixed", "bin", "radial")
     assert CONVENTIONS["refined"] == Conventions("refined", "sliding", "body", "arc", "foundation")
 

@@ -11,6 +11,7 @@ from scipy.interpolate import CubicHermiteSpline
 
 from presswear.engines.base import Run
 from presswear.linkage.elements import Linkage
+from presswear.physics.assembly import Motion
 from presswear.trials.runs import contacts_of, finished
 
 Array = NDArray[np.float64]
@@ -79,9 +80,8 @@ class Difference:
 
 def slider_at_end(linkage: Linkage, run: Run) -> Array:
     """Position, m, and velocity, m/s, along the watched direction at the end of a run."""
-    i = 3 * linkage.index(linkage.probe.body)
-    along = np.array([math.cos(linkage.probe.direction), math.sin(linkage.probe.direction)])
-    return np.array([state[i : i + 2] @ along for state in (run.end.position, run.end.velocity)])
+    q, v = run.end.position[np.newaxis], run.end.velocity[np.newaxis]
+    return Motion(np.array([run.time]), q, v, np.zeros_like(v)).watched(linkage)[0, :2]
 
 
 def touchdowns_of(run: Run) -> tuple[Touchdown, ...]:

@@ -87,7 +87,7 @@ def guided() -> tuple[Linkage, Start]:
     )
     start = IMPACT.start
     start.position[3] = IMPACT.clearance - GAP
-    return replace(linkage, guides=guides), start
+    return replace(linkage, joints=guides), start
 
 
 def deepest(run: Run) -> float:

@@ -118,7 +118,8 @@ def free_bodies(
     probe, direction : str, float
         Body that is watched, along a direction, rad.
     """
-    return Linkage(name, bodies, (), (), (), joints, Probe(probe, direction), gravity, loads=loads)
+    watch = Probe(probe, direction)
+    return Linkage(bodies, watch=watch, name=name, gravity=gravity, loads=loads, clearances=joints)
 
 
 def andrews() -> Linkage:
@@ -141,7 +142,7 @@ def andrews() -> Linkage:
             Body("K6", 0.00706, 5.667e-7),
             Body("K7", 0.05498, 1.912e-5),
         ),
-        revolutes=(
+        joints=(
             Revolute("O", pin("K1", "O"), on_frame((0.0, 0.0))),
             Revolute("P", pin("K1", "P"), pin("K2", "P")),
             Revolute("Q 3", pin("K2", "Q"), pin("K3", "Q")),
@@ -153,10 +154,7 @@ def andrews() -> Linkage:
             Revolute("E", pin("K4", "E"), pin("K5", "E")),
             Revolute("H", pin("K6", "H"), pin("K7", "H")),
         ),
-        guides=(),
-        drives=(),
-        clearances=(),
-        probe=Probe("K3", 0.0),
+        watch=Probe("K3", 0.0),
         gravity=0.0,
         springs=(Spring("spring", pin("K3", "D"), on_frame(_C), _C0, _L0),),
         loads=(Load("K1", moment=_MOMENT),),

@@ -82,8 +82,8 @@ def test_the_study_runs_what_it_says() -> None:
     keys = [variant.key for variant in study.variants]
     assert len(set(keys)) == len(keys)
     standard = study.variants[0].scene
-    assert {v.scene.mechanism.speed for v in study.variants[: len(SETTINGS)]} == {
-        setting.scene().mechanism.speed for setting in SETTINGS.values()
+    assert {v.scene.mechanism.period for v in study.variants[: len(SETTINGS)]} == {
+        setting.scene().mechanism.period for setting in SETTINGS.values()
     }
     assert standard.starts == STARTS
     assert {case.key for case in CASES} >= {*GEOMETRIES, *SENSITIVITIES}
