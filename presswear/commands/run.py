@@ -20,6 +20,7 @@ from presswear.commands.terminal import (
     settings_given,
 )
 from presswear.scene.catalog import SCENES
+from presswear.scene.files import SUFFIX
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.studies import STUDIES
@@ -45,7 +46,8 @@ def add(commands: Any) -> None:
         epilog="example: presswear run wear-times --conventions refined --cycles 10 "
         "--set clearance=0.6mm --set 'speed=6pi rad/s' --set geometry=swapped",
     )
-    run.add_argument("scene", help="one of: " + ", ".join((*SCENES, *STUDIES)))
+    named = ", ".join((*SCENES, *STUDIES))
+    run.add_argument("scene", help=f"a file, FILE.toml, or one of: {named}")
     run.add_argument("--out", type=folder_given, help="new result folder (default results/SCENE)")
     run.add_argument(
         "--engine", help="exudyn (default: the smallest model), exudyn-tree, exudyn-joints or dae"
@@ -146,7 +148,7 @@ def _stored_scene(arguments: argparse.Namespace) -> Scene:
     from presswear.results.result import stored_scene
 
     scene, _ = stored_scene(arguments.out)
-    if scene.name != arguments.scene:
+    if scene.name != Path(arguments.scene).name.removesuffix(SUFFIX):
         raise InputError(
             f"--out {arguments.out}: it holds a run of {scene.name}, not of {arguments.scene}"
         )

@@ -21,6 +21,7 @@ from rich.progress import (
 from rich.table import Table
 
 from presswear.scene.catalog import scene_named
+from presswear.scene.files import SUFFIX, scene_from
 from presswear.scene.scene import Scene
 from presswear.studies import STUDIES
 from presswear.tools.errors import InputError, nearest
@@ -61,7 +62,9 @@ def settings_given(items: list[str]) -> dict[str, str]:
 
 
 def scene_given(name: str) -> Scene:
-    """A scene by its name; InputError lists scenes and studies, and tells one from the other."""
+    """A scene by its name or from a file; InputError lists scenes and studies that there are."""
+    if name.endswith(SUFFIX):
+        return scene_from(Path(name))
     if name in STUDIES:
         raise InputError(f"{name!r} is a study of several scenes; presswear run {name}")
     return scene_named(name, STUDIES)

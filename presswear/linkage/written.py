@@ -4,11 +4,12 @@ Stored numbers are SI; in a file each has its unit, as on the command line.
 """
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
 from presswear.linkage.elements import (
+    GROUND,
     Attachment,
     Bar,
     Body,
@@ -100,7 +101,13 @@ _LENGTH, _ANGLE = _any("m", ""), _any("rad", "")
 def written(linkage: Linkage) -> dict[str, Any]:
     """A linkage without its clearance joints as plain data, SI; see ``read``."""
 
-    def end(at: Attachment) -> dict[str, Any]:
+    def end(at: Attachment) -> Any:
+        if at.body == GROUND:
+            return [at.x, at.y]
+        points = dict(linkage.bodies[linkage.index(at.body)].points)
+        names = [name for name, place in points.items() if place == (at.x, at.y)]
+        if names:
+            return f"{at.body}.{names[0]}"
         return {"body": at.body, "x": at.x, "y": at.y}
 
     def own(item: Any, *names: str) -> dict[str, Any]:
@@ -126,12 +133,60 @@ def written(linkage: Linkage) -> dict[str, Any]:
             for spring in linkage.springs
         ],
         "loads": [own(load, *TABLES["loads"]) for load in linkage.loads],
-        "watch": {"body": watch.body, "x": watch.x, "y": watch.y},
+        "watch": end(Attachment(watch.body, watch.x, watch.y)),
         "direction": watch.direction,
         "guess": dict(linkage.guess),
         "gravity": linkage.gravity,
         **({} if linkage.cycle is None else {"cycle": linkage.cycle}),
     }
+
+
+def toml_of(linkage: Linkage) -> str:
+    """A linkage as the tables of a TOML file, each number with its unit and each key explained."""
+    data, lines, told = written(linkage), ["[mechanism]"], set()
+
+    def line(key: str, value: Any, meaning: Meaning | str) -> str:
+        text = "" if isinstance(meaning, str) or meaning.text in told else f"  # {meaning.text}"
+        if not isinstance(meaning, str):
+            told.add(meaning.text)
+        return f"{key} = {_toml(value, meaning)}{text}"
+
+    lines += [line(key, data[key], _WHOLE[key]) for key in _WHOLE if key in data]
+    for table, known in TABLES.items():
+        for row in data[table]:
+            lines += ["", f"[[mechanism.{table}]]"]
+            shown = (key for key in known if key in row and row[key] != {})
+            lines += [line(key, row[key], known[key]) for key in shown]
+    return "\n".join(lines) + "\n"
+
+
+def _toml(value: Any, meaning: Meaning | str) -> str:
+    """A value of a table as TOML."""
+    if isinstance(value, str):
+        return f'"{value}"'
+    if isinstance(meaning, Meaning):
+        return f'"{value!r} {meaning.unit}"'
+    if isinstance(value, list):
+        return f"[{', '.join(_toml(own, _LENGTH) for own in value)}]"
+    inner = _ANGLE if meaning == _ANGLES else _LENGTH
+    pairs = (
+        f'"{key}" = {_toml(own, _POINTS if isinstance(own, list) else inner)}'
+        for key, own in value.items()
+    )
+    return f"{{ {', '.join(pairs)} }}"
+
+
+def values_of(linkage: Linkage) -> Iterator[tuple[str, str, str]]:
+    """Every value of a linkage: key, value with its unit, and what it means."""
+    data = written(linkage)
+    rows = [("", data, _WHOLE)]
+    for table, known in TABLES.items():
+        rows += [(f"{table}[{k}].", row, known) for k, row in enumerate(data[table])]
+    for place, row, known in rows:
+        for key, meaning in known.items():
+            if key in row and row[key] != {}:
+                text = meaning.text if isinstance(meaning, Meaning) else ""
+                yield f"{place}{key}", _toml(row[key], meaning).replace('"', ""), text
 
 
 def read(data: Data, place: str, *, units: bool = False) -> Linkage:

@@ -1,0 +1,98 @@
+"""Scenes from TOML files: a mechanism and settings, every number with its unit."""
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from presswear.linkage.elements import Linkage
+from presswear.linkage.four_bar import FOUR_BAR
+from presswear.linkage.press import Press
+from presswear.linkage.slider_crank import SliderCrank
+from presswear.linkage.written import read, toml_of
+from presswear.scene.scene import MECHANISMS, OneMechanism, Scene
+from presswear.scene.settings import changed, settings_of
+from presswear.tools.errors import InputError, unknown
+from presswear.tools.files import read_checked
+
+SUFFIX = ".toml"
+_KEYS = ("title", "mechanism", "settings")
+_MOST_BYTES = 2**20
+
+
+EXAMPLES: Mapping[str, tuple[Press | SliderCrank | Linkage, str]] = {
+    FOUR_BAR.name: (FOUR_BAR, "B"),
+    SliderCrank.kind: (SliderCrank(), "B"),
+    Press.kind: (Press(), "A,C"),
+}
+"""Mechanisms that a file may begin with, and the joints that have clearance in it."""
+
+
+def example_file(kind: str) -> str:
+    """The text of a file that describes one of EXAMPLES."""
+    if kind not in EXAMPLES:
+        raise unknown("mechanism", kind, EXAMPLES)
+    mechanism, joints = EXAMPLES[kind]
+    linkage = replace(mechanism.linkage(), guess=mechanism.guess)
+    return (
+        f"# A {kind}.  Every number has its unit; x points to the right, y upwards, and angles "
+        "turn\n# counterclockwise.  Points are body.point or coordinates on the frame.\n"
+        f"# Try: presswear list FILE, presswear run FILE.\n\n"
+        f'title = "A {kind} of my own"\n\n'
+        f"{toml_of(linkage)}\n"
+        "[settings]  # every key that presswear list FILE shows\n"
+        f'joints = "{joints}"\nclearance = "0.3 mm"\nfriction = 0.02\n'
+        'conventions = "refined"\nwears = 1\n'
+    )
+
+
+def scene_from(file: Path) -> Scene:
+    """The scene that a file describes.
+
+    Raises
+    ------
+    InputError
+        Naming the file, the key and the value that does not fit.
+    """
+    try:
+        if not file.is_file():
+            raise InputError("there is no such file")
+        if file.stat().st_size > _MOST_BYTES:
+            raise InputError(f"it has more than {_MOST_BYTES} bytes")
+        data = tomllib.loads(read_checked(file).decode())
+        for key in data:
+            if key not in _KEYS:
+                raise unknown("key", key, _KEYS)
+        mechanism, settings = _mechanism(data.get("mechanism")), _settings(data.get("settings", {}))
+        title = data.get("title", f"The linkage of {file.name}")
+        # Without a word on it, no joint has clearance and nothing wears.
+        plain = Scene(file.stem, title, mechanism, joints="none", wears=0)
+        statuses = dict.fromkeys((setting.key for setting in settings_of(plain)), "default")
+        return changed(replace(plain, statuses=statuses), settings)
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
+        raise InputError(f"{file}: {error}") from None
+    except InputError as error:
+        told = str(error)
+        raise InputError(told if told.startswith(str(file)) else f"{file}: {told}") from None
+
+
+def _mechanism(given: Any) -> OneMechanism:
+    """A linkage from its table, or a mechanism by its kind."""
+    if isinstance(given, str):
+        if given not in MECHANISMS:
+            raise unknown("mechanism", given, (*MECHANISMS, f"a table [{Linkage.kind}]"))
+        return MECHANISMS[given]()
+    if not isinstance(given, Mapping):
+        raise InputError("mechanism: the name of one or a table [mechanism] is needed")
+    return read(given, "mechanism", units=True)
+
+
+def _settings(given: Any) -> dict[str, str]:
+    """Settings as text, as the command line has them."""
+    if not isinstance(given, Mapping):
+        raise InputError(f"settings = {given!r}: a table is expected")
+    for key, value in given.items():
+        if isinstance(value, bool) or not isinstance(value, str | int | float):
+            raise InputError(f"settings.{key} = {value!r}: a text or a number is expected")
+    return {key: f"{value}" for key, value in given.items()}

@@ -1,0 +1,150 @@
+"""Linkages as plain data: read back equal, and what is wrong told in one line."""
+
+import copy
+import math
+import tomllib
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from presswear.linkage.elements import (
+    GROUND,
+    Attachment,
+    Bar,
+    Body,
+    Drive,
+    Guide,
+    Linkage,
+    Load,
+    Pin,
+    Probe,
+    Spring,
+)
+from presswear.linkage.four_bar import FOUR_BAR
+from presswear.linkage.press import GEOMETRIES, Press
+from presswear.linkage.slider_crank import SliderCrank
+from presswear.linkage.written import read, toml_of, values_of, written
+from presswear.tools.errors import InputError
+
+LOADED = replace(
+    FOUR_BAR,
+    springs=[Spring("s", Attachment("rocker", 0.0, 0.01), Attachment(GROUND, 0.3, 0.1), 50.0, 0.1)],
+    loads=[Load("coupler", y=-3.0, moment=0.1)],
+    watch=Probe("coupler", 0.3, 0.01, 0.02),
+    cycle=0.5,
+    gravity=0.0,
+)
+EVERY = [
+    FOUR_BAR,
+    LOADED,
+    replace(SliderCrank().linkage(), guess=SliderCrank().guess),
+    *(Press(geometry=geometry).linkage() for geometry in GEOMETRIES.values()),
+]
+
+
+@pytest.mark.parametrize("linkage", EVERY, ids=lambda linkage: linkage.name)
+def test_a_linkage_is_read_back_bit_for_bit(linkage: Linkage) -> None:
+    assert read(written(linkage), "here") == linkage
+    data = tomllib.loads(toml_of(linkage))["mechanism"]
+    assert read(data, "here", units=True) == linkage
+
+
+def test_every_value_is_listed_with_its_unit() -> None:
+    told = {key: (value, text) for key, value, text in values_of(LOADED)}
+    assert told["springs[0].stiffness"] == ("50.0 N/m", "stiffness")
+    assert told["pins[1].first"][0] == "crank.head"
+    assert told["guess"][0] == "{ coupler = 0.6 rad, rocker = 1.4 rad }"
+    assert told["cycle"][0] == "0.5 s"
+
+
+def test_a_bar_is_a_thin_rod_with_its_ends() -> None:
+    bar = Bar("b", length=0.2, mass=0.3)
+    assert bar == Body("b", 0.3, 0.3 * 0.2**2 / 12.0, {"tail": (-0.1, 0.0), "head": (0.1, 0.0)})
+    with pytest.raises(InputError, match=r"length of b = -1: allowed is a number above 0 m"):
+        Bar("b", length=-1, mass=0.3)
+
+
+@pytest.mark.parametrize(
+    ("changes", "says"),
+    [
+        (
+            {"joints": [Pin("O", (0, 0), "crnk.tail")]},
+            "unknown body in joint O 'crnk'; did you mean",
+        ),
+        ({"joints": [Pin("O", (0, 0), "crank.tial")]}, "unknown point of crank in joint O 'tial'"),
+        ({"joints": [Guide("g", "slider")]}, "unknown body in guide g 'slider'"),
+        ({"drives": [Drive("crank", 1.0), Drive("crank", 2.0)]}, "drive of crank: the name stands"),
+        ({"drives": [Drive("cank", 1.0)]}, "unknown body in drives 'cank'; did you mean crank"),
+        ({"guess": {"rod": 1.0}}, "unknown body in guess 'rod'"),
+        ({"loads": [Load("rod")]}, "unknown body in loads 'rod'"),
+        ({"watch": "rocker.nose"}, "unknown point of rocker in watch 'nose'"),
+        ({"bodies": [*FOUR_BAR.bodies, FOUR_BAR.bodies[0]]}, "body crank: the name stands twice"),
+    ],
+)
+def test_what_names_nothing_is_told(changes: dict[str, Any], says: str) -> None:
+    with pytest.raises(InputError, match=says):
+        replace(FOUR_BAR, **changes)
+
+
+@pytest.mark.parametrize(
+    ("speeds", "turns"), [((30.0,), 1), ((30.0, -30.0), 1), ((30.0, 20.0), 3), ((2.0, 3.0), 2)]
+)
+def test_the_cycle_follows_from_the_drives(speeds: tuple[float, ...], turns: int) -> None:
+    names = ("crank", "coupler", "rocker")
+    drives = [Drive(name, speed) for name, speed in zip(names, speeds, strict=False)]
+    period = replace(FOUR_BAR, drives=drives).period
+    assert period == pytest.approx(2.0 * math.pi * turns / abs(speeds[0]))
+
+
+def test_a_cycle_that_there_is_not_has_to_be_given() -> None:
+    for drives in ([], [Drive("crank", 1.0), Drive("rocker", math.pi)]):
+        with pytest.raises(InputError, match="it has to be given"):
+            _ = replace(FOUR_BAR, drives=drives).period
+    assert replace(FOUR_BAR, drives=[], cycle=2.0).period == 2.0
+
+
+def broken(*path: Any, value: Any) -> dict[str, Any]:
+    """The four-bar as data, with one value changed; None takes it out."""
+    data = copy.deepcopy(tomllib.loads(toml_of(FOUR_BAR))["mechanism"])
+    owner: Any = data
+    for key in path[:-1]:
+        owner = owner[key]
+    if value is None:
+        del owner[path[-1]]
+    else:
+        owner[path[-1]] = value
+    return data
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "says"),
+    [
+        (("bodies", 0, "mass"), "0.3", r"bodies\[0\]\.mass = '0\.3' has no unit"),
+        (("bodies", 0, "mass"), 0.3, r"bodies\[0\]\.mass = '0\.3' has no unit"),
+        (("bodies", 0, "mass"), "0.3 m", r"unknown unit 'm'; known are kg, g"),
+        (("bodies", 0, "mass"), "-1 kg", r"mass = -1 kg: allowed is above 0 kg"),
+        (("bodies", 0, "mass"), None, r"bodies\[0\]: mass is missing"),
+        (("bodies", 0, "inertia"), None, "inertia of crank: it is needed"),
+        (
+            ("bodies", 0, "mas"),
+            "1 kg",
+            r"unknown key of here: bodies\[0\] 'mas'; did you mean mass",
+        ),
+        (("bodies",), [], "bodies: at least one is needed"),
+        (("bodies",), 3, "bodies = 3: a list of tables is expected"),
+        (("bodies", 0), 3, r"bodies\[0\] = 3: a table is expected"),
+        (("bodies", 0, "points"), {"x": ["1 m"]}, r"points\.x = \['1 m'\]: two lengths"),
+        (("pins", 0, "second"), "crank.tale", "unknown point of crank in joint O 'tale'"),
+        (("pins", 0, "first"), ["1 m", "2"], r"pins\[0\]\.first = '2' has no unit"),
+        (("drives", 0, "speed"), "30 rpn", "unknown unit 'rpn'"),
+        (("guess", "coupler"), "fast", "guess.coupler = 'fast' is not a number"),
+        (("bodys",), [], "unknown key of here 'bodys'; did you mean bodies"),
+        (("gravity",), True, "gravity = 'True' is not a number"),
+    ],
+)
+def test_what_does_not_fit_is_told_by_its_key(path: Any, value: Any, says: str) -> None:
+    with pytest.raises(InputError, match=says) as refusal:
+        read(broken(*path, value=value), "here", units=True)
+    assert str(refusal.value).startswith(("here", "unknown key of here"))
+    assert "\n" not in str(refusal.value)

@@ -1,0 +1,119 @@
+"""Scenes from files: those that ``presswear new`` writes, and any other text."""
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from presswear.campaign.single import run_scene
+from presswear.engines.settings import InHouse
+from presswear.scene.catalog import wear_times
+from presswear.scene.files import EXAMPLES, example_file, scene_from
+from presswear.scene.scene import Scene
+from presswear.tools.errors import InputError, one_line
+
+
+@pytest.mark.parametrize("kind", EXAMPLES)
+def test_every_example_is_a_scene_and_keeps_all(kind: str, tmp_path: Path) -> None:
+    file = tmp_path / "my-own.toml"
+    file.write_text(example_file(kind))
+    scene = scene_from(file)
+    mechanism, joints = EXAMPLES[kind]
+    assert scene.name == "my-own"
+    assert scene.mechanism == replace(mechanism.linkage(), guess=mechanism.guess)
+    assert scene.clearance_joints == tuple(joints.split(","))
+    assert scene.bearings.clearance == 0.3e-3
+    assert Scene.from_dict(scene.as_dict()) == scene
+    assert scene.statuses["clearance"] == "set by the user"
+    assert scene.statuses["restitution"] == "default"
+
+
+def test_the_press_from_a_file_is_the_named_one_bit_for_bit(tmp_path: Path) -> None:
+    file = tmp_path / "press.toml"
+    file.write_text(example_file("press"))
+    named = replace(wear_times(), engine=InHouse.word, cycles=1, wears=0)
+    own = replace(named, mechanism=scene_from(file).mechanism, joints="A,C")
+    runs = [run_scene(scene).stages[0].arrays for scene in (named, own)]
+    assert runs[0].keys() == runs[1].keys()
+    for name, array in runs[0].items():
+        assert array.tobytes() == runs[1][name].tobytes(), name
+
+
+def test_a_mechanism_may_be_named(tmp_path: Path) -> None:
+    file = tmp_path / "fast.toml"
+    file.write_text('mechanism = "press"\n[settings]\nspeed = "6pi rad/s"\njoints = "C"\n')
+    scene = scene_from(file)
+    assert scene.mechanism == wear_times(speed="6pi rad/s").mechanism
+    assert scene.clearance_joints == ("C",)
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("", "mechanism: the name of one or a table"),
+        ("mechanism = 'pres'", "unknown mechanism 'pres'; did you mean press"),
+        ("mechanism = 'press'\nsetings = 1", "unknown key 'setings'; did you mean settings"),
+        ("mechanism = 'press'\n[settings]\nclearence = '1 mm'", "did you mean clearance"),
+        ("mechanism = 'press'\n[settings]\nclearance = 0.001", "clearance = '0.001' has no unit"),
+        ("mechanism = 'press'\n[settings]\nwears = true", "a text or a number is expected"),
+        ("mechanism = 'press'\nsettings = 1", "settings = 1: a table is expected"),
+        ("mechanism = 'press'\ntitle = 1", "title = 1: a text is expected"),
+        ("[mechanism", "Expected ']' at the end of a table"),
+        ("mechanism = 'press'\nmechanism = 'press'", "Cannot overwrite a value"),
+    ],
+)
+def test_what_is_wrong_in_a_file_is_told_in_one_line(text: str, says: str, tmp_path: Path) -> None:
+    file = tmp_path / "wrong.toml"
+    file.write_text(text)
+    with pytest.raises(InputError, match=f"^{re.escape(str(file))}: .*{says}") as refusal:
+        scene_from(file)
+    assert "\n" not in str(refusal.value)
+
+
+def test_a_file_that_is_none_is_told(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="there is no such file"):
+        scene_from(tmp_path / "none.toml")
+
+
+LINES = example_file("four-bar").splitlines()
+
+
+@given(
+    st.lists(
+        st.tuples(
+            st.integers(0, len(LINES) - 1),
+            st.sampled_from(["drop", "twice", "cut", "swap"]),
+            st.integers(0, 40),
+            st.text(max_size=6),
+        ),
+        min_size=1,
+        max_size=3,
+    )
+)
+def test_a_damaged_file_is_read_or_refused(
+    tmp_path_factory: pytest.TempPathFactory, damage: list[tuple[int, str, int, str]]
+) -> None:
+    lines = list(LINES)
+    for place, kind, column, text in damage:
+        place = min(place, len(lines) - 1)
+        line = lines[place]
+        if kind == "drop":
+            del lines[place]
+        elif kind == "twice":
+            lines.insert(place, line)
+        elif kind == "cut":
+            lines[place] = line[:column] + text
+        else:
+            lines[place] = line[:column] + text + line[column + 1 :]
+    file = tmp_path_factory.mktemp("damaged") / "own.toml"
+    file.write_bytes("\n".join(lines).encode("utf-8", "surrogatepass"))
+    refusal = ""
+    try:
+        scene_from(file)
+    except InputError as error:
+        refusal = one_line(str(error))
+    assert "\n" not in refusal
+    assert not refusal or refusal.startswith(str(file))
