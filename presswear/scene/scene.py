@@ -280,6 +280,9 @@ class Scene:
         for key, status in dict(self.statuses).items():
             if not (isinstance(key, str) and isinstance(status, str)):
                 raise InputError(f"status {status!r} of {key!r}: texts are expected")
+        for part, kind in (("bearings", Bearings), ("conventions", Conventions)):
+            if not isinstance(getattr(self, part), kind):
+                raise InputError(f"{part} = {getattr(self, part)!r}: a {kind.__name__} is expected")
         check_fields(self)
         check_fields(self.conventions)
         if self.conventions.contact == "foundation" and self.bearings.exponent != 1.5:

@@ -56,7 +56,7 @@ _STOPPED = tuple(
     )
     for joint in joints
 )
-"""Quantities compared between runs that stopped early and 200 cycles."""
+"""Quantities compared between the runs and those of 200 cycles of each start."""
 
 
 def factors_of(evidence: Evidence, case: str) -> dict[Place, float]:
@@ -148,7 +148,7 @@ def sensitivity_table(evidence: Evidence, failures: Mapping[str, str]) -> Table:
 
 
 def stopped_table(evidence: Evidence) -> Table:
-    """Runs that stopped early beside 200 cycles, where both ran."""
+    """The runs beside those of 200 cycles of each start, where both ran."""
     rows = []
     for quantity, place in _STOPPED:
         early, full = (evidence.measured(case, place, quantity) for case in (BASE, LONG))
@@ -159,7 +159,7 @@ def stopped_table(evidence: Evidence) -> Table:
         whole = value_text(full, quantity), str(full.samples)
         same = "no" if moves(found) else "yes"
         rows.append((place_text(place, quantity), *told, *whole, ratio_text(found), same))
-    heads = "stopped early", "cycles, starts", "200 cycles", "cycles", "ratio", "may be the same"
+    heads = "run", "cycles, starts", "200 of each", "cycles", "ratio", "may be the same"
     return Table(("", *heads), (("", tuple(rows)),), numeric=False)
 
 
