@@ -33,7 +33,7 @@ from presswear.linkage.written import read, written
 from presswear.physics.assembly import IdealMotion, motion_of
 from presswear.tools.arrays import Array
 from presswear.tools.documents import typed
-from presswear.tools.errors import InputError
+from presswear.tools.errors import InputError, unknown
 from presswear.tools.quantities import Choice, check_fields, choice, count, named_set, quantity
 
 
@@ -80,7 +80,7 @@ of the press with c_f = 0.8 takes half a million steps, at 1e-6 m/s ten times as
 
 @dataclass(frozen=True)
 class Bearings:
-    """The clearance joints of a scene: both alike."""
+    """A joint with clearance: pin, bearing and what they are made of."""
 
     clearance: float = quantity(0.8e-3, "m", 1e-9, 1.0, "paper, per study", "c = R_i - R_j")
     bearing_radius: float = quantity(0.015, "m", 1e-4, 1.0, "paper", "R_i")
@@ -217,6 +217,10 @@ class Scene:
 
     Attributes
     ----------
+    bearings : Bearings
+        Of every joint with clearance that is not set apart.
+    apart : mapping of str to Bearings
+        Those of single joints that differ, by name.
     statuses : mapping of str to str
         Where values come from, by key, where it is not what their fields say.
     """
@@ -225,6 +229,7 @@ class Scene:
     title: str = "A scene of one's own"
     mechanism: OneMechanism = field(default_factory=Press)
     bearings: Bearings = field(default_factory=Bearings)
+    apart: Mapping[str, Bearings] = field(default_factory=dict, hash=False)
     conventions: Conventions = named_set(
         "paper", CONVENTIONS, "what the paper prints, or what a careful engineer would compute"
     )
@@ -285,11 +290,25 @@ class Scene:
                 raise InputError(f"{part} = {getattr(self, part)!r}: a {kind.__name__} is expected")
         check_fields(self)
         check_fields(self.conventions)
-        if self.conventions.contact == "foundation" and self.bearings.exponent != 1.5:
-            raise InputError(
-                f"exponent = {self.bearings.exponent:g}: with contact = 'foundation', which is "
-                "linear and gives the exponent 1.5 of a round joint, allowed is 1.5"
-            )
+        for name, own in dict(self.apart).items():
+            if name not in self.mechanism.openable:
+                raise unknown("joint", name, self.mechanism.openable)
+            if not isinstance(own, Bearings):
+                raise InputError(f"apart of {name} = {own!r}: a Bearings is expected")
+            if own.angles != self.bearings.angles:
+                raise InputError(
+                    f"{name}.angles = {own.angles}: all maps have as many bins; allowed is "
+                    f"{self.bearings.angles}"
+                )
+        alike = {name: own for name, own in self.apart.items() if own != self.bearings}
+        object.__setattr__(self, "apart", alike)
+        for name, own in {"": self.bearings, **self.apart}.items():
+            if self.conventions.contact == "foundation" and own.exponent != 1.5:
+                key = f"{name}.exponent" if name else "exponent"
+                raise InputError(
+                    f"{key} = {own.exponent:g}: with contact = 'foundation', which is linear "
+                    "and gives the exponent 1.5 of a round joint, allowed is 1.5"
+                )
         if self.draws > 1 and not self.clearance_joints:
             raise InputError(f"starts = {self.starts}: without a clearance joint allowed is 1")
         _ = self.ideal
@@ -305,6 +324,10 @@ class Scene:
     def clearance_joints(self) -> tuple[str, ...]:
         """Names of the joints with clearance."""
         return joint_words(self.mechanism)[self.joints]
+
+    def bearing(self, joint: str) -> Bearings:
+        """The bearing of a joint."""
+        return self.apart.get(joint, self.bearings)
 
     @property
     def draws(self) -> int:
@@ -330,7 +353,7 @@ class Scene:
         surfaces = dict.fromkeys(self.clearance_joints, (Surface(), Surface())) | dict(worn or {})
         joints = (joint for joint in ideal.revolutes if joint.name in self.clearance_joints)
         return ideal.opened(
-            tuple(self.bearings.joint(j, self.conventions, surfaces[j.name]) for j in joints)
+            tuple(self.bearing(j.name).joint(j, self.conventions, surfaces[j.name]) for j in joints)
         )
 
     @property
@@ -367,7 +390,10 @@ class Scene:
 
     def modelled(self) -> dict[str, Any]:
         """What is computed as plain data; how finely, by what and how often is left out."""
-        names = ("mechanism", "bearings", "conventions", "extrapolation", "represented_cycles")
+        names = (
+            *("mechanism", "bearings", "apart", "conventions"),
+            *("extrapolation", "represented_cycles"),
+        )
         return {name: value for name, value in self.as_dict().items() if name in names}
 
     def as_dict(self) -> dict[str, Any]:
@@ -394,6 +420,7 @@ class Scene:
                 if is_own
                 else MECHANISMS[kind].from_dict(mechanism),
                 bearings=Bearings(**plain.pop("bearings")),
+                apart={name: Bearings(**own) for name, own in plain.pop("apart").items()},
                 conventions=Conventions(**plain.pop("conventions")),
                 numerics=_numerics(dict(plain.pop("numerics"))),
                 **plain,

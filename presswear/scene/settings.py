@@ -7,8 +7,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import Field, dataclass, fields, is_dataclass, replace
 from typing import Any
 
-from presswear.scene.scene import Scene
-from presswear.tools.errors import unknown
+from presswear.scene.scene import Bearings, Scene
+from presswear.tools.errors import InputError, unknown
 from presswear.tools.quantities import (
     Choice,
     Meaning,
@@ -39,8 +39,16 @@ class Setting:
 
 
 def settings_of(scene: Scene) -> Iterator[Setting]:
-    """Everything that ``--set`` can change, with its present value."""
-    return _settings(scene, scene.statuses)
+    """Everything that ``--set`` can change, with its present value.
+
+    Of bearings set apart, ``JOINT.KEY``, what differs from the others.
+    """
+    yield from _settings(scene, scene.statuses)
+    common = {setting.key: setting.value for setting in _settings(scene.bearings, {})}
+    for name, own in scene.apart.items():
+        for setting in _settings(own, {}):
+            if setting.value != common[setting.key]:
+                yield replace(setting, key=f"{name}.{setting.key}")
 
 
 def _settings(owner: Any, statuses: Mapping[str, str]) -> Iterator[Setting]:
@@ -87,12 +95,32 @@ def changed(scene: Scene, settings: Mapping[str, Any]) -> Scene:
     InputError
         For a key that is none, or a value that does not fit.
     """
-    known = {setting.key for setting in settings_of(scene)}
-    for key in settings:
-        if key not in known:
+    known = {setting.key for setting in settings_of(scene) if "." not in setting.key}
+    of_one = {setting.key for setting in _settings(scene.bearings, {})} - {"angles"}
+    apart: dict[str, dict[str, Any]] = {name: {} for name in scene.apart}
+    for key, value in settings.items():
+        joint, dot, own = key.rpartition(".")
+        if not dot and key not in known:
             raise unknown("key", key, sorted(known))
+        if dot:
+            if joint not in scene.mechanism.openable:
+                raise unknown(f"joint in {key}", joint, scene.mechanism.openable)
+            if own not in of_one:
+                raise unknown(f"key of a joint in {key}", own, sorted(of_one))
+            apart.setdefault(joint, {})[own] = value
     statuses = {**scene.statuses, **dict.fromkeys(settings, SET)}
-    return replace(scene, statuses=statuses, **_updates(scene, settings))
+    common = {key: value for key, value in settings.items() if "." not in key}
+    bearings = {name: _with(scene.bearing(name), common | own, name) for name, own in apart.items()}
+    # Put together at once: a new mechanism may have other joints.
+    return replace(scene, statuses=statuses, apart=bearings, **_updates(scene, common))
+
+
+def _with(bearing: Bearings, settings: Mapping[str, Any], joint: str) -> Bearings:
+    """The bearing of one joint with settings changed; InputError names the joint."""
+    try:
+        return replace(bearing, **_updates(bearing, settings))
+    except InputError as error:
+        raise InputError(f"{joint}.{error}") from None
 
 
 def _updates(owner: Any, settings: Mapping[str, Any]) -> dict[str, Any]:

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from presswear.linkage.press import GEOMETRIES, Press
 from presswear.linkage.slider_crank import SliderCrank
-from presswear.scene.catalog import scene_named, slider_crank
+from presswear.scene.catalog import scene_named, slider_crank, wear_times
 from presswear.scene.scene import CONVENTIONS, Conventions, Scene
 from presswear.scene.settings import changed, settings_of
 from presswear.tools.errors import AssemblyError, InputError
@@ -216,3 +216,39 @@ def _use(scene: Scene) -> None:
     for level in (start.position, start.velocity, start.acceleration):
         assert all(math.isfinite(value) for value in level[0])
     assert Scene.from_dict(json.loads(json.dumps(scene.as_dict(), allow_nan=False))) == scene
+
+
+def test_one_joint_can_be_set_apart() -> None:
+    scene = changed(wear_times(), {"A.clearance": "0.2mm", "C.friction": "0.05"})
+    gaps = {joint.name: joint.clearance for joint in scene.linkage().clearances}
+    frictions = {joint.name: joint.friction.coefficient for joint in scene.linkage().clearances}
+    assert gaps == {"A": 0.2e-3, "C": 0.8e-3}
+    assert frictions == {"A": 0.02, "C": 0.05}
+    told = {setting.key: setting for setting in settings_of(scene) if "." in setting.key}
+    assert {key: setting.value for key, setting in told.items()} == {
+        "A.clearance": 0.2e-3,
+        "C.friction": 0.05,
+    }
+    assert Scene.from_dict(scene.as_dict()) == scene
+    # Without a joint's name it means all of them.
+    every = changed(scene, {"clearance": "0.5mm"})
+    assert {joint.clearance for joint in every.linkage().clearances} == {0.5e-3}
+    assert every.bearing("C").friction == 0.05
+    # What is alike is not apart.
+    assert not changed(every, {"friction": "0.05"}).apart
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "says"),
+    [
+        ("B.clearance", "1mm", "unknown joint in B.clearance 'B'"),
+        ("A.clearence", "1mm", "unknown key of a joint in A.clearence 'clearence'; did you mean"),
+        ("A.angles", "720", "unknown key of a joint in A.angles 'angles'"),
+        ("A.clearance", "20mm", r"A\.clearance = 0\.02 m: allowed is .* below the bearing"),
+        ("A.clearance", "1", r"A\.clearance = '1' has no unit"),
+        ("A.exponent", "1.2", r"A\.exponent = 1\.2: with contact = 'foundation'"),
+    ],
+)
+def test_what_does_not_fit_one_joint_is_told_with_its_name(key: str, value: str, says: str) -> None:
+    with pytest.raises(InputError, match=f"^{says}"):
+        changed(wear_times(), {"conventions": "refined", key: value})

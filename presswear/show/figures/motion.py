@@ -236,14 +236,14 @@ def centre_trajectory(result: Result, stages: Stages) -> list[Drawing]:
     side = (WIDTH - 0.9) / max(len(shown), 2) - 0.1
     sheet = Sheet(figsize=(WIDTH, 0.95 + (side + 0.1) * len(joints)), layout="constrained")
     grid = sheet.subplots(len(joints), len(shown), squeeze=False, sharex=True, sharey=True)
-    clearance = result.scene.bearings.clearance
-    factor, unit = length_scale(clearance)
-    widest, bounded = clearance, False
+    gaps = {joint: result.scene.bearing(joint).clearance for joint in joints}
+    factor, unit = length_scale(max(gaps.values()))
+    widest, bounded = max(gaps.values()), False
     for row, joint in zip(grid, joints, strict=True):
         for axes, stage in zip(row, shown, strict=True):
             path = stage.data.joints[joint].eccentricity
             limit = gap_limit(result, joint, stage.data)
-            reach = draw_path(axes, path, limit, clearance, factor, stage.pen.colour)
+            reach = draw_path(axes, path, limit, gaps[joint], factor, stage.pen.colour)
             widest, bounded = max(widest, reach), bounded or limit.size > 0
         row[0].set_ylabel(f"joint {joint}\n$e_y$ ({unit})")
     for axes, stage in zip(grid[0], shown, strict=True):
@@ -260,9 +260,13 @@ def centre_trajectory(result: Result, stages: Stages) -> list[Drawing]:
     depths = (stage.data.joints[j].depth(side) for stage in shown for j in joints for side in SIDES)
     if not bounded and any(np.any(depth > 0.0) for depth in depths):
         caption += " Worn surfaces turn with their bodies, so that no fixed line bounds the path."
-    legend(
-        sheet, path_pens(f"{readable(factor * clearance)} {unit}", bounded), "outside upper center"
+    distinct = dict.fromkeys(gaps.values())
+    told = ", ".join(
+        f"{readable(factor * gap)} {unit}"
+        + (f" ({', '.join(j for j in joints if gaps[j] == gap)})" if len(distinct) > 1 else "")
+        for gap in distinct
     )
+    legend(sheet, path_pens(told, bounded), "outside upper center")
     return [Drawing("centre-trajectory.png", "Path of the pin centre", caption, sheet)]
 
 
@@ -310,5 +314,5 @@ def gap_limit(result: Result, joint: str, stage: StageResult) -> Array:
     if maps_turn(result) or not np.any(depth > 0.0):
         return np.zeros((2, 0))
     angle = np.append(stage.angle, stage.angle[0])
-    gap = result.scene.bearings.clearance + np.append(depth, depth[0])
+    gap = result.scene.bearing(joint).clearance + np.append(depth, depth[0])
     return gap * np.array([np.cos(angle), np.sin(angle)])

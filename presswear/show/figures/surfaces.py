@@ -102,10 +102,10 @@ def worn_surface(result: Result, joint: str, stages: list[ShownStage]) -> Drawin
     stages : list of ShownStage
         Stages with the depths to draw, the surface of the last in grey.
     """
-    bearings = result.scene.bearings
+    bearings = result.scene.bearing(joint)
     worn = [(stage.pen, stage.data.joints[joint]) for stage in stages]
     angle = stages[-1].data.angle
-    views = _views(result, angle, worn[-1][1])
+    views = _views(result, joint, angle, worn[-1][1])
     deepest = max(float(own.depth(side).max()) for _, own in worn for side in SIDES)
     enlarged = max(1.0, round_down(_DRAWN_DEPTH * bearings.bearing_radius / deepest))
     sheet = Sheet(figsize=(WIDTH, _HEIGHT))
@@ -144,11 +144,11 @@ def _place(inches: tuple[float, float, float, float]) -> tuple[float, float, flo
     return left / WIDTH, bottom / _HEIGHT, width / WIDTH, height / _HEIGHT
 
 
-def _views(result: Result, angle: Array, own: JointResult) -> dict[str, _View]:
+def _views(result: Result, joint: str, angle: Array, own: JointResult) -> dict[str, _View]:
     """The part of each surface to enlarge; the same part of both in fixed directions."""
     depth = {side: own.depth(side) for side in SIDES}
     turn = maps_turn(result)
-    bearings = result.scene.bearings
+    bearings = result.scene.bearing(joint)
     radii = (bearings.bearing_radius, bearings.bearing_radius - bearings.clearance)
     views = {}
     for side, radius in zip(SIDES, radii, strict=True):

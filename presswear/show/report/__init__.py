@@ -230,12 +230,13 @@ def notes(result: Result) -> list[str]:
         "Beyond some tens of impacts the motion is chaotic; a peak is one draw. The means over "
         "cycles are given below with 95 % intervals.",
     )
-    nominal = scene.bearings.restitution
-    delivered = delivered_restitution(lankarani_nikravesh_damping(nominal))
-    found.append(
-        f"The normal force is set to a restitution of {nominal:g}; the law of Lankarani and "
-        f"Nikravesh gives back {delivered:.3f}."
-    )
+    bearings = [scene.bearing(joint) for joint in scene.clearance_joints]
+    for nominal in dict.fromkeys(own.restitution for own in bearings):
+        delivered = delivered_restitution(lankarani_nikravesh_damping(nominal))
+        found.append(
+            f"The normal force is set to a restitution of {nominal:g}; the law of Lankarani and "
+            f"Nikravesh gives back {delivered:.3f}."
+        )
     if len(result.stages) > 1 and scene.conventions.contact == "radial":
         found.append(
             "A worn surface is met radially: the force points along the line of centres even "
@@ -244,7 +245,7 @@ def notes(result: Result) -> list[str]:
             f"took, contacts had made {_made(result)} in the stages after a wear: forces and "
             "wear there are worth as much less."
         )
-    if scene.bearings.wear_coefficient > 0.0:
+    if any(own.wear_coefficient > 0.0 for own in bearings):
         found.append(
             "The wear that the last stage would cause is given, but no stage ran on it. One wear "
             f"stands for {whole(scene.represented_cycles)} cycles."
@@ -258,10 +259,12 @@ def notes(result: Result) -> list[str]:
             )
         elif scene.wears > 0:
             found.append(
-                "A wear is a single jump: each start multiplies the depth of its own cycles and "
-                "rebuilds its surfaces once. The noise of the cycles makes them rough. Forces and "
-                "wear after a jump, and their intervals, are those of maps of so many cycles; maps "
-                "of more cycles give others, by about one over their number."
+                "A wear is a single jump: the mean map of all starts is multiplied and the "
+                "surfaces are rebuilt once. The noise of the cycles makes them rough, so that "
+                "forces and wear after a jump are those of maps of as many cycles, here "
+                f"{whole(result.stages[0].statistics['cycles'])}. Where there are several starts, "
+                "each has run on its own map as well, which is of as many times fewer cycles: how "
+                "they scatter, and how far they are from the others, is in the intervals."
             )
         if scene.conventions.footprint == "bin":
             found.append(
