@@ -3,6 +3,7 @@
 COMMANDS = {
     "list": ("scenes", "the scenes, one line each; or everything that can be set in one"),
     "new": ("scenes", "write a file that describes a mechanism, to begin with"),
+    "show": ("scenes", "draw the mechanism of a scene or a file, labelled"),
     "run": ("run", "run a scene or a study and write its folder and report"),
     "report": ("run", "figures and report anew from the folder of a run, a study or a precision"),
     "replay": ("replay", "play a stored run in the Exudyn renderer, or make a film or a still"),

@@ -1,6 +1,7 @@
 """The commands as a person types them."""
 
 import json
+import re
 import signal
 import subprocess
 import sys
@@ -20,8 +21,8 @@ from presswear.commands import scenes
         (["run", "wear-times", "--set", "clearance=0.8"], ("clearance", "unit", "0.8mm")),
         (["run", "wear-times", "--set", "clearance=thick"], ("clearance", "thick")),
         (["run", "wear-times", "--set", "clearance=15mm"], ("clearance", "0.015 m")),
-        (["run", "wear-times", "--set", "length_3=0.1m"], ("assembled", "joint B")),
-        (["run", "wear-times", "--set", "length_5=0.05m"], ("assembled", "joint E")),
+        (["run", "wear-times", "--set", "length_3=0.1m"], ("assembled", "crank angle", "joint")),
+        (["run", "wear-times", "--set", "length_5=0.05m"], ("assembled", "crank angle", "joint")),
         (["run", "wear-times", "--set", "friction=inf"], ("friction",)),
         (["run", "wear-times", "--cycles", "0"], ("cycles", "1 to")),
         (["run", "wear-times", "--cycles", "many"], ("cycles", "many")),
@@ -31,7 +32,10 @@ from presswear.commands import scenes
         (["run", "slider-crank", "--set", "joints=C"], ("joints", "A, B, AB, none")),
         (["run", "slider-crank", "--set", "geometry=standard"], ("geometry", "rod_length")),
         (["run", "slider-crank", "--set", "rod_length=40mm"], ("rod_length", "0.050005 m")),
-        (["run", "slider-crank", "--set", "crank_length=0.12m"], ("crank_length", "joint B")),
+        (
+            ["run", "slider-crank", "--set", "crank_length=0.12m"],
+            ("rod_length = 0.12 m", "crank_length = 0.12 m", "joint B"),
+        ),
         (["run", "slider-crank", "--set", "speed=6000rad/s"], ("speed", "5000 rad/s")),
         (["run"], ("scene",)),
         (["run", "ideal", "--cycles", "1", "--set", "cycles=2"], ("--cycles and --set cycles",)),
@@ -208,3 +212,53 @@ def test_an_interrupt_that_became_another_error_is_one(
     monkeypatch.setattr(scenes, "_list", lambda arguments, console: 1 // 0)
     with pytest.raises(ZeroDivisionError):
         main(["list"])
+
+
+@pytest.mark.parametrize("kind", ["four-bar", "slider-crank", "press"])
+def test_a_new_file_is_listed_drawn_and_run(
+    kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["new", kind, "my-own.toml"]) == 0
+    written = Path("my-own.toml").read_bytes()
+    # Nothing that is there is lost.
+    assert main(["new", kind, "my-own.toml"]) == 2
+    assert Path("my-own.toml").read_bytes() == written
+    assert "my-own.toml cannot be written: File exists" in capsys.readouterr().err
+    assert main(["list", "my-own.toml"]) == 0
+    told = capsys.readouterr().out
+    for key in ("bodies[0].mass", "pins[1].first", "drives[0].speed", "clearance"):
+        assert re.search(rf"^{re.escape(key)} ", told, re.MULTILINE), key
+    assert main(["show", "my-own.toml", "--at", "10ms"]) == 0
+    assert Path("my-own.png").read_bytes().startswith(b"\x89PNG")
+    options = ["--engine", "dae", "--cycles", "1", "--wears", "0", "--set", "starts=1"]
+    assert main(["run", "my-own.toml", "--out", "out", *options]) == 0
+    assert main(["report", "out"]) == 0
+    assert "report in out" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["new", "fourbar", "x.toml"], "unknown mechanism 'fourbar'; did you mean four-bar?"),
+        (["new", "press", "x.txt"], "x.txt: a name that ends in .toml is expected"),
+        (["new", "press", "no/x.toml"], "no/x.toml cannot be written: No such file or directory"),
+        (["run", "x.toml"], "x.toml: there is no such file"),
+        (["show", "wear-times", "--at", "3"], "--at = '3' has no unit"),
+        (["show", "wear-times", "--out", "x.pdf"], "x.pdf: a name that ends in .png is expected"),
+        (["show", "wear-times", "--out", "no/x.png"], "there is no folder no"),
+    ],
+)
+def test_what_does_not_fit_a_file_is_one_line(
+    arguments: list[str],
+    says: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(arguments) == 2
+    captured = capsys.readouterr()
+    assert says in captured.err
+    assert captured.err.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []

@@ -19,7 +19,9 @@ from presswear.results.result import Result
 from presswear.results.stage import SIDES, StageResult, WearStep
 from presswear.scene.catalog import wear_times
 from presswear.scene.scene import CONVENTIONS, Scene, stage_name
+from presswear.scene.settings import changed
 from presswear.show.figures import NAMES, drawings, save
+from presswear.show.figures.mechanism import labelled
 from presswear.show.figures.style import length_scale, round_down
 from presswear.tools.errors import InputError
 from presswear.tools.numbers import given, readable, whole, with_interval
@@ -131,6 +133,7 @@ def test_draws_what_makes_sense(
     scene: Scene, stages: int, files: list[str], tmp_path: Path
 ) -> None:
     found = list(drawings(made_up(scene, stages)))
+    files = ["mechanism.png", *files]
     assert [drawing.file for drawing in found] == files
     for drawing in found:
         assert save(drawing, tmp_path / "figures").read_bytes().startswith(b"\x89PNG")
@@ -280,12 +283,13 @@ def test_plot_gives_the_axes_of_every_figure_in_memory() -> None:
     result = grown()
     assert result.path is None
     counts = {name: len(result.plot(name)) for name in NAMES}
+    assert counts.pop("mechanism") == 1
     assert counts == {"wear": 2, "growth": 2, "surfaces": 6, "response": 7, "force": 6, "path": 6}
-    assert len(result.plot()) == sum(counts.values())
+    assert len(result.plot()) == 1 + sum(counts.values())
     assert len(result.plot("path", "wear")) == counts["path"] + counts["wear"]
 
 
-@pytest.mark.parametrize("name", [name for name in NAMES if name != "growth"])
+@pytest.mark.parametrize("name", [name for name in NAMES if name not in ("mechanism", "growth")])
 def test_plot_of_one_stage_shows_it_alone(name: str) -> None:
     (sheet,) = {axes.figure for axes in grown().plot(name, stage=1)[:3]}
     assert isinstance(sheet, Sheet)
@@ -299,7 +303,11 @@ def test_plot_of_one_stage_shows_it_alone(name: str) -> None:
 @pytest.mark.parametrize(
     ("names", "stage", "message"),
     [
-        (["forces"], None, "unknown figure 'forces'; did you mean force?; known are wear, growth"),
+        (
+            ["forces"],
+            None,
+            "unknown figure 'forces'; did you mean force?; known are mechanism, wear",
+        ),
         (["growth"], None, "wear-times has nothing to draw as 'growth'"),
         (["wear"], 0, "stage 0 of wear-times has nothing to draw as 'wear'"),
         (["force"], 7, "wear-times has no stage 7; it has 0, 1, 2; did you mean 2?"),
@@ -321,9 +329,27 @@ def test_a_script_keeps_its_matplotlib_as_it_is() -> None:
 def test_pyplot_shows_figures_where_it_is_interactive() -> None:
     pyplot.switch_backend("agg")
     with pyplot.ion():
-        axes = made_up(IDEAL, 1).plot()
+        axes = made_up(IDEAL, 1).plot("response")
     assert [pyplot.figure(number) for number in pyplot.get_fignums()] == [axes[0].figure]
     pyplot.close("all")
+
+
+def test_the_mechanism_is_labelled_where_it_stands() -> None:
+    """Every body and joint by its name, at its place; drives in their senses."""
+    scene = changed(wear_times(), {"A.clearance": "0.25mm"})
+    drawing = labelled(scene, 0.1)
+    (axes,) = drawing.sheet.axes
+    words = [text.get_text() for text in axes.texts]
+    linkage = scene.linkage()
+    for body in linkage.bodies:
+        assert body.name in words
+    assert {"B", "D", "E", "O2", "O7", "A\nc = 0.25 mm", "C\nc = 0.8 mm"} <= set(words)
+    motion = scene.ideal.at(np.array([0.1]))
+    for k in range(len(linkage.bodies)):
+        centre = motion.position[0, 3 * k : 3 * k + 2]
+        marks = [np.ravel(line.get_xydata()) for line in axes.lines if line.get_marker() == "+"]
+        assert any(np.allclose(mark, centre, atol=1e-12) for mark in marks)
+    assert words.count("11 rad/s") == 2
 
 
 def test_stage_names() -> None:

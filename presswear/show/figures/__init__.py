@@ -9,6 +9,7 @@ from typing import BinaryIO
 import matplotlib
 
 from presswear.results.result import Result
+from presswear.show.figures.mechanism import mechanism
 from presswear.show.figures.motion import centre_trajectory, contact_force, response
 from presswear.show.figures.style import (
     DOTS_PER_INCH,
@@ -26,6 +27,7 @@ from presswear.tools.files import write_whole
 __all__ = ["NAMES", "Drawing", "drawings", "plot", "save"]
 
 NAMES: dict[str, Callable[[Result, Stages], list[Drawing]]] = {
+    "mechanism": mechanism,
     "wear": wear_depth,
     "growth": wear_growth,
     "surfaces": worn_surfaces,

@@ -1,0 +1,159 @@
+"""The mechanism at an instant, labelled: bodies, joints, mass centres, drives, senses of angles."""
+
+import math
+
+import numpy as np
+from matplotlib.patches import FancyArrowPatch, Polygon
+
+from presswear.linkage.elements import GROUND, Attachment, Linkage
+from presswear.results.result import Result
+from presswear.scene.scene import Scene
+from presswear.show.figures.style import (
+    LINES,
+    MUTED,
+    WIDTH,
+    Array,
+    Axes,
+    Drawing,
+    Sheet,
+    Stages,
+)
+from presswear.tools.numbers import readable
+
+_HEIGHT = 5.2
+"""Of the figure, inches."""
+_INSTANTS = 361
+"""At which the paths of the joints are drawn."""
+_MARGIN = 0.16
+"""Around everything that moves, part of its size."""
+
+
+def mechanism(result: Result, stages: Stages) -> list[Drawing]:
+    """The mechanism of a result at the start; see ``labelled``."""
+    return [labelled(result.scene)]
+
+
+def labelled(scene: Scene, time: float = 0.0) -> Drawing:
+    """Draw the mechanism of a scene at an instant, s, its joints closed."""
+    linkage = scene.mechanism.linkage()
+    period = scene.mechanism.period
+    times = np.append(time, np.linspace(0.0, period, _INSTANTS))
+    position = scene.ideal.at(times).position
+    sheet = Sheet(figsize=(WIDTH, _HEIGHT), layout="constrained")
+    axes = sheet.subplots()
+    ends = [(joint.name, end) for joint in linkage.revolutes for end in (joint.first, joint.second)]
+    paths = {name: _path(linkage, position, end) for name, end in ends}
+    centres = [_path(linkage, position, Attachment(b.name, 0.0, 0.0)) for b in linkage.bodies]
+    everything = np.vstack([*paths.values(), *centres])
+    size = float(np.hypot(*np.ptp(everything, axis=0)))
+    for name, path in paths.items():
+        axes.plot(*path[1:].T, color=MUTED, linewidth=0.5, zorder=1)
+        _draw_joint(axes, scene, name, path[0], size)
+    for name, end in ends:
+        if end.body == GROUND:
+            axes.plot(*paths[name][0], marker=(3, 0, 0), markersize=15, color="0.8", zorder=0)
+    for guide in linkage.guides:
+        along = np.array([math.cos(guide.direction), math.sin(guide.direction)])
+        middle = centres[linkage.index(guide.body)][0]
+        line = middle + np.outer([-0.25 * size, 0.25 * size], along)
+        axes.plot(*line.T, color="0.3", linewidth=0.9, linestyle=(0.0, (5.0, 2.0)), zorder=0)
+    for place, body in enumerate(linkage.bodies):
+        colour = LINES[place % len(LINES)][0]
+        points = [_path(linkage, position, end)[0] for _, end in ends if end.body == body.name]
+        _draw_body(axes, body.name, points, centres[place][0], size, colour)
+        angle = position[0, 3 * place + 2]
+        tip = centres[place][0] + 0.07 * size * np.array([math.cos(angle), math.sin(angle)])
+        _arrow(axes, centres[place][0], tip, colour)
+    for drive in linkage.drives:
+        hinge = next((end for _, end in ends if end.body == drive.body), None)
+        if hinge is not None:
+            _draw_drive(axes, _path(linkage, position, hinge)[0], drive.speed, size)
+    probe = linkage.probe
+    watched = _path(linkage, position, Attachment(probe.body, probe.x, probe.y))[0]
+    along = np.array([math.cos(probe.direction), math.sin(probe.direction)])
+    _arrow(axes, watched, watched + 0.14 * size * along, "black", linewidth=1.6)
+    low, high = everything.min(axis=0) - _MARGIN * size, everything.max(axis=0) + _MARGIN * size
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
+    for axis, name in ((axes.xaxis, "x"), (axes.yaxis, "y")):
+        axis.set_major_formatter(lambda value, place: f"{1e3 * value:.4g}")
+        axis.set_label_text(f"{name} (mm)")
+    caption = (
+        f"{linkage.name}, all joints closed, {readable(1e3 * time)} ms after the start; one cycle "
+        f"takes {readable(1e3 * period)} ms. Circles: pin joints, those with clearance ringed; "
+        "triangles: on the frame; dashed: guides. A cross is a mass centre; the thin arrow from it "
+        "is the body's x axis, whose angle counts counterclockwise from the right. Bent arrows: "
+        "drives; the thick black arrow: what is watched, along its direction. Grey: the paths of "
+        "the joints."
+    )
+    return Drawing("mechanism.png", "The mechanism", caption, sheet)
+
+
+def _path(linkage: Linkage, position: Array, end: Attachment) -> Array:
+    """Places of a point at all instants, shape (n, 2), m."""
+    if end.body == GROUND:
+        return np.tile([end.x, end.y], (len(position), 1))
+    column = 3 * linkage.index(end.body)
+    x, y, angle = position[:, column : column + 3].T
+    cosine, sine = np.cos(angle), np.sin(angle)
+    return np.column_stack([x + cosine * end.x - sine * end.y, y + sine * end.x + cosine * end.y])
+
+
+def _draw_joint(axes: Axes, scene: Scene, name: str, place: Array, size: float) -> None:
+    words = name
+    if name in scene.clearance_joints:
+        words = f"{name}\nc = {1e3 * scene.bearing(name).clearance:g} mm"
+        axes.plot(*place, "o", markersize=11, markerfacecolor="none", color="black", zorder=5)
+    axes.plot(*place, "o", markersize=5, markerfacecolor="white", color="black", zorder=6)
+    x, y = place + 0.022 * size
+    axes.text(x, y, words, weight="bold", zorder=7)
+
+
+def _draw_body(
+    axes: Axes,
+    name: str,
+    points: list[Array],
+    centre: Array,
+    size: float,
+    colour: str,
+) -> None:
+    """A bar between two joints, a plate between more, a block around one."""
+    corners = np.array([*points, centre] if len(points) == 1 else points or [centre])
+    if len(points) > 2:
+        around = np.arctan2(*(corners - corners.mean(axis=0)).T[::-1])
+        axes.add_patch(
+            Polygon(corners[np.argsort(around)], facecolor=colour, edgecolor=colour, alpha=0.35)
+        )
+    elif np.ptp(corners, axis=0).max() > 1e-9 * size:
+        axes.plot(*corners.T, color=colour, linewidth=5.0, alpha=0.45, solid_capstyle="round")
+    else:
+        axes.plot(*centre, "s", markersize=16, color=colour, alpha=0.35)
+    axes.plot(*centre, "+", markersize=7, color=colour, zorder=4)
+    axes.annotate(
+        name,
+        (centre[0], centre[1]),
+        xytext=(7, -11),
+        textcoords="offset points",
+        color=colour,
+        zorder=7,
+    )
+
+
+def _arrow(axes: Axes, start: Array, end: Array, colour: str, linewidth: float = 0.8) -> None:
+    axes.add_patch(
+        FancyArrowPatch(
+            tuple(start), tuple(end), arrowstyle="-|>", mutation_scale=8, shrinkA=0, shrinkB=0,
+            color=colour, linewidth=linewidth, zorder=8,
+        )
+    )  # fmt: skip
+
+
+def _draw_drive(axes: Axes, hinge: Array, speed: float, size: float) -> None:
+    """A bent arrow around the hinge, in the sense in which the drive turns."""
+    around = np.radians(np.linspace(200.0, 340.0, 30))
+    arc = hinge + 0.06 * size * np.column_stack([np.cos(around), np.sin(around)])
+    arc = arc if speed > 0.0 else arc[::-1]
+    axes.plot(*arc.T, color="black", linewidth=1.1, zorder=6)
+    _arrow(axes, arc[-2], arc[-1], "black", 1.1)
+    axes.annotate(
+        f"{abs(speed):.4g} rad/s", (hinge[0], hinge[1] - 0.065 * size), ha="center", va="top"
+    )
