@@ -21,7 +21,7 @@ Change = Callable[[Scene], Scene]
 """A change that a person asks for in the scene that a study starts from."""
 
 FILE = "study.json"
-SCHEMA = 2
+SCHEMA = 3
 _KEY = re.compile(r"[A-Za-z0-9][A-Za-z0-9.+=,_-]*")
 _CYCLES_OF_MAPS = 0.06
 """Cycles until wear maps are known to a tolerance, times its square: a rough measure."""

@@ -371,6 +371,12 @@ class Scene:
         """The motion of the mechanism with all joints closed."""
         return motion_of(self.mechanism)
 
+    @property
+    def watched(self) -> str:
+        """The body that is watched, in a word."""
+        body = self.mechanism.linkage().probe.body
+        return "slider" if body.startswith("slider") else body
+
     def ideal_slider(self, time: Array) -> Array:
         """Displacement from the start, velocity and acceleration of the slider, joints closed.
 

@@ -115,7 +115,8 @@ def response(result: Result, stages: Stages) -> list[Drawing]:
     IDEAL.draw(panels[2], time, ideal[:, 1], linewidth=0.9)
     panels[2].set_ylabel("velocity\n(m/s)")
     _draw_accelerations(panels[3 : 3 + len(shown)], result, shown, time, ideal[:, 2])
-    caption = f"The slider over {window.words}, against the ideal motion in closed form."
+    watched = result.scene.watched
+    caption = f"The {watched} over {window.words}, against the motion without clearance."
     if with_impacts:
         interval = result.scene.mechanism.period / _MEANS_PER_CYCLE
         _draw_mean_accelerations(panels[-1], moving, time, ideal[:, 1], interval)
@@ -127,7 +128,7 @@ def response(result: Result, stages: Stages) -> list[Drawing]:
     window.label(panels[-1])
     sheet.align_ylabels()
     legend(sheet, [IDEAL, *(stage.pen for stage in shown)], "outside upper center")
-    return [Drawing("response.png", "Motion of the slider", caption, sheet)]
+    return [Drawing("response.png", f"Motion of the {watched}", caption, sheet)]
 
 
 def _draw_displacements(

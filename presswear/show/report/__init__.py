@@ -138,7 +138,9 @@ def key_numbers(result: Result) -> Table:
             100.0 * stage.statistics.get("energy_made_part", 0.0), 2
         ),
     }
-    return stage_table(result, "", {"Slider": slider, **by_joint(result, of_joint)})
+    return stage_table(
+        result, "", {result.scene.watched.capitalize(): slider, **by_joint(result, of_joint)}
+    )
 
 
 def cycle_means(result: Result) -> Table:
@@ -161,7 +163,11 @@ def cycle_means(result: Result) -> Table:
             statistics(stage, "").get(highest, {}).get("cycles")
         ),
     }
-    return stage_table(result, "mean over cycles", {"Slider": slider, **by_joint(result, of_joint)})
+    return stage_table(
+        result,
+        "mean over cycles",
+        {result.scene.watched.capitalize(): slider, **by_joint(result, of_joint)},
+    )
 
 
 def endings(result: Result) -> Table:
@@ -258,11 +264,13 @@ def notes(result: Result) -> list[str]:
                 "places would be noise."
             )
         elif scene.wears > 0:
+            first = result.stages[0].statistics.get("joints", {}).get(scene.clearance_joints[0], {})
+            samples = first.get("force_max_per_cycle_N", {}).get("cycles")
             found.append(
                 "A wear is a single jump: the mean map of all starts is multiplied and the "
                 "surfaces are rebuilt once. The noise of the cycles makes them rough, so that "
                 "forces and wear after a jump are those of maps of as many cycles, here "
-                f"{whole(result.stages[0].statistics['cycles'])}. Where there are several starts, "
+                f"{whole(samples)}. Where there are several starts, "
                 "each has run on its own map as well, which is of as many times fewer cycles: how "
                 "they scatter, and how far they are from the others, is in the intervals."
             )

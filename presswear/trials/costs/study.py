@@ -21,7 +21,7 @@ from presswear.trials.costs.profile import Profile, profile
 from presswear.trials.runs import Told, part_of, parts_of
 from presswear.trials.stored import processor_name, write_document
 
-SCHEMA = 2
+SCHEMA = 3
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from presswear.trials.precision.study import Precision
 from presswear.trials.precision.wear import QUANTITIES, WearStudy
 from presswear.trials.stored import restored, write_document
 
-SCHEMA = 2
+SCHEMA = 3
 FILE = "precision.json"
 Cells = dict[str, Any]
 """Numbers and words by the names of their columns; None where there is none."""
