@@ -9,6 +9,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from itertools import chain
 from typing import Any, ClassVar, Literal
 
 import numpy as np
@@ -144,22 +145,73 @@ class Guide:
     angle: float = 0.0
 
 
+MOST_HARMONICS = 16
+"""Of the motion of a drive."""
+
+
 @dataclass(frozen=True)
 class Drive:
-    """A body turned at constant speed: theta = angle + speed t, rad and rad/s."""
+    """A body whose angle is given: constant speed and a Fourier series beside it.
+
+    theta = angle + speed t + sum over k from 1 of a_k (cos k w t - 1) + b_k sin k w t
+
+    Attributes
+    ----------
+    speed : float
+        Mean speed, rad/s.
+    angle : float
+        Angle at the start, rad.
+    frequency : float
+        w, rad/s; 0: the mean speed, so that the motion repeats with each turn.
+    harmonics : tuple of (float, float)
+        a_k and b_k, rad.
+    """
 
     body: str
-    speed: float
+    speed: float = 0.0
     angle: float = 0.0
+    frequency: float = 0.0
+    harmonics: Sequence[Place] = ()
+
+    def __post_init__(self) -> None:
+        """InputError where a number is none, or harmonics have no frequency."""
+        put = object.__setattr__
+        put(self, "harmonics", tuple((float(a), float(b)) for a, b in self.harmonics))
+        numbers = (self.speed, self.angle, self.frequency, *chain(*self.harmonics))
+        if not all(map(math.isfinite, numbers)):
+            raise InputError(f"drive of {self.body}: finite numbers are expected")
+        if len(self.harmonics) > MOST_HARMONICS:
+            raise InputError(
+                f"harmonics of {self.body}: {len(self.harmonics)} are given; allowed are 0 to "
+                f"{MOST_HARMONICS}"
+            )
+        if self.harmonics and not self.base > 0.0:
+            raise InputError(
+                f"frequency of {self.body} = {self.frequency:g} rad/s: with harmonics and a "
+                "mean speed of 0 it must be above 0"
+            )
 
     @property
     def name(self) -> str:
         """Name of the drive."""
         return f"drive of {self.body}"
 
+    @property
+    def base(self) -> float:
+        """Frequency of the first harmonic, rad/s."""
+        return self.frequency or abs(self.speed)
+
     def motion(self, time: Array) -> tuple[Array, Array, Array]:
         """Angle, rad, speed, rad/s, and acceleration, rad/s^2, at some instants, s."""
-        return self.angle + self.speed * time, np.full_like(time, self.speed), np.zeros_like(time)
+        angle, speed = self.angle + self.speed * time, np.full_like(time, self.speed)
+        faster = np.zeros_like(time)
+        for k, (a, b) in enumerate(self.harmonics, start=1):
+            w = k * self.base
+            cosine, sine = np.cos(w * time), np.sin(w * time)
+            angle = angle + (a * (cosine - 1.0) + b * sine)
+            speed = speed + w * (b * cosine - a * sine)
+            faster = faster - w * w * (a * cosine + b * sine)
+        return angle, speed, faster
 
 
 @dataclass(frozen=True)
@@ -405,6 +457,7 @@ class Linkage:
         if self.cycle is not None:
             return self.cycle
         speeds = [abs(drive.speed) for drive in self.drives if drive.speed != 0.0]
+        speeds += [drive.base for drive in self.drives if drive.harmonics]
         if not speeds:
             raise InputError(f"cycle of {self.name}: no drive turns, so that it has to be given, s")
         turns = 1

@@ -35,7 +35,7 @@ def _above(unit: str, text: str) -> Meaning:
     return Meaning(unit, 0.0, math.inf, "", text, open_low=True)
 
 
-_TEXT, _END, _POINTS, _ANGLES = "text", "end", "points", "angles"
+_TEXT, _END, _POINTS, _ANGLES, _PAIRS = "text", "end", "points", "angles", "pairs"
 
 TABLES: Mapping[str, Mapping[str, Meaning | str]] = {
     "bodies": {
@@ -56,8 +56,10 @@ TABLES: Mapping[str, Mapping[str, Meaning | str]] = {
     },
     "drives": {
         "body": _TEXT,
-        "speed": _any("rad/s", "speed, counterclockwise"),
+        "speed": _any("rad/s", "mean speed, counterclockwise"),
         "angle": _any("rad", "angle of the body at the start"),
+        "frequency": _any("rad/s", "frequency of the first harmonic; 0: the mean speed"),
+        "harmonics": _PAIRS,
     },
     "springs": {
         "name": _TEXT,
@@ -90,11 +92,12 @@ _NEEDED = {
     "bodies": ("name", "mass"),
     "pins": ("name", "first", "second"),
     "guides": ("name", "body"),
-    "drives": ("body", "speed"),
+    "drives": ("body",),
     "springs": ("name", "first", "second", "stiffness", "length"),
     "loads": ("body",),
 }
 
+_TURNS = "angles of cosine and sine"
 _LENGTH, _ANGLE = _any("m", ""), _any("rad", "")
 
 
@@ -126,7 +129,10 @@ def written(linkage: Linkage) -> dict[str, Any]:
             for pin in linkage.revolutes
         ],
         "guides": [own(guide, *TABLES["guides"]) for guide in linkage.guides],
-        "drives": [own(drive, *TABLES["drives"]) for drive in linkage.drives],
+        "drives": [
+            own(drive, *TABLES["drives"]) | {"harmonics": [list(pair) for pair in drive.harmonics]}
+            for drive in linkage.drives
+        ],
         "springs": [
             own(spring, *TABLES["springs"])
             | {"first": end(spring.first), "second": end(spring.second)}
@@ -155,7 +161,7 @@ def toml_of(linkage: Linkage) -> str:
     for table, known in TABLES.items():
         for row in data[table]:
             lines += ["", f"[[mechanism.{table}]]"]
-            shown = (key for key in known if key in row and row[key] != {})
+            shown = (key for key in known if key in row and row[key] not in ({}, []))
             lines += [line(key, row[key], known[key]) for key in shown]
     return "\n".join(lines) + "\n"
 
@@ -167,7 +173,9 @@ def _toml(value: Any, meaning: Meaning | str) -> str:
     if isinstance(meaning, Meaning):
         return f'"{value!r} {meaning.unit}"'
     if isinstance(value, list):
-        return f"[{', '.join(_toml(own, _LENGTH) for own in value)}]"
+        kinds: Mapping[Any, Meaning | str] = {_PAIRS: _TURNS, _TURNS: _ANGLE}
+        inside = kinds.get(meaning, _LENGTH)
+        return f"[{', '.join(_toml(own, inside) for own in value)}]"
     inner = _ANGLE if meaning == _ANGLES else _LENGTH
     pairs = (
         f'"{key}" = {_toml(own, _POINTS if isinstance(own, list) else inner)}'
@@ -184,7 +192,7 @@ def values_of(linkage: Linkage) -> Iterator[tuple[str, str, str]]:
         rows += [(f"{table}[{k}].", row, known) for k, row in enumerate(data[table])]
     for place, row, known in rows:
         for key, meaning in known.items():
-            if key in row and row[key] != {}:
+            if key in row and row[key] not in ({}, []):
                 text = meaning.text if isinstance(meaning, Meaning) else ""
                 yield f"{place}{key}", _toml(row[key], meaning).replace('"', ""), text
 
@@ -278,6 +286,7 @@ class _Reader:
             _END: self._end,
             _POINTS: self._points,
             _ANGLES: self._angles,
+            _PAIRS: self._pairs,
         }
         found = {}
         for key, value in row.items():
@@ -304,11 +313,19 @@ class _Reader:
         meaning.check(place, value)
         return float(value)
 
-    def _pair(self, place: str, value: Any) -> tuple[float, float]:
+    def _pair(
+        self, place: str, value: Any, what: str = "lengths, x and y", meaning: Meaning = _LENGTH
+    ) -> tuple[float, float]:
         if not isinstance(value, list | tuple) or len(value) != 2:
-            raise InputError(f"{place} = {value!r}: two lengths, x and y, are expected")
-        x, y = (self._number(place, own, _LENGTH) for own in value)
+            raise InputError(f"{place} = {value!r}: two {what}, are expected")
+        x, y = (self._number(place, own, meaning) for own in value)
         return x, y
+
+    def _pairs(self, place: str, value: Any) -> list[tuple[float, float]]:
+        if not isinstance(value, list):
+            raise InputError(f"{place} = {value!r}: a list of pairs of angles is expected")
+        what = "angles, of cosine and sine"
+        return [self._pair(f"{place}[{k}]", own, what, _ANGLE) for k, own in enumerate(value)]
 
     def _end(self, place: str, value: Any) -> Any:
         if isinstance(value, str):
