@@ -341,8 +341,8 @@ class Linkage:
         Ideal joints; a Pin is made a Revolute.
     drives : tuple of Drive
     watch : Probe
-        What is recorded as ``slider``; a point given as text is watched along x, without one
-        the mass centre of the last body.
+        What is recorded as ``slider``; a point given as text is watched along the guide of its
+        body, or else along x; without one it is the mass centre of the last body.
     guess : tuple of (str, float)
         Rough angles at the start, rad, of bodies that are neither driven nor guided: which way
         the linkage is put together.  A mapping may be given.
@@ -382,7 +382,7 @@ class Linkage:
         _once("drive of", [drive.body for drive in self.drives])
         if isinstance(self.watch, str):
             end = self.point(self.watch or f"{self.bodies[-1].name}.centre", "watch")
-            put("watch", Probe(end.body, 0.0, end.x, end.y))
+            put("watch", self.watching(end))
         put("guess", tuple((name, float(angle)) for name, angle in dict(self.guess).items()))
         for where, name in (
             *(("drives", drive.body) for drive in self.drives),
@@ -420,6 +420,13 @@ class Linkage:
         if end.body != GROUND:
             self._check_body(end.body, where)
         return end
+
+    def watching(self, end: Attachment, direction: float | None = None) -> Probe:
+        """A point as what is watched: along its body's guide, where it has one, else along x."""
+        if direction is None:
+            along = (guide.direction for guide in self.guides if guide.body == end.body)
+            direction = next(along, 0.0)
+        return Probe(end.body, direction, end.x, end.y)
 
     @property
     def probe(self) -> Probe:

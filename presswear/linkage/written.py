@@ -18,7 +18,6 @@ from presswear.linkage.elements import (
     Linkage,
     Load,
     Pin,
-    Probe,
     Spring,
 )
 from presswear.tools.errors import InputError, unknown
@@ -226,7 +225,7 @@ def read(data: Data, place: str, *, units: bool = False) -> Linkage:
         if key not in TABLES and key not in _WHOLE:
             raise unknown(f"key of {place}", key, (*TABLES, *_WHOLE))
     whole = reader.row({k: v for k, v in data.items() if k in _WHOLE}, _WHOLE, place, ())
-    watch, direction = whole.pop("watch", None), whole.pop("direction", 0.0)
+    watch, direction = whole.pop("watch", None), whole.pop("direction", None)
     if not tables["bodies"]:
         raise InputError(f"{place}: bodies: at least one is needed")
     try:
@@ -245,8 +244,7 @@ def read(data: Data, place: str, *, units: bool = False) -> Linkage:
                 row[key] = linkage.point(row[key], f"spring {row['name']}")
         changes: dict[str, Any] = {"springs": tuple(Spring(**row) for row in tables["springs"])}
         if watch is not None:
-            at = linkage.point(watch, "watch")
-            changes["watch"] = Probe(at.body, direction, at.x, at.y)
+            changes["watch"] = linkage.watching(linkage.point(watch, "watch"), direction)
         return replace(linkage, **changes)
     except InputError as error:
         raise InputError(f"{place}: {error}") from None

@@ -92,7 +92,13 @@ def _settings(given: Any) -> dict[str, str]:
     """Settings as text, as the command line has them."""
     if not isinstance(given, Mapping):
         raise InputError(f"settings = {given!r}: a table is expected")
+    found = {}
     for key, value in given.items():
-        if isinstance(value, bool) or not isinstance(value, str | int | float):
-            raise InputError(f"settings.{key} = {value!r}: a text or a number is expected")
-    return {key: f"{value}" for key, value in given.items()}
+        # A.clearance is a table A with a key in TOML.
+        inner = value if isinstance(value, Mapping) else {"": value}
+        for name, own in inner.items():
+            full = f"{key}.{name}" if name else key
+            if isinstance(own, bool) or not isinstance(own, str | int | float):
+                raise InputError(f"settings.{full} = {own!r}: a text or a number is expected")
+            found[full] = f"{own}"
+    return found

@@ -58,6 +58,15 @@ def test_every_value_is_listed_with_its_unit() -> None:
     assert told["cycle"][0] == "0.5 s"
 
 
+def test_what_slides_is_watched_along_its_guide() -> None:
+    whole = replace(Press().linkage(), watch="slider 6.centre")
+    assert whole.probe == Press().linkage().probe
+    data = written(whole)
+    del data["direction"]
+    assert read(data, "here").probe == whole.probe
+    assert replace(FOUR_BAR, watch="").probe == Probe("rocker")
+
+
 def test_a_bar_is_a_thin_rod_with_its_ends() -> None:
     bar = Bar("b", length=0.2, mass=0.3)
     assert bar == Body("b", 0.3, 0.3 * 0.2**2 / 12.0, {"tail": (-0.1, 0.0), "head": (0.1, 0.0)})

@@ -50,6 +50,15 @@ def test_a_mechanism_may_be_named(tmp_path: Path) -> None:
     assert scene.clearance_joints == ("C",)
 
 
+@pytest.mark.parametrize("key", ["C.clearance", '"C.clearance"'])
+def test_one_joint_may_be_set_apart(key: str, tmp_path: Path) -> None:
+    file = tmp_path / "apart.toml"
+    file.write_text(f'mechanism = "press"\n[settings]\njoints = "AC"\n{key} = "0.2 mm"\n')
+    scene = scene_from(file)
+    gaps = [scene.bearing(joint).clearance for joint in scene.clearance_joints]
+    assert gaps == [0.8e-3, 0.2e-3]
+
+
 @pytest.mark.parametrize(
     ("text", "says"),
     [
