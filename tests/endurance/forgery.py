@@ -89,7 +89,7 @@ def altered_document(draw: Random, folder: Path) -> None:
         # Anything goes into the statuses, and nothing must.
         inner = [part for key, part in scene.items() if key != "statuses"]
         parts = [scene, *(part for part in inner if isinstance(part, dict))]
-        whole = draw.choice([document, draw.choice(stages), *parts])
+        whole = draw.choice([document, draw.choice(stages), *filter(None, parts)])
         strange = draw.choice(("colour", "__class__", "self", "\n", ""))
         schemas = (0, -1, own + 1, own - 1, True, False, float(own), 1.0, f"{own}", None, 10**30)
         indices = (-1, 7, 10**9, "0", "../stage-0", "0/../../x", 0.0, 1.0, True, None, [0], "\0")
