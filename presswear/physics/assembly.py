@@ -385,17 +385,23 @@ def _stuck(rows: Rows, time: Array, q: Array) -> AssemblyError:
     worst = int(values[:, -1].argmin())
     # The motion that nothing holds: the joint whose bodies turn most against each other.
     free = np.append((right[worst, -1].reshape(-1, 3) * scale)[:, 2], 0.0)
-    turning = [abs(free[one] - free[other]) for one, other in rows.pairs]
-    joint = len(turning) - 1 - int(np.argmax(turning[::-1]))
-    return _refusal(rows, float(time[worst]), rows.linkage.revolutes[joint].name)
+    turning = {
+        joint.name: abs(free[one] - free[other])
+        for joint, (one, other) in zip(rows.linkage.revolutes, rows.pairs, strict=True)
+    }
+    # Of several that turn alike the last: it is farther from the drives.
+    names = list(turning)[::-1] or [*rows.names]
+    return _refusal(rows, float(time[worst]), max(names, key=lambda name: turning.get(name, 0.0)))
 
 
 def _refusal(rows: Rows, time: float, joint: str) -> AssemblyError:
-    first = rows.linkage.drives[0]
-    angle = math.degrees(abs(float(first.motion(np.array([time]))[0][0]) - first.angle))
+    where = ""
+    for drive in rows.linkage.drives[:1]:
+        turned = float(drive.motion(np.array([time]))[0][0]) - drive.angle
+        where = f"at crank angle {math.degrees(abs(turned)):.1f} deg "
     return AssemblyError(
-        f"the linkage cannot be assembled over the cycle: at crank angle {angle:.1f} deg joint "
-        f"{joint} does not close or is at a dead point"
+        f"the linkage cannot be assembled over the cycle: {where}joint {joint} does not close or "
+        "is at a dead point"
     )
 
 

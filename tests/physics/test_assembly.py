@@ -154,6 +154,30 @@ def test_what_has_no_motion_is_refused_by_name() -> None:
     refused(slow, "does not come back: after a cycle of 0.20944 s crank is elsewhere")
 
 
+def test_a_truss_stands_still_or_is_refused() -> None:
+    """Two bars between two points of the frame: nothing drives them, and nothing has to."""
+    ends = {name: bar_ends(name, 0.2) for name in ("left", "right")}
+
+    def truss(base: float) -> Linkage:
+        return Linkage(
+            bodies=[Body(name, 1.0, 1e-3) for name in ends],
+            joints=[
+                Revolute("O", Attachment(GROUND, 0.0, 0.0), ends["left"][0]),
+                Revolute("M", ends["left"][1], ends["right"][0]),
+                Revolute("P", Attachment(GROUND, base, 0.0), ends["right"][1]),
+            ],
+            guess={"left": 1.0, "right": -1.0},
+            cycle=1.0,
+        )
+
+    motion = motion_of(truss(0.2)).at(np.linspace(0.0, 2.0, 7))
+    np.testing.assert_allclose(motion.position[:, 2], math.pi / 3.0, rtol=1e-13)
+    assert not motion.velocity.any()
+    for base in (0.4, 0.5):
+        with pytest.raises(AssemblyError, match=r"over the cycle: joint \S does not close"):
+            motion_of(truss(base))
+
+
 @pytest.mark.filterwarnings("error")
 def test_a_parallelogram_is_refused_where_it_folds() -> None:
     refused(
