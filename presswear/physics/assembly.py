@@ -433,10 +433,14 @@ def assembled(linkage: Linkage, guess: dict[str, float]) -> Array:
             part *= 0.5
         q = q + part * step
     q = closed(rows, start, q)[0]
+    given = {drive.body for drive in linkage.drives} | {guide.body for guide in linkage.guides}
+    for place, body in enumerate(linkage.bodies):
+        if body.name not in given:
+            turns = (q[0, place, 2] - guess.get(body.name, 0.0)) / (2.0 * math.pi)
+            q[0, place, 2] -= 2.0 * math.pi * np.round(turns)
     for name, angle in guess.items():
         found = float(q[0, linkage.index(name), 2])
-        off = (found - angle + math.pi) % (2.0 * math.pi) - math.pi
-        if abs(off) > 0.5 * math.pi:
+        if abs(found - angle) > 0.5 * math.pi and name not in given:
             raise AssemblyError(
                 f"guess of {name} = {angle:.4g} rad: the linkage closes with it at {found:.4g} "
                 "rad; a guess within a right angle of the place that is meant is needed"
