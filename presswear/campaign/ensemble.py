@@ -104,7 +104,10 @@ class Ensemble:
     @property
     def alone(self) -> "Ensemble":
         """The last set, whose runs are independent: each start on surfaces of its own."""
-        return self._set(slice(-self.starts, None)) if len(self.runs) > self.starts else self
+        # Where one of them failed there are fewer runs than surfaces.
+        return (
+            self._set(slice(self.starts, len(self.runs))) if len(self.runs) > self.starts else self
+        )
 
     def _set(self, part: slice) -> "Ensemble":
         return replace(self, worn=self.worn[part], runs=self.runs[part])

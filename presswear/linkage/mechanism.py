@@ -92,9 +92,4 @@ class Mechanism(ABC):
 
     @abstractmethod
     def linkage(self) -> Linkage:
-        """The ideal linkage, every joint closed."""
-
-    @property
-    @abstractmethod
-    def guess(self) -> Mapping[str, float]:
-        """Rough angle of each body at the start that is neither driven nor guided, rad."""
+        """The ideal linkage, every joint closed, with a guess of how it is put together."""

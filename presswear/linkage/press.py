@@ -195,6 +195,7 @@ class Press(Mechanism):
                 Drive("crank 7", self.speed, CRANK_7_START),
             ),
             watch=Probe("slider 6", 0.5 * math.pi),
+            guess=self.guess,
             gravity=self.gravity,
         )
 

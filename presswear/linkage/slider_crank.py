@@ -6,7 +6,6 @@ literature (Flores) and were not checked against a page.
 """
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 
@@ -105,10 +104,6 @@ class SliderCrank(Mechanism):
             ),
             drives=(Drive("crank", self.speed),),
             watch=Probe("slider", 0.0),
+            guess={"rod": 0.0},
             gravity=self.gravity,
         )
-
-    @property
-    def guess(self) -> Mapping[str, float]:
-        """Angle of the rod at the start, rad."""
-        return {"rod": 0.0}

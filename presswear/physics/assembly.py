@@ -127,24 +127,30 @@ class Rows:
         self.pairs = tuple(zip(self._first.body, self._second.body, strict=True))
         self.sizes = np.where(sizes[:-1] > 0.0, sizes[:-1], self.size)
 
-    def errors(self, time: Array, q: Array, v: Array, a: Array) -> tuple[Array, Array, Array]:
-        """Phi and its first and second derivative in time, each (n, rows)."""
+    def errors(self, time: Array, *given: Array) -> list[Array]:
+        """Phi and as many of its derivatives in time as are asked for, each (n, rows).
+
+        Parameters
+        ----------
+        given : ndarray, shape (n, bodies, 3)
+            Coordinates, and their first and second derivatives.
+        """
         count = len(time)
         still = np.zeros((count, 1, 3))
-        q, v, a = (np.concatenate([level, still], axis=1) for level in (q, v, a))
+        levels = [np.concatenate([level, still], axis=1) for level in given]
         turned = np.array([drive.motion(time) for drive in self.linkage.drives])
         turned = turned.reshape(-1, 3, count)
         found = []
-        levers = [end.lever(q) for end in (self._first, self._second)]
+        levers = [end.lever(levels[0]) for end in (self._first, self._second)]
         bodies = self._first.body, self._second.body
-        for level, own in enumerate((q, v, a)):
+        for level, own in enumerate(levels):
             ends = []
             for body, lever in zip(bodies, levers, strict=True):
                 left = np.stack([-lever[..., 1], lever[..., 0]], axis=-1)
                 moved = own[:, body, :2]
                 moved = moved + (lever if level == 0 else own[:, body, 2:] * left)
                 if level == 2:
-                    moved = moved - v[:, body, 2:] ** 2 * lever
+                    moved = moved - levels[1][:, body, 2:] ** 2 * lever
                 ends.append(moved)
             held = own[:, self._guided]
             off = held[..., :2] - (self._on if level == 0 else 0.0)
@@ -160,7 +166,7 @@ class Rows:
                     axis=1,
                 )
             )
-        return found[0], found[1], found[2]
+        return found
 
     def jacobian(self, q: Array) -> Array:
         """Derivatives of the rows by the coordinates, shape (n, rows, 3 bodies)."""
@@ -200,19 +206,14 @@ def check_freedoms(linkage: Linkage) -> None:
         raise AssemblyError(f"the linkage is overconstrained: {told}, {-free} too many")
 
 
-def guessed(linkage: Linkage, guess: dict[str, float]) -> Array:
+def guessed(linkage: Linkage) -> Array:
     """Coordinates to start Newton's method from, shape (bodies, 3).
 
     Angles are those of the drives, of the guides, as guessed, or 0; each body hangs by the first
     joint that reaches it.
-
-    Parameters
-    ----------
-    guess : dict
-        Angle of some bodies, rad.
     """
     q = np.zeros((len(linkage.bodies), 3))
-    angles = dict(guess)
+    angles = dict(linkage.guess)
     angles |= {guide.body: guide.angle for guide in linkage.guides}
     angles |= {drive.body: drive.angle for drive in linkage.drives}
     for place, body in enumerate(linkage.bodies):
@@ -341,7 +342,7 @@ def closed(rows: Rows, time: Array, q: Array) -> _Levels:
     shape, zero = q.shape, np.zeros_like(q)
     least = math.inf
     for _ in range(_STEPS):
-        phi = rows.errors(time, q, zero, zero)[0]
+        (phi,) = rows.errors(time, q)
         error = float(np.abs(phi).max(initial=0.0))
         if not error < 1e3 * rows.size:
             break
@@ -354,7 +355,7 @@ def closed(rows: Rows, time: Array, q: Array) -> _Levels:
         error = math.inf
     if not error < 1e-9 * rows.size:
         raise _open(rows, time, q)
-    v = -_solved(rows, time, q, rows.errors(time, q, zero, zero)[1]).reshape(shape)
+    v = -_solved(rows, time, q, rows.errors(time, q, zero)[1]).reshape(shape)
     a = -_solved(rows, time, q, rows.errors(time, q, v, zero)[2]).reshape(shape)
     return _Levels(q, v, a)
 
@@ -369,8 +370,7 @@ def _solved(rows: Rows, time: Array, q: Array, right: Array) -> Array:
 
 def _open(rows: Rows, time: Array, q: Array) -> AssemblyError:
     """The error of a linkage that does not close: the joint that stays open, and where."""
-    zero = np.zeros_like(q)
-    phi = np.abs(rows.errors(time, q, zero, zero)[0])
+    phi = np.abs(rows.errors(time, q)[0])
     phi = np.where(np.isfinite(phi), phi, math.inf)
     instant = int(phi.max(axis=1).argmax())
     return _refusal(rows, float(time[instant]), rows.names[int(phi[instant].argmax())])
@@ -405,7 +405,7 @@ def _refusal(rows: Rows, time: float, joint: str) -> AssemblyError:
     )
 
 
-def assembled(linkage: Linkage, guess: dict[str, float]) -> Array:
+def assembled(linkage: Linkage) -> Array:
     """Put a linkage together at its start, shape (bodies, 3).
 
     Raises
@@ -416,17 +416,16 @@ def assembled(linkage: Linkage, guess: dict[str, float]) -> Array:
     check_freedoms(linkage)
     rows = Rows(linkage)
     start = np.zeros(1)
-    q = guessed(linkage, guess)[np.newaxis]
-    zero = np.zeros_like(q)
+    q, guess = guessed(linkage)[np.newaxis], dict(linkage.guess)
 
     def error_of(q: Array) -> float:
-        return float(np.linalg.norm(rows.errors(start, q, zero, zero)[0]))
+        return float(np.linalg.norm(rows.errors(start, q)[0]))
 
     for _ in range(_STEPS):
         error = error_of(q)
         if error < 1e-9 * rows.size:
             break
-        step = -_solved(rows, start, q, rows.errors(start, q, zero, zero)[0]).reshape(q.shape)
+        step = -_solved(rows, start, q, rows.errors(start, q)[0]).reshape(q.shape)
         # No body turns by more than half a radian at once: the guess says on which side it is.
         part = min(1.0, 0.5 / max(float(np.abs(step[..., 2]).max()), 1e-300))
         while part > 1e-3 and error_of(q + part * step) > error:
@@ -449,15 +448,11 @@ def assembled(linkage: Linkage, guess: dict[str, float]) -> Array:
 
 
 @lru_cache(maxsize=256)
-def ideal_motion(
-    linkage: Linkage, guess: tuple[tuple[str, float], ...], period: float
-) -> IdealMotion:
+def ideal_motion(linkage: Linkage, period: float) -> IdealMotion:
     """The motion of a linkage over a cycle.
 
     Parameters
     ----------
-    guess : tuple of (str, float)
-        Rough angle of some bodies at the start, rad.
     period : float
         s.
 
@@ -467,7 +462,7 @@ def ideal_motion(
         Where it does not close, is at a dead point or does not come back.
     """
     rows = Rows(linkage)
-    start = closed(rows, np.zeros(1), assembled(linkage, dict(guess))[np.newaxis])
+    start = closed(rows, np.zeros(1), assembled(linkage)[np.newaxis])
     coarse = _followed(rows, start, np.linspace(0.0, period, _COARSE + 1))
     ahead = coarse._ahead(_NODES)
     motion = IdealMotion(rows, period, *closed(rows, np.linspace(0.0, period, _NODES + 1), ahead))
@@ -481,8 +476,7 @@ def ideal_motion(
 
 def motion_of(mechanism: Mechanism | Linkage) -> IdealMotion:
     """The ideal motion of a mechanism; AssemblyError where it has none."""
-    guess = tuple(dict(mechanism.guess).items())
-    return ideal_motion(mechanism.linkage(), guess, mechanism.period)
+    return ideal_motion(mechanism.linkage(), mechanism.period)
 
 
 def _near(found: Array, expected: Array) -> bool:

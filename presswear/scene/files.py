@@ -34,13 +34,12 @@ def example_file(kind: str) -> str:
     if kind not in EXAMPLES:
         raise unknown("mechanism", kind, EXAMPLES)
     mechanism, joints = EXAMPLES[kind]
-    linkage = replace(mechanism.linkage(), guess=mechanism.guess)
     return (
         f"# A {kind}.  Every number has its unit; x points to the right, y upwards, and angles "
         "turn\n# counterclockwise.  Points are body.point or coordinates on the frame.\n"
         f"# Try: presswear list FILE, presswear run FILE.\n\n"
         f'title = "A {kind} of my own"\n\n'
-        f"{toml_of(linkage)}\n"
+        f"{toml_of(mechanism.linkage())}\n"
         "[settings]  # every key that presswear list FILE shows\n"
         f'joints = "{joints}"\nclearance = "0.3 mm"\nfriction = 0.02\n'
         'conventions = "refined"\nwears = 1\n'

@@ -332,6 +332,19 @@ def test_failure_of_a_stage_is_told(campaign: Campaign) -> None:
     assert [stage.status for stage in seen.stages] == ["completed", "failed"]
 
 
+def test_a_set_that_fails_does_not_mix_with_the_other(campaign: Campaign) -> None:
+    """Five runs of two sets of three: what is told of those alone is of the last two only."""
+    scene = replace(SCENE, extrapolation="single", wears=1, starts=3)
+    seen = campaign(scene, FakeEngine(constant, fails=8))
+    assert seen.status == "failed"
+    force = seen.stages[1].statistics["joints"]["A"]["force_max_per_cycle_N"]
+    # Runs 4, 5 and 6 together, 7 and 8 alone, each a hundred times its number.
+    assert force["mean"] == 500.0
+    half = half_width(np.array([700.0, 800.0]))
+    assert half is not None
+    assert force["half_width"] == pytest.approx(math.hypot(half, 750.0 - 500.0))
+
+
 @pytest.mark.parametrize(
     ("extrapolation", "where"),
     [("steps", "the first wear in 3 steps:"), ("single", "after stage 0")],

@@ -38,7 +38,7 @@ LOADED = replace(
 EVERY = [
     FOUR_BAR,
     LOADED,
-    replace(SliderCrank().linkage(), guess=SliderCrank().guess),
+    SliderCrank().linkage(),
     *(Press(geometry=geometry).linkage() for geometry in GEOMETRIES.values()),
 ]
 

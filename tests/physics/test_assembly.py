@@ -29,6 +29,7 @@ from presswear.tools.errors import AssemblyError
 Array = NDArray[np.float64]
 
 PERIOD = 2.0 * math.pi / 30.0
+GUESS = (("coupler", 0.6), ("rocker", 1.4))
 
 
 def four_bar(
@@ -48,11 +49,9 @@ def four_bar(
             Revolute("P", Attachment(GROUND, base, 0.0), ends["rocker"][0]),
         ),
         drives=(Drive("crank", 30.0, 0.3),),
+        guess=GUESS,
         watch=Probe("rocker", 0.0),
     )
-
-
-GUESS = (("coupler", 0.6), ("rocker", 1.4))
 
 
 def agree(found: Motion, exact: Motion, speed: float) -> None:
@@ -89,7 +88,7 @@ def test_the_slider_crank_moves_as_in_closed_form(crank: float, ratio: float, sp
 def test_the_four_bar_moves_as_in_the_textbook() -> None:
     """Freudenstein's equation for the rocker, and the coupler between their ends."""
     time = np.linspace(0.0, PERIOD, 361)
-    found = ideal_motion(four_bar(), GUESS, PERIOD).at(time).position
+    found = ideal_motion(four_bar(), PERIOD).at(time).position
     crank = 0.3 + 30.0 * time
     a, b, c, d = 0.05, 0.20, 0.12, 0.18
     k1, k2, k3 = d / a, d / c, (a * a - b * b + c * c + d * d) / (2.0 * a * c)
@@ -121,8 +120,8 @@ def test_rows_are_those_of_the_engines() -> None:
 
 
 def test_the_guess_says_which_way_it_is_put_together() -> None:
-    up = assembled(four_bar(), {"coupler": 0.6, "rocker": 1.4})
-    down = assembled(four_bar(), {"coupler": -0.8, "rocker": -1.9})
+    up = assembled(four_bar())
+    down = assembled(replace(four_bar(), guess={"coupler": -0.8, "rocker": -1.9}))
     crank, base = up[0, 2], 0.18
     assert crank == down[0, 2] == 0.3
     tip = np.array([0.05 * math.cos(0.3), 0.05 * math.sin(0.3)])
@@ -135,7 +134,7 @@ def test_the_guess_says_which_way_it_is_put_together() -> None:
 
 def refused(linkage: Linkage, says: str, guess: tuple[tuple[str, float], ...] = GUESS) -> None:
     with pytest.raises(AssemblyError, match=says) as refusal:
-        ideal_motion(linkage, guess, PERIOD)
+        ideal_motion(replace(linkage, guess=guess), PERIOD)
     assert "\n" not in str(refusal.value)
 
 

@@ -66,7 +66,6 @@ UNEVEN = replace(
 )
 ROCKING = replace(
     SliderCrank().linkage(),
-    guess=SliderCrank().guess,
     drives=[Drive("crank", angle=0.5, frequency=40.0, harmonics=[(0.0, 0.8)])],
 )
 

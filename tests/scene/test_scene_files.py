@@ -23,7 +23,7 @@ def test_every_example_is_a_scene_and_keeps_all(kind: str, tmp_path: Path) -> No
     scene = scene_from(file)
     mechanism, joints = EXAMPLES[kind]
     assert scene.name == "my-own"
-    assert scene.mechanism == replace(mechanism.linkage(), guess=mechanism.guess)
+    assert scene.mechanism == mechanism.linkage()
     assert scene.clearance_joints == tuple(joints.split(","))
     assert scene.bearings.clearance == 0.3e-3
     assert Scene.from_dict(scene.as_dict()) == scene
