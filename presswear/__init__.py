@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from presswear.linkage.elements import WearLaw as WearLaw
     from presswear.linkage.laws import FrictionLaw as FrictionLaw
     from presswear.linkage.laws import NormalLaw as NormalLaw
+    from presswear.linkage.materials import Materials as Materials
     from presswear.linkage.press import Press as Press
     from presswear.linkage.slider_crank import SliderCrank as SliderCrank
     from presswear.linkage.surface import Surface as Surface
@@ -67,6 +68,7 @@ _ROOMS = {
         "WearLaw",
     ),
     "linkage.laws": ("FrictionLaw", "NormalLaw"),
+    "linkage.materials": ("Materials",),
     "linkage.press": ("Press",),
     "linkage.slider_crank": ("SliderCrank",),
     "linkage.surface": ("Surface",),

@@ -87,18 +87,20 @@ class Scene:
 
     Attributes
     ----------
-    bearings : Bearing
-        Of every joint with clearance that is not set apart.
+    mechanism : Press, SliderCrank or Linkage
+    bearings : Bearing, or mapping of str to Bearing
+        Of every joint with clearance that is not set apart.  A mapping gives the joints that have
+        clearance, each with its own.
     apart : mapping of str to Bearing
         Those of single joints that differ, by name.
     statuses : mapping of str to str
         Where values come from, by key, where it is not what their fields say.
     """
 
+    mechanism: OneMechanism = field(default_factory=Press)
     name: str = "scene"
     title: str = "A scene of one's own"
-    mechanism: OneMechanism = field(default_factory=Press)
-    bearings: Bearing = field(default_factory=Bearing)
+    bearings: Bearing | Any = field(default_factory=Bearing)  # a mapping is taken apart
     apart: Mapping[str, Bearing] = field(default_factory=dict, hash=False)
     conventions: Conventions = named_set(
         "paper", CONVENTIONS, "what the paper prints, or what a careful engineer would compute"
@@ -149,6 +151,8 @@ class Scene:
     statuses: Mapping[str, str] = field(default_factory=dict, hash=False)
 
     def __post_init__(self) -> None:
+        if isinstance(self.bearings, Mapping):
+            self._open(self.bearings)
         for name in ("name", "title"):
             if not isinstance(getattr(self, name), str):
                 raise InputError(f"{name} = {getattr(self, name)!r}: a text is expected")
@@ -195,6 +199,18 @@ class Scene:
                 f"engine = {ExudynTree.word!r}: a linkage without loops is needed, but {reason}; "
                 f"allowed here is one of {others}"
             )
+
+    def _open(self, bearings: Mapping[str, Any]) -> None:
+        """Give the joints of a mapping clearance."""
+        for name in bearings:
+            if name not in self.mechanism.openable:
+                raise unknown("joint in bearings", name, self.mechanism.openable)
+        names = tuple(name for name in self.mechanism.openable if name in bearings)
+        words = {joints: word for word, joints in joint_words(self.mechanism).items()}
+        common = next(iter(bearings.values()), Bearing())
+        for field_name, value in (("joints", words[names]), ("bearings", common)):
+            object.__setattr__(self, field_name, value)
+        object.__setattr__(self, "apart", dict(bearings))
 
     @property
     def clearance_joints(self) -> tuple[str, ...]:

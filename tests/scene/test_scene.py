@@ -17,12 +17,12 @@ from presswear.scene.scene import Numerics, Scene, joint_words
 from presswear.scene.settings import changed
 from presswear.tools.errors import InputError
 
-BASE = Scene("base", "a scene")
+BASE = Scene(name="base", title="a scene")
 
 
 def test_defaults_are_the_papers() -> None:
     bearings = Bearing()
-    assert (bearings.youngs_modulus, bearings.poisson_ratio) == (200e9, 0.3)
+    assert (bearings.materials.youngs_modulus, bearings.materials.poisson_ratio) == (200e9, 0.3)
     assert (bearings.restitution, bearings.exponent) == (0.9, 1.5)
     assert (bearings.lower_speed, bearings.upper_speed) == (1e-4, 1e-3)
     assert BASE.mechanism == Press(speed=3.5 * math.pi)
@@ -43,7 +43,7 @@ def test_joints_are_those_of_the_mechanism() -> None:
     assert list(joint_words(SliderCrank())) == ["A", "B", "AB", "none"]
     for mechanism in (Press(), SliderCrank()):
         for word, names in joint_words(mechanism).items():
-            scene = Scene("", "", mechanism=mechanism, joints=word)
+            scene = Scene(mechanism, joints=word)
             assert tuple(joint.name for joint in scene.linkage().clearances) == names
 
 
@@ -75,7 +75,7 @@ def test_conventions_reach_the_joint(conventions: str, expected: tuple[str, ...]
     told = (joint.map_frame, joint.contact, joint.wear.slip, joint.wear.footprint)
     assert told == expected
     reading = CONVENTIONS[conventions].stiffness
-    stiffness = hertz_stiffness(0.015, 0.0142, 200e9, 0.3, reading)
+    stiffness = hertz_stiffness(0.015, 0.0142, 2.0 * (1.0 - 0.3**2) / 200e9, reading)
     assert joint.normal.stiffness == pytest.approx(stiffness, rel=1e-14)
 
 

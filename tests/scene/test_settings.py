@@ -19,8 +19,8 @@ from presswear.scene.settings import changed, settings_of
 from presswear.tools.errors import AssemblyError, InputError
 from presswear.tools.quantities import Meaning
 
-PRESS = Scene("base", "a scene")
-CRANK = Scene("other", "a slider-crank", mechanism=SliderCrank(), joints="B")
+PRESS = Scene(name="base", title="a scene")
+CRANK = Scene(mechanism=SliderCrank(), joints="B")
 
 
 def _described(scene: Scene, key: str) -> str:
@@ -62,7 +62,7 @@ def test_changed_sets_every_part_and_nothing_else() -> None:
     crank = changed(CRANK, {"crank_length": "60mm", "speed": "3000rpm", "clearance": "0.2mm"})
     assert crank.mechanism == SliderCrank(crank_length=0.06, speed=100.0 * math.pi)
     assert crank.bearings.clearance == 0.2e-3
-    assert Scene("base", "a scene") == PRESS
+    assert Scene(name="base", title="a scene") == PRESS
 
 
 @pytest.mark.parametrize("name", list(GEOMETRIES))

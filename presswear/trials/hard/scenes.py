@@ -25,6 +25,7 @@ from presswear.record.tracker import Tracker
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import slider_crank, wear_times
 from presswear.scene.scene import Scene
+from presswear.scene.settings import changed
 from presswear.tools.errors import InputError
 from presswear.trials.hard.case import HardCase, energy_of, ran
 from presswear.trials.runs import PATIENCE, Check, contacts_of, guarded, order_of
@@ -68,7 +69,7 @@ WORN_PATIENCE = 20.0
 
 def bearings(**changes: Any) -> Scene:
     """The press with other bearings."""
-    return replace(BASE, bearings=replace(BASE.bearings, **changes))
+    return changed(BASE, changes)
 
 
 def turning(speed: float) -> Scene:
