@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, fields
-from typing import get_args
+from typing import Any, get_args
 
 from presswear.linkage.elements import (
     ClearanceJoint,
@@ -95,7 +95,7 @@ class Bearing:
     width: float = quantity(
         0.02, "m", 0.0, 1.0, "assumed", "axial width b; only K_d / b matters", open_low=True
     )
-    materials: Materials = named_set(
+    materials: Materials | Any = named_set(
         "paper", MATERIALS, "what pin and bearing are made of, pin first"
     )
     contact_stiffness: float | None = quantity(

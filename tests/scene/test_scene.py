@@ -171,3 +171,52 @@ def test_what_is_no_stored_scene_is_refused_in_one_line(data: Any) -> None:
     with pytest.raises(InputError) as refusal:
         Scene.from_dict(data)
     assert len(str(refusal.value).splitlines()) == 1
+
+
+def test_bearings_by_joint_open_those_joints() -> None:
+    """A mapping is the same scene as joints, a common bearing and those apart."""
+    one, other = Bearing(clearance=0.2e-3), Bearing(clearance=0.3e-3, friction=0.1)
+    scene = Scene(bearings={"A": one, "C": other})
+    assert scene == Scene(joints="AC", bearings=one, apart={"C": other})
+    assert scene.bearing("C") == other
+    assert Scene(bearings={"C": other}).clearance_joints == ("C",)
+    assert Scene(bearings={}, wears=0).clearance_joints == ()
+    assert Scene.from_dict(scene.as_dict()) == scene
+    with pytest.raises(InputError, match="unknown joint in bearings 'D'"):
+        Scene(bearings={"D": one})
+
+
+def test_materials_set_the_wear_of_both_sides() -> None:
+    """A pair by name, and single values on top of it."""
+    scene = changed(BASE, {"materials": "nitrided-304L", "C.materials": "paper"})
+    law = scene.bearing("A").materials
+    assert law.wear_coefficient == pytest.approx(70.1e-15)
+    assert law.wear_coefficient * (1.0 - law.bearing_share) == pytest.approx(0.1e-15)
+    assert scene.bearing("C") == BASE.bearing("C")
+    own = changed(scene, {"wear_coefficient": "1e-15/Pa"}).bearing("A").materials
+    assert (own.name, own.bearing_share) == ("own", law.bearing_share)
+    assert Scene.from_dict(scene.as_dict()) == scene
+    assert Bearing(materials="chromed-304L").materials.wear_coefficient == pytest.approx(50.1e-15)
+    with pytest.raises(InputError, match="did you mean chromed-304L"):
+        Bearing(materials="chrome-304L")
+
+
+def test_a_softer_bearing_gives_way() -> None:
+    soft = changed(BASE, {"bearing_modulus": "100GPa"}).bearing("A")
+    assert soft.hertz("paper") == pytest.approx(BASE.bearing("A").hertz("paper") / 1.5)
+    assert changed(BASE, {"contact_stiffness": "1e10N/m^1.5"}).bearing("A").hertz("paper") == 1e10
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        ({"normal_law": "flores", "restitution": "0"}, "allowed is 0.01 to 1"),
+        ({"viscous_damping": "10N s/m"}, "with normal_law = 'lankarani-nikravesh' allowed is 0"),
+        ({"elasticity": "liu", "exponent": "1.2"}, "allowed is 1.5"),
+        ({"normal_law": "hunt-crosley"}, "did you mean hunt-crossley"),
+        ({"A.friction_law": "stribeck.py:f"}, "A.friction_law = 'stribeck.py:f': there is no file"),
+    ],
+)
+def test_laws_that_do_not_fit_are_refused(settings: dict[str, str], words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        changed(BASE, settings)
