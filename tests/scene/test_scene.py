@@ -8,12 +8,13 @@ from typing import Any
 import pytest
 
 from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
+from presswear.linkage.four_bar import FOUR_BAR
 from presswear.linkage.laws import hertz_stiffness
 from presswear.linkage.press import Press
 from presswear.linkage.slider_crank import SliderCrank
 from presswear.scene.bearing import CONVENTIONS, Bearing, Conventions
 from presswear.scene.catalog import SCENES, scene_named, slider_crank, wear_times
-from presswear.scene.scene import Numerics, Scene, joint_words
+from presswear.scene.scene import Numerics, Scene
 from presswear.scene.settings import changed
 from presswear.tools.errors import InputError
 
@@ -39,12 +40,20 @@ def test_named_scenes_differ_from_the_central_study_as_they_say() -> None:
 
 
 def test_joints_are_those_of_the_mechanism() -> None:
-    assert joint_words(Press()) == {"A": ("A",), "C": ("C",), "AC": ("A", "C"), "none": ()}
-    assert list(joint_words(SliderCrank())) == ["A", "B", "AB", "none"]
-    for mechanism in (Press(), SliderCrank()):
-        for word, names in joint_words(mechanism).items():
-            scene = Scene(mechanism, joints=word)
-            assert tuple(joint.name for joint in scene.linkage().clearances) == names
+    spelled = {"A": "A", "C": "C", "AC": "AC", "A,C": "AC", "CA": "AC", "none": ""}
+    for given, names in spelled.items():
+        scene = Scene(joints=given)
+        assert tuple(joint.name for joint in scene.linkage().clearances) == tuple(names)
+        assert scene.joints == (names or "none")
+    assert Scene(SliderCrank(), joints="B , A").joints == "AB"
+    named = replace(
+        FOUR_BAR, joints=[replace(own, name=f"pin {own.name}") for own in FOUR_BAR.joints]
+    )
+    assert Scene(named, joints="pin B, pin A").clearance_joints == ("pin A", "pin B")
+    assert Scene(named, joints="pin P").joints == "pin P"
+    for wrong in ("", "AA", "AB", "A,", "none,A", "B"):
+        with pytest.raises(InputError, match=r"allowed is one of A, C, none, several, as AC"):
+            Scene(joints=wrong)
 
 
 def test_scene_makes_the_linkage_it_describes() -> None:
