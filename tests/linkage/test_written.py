@@ -16,12 +16,11 @@ from presswear.linkage.elements import (
     Drive,
     Guide,
     Linkage,
-    Load,
     Pin,
     Probe,
-    Spring,
 )
 from presswear.linkage.four_bar import FOUR_BAR
+from presswear.linkage.loads import Load, Spring
 from presswear.linkage.press import GEOMETRIES, Press
 from presswear.linkage.slider_crank import SliderCrank
 from presswear.linkage.written import read, toml_of, values_of, written
