@@ -60,6 +60,8 @@ MODE = np.dtype(
         ("place", np.float64),  # in the last accepted state, m or rad
         ("speed", np.float64),
         ("faster", np.float64),
+        ("change", np.float64),  # of the acceleration, over the last step
+        ("jump", np.float64),  # of the size on leaving that state, part of the greater one
         ("time", np.float64),  # of that state, s
     ]
 )
@@ -139,13 +141,18 @@ def load_forces(
 
 @compiled
 def switching(
-    load: Records, nodes: Array, mode: Records, way: int, s: float, v: float, a: float
-) -> tuple[float, float, float]:
-    """Switching function of a way out of a mode, its rate and, where known, the rate's.
+    load: Records, nodes: Array, mode: Records, way: int, s: float, v: float, a: float, j: float
+) -> tuple[float, float, float, float]:
+    """Switching function of a way out of a mode, and three time derivatives.
 
     It is below zero until the way is to be taken; minus infinity where there is none.
+
+    Parameters
+    ----------
+    s, v, a, j : float
+        Position and three derivatives; see ``load_motion``.
     """
-    none = (-math.inf, 0.0, 0.0)
+    none = (-math.inf, 0.0, 0.0, 0.0)
     if load.kind != POSITION:
         return none
     if way < 2:
@@ -160,15 +167,14 @@ def switching(
             if mode.gate == OFF or row < 0 or row == load.count:
                 return none
         end = mode.turn * load.period + nodes[load.first + row, 0]
-        return sign * (s - end), sign * v, sign * a
+        return sign * (s - end), sign * v, sign * a, sign * j
     if mode.released or load.sense == 0.0:
         return none
-    speed = load.sense * v
-    faster = load.sense * a
+    sign = load.sense
     if way == 2 and mode.gate != WHOLE:
-        return speed - (load.rise if mode.gate == RISING else 0.0), faster, 0.0
+        return sign * v - (load.rise if mode.gate == RISING else 0.0), sign * a, sign * j, 0.0
     if way == 3 and mode.gate != OFF:
-        return (load.rise if mode.gate == WHOLE else 0.0) - speed, -faster, 0.0
+        return (load.rise if mode.gate == WHOLE else 0.0) - sign * v, -sign * a, -sign * j, 0.0
     return none
 
 
@@ -228,21 +234,21 @@ def settle_loads(
     for k in range(loads.shape[0]):
         load = loads[k]
         mode = modes[k]
-        mode.time = t
+        s, speed, faster = load_motion(load, q, v, a)
+        before = load_size(load, nodes, mode, t, s, speed)
         if load.kind == TIME:
             while break_of(load, nodes, mode) <= t + TIME_NOISE:
                 take_way(load, nodes, mode, 0, t, 0.0)
                 changes += 1
-        if load.kind != POSITION:
-            continue
-        s, speed, faster = load_motion(load, q, v, a)
+        mode.change = (faster - mode.faster) / (t - mode.time) if t > mode.time else 0.0
+        mode.time = t
         mode.place = s
         mode.speed = speed
         mode.faster = faster
         for _ in range(MOST_WAYS):
             taken = -1
             for way in range(WAYS):
-                value, rate, _ = switching(load, nodes, mode, way, s, speed, faster)
+                value, rate, _, _ = switching(load, nodes, mode, way, s, speed, faster, 0.0)
                 if value > 0.0 or (value == 0.0 and rate > 0.0):
                     taken = way
             if taken < 0:
@@ -252,6 +258,9 @@ def settle_loads(
         else:
             place_mode(load, nodes, mode, s)  # a step went over many pieces
             open_gate(load, mode, speed)
+        after = load_size(load, nodes, mode, t, s, speed)
+        greater = max(abs(before), abs(after))
+        mode.jump = abs(after - before) / greater if greater > 0.0 else 0.0
     return changes
 
 

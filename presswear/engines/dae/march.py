@@ -103,7 +103,8 @@ def event_value(system: System, book: Book, k: int, y: Array, slope: Array) -> t
     load = packed.loads[own]
     s, speed, faster = load_motion(load, y[:n], y[n : 2 * n], slope[n : 2 * n])
     way = (k - joints) % WAYS
-    value, rate, _ = switching(load, packed.nodes, packed.modes[own], way, s, speed, faster)
+    mode = packed.modes[own]
+    value, rate, _, _ = switching(load, packed.nodes, mode, way, s, speed, faster, 0.0)
     return value, rate
 
 
