@@ -45,8 +45,8 @@ if TYPE_CHECKING:
     from presswear.results.result import load as load
     from presswear.results.stage import JointResult as JointResult
     from presswear.results.stage import StageResult as StageResult
-    from presswear.scene.scene import Bearings as Bearings
-    from presswear.scene.scene import Conventions as Conventions
+    from presswear.scene.bearing import Bearing as Bearing
+    from presswear.scene.bearing import Conventions as Conventions
     from presswear.scene.scene import Scene as Scene
     from presswear.studies import study as study
     from presswear.studies import write_report as write_report
@@ -85,7 +85,8 @@ _ROOMS = {
     "record.tracker": ("Progress", "Tracker"),
     "results.result": ("Result", "load"),
     "results.stage": ("JointResult", "StageResult"),
-    "scene.scene": ("Bearings", "Conventions", "Scene"),
+    "scene.bearing": ("Bearing", "Conventions"),
+    "scene.scene": ("Scene",),
     "studies": ("study", "write_report"),
     "tools.errors": ("InputError", "RunFailed"),
 }

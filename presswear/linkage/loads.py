@@ -2,15 +2,17 @@
 
 A law is continuous in position and speed, so that no load can switch itself on and off
 without end; the one jump, a release, is made good only by the whole way back.  Where a law
-bends or jumps is located by every engine: no step crosses it.
+bends or jumps is located by every engine: no step crosses it.  Where a function of one's own
+bends is its owner's business: no engine knows.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from presswear.tools.errors import InputError, nearest
+from presswear.tools.own import OwnFunction
 
 if TYPE_CHECKING:
     from presswear.linkage.elements import Attachment
@@ -198,8 +200,11 @@ class OverPosition:
                     )
 
 
-Law = float | Harmonics | OverTime | OverPosition
-"""Law of the size of a load; a number is a constant, N or N m."""
+Law = float | Harmonics | OverTime | OverPosition | OwnFunction | Callable[..., float]
+"""Law of the size of a load: a constant, N or N m, one of these, or a function of one's own of
+LOAD_PARAMETERS."""
+LOAD_PARAMETERS = ("time", "position", "speed")
+"""What a law of one's own may ask for: s; m or rad; m/s or rad/s."""
 
 
 @dataclass(frozen=True)
@@ -224,7 +229,7 @@ class Force:
     def __post_init__(self) -> None:
         """InputError where a number is none."""
         _finite("direction", self.direction)
-        _check_law(self.law)
+        object.__setattr__(self, "law", _law(self.law))
 
     @property
     def body(self) -> str:
@@ -248,15 +253,22 @@ class Moment:
 
     def __post_init__(self) -> None:
         """InputError where a number is none."""
-        _check_law(self.law)
+        object.__setattr__(self, "law", _law(self.law))
 
 
 AnyLoad = Load | Force | Moment
 
 
-def _check_law(law: Any) -> None:
-    if not isinstance(law, Harmonics | OverTime | OverPosition):
-        _finite("law", law)
+def _law(law: Any) -> Law:
+    """A law, a function made one of one's own; InputError where it is none."""
+    if isinstance(law, Harmonics | OverTime | OverPosition):
+        return law
+    if isinstance(law, OwnFunction | dict | str) or callable(law):
+        own = OwnFunction.of("law", law)
+        own.parameters("law", LOAD_PARAMETERS)
+        return own
+    _finite("law", law)
+    return float(law)
 
 
 def _is_number(value: Any) -> bool:

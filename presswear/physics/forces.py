@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.physics.energy import loss_powers
-from presswear.physics.laws import ONSET_SPEED_FLOOR, damped_force, friction_force
+from presswear.physics.laws import ONSET_SPEED_FLOOR, friction_force, normal_force
 from presswear.physics.wear import dose_rates
 from presswear.tools.compiled import Records, compiled
 
@@ -48,7 +48,9 @@ def contact_forces(joint: Records, onset_speed: float, contact: Records) -> tupl
     if contact.penetration <= 0.0:
         return 0.0, 0.0
     onset = max(onset_speed if onset_speed > 0.0 else contact.rate, ONSET_SPEED_FLOOR)
-    normal = damped_force(contact.elastic, contact.closing, onset, joint.damping)
+    normal = normal_force(
+        joint.normal, contact.elastic, contact.penetration, contact.closing, onset
+    )
     tangential = 0.0
     if joint.friction.coefficient > 0.0:
         tangential = friction_force(contact.sliding, normal, joint.friction)

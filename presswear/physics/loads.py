@@ -11,13 +11,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.linkage.elements import Linkage
-from presswear.linkage.loads import Force, Harmonics, Moment, OverPosition, OverTime, Table
+from presswear.linkage.loads import (
+    LOAD_PARAMETERS,
+    Force,
+    Harmonics,
+    Moment,
+    OverPosition,
+    OverTime,
+    Table,
+)
 from presswear.physics.constraints import lever
-from presswear.tools.compiled import Records, compiled
+from presswear.tools.compiled import Records, address_of, call, compiled, own_kernel
+from presswear.tools.own import OwnFunction
 
 Array = NDArray[np.float64]
 
-SERIES, TIME, POSITION = range(3)
+SERIES, TIME, POSITION, OWN = range(4)
 """Kinds of laws."""
 OFF, RISING, WHOLE = range(3)
 """Gate of a load in one sense of motion: none, growing with the speed, all of it."""
@@ -47,6 +56,7 @@ LOAD = np.dtype(
         ("release", np.bool_),
         ("mean", np.float64),  # of a series, N or N m
         ("frequency", np.float64),  # rad/s
+        ("own", np.int64),  # address of a function of one's own
     ]
 )
 """A load as the kernels see it."""
@@ -78,6 +88,8 @@ def load_size(load: Records, nodes: Array, mode: Records, t: float, s: float, v:
             row = load.first + k
             total += nodes[row, 0] * math.cos(phase) + nodes[row, 1] * math.sin(phase)
         return total
+    if load.kind == OWN:
+        return call(load.own, (t, s, v))
     if mode.released or mode.gate == OFF:
         return 0.0
     piece = mode.piece
@@ -325,6 +337,10 @@ def _pack_law(record: Records, law: object, linkage: Linkage) -> list[tuple[floa
         record["sense"] = {"both": 0.0, "along": 1.0, "against": -1.0}[law.sense]
         record["rise"], record["release"] = law.rise, law.release
         return _whole_period(law.table, law.repeats)
+    if isinstance(law, OwnFunction):
+        record["kind"] = OWN
+        record["own"] = address_of(own_kernel(law, LOAD_PARAMETERS), len(LOAD_PARAMETERS))
+        return []
     record["kind"] = SERIES
     if isinstance(law, Harmonics):
         record["mean"], record["frequency"] = law.mean, law.frequency

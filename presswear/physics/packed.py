@@ -1,7 +1,6 @@
 """A linkage as the kernels see it: arrays and records instead of objects."""
 
 import math
-from dataclasses import astuple
 from typing import NamedTuple
 
 import numpy as np
@@ -10,7 +9,7 @@ from numpy.typing import NDArray
 from presswear.linkage.elements import GROUND, ClearanceJoint, Linkage
 from presswear.linkage.surface import Surface
 from presswear.physics.foundation import foundation_stiffness
-from presswear.physics.laws import FRICTION
+from presswear.physics.laws import FRICTION, NORMAL, friction_record, normal_record
 from presswear.physics.loads import MODE, pack_loads
 from presswear.physics.springs import pack_springs
 from presswear.physics.surface import BEARING, PIN, ROWS, packed_rows
@@ -31,9 +30,7 @@ JOINT = np.dtype(
         ("clearance", np.float64),
         ("width", np.float64),
         ("effective_mass", np.float64),  # lower bound of the mass that meets in it, kg
-        ("stiffness", np.float64),
-        ("exponent", np.float64),
-        ("damping", np.float64),
+        ("normal", NORMAL),
         ("friction", FRICTION),
         ("map_turns", np.float64),  # 1 where the wear maps turn with their bodies
         ("foundation", np.float64),  # its stiffness k_w b R, N/m^2 per rad; 0 for radial contact
@@ -132,10 +129,8 @@ def pack_joints(linkage: Linkage) -> Records:
         record["bearing_radius"], record["pin_radius"] = joint.bearing_radius, joint.pin_radius
         record["clearance"], record["width"] = joint.clearance, joint.width
         record["effective_mass"] = effective_mass(linkage, joint)
-        record["stiffness"] = joint.normal.stiffness
-        record["exponent"] = joint.normal.exponent
-        record["damping"] = joint.normal.damping
-        record["friction"] = astuple(joint.friction)
+        record["normal"] = normal_record(joint.normal, joint.clearance)
+        record["friction"] = friction_record(joint.friction)
         record["map_turns"] = float(joint.map_frame == "body")
         if joint.contact == "foundation":
             record["foundation"] = foundation_stiffness(joint.normal.stiffness, joint.clearance)

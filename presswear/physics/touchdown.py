@@ -163,8 +163,8 @@ def contact_step(joint: Records, penetration: float, rate: float, parts: float) 
     of an elastic Hertz impact, which lasts 2.94 delta_max / v.
     """
     mass = joint.effective_mass
-    stiffness = joint.stiffness
-    exponent = joint.exponent
+    stiffness = joint.normal.estimated_stiffness
+    exponent = joint.normal.estimated_exponent
     if math.isinf(mass):
         return math.inf
     depth = max(penetration, 0.0)

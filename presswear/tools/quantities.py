@@ -13,6 +13,7 @@ from dataclasses import Field, dataclass, field, fields
 from typing import Any
 
 from presswear.tools.errors import InputError, nearest
+from presswear.tools.own import OwnFunction
 
 _UNITS: dict[str, tuple[str, dict[str, float]]] = {
     "m": ("0.8mm", {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6}),
@@ -25,6 +26,8 @@ _UNITS: dict[str, tuple[str, dict[str, float]]] = {
     "m/s": ("1mm/s", {"m/s": 1.0, "mm/s": 1e-3}),
     "m/s^2": ("9.81m/s^2", {"m/s^2": 1.0, "m/s2": 1.0}),
     "s": ("1ms", {"s": 1.0, "ms": 1e-3, "us": 1e-6}),
+    "N/m^n": ("1e10N/m^1.5", dict.fromkeys(("N/m^n", "N/m^1.5", "N/m1.5", "N/m"), 1.0)),
+    "N s/m": ("100N s/m", dict.fromkeys(("N s/m", "Ns/m"), 1.0)),
 }
 """An example and the known units of each dimension, by its SI unit, and their sizes in it."""
 
@@ -108,33 +111,59 @@ def count(default: int | None, low: int, high: int, status: str, text: str) -> A
 
 @dataclass(frozen=True)
 class Choice:
-    """A named choice: the allowed words and what they decide."""
+    """A named choice: the allowed words and what they decide.
+
+    Attributes
+    ----------
+    own : tuple of str
+        What a function of one's own, in place of a word, may ask for; empty: none is allowed.
+    """
 
     words: tuple[str, ...]
     text: str
+    own: tuple[str, ...] = ()
 
-    def check(self, name: str, value: str) -> None:
+    def read(self, name: str, value: Any) -> Any:
+        """One of the words, or a function of one's own; InputError where it is neither."""
+        is_own = callable(value) or isinstance(value, OwnFunction | dict) or ".py:" in str(value)
+        if self.own and is_own:
+            own = OwnFunction.of(name, value)
+            own.parameters(name, self.own)
+            return own
+        self.check(name, value)
+        return value
+
+    def check(self, name: str, value: Any) -> None:
         """Raise InputError unless the value is one of the words."""
+        if self.own and isinstance(value, OwnFunction):
+            return
         if value not in self.words:
+            own = " or FILE.py:FUNCTION" if self.own else ""
             raise InputError(
-                f"{name} = {value!r}: allowed is one of {', '.join(self.words)}"
+                f"{name} = {value!r}: allowed is one of {', '.join(self.words)}{own}"
                 f"{nearest(str(value), self.words)}"
             )
 
 
 def choice(
-    default: str, words: tuple[str, ...] | Callable[[Any], tuple[str, ...]], text: str
+    default: str,
+    words: tuple[str, ...] | Callable[[Any], tuple[str, ...]],
+    text: str,
+    own: tuple[str, ...] = (),
 ) -> Any:
-    """A dataclass field that takes one of a few words, which may depend on its owner."""
-    return field(default=default, metadata={"choice": (words, text)})
+    """A dataclass field that takes one of a few words, which may depend on its owner.
+
+    ``own`` names what a function of one's own, in place of a word, may ask for.
+    """
+    return field(default=default, metadata={"choice": (words, text, own)})
 
 
 def choice_of(item: Field[Any], owner: Any) -> Choice | None:
     """The choice that a field made by ``choice`` offers its owner; None for any other field."""
     if "choice" not in item.metadata:
         return None
-    words, text = item.metadata["choice"]
-    return Choice(words(owner) if callable(words) else words, text)
+    words, text, own = item.metadata["choice"]
+    return Choice(words(owner) if callable(words) else words, text, own)
 
 
 @dataclass(frozen=True)

@@ -14,8 +14,9 @@ from presswear.engines.settings import ExudynTree, InHouse
 from presswear.linkage.elements import Attachment, Linkage, Slip
 from presswear.linkage.loads import Load, Spring
 from presswear.linkage.surface import Surface
+from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import wear_times
-from presswear.scene.scene import CONVENTIONS, Scene
+from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError
 
 END = 0.05

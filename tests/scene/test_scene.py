@@ -11,15 +11,9 @@ from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.laws import hertz_stiffness
 from presswear.linkage.press import Press
 from presswear.linkage.slider_crank import SliderCrank
+from presswear.scene.bearing import CONVENTIONS, Bearing, Conventions
 from presswear.scene.catalog import SCENES, scene_named, slider_crank, wear_times
-from presswear.scene.scene import (
-    CONVENTIONS,
-    Bearings,
-    Conventions,
-    Numerics,
-    Scene,
-    joint_words,
-)
+from presswear.scene.scene import Numerics, Scene, joint_words
 from presswear.scene.settings import changed
 from presswear.tools.errors import InputError
 
@@ -27,7 +21,7 @@ BASE = Scene("base", "a scene")
 
 
 def test_defaults_are_the_papers() -> None:
-    bearings = Bearings()
+    bearings = Bearing()
     assert (bearings.youngs_modulus, bearings.poisson_ratio) == (200e9, 0.3)
     assert (bearings.restitution, bearings.exponent) == (0.9, 1.5)
     assert (bearings.lower_speed, bearings.upper_speed) == (1e-4, 1e-3)

@@ -12,8 +12,9 @@ from hypothesis import strategies as st
 
 from presswear.linkage.press import GEOMETRIES, Press
 from presswear.linkage.slider_crank import SliderCrank
+from presswear.scene.bearing import CONVENTIONS, Conventions
 from presswear.scene.catalog import scene_named, slider_crank, wear_times
-from presswear.scene.scene import CONVENTIONS, Conventions, Scene
+from presswear.scene.scene import Scene
 from presswear.scene.settings import changed, settings_of
 from presswear.tools.errors import AssemblyError, InputError
 from presswear.tools.quantities import Meaning

@@ -17,8 +17,9 @@ from presswear.linkage.surface import bin_centres
 from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
 from presswear.results.result import Result
 from presswear.results.stage import SIDES, StageResult, WearStep
+from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import wear_times
-from presswear.scene.scene import CONVENTIONS, Scene, stage_name
+from presswear.scene.scene import Scene, stage_name
 from presswear.scene.settings import changed
 from presswear.show.figures import NAMES, drawings, save
 from presswear.show.figures.mechanism import labelled

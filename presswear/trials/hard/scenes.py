@@ -22,8 +22,9 @@ from presswear.linkage.surface import Surface, bin_centres
 from presswear.physics.assembly import motion_of
 from presswear.record.recorder import Recorder
 from presswear.record.tracker import Tracker
+from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import slider_crank, wear_times
-from presswear.scene.scene import CONVENTIONS, Scene
+from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError
 from presswear.trials.hard.case import HardCase, energy_of, ran
 from presswear.trials.runs import PATIENCE, Check, contacts_of, guarded, order_of

@@ -16,7 +16,8 @@ from presswear.linkage.elements import SurfaceContact
 from presswear.record.sampling import LEAST_SAMPLES, Interval
 from presswear.record.tracker import Progress, Tracker
 from presswear.results.stage import SIDES, StageResult
-from presswear.scene.scene import CONVENTIONS, Scene
+from presswear.scene.bearing import CONVENTIONS
+from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError, RunFailed
 from presswear.trials.runs import Told, part_of
 
