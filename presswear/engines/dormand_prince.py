@@ -21,8 +21,8 @@ class Tableau(NamedTuple):
     a : ndarray, shape (n, n)
     b, c : ndarray, shape (n,)
     error, second_error : ndarray, shape (n + 1,)
-        Weights of the error estimate (none: it is not embedded), and of the one of lower order that DOP853
-        blends in (zero where there is none).
+        Weights of the error estimate, and of the one of lower order that DOP853
+        blends in (zero where there is none); empty where the method is not embedded.
     exponent : float
         The error goes with the step to minus one over this.
     """

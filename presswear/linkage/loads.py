@@ -180,7 +180,7 @@ class OverPosition:
     def _check_ends(self, table: Table) -> None:
         """InputError where there would be a jump at an end of the table."""
         if self.repeats:
-            if not (0.0 <= table[0][0] and table[-1][0] <= self.repeats):
+            if table[0][0] < 0.0 or table[-1][0] > self.repeats:
                 raise InputError(
                     f"over_position: from {table[0][0]:g} to {table[-1][0]:g} m or rad; with "
                     f"repeats = {self.repeats:g} allowed is 0 to {self.repeats:g}"
@@ -254,6 +254,8 @@ class Moment:
     def __post_init__(self) -> None:
         """InputError where a number is none."""
         object.__setattr__(self, "law", _law(self.law))
+        if isinstance(self.law, float):
+            raise InputError(f"law = {self.law:g} N m: a constant moment is one of Load")
 
 
 AnyLoad = Load | Force | Moment

@@ -310,7 +310,8 @@ def pack_loads(linkage: Linkage) -> tuple[Records, Array]:
 
     The nodes have shape (nodes, 2): position or time and size, or the two terms of a series.
     """
-    loads, nodes = np.zeros(len(linkage.live_loads), LOAD), []
+    loads = np.zeros(len(linkage.live_loads), LOAD)
+    nodes: list[tuple[float, float]] = []
     for record, load in zip(loads, linkage.live_loads, strict=True):
         record["body"] = 3 * linkage.index(load.body)
         record["turns"] = isinstance(load, Moment)

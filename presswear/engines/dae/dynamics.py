@@ -32,8 +32,8 @@ JOINT_INTEGRALS = JOINT_RATES
 class System(NamedTuple):
     """A linkage as the kernels see it, with working space.
 
-    ``has_work`` tells whether loads or dampers do; ``inverse_mass`` is (3 bodies,); ``phi``, ``phi_t``, ``gamma``,
-    ``right`` and ``multipliers`` are (rows,).
+    ``has_work`` tells whether loads or dampers do any; ``inverse_mass`` is (3 bodies,); ``phi``,
+    ``phi_t``, ``gamma``, ``right`` and ``multipliers`` are (rows,).
     """
 
     packed: Packed

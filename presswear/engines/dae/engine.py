@@ -154,9 +154,11 @@ def prepare(
     def ledger() -> Ledger:
         losses = y[2 * n + DRIVE_INTEGRALS : joints_end].reshape(-1, JOINT_INTEGRALS).sum(axis=0)
         work, exchange = y[2 * n : 2 * n + DRIVE_INTEGRALS]
-        lost = map(float, losses[[CONTACT_LOSS, FRICTION_LOSS, MADE]])
+        contact, friction, made = map(float, losses[[CONTACT_LOSS, FRICTION_LOSS, MADE]])
         given = float(y[joints_end:].sum())
-        return Ledger(float(work), float(exchange), stored() - energy_before, *lost, given)
+        return Ledger(
+            float(work), float(exchange), stored() - energy_before, contact, friction, made, given
+        )
 
     def diagnostics() -> dict[str, float | int | str]:
         words = f"{len(linkage.bodies)} bodies, {constraints.rows} constraints"

@@ -143,16 +143,27 @@ def first_change(
 
 @compiled
 def first_event(
-    system: System, book: Book, motion: Integration, last: int, h: float, apart: int
+    system: System,
+    book: Book,
+    motion: Integration,
+    last: int,
+    h: float,
+    apart: int,
+    joints: int,
 ) -> tuple[int, float]:
     """Joint that touches down or separates first in a trial step, and at which part; or -1.
 
     Where a load's law changes sooner, it is that event; see ``first_change``.
+
+    Parameters
+    ----------
+    joints : int
+        Number of joints that are looked at.
     """
     trial = motion.trial
     found = -1
     part = 2.0
-    for k in range(system.contacts.shape[0]):
+    for k in range(joints):
         if k == apart:
             continue
         memory = book.memory[k]
@@ -215,12 +226,13 @@ def locate(
     end = motion.slopes[last_slope(tableau)]
     low, high = 0.0, h
     length = part * h
+    is_last = False
     for _ in range(NEWTON_STEPS):
         trial_step(system, tableau, book, control, motion, t, length)
         value, rate = event_value(system, book, k, motion.trial, end)
         value -= aim
-        if abs(value) <= near:
-            return length, True
+        if abs(value) <= near or is_last:
+            break
         if value > 0.0:
             high = length
         else:
@@ -229,13 +241,13 @@ def locate(
         if not low < following < high:
             following = 0.5 * (low + high)
         if abs(following - length) <= 1e-15:
-            break
+            if aim == 0.0 or value > 0.0:
+                break
+            # Round-off keeps it from ending just behind: the nearest that is behind.
+            following, is_last = high, True
         length = following
-    if aim > 0.0 and value < 0.0:
-        length = high
-        trial_step(system, tableau, book, control, motion, t, length)
-        value = event_value(system, book, k, motion.trial, end)[0] - aim
-        return length, 0.0 < value <= found
+    if aim > 0.0:
+        return length, -near <= value <= found
     return length, abs(value) <= found
 
 
@@ -254,22 +266,17 @@ def event_in(
     motion: Integration,
     t: float,
     h: float,
+    joints: int,
 ) -> tuple[int, float, bool]:
-    """First event of a trial step, or -1, the step that ends on it, s, and whether it is there."""
+    """First event of a trial step, or -1, the step that ends on it, s, and whether it is there.
+
+    Among joints the first ``joints`` are looked at.
+    """
     last = last_slope(tableau)
-    if tableau.error.shape[0] == 0:
-        k, part = first_change(system, book, motion, last, h, -1)
-    else:
-        k, part = first_event(system, book, motion, last, h, -1)
-    if k < 0:
-        return k, h, True
-    located, found = locate(system, tableau, book, control, motion, t, k, h, part)
-    for _ in range(event_count(system)):
-        # The cubics may have seen events of two joints in the wrong order.
-        if tableau.error.shape[0] == 0:
-            earlier, part = first_change(system, book, motion, last, located, k)
-        else:
-            earlier, part = first_event(system, book, motion, last, located, k)
+    k, located, found = -1, h, True
+    # The cubics may see events of two joints in the wrong order.
+    for _ in range(1 + event_count(system)):
+        earlier, part = first_event(system, book, motion, last, located, k, joints)
         if not found or earlier < 0:
             break
         k = earlier
@@ -381,7 +388,9 @@ def march_controlled(
             continue
         factor = GREATEST_FACTOR if error == 0.0 else SAFETY * error**tableau.exponent
         state.step = h * min(max(factor, LEAST_FACTOR), GREATEST_FACTOR)
-        k, located, found = event_in(system, tableau, book, control, motion, t, h)
+        k, located, found = event_in(
+            system, tableau, book, control, motion, t, h, system.contacts.shape[0]
+        )
         if k >= 0:
             if not found:
                 # The cubic through both ends saw what is not there; a shorter one sees better.
@@ -437,7 +446,7 @@ def march_fixed(
         whole = h
         h = min(h, until_break(system, t))
         trial_step(system, tableau, book, control, motion, t, h)
-        k, located, found = event_in(system, tableau, book, control, motion, t, h)
+        k, located, found = event_in(system, tableau, book, control, motion, t, h, 0)
         if k >= 0:
             if found:
                 h = located

@@ -33,7 +33,7 @@ from presswear.physics.prescribed import drive_torque, forced_power, place_crank
 from presswear.physics.touchdown import LEAST_PARTS, contact_step, skim_step, step_after_touchdown
 from presswear.physics.tree import accelerate_links, carry_branches, gather_forces, place_links
 from presswear.record.observe import Book, observe, settle_state
-from presswear.tools.compiled import Records, all_finite, compiled, copy_to
+from presswear.tools.compiled import Records, all_finite, compiled
 
 Array = NDArray[np.float64]
 
