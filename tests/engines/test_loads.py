@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -25,7 +26,7 @@ from presswear.trials.runs import order_of
 UP = 0.5 * math.pi
 FREE = 0.01
 """Longest step, s."""
-ENGINES = [
+ENGINES: list[tuple[Engine, float]] = [
     (InHouse(integration_tolerance=1e-12, free_step=FREE), 1e-11),
     (InHouse("rk4", equal_step=0.77e-3), 1e-8),
     (ExudynTree(tree_tolerance=1e-11, free_step=FREE), 1e-9),
@@ -82,7 +83,7 @@ def test_a_table_over_time_moves_a_mass_as_its_double_integral_says(
     places, values = np.array(table).T
     edges = sorted({0.0, end, *(k * period + t for k in range(4) for t in places)})
     place, speed = -0.5 + end, 1.0
-    for one, other in zip(edges, edges[1:], strict=False):
+    for one, other in pairwise(edges):
         if other > end:
             break
         # Linear force, so that Simpson's rule is exact; at an edge from within.
