@@ -32,6 +32,7 @@ NORMAL = np.dtype(
         # The power law with which the time of a contact is estimated.
         ("estimated_stiffness", np.float64),
         ("estimated_exponent", np.float64),
+        ("abrupt", np.bool_),  # the force begins with a jump
     ]
 )
 """A normal law as the kernels see it."""
@@ -215,6 +216,10 @@ ESTIMATED_AT = (1e-4, 1e-2)
 """Parts of the clearance between which an elastic force of one's own is taken for a power law."""
 
 
+ABRUPT = 1e3
+"""Damped force over the elastic one at the touch from which on a law begins with a jump."""
+
+
 def _own_forces(own: OwnFunction) -> tuple[Callable[..., float], Callable[..., float]]:
     """Elastic force and damped force of a normal law of one's own."""
     force = own_kernel(own, NORMAL_PARAMETERS)
@@ -259,6 +264,10 @@ def normal_record(law: NormalLaw, clearance: float) -> Records:
         exponent = math.log(high / low) / math.log(last / first)
         record["estimated_exponent"] = exponent
         record["estimated_stiffness"] = high / last**exponent
+    if damped is not None:
+        touched = 1e-9 * clearance
+        rest, _ = elastic_of(record, touched)
+        record["abrupt"] = normal_force(record, rest, touched, 1.0, 1.0) > ABRUPT * rest
     return record
 
 

@@ -1,5 +1,6 @@
 """A joint with clearance as a person chooses it, and how the wear model is read."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, fields
 from typing import get_args
 
@@ -73,9 +74,13 @@ of the press with c_f = 0.8 takes half a million steps, at 1e-6 m/s ten times as
 """
 
 
+Law = str | OwnFunction | Callable[..., float]
+"""A law by its name, or one of one's own; kept as one of the first two."""
+
+
 @dataclass(frozen=True)
 class Bearing:
-    """A joint with clearance: pin, bearing and what they are made of."""
+    """A joint with clearance: pin, bearing, the laws of their contact, what they are made of."""
 
     clearance: float = quantity(0.8e-3, "m", 1e-9, 1.0, "paper, per study", "c = R_i - R_j")
     bearing_radius: float = quantity(0.015, "m", 1e-4, 1.0, "paper", "R_i")
@@ -94,16 +99,14 @@ class Bearing:
         "elastic force while round: K delta^n, Liu's for a pin that conforms, or an elastic "
         "foundation's over the arc",
     )
-    normal_law: str | OwnFunction = choice(
+    normal_law: Law = choice(
         "lankarani-nikravesh", tuple(DAMPINGS), "normal force", NORMAL_PARAMETERS
     )
     restitution: float = quantity(0.9, "", 0.0, 1.0, "paper", "nominal restitution ce")
     viscous_damping: float = quantity(
         0.0, "N s/m", 0.0, 1e9, "chosen", f"D of normal_law = {KELVIN_VOIGT}"
     )
-    friction_law: str | OwnFunction = choice(
-        "ramp", tuple(FRICTIONS), "friction force", FRICTION_PARAMETERS
-    )
+    friction_law: Law = choice("ramp", tuple(FRICTIONS), "friction force", FRICTION_PARAMETERS)
     friction: float = quantity(0.02, "", 0.0, 0.8, "paper, per study", "friction coefficient c_f")
     lower_speed: float = quantity(1e-4, "m/s", 0.0, 1.0, "paper", "v_0: no friction below")
     upper_speed: float = quantity(1e-3, "m/s", LEAST_RAMP, 1.0, "paper", "v_1: full friction above")

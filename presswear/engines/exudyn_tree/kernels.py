@@ -260,8 +260,11 @@ def step_to_events(book: Book, system: TreeSystem, h: float) -> float:
         if not pace.smooth:
             doubt = max(doubt, UNKNOWN_DOUBT * arrival)
         if doubt * speed <= LANDING_DEPTH:
-            whole = contact_step(joint, 0.0, speed, 1.0)
-            h = min(h, arrival + min(LANDING_DEPTH / speed, LANDING_PART * whole))
+            behind = min(LANDING_DEPTH / speed, LANDING_PART * contact_step(joint, 0.0, speed, 1.0))
+            # A law that begins with a jump gets its touchdown in a short step of its own.
+            if joint.normal.abrupt and not closed and arrival > 2.0 * behind:
+                behind = -behind
+            h = min(h, arrival + behind)
         else:
             h = min(h, max(arrival - 2.0 * doubt, 0.5 * arrival))
     return max(h, pace.shortest)
