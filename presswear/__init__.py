@@ -23,14 +23,19 @@ if TYPE_CHECKING:
     from presswear.linkage.elements import Drive as Drive
     from presswear.linkage.elements import Guide as Guide
     from presswear.linkage.elements import Linkage as Linkage
-    from presswear.linkage.elements import Load as Load
     from presswear.linkage.elements import Pin as Pin
     from presswear.linkage.elements import Probe as Probe
     from presswear.linkage.elements import Revolute as Revolute
-    from presswear.linkage.elements import Spring as Spring
     from presswear.linkage.elements import WearLaw as WearLaw
     from presswear.linkage.laws import FrictionLaw as FrictionLaw
     from presswear.linkage.laws import NormalLaw as NormalLaw
+    from presswear.linkage.loads import Force as Force
+    from presswear.linkage.loads import Harmonics as Harmonics
+    from presswear.linkage.loads import Load as Load
+    from presswear.linkage.loads import Moment as Moment
+    from presswear.linkage.loads import OverPosition as OverPosition
+    from presswear.linkage.loads import OverTime as OverTime
+    from presswear.linkage.loads import Spring as Spring
     from presswear.linkage.materials import Materials as Materials
     from presswear.linkage.press import Press as Press
     from presswear.linkage.slider_crank import SliderCrank as SliderCrank
@@ -60,15 +65,22 @@ _ROOMS = {
         "Drive",
         "Guide",
         "Linkage",
-        "Load",
         "Pin",
         "Probe",
         "Revolute",
-        "Spring",
         "WearLaw",
     ),
     "linkage.laws": ("FrictionLaw", "NormalLaw"),
     "linkage.materials": ("Materials",),
+    "linkage.loads": (
+        "Force",
+        "Harmonics",
+        "Load",
+        "Moment",
+        "OverPosition",
+        "OverTime",
+        "Spring",
+    ),
     "linkage.press": ("Press",),
     "linkage.slider_crank": ("SliderCrank",),
     "linkage.surface": ("Surface",),

@@ -10,6 +10,7 @@ from presswear.linkage.elements import GROUND, ClearanceJoint, Linkage
 from presswear.linkage.surface import Surface
 from presswear.physics.foundation import foundation_stiffness
 from presswear.physics.laws import FRICTION, NORMAL, friction_record, normal_record
+from presswear.physics.loads import MODE, pack_loads
 from presswear.physics.springs import pack_springs
 from presswear.physics.surface import BEARING, PIN, ROWS, packed_rows
 from presswear.tools.compiled import Records
@@ -53,6 +54,11 @@ class Packed(NamedTuple):
     surfaces : ndarray, shape (joints, ROWS, m)
         The worn surfaces, see ``packed_rows``; m = 0 where none is worn.
     springs : records of SPRING
+    loads : records of LOAD
+    nodes : ndarray, shape (nodes, 2)
+        Of the tables of the loads.
+    modes : records of MODE
+        What holds of the loads through the present step.
     mass, weight : ndarray, shape (3 bodies,)
         Diagonal of the mass matrix; constant generalized forces.
     """
@@ -60,6 +66,9 @@ class Packed(NamedTuple):
     joints: Records
     surfaces: Array
     springs: Records
+    loads: Records
+    nodes: Array
+    modes: Records
     mass: Array
     weight: Array
 
@@ -74,10 +83,14 @@ def pack(linkage: Linkage, bins: int = 0) -> Packed:
     """
     pairs = [(joint.bearing_surface, joint.pin_surface) for joint in linkage.clearances]
     count = max((own.depth.size for pair in pairs for own in pair if own.is_worn), default=bins)
+    loads, nodes = pack_loads(linkage)
     packed = Packed(
         pack_joints(linkage),
         np.zeros((len(pairs), ROWS, count)),
         pack_springs(linkage),
+        loads,
+        nodes,
+        np.zeros(len(loads), MODE),
         mass_of(linkage),
         weight_of(linkage),
     )
@@ -92,10 +105,10 @@ def mass_of(linkage: Linkage) -> Array:
 
 
 def weight_of(linkage: Linkage) -> Array:
-    """Constant generalized forces, shape (3 bodies,): gravity and loads."""
+    """Constant generalized forces, shape (3 bodies,): gravity and dead loads."""
     weight = np.zeros(3 * len(linkage.bodies))
     weight[1::3] = [-linkage.gravity * body.mass for body in linkage.bodies]
-    for load in linkage.loads:
+    for load in linkage.dead_loads:
         i = 3 * linkage.index(load.body)
         weight[i : i + 3] += load.x, load.y, load.moment
     return weight

@@ -27,6 +27,8 @@ _UNITS: dict[str, tuple[str, dict[str, float]]] = {
     "m/s^2": ("9.81m/s^2", {"m/s^2": 1.0, "m/s2": 1.0}),
     "s": ("1ms", {"s": 1.0, "ms": 1e-3, "us": 1e-6}),
     "N/m^n": ("1e10N/m^1.5", dict.fromkeys(("N/m^n", "N/m^1.5", "N/m1.5", "N/m"), 1.0)),
+    "N": ("500N", {"N": 1.0, "kN": 1e3, "MN": 1e6}),
+    "N m": ("20N m", {"N m": 1.0, "Nm": 1.0, "kN m": 1e3, "kNm": 1e3}),
     "N s/m": ("100N s/m", dict.fromkeys(("N s/m", "Ns/m"), 1.0)),
 }
 """An example and the known units of each dimension, by its SI unit, and their sizes in it."""

@@ -88,7 +88,31 @@ def test_a_file_that_is_none_is_told(tmp_path: Path) -> None:
         scene_from(tmp_path / "none.toml")
 
 
-LINES = example_file("four-bar").splitlines()
+LOADS = """
+[[mechanism.loads]]
+point = "rocker.head"
+direction = "30 deg"
+over_position = [["-20 mm", "0 N"], ["0 mm", "-0.1 kN"], ["10 mm", "-50 N"]]
+sense = "along"
+release = true
+[[mechanism.loads]]
+body = "crank"
+over_angle = [["0 deg", "0 N m"], ["90 deg", "0.1 N m"]]
+repeats = "360 deg"
+[[mechanism.loads]]
+body = "rocker"
+over_time = [["0 s", "0 N m"], ["10 ms", "0.1 N m"]]
+period = "20 ms"
+"""
+LINES = f"{example_file('four-bar')}{LOADS}".splitlines()
+
+
+def test_a_file_may_hold_loads(tmp_path: Path) -> None:
+    file = tmp_path / "loaded.toml"
+    file.write_text("\n".join(LINES))
+    scene = scene_from(file)
+    assert [len(getattr(load.law, "table", ())) for load in scene.linkage().live_loads] == [3, 2, 2]
+    assert Scene.from_dict(scene.as_dict()) == scene
 
 
 @given(
