@@ -15,6 +15,7 @@ from presswear.engines.dae.dynamics import (
     DRIVE_INTEGRALS,
     JOINT_INTEGRALS,
     System,
+    note_bristles,
     project,
     rates,
 )
@@ -314,6 +315,7 @@ def finish_step(
     n = system.inverse_mass.shape[0]
     y = motion.y
     note_contacts(book.packed, book.contacts, y[:n], y[n : 2 * n])
+    note_bristles(book.contacts, y, n)
     note_forces(book.packed.joints, book.onset, book.contacts)
     for k in range(system.contacts.shape[0]):
         base = 2 * n + DRIVE_INTEGRALS + JOINT_INTEGRALS * k
@@ -376,6 +378,8 @@ def march_controlled(
         for i in range(n):
             motion.scale[i] = state.tolerance * POSITION_SCALE
             motion.scale[n + i] = state.tolerance * (1.0 + abs(motion.y[n + i]))
+        for i in range(2 * n, motion.scale.shape[0]):
+            motion.scale[i] = state.tolerance * POSITION_SCALE
         error = trial_step(system, tableau, book, control, motion, t, h)
         if not error <= 1.0:
             state.rejected += 1
