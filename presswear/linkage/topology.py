@@ -34,6 +34,11 @@ def _ends(joint: Joint) -> tuple[Attachment, Attachment]:
     return joint.first, joint.second
 
 
+def joints_of(linkage: Linkage) -> tuple[Joint, ...]:
+    """The ideal joints: pins, then guides."""
+    return (*linkage.revolutes, *linkage.guides)
+
+
 def bodies_of(joint: Joint) -> set[str]:
     """The bodies that a joint holds, without the frame."""
     return {end.body for end in _ends(joint)} - {GROUND}
@@ -47,7 +52,7 @@ def prescribed_of(linkage: Linkage) -> frozenset[str]:
     so can one that could pass a row on to it; all others are held.  The rows of a linkage that
     closes away from its dead points are independent, so that counting them is enough.
     """
-    rows = [bodies_of(joint) for joint in linkage.joints for _ in range(2)]
+    rows = [bodies_of(joint) for joint in joints_of(linkage) for _ in range(2)]
     rows += [{drive.body} for drive in linkage.drives]
     given: dict[str, list[set[str]]] = {body.name: [] for body in linkage.bodies}
 
@@ -128,9 +133,7 @@ def branches_of(linkage: Linkage) -> tuple[Branch, ...] | str:
             return f"{drive.name} turns a body that is free to move"
     if len(known) == len(linkage.bodies):
         return "the drives hold every body"
-    joints = [joint for joint in linkage.joints if not bodies_of(joint) <= known]
-    # Guides behind pins: places in the tree are those of the pins' order.
-    joints.sort(key=lambda joint: isinstance(joint, Guide))
+    joints = [joint for joint in joints_of(linkage) if not bodies_of(joint) <= known]
     tree = _Hanging(joints, (GROUND, *known))
     tree.hang()
     for body in linkage.bodies:
@@ -147,9 +150,9 @@ def chain_of(linkage: Linkage, bodies: frozenset[str]) -> tuple[list[Branch], li
 
     ValueError where they are no such chain.
     """
-    joints = [joint for joint in linkage.joints if bodies_of(joint) <= bodies]
-    joints.sort(key=lambda joint: isinstance(joint, Revolute))
-    chain = _Hanging(joints, (GROUND,))
+    # Guides first: what slides does so by its coordinate, and pins close the loops.
+    joints = (*linkage.guides, *linkage.revolutes)
+    chain = _Hanging([joint for joint in joints if bodies_of(joint) <= bodies], (GROUND,))
     chain.hang()
     pins = [joint for joint in chain.closing if isinstance(joint, Revolute)]
     drives = [drive for drive in linkage.drives if drive.body in bodies]

@@ -11,7 +11,7 @@ from typing import ClassVar
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree
 from presswear.linkage.elements import Linkage
-from presswear.linkage.topology import bodies_of
+from presswear.linkage.topology import bodies_of, joints_of
 from presswear.physics.tree import Tree, tree_of
 from presswear.tools.errors import RunFailed
 from presswear.trials.runs import Told, finished
@@ -94,7 +94,7 @@ def model_of(linkage: Linkage, engine: Engine) -> str:
         from presswear.engines.exudyn_joints.model import left_out
 
         omitted, word = left_out(linkage), "joints"
-    joints = sum(not bodies_of(joint) <= omitted for joint in linkage.joints)
+    joints = sum(not bodies_of(joint) <= omitted for joint in joints_of(linkage))
     drives = sum(drive.body not in omitted for drive in linkage.drives)
     return f"{word} {3 * (len(linkage.bodies) - len(omitted))} + {2 * joints + drives}"
 

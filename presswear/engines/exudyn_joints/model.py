@@ -22,7 +22,7 @@ from presswear.engines.base import Start
 from presswear.engines.exudyn import add_load, add_marker, add_node, add_object
 from presswear.engines.exudyn_joints.kernels import Frame, connector_forces
 from presswear.linkage.elements import GROUND, Attachment, Drive, Linkage
-from presswear.linkage.topology import bodies_of, prescribed_of
+from presswear.linkage.topology import bodies_of, joints_of, prescribed_of
 from presswear.physics.contact import CONTACT
 from presswear.physics.motion import drive_motion, is_steady, motion_of
 from presswear.physics.prescribed import begin_motion, pack_prescribed
@@ -65,7 +65,7 @@ def left_out(linkage: Linkage) -> frozenset[str]:
         return frozenset()
     known -= {end.body for spring in linkage.springs for end in (spring.first, spring.second)}
     while True:
-        joined = [bodies_of(joint) for joint in linkage.joints]
+        joined = [bodies_of(joint) for joint in joints_of(linkage)]
         held = frozenset[str]().union(*(bodies for bodies in joined if not bodies <= known))
         if not held & known:
             return known
