@@ -151,7 +151,7 @@ def chain_of(linkage: Linkage, bodies: frozenset[str]) -> tuple[list[Branch], li
     ValueError where they are no such chain.
     """
     # Guides first: what slides does so by its coordinate, and pins close the loops.
-    joints = (*linkage.guides, *linkage.revolutes)
+    joints: tuple[Joint, ...] = (*linkage.guides, *linkage.revolutes)
     chain = _Hanging([joint for joint in joints if bodies_of(joint) <= bodies], (GROUND,))
     chain.hang()
     pins = [joint for joint in chain.closing if isinstance(joint, Revolute)]
