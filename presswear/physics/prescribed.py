@@ -7,6 +7,7 @@ of motion will do.  No equation of motion has to be solved for them; what their 
 do follows from the forces on them, by virtual work.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -14,7 +15,7 @@ from numpy.typing import NDArray
 
 from presswear.linkage.elements import GROUND, Linkage
 from presswear.linkage.topology import chain_of
-from presswear.physics.links import GUIDED, LINK, accelerate_links, arm, pack_links, place_links
+from presswear.physics.links import GUIDED, LINK, arm, pack_links
 from presswear.physics.motion import MOTION, drive_motion, pack_motion
 from presswear.tools.compiled import Records, compiled
 
@@ -100,20 +101,61 @@ def place_prescribed(
         Cosine and sine of each body's angle, in the places of its x and y.
     """
     parts, closings, work = prescribed
-    x, u, u_t = work[PLACE], work[RATE], work[FASTER]
     ahead = t - work[CLOCK, 0]
     work[CLOCK, 0] = t
     for i in range(parts.shape[0]):
         if parts[i].drive >= 0:
-            turned, u[i], u_t[i] = drive_motion(parts[i].motion, t)
-            x[i] = parts[i].motion.angle + turned
+            turned, work[RATE, i], work[FASTER, i] = drive_motion(parts[i].motion, t)
+            work[PLACE, i] = parts[i].motion.angle + turned
         else:
-            x[i] += ahead * (u[i] + 0.5 * ahead * u_t[i])
-    if closings.shape[0] > 0:
-        _close(prescribed, q, v, axes)
-        _follow(prescribed)
-    place_links(parts, x, u, q, v, axes)
-    accelerate_links(parts, u_t, v, axes, a)
+            work[PLACE, i] += ahead * (work[RATE, i] + 0.5 * ahead * work[FASTER, i])
+    is_closed = closings.shape[0] == 0
+    last = math.inf
+    for _ in range(MOST_NEWTON):
+        _place(parts, work, q, v, a, axes)
+        if is_closed:
+            return
+        step = _newton_step(prescribed, q, axes)
+        # Near a dead point round-off does not shrink to that.
+        is_closed = step <= CLOSED or (step < 1e3 * CLOSED and step >= 0.5 * last)
+        last = step
+        if is_closed:
+            _follow(prescribed)
+    for i in range(parts.shape[0]):
+        work[PLACE, i] = q[parts[i].body] = math.nan
+
+
+@compiled
+def _place(parts: Records, work: Array, q: Array, v: Array, a: Array, axes: Array) -> None:
+    """Fill coordinates, rates and accelerations of all parts from those of the chain."""
+    for i in range(parts.shape[0]):
+        part = parts[i]
+        b = part.body
+        x, spin, faster = work[PLACE, i], work[RATE, i], work[FASTER, i]
+        if part.kind == GUIDED:
+            axes[b], axes[b + 1] = math.cos(part.angle), math.sin(part.angle)
+            q[b] = part.before_x + x * part.cosine
+            q[b + 1] = part.before_y + x * part.sine
+            v[b], v[b + 1] = spin * part.cosine, spin * part.sine
+            a[b], a[b + 1] = faster * part.cosine, faster * part.sine
+            q[b + 2], v[b + 2], a[b + 2] = part.angle, 0.0, 0.0
+            continue
+        p = part.before
+        hx, hy, hvx, hvy, hax, hay = part.before_x, part.before_y, 0.0, 0.0, 0.0, 0.0
+        if p >= 0:
+            rx, ry = arm(hx, hy, axes, p)
+            square = v[p + 2] * v[p + 2]
+            hx, hy = q[p] + rx, q[p + 1] + ry
+            hvx, hvy = v[p] - v[p + 2] * ry, v[p + 1] + v[p + 2] * rx
+            hax = a[p] - a[p + 2] * ry - square * rx
+            hay = a[p + 1] + a[p + 2] * rx - square * ry
+        axes[b], axes[b + 1] = math.cos(x), math.sin(x)
+        rx, ry = arm(part.own_x, part.own_y, axes, b)
+        square = spin * spin
+        q[b], q[b + 1], q[b + 2] = hx - rx, hy - ry, x
+        v[b], v[b + 1], v[b + 2] = hvx + spin * ry, hvy - spin * rx, spin
+        a[b], a[b + 1] = hax + faster * ry + square * rx, hay - faster * rx + square * ry
+        a[b + 2] = faster
 
 
 @compiled
@@ -194,33 +236,24 @@ def _solve(prescribed: Prescribed, row: int) -> float:
 
 
 @compiled
-def _close(prescribed: Prescribed, q: Array, v: Array, axes: Array) -> None:
-    """Close all loops; leaves the rows and their inverse in that place."""
+def _newton_step(prescribed: Prescribed, q: Array, axes: Array) -> float:
+    """Make a step towards closed loops; returns its size, leaves the rows and their inverse."""
     parts, closings, work = prescribed
     count = 2 * closings.shape[0]
-    right = work[RIGHT]
-    last = np.inf
-    for _ in range(MOST_NEWTON):
-        place_links(parts, work[PLACE], work[RATE], q, v, axes)
-        right[:] = 0.0
-        work[HEAD : HEAD + count] = 0.0
-        for c in range(closings.shape[0]):
-            pin = closings[c]
-            _end(prescribed, 2 * c, pin.first, pin.x1, pin.y1, 1.0, q, axes)
-            _end(prescribed, 2 * c, pin.second, pin.x2, pin.y2, -1.0, q, axes)
-        k = 0
-        for i in range(parts.shape[0]):
-            if parts[i].drive < 0:
-                for r in range(count):
-                    work[HEAD + count + r, k] = work[HEAD + r, i]
-                k += 1
-        _invert(count, work[HEAD + count :], work[HEAD + 2 * count :])
-        step = _solve(prescribed, PLACE)
-        # Near a dead point round-off does not shrink to that.
-        if step <= CLOSED or (step < 1e3 * CLOSED and step >= 0.5 * last):
-            return
-        last = step
-    work[PLACE] = np.nan
+    work[RIGHT] = 0.0
+    work[HEAD : HEAD + count] = 0.0
+    for c in range(closings.shape[0]):
+        pin = closings[c]
+        _end(prescribed, 2 * c, pin.first, pin.x1, pin.y1, 1.0, q, axes)
+        _end(prescribed, 2 * c, pin.second, pin.x2, pin.y2, -1.0, q, axes)
+    k = 0
+    for i in range(parts.shape[0]):
+        if parts[i].drive < 0:
+            for r in range(count):
+                work[HEAD + count + r, k] = work[HEAD + r, i]
+            k += 1
+    _invert(count, work[HEAD + count :], work[HEAD + 2 * count :])
+    return _solve(prescribed, PLACE)
 
 
 @compiled
