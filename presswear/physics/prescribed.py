@@ -44,13 +44,16 @@ CLOSING = np.dtype(
 )
 """A pin that closes a loop of prescribed bodies, two rows; as many of their angles are sought."""
 
-PLACE, RATE, FASTER, BORNE, TURNS, RIGHT, CLOCK, HEAD = range(8)
+PLACE, RATE, FASTER, BORNE, TURNS, RIGHT, LAST, HEAD = range(8)
+TIME, DETERMINANT = 0, 1
 """Rows of ``Prescribed.work``: coordinates, rates, accelerations, forces on them, their turns with
-a drive, a right-hand side, and one with the time of the last evaluation, s, in its first place;
-then the closing rows by all coordinates, those by the coordinates sought, and their inverse."""
+a drive, a right-hand side, and one of the last evaluation's time, s, and determinant; then the
+closing rows by all coordinates, those by the coordinates sought, and their inverse."""
 
 MOST_NEWTON = 30
 """Newton steps after which loops do not close; two are usual."""
+JUMP = 0.05
+"""Newton's way from where bodies are expected to where links could be on other sides, rad or m."""
 CLOSED = 1e-12
 """Newton step behind which the rows are those of the place found, rad or m."""
 
@@ -62,7 +65,7 @@ class Prescribed(NamedTuple):
     ----------
     parts : records of PART
     closings : records of CLOSING
-    work : ndarray, shape (HEAD + 6 closings, parts or 1)
+    work : ndarray, shape (HEAD + 6 closings, parts or 2)
         Their last motion, from which the next is found, and working space.
     """
 
@@ -76,7 +79,7 @@ def begin_motion(prescribed: Prescribed, t: float, q: Array) -> None:
     """Note a state of all bodies from which the motion is to go on, and its time, s."""
     parts, _, work = prescribed
     work[:] = 0.0
-    work[CLOCK, 0] = t
+    work[LAST, TIME] = t
     for i in range(parts.shape[0]):
         part = parts[i]
         b = part.body
@@ -93,7 +96,7 @@ def place_prescribed(
 ) -> None:
     """Fill coordinates, rates and accelerations of the prescribed bodies at a time, s.
 
-    Not finite where their loops do not close.
+    Not finite where their loops do not close near where they are expected, on the same side.
 
     Parameters
     ----------
@@ -101,8 +104,8 @@ def place_prescribed(
         Cosine and sine of each body's angle, in the places of its x and y.
     """
     parts, closings, work = prescribed
-    ahead = t - work[CLOCK, 0]
-    work[CLOCK, 0] = t
+    ahead = t - work[LAST, TIME]
+    work[LAST, TIME] = t
     for i in range(parts.shape[0]):
         if parts[i].drive >= 0:
             turned, work[RATE, i], work[FASTER, i] = drive_motion(parts[i].motion, t)
@@ -110,7 +113,7 @@ def place_prescribed(
         else:
             work[PLACE, i] += ahead * (work[RATE, i] + 0.5 * ahead * work[FASTER, i])
     is_closed = closings.shape[0] == 0
-    last = math.inf
+    before, last, moved = work[LAST, DETERMINANT], math.inf, 0.0
     for _ in range(MOST_NEWTON):
         _place(parts, work, q, v, a, axes)
         if is_closed:
@@ -119,7 +122,12 @@ def place_prescribed(
         # Near a dead point round-off does not shrink to that.
         is_closed = step <= CLOSED or (step < 1e3 * CLOSED and step >= 0.5 * last)
         last = step
+        moved += step
+        if not moved < JUMP:
+            break
         if is_closed:
+            if before * work[LAST, DETERMINANT] < 0.0:
+                break
             _follow(prescribed)
     for i in range(parts.shape[0]):
         work[PLACE, i] = q[parts[i].body] = math.nan
@@ -190,8 +198,12 @@ def _end(
 
 
 @compiled
-def _invert(count: int, rows: Array, inverse: Array) -> None:
-    """Fill the inverse of a matrix of ``count`` rows, which is overwritten (Gauss and Jordan)."""
+def _invert(count: int, rows: Array, inverse: Array) -> float:
+    """Fill the inverse of a matrix of ``count`` rows, by Gauss and Jordan; returns its determinant.
+
+    The matrix is overwritten.
+    """
+    determinant = 1.0
     for r in range(count):
         for c in range(count):
             inverse[r, c] = 1.0 if r == c else 0.0
@@ -201,9 +213,11 @@ def _invert(count: int, rows: Array, inverse: Array) -> None:
             if abs(rows[r, c]) > abs(rows[best, c]):
                 best = r
         if best != c:
+            determinant = -determinant
             for k in range(count):
                 rows[c, k], rows[best, k] = rows[best, k], rows[c, k]
                 inverse[c, k], inverse[best, k] = inverse[best, k], inverse[c, k]
+        determinant *= rows[c, c]
         scale = 1.0 / rows[c, c]
         for k in range(count):
             rows[c, k] *= scale
@@ -214,6 +228,7 @@ def _invert(count: int, rows: Array, inverse: Array) -> None:
                 for k in range(count):
                     rows[r, k] -= factor * rows[c, k]
                     inverse[r, k] -= factor * inverse[c, k]
+    return determinant
 
 
 @compiled
@@ -252,7 +267,8 @@ def _newton_step(prescribed: Prescribed, q: Array, axes: Array) -> float:
             for r in range(count):
                 work[HEAD + count + r, k] = work[HEAD + r, i]
             k += 1
-    _invert(count, work[HEAD + count :], work[HEAD + 2 * count :])
+    determinant = _invert(count, work[HEAD + count :], work[HEAD + 2 * count :])
+    work[LAST, DETERMINANT] = determinant
     return _solve(prescribed, PLACE)
 
 
@@ -379,4 +395,4 @@ def pack_prescribed(linkage: Linkage, bodies: frozenset[str]) -> Prescribed:
         closing["first"], closing["second"] = places[pin.first.body], places[pin.second.body]
         closing["x1"], closing["y1"] = pin.first.x, pin.first.y
         closing["x2"], closing["y2"] = pin.second.x, pin.second.y
-    return Prescribed(parts, closings, np.zeros((HEAD + 6 * len(pins), max(len(parts), 1))))
+    return Prescribed(parts, closings, np.zeros((HEAD + 6 * len(pins), max(len(parts), 2))))

@@ -164,6 +164,29 @@ def test_loops_that_do_not_close_leave_no_finite_state() -> None:
     assert not np.isfinite(q).all()
 
 
+@pytest.mark.parametrize("name", ["four-bar", "six-bar", "standard"])
+def test_jumps_in_time_are_closed_as_before_or_refused(name: str) -> None:
+    """Links that Newton's method put on their other side would be wrong without a word."""
+    linkage = MECHANISMS[name]
+    everything = frozenset(body.name for body in linkage.bodies)
+    prescribed = pack_prescribed(linkage, everything)
+    generator = np.random.default_rng(2)
+    begins, sizes = generator.uniform(0.0, 1.0, 300), 10.0 ** generator.uniform(-3.0, -0.3, 300)
+    refused = 0
+    for begin, size in zip(begins, sizes, strict=True):
+        ideal = motion_of(linkage).at(linkage.period * np.array([begin, begin + size]))
+        q = followed(prescribed, ideal)[0][1]
+        if not np.isfinite(q).all():
+            refused += 1
+            # Twice the longest step of a run, and more.
+            assert size > 0.005
+            continue
+        turns = np.round((q - ideal.position[1])[2::3] / (2.0 * math.pi))
+        q[2::3] -= 2.0 * math.pi * turns
+        assert np.abs(q - ideal.position[1]).max() < 1e-11
+    assert 0 < refused < 250
+
+
 def test_what_is_held_twice_is_no_chain() -> None:
     twice = replace(FOUR_BAR, drives=(*FOUR_BAR.drives, Drive("rocker", 1.0)))
     with pytest.raises(ValueError, match="coupler, crank, rocker are no chain"):
