@@ -116,7 +116,7 @@ def test_every_geometry_can_be_named(name: str) -> None:
             r"exponent = 1\.2.*allowed is 1.5",
         ),
         (PRESS, {"joints": "none", "starts": "2"}, "starts = 2: without a clearance joint"),
-        (PRESS, {"joints": "C", "engine": "exudyn-tree"}, "engine = 'exudyn-tree'.*closes a loop"),
+        (PRESS, {"joints": "A", "engine": "exudyn-tree"}, "engine = 'exudyn-tree'.*closes a loop"),
     ],
 )
 def test_what_names_nothing_or_does_not_fit_together_is_refused(
