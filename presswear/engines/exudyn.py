@@ -2,7 +2,7 @@
 
 import math
 import time as clock
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
@@ -236,7 +236,7 @@ def set_span(settings: Any, begin: float, longest: float, steps: int) -> None:
 
 def run_to_end(
     system: Any,
-    live: Sequence[Any],
+    live: Mapping[str, Any],
     settings: Any,
     kind: Any,
     solve: Solve,
@@ -251,9 +251,8 @@ def run_to_end(
 
     Parameters
     ----------
-    live : sequence of ndarray
-        Live coordinates, their rates, and where the solver begins from them accelerations and
-        multipliers.
+    live : mapping of str to ndarray
+        What the solver begins from, live, by the name that Exudyn gives it, as ``ODE2Coordinates``.
     kind : exudyn.DynamicSolverType
     longest : float
         Longest step, s.
@@ -269,14 +268,8 @@ def run_to_end(
     """
     solve.end, solve.reached, solve.iteration = end, False, None
     data, initial = system.systemData, exu.ConfigurationType.Initial
-    setters = (
-        data.SetODE2Coordinates,
-        data.SetODE2Coordinates_t,
-        data.SetODE2Coordinates_tt,
-        data.SetAECoordinates,
-    )
-    for setter, values in zip(setters, live, strict=False):
-        setter(np.array(values), initial)
+    for name, values in live.items():
+        getattr(data, f"Set{name}")(np.array(values), initial)
     set_span(settings, solve.time, longest, math.ceil((end - solve.time) / longest) + 2)
     if settings.timeIntegration.automaticStepSize:
         settings.timeIntegration.initialStepSize = solve.sums["proposed"]

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.physics.contact import note_contact, penetration_acceleration
+from presswear.physics.laws import bristle_after, bristle_rate
 from presswear.physics.packed import Packed
 from presswear.tools.compiled import Records, compiled
 
@@ -35,6 +36,8 @@ MEMORY = np.dtype(
         ("steps", np.int64),  # accepted in the present contact
         ("longest_step", np.float64),  # allowed by the expected duration of the contact
         ("peak_force", np.float64),  # of the present contact, N
+        ("bristle", np.float64),  # deflection of the bristles of its friction, m, and its rate
+        ("bristle_rate", np.float64),
     ]
 )
 """Memory of a joint between accepted steps: its last state and its present contact."""
@@ -331,10 +334,32 @@ def remember(last: Records, joint: Records, contact: Records, t: float) -> None:
     last.penetration = contact.penetration
     last.rate = contact.rate
     last.energy = contact.energy
+    if joint.friction.bristle_stiffness > 0.0:
+        last.bristle = contact.bristle
+        last.bristle_rate = bristle_rate(
+            contact.sliding, contact.bristle, contact.penetration > 0.0, joint.friction
+        )
     last.sweep = max(
         abs(contact.turning - turns * contact.bearing_spin),
         abs(contact.turning - turns * contact.pin_spin),
     )
+
+
+@compiled
+def advance_bristles(joints: Records, memory: Records, contacts: Records, t: float) -> None:
+    """Fill in the bristles at ``t``, s, the end of a step of the trapezoidal rule."""
+    for k in range(joints.shape[0]):
+        if joints[k].friction.bristle_stiffness > 0.0:
+            last = memory[k]
+            contact = contacts[k]
+            contact.bristle = bristle_after(
+                contact.sliding,
+                last.bristle,
+                last.bristle_rate,
+                t - last.time,
+                contact.penetration > 0.0,
+                joints[k].friction,
+            )
 
 
 @compiled

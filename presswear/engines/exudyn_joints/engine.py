@@ -28,7 +28,7 @@ from presswear.engines.exudyn_joints.kernels import (
     accept_joint_step,
     shorter_joint_step,
 )
-from presswear.engines.exudyn_joints.model import JointsModel, assemble, left_out
+from presswear.engines.exudyn_joints.model import SOLVED, JointsModel, assemble, left_out
 from presswear.engines.settings import ExudynJoints
 from presswear.linkage.elements import Linkage
 from presswear.physics.constraints import constraints_of
@@ -145,7 +145,8 @@ def prepare(
     exudyn = _settings(settings, longest)
 
     def advance(end: float) -> Finding | None:
-        kind, live = exu.DynamicSolverType.TrapezoidalIndex2, model.solved
+        kind = exu.DynamicSolverType.TrapezoidalIndex2
+        live = dict(zip(SOLVED, model.solved, strict=True))
         return run_to_end(model.system, live, exudyn, kind, solve, longest, end, REMEDY)
 
     def state() -> tuple[float, Array, Array]:

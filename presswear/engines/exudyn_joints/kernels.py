@@ -19,7 +19,13 @@ from presswear.physics.prescribed import (
     place_prescribed,
     subtract_inertia,
 )
-from presswear.physics.touchdown import LEAST_STEPS, crossing, next_step, shorter_step
+from presswear.physics.touchdown import (
+    LEAST_STEPS,
+    advance_bristles,
+    crossing,
+    next_step,
+    shorter_step,
+)
 from presswear.physics.wear import dose_rates
 from presswear.record.observe import Book, observe, settle_state
 from presswear.tools.compiled import Records, all_finite, compiled
@@ -98,6 +104,7 @@ def connector_forces(
     live: Live,
     slots: Indices,
     onset: Array,
+    memory: Records,
     t: float,
     out: Array,
 ) -> None:
@@ -115,6 +122,7 @@ def connector_forces(
     for i in range(out.shape[0]):
         out[i] = 0.0
     note_contacts(packed, frame.contacts, frame.q, frame.v)
+    advance_bristles(packed.joints, memory, frame.contacts, t)
     for k in range(slots.shape[0]):
         load = load_of(packed.joints[k], onset[k], frame.contacts[k])
         if load.normal == 0.0:
@@ -226,6 +234,7 @@ def accept_joint_step(
     """Settle contact, account for an accepted step and choose the next; NaN if it is broken."""
     refresh(frame, t)
     note_contacts(book.packed, book.contacts, frame.q, frame.v)
+    advance_bristles(book.packed.joints, book.memory, book.contacts, t)
     power, given = powers(frame, drives, book, t)
     if not all_finite(frame.q, frame.v):
         return math.nan

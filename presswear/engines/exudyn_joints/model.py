@@ -32,6 +32,10 @@ from presswear.tools.compiled import specialised
 Array = NDArray[np.float64]
 
 
+SOLVED = ("ODE2Coordinates", "ODE2Coordinates_t", "ODE2Coordinates_tt", "AECoordinates")
+"""Names that Exudyn gives to what it solves for."""
+
+
 @dataclass(frozen=True)
 class JointsModel:
     """An assembled Exudyn system; the views of ``frame`` stay live during the solve."""
@@ -158,7 +162,8 @@ def assemble(linkage: Linkage, start: Start, recorder: Recorder) -> JointsModel:
     joined = tuple(name for name in dict.fromkeys(ends + loaded) if name in nodes)
     places = [3 * joined.index(name) if name in joined else -1 for name in ends]
     slots = np.array(places, dtype=np.int64).reshape(-1, 2)
-    packed, onset = recorder.book.packed, recorder.book.onset
+    book = recorder.book
+    packed, onset, memory = book.packed, book.onset, book.memory
     out = np.zeros(3 * len(joined))
     first = [3 * linkage.index(name) for name in joined]
     owned = np.array([place + c for place in first for c in range(3)], np.int64)
@@ -166,7 +171,7 @@ def assemble(linkage: Linkage, start: Start, recorder: Recorder) -> JointsModel:
 
     def forces(system: Any, t: float, item: int, q: Any, v: Any) -> Array:
         # Reads the live state, known once all is assembled, instead of Exudyn's copies.
-        kernel(frame, packed, live, slots, onset, t, out)
+        kernel(frame, packed, live, slots, onset, memory, t, out)
         return out
 
     if joined:
@@ -174,14 +179,9 @@ def assemble(linkage: Linkage, start: Start, recorder: Recorder) -> JointsModel:
         add_object(system, "GenericODE2", nodeNumbers=numbers, forceUserFunction=forces)
     system.Assemble()
     data = system.systemData
-    solved = (
-        data.GetODE2Coordinates(copy=False),
-        data.GetODE2Coordinates_t(copy=False),
-        data.GetODE2Coordinates_tt(copy=False),
-        data.GetAECoordinates(copy=False),
-    )
+    solved = tuple(getattr(data, f"Get{name}")(copy=False) for name in SOLVED)
     frame = _frame(solved[:3], linkage, start, omitted)
-    kernel = specialised(connector_forces, frame, packed, live, slots, onset, 0.0, out)
+    kernel = specialised(connector_forces, frame, packed, live, slots, onset, memory, 0.0, out)
     return JointsModel(container, system, constraints, solved, frame)
 
 

@@ -32,6 +32,7 @@ from presswear.engines.exudyn_tree.kernels import (
     TreeSystem,
     accept_tree_step,
     hinge_power_integral,
+    stage_bristles,
     stage_forces,
     tree_state,
 )
@@ -93,6 +94,7 @@ def system_of(tree: Tree, linkage: Linkage, start: Start, longest: float) -> Tre
         stages=np.zeros((STAGES, 2 + JOINT_RATES * joints)),
         state=np.zeros((5, count)),
         carried=np.zeros((len(tree.links), CARRIED)),
+        bristles=np.zeros(joints),
         balance=np.zeros(tree.size),
     )
 
@@ -136,10 +138,19 @@ def _build(
         calls += 1
         if calls > MOST_CALLS:
             raise StuckError
+        if bristly:
+            system.bristles[:] = model.bristles
         stage(system, packed, contacts, t, x, u, out)
         return out
 
-    model = assemble(tree, linkage, start, forces)
+    def bristle_rates(mbs: Any, t: float, item: int, z: Any) -> Array:
+        # Once more a step than the forces, so that no account can be kept here.
+        stage_bristles(system, packed, trial, t, x, u, model.bristles, rates)
+        return rates
+
+    bristly = bool((packed.joints["friction"]["bristle_stiffness"] > 0.0).any())
+    trial, rates = contacts.copy(), np.zeros(len(contacts))
+    model = assemble(tree, linkage, start, forces, bristle_rates if bristly else None)
     x, u, u_t = model.x, model.u, model.u_t
     at_start = _accelerations_at_start(model)
     system.pace["evaluations"] = 0
@@ -148,6 +159,8 @@ def _build(
     def accept(t: float) -> float:
         nonlocal calls
         calls = 0
+        if bristly:
+            system.bristles[:] = model.bristles
         return kernel(system, book, t, x, u, at_start if t == 0.0 else u_t)
 
     return model, accept
@@ -191,7 +204,7 @@ def prepare(
     exudyn = _settings(settings, longest)
 
     def advance(end: float) -> Finding | None:
-        kind, live = exu.DynamicSolverType.DOPRI5, (model.x, model.u)
+        kind, live = exu.DynamicSolverType.DOPRI5, model.state()
         return run_to_end(model.system, live, exudyn, kind, solve, longest, end, REMEDY)
 
     def ledger() -> Ledger:
@@ -221,8 +234,7 @@ def prepare(
         lambda: (solve.time, system.state[0].copy(), system.state[1].copy()),
         ledger,
         {
-            "x": np.asarray(model.x),
-            "u": np.asarray(model.u),
+            **model.state(),
             "expected": system.expected,
             "pace": system.pace,
             "state": system.state,

@@ -27,6 +27,7 @@ from presswear.physics.forces import (
     WORK,
     add_contacts,
 )
+from presswear.physics.laws import bristle_rate
 from presswear.physics.links import accelerate_links, carry_branches, gather_forces, place_links
 from presswear.physics.loads import WAYS, next_break, switching
 from presswear.physics.packed import Packed
@@ -89,6 +90,8 @@ class TreeSystem(NamedTuple):
         a body's angle in the places of its x and y.
     carried : ndarray, shape (links, CARRIED)
     balance : ndarray, shape (coordinates,)
+    bristles : ndarray, shape (joints,)
+        Deflections of the bristles of friction, m.
     """
 
     links: Records
@@ -99,6 +102,7 @@ class TreeSystem(NamedTuple):
     state: Array
     carried: Array
     balance: Array
+    bristles: Array
 
 
 @compiled
@@ -131,6 +135,8 @@ def stage_forces(
     if stage > 0 or t != pace.noted:
         note_contacts(packed, contacts, q, v)
         pace.noted = t
+    for k in range(contacts.shape[0]):
+        contacts[k].bristle = system.bristles[k]
     add_contacts(packed.joints, system.expected, contacts, force, row[1:])
     carry_branches(system.links, v, a, axes, system.carried)
     power = -forced_power(system.prescribed, v, a, force)
@@ -145,6 +151,33 @@ def stage_forces(
         force[b + 1] -= ay
     row[0] = power
     gather_forces(system.links, q, axes, force, out)
+
+
+@compiled
+def stage_bristles(
+    system: TreeSystem,
+    packed: Packed,
+    contacts: Records,
+    t: float,
+    x: Array,
+    u: Array,
+    bristles: Array,
+    out: Array,
+) -> None:
+    """Fill the rates of the bristles of friction in a stage, m/s, shape (joints,).
+
+    ``contacts`` is working space; ``bristles`` are the deflections in the stage, m.
+    """
+    q, v, a, _, axes = system.state
+    place_prescribed(system.prescribed, t, q, v, a, axes)
+    place_links(system.links, x, u, q, v, axes)
+    note_contacts(packed, contacts, q, v)
+    for k in range(contacts.shape[0]):
+        law = packed.joints[k].friction
+        out[k] = 0.0
+        if law.bristle_stiffness > 0.0:
+            is_closed = contacts[k].penetration > 0.0
+            out[k] = bristle_rate(contacts[k].sliding, bristles[k], is_closed, law)
 
 
 @compiled
@@ -312,6 +345,8 @@ def tree_state(system: TreeSystem, book: Book, t: float, x: Array, u: Array, u_t
     if t != system.pace[0].noted:
         note_contacts(book.packed, book.contacts, q, v)
         system.pace[0].noted = t
+    for k in range(book.contacts.shape[0]):
+        book.contacts[k].bristle = system.bristles[k]
     add_contacts(book.packed.joints, system.expected, book.contacts, force, rates)
     for c in range(force.shape[0]):
         force[c] -= book.packed.mass[c] * a[c]

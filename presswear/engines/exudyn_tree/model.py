@@ -22,13 +22,21 @@ _EXUDYN: Any = exu  # its type hints do not know the arguments of its lists
 
 @dataclass
 class TreeModel:
-    """An assembled tree; the three views of its coordinates stay live during the solve."""
+    """An assembled tree; the views of its coordinates stay live during the solve."""
 
     container: Any
     system: Any
     x: Any
     u: Any
     u_t: Any
+    bristles: Any  # deflections of the bristles of friction, m; none where it has no bristles
+
+    def state(self) -> dict[str, Array]:
+        """The live state between two solves, by the names that Exudyn gives it."""
+        arrays = {"ODE2Coordinates": self.x, "ODE2Coordinates_t": self.u}
+        if len(self.bristles):
+            arrays["ODE1Coordinates"] = self.bristles
+        return {name: np.asarray(array) for name, array in arrays.items()}
 
 
 def _turned(angle: float) -> Array:
@@ -36,8 +44,21 @@ def _turned(angle: float) -> Array:
     return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
 
-def assemble(tree: Tree, linkage: Linkage, start: Start, force: Callable[..., Array]) -> TreeModel:
-    """Build and assemble the tree with a user function for the forces on its coordinates."""
+def assemble(
+    tree: Tree,
+    linkage: Linkage,
+    start: Start,
+    force: Callable[..., Array],
+    bristle_rates: Callable[..., Array] | None = None,
+) -> TreeModel:
+    """Build and assemble the tree with a user function for the forces on its coordinates.
+
+    Parameters
+    ----------
+    bristle_rates : callable or None
+        User function for the rates of the bristles of friction; Exudyn calls it before
+        the one for the forces.
+    """
     container = exu.SystemContainer()
     system = container.AddSystem()
     x, u = tree.coordinates(start.position, start.velocity)
@@ -95,6 +116,16 @@ def assemble(tree: Tree, linkage: Linkage, start: Start, force: Callable[..., Ar
         linkMasses=masses,
         forceUserFunction=force,
     )
+    if bristle_rates is not None:
+        joints = len(linkage.clearances)
+        states = add_node(
+            system,
+            "GenericODE1",
+            referenceCoordinates=[0.0] * joints,
+            initialCoordinates=[0.0] * joints,
+            numberOfODE1Coordinates=joints,
+        )
+        add_object(system, "GenericODE1", nodeNumbers=[states], rhsUserFunction=bristle_rates)
     system.Assemble()
     data = system.systemData
     return TreeModel(
@@ -103,4 +134,5 @@ def assemble(tree: Tree, linkage: Linkage, start: Start, force: Callable[..., Ar
         data.GetODE2Coordinates(copy=False),
         data.GetODE2Coordinates_t(copy=False),
         data.GetODE2Coordinates_tt(copy=False),
+        data.GetODE1Coordinates(copy=False),
     )
