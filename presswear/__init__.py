@@ -23,14 +23,20 @@ if TYPE_CHECKING:
     from presswear.linkage.elements import Drive as Drive
     from presswear.linkage.elements import Guide as Guide
     from presswear.linkage.elements import Linkage as Linkage
-    from presswear.linkage.elements import Load as Load
     from presswear.linkage.elements import Pin as Pin
     from presswear.linkage.elements import Probe as Probe
     from presswear.linkage.elements import Revolute as Revolute
-    from presswear.linkage.elements import Spring as Spring
     from presswear.linkage.elements import WearLaw as WearLaw
     from presswear.linkage.laws import FrictionLaw as FrictionLaw
     from presswear.linkage.laws import NormalLaw as NormalLaw
+    from presswear.linkage.loads import Force as Force
+    from presswear.linkage.loads import Harmonics as Harmonics
+    from presswear.linkage.loads import Load as Load
+    from presswear.linkage.loads import Moment as Moment
+    from presswear.linkage.loads import OverPosition as OverPosition
+    from presswear.linkage.loads import OverTime as OverTime
+    from presswear.linkage.loads import Spring as Spring
+    from presswear.linkage.materials import Materials as Materials
     from presswear.linkage.press import Press as Press
     from presswear.linkage.slider_crank import SliderCrank as SliderCrank
     from presswear.linkage.surface import Surface as Surface
@@ -40,8 +46,8 @@ if TYPE_CHECKING:
     from presswear.results.result import load as load
     from presswear.results.stage import JointResult as JointResult
     from presswear.results.stage import StageResult as StageResult
-    from presswear.scene.scene import Bearings as Bearings
-    from presswear.scene.scene import Conventions as Conventions
+    from presswear.scene.bearing import Bearing as Bearing
+    from presswear.scene.bearing import Conventions as Conventions
     from presswear.scene.scene import Scene as Scene
     from presswear.studies import study as study
     from presswear.studies import write_report as write_report
@@ -59,21 +65,30 @@ _ROOMS = {
         "Drive",
         "Guide",
         "Linkage",
-        "Load",
         "Pin",
         "Probe",
         "Revolute",
-        "Spring",
         "WearLaw",
     ),
     "linkage.laws": ("FrictionLaw", "NormalLaw"),
+    "linkage.materials": ("Materials",),
+    "linkage.loads": (
+        "Force",
+        "Harmonics",
+        "Load",
+        "Moment",
+        "OverPosition",
+        "OverTime",
+        "Spring",
+    ),
     "linkage.press": ("Press",),
     "linkage.slider_crank": ("SliderCrank",),
     "linkage.surface": ("Surface",),
     "record.tracker": ("Progress", "Tracker"),
     "results.result": ("Result", "load"),
     "results.stage": ("JointResult", "StageResult"),
-    "scene.scene": ("Bearings", "Conventions", "Scene"),
+    "scene.bearing": ("Bearing", "Conventions"),
+    "scene.scene": ("Scene",),
     "studies": ("study", "write_report"),
     "tools.errors": ("InputError", "RunFailed"),
 }

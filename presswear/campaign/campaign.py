@@ -189,6 +189,7 @@ def run_campaign(
     begun : Checkpoint
         Where to go on, as trackers were told; None: from the start.
     """
+    scene.check_own_laws()
     forecast = Forecast(scene, trackers)
     at = Checkpoint(worn=unworn(scene)) if begun is None else begun
     forecast.restore(at.forecast)

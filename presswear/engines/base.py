@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.linkage.elements import Linkage
+from presswear.physics.loads import place_loads
 from presswear.record.recorder import Recorder
 from presswear.record.soundness import Finding
 from presswear.record.tracker import Tracker
@@ -103,8 +104,8 @@ class Run:
 
 
 def recorder_of(linkage: Linkage, start: Start, plan: Plan) -> Recorder:
-    """The empty recorder of a run."""
-    return Recorder.of(
+    """The empty recorder of a run, the modes of its loads those of the start."""
+    recorder = Recorder.of(
         linkage,
         start.position,
         plan.recorded_cycles,
@@ -112,6 +113,9 @@ def recorder_of(linkage: Linkage, start: Start, plan: Plan) -> Recorder:
         torques=plan.torques,
         wearing=plan.wear is not None,
     )
+    own = recorder.book.packed
+    place_loads(own.loads, own.nodes, own.modes, start.position, start.velocity)
+    return recorder
 
 
 def described(linkage: Linkage, model: str, prescribed: Iterable[str] = ()) -> str:

@@ -15,6 +15,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 
 from presswear.linkage.laws import FrictionLaw, NormalLaw
+from presswear.linkage.loads import AnyLoad, Force, Load, Moment, Spring
 from presswear.linkage.surface import Surface
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, unknown
@@ -215,36 +216,6 @@ class Drive:
 
 
 @dataclass(frozen=True)
-class Spring:
-    """A linear spring and damper between two points.
-
-    Attributes
-    ----------
-    stiffness, damping : float
-        N/m, N s/m.
-    length : float
-        Length without force, m.
-    """
-
-    name: str
-    first: Attachment
-    second: Attachment
-    stiffness: float
-    length: float
-    damping: float = 0.0
-
-
-@dataclass(frozen=True)
-class Load:
-    """A constant force, N, at the mass centre of a body and moment, N m, on it."""
-
-    body: str
-    x: float = 0.0
-    y: float = 0.0
-    moment: float = 0.0
-
-
-@dataclass(frozen=True)
 class WearLaw:
     """Archard wear dh = K_d p ds of a clearance joint.
 
@@ -365,7 +336,7 @@ class Linkage:
     name: str = "linkage"
     gravity: float = 9.81
     springs: Sequence[Spring] = ()
-    loads: Sequence[Load] = ()
+    loads: Sequence[AnyLoad] = ()
     clearances: Sequence[ClearanceJoint] = ()
 
     def __post_init__(self) -> None:
@@ -383,11 +354,11 @@ class Linkage:
         if isinstance(self.watch, str):
             end = self.point(self.watch or f"{self.bodies[-1].name}.centre", "watch")
             put("watch", self.watching(end))
+        put("loads", tuple(self._loaded(load) for load in self.loads))
         put("guess", tuple((name, float(angle)) for name, angle in dict(self.guess).items()))
         for where, name in (
             *(("drives", drive.body) for drive in self.drives),
             *(("guess", name) for name in dict(self.guess)),
-            *(("loads", load.body) for load in self.loads),
             ("watch", self.probe.body),
         ):
             self._check_body(name, where)
@@ -404,6 +375,16 @@ class Linkage:
             return joint
         ends = (self.point(end, f"joint {joint.name}") for end in (joint.first, joint.second))
         return Revolute(joint.name, *ends)
+
+    def _loaded(self, load: AnyLoad) -> AnyLoad:
+        """A load with its point found."""
+        self._check_body(load.body, "loads")
+        if not isinstance(load, Force):
+            return load
+        point = load.point
+        if isinstance(point, str) and "." not in point:
+            point = f"{point}.centre"
+        return replace(load, point=self.point(point, "loads"))
 
     def point(self, end: Any, where: str) -> Attachment:
         """A point that is given in any way; InputError names it and where it stands."""
@@ -443,6 +424,16 @@ class Linkage:
     def guides(self) -> tuple[Guide, ...]:
         """The guides."""
         return tuple(joint for joint in self.joints if isinstance(joint, Guide))
+
+    @property
+    def dead_loads(self) -> tuple[Load, ...]:
+        """The loads that are constant."""
+        return tuple(load for load in self.loads if isinstance(load, Load))
+
+    @property
+    def live_loads(self) -> tuple[Force | Moment, ...]:
+        """The loads with a law of their own."""
+        return tuple(load for load in self.loads if not isinstance(load, Load))
 
     @property
     def openable(self) -> tuple[str, ...]:

@@ -1,19 +1,25 @@
 """Contact laws: normal force and friction between pin and bearing.
 
-Every normal law here has the form
+Most normal laws have the form
 
-    F_n = K delta^n (1 + chi delta_dot / delta_dot_0),   F_n >= 0,
+    F_n = F_e(delta) (1 + chi delta_dot / delta_dot_0),   F_n >= 0,
 
-with the damping factor ``chi`` fixed by the nominal restitution (equation 8 of
-the paper: chi = 3/4 (1 - ce^2), Lankarani and Nikravesh).  The friction law is
-the paper's equation 9.
+with a damping factor ``chi`` that follows from the nominal restitution (equation 8 of the
+paper: chi = 3/4 (1 - ce^2), Lankarani and Nikravesh) and an elastic force F_e, as a rule
+K delta^n.  Kelvin and Voigt's adds D delta_dot to it.  A law of one's own is a function that
+gives the whole force; its elastic part is its value at rest.
 """
 
 import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
+from presswear.tools.errors import InputError
+from presswear.tools.own import OwnFunction
+
 StiffnessReading = Literal["paper", "refined"]
+Elasticity = Literal["power", "liu", "foundation"]
 
 
 def lankarani_nikravesh_damping(restitution: float) -> float:
@@ -21,22 +27,74 @@ def lankarani_nikravesh_damping(restitution: float) -> float:
     return 0.75 * (1.0 - restitution**2)
 
 
+@dataclass(frozen=True)
+class Damping:
+    """A way from the nominal restitution to the damping factor chi.
+
+    Attributes
+    ----------
+    title : str
+        Whose law it is.
+    least : float
+        Restitution below which it gives no damping factor, or none that can be computed with.
+    factor : callable
+        chi of a restitution.
+    """
+
+    title: str
+    least: float
+    factor: Callable[[float], float]
+
+
+KELVIN_VOIGT = "kelvin-voigt"
+DAMPINGS: Mapping[str, Damping] = {
+    "lankarani-nikravesh": Damping(
+        "Lankarani and Nikravesh (1990)", 0.0, lankarani_nikravesh_damping
+    ),
+    "hunt-crossley": Damping("Hunt and Crossley (1975)", 0.0, lambda e: 1.5 * (1.0 - e)),
+    "herbert-mcwhannell": Damping(
+        "Herbert and McWhannell (1977)",
+        0.0,
+        lambda e: 6.0 * (1.0 - e) / ((2.0 * e - 1.0) ** 2 + 3.0),
+    ),
+    "gonthier": Damping("Gonthier and others (2004)", 0.01, lambda e: (1.0 - e**2) / e),
+    "flores": Damping("Flores and others (2011)", 0.01, lambda e: 1.6 * (1.0 - e) / e),
+    KELVIN_VOIGT: Damping("Kelvin and Voigt", 0.0, lambda e: 0.0),
+}
+"""Normal laws by name; the last takes a coefficient of viscous damping instead of a factor."""
+
+NORMAL_PARAMETERS = (
+    *("penetration", "rate", "onset_speed"),
+    *("stiffness", "exponent", "damping", "clearance"),
+)
+"""What a normal law of one's own may ask for: m, m/s, m/s; N/m^n, -, -, m."""
+
+FRICTIONS: Mapping[str, str] = {
+    "ramp": "Coulomb's with the paper's ramp from v_0 to v_1 (equation 9)",
+    "smooth": "tanh(v_t / v_1) of Coulomb's",
+    "threlfall": "(1 - exp(-3 v_t / v_1)) of Coulomb's up to v_1, 1 - exp(-3) above (Threlfall)",
+    "lugre": "bristles that hold and slip, with a state of their own (Canudas de Wit and others)",
+}
+"""Friction laws by name."""
+LUGRE = "lugre"
+FRICTION_PARAMETERS = ("sliding", "normal", "coefficient", "lower_speed", "upper_speed")
+"""What a friction law of one's own may ask for: m/s, N, -, m/s, m/s."""
+
+
 def hertz_stiffness(
     bearing_radius: float,
     pin_radius: float,
-    youngs_modulus: float,
-    poisson_ratio: float,
+    compliance: float,
     reading: StiffnessReading,
 ) -> float:
-    """Contact stiffness K, N/m^1.5, for a pin and a bearing of the same material.
+    """Contact stiffness K, N/m^1.5, from the sum s_i + s_j of (1 - nu^2) / E of both, 1/Pa.
 
     ``paper`` takes sqrt(R_i R_j / (R_i + R_j)) as printed below equation 8, which
     is two spheres side by side.  ``refined`` takes the conforming pair: a pin in a
     hole has R_i - R_j under the root.
     """
-    compliance = (1.0 - poisson_ratio**2) / youngs_modulus
     combined = bearing_radius + pin_radius if reading == "paper" else bearing_radius - pin_radius
-    return 4.0 / (6.0 * compliance) * math.sqrt(bearing_radius * pin_radius / combined)
+    return 4.0 / (3.0 * compliance) * math.sqrt(bearing_radius * pin_radius / combined)
 
 
 def delivered_restitution(damping: float) -> float:
@@ -83,7 +141,7 @@ def greatest_penetration(
 
 @dataclass(frozen=True)
 class NormalLaw:
-    """Normal contact of one joint: K delta^n (1 + chi delta_dot / delta_dot_0).
+    """Normal contact of one joint.
 
     Attributes
     ----------
@@ -93,25 +151,101 @@ class NormalLaw:
         n.
     damping : float
         chi, from the nominal restitution.
+    viscosity : float
+        D of Kelvin and Voigt's law, N s/m.
+    elasticity : {"power", "liu", "foundation"}
+        F_e of a round joint: K delta^n; K delta^1.5 / sqrt(1 + delta / c), which is Liu and
+        others' (2007) for cylinders that conform; the elastic foundation's, over all of the arc.
+    own : OwnFunction or None
+        The whole force, N, as a function of NORMAL_PARAMETERS, in place of all these.
     """
 
     stiffness: float
     exponent: float = 1.5
     damping: float = 0.0
+    viscosity: float = 0.0
+    elasticity: Elasticity = "power"
+    own: OwnFunction | None = None
 
 
 @dataclass(frozen=True)
 class FrictionLaw:
-    """Coulomb friction with the paper's ramp.
+    """Friction of one joint.
 
     Attributes
     ----------
     coefficient : float
-        c_f.
+        c_f; 0: none, whatever the law.
     lower, upper : float
         v_0 and v_1, m/s: no friction below, full friction above.
+    name : str
+        One of FRICTIONS.
+    own : OwnFunction or None
+        The force along the sliding, N, as a function of FRICTION_PARAMETERS, in its place.
+    static : float
+        c_s of LuGre's law at rest, at least c_f.
+    stribeck : float
+        Its Stribeck speed v_s, m/s.
+    bristle_stiffness, bristle_damping : float
+        Its sigma_0, 1/m, and sigma_1, s/m, per unit of normal force.
     """
 
     coefficient: float = 0.0
     lower: float = 1e-4
     upper: float = 1e-3
+    name: str = "ramp"
+    own: OwnFunction | None = None
+    static: float = 0.0
+    stribeck: float = 1e-3
+    bristle_stiffness: float = 1e5
+    bristle_damping: float = 10.0
+
+
+def check_normal(key: str, own: OwnFunction, values: Mapping[str, float]) -> None:
+    """InputError where a normal law of one's own gives no number, pulls, or makes energy.
+
+    Parameters
+    ----------
+    values : mapping
+        Of NORMAL_PARAMETERS, those of the state left out.
+    """
+
+    def force(penetration: float, rate: float, onset_speed: float) -> float:
+        state = {"penetration": penetration, "rate": rate, "onset_speed": onset_speed}
+        return own.number(key, NORMAL_PARAMETERS, {**values, **state})
+
+    for part in (1e-6, 1e-4, 1e-2):
+        penetration = part * values["clearance"]
+        for onset in (1e-3, 1.0):
+            rest = force(penetration, 0.0, onset)
+            told = f"{key}: {own.name} at penetration = {penetration:g} m"
+            if not rest > 0.0:
+                raise InputError(f"{told} gives {rest:g} N at rest: it must push, above 0 N")
+            if rest != force(penetration, 0.0, 0.1):
+                raise InputError(f"{told} gives a force at rest that depends on onset_speed")
+            for rate in (0.1 * onset, onset):
+                closing, opening = (force(penetration, side * rate, onset) for side in (1.0, -1.0))
+                if closing < rest or opening > rest:
+                    raise InputError(
+                        f"{told} makes energy: it gives {closing:g} N where it closes at {rate:g} "
+                        f"m/s, {rest:g} N at rest, {opening:g} N where it opens"
+                    )
+
+
+def check_friction(key: str, own: OwnFunction, values: Mapping[str, float]) -> None:
+    """InputError where a friction law of one's own gives no number or makes energy.
+
+    Parameters
+    ----------
+    values : mapping
+        Of FRICTION_PARAMETERS, those of the state left out.
+    """
+    for speed in (0.1 * values["upper_speed"], values["upper_speed"], 1.0):
+        for sliding in (speed, -speed):
+            state = {**values, "sliding": sliding, "normal": 100.0}
+            force = own.number(key, FRICTION_PARAMETERS, state)
+            if force * sliding > 0.0:
+                raise InputError(
+                    f"{key}: {own.name} makes energy: it gives {force:g} N where the surfaces "
+                    f"slide at {sliding:g} m/s; a force against the sliding has the other sign"
+                )

@@ -3,6 +3,7 @@
 Stored numbers are SI; in a file each has its unit, as on the command line.
 """
 
+import json
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -16,11 +17,21 @@ from presswear.linkage.elements import (
     Drive,
     Guide,
     Linkage,
-    Load,
     Pin,
+)
+from presswear.linkage.loads import (
+    AnyLoad,
+    Force,
+    Harmonics,
+    Law,
+    Load,
+    Moment,
+    OverPosition,
+    OverTime,
     Spring,
 )
 from presswear.tools.errors import InputError, unknown
+from presswear.tools.own import OwnFunction
 from presswear.tools.quantities import Meaning, parse_quantity
 
 Data = Mapping[str, Any]
@@ -34,9 +45,27 @@ def _above(unit: str, text: str) -> Meaning:
     return Meaning(unit, 0.0, math.inf, "", text, open_low=True)
 
 
-_TEXT, _END, _POINTS, _ANGLES, _PAIRS = "text", "end", "points", "angles", "pairs"
+@dataclass(frozen=True)
+class Pairs:
+    """Meaning of a list of pairs of quantities.
 
-TABLES: Mapping[str, Mapping[str, Meaning | str]] = {
+    Attributes
+    ----------
+    first, second : Meaning
+    what : str
+        What a pair is, for messages.
+    """
+
+    first: Meaning
+    second: Meaning
+    what: str
+
+
+_TEXT, _END, _POINTS, _ANGLES, _YES, _OWN = "text", "end", "points", "angles", "yes or no", "own"
+
+Kind = Meaning | Pairs | str
+
+TABLES: Mapping[str, Mapping[str, Kind]] = {
     "bodies": {
         "name": _TEXT,
         "length": _above("m", "of a bar: from its tail to its head, its mass centre halfway"),
@@ -58,7 +87,7 @@ TABLES: Mapping[str, Mapping[str, Meaning | str]] = {
         "speed": _any("rad/s", "mean speed, counterclockwise"),
         "angle": _any("rad", "angle of the body at the start"),
         "frequency": _any("rad/s", "frequency of the first harmonic; 0: the mean speed"),
-        "harmonics": _PAIRS,
+        "harmonics": Pairs(_any("rad", ""), _any("rad", ""), "angles, of cosine and sine"),
     },
     "springs": {
         "name": _TEXT,
@@ -75,9 +104,56 @@ TABLES: Mapping[str, Mapping[str, Meaning | str]] = {
         "moment": _any("N m", "moment, counterclockwise"),
     },
 }
-"""Keys of each table of a linkage, and what stands there."""
+"""Keys of each table of a linkage, and what stands there; see ``known_of`` for loads."""
 
-_WHOLE: Mapping[str, Meaning | str] = {
+
+def _law_keys(size: str, unit: str, over: str, place: str) -> dict[str, Kind]:
+    """Keys of the laws of a force or a moment, whose units and names are given."""
+    value = _any(unit, "")
+    return {
+        size: _any(unit, "size, or mean beside harmonics"),
+        "harmonics": Pairs(value, value, f"sizes, of cosine and sine in {unit}"),
+        "frequency": _any("rad/s", "frequency of the first harmonic"),
+        "over_time": Pairs(_any("s", ""), value, f"quantities, in s and {unit}"),
+        "period": _any("s", "after which the table repeats; 0: never; else after a cycle"),
+        over: Pairs(_any(place, ""), value, f"quantities, in {place} and {unit}"),
+        "sense": _TEXT,
+        "outside": _TEXT,
+        "zero": _any(place, "where the table has its zero"),
+        "rise": _above(f"{place}/s", "speed from which a load in one sense is whole"),
+        "release": _YES,
+        "repeats": _any(place, "after which the table repeats; 0: never"),
+        "function": _OWN,
+    }
+
+
+_FORCE: Mapping[str, Kind] = {
+    "point": _END,
+    "direction": _any("rad", "direction of the force"),
+    **_law_keys("force", "N", "over_position", "m"),
+}
+_MOMENT: Mapping[str, Kind] = {"body": _TEXT, **_law_keys("moment", "N m", "over_angle", "rad")}
+_TABLE_KEYS = ("sense", "outside", "zero", "rise", "release", "repeats")
+_LAWS: Mapping[str, tuple[str, ...]] = {
+    "over_time": ("period",),
+    "over_position": _TABLE_KEYS,
+    "over_angle": _TABLE_KEYS,
+    "harmonics": ("force", "moment", "frequency"),
+    "function": (),
+}
+"""Laws of loads by the key that tells them, and the keys that go with each."""
+
+
+def known_of(table: str, row: Mapping[str, Any]) -> Mapping[str, Kind]:
+    """Keys of a row of a table: loads are constant, or forces or moments with a law."""
+    if table == "loads" and "point" in row:
+        return _FORCE
+    if table == "loads" and not row.keys().isdisjoint(_MOMENT.keys() - TABLES["loads"].keys()):
+        return _MOMENT
+    return TABLES[table]
+
+
+_WHOLE: Mapping[str, Kind] = {
     "name": _TEXT,
     "watch": _END,
     "direction": _any("rad", "direction in which the point is watched"),
@@ -96,8 +172,8 @@ _NEEDED = {
     "loads": ("body",),
 }
 
-_TURNS = "angles of cosine and sine"
 _LENGTH, _ANGLE = _any("m", ""), _any("rad", "")
+_PLACE = Pairs(_LENGTH, _LENGTH, "lengths, x and y")
 
 
 def written(linkage: Linkage) -> dict[str, Any]:
@@ -137,7 +213,7 @@ def written(linkage: Linkage) -> dict[str, Any]:
             | {"first": end(spring.first), "second": end(spring.second)}
             for spring in linkage.springs
         ],
-        "loads": [own(load, *TABLES["loads"]) for load in linkage.loads],
+        "loads": [_load_written(load, end) for load in linkage.loads],
         "watch": end(Attachment(watch.body, watch.x, watch.y)),
         "direction": watch.direction,
         "guess": dict(linkage.guess),
@@ -146,35 +222,68 @@ def written(linkage: Linkage) -> dict[str, Any]:
     }
 
 
+def _load_written(load: AnyLoad, end: Callable[[Any], Any]) -> dict[str, Any]:
+    """A load as plain data; ``end`` writes a point."""
+    if isinstance(load, Load):
+        return {name: getattr(load, name) for name in TABLES["loads"]}
+    if isinstance(load, Moment):
+        return {"body": load.body, **_law_written(load.law, "moment", "over_angle")}
+    law = _law_written(load.law, "force", "over_position")
+    return {"point": end(load.point), "direction": load.direction, **law}
+
+
+def _law_written(law: Law, size: str, over: str) -> dict[str, Any]:
+    """A law as plain data, with the keys for a constant and for a table over position."""
+    if isinstance(law, Harmonics):
+        pairs = [list(pair) for pair in law.harmonics]
+        return {size: law.mean, "frequency": law.frequency, "harmonics": pairs}
+    if isinstance(law, OverTime):
+        period = {} if law.period is None else {"period": law.period}
+        return {"over_time": [list(pair) for pair in law.table], **period}
+    if isinstance(law, OverPosition):
+        rest = {key: getattr(law, key) for key in _TABLE_KEYS}
+        return {over: [list(pair) for pair in law.table], **rest}
+    if isinstance(law, OwnFunction):
+        return {"function": {"name": law.name, "source": law.source}}
+    return {size: law}
+
+
 def toml_of(linkage: Linkage) -> str:
     """A linkage as the tables of a TOML file, each number with its unit and each key explained."""
     data, lines, told = written(linkage), ["[mechanism]"], set()
 
-    def line(key: str, value: Any, meaning: Meaning | str) -> str:
-        text = "" if isinstance(meaning, str) or meaning.text in told else f"  # {meaning.text}"
-        if not isinstance(meaning, str):
+    def line(key: str, value: Any, meaning: Kind) -> str:
+        text = ""
+        if isinstance(meaning, Meaning):
+            text = "" if meaning.text in told else f"  # {meaning.text}"
             told.add(meaning.text)
         return f"{key} = {_toml(value, meaning)}{text}"
 
     lines += [line(key, data[key], _WHOLE[key]) for key in _WHOLE if key in data]
-    for table, known in TABLES.items():
+    for table in TABLES:
         for row in data[table]:
+            known = known_of(table, row)
             lines += ["", f"[[mechanism.{table}]]"]
             shown = (key for key in known if key in row and row[key] not in ({}, []))
             lines += [line(key, row[key], known[key]) for key in shown]
     return "\n".join(lines) + "\n"
 
 
-def _toml(value: Any, meaning: Meaning | str) -> str:
+def _toml(value: Any, meaning: Kind) -> str:
     """A value of a table as TOML."""
+    if meaning == _OWN:
+        return f"{{ name = {json.dumps(value['name'])}, source = {json.dumps(value['source'])} }}"
+    if isinstance(value, bool):
+        return str(value).lower()
     if isinstance(value, str):
         return f'"{value}"'
     if isinstance(meaning, Meaning):
         return f'"{value!r} {meaning.unit}"'
+    if isinstance(meaning, Pairs):
+        rows = (f"[{_toml(x, meaning.first)}, {_toml(y, meaning.second)}]" for x, y in value)
+        return f"[{', '.join(rows)}]"
     if isinstance(value, list):
-        kinds: Mapping[Any, Meaning | str] = {_PAIRS: _TURNS, _TURNS: _ANGLE}
-        inside = kinds.get(meaning, _LENGTH)
-        return f"[{', '.join(_toml(own, inside) for own in value)}]"
+        return f"[{', '.join(_toml(own, _LENGTH) for own in value)}]"
     inner = _ANGLE if meaning == _ANGLES else _LENGTH
     pairs = (
         f'"{key}" = {_toml(own, _POINTS if isinstance(own, list) else inner)}'
@@ -187,13 +296,16 @@ def values_of(linkage: Linkage) -> Iterator[tuple[str, str, str]]:
     """Every value of a linkage: key, value with its unit, and what it means."""
     data = written(linkage)
     rows = [("", data, _WHOLE)]
-    for table, known in TABLES.items():
-        rows += [(f"{table}[{k}].", row, known) for k, row in enumerate(data[table])]
+    for table in TABLES:
+        rows += [(f"{table}[{k}].", row, known_of(table, row)) for k, row in enumerate(data[table])]
     for place, row, known in rows:
         for key, meaning in known.items():
             if key in row and row[key] not in ({}, []):
                 text = meaning.text if isinstance(meaning, Meaning) else ""
-                yield f"{place}{key}", _toml(row[key], meaning).replace('"', ""), text
+                shown = _toml(row[key], meaning).replace('"', "")
+                if meaning == _OWN:
+                    shown = str(OwnFunction(**row[key]))
+                yield f"{place}{key}", shown, text
 
 
 def read(data: Data, place: str, *, units: bool = False) -> Linkage:
@@ -218,8 +330,7 @@ def read(data: Data, place: str, *, units: bool = False) -> Linkage:
         if not isinstance(rows, list):
             raise InputError(f"{place}: {table} = {rows!r}: a list of tables is expected")
         tables[table] = [
-            reader.row(row, TABLES[table], f"{place}: {table}[{k}]", _NEEDED[table])
-            for k, row in enumerate(rows)
+            reader.table_row(table, row, f"{place}: {table}[{k}]") for k, row in enumerate(rows)
         ]
     for key in data:
         if key not in TABLES and key not in _WHOLE:
@@ -236,7 +347,7 @@ def read(data: Data, place: str, *, units: bool = False) -> Linkage:
                 *(Guide(**row) for row in tables["guides"]),
             ),
             drives=tuple(Drive(**row) for row in tables["drives"]),
-            loads=tuple(Load(**row) for row in tables["loads"]),
+            loads=tuple(_load(row, f"loads[{k}]") for k, row in enumerate(tables["loads"])),
             **whole,
         )
         for row in tables["springs"]:
@@ -248,6 +359,45 @@ def read(data: Data, place: str, *, units: bool = False) -> Linkage:
         return replace(linkage, **changes)
     except InputError as error:
         raise InputError(f"{place}: {error}") from None
+
+
+def _load(row: dict[str, Any], place: str) -> AnyLoad:
+    """A load of any kind; InputError names the place and what does not fit."""
+    known = known_of("loads", row)
+    if known is TABLES["loads"]:
+        return Load(**row)
+    laws = [key for key in _LAWS if key in row]
+    if not laws and "frequency" in row:
+        laws = ["harmonics"]
+    if len(laws) > 1 or not (laws or "force" in row):
+        given = " and ".join(laws) or "none"
+        names = ", ".join(key for key in _LAWS if key in known)
+        raise InputError(f"{place}: one law is expected, of {names}; {given} is given")
+    where = {key: row.pop(key) for key in ("point", "direction", "body") if key in row}
+    law = laws[0] if laws else "force"
+    for key in row:
+        if key != law and key not in _LAWS.get(law, ()):
+            raise InputError(f"{place}.{key}: it means nothing beside {law}")
+    try:
+        own = _law_of(law, row)
+        if "point" in where:
+            return Force(where["point"], where.get("direction", 0.0), own)
+        return Moment(where["body"], own)
+    except InputError as error:
+        told = str(error).replace("over_position", law) if law == "over_angle" else str(error)
+        raise InputError(f"{place}.{told}") from None
+
+
+def _law_of(key: str, row: dict[str, Any]) -> Any:
+    """The law of a load, told by a key."""
+    if key == "over_time":
+        return OverTime(row.pop(key), **row)
+    if key in ("over_position", "over_angle"):
+        return OverPosition(row.pop(key), **row)
+    if key == "harmonics":
+        size = "force" if "force" in row else "moment"
+        return Harmonics(row.get(size, 0.0), row.get("frequency", 0.0), row.get(key, ()))
+    return row[key]
 
 
 def _body(row: dict[str, Any]) -> Body:
@@ -267,8 +417,14 @@ class _Reader:
 
     units: bool
 
+    def table_row(self, table: str, row: Any, place: str) -> dict[str, Any]:
+        """The values of a row of one of TABLES."""
+        known = known_of(table, row) if isinstance(row, Mapping) else TABLES[table]
+        needed = ("point",) if known is _FORCE else _NEEDED[table]
+        return self.row(row, known, place, needed)
+
     def row(
-        self, row: Any, known: Mapping[str, Meaning | str], place: str, needed: tuple[str, ...]
+        self, row: Any, known: Mapping[str, Kind], place: str, needed: tuple[str, ...]
     ) -> dict[str, Any]:
         """The values of a table by key."""
         if not isinstance(row, Mapping):
@@ -284,12 +440,15 @@ class _Reader:
             _END: self._end,
             _POINTS: self._points,
             _ANGLES: self._angles,
-            _PAIRS: self._pairs,
+            _YES: self._yes,
+            _OWN: OwnFunction.of,
         }
-        found = {}
+        found: dict[str, Any] = {}
         for key, value in row.items():
             meaning = known[key]
-            if isinstance(meaning, str):
+            if isinstance(meaning, Pairs):
+                found[key] = self._pairs(f"{place}.{key}", value, meaning)
+            elif isinstance(meaning, str):
                 found[key] = readers[meaning](f"{place}.{key}", value)
             else:
                 found[key] = self._number(f"{place}.{key}", value, meaning)
@@ -311,19 +470,21 @@ class _Reader:
         meaning.check(place, value)
         return float(value)
 
-    def _pair(
-        self, place: str, value: Any, what: str = "lengths, x and y", meaning: Meaning = _LENGTH
-    ) -> tuple[float, float]:
-        if not isinstance(value, list | tuple) or len(value) != 2:
-            raise InputError(f"{place} = {value!r}: two {what}, are expected")
-        x, y = (self._number(place, own, meaning) for own in value)
-        return x, y
+    def _yes(self, place: str, value: Any) -> bool:
+        if not isinstance(value, bool):
+            raise InputError(f"{place} = {value!r}: true or false is expected")
+        return value
 
-    def _pairs(self, place: str, value: Any) -> list[tuple[float, float]]:
+    def _pair(self, place: str, value: Any, meaning: Pairs = _PLACE) -> tuple[float, float]:
+        if not isinstance(value, list | tuple) or len(value) != 2:
+            raise InputError(f"{place} = {value!r}: two {meaning.what}, are expected")
+        one, other = value
+        return self._number(place, one, meaning.first), self._number(place, other, meaning.second)
+
+    def _pairs(self, place: str, value: Any, meaning: Pairs) -> list[tuple[float, float]]:
         if not isinstance(value, list):
-            raise InputError(f"{place} = {value!r}: a list of pairs of angles is expected")
-        what = "angles, of cosine and sine"
-        return [self._pair(f"{place}[{k}]", own, what, _ANGLE) for k, own in enumerate(value)]
+            raise InputError(f"{place} = {value!r}: a list of pairs of {meaning.what}, is expected")
+        return [self._pair(f"{place}[{k}]", own, meaning) for k, own in enumerate(value)]
 
     def _end(self, place: str, value: Any) -> Any:
         if isinstance(value, str):

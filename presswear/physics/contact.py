@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.physics.foundation import Bed, press
-from presswear.physics.laws import elastic_force
+from presswear.physics.laws import elastic_of
 from presswear.physics.packed import Packed
 from presswear.physics.surface import BEARING, PIN, SLOPE, curvature, profile
 from presswear.tools.compiled import Records, compiled
@@ -51,6 +51,8 @@ CONTACT = np.dtype(
         ("pin_lever_y", np.float64),
         ("normal", np.float64),  # forces, N, see ``note_forces``
         ("tangential", np.float64),
+        ("bristle", np.float64),  # deflection of the bristles of its friction, m
+        ("bristle_rate", np.float64),  # m/s
     ]
 )
 """A pin in its bearing at one instant, open or closed."""
@@ -183,7 +185,7 @@ def note_radial(joint: Records, surfaces: Array, contact: Records) -> None:
         rate -= slope * (turning - turns * contact.pin_spin)
     # Half the penetration on either side, so that both arms end at one point.
     indentation = 0.5 * max(penetration, 0.0)
-    elastic = elastic_force(penetration, joint.stiffness, joint.exponent)
+    elastic, energy = elastic_of(joint.normal, penetration)
     contact.penetration = penetration
     contact.rate = rate
     contact.normal_x = nx
@@ -193,7 +195,7 @@ def note_radial(joint: Records, surfaces: Array, contact: Records) -> None:
     contact.approach = approach
     contact.closing = rate
     contact.elastic = elastic
-    contact.energy = elastic * penetration / (joint.exponent + 1.0)
+    contact.energy = energy
     contact.place = 0.0
     contact.couple = 0.0
 

@@ -1,7 +1,8 @@
 """Powers and energies of a linkage in motion.
 
-The ledger that every engine keeps: drive work = change of kinetic, potential and
-elastic contact energy + contact loss + friction loss + residual.  The normal force
+The ledger that every engine keeps: drive work + load work = change of kinetic, potential and
+elastic contact energy + contact loss + friction loss + residual.  Load work is that of loads with
+a law, less what dampers of springs take; constant loads have a potential.  The normal force
 does its work along n, on the approach e_dot . n; what it does beyond loading the
 elastic law is the contact loss: the damping, less what the law makes of nothing where its
 force is not the gradient of an energy, as that of radial contact on a sloping profile.
@@ -22,10 +23,12 @@ LEDGER = np.dtype(
     [
         ("drive_work", np.float64),  # J
         ("drive_exchange", np.float64),  # integral of the absolute drive power, J
+        ("load_work", np.float64),  # J
         ("contact_loss", np.float64),  # J
         ("friction_loss", np.float64),  # J
         ("made", np.float64),  # J
         ("drive_power", np.float64),  # in the last accepted state, W
+        ("load_power", np.float64),
         ("contact_power", np.float64),
         ("friction_power", np.float64),
         ("made_power", np.float64),
@@ -104,6 +107,8 @@ class Ledger:
         Energy that contacts and their friction took, net of what they made.
     made : float
         Energy that the normal law made, positive or negative.
+    load_work : float
+        Work of loads with a law, less what dampers of springs took.
     """
 
     drive_work: float
@@ -112,6 +117,7 @@ class Ledger:
     contact_loss: float
     friction_loss: float
     made: float = 0.0
+    load_work: float = 0.0
 
     @staticmethod
     def of(sums: Records, stored: float) -> "Ledger":
@@ -123,6 +129,7 @@ class Ledger:
             contact_loss=float(sums["contact_loss"]),
             friction_loss=float(sums["friction_loss"]),
             made=float(sums["made"]),
+            load_work=float(sums["load_work"]),
         )
 
     @property
@@ -133,13 +140,15 @@ class Ledger:
     @property
     def residual(self) -> float:
         """Energy that does not add up, J: the integration's error."""
-        return self.drive_work - self.stored - self.contact_loss - self.friction_loss
+        given = self.drive_work + self.load_work
+        return given - self.stored - self.contact_loss - self.friction_loss
 
     def as_dict(self) -> dict[str, float]:
         """The balance with the names of ``result.json``."""
         return {
             "drive_work_J": self.drive_work,
             "drive_exchange_J": self.drive_exchange,
+            "load_work_J": self.load_work,
             "stored_energy_change_J": self.stored,
             "contact_loss_J": self.contact_loss,
             "friction_loss_J": self.friction_loss,

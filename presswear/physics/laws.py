@@ -1,15 +1,59 @@
-"""Contact forces of a pin on its bearing, compiled; see ``presswear.linkage.laws``."""
+"""Contact forces of a pin on its bearing, compiled; see ``presswear.linkage.laws``.
+
+The laws that nearly every scene takes stand in the kernels.  Others, one's own among them, are
+called by the address of their machine code, so that no kernel is compiled anew for them.
+"""
 
 import math
-from dataclasses import fields
+from collections.abc import Callable
 
 import numpy as np
 
-from presswear.linkage.laws import FrictionLaw
-from presswear.tools.compiled import Records, compiled
+from presswear.linkage.laws import (
+    FRICTION_PARAMETERS,
+    LUGRE,
+    NORMAL_PARAMETERS,
+    FrictionLaw,
+    NormalLaw,
+)
+from presswear.tools.compiled import Records, address_of, call, compiled, own_kernel
+from presswear.tools.own import OwnFunction
 
-FRICTION = np.dtype([(item.name, np.float64) for item in fields(FrictionLaw)])
-"""A law of friction as the kernels see it, by the names of its fields."""
+INLINE = 0
+"""Address of a law that stands in the kernels."""
+
+NORMAL = np.dtype(
+    [
+        ("stiffness", np.float64),
+        ("exponent", np.float64),
+        ("damping", np.float64),
+        ("clearance", np.float64),
+        ("elastic", np.int64),  # address of the elastic force
+        ("damped", np.int64),  # and of the force with its damping
+        # The power law with which the time of a contact is estimated.
+        ("estimated_stiffness", np.float64),
+        ("estimated_exponent", np.float64),
+        ("abrupt", np.bool_),  # the force begins with a jump
+    ]
+)
+"""A normal law as the kernels see it."""
+
+FRICTION = np.dtype(
+    [
+        ("coefficient", np.float64),
+        ("lower", np.float64),
+        ("upper", np.float64),
+        ("force", np.int64),  # its address
+        ("static", np.float64),
+        ("stribeck", np.float64),
+        ("bristle_stiffness", np.float64),  # 0 where the law has no bristles
+        ("bristle_damping", np.float64),
+    ]
+)
+"""A law of friction as the kernels see it."""
+
+ABSCISSAE, WEIGHTS = (tuple(map(float, own)) for own in np.polynomial.legendre.leggauss(16))
+"""Quadrature of the energy of elastic forces that have no closed form."""
 
 ONSET_SPEED_FLOOR = 1e-6
 """Smallest closing speed used in the damping term, m/s.
@@ -38,27 +82,88 @@ def damped_force(elastic: float, rate: float, onset_speed: float, damping: float
 
 
 @compiled
-def normal_force(
+def liu_force(
+    penetration: float, stiffness: float, exponent: float, damping: float, clearance: float
+) -> float:
+    """Elastic force of a pin that conforms to its bearing, N: K delta^1.5 / sqrt(1 + delta / c).
+
+    Liu, Zhang and others (2007) print (pi / 2) delta E* b sqrt(delta / (2 (c + delta))).
+    """
+    return stiffness * penetration * math.sqrt(penetration / (1.0 + penetration / clearance))
+
+
+@compiled
+def foundation_force(
+    penetration: float, stiffness: float, exponent: float, damping: float, clearance: float
+) -> float:
+    """Elastic force of a round pin on all of its arc, N: k_w b R (e s - c sin s), cos s = c / e.
+
+    The integral of the overlap e cos(x) - c times cos(x) over the arc up to s.
+    """
+    eccentricity = clearance + penetration
+    half = math.atan2(math.sqrt(penetration * (clearance + eccentricity)), clearance)
+    bed = 0.75 * stiffness * math.sqrt(0.5 * clearance)
+    # e s - c sin s = (e - c) s + c (s - sin s); the last bracket cancels for a small arc.
+    y = half * half
+    bracket = half - math.sin(half)
+    if half < 0.3:
+        series = 1.0 - y / 20.0 * (1.0 - y / 42.0 * (1.0 - y / 72.0 * (1.0 - y / 110.0)))
+        bracket = half * y / 6.0 * series
+    return bed * (penetration * half + clearance * bracket)
+
+
+@compiled
+def kelvin_voigt_force(
+    elastic: float,
     penetration: float,
     rate: float,
     onset_speed: float,
     stiffness: float,
     exponent: float,
     damping: float,
+    clearance: float,
 ) -> float:
-    """Normal contact force, N (equation 8); zero when open, never adhesive.
+    """Elastic force and a viscous one beside it, N; ``damping`` is D, N s/m; never adhesive."""
+    return max(elastic + damping * rate, 0.0)
+
+
+@compiled
+def elastic_of(law: Records, penetration: float) -> tuple[float, float]:
+    """Elastic force, N, and its energy, J, at a penetration, m, by a record of NORMAL."""
+    if law.elastic == INLINE:
+        elastic = elastic_force(penetration, law.stiffness, law.exponent)
+        return elastic, elastic * penetration / (law.exponent + 1.0)
+    if penetration <= 0.0:
+        return 0.0, 0.0
+    rest = (law.stiffness, law.exponent, law.damping, law.clearance)
+    energy = 0.0
+    for i in range(len(ABSCISSAE)):
+        # In the root of the penetration, which nearly all laws are smooth in.
+        x = 0.5 * (1.0 + ABSCISSAE[i])
+        energy += WEIGHTS[i] * x * call(law.elastic, (penetration * x * x, *rest))
+    return call(law.elastic, (penetration, *rest)), energy * penetration
+
+
+@compiled
+def normal_force(
+    law: Records, elastic: float, penetration: float, rate: float, onset_speed: float
+) -> float:
+    """Normal contact force, N, from its elastic part; never adhesive.
 
     Parameters
     ----------
+    law : record of NORMAL
+    elastic : float
+        N.
     penetration, rate : float
-        delta, m, and its time derivative, m/s.
+        delta, m, and the rate that damps, m/s.
     onset_speed : float
         Closing speed at touchdown delta_dot_0, m/s, above zero.
-    stiffness, exponent, damping : float
-        K, N/m^n; n; chi.
     """
-    elastic = elastic_force(penetration, stiffness, exponent)
-    return damped_force(elastic, rate, onset_speed, damping)
+    if law.damped == INLINE:
+        return damped_force(elastic, rate, onset_speed, law.damping)
+    rest = (law.stiffness, law.exponent, law.damping, law.clearance)
+    return call(law.damped, (elastic, penetration, rate, onset_speed, *rest))
 
 
 @compiled
@@ -73,8 +178,25 @@ def friction_ramp(speed: float, lower: float, upper: float) -> float:
 
 
 @compiled
+def smooth_friction(
+    sliding: float, normal: float, coefficient: float, lower: float, upper: float
+) -> float:
+    """Friction force along t, N: -c_f F_n tanh(v_t / v_1)."""
+    return -coefficient * normal * math.tanh(sliding / upper)
+
+
+@compiled
+def threlfall_friction(
+    sliding: float, normal: float, coefficient: float, lower: float, upper: float
+) -> float:
+    """Friction force along t, N: -c_f F_n (1 - exp(-3 v / v_1)), v up to v_1 (Threlfall 1978)."""
+    part = -math.expm1(-3.0 * min(abs(sliding) / upper, 1.0))
+    return -math.copysign(coefficient * part * normal, sliding)
+
+
+@compiled
 def friction_force(sliding: float, normal: float, law: Records) -> float:
-    """Friction force along t, N: -c_f c_d F_n sign(v_t) (equation 9).
+    """Friction force along t, N: by default -c_f c_d F_n sign(v_t) (equation 9).
 
     Parameters
     ----------
@@ -84,5 +206,140 @@ def friction_force(sliding: float, normal: float, law: Records) -> float:
         F_n, N.
     law : record of FRICTION
     """
-    ramp = friction_ramp(sliding, law.lower, law.upper)
-    return -math.copysign(law.coefficient * ramp * normal, sliding)
+    if law.force == INLINE:
+        ramp = friction_ramp(sliding, law.lower, law.upper)
+        return -math.copysign(law.coefficient * ramp * normal, sliding)
+    return call(law.force, (sliding, normal, law.coefficient, law.lower, law.upper))
+
+
+@compiled
+def bristle_rate(sliding: float, bristle: float, is_closed: bool, law: Records) -> float:
+    """Rate of the mean deflection z of the bristles of LuGre's law, m/s.
+
+    z' = v - sigma_0 |v| z / g, g = c_f + (c_s - c_f) exp(-(v / v_s)^2) (Canudas de Wit, Olsson,
+    Astrom and Lischinsky, 1995), all per unit of normal force.  Bristles that touch nothing bear
+    no force: sigma_0 z + sigma_1 z' = 0.
+
+    Parameters
+    ----------
+    sliding, bristle : float
+        v, m/s; z, m.
+    law : record of FRICTION
+    """
+    if not is_closed:
+        return -law.bristle_stiffness / law.bristle_damping * bristle
+    ratio = sliding / law.stribeck
+    held = law.coefficient + (law.static - law.coefficient) * math.exp(-ratio * ratio)
+    return sliding - law.bristle_stiffness * abs(sliding) * bristle / held
+
+
+@compiled
+def bristle_after(
+    sliding: float, before: float, rate: float, h: float, is_closed: bool, law: Records
+) -> float:
+    """Deflection of the bristles at the end of a step of the trapezoidal rule, m.
+
+    Parameters
+    ----------
+    sliding : float
+        At the end of the step, m/s.
+    before, rate, h : float
+        Deflection, m, and its rate, m/s, at the start, and the step, s.
+    """
+    half = 0.5 * h
+    # The rate is a line in z: a + b z.
+    a = bristle_rate(sliding, 0.0, is_closed, law)
+    b = bristle_rate(sliding, 1.0, is_closed, law) - a
+    return (before + half * (rate + a)) / (1.0 - half * b)
+
+
+@compiled
+def bristle_force(
+    normal: float, sliding: float, bristle: float, rate: float, law: Records
+) -> float:
+    """Friction force along t, N, of bristles: -F_n (sigma_0 z + sigma_1 exp(-(v / v_s)^2) z').
+
+    Damping that did not fade with the sliding would make energy (Olsson 1996).
+    """
+    ratio = sliding / law.stribeck
+    damping = law.bristle_damping * math.exp(-ratio * ratio)
+    return -normal * (law.bristle_stiffness * bristle + damping * rate)
+
+
+ELASTICITIES = {"power": None, "liu": liu_force, "foundation": foundation_force}
+"""Elastic forces by name, of penetration, K, n, damping and c; None stands in the kernels."""
+FRICTION_FORCES = {"ramp": None, "smooth": smooth_friction, "threlfall": threlfall_friction}
+"""Friction forces by name, but for the one with bristles."""
+
+ESTIMATED_AT = (1e-4, 1e-2)
+"""Parts of the clearance between which an elastic force of one's own is taken for a power law."""
+
+
+ABRUPT = 1e3
+"""Damped force over the elastic one at the touch from which on a law begins with a jump."""
+
+
+def _own_forces(own: OwnFunction) -> tuple[Callable[..., float], Callable[..., float]]:
+    """Elastic force and damped force of a normal law of one's own."""
+    force = own_kernel(own, NORMAL_PARAMETERS)
+
+    def elastic(
+        penetration: float, stiffness: float, exponent: float, damping: float, clearance: float
+    ) -> float:
+        return force(penetration, 0.0, 1.0, stiffness, exponent, damping, clearance)
+
+    def damped(
+        elastic: float,
+        penetration: float,
+        rate: float,
+        onset_speed: float,
+        stiffness: float,
+        exponent: float,
+        damping: float,
+        clearance: float,
+    ) -> float:
+        total = force(penetration, rate, onset_speed, stiffness, exponent, damping, clearance)
+        return max(total, 0.0)
+
+    return elastic, damped
+
+
+def normal_record(law: NormalLaw, clearance: float) -> Records:
+    """A normal law as a record of NORMAL, for a clearance, m."""
+    record = np.zeros(1, NORMAL)[0]
+    record["stiffness"] = record["estimated_stiffness"] = law.stiffness
+    record["exponent"] = record["estimated_exponent"] = law.exponent
+    record["damping"], record["clearance"] = law.damping, clearance
+    elastic, damped = ELASTICITIES[law.elasticity], None
+    if law.viscosity > 0.0:
+        record["damping"], damped = law.viscosity, kelvin_voigt_force
+    if law.own is not None:
+        elastic, damped = _own_forces(law.own)
+    record["elastic"] = INLINE if elastic is None else address_of(elastic, 5)
+    record["damped"] = INLINE if damped is None else address_of(damped, 8)
+    if law.own is not None:
+        first, last = (part * clearance for part in ESTIMATED_AT)
+        low, high = (elastic_of(record, depth)[0] for depth in (first, last))
+        exponent = math.log(high / low) / math.log(last / first)
+        record["estimated_exponent"] = exponent
+        record["estimated_stiffness"] = high / last**exponent
+    if damped is not None:
+        touched = 1e-9 * clearance
+        rest, _ = elastic_of(record, touched)
+        record["abrupt"] = normal_force(record, rest, touched, 1.0, 1.0) > ABRUPT * rest
+    return record
+
+
+def friction_record(law: FrictionLaw) -> Records:
+    """A friction law as a record of FRICTION."""
+    record = np.zeros(1, FRICTION)[0]
+    record["coefficient"], record["lower"], record["upper"] = law.coefficient, law.lower, law.upper
+    force = FRICTION_FORCES.get(law.name)
+    if law.name == LUGRE and law.coefficient > 0.0:
+        record["static"] = max(law.static, law.coefficient)
+        record["stribeck"], record["bristle_damping"] = law.stribeck, law.bristle_damping
+        record["bristle_stiffness"] = law.bristle_stiffness
+    if law.own is not None:
+        force = own_kernel(law.own, FRICTION_PARAMETERS)
+    record["force"] = INLINE if force is None else address_of(force, 5)
+    return record

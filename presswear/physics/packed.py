@@ -1,7 +1,6 @@
 """A linkage as the kernels see it: arrays and records instead of objects."""
 
 import math
-from dataclasses import astuple
 from typing import NamedTuple
 
 import numpy as np
@@ -10,7 +9,8 @@ from numpy.typing import NDArray
 from presswear.linkage.elements import GROUND, ClearanceJoint, Linkage
 from presswear.linkage.surface import Surface
 from presswear.physics.foundation import foundation_stiffness
-from presswear.physics.laws import FRICTION
+from presswear.physics.laws import FRICTION, NORMAL, friction_record, normal_record
+from presswear.physics.loads import MODE, pack_loads
 from presswear.physics.springs import pack_springs
 from presswear.physics.surface import BEARING, PIN, ROWS, packed_rows
 from presswear.tools.compiled import Records
@@ -30,9 +30,7 @@ JOINT = np.dtype(
         ("clearance", np.float64),
         ("width", np.float64),
         ("effective_mass", np.float64),  # lower bound of the mass that meets in it, kg
-        ("stiffness", np.float64),
-        ("exponent", np.float64),
-        ("damping", np.float64),
+        ("normal", NORMAL),
         ("friction", FRICTION),
         ("map_turns", np.float64),  # 1 where the wear maps turn with their bodies
         ("foundation", np.float64),  # its stiffness k_w b R, N/m^2 per rad; 0 for radial contact
@@ -56,6 +54,11 @@ class Packed(NamedTuple):
     surfaces : ndarray, shape (joints, ROWS, m)
         The worn surfaces, see ``packed_rows``; m = 0 where none is worn.
     springs : records of SPRING
+    loads : records of LOAD
+    nodes : ndarray, shape (nodes, 2)
+        Of the tables of the loads.
+    modes : records of MODE
+        What holds of the loads through the present step.
     mass, weight : ndarray, shape (3 bodies,)
         Diagonal of the mass matrix; constant generalized forces.
     """
@@ -63,6 +66,9 @@ class Packed(NamedTuple):
     joints: Records
     surfaces: Array
     springs: Records
+    loads: Records
+    nodes: Array
+    modes: Records
     mass: Array
     weight: Array
 
@@ -77,10 +83,14 @@ def pack(linkage: Linkage, bins: int = 0) -> Packed:
     """
     pairs = [(joint.bearing_surface, joint.pin_surface) for joint in linkage.clearances]
     count = max((own.depth.size for pair in pairs for own in pair if own.is_worn), default=bins)
+    loads, nodes = pack_loads(linkage)
     packed = Packed(
         pack_joints(linkage),
         np.zeros((len(pairs), ROWS, count)),
         pack_springs(linkage),
+        loads,
+        nodes,
+        np.zeros(len(loads), MODE),
         mass_of(linkage),
         weight_of(linkage),
     )
@@ -95,10 +105,10 @@ def mass_of(linkage: Linkage) -> Array:
 
 
 def weight_of(linkage: Linkage) -> Array:
-    """Constant generalized forces, shape (3 bodies,): gravity and loads."""
+    """Constant generalized forces, shape (3 bodies,): gravity and dead loads."""
     weight = np.zeros(3 * len(linkage.bodies))
     weight[1::3] = [-linkage.gravity * body.mass for body in linkage.bodies]
-    for load in linkage.loads:
+    for load in linkage.dead_loads:
         i = 3 * linkage.index(load.body)
         weight[i : i + 3] += load.x, load.y, load.moment
     return weight
@@ -119,10 +129,8 @@ def pack_joints(linkage: Linkage) -> Records:
         record["bearing_radius"], record["pin_radius"] = joint.bearing_radius, joint.pin_radius
         record["clearance"], record["width"] = joint.clearance, joint.width
         record["effective_mass"] = effective_mass(linkage, joint)
-        record["stiffness"] = joint.normal.stiffness
-        record["exponent"] = joint.normal.exponent
-        record["damping"] = joint.normal.damping
-        record["friction"] = astuple(joint.friction)
+        record["normal"] = normal_record(joint.normal, joint.clearance)
+        record["friction"] = friction_record(joint.friction)
         record["map_turns"] = float(joint.map_frame == "body")
         if joint.contact == "foundation":
             record["foundation"] = foundation_stiffness(joint.normal.stiffness, joint.clearance)

@@ -57,8 +57,9 @@ def spring_energy(springs: Records, q: Array) -> float:
 
 
 @compiled
-def spring_forces(springs: Records, q: Array, v: Array, force: Array) -> None:
-    """Add the forces of the springs to the generalized forces."""
+def spring_forces(springs: Records, q: Array, v: Array, force: Array) -> float:
+    """Add the forces of the springs to the generalized forces; returns their dampers' power, W."""
+    power = 0.0
     for i in range(springs.shape[0]):
         spring = springs[i]
         x1, y1 = lever(spring.first, spring.x1, spring.y1, q)
@@ -74,6 +75,7 @@ def spring_forces(springs: Records, q: Array, v: Array, force: Array) -> None:
         length = math.sqrt(dx * dx + dy * dy)
         rate = (dx * dvx + dy * dvy) / length
         pull = spring.stiffness * (length - spring.length) + spring.damping * rate
+        power -= spring.damping * rate * rate
         fx = pull * dx / length
         fy = pull * dy / length
         if spring.first >= 0:
@@ -84,6 +86,7 @@ def spring_forces(springs: Records, q: Array, v: Array, force: Array) -> None:
             force[spring.second] -= fx
             force[spring.second + 1] -= fy
             force[spring.second + 2] -= x2 * fy - y2 * fx
+    return power
 
 
 def pack_springs(linkage: Linkage) -> Records:

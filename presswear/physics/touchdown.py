@@ -163,8 +163,8 @@ def contact_step(joint: Records, penetration: float, rate: float, parts: float) 
     of an elastic Hertz impact, which lasts 2.94 delta_max / v.
     """
     mass = joint.effective_mass
-    stiffness = joint.stiffness
-    exponent = joint.exponent
+    stiffness = joint.normal.estimated_stiffness
+    exponent = joint.normal.estimated_exponent
     if math.isinf(mass):
         return math.inf
     depth = max(penetration, 0.0)
@@ -206,13 +206,21 @@ def step_in_contact(last: Records, steps: Records, part: float, acceleration: fl
 def late_touchdown(
     joint: Records, last: Records, steps: Records, contact: Records, h: float
 ) -> float:
-    """Step, s, that ends just behind a touchdown too far before the trial state; else -1."""
+    """Step, s, that ends just behind a touchdown too far before the trial state; else -1.
+
+    Where the law begins with a jump, the touchdown is put into a short step of its own.
+    """
     s = crossing(last.penetration, last.rate, contact.penetration, contact.rate, h)
     if s > 1.0:
         return -1.0
     closing = hermite(last.penetration, last.rate, contact.penetration, contact.rate, h, s)[1]
     part = contact_step(joint, 0.0, closing, steps.per_contact)
     behind = min(LANDING * part, 0.1 * h)
+    if joint.normal.abrupt:
+        near = LANDING * part
+        if h <= 4.0 * near:
+            return -1.0
+        return max(s * h - near if s * h > 2.0 * near else s * h + near, steps.least)
     if contact.penetration > 0.0:
         if (1.0 - s) * h <= OVERSHOOT * part:
             return -1.0
@@ -448,7 +456,8 @@ def next_step(
             if 0.0 <= arrival < chosen:
                 closing = rate + acceleration * arrival
                 part = contact_step(joint, 0.0, closing, steps[0].per_contact)
-                chosen = min(
-                    chosen, max(arrival + min(LANDING * part, steps[0].free), steps[0].least)
-                )
+                behind = min(LANDING * part, steps[0].free)
+                if joint.normal.abrupt and arrival > 2.0 * behind:
+                    behind = -behind
+                chosen = min(chosen, max(arrival + behind, steps[0].least))
     return chosen

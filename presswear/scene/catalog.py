@@ -5,9 +5,11 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from typing import Any
 
+from presswear.linkage.materials import Materials
 from presswear.linkage.press import Press
 from presswear.linkage.slider_crank import LITERATURE, SliderCrank
-from presswear.scene.scene import CONVENTIONS, Bearings, Scene
+from presswear.scene.bearing import CONVENTIONS, Bearing
+from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.tools.errors import unknown
 
@@ -53,7 +55,7 @@ wear_times = _named(
     "wear-times",
     "Clearance at A and C, worn twice (paper, sections 5.3.1 and 5.4.1)",
     mechanism=Press(speed=3.5 * math.pi),
-    bearings=Bearings(clearance=0.8e-3, friction=0.02),
+    bearings=Bearing(clearance=0.8e-3, friction=0.02),
     wears=2,
 )
 friction = _named(
@@ -61,21 +63,21 @@ friction = _named(
     "Friction 0.05 at 6 pi rad/s (paper, 5.3.2 and 5.4.2)",
     wear_times,
     mechanism=Press(speed=6.0 * math.pi),
-    bearings=Bearings(clearance=0.6e-3, friction=0.05),
+    bearings=Bearing(clearance=0.6e-3, friction=0.05),
     wears=1,
 )
 friction_high = _named(
     "friction-0.1",
     "Friction 0.1, else as friction",
     friction,
-    bearings=Bearings(clearance=0.6e-3, friction=0.1),
+    bearings=Bearing(clearance=0.6e-3, friction=0.1),
 )
 speed = _named(
     "speed",
     "Cranks at 4 pi rad/s (paper, 5.3.3 and 5.4.3)",
     wear_times,
     mechanism=Press(speed=4.0 * math.pi),
-    bearings=Bearings(clearance=0.8e-3, friction=0.03),
+    bearings=Bearing(clearance=0.8e-3, friction=0.03),
     wears=1,
 )
 speed_high = _named(
@@ -100,7 +102,12 @@ slider_crank = _named(
     "slider-crank",
     "A slider-crank with clearance between rod and slider",
     mechanism=SliderCrank(),
-    bearings=Bearings(clearance=0.5e-3, bearing_radius=0.010, youngs_modulus=207e9, friction=0.0),
+    bearings=Bearing(
+        clearance=0.5e-3,
+        bearing_radius=0.010,
+        materials=Materials(youngs_modulus=207e9),
+        friction=0.0,
+    ),
     conventions=CONVENTIONS["refined"],
     joints="B",
     wears=0,

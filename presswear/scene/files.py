@@ -63,10 +63,11 @@ def scene_from(file: Path) -> Scene:
         for key in data:
             if key not in _KEYS:
                 raise unknown("key", key, _KEYS)
-        mechanism, settings = _mechanism(data.get("mechanism")), _settings(data.get("settings", {}))
+        mechanism = _mechanism(data.get("mechanism"))
+        settings = _settings(data.get("settings", {}), file.parent)
         title = data.get("title", f"The linkage of {file.name}")
         # Without a word on it, no joint has clearance and nothing wears.
-        plain = Scene(file.stem, title, mechanism, joints="none", wears=0)
+        plain = Scene(mechanism, file.stem, title, joints="none", wears=0)
         statuses = dict.fromkeys((setting.key for setting in settings_of(plain)), "default")
         return changed(replace(plain, statuses=statuses), settings)
     except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
@@ -87,8 +88,8 @@ def _mechanism(given: Any) -> OneMechanism:
     return read(given, "mechanism", units=True)
 
 
-def _settings(given: Any) -> dict[str, str]:
-    """Settings as text, as the command line has them."""
+def _settings(given: Any, folder: Path) -> dict[str, str]:
+    """Settings as text, as the command line has them; a law of one's own stands in the folder."""
     if not isinstance(given, Mapping):
         raise InputError(f"settings = {given!r}: a table is expected")
     found = {}
@@ -99,5 +100,5 @@ def _settings(given: Any) -> dict[str, str]:
             full = f"{key}.{name}" if name else key
             if isinstance(own, bool) or not isinstance(own, str | int | float):
                 raise InputError(f"settings.{full} = {own!r}: a text or a number is expected")
-            found[full] = f"{own}"
+            found[full] = f"{folder / str(own)}" if ".py:" in str(own) else str(own)
     return found

@@ -2,155 +2,24 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
-from itertools import combinations
-from typing import Any, get_args
+from typing import Any
 
 import numpy as np
 
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
-from presswear.linkage.elements import (
-    ClearanceJoint,
-    Footprint,
-    Linkage,
-    MapFrame,
-    Revolute,
-    Slip,
-    SurfaceContact,
-    WearLaw,
-)
-from presswear.linkage.laws import (
-    FrictionLaw,
-    NormalLaw,
-    StiffnessReading,
-    hertz_stiffness,
-    lankarani_nikravesh_damping,
-)
+from presswear.linkage.elements import Linkage
+from presswear.linkage.laws import DAMPINGS
 from presswear.linkage.press import Press
 from presswear.linkage.slider_crank import SliderCrank
 from presswear.linkage.surface import Surface
 from presswear.linkage.topology import branches_of
 from presswear.linkage.written import read, written
 from presswear.physics.assembly import IdealMotion, motion_of
+from presswear.scene.bearing import CONVENTIONS, Bearing, Conventions
 from presswear.tools.arrays import Array
 from presswear.tools.documents import typed
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.quantities import Choice, check_fields, choice, count, named_set, quantity
-
-
-@dataclass(frozen=True)
-class Conventions:
-    """How the paper's wear model is read; each choice stands alone."""
-
-    stiffness: StiffnessReading = choice(
-        "paper", get_args(StiffnessReading), "K with R_i + R_j as printed, or R_i - R_j"
-    )
-    slip: Slip = choice("angle", get_args(Slip), "ds = (R_j + delta) |d phi| (eq. 24), or |v_t| dt")
-    map_frame: MapFrame = choice(
-        "fixed", get_args(MapFrame), "wear maps fixed in direction, or turning with their bodies"
-    )
-    footprint: Footprint = choice(
-        "bin", get_args(Footprint), "wear into the one bin of the contact, or over the contact arc"
-    )
-    contact: SurfaceContact = choice(
-        "radial",
-        get_args(SurfaceContact),
-        "worn surfaces meet where e points, or over all of the arc on an elastic foundation",
-    )
-
-    @property
-    def name(self) -> str:
-        """Name of the set, or ``own`` for one that has none."""
-        return next((name for name, preset in CONVENTIONS.items() if self == preset), "own")
-
-
-CONVENTIONS: dict[str, Conventions] = {
-    "paper": Conventions(),
-    "refined": Conventions("refined", "sliding", "body", "arc", "foundation"),
-}
-"""The two named sets; every choice can be made alone."""
-
-
-LEAST_RAMP = 1e-5
-"""Least width of the ramp of friction, m/s.
-
-A pin that sticks creeps inside the ramp, in steps that shorten with it: at this width a cycle
-of the press with c_f = 0.8 takes half a million steps, at 1e-6 m/s ten times as many.
-"""
-
-
-@dataclass(frozen=True)
-class Bearings:
-    """A joint with clearance: pin, bearing and what they are made of."""
-
-    clearance: float = quantity(0.8e-3, "m", 1e-9, 1.0, "paper, per study", "c = R_i - R_j")
-    bearing_radius: float = quantity(0.015, "m", 1e-4, 1.0, "paper", "R_i")
-    width: float = quantity(
-        0.02, "m", 0.0, 1.0, "assumed", "axial width b; only K_d / b matters", open_low=True
-    )
-    youngs_modulus: float = quantity(200e9, "Pa", 1e9, 1e12, "paper", "E of pin and bearing")
-    poisson_ratio: float = quantity(0.3, "", 0.0, 0.5, "paper", "nu of pin and bearing")
-    restitution: float = quantity(0.9, "", 0.05, 1.0, "paper", "nominal restitution ce")
-    exponent: float = quantity(1.5, "", 1.0, 2.5, "paper", "n of the normal force")
-    friction: float = quantity(0.02, "", 0.0, 0.8, "paper, per study", "friction coefficient c_f")
-    lower_speed: float = quantity(1e-4, "m/s", 0.0, 1.0, "paper", "v_0: no friction below")
-    upper_speed: float = quantity(1e-3, "m/s", LEAST_RAMP, 1.0, "paper", "v_1: full friction above")
-    wear_coefficient: float = quantity(
-        1.2e-15, "1/Pa", 0.0, 1e-9, "assumed, one number for all scenes", "K_d"
-    )
-    bearing_share: float = quantity(
-        0.5, "", 0.0, 1.0, "paper", "part of the wear depth that the bearing loses"
-    )
-    angles: int = count(360, 16, 100_000, "assumed", "bins of a wear map")
-
-    def __post_init__(self) -> None:
-        check_fields(self)
-        if self.clearance >= self.bearing_radius:
-            raise InputError(
-                f"clearance = {self.clearance:g} m: allowed is 1e-9 m up to below the bearing "
-                f"radius, {self.bearing_radius:g} m"
-            )
-        if not self.upper_speed - self.lower_speed >= 0.999 * LEAST_RAMP:
-            raise InputError(
-                f"lower_speed = {self.lower_speed:g} m/s: allowed is 0 to {LEAST_RAMP:g} m/s below "
-                f"upper_speed, {self.upper_speed:g} m/s"
-            )
-
-    def joint(
-        self,
-        revolute: Revolute,
-        conventions: Conventions,
-        worn: tuple[Surface, Surface],
-    ) -> ClearanceJoint:
-        """A revolute joint opened: bearing on its first end, pin on its second."""
-        stiffness = hertz_stiffness(
-            self.bearing_radius,
-            self.bearing_radius - self.clearance,
-            self.youngs_modulus,
-            self.poisson_ratio,
-            conventions.stiffness,
-        )
-        law = WearLaw(
-            self.wear_coefficient,
-            conventions.slip,
-            conventions.footprint,
-            self.bearing_share,
-            self.angles,
-        )
-        return ClearanceJoint(
-            revolute.name,
-            revolute.first,
-            revolute.second,
-            self.bearing_radius,
-            self.clearance,
-            self.width,
-            NormalLaw(stiffness, self.exponent, lankarani_nikravesh_damping(self.restitution)),
-            FrictionLaw(self.friction, self.lower_speed, self.upper_speed),
-            law if self.wear_coefficient > 0.0 else None,
-            conventions.map_frame,
-            conventions.contact,
-            *worn,
-        )
-
 
 OneMechanism = Press | SliderCrank | Linkage
 MECHANISMS: dict[str, type[Press | SliderCrank]] = {
@@ -196,19 +65,8 @@ DRAWS = 4
 """Starts of a scene that wears and does not say how many: the fewest with a usable interval."""
 
 
-def joint_words(mechanism: OneMechanism) -> dict[str, tuple[str, ...]]:
-    """The choices of joints with clearance: every combination of their names, and ``none``.
-
-    Names of one letter stand side by side, longer ones with a comma between.
-    """
-    names = mechanism.openable
-    between = "" if all(len(name) == 1 for name in names) else ","
-    chosen = [some for count in range(len(names)) for some in combinations(names, count + 1)]
-    return {between.join(some): some for some in chosen} | {"none": ()}
-
-
-def _words(scene: "Scene") -> tuple[str, ...]:
-    return tuple(joint_words(scene.mechanism))
+def _joints(scene: "Scene") -> tuple[str, ...]:
+    return (*scene.mechanism.openable, "none")
 
 
 @dataclass(frozen=True)
@@ -217,24 +75,26 @@ class Scene:
 
     Attributes
     ----------
-    bearings : Bearings
-        Of every joint with clearance that is not set apart.
-    apart : mapping of str to Bearings
+    mechanism : Press, SliderCrank or Linkage
+    bearings : Bearing, or mapping of str to Bearing
+        Of every joint with clearance that is not set apart.  A mapping gives the joints that have
+        clearance, each with its own.
+    apart : mapping of str to Bearing
         Those of single joints that differ, by name.
     statuses : mapping of str to str
         Where values come from, by key, where it is not what their fields say.
     """
 
+    mechanism: OneMechanism = field(default_factory=Press)
     name: str = "scene"
     title: str = "A scene of one's own"
-    mechanism: OneMechanism = field(default_factory=Press)
-    bearings: Bearings = field(default_factory=Bearings)
-    apart: Mapping[str, Bearings] = field(default_factory=dict, hash=False)
+    bearings: Bearing | Any = field(default_factory=Bearing)  # a mapping is taken apart
+    apart: Mapping[str, Bearing] = field(default_factory=dict, hash=False)
     conventions: Conventions = named_set(
         "paper", CONVENTIONS, "what the paper prints, or what a careful engineer would compute"
     )
     numerics: Numerics = field(default_factory=Numerics)
-    joints: str = choice("AC", _words, "which joints have clearance")
+    joints: str = choice("AC", _joints, "which joints have clearance", several=True)
     engine: str = choice(
         "exudyn",
         ENGINES,
@@ -279,22 +139,26 @@ class Scene:
     statuses: Mapping[str, str] = field(default_factory=dict, hash=False)
 
     def __post_init__(self) -> None:
+        if isinstance(self.bearings, Mapping):
+            self._open(self.bearings)
         for name in ("name", "title"):
             if not isinstance(getattr(self, name), str):
                 raise InputError(f"{name} = {getattr(self, name)!r}: a text is expected")
         for key, status in dict(self.statuses).items():
             if not (isinstance(key, str) and isinstance(status, str)):
                 raise InputError(f"status {status!r} of {key!r}: texts are expected")
-        for part, kind in (("bearings", Bearings), ("conventions", Conventions)):
+        for part, kind in (("bearings", Bearing), ("conventions", Conventions)):
             if not isinstance(getattr(self, part), kind):
                 raise InputError(f"{part} = {getattr(self, part)!r}: a {kind.__name__} is expected")
         check_fields(self)
+        # One spelling, so that equal scenes are equal.
+        object.__setattr__(self, "joints", self._openable.together(self.clearance_joints))
         check_fields(self.conventions)
         for name, own in dict(self.apart).items():
             if name not in self.mechanism.openable:
                 raise unknown("joint", name, self.mechanism.openable)
-            if not isinstance(own, Bearings):
-                raise InputError(f"apart of {name} = {own!r}: a Bearings is expected")
+            if not isinstance(own, Bearing):
+                raise InputError(f"apart of {name} = {own!r}: a Bearing is expected")
             if own.angles != self.bearings.angles:
                 raise InputError(
                     f"{name}.angles = {own.angles}: all maps have as many bins; allowed is "
@@ -309,6 +173,12 @@ class Scene:
                     f"{key} = {own.exponent:g}: with contact = 'foundation', which is linear "
                     "and gives the exponent 1.5 of a round joint, allowed is 1.5"
                 )
+            if self.conventions.contact == "foundation" and not isinstance(own.normal_law, str):
+                key = f"{name}.normal_law" if name else "normal_law"
+                raise InputError(
+                    f"{key} = {own.normal_law}: with contact = 'foundation', which has an elastic "
+                    f"force of its own, allowed is one of {', '.join(DAMPINGS)}"
+                )
         if self.draws > 1 and not self.clearance_joints:
             raise InputError(f"starts = {self.starts}: without a clearance joint allowed is 1")
         _ = self.ideal
@@ -320,12 +190,32 @@ class Scene:
                 f"{reason}; allowed here is one of {others}"
             )
 
+    def _open(self, bearings: Mapping[str, Any]) -> None:
+        """Give the joints of a mapping clearance."""
+        for name in bearings:
+            if name not in self.mechanism.openable:
+                raise unknown("joint in bearings", name, self.mechanism.openable)
+        common = next(iter(bearings.values()), Bearing())
+        opened = {"joints": self._openable.together(bearings), "bearings": common}
+        for name, value in {**opened, "apart": dict(bearings)}.items():
+            object.__setattr__(self, name, value)
+
     @property
     def clearance_joints(self) -> tuple[str, ...]:
         """Names of the joints with clearance."""
-        return joint_words(self.mechanism)[self.joints]
+        chosen = self._openable.apart(self.joints)
+        return tuple(name for name in self.mechanism.openable if name in chosen)
 
-    def bearing(self, joint: str) -> Bearings:
+    @property
+    def _openable(self) -> Choice:
+        return Choice(_joints(self), "", several=True)
+
+    def check_own_laws(self) -> None:
+        """InputError where a law of one's own gives no number or makes energy; runs its text."""
+        for joint in self.clearance_joints:
+            self.bearing(joint).check_own_laws(joint, self.conventions.stiffness)
+
+    def bearing(self, joint: str) -> Bearing:
         """The bearing of a joint."""
         return self.apart.get(joint, self.bearings)
 
@@ -425,8 +315,8 @@ class Scene:
                 mechanism=read(mechanism, "mechanism")
                 if is_own
                 else MECHANISMS[kind].from_dict(mechanism),
-                bearings=Bearings(**plain.pop("bearings")),
-                apart={name: Bearings(**own) for name, own in plain.pop("apart").items()},
+                bearings=Bearing(**plain.pop("bearings")),
+                apart={name: Bearing(**own) for name, own in plain.pop("apart").items()},
                 conventions=Conventions(**plain.pop("conventions")),
                 numerics=_numerics(dict(plain.pop("numerics"))),
                 **plain,

@@ -7,8 +7,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import Field, dataclass, fields, is_dataclass, replace
 from typing import Any
 
-from presswear.scene.scene import Bearings, Scene
+from presswear.scene.bearing import Bearing
+from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError, unknown
+from presswear.tools.own import OwnFunction, is_function
 from presswear.tools.quantities import (
     Choice,
     Meaning,
@@ -33,7 +35,7 @@ class Setting:
     def described(self) -> str:
         """Value, range and text in one line."""
         if isinstance(self.meaning, Choice):
-            return f"{self.value}  ({' | '.join(self.meaning.words)})  {self.meaning.text}"
+            return f"{self.value}  ({' | '.join(self.meaning.listed())})  {self.meaning.text}"
         value = "none" if self.value is None else self.meaning.with_unit(f"{self.value:.6g}")
         return f"{value}  ({self.meaning.range_text()}; {self.meaning.status})  {self.meaning.text}"
 
@@ -72,9 +74,14 @@ def _settings(owner: Any, statuses: Mapping[str, str]) -> Iterator[Setting]:
 def differences(first: Any, second: Any, key: str = "") -> list[tuple[str, Any, Any]]:
     """Keys under which two stored scenes differ, and both values; a part by its own keys.
 
-    The name of a part stands under the part's key.
+    The name of a part stands under the part's key.  A function of one's own is told by its
+    name and digest.
     """
-    if isinstance(first, Mapping) and isinstance(second, Mapping):
+    if is_function(first) or is_function(second):
+        first, second = (
+            f"{OwnFunction(**own)}" if is_function(own) else own for own in (first, second)
+        )
+    elif isinstance(first, Mapping) and isinstance(second, Mapping):
         return [
             found
             for name in dict.fromkeys([*first, *second])
@@ -115,7 +122,7 @@ def changed(scene: Scene, settings: Mapping[str, Any]) -> Scene:
     return replace(scene, statuses=statuses, apart=bearings, **_updates(scene, common))
 
 
-def _with(bearing: Bearings, settings: Mapping[str, Any], joint: str) -> Bearings:
+def _with(bearing: Bearing, settings: Mapping[str, Any], joint: str) -> Bearing:
     """The bearing of one joint with settings changed; InputError names the joint."""
     try:
         return replace(bearing, **_updates(bearing, settings))
@@ -133,8 +140,7 @@ def _updates(owner: Any, settings: Mapping[str, Any]) -> dict[str, Any]:
         elif given is not None:
             words, meaning = choice_of(item, owner), meaning_of(item)
             if words is not None:
-                words.check(item.name, given)
-                updates[item.name] = given
+                updates[item.name] = words.read(item.name, given)
             elif meaning is not None and isinstance(given, str):
                 updates[item.name] = parse_quantity(item.name, given, meaning)
             elif meaning is not None:

@@ -4,9 +4,14 @@ Numba keys a cached function by its own source file only: a kernel edited in
 ``laws.py`` would leave the compiled callers in ``clearance.py`` untouched.  All
 compiled code of this package therefore lives in a cache folder named after a
 digest of every source file that holds kernels; any edit starts a new folder.
+
+What differs from scene to scene, a law of one's own above all, is called by the address of its
+machine code: kernels do not know it when they are compiled, so that no two laws ever share
+compiled code.
 """
 
 import hashlib
+import inspect
 import os
 import tempfile
 from collections.abc import Callable
@@ -16,8 +21,15 @@ from typing import Any, TypeVar, cast
 
 import numba
 import numpy as np
+from llvmlite import ir
 from numba import config
+from numba.core import cgutils, types
+from numba.core.errors import NumbaError
+from numba.extending import intrinsic
 from numpy.typing import NDArray
+
+from presswear.tools.errors import InputError
+from presswear.tools.own import OwnFunction
 
 Array = NDArray[np.float64]
 F = TypeVar("F", bound=Callable[..., Any])
@@ -28,7 +40,8 @@ Records = Any
 Numba knows their fields, a type checker does not.
 """
 
-_NUMBA: Any = numba  # its type hints leave out what is used here
+_NUMBA: Any = numba  # their type hints leave out what is used here
+_CGUTILS: Any = cgutils
 _PACKAGE = Path(__file__).resolve().parents[1]
 
 
@@ -68,9 +81,13 @@ def compiled(function: F) -> F:
     Kernels of this package keep their compiled code between processes; a kernel
     defined elsewhere is outside the digest and is compiled anew each time.
     """
-    of_package = _PACKAGE in Path(function.__code__.co_filename).resolve().parents
-    compiler = _NUMBA.njit(cache=of_package and _cache_is_usable(), error_model="numpy", _nrt=False)
+    kept = _of_package(function) and _cache_is_usable()
+    compiler = _NUMBA.njit(cache=kept, error_model="numpy", _nrt=False)
     return cast(F, compiler(function))
+
+
+def _of_package(function: Callable[..., Any]) -> bool:
+    return _PACKAGE in Path(function.__code__.co_filename).resolve().parents
 
 
 def specialised(kernel: F, *arguments: Any) -> F:
@@ -84,6 +101,66 @@ def specialised(kernel: F, *arguments: Any) -> F:
     types = tuple(_NUMBA.typeof(argument) for argument in arguments)
     dispatcher.compile(types)
     return cast(F, dispatcher.overloads[types].entry_point)
+
+
+def _calling(typing: Any, address: Any, arguments: Any) -> Any:
+    """Call a function of numbers that gives a number by its address, with a tuple of them."""
+
+    def generate(context: Any, builder: Any, signature: Any, given: Any) -> Any:
+        count = len(signature.args[1])
+        double = ir.DoubleType()
+        kind = ir.FunctionType(double, [double] * count)
+        function = builder.inttoptr(given[0], kind.as_pointer())
+        return builder.call(function, _CGUTILS.unpack_tuple(builder, given[1], count))
+
+    return types.float64(types.int64, arguments), generate
+
+
+call = cast(Callable[[int, tuple[float, ...]], float], intrinsic(_calling))
+
+
+_KEPT: dict[Any, Any] = {}
+"""Machine code that is called by its address, so that it stays."""
+
+
+def address_of(kernel: Callable[..., float], count: int) -> int:
+    """Address of a compiled function of so many numbers, for ``call``."""
+    if kernel not in _KEPT:
+        function = getattr(kernel, "py_func", kernel)
+        _KEPT[kernel] = _NUMBA.cfunc(
+            types.float64(*(types.float64,) * count),
+            cache=function.__closure__ is None and _of_package(function) and _cache_is_usable(),
+            error_model="numpy",
+            _nrt=False,
+        )(function)
+    return int(_KEPT[kernel].address)
+
+
+@cache
+def own_kernel(own: OwnFunction, known: tuple[str, ...]) -> Callable[..., float]:
+    """Compile a function of one's own as a function of all known parameters, in their order.
+
+    Raises
+    ------
+    InputError
+        Naming the function, where it is none that can be compiled.
+    """
+    compiler = _NUMBA.njit(error_model="numpy", _nrt=False)
+    space = own.space()
+    # Helpers beside it are compiled with it.
+    for name, value in space.items():
+        if inspect.isfunction(value):
+            space[name] = compiler(value)
+    asked = ", ".join(own.parameters(own.name, known))
+    text = f"def kernel({', '.join(known)}):\n    return float({own.name}({asked}))"
+    exec(text, space)
+    kernel = compiler(space["kernel"])
+    try:
+        kernel.compile((types.float64,) * len(known))
+    except NumbaError as error:
+        why = next((line for line in f"{error}".splitlines()[1:] if line.strip()), f"{error}")
+        raise InputError(f"{own.name} cannot be compiled: {why.strip()}") from None
+    return cast(Callable[..., float], kernel)
 
 
 @compiled

@@ -8,11 +8,12 @@ that the help, the error messages and the report all speak from one place.
 import math
 import re
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import Field, dataclass, field, fields
 from typing import Any
 
 from presswear.tools.errors import InputError, nearest
+from presswear.tools.own import OwnFunction
 
 _UNITS: dict[str, tuple[str, dict[str, float]]] = {
     "m": ("0.8mm", {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6}),
@@ -25,6 +26,12 @@ _UNITS: dict[str, tuple[str, dict[str, float]]] = {
     "m/s": ("1mm/s", {"m/s": 1.0, "mm/s": 1e-3}),
     "m/s^2": ("9.81m/s^2", {"m/s^2": 1.0, "m/s2": 1.0}),
     "s": ("1ms", {"s": 1.0, "ms": 1e-3, "us": 1e-6}),
+    "N/m^n": ("1e10N/m^1.5", dict.fromkeys(("N/m^n", "N/m^1.5", "N/m1.5", "N/m"), 1.0)),
+    "N": ("500N", {"N": 1.0, "kN": 1e3, "MN": 1e6}),
+    "N m": ("20N m", {"N m": 1.0, "Nm": 1.0, "kN m": 1e3, "kNm": 1e3}),
+    "1/m": ("1e5/m", dict.fromkeys(("1/m", "/m"), 1.0)),
+    "s/m": ("10s/m", {"s/m": 1.0}),
+    "N s/m": ("100N s/m", dict.fromkeys(("N s/m", "Ns/m"), 1.0)),
 }
 """An example and the known units of each dimension, by its SI unit, and their sizes in it."""
 
@@ -108,33 +115,91 @@ def count(default: int | None, low: int, high: int, status: str, text: str) -> A
 
 @dataclass(frozen=True)
 class Choice:
-    """A named choice: the allowed words and what they decide."""
+    """A named choice: the allowed words and what they decide.
+
+    Attributes
+    ----------
+    own : tuple of str
+        What a function of one's own, in place of a word, may ask for; empty: none is allowed.
+    several : bool
+        Whether the words can be taken together, but for the last, which stands for none of them:
+        side by side where each has one letter, else with commas between.
+    """
 
     words: tuple[str, ...]
     text: str
+    own: tuple[str, ...] = ()
+    several: bool = False
 
-    def check(self, name: str, value: str) -> None:
+    @property
+    def _between(self) -> str:
+        return "" if all(len(word) == 1 for word in self.words[:-1]) else ","
+
+    def together(self, words: Iterable[str]) -> str:
+        """Several words as one value, in the order in which they are allowed."""
+        taken = set(words)
+        return self._between.join(own for own in self.words[:-1] if own in taken) or self.words[-1]
+
+    def apart(self, value: str) -> tuple[str, ...]:
+        """The words that a value puts together."""
+        if value == self.words[-1]:
+            return ()
+        if "," in value or self._between:
+            return tuple(part.strip() for part in value.split(","))
+        return tuple(value)
+
+    def listed(self) -> tuple[str, ...]:
+        """Everything that is allowed, as a person reads it."""
+        together = self.several and len(self.words) > 2
+        several = [f"several, as {self.together(self.words)}"] if together else []
+        return (*self.words, *several, *(["FILE.py:FUNCTION"] if self.own else []))
+
+    def read(self, name: str, value: Any) -> Any:
+        """One of the words, or a function of one's own; InputError where it is neither."""
+        is_own = callable(value) or isinstance(value, OwnFunction | dict) or ".py:" in str(value)
+        if self.own and is_own:
+            own = OwnFunction.of(name, value)
+            own.parameters(name, self.own)
+            return own
+        self.check(name, value)
+        return value
+
+    def check(self, name: str, value: Any) -> None:
         """Raise InputError unless the value is one of the words."""
+        if self.own and isinstance(value, OwnFunction):
+            return
+        if self.several and isinstance(value, str):
+            parts = self.apart(value)
+            if parts and len(set(parts)) == len(parts) and set(parts) <= set(self.words[:-1]):
+                return
         if value not in self.words:
             raise InputError(
-                f"{name} = {value!r}: allowed is one of {', '.join(self.words)}"
+                f"{name} = {value!r}: allowed is one of {', '.join(self.listed())}"
                 f"{nearest(str(value), self.words)}"
             )
 
 
 def choice(
-    default: str, words: tuple[str, ...] | Callable[[Any], tuple[str, ...]], text: str
+    default: str,
+    words: tuple[str, ...] | Callable[[Any], tuple[str, ...]],
+    text: str,
+    own: tuple[str, ...] = (),
+    *,
+    several: bool = False,
 ) -> Any:
-    """A dataclass field that takes one of a few words, which may depend on its owner."""
-    return field(default=default, metadata={"choice": (words, text)})
+    """A dataclass field that takes one of a few words, which may depend on its owner.
+
+    See ``Choice`` for ``own`` and ``several``.
+    """
+    return field(default=default, metadata={"choice": (words, text, own, several)})
 
 
 def choice_of(item: Field[Any], owner: Any) -> Choice | None:
     """The choice that a field made by ``choice`` offers its owner; None for any other field."""
     if "choice" not in item.metadata:
         return None
-    words, text = item.metadata["choice"]
-    return Choice(words(owner) if callable(words) else words, text)
+    words, *rest = item.metadata["choice"]
+    return Choice(words(owner) if callable(words) else words, *rest)
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,9 @@ import pytest
 from presswear.campaign.campaign import run_stage
 from presswear.campaign.single import run_scene
 from presswear.results.result import Result
+from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import wear_times
-from presswear.scene.scene import CONVENTIONS, Scene
+from presswear.scene.scene import Scene
 from presswear.tools.documents import plain
 from presswear.tools.errors import InputError
 

@@ -25,8 +25,9 @@ from presswear.record.soundness import Finding
 from presswear.record.tracker import Progress, Tracker
 from presswear.results.result import load
 from presswear.results.stage import SIDES, JointResult, StageResult
+from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import wear_times
-from presswear.scene.scene import CONVENTIONS, DRAWS, Scene
+from presswear.scene.scene import DRAWS, Scene
 from presswear.show.figures import drawings
 from presswear.show.report import notes, render
 from presswear.show.report.wear import growth as growth_table

@@ -16,8 +16,9 @@ from endurance.subject import OutsideError, run_part
 from presswear.linkage.mechanism import HEAVIER
 from presswear.linkage.press import GEOMETRIES, Press
 from presswear.linkage.slider_crank import SliderCrank
+from presswear.scene.bearing import LEAST_RAMP, Bearing, Conventions
 from presswear.scene.catalog import slider_crank, wear_times
-from presswear.scene.scene import LEAST_RAMP, Bearings, Conventions, Numerics, Scene
+from presswear.scene.scene import Numerics, Scene
 from presswear.tools.errors import AssemblyError, InputError, RunFailed
 from presswear.tools.quantities import Meaning, choice_of, meaning_of
 from presswear.trials.hard.case import ENERGY
@@ -80,16 +81,16 @@ def _drawn(draw: Random, owner: Any, apart: tuple[str, ...] = ()) -> dict[str, A
     return found
 
 
-def _bearings(draw: Random, shortest: float) -> Bearings:
-    """Bearings whose quantities fit together, no larger than the shortest link, m."""
-    values = _drawn(draw, Bearings())
+def _bearings(draw: Random, shortest: float) -> Bearing:
+    """Bearing whose quantities fit together, no larger than the shortest link, m."""
+    values = _drawn(draw, Bearing())
     values["bearing_radius"] = min(values["bearing_radius"], max(shortest, 1e-4))
     # Values that must be in order are drawn below each other.
     least, most = 1e-9, 0.999 * values["bearing_radius"]
     values["clearance"] = least * (most / least) ** draw.random()
     highest = max(values["upper_speed"] - LEAST_RAMP, 0.0)
     values["lower_speed"] = highest * draw.choice((0.0, _LEAST, draw.random(), 1.0))
-    return Bearings(**values)
+    return Bearing(**values)
 
 
 def _links(draw: Random, owner: Any, scale: float) -> dict[str, float]:

@@ -10,7 +10,8 @@ import pytest
 from presswear.campaign.starts import start_of
 from presswear.engines.base import Plan, Start
 from presswear.engines.settings import Engine, ExudynJoints, InHouse
-from presswear.linkage.elements import GROUND, Attachment, Body, Linkage, Probe, Spring
+from presswear.linkage.elements import GROUND, Attachment, Body, Linkage, Probe
+from presswear.linkage.loads import Spring
 from presswear.linkage.press import GEOMETRIES, Press
 from presswear.scene.catalog import ideal
 from presswear.trials.runs import order_of

@@ -19,8 +19,8 @@ from presswear.linkage.laws import (
     greatest_penetration,
     lankarani_nikravesh_damping,
 )
+from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import ideal, wear_times
-from presswear.scene.scene import CONVENTIONS
 
 
 def at(ring: tuple[float, ...], shaft: tuple[float, ...]) -> Start:

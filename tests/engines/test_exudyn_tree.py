@@ -11,10 +11,12 @@ from presswear.campaign.starts import start_of
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.exudyn_tree import engine
 from presswear.engines.settings import ExudynTree, InHouse
-from presswear.linkage.elements import Attachment, Linkage, Load, Slip, Spring
+from presswear.linkage.elements import Attachment, Linkage, Slip
+from presswear.linkage.loads import Load, Spring
 from presswear.linkage.surface import Surface
+from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import wear_times
-from presswear.scene.scene import CONVENTIONS, Scene
+from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError
 
 END = 0.05

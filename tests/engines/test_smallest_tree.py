@@ -12,14 +12,16 @@ from sub_chains import ARM, PUMP, STEPHENSON
 from presswear.campaign.starts import start_of
 from presswear.engines.base import Plan, Run
 from presswear.engines.settings import ExudynTree, InHouse
-from presswear.linkage.elements import Attachment, Load, Spring
+from presswear.linkage.elements import Attachment
 from presswear.linkage.four_bar import FOUR_BAR
+from presswear.linkage.loads import Load, Spring
+from presswear.scene.bearing import Bearing
 from presswear.scene.catalog import clearance_c, slider_crank
-from presswear.scene.scene import Bearings, Scene
+from presswear.scene.scene import Scene
 from presswear.trials.runs import contacts_of
 
 TOUCHES = 10
-TIGHT = Bearings(clearance=0.3e-3, friction=0.05)
+TIGHT = Bearing(clearance=0.3e-3, friction=0.05)
 
 PRESS = clearance_c().mechanism.linkage()
 UNEVEN = replace(
@@ -31,7 +33,9 @@ UNEVEN = replace(
 )
 SPRUNG = replace(
     PUMP,
-    springs=[Spring("s", Attachment("rod", 0.0, 0.0), Attachment("rocker", 0.0, 0.0), 200.0, 0.1)],
+    springs=[
+        Spring("s", Attachment("rod", 0.0, 0.0), Attachment("rocker", 0.0, 0.0), 200.0, 0.1, 0.5)
+    ],
     loads=[Load("slider", 3.0, -2.0), Load("rod", 0.0, 1.0, 0.2)],
 )
 SCENES = {

@@ -5,6 +5,7 @@ from decimal import Decimal, localcontext
 
 import numpy as np
 import pytest
+from force_of import force_of, plain
 from hypothesis import example, given
 from hypothesis import strategies as st
 
@@ -16,7 +17,7 @@ from presswear.linkage.laws import (
     greatest_penetration,
     hertz_stiffness,
 )
-from presswear.physics.laws import FRICTION, friction_force, normal_force
+from presswear.physics.laws import friction_force, friction_record
 
 
 @given(
@@ -29,7 +30,7 @@ from presswear.physics.laws import FRICTION, friction_force, normal_force
 def test_normal_force_is_equation_8_and_never_pulls(
     depth: float, rate: float, onset: float, exponent: float, damping: float
 ) -> None:
-    force = normal_force(depth, rate, onset, 1.25e10, exponent, damping)
+    force = force_of(plain(1.25e10, exponent, damping), depth, rate, onset)
     elastic = 1.25e10 * max(depth, 0.0) ** exponent
     damped = elastic * damping * rate / onset
     # A power costs a few ulp, and the two parts may cancel.
@@ -52,7 +53,7 @@ def test_friction_is_equation_9(
     speed: float, normal: float, coefficient: float, lower: float
 ) -> None:
     """Against sliding, without any up to v_0, full from v_1 on and linear between them."""
-    law = np.array([(coefficient, lower, 1e-3)], FRICTION)[0]
+    law = friction_record(FrictionLaw(coefficient, lower, 1e-3))
     force = friction_force(speed, normal, law)
     full = coefficient * normal
     part = np.interp(abs(speed), [lower, 1e-3], [0.0, 1.0])
@@ -80,7 +81,7 @@ def test_friction_is_equation_9(
 def test_stiffness_as_printed_and_of_a_pin_in_a_hole(
     pin: float, modulus: float, poisson: float, reading: StiffnessReading, expected: float
 ) -> None:
-    found = hertz_stiffness(0.015, pin, modulus, poisson, reading)
+    found = hertz_stiffness(0.015, pin, 2.0 * (1.0 - poisson**2) / modulus, reading)
     assert found == pytest.approx(expected, rel=1e-7)
 
 

@@ -16,12 +16,19 @@ from presswear.linkage.elements import (
     Drive,
     Guide,
     Linkage,
-    Load,
     Pin,
     Probe,
-    Spring,
 )
 from presswear.linkage.four_bar import FOUR_BAR
+from presswear.linkage.loads import (
+    Force,
+    Harmonics,
+    Load,
+    Moment,
+    OverPosition,
+    OverTime,
+    Spring,
+)
 from presswear.linkage.press import GEOMETRIES, Press
 from presswear.linkage.slider_crank import SliderCrank
 from presswear.linkage.written import read, toml_of, values_of, written
@@ -35,9 +42,34 @@ LOADED = replace(
     cycle=0.5,
     gravity=0.0,
 )
+
+
+def brake(speed: float) -> float:
+    """A text with "quotes" and lines."""
+    return -0.1 * speed
+
+
+TABLE = OverPosition([(-0.1, 0.0), (0.1, -5.0)], "along", "hold", 0.02, 0.01, True)
+LIVELY = replace(
+    FOUR_BAR,
+    loads=[
+        Load("coupler", y=-3.0),
+        Force("rocker.head", 0.3, 5.0),
+        Force("rocker", 0.3, TABLE),
+        Force(Attachment("rocker", 0.01, 0.02), -1.0, OverTime([(0.0, 1.0), (0.1, 5.0)])),
+        Force("rocker.head", 0.3, OverTime([(0.0, 1.0), (0.1, 5.0)], 0.0)),
+        Force("rocker.head", 0.3, Harmonics(0.1, 30.0, [(1.0, 2.0)])),
+        Moment("crank", OverPosition([(0.0, 0.0), (1.0, 5.0)], repeats=2.0 * math.pi)),
+        Moment("crank", OverTime([(0.0, 1.0)], 0.5)),
+        Moment("crank", Harmonics(1.0)),
+        Moment("crank", brake),
+    ],
+    name="lively",
+)
 EVERY = [
     FOUR_BAR,
     LOADED,
+    LIVELY,
     SliderCrank().linkage(),
     *(Press(geometry=geometry).linkage() for geometry in GEOMETRIES.values()),
 ]
@@ -56,6 +88,85 @@ def test_every_value_is_listed_with_its_unit() -> None:
     assert told["pins[1].first"][0] == "crank.head"
     assert told["guess"][0] == "{ coupler = 0.6 rad, rocker = 1.4 rad }"
     assert told["cycle"][0] == "0.5 s"
+
+
+def test_a_load_is_listed_by_its_law() -> None:
+    told = {key: value for key, value, _ in values_of(LIVELY)}
+    assert told["loads[1].force"] == "5.0 N"
+    assert told["loads[2].over_position"] == "[[-0.1 m, 0.0 N], [0.1 m, -5.0 N]]"
+    assert told["loads[2].release"] == "true"
+    assert told["loads[6].over_angle"] == "[[0.0 rad, 0.0 N m], [1.0 rad, 5.0 N m]]"
+    assert told["loads[9].function"].startswith("brake of one's own, ")
+
+
+def load_of(**row: Any) -> dict[str, Any]:
+    """The four-bar as data, with a load."""
+    return {**tomllib.loads(toml_of(FOUR_BAR))["mechanism"], "loads": [row]}
+
+
+ROWS = [["0 mm", "0 N"], ["3 mm", "0.5 kN"], ["4 mm", "0 N"]]
+
+
+def test_a_load_is_read_with_its_units() -> None:
+    data = load_of(point="rocker.head", over_position=ROWS, rise="1 mm/s", direction="90 deg")
+    (load,) = read(data, "here", units=True).live_loads
+    assert load == Force(
+        Attachment("rocker", 0.06, 0.0),
+        0.5 * math.pi,
+        OverPosition([(0.0, 0.0), (0.003, 500.0), (0.004, 0.0)]),
+    )
+
+
+def at(**row: Any) -> dict[str, Any]:
+    """A force on the rocker as a row."""
+    return {"point": "rocker", **row}
+
+
+def on(**row: Any) -> dict[str, Any]:
+    """A moment on the crank as a row."""
+    return {"body": "crank", **row}
+
+
+ONE, OTHER = ["0 s", "1 N"], ["3 s", "1 N m"]
+
+
+@pytest.mark.parametrize(
+    ("row", "says"),
+    [
+        (at(point="rocker.haed", force="1 N"), "unknown point of rocker in loads 'haed'"),
+        (at(point="roker", force="1 N"), "unknown body in loads 'roker'; did you mean rocker"),
+        (at(over_position=ROWS[::-1]), r"over_position\[1\]: 0.003 does not lie"),
+        (at(over_position=ROWS[:2]), "500 N or N m at the end, 0.003"),
+        (at(over_position=[["0 mm", 3.0]]), r"\[0\] = '3.0' has no unit"),
+        (at(over_position=[["0 s", "0 N"]]), r"\[0\] = '0 s': unknown unit 's'"),
+        (at(over_position=[["0 m"]]), "two quantities, in m and N, are expected"),
+        (at(over_position="F"), "a list of pairs of quantities, in m and N"),
+        (at(over_angle=[]), "unknown key of .* 'over_angle'; did you mean"),
+        (at(over_time=[], function="f.py:f"), "no file 'f.py'"),
+        (
+            at(over_time=[ONE], over_position=ROWS),
+            "one law is expected, of over_time, .*; over_time and over_position is given",
+        ),
+        (at(), "one law is expected.*; none is given"),
+        (at(over_position=ROWS, sense="up"), "sense = 'up': allowed is one of"),
+        (at(over_position=ROWS, release=1), "release = 1: true or false"),
+        (
+            at(over_time=[ONE], sense="along"),
+            "sense: it means nothing beside over_time",
+        ),
+        (at(force="1 N", period="1 s"), "period: it means nothing beside force"),
+        ({"direction": "1 rad", "force": "1 N"}, "unknown key of .* 'direction'"),
+        (on(over_angle=[["1 deg", "1 N m"], ["0 deg", "0 N m"]]), r"over_angle\[1\]"),
+        (on(over_time=[ONE]), "unknown unit 'N'; known are N m"),
+        (on(over_time=[OTHER], period="1 s"), "with a period of 1 s allowed is 0 to 1 s"),
+        ({"over_time": [OTHER]}, "body is missing"),
+    ],
+)
+def test_a_load_that_is_none_is_told_by_its_key(row: dict[str, Any], says: str) -> None:
+    with pytest.raises(InputError, match=says) as refusal:
+        read(load_of(**row), "here", units=True)
+    assert "here" in str(refusal.value)
+    assert "\n" not in str(refusal.value)
 
 
 def test_what_slides_is_watched_along_its_guide() -> None:

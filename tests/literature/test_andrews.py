@@ -80,5 +80,5 @@ def test_energy_is_the_work_of_the_moment() -> None:
 
     mass = np.array([m for body in linkage.bodies for m in (body.mass, body.mass, body.inertia)])
     kinetic = 0.5 * float(mass @ end.velocity**2)
-    work = linkage.loads[0].moment * (end.position[2] - start.position[2])
+    work = linkage.dead_loads[0].moment * (end.position[2] - start.position[2])
     assert kinetic + stored(end.position) - stored(start.position) == pytest.approx(work, rel=1e-10)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from force_of import force_of, plain
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
@@ -13,7 +14,6 @@ from presswear.linkage.laws import (
     greatest_penetration,
     lankarani_nikravesh_damping,
 )
-from presswear.physics.laws import normal_force
 
 # Law, nominal restitution, damping factor chi, restitution delivered.
 DELIVERED = [
@@ -50,16 +50,10 @@ def _impact(exponent: float, damping: float) -> _Impact:
     """
     depth = ((exponent + 1.0) * MASS * SPEED**2 / (2.0 * STIFFNESS)) ** (1.0 / (exponent + 1.0))
     unit = depth / SPEED
+    law = plain(STIFFNESS, exponent, damping)
 
     def rate(_: float, state: NDArray[np.float64]) -> list[float]:
-        force = normal_force(
-            depth * float(state[0]),
-            SPEED * float(state[1]),
-            SPEED,
-            STIFFNESS,
-            exponent,
-            damping,
-        )
+        force = force_of(law, depth * float(state[0]), SPEED * float(state[1]), SPEED)
         return [float(state[1]), -force * unit / (MASS * SPEED)]
 
     def parts(_: float, state: NDArray[np.float64]) -> float:

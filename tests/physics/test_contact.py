@@ -5,14 +5,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from force_of import force_of, plain
 from hypothesis import assume, given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from two_bodies import JOINT, Pair, gap_of, placed, worn_joint
 
 from presswear.linkage.elements import GROUND, Attachment, ClearanceJoint
+from presswear.linkage.laws import FrictionLaw
 from presswear.physics.contact import direction_of, joint_end
-from presswear.physics.laws import FRICTION, ONSET_SPEED_FLOOR, friction_force, normal_force
+from presswear.physics.laws import ONSET_SPEED_FLOOR, friction_force, friction_record
 
 Array = NDArray[np.float64]
 
@@ -82,11 +84,10 @@ def test_momentum_is_exact(pair: Pair, onset: float) -> None:
 def test_force_acts_at_one_point_and_has_the_laws_parts(pair: Pair) -> None:
     contact = pair.contact()
     load = pair.load(0.5)
-    assert load.normal == normal_force(
-        contact.penetration, contact.rate, 0.5, 1.25e10, 1.5, pair.joint.normal.damping
-    )
+    law = plain(1.25e10, 1.5, pair.joint.normal.damping)
+    assert load.normal == force_of(law, contact.penetration, contact.rate, 0.5)
     assert load.tangential == friction_force(
-        contact.sliding, load.normal, np.array([(0.1, 1e-4, 1e-3)], FRICTION)[0]
+        contact.sliding, load.normal, friction_record(FrictionLaw(0.1))
     )
     n = np.array([contact.normal_x, contact.normal_y])
     t = np.array([-n[1], n[0]])

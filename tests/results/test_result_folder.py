@@ -18,8 +18,9 @@ from presswear.campaign.single import run_into
 from presswear.record.tracker import Tracker
 from presswear.results.folder import INTERVAL, LEAST_WAIT, ResultFolder
 from presswear.results.result import load, read_document, unfinished
+from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import wear_times
-from presswear.scene.scene import CONVENTIONS, Scene
+from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.tools.arrays import write_arrays
 from presswear.tools.documents import sealed_json

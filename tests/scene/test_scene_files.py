@@ -14,6 +14,7 @@ from presswear.scene.catalog import wear_times
 from presswear.scene.files import EXAMPLES, example_file, scene_from
 from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError, one_line
+from presswear.tools.own import OwnFunction
 
 
 @pytest.mark.parametrize("kind", EXAMPLES)
@@ -87,7 +88,31 @@ def test_a_file_that_is_none_is_told(tmp_path: Path) -> None:
         scene_from(tmp_path / "none.toml")
 
 
-LINES = example_file("four-bar").splitlines()
+LOADS = """
+[[mechanism.loads]]
+point = "rocker.head"
+direction = "30 deg"
+over_position = [["-20 mm", "0 N"], ["0 mm", "-0.1 kN"], ["10 mm", "-50 N"]]
+sense = "along"
+release = true
+[[mechanism.loads]]
+body = "crank"
+over_angle = [["0 deg", "0 N m"], ["90 deg", "0.1 N m"]]
+repeats = "360 deg"
+[[mechanism.loads]]
+body = "rocker"
+over_time = [["0 s", "0 N m"], ["10 ms", "0.1 N m"]]
+period = "20 ms"
+"""
+LINES = f"{example_file('four-bar')}{LOADS}".splitlines()
+
+
+def test_a_file_may_hold_loads(tmp_path: Path) -> None:
+    file = tmp_path / "loaded.toml"
+    file.write_text("\n".join(LINES))
+    scene = scene_from(file)
+    assert [len(getattr(load.law, "table", ())) for load in scene.linkage().live_loads] == [3, 2, 2]
+    assert Scene.from_dict(scene.as_dict()) == scene
 
 
 @given(
@@ -126,3 +151,20 @@ def test_a_damaged_file_is_read_or_refused(
         refusal = one_line(str(error))
     assert "\n" not in refusal
     assert not refusal or refusal.startswith(str(file))
+
+
+def test_laws_of_ones_own_stand_beside_the_file(tmp_path: Path) -> None:
+    """FILE.py:FUNCTION is read from the folder of the scene's file, wherever it is run."""
+    (tmp_path / "laws.py").write_text("def rub(sliding, normal):\n    return -normal * sliding\n")
+    file = tmp_path / "mine.toml"
+    text = example_file("four-bar") + 'B.friction_law = "laws.py:rub"\n'
+    file.write_text(text)
+    law = scene_from(file).bearing("B").friction_law
+    assert isinstance(law, OwnFunction)
+    assert law.name == "rub"
+    for wrong, words in (("laws.py:rob", "did you mean rub"), ("law.py:rub", "there is no file")):
+        file.write_text(text.replace("laws.py:rub", wrong))
+        with pytest.raises(InputError, match=words) as told:
+            scene_from(file)
+        assert str(file) in str(told.value)
+        assert "friction_law" in str(told.value)

@@ -1,5 +1,6 @@
 """Figures of small made-up results."""
 
+import math
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -10,15 +11,19 @@ import matplotlib.pyplot as pyplot
 import numpy as np
 import pytest
 from matplotlib.axes import Axes
+from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure as Sheet
 
 from presswear.engines.base import Status
+from presswear.linkage.four_bar import FOUR_BAR
+from presswear.linkage.loads import AnyLoad, Force, Harmonics, Load, Moment
 from presswear.linkage.surface import bin_centres
 from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
 from presswear.results.result import Result
 from presswear.results.stage import SIDES, StageResult, WearStep
+from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import wear_times
-from presswear.scene.scene import CONVENTIONS, Scene, stage_name
+from presswear.scene.scene import Scene, stage_name
 from presswear.scene.settings import changed
 from presswear.show.figures import NAMES, drawings, save
 from presswear.show.figures.mechanism import labelled
@@ -350,6 +355,28 @@ def test_the_mechanism_is_labelled_where_it_stands() -> None:
         marks = [np.ravel(line.get_xydata()) for line in axes.lines if line.get_marker() == "+"]
         assert any(np.allclose(mark, centre, atol=1e-12) for mark in marks)
     assert words.count("11 rad/s") == 2
+
+
+def test_loads_are_drawn_where_they_act() -> None:
+    """A force as an arrow to its point, a moment as a bent one around the mass centre."""
+    scene = Scene(mechanism=FOUR_BAR, joints="B")
+    loads: list[AnyLoad] = [
+        Force("rocker.head", 0.5, 3.0),
+        Moment("crank", Harmonics(1.0)),
+        Load("coupler", 2.0),
+    ]
+    loaded = replace(scene, mechanism=replace(FOUR_BAR, loads=loads))
+    (axes,), (plain,) = (labelled(own).sheet.axes for own in (loaded, scene))
+    assert len(axes.patches) == len(plain.patches) + 3
+    red = [own for own in axes.patches if own.get_edgecolor() == to_rgba("tab:red")]
+    position = scene.ideal.at(np.zeros(1)).position[0]
+    angle = position[8]
+    head = position[6:8] + 0.06 * np.array([math.cos(angle), math.sin(angle)])
+    assert len(red) == 3
+    for place in (head, position[3:5]):
+        gaps = [np.abs(np.asarray(own.get_path().vertices) - place).max(axis=1) for own in red]
+        # The head's corner is rounded; its tail is 40 mm away.
+        assert min(float(gap.min()) for gap in gaps) < 2e-3
 
 
 def test_stage_names() -> None:

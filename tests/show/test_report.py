@@ -9,8 +9,8 @@ import pytest
 from test_figures import BODY, BOTH, IDEAL, ONE, altered, made_up
 
 from presswear.results.result import Result
+from presswear.scene.bearing import CONVENTIONS, Conventions
 from presswear.scene.catalog import slider_crank
-from presswear.scene.scene import CONVENTIONS, Conventions
 from presswear.scene.settings import settings_of
 from presswear.show.figures import drawings
 from presswear.show.report import notes, render, write_report

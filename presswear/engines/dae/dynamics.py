@@ -2,7 +2,8 @@
 
 M q'' + Phi_q^T lambda = g with Phi_q q'' = gamma - 2 alpha Phi' - beta^2 Phi.  The
 state is y = (q, q', integrals): positions, velocities, and as quadratures the drive
-work, its absolute value, and per clearance joint the rates of ``add_contacts``.
+work, its absolute value, and per clearance joint the rates of ``add_contacts``; last, where
+there is any, the work of loads and dampers.
 """
 
 from typing import NamedTuple
@@ -10,13 +11,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.physics.applied import applied_forces, has_work
 from presswear.physics.constraints import DRIVE, Constraints, constraint_rows
 from presswear.physics.contact import CONTACT, note_contacts
-from presswear.physics.forces import JOINT_RATES, add_contacts
+from presswear.physics.forces import BRISTLE, JOINT_RATES, add_contacts
 from presswear.physics.motion import drive_motion
 from presswear.physics.multipliers import Elimination, solve_multipliers, work_out
 from presswear.physics.packed import Packed
-from presswear.physics.springs import spring_forces
 from presswear.tools.compiled import Records, compiled, copy_to
 
 Array = NDArray[np.float64]
@@ -31,8 +32,8 @@ JOINT_INTEGRALS = JOINT_RATES
 class System(NamedTuple):
     """A linkage as the kernels see it, with working space.
 
-    ``inverse_mass`` is (3 bodies,); ``phi``, ``phi_t``, ``gamma``,
-    ``right`` and ``multipliers`` are (rows,).
+    ``has_work`` tells whether loads or dampers do any; ``inverse_mass`` is (3 bodies,); ``phi``,
+    ``phi_t``, ``gamma``, ``right`` and ``multipliers`` are (rows,).
     """
 
     packed: Packed
@@ -44,6 +45,7 @@ class System(NamedTuple):
     contacts: Records
     alpha: float
     beta: float
+    has_work: bool
     phi: Array
     phi_t: Array
     gamma: Array
@@ -83,16 +85,25 @@ def solve(system: System) -> None:
 
 
 @compiled
+def note_bristles(contacts: Records, y: Array, n: int) -> None:
+    """Fill in the deflections of bristles, which are among the integrals of a state."""
+    for k in range(contacts.shape[0]):
+        contacts[k].bristle = y[2 * n + DRIVE_INTEGRALS + JOINT_INTEGRALS * k + BRISTLE]
+
+
+@compiled
 def rates(system: System, onset: Array, t: float, y: Array, out: Array) -> None:
     """Fill dy/dt; leaves the multipliers in ``system``."""
     n = system.inverse_mass.shape[0]
     q = y[:n]
     v = y[n : 2 * n]
     force = out[n : 2 * n]
-    copy_to(force, system.packed.weight)
-    spring_forces(system.packed.springs, q, v, force)
+    power = applied_forces(system.packed, t, q, v, force)
+    if system.has_work:
+        out[out.shape[0] - 1] = power
     rest = out[2 * n + DRIVE_INTEGRALS :]
     note_contacts(system.packed, system.contacts, q, v)
+    note_bristles(system.contacts, y, n)
     add_contacts(system.packed.joints, onset, system.contacts, force, rest)
     evaluate_constraints(system, t, q, v)
     damping = 2.0 * system.alpha
@@ -154,6 +165,7 @@ def system_of(packed: Packed, constraints: Constraints, alpha: float, beta: floa
         contacts=np.zeros(len(packed.joints), CONTACT),
         alpha=alpha,
         beta=beta,
+        has_work=has_work(packed),
         phi=rows[0],
         phi_t=rows[1],
         gamma=rows[2],

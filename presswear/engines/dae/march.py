@@ -2,8 +2,11 @@
 
 Error-controlled: a touchdown or separation inside an accepted step is located by
 repeating the step until it ends there, and the integration starts anew from it, so
-that no step ever crosses a change of law.
+that no step ever crosses a change of law.  A load's law changes in the same way, with equal
+steps too: one of them is cut in two where it does.
 """
+
+import math
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,14 +15,17 @@ from presswear.engines.dae.dynamics import (
     DRIVE_INTEGRALS,
     JOINT_INTEGRALS,
     System,
+    note_bristles,
     project,
     rates,
 )
 from presswear.engines.dae.runge_kutta import Integration, classical_step, embedded_step
 from presswear.engines.dormand_prince import Tableau
+from presswear.physics.applied import settle_modes
 from presswear.physics.constraints import DRIVE
 from presswear.physics.contact import note_contact, note_contacts
 from presswear.physics.forces import PRESSURE, WORK, note_forces
+from presswear.physics.loads import WAYS, load_motion, next_break, switching
 from presswear.physics.touchdown import (
     LEAST_STEPS,
     contact_step,
@@ -41,6 +47,7 @@ CONTROL = np.dtype(
     [
         ("time", np.float64),
         ("step", np.float64),  # next, s
+        ("due", np.float64),  # time at which an equal step that was cut is to end, s; or 0
         ("longest", np.float64),  # s
         ("shortest", np.float64),  # s
         ("tolerance", np.float64),
@@ -66,6 +73,10 @@ EVENT_DEPTH = 1e-17
 """Penetration at which an event is located, m."""
 FOUND_DEPTH = 1e-12
 """Penetration up to which a place that round-off keeps from it is one, m."""
+BEHIND = 1e-13
+"""A step that ends on a change of a load's law goes so far behind it, m, rad, m/s or rad/s."""
+FOUND_BEHIND = 1e-9
+"""... and so far where round-off keeps it from ending sooner."""
 
 
 @compiled
@@ -78,27 +89,112 @@ def penetration_of(system: System, k: int, y: Array) -> tuple[float, float]:
 
 
 @compiled
-def first_event(
-    system: System, book: Book, trial: Array, h: float, apart: int
-) -> tuple[int, float]:
-    """Joint that touches down or separates first in a trial step, and at which part; or -1.
+def event_value(system: System, book: Book, k: int, y: Array, slope: Array) -> tuple[float, float]:
+    """Switching function of event ``k`` in a state, and its rate.
 
-    Joint ``apart`` is not looked at.
+    Events are those of the joints, then the ways out of the modes of the loads.
+    """
+    joints = system.contacts.shape[0]
+    if k < joints:
+        depth, rate = penetration_of(system, k, y)
+        return (-depth, -rate) if book.onset[k] > 0.0 else (depth, rate)
+    n = system.inverse_mass.shape[0]
+    own = (k - joints) // WAYS
+    packed = system.packed
+    load = packed.loads[own]
+    s, speed, faster = load_motion(load, y[:n], y[n : 2 * n], slope[n : 2 * n])
+    way = (k - joints) % WAYS
+    mode = packed.modes[own]
+    value, rate, _, _ = switching(load, packed.nodes, mode, way, s, speed, faster, 0.0)
+    return value, rate
+
+
+@compiled
+def event_count(system: System) -> int:
+    """Number of events that are looked for."""
+    return system.contacts.shape[0] + WAYS * system.packed.loads.shape[0]
+
+
+@compiled
+def first_change(
+    system: System, book: Book, motion: Integration, last: int, h: float, apart: int
+) -> tuple[int, float]:
+    """Change of a load's law that comes first in a trial step, and at which part; or -1.
+
+    Parameters
+    ----------
+    last : int
+        Which of the slopes is that at the end of the trial step.
+    apart : int
+        Event that is not looked at.
     """
     found = -1
     part = 2.0
-    for k in range(system.contacts.shape[0]):
-        if k == apart:
+    for k in range(system.contacts.shape[0], event_count(system)):
+        value, rate = event_value(system, book, k, motion.trial, motion.slopes[last])
+        # One just behind is taken with that on which the step ends.
+        if k == apart or value == -math.inf or 0.0 < value <= 2.0 * BEHIND:
             continue
-        last = book.memory[k]
-        depth, rate = penetration_of(system, k, trial)
-        sign = -1.0 if book.onset[k] > 0.0 else 1.0
-        start = min(sign * last.penetration, 0.0)
-        s = crossing(start, sign * last.rate, sign * depth, sign * rate, h)
-        # A state that was just placed on an event moves away from it and does not repeat it.
-        if s < part and (s * h > 1e-14 or sign * last.rate > 0.0):
+        start, first_rate = event_value(system, book, k, motion.y, motion.slopes[0])
+        s = crossing(min(start, 0.0), first_rate, value, rate, h)
+        if s < part and (s * h > 1e-14 or first_rate > 0.0):
             found, part = k, s
     return found, part
+
+
+@compiled
+def first_event(
+    system: System,
+    book: Book,
+    motion: Integration,
+    last: int,
+    h: float,
+    apart: int,
+    joints: int,
+) -> tuple[int, float]:
+    """Joint that touches down or separates first in a trial step, and at which part; or -1.
+
+    Where a load's law changes sooner, it is that event; see ``first_change``.
+
+    Parameters
+    ----------
+    joints : int
+        Number of joints that are looked at.
+    """
+    trial = motion.trial
+    found = -1
+    part = 2.0
+    for k in range(joints):
+        if k == apart:
+            continue
+        memory = book.memory[k]
+        depth, rate = penetration_of(system, k, trial)
+        sign = -1.0 if book.onset[k] > 0.0 else 1.0
+        start = min(sign * memory.penetration, 0.0)
+        s = crossing(start, sign * memory.rate, sign * depth, sign * rate, h)
+        # A state that was just placed on an event moves away from it and does not repeat it.
+        if s < part and (s * h > 1e-14 or sign * memory.rate > 0.0):
+            found, part = k, s
+    k, s = first_change(system, book, motion, last, h, apart)
+    return (k, s) if s < part else (found, part)
+
+
+@compiled
+def trial_step(
+    system: System,
+    tableau: Tableau,
+    book: Book,
+    control: Records,
+    motion: Integration,
+    t: float,
+    h: float,
+) -> float:
+    """Make one trial step of either kind; returns its error over the allowed one."""
+    control[0].evaluations += tableau.b.shape[0]
+    if tableau.error.shape[0] == 0:
+        classical_step(system, book.onset, motion, t, h)
+        return 0.0
+    return embedded_step(system, tableau, book.onset, motion, t, h)
 
 
 @compiled
@@ -113,7 +209,9 @@ def locate(
     h: float,
     part: float,
 ) -> tuple[float, bool]:
-    """Find the length of the step that ends where joint ``k`` has zero penetration, if any.
+    """Find the length of the step that ends on event ``k``, if any.
+
+    A joint then has zero penetration, a load is just behind the change of its law.
 
     Newton's method, held between the ends of a step of length ``h``: where the surface is
     steep it would stray to lengths whose error nobody has looked at.
@@ -123,26 +221,68 @@ def locate(
     part : float
         Part of the step to look at first.
     """
-    sign = -1.0 if book.onset[k] > 0.0 else 1.0
+    aim, near, found = 0.0, EVENT_DEPTH, FOUND_DEPTH
+    if k >= system.contacts.shape[0]:
+        aim, near, found = BEHIND, 0.5 * BEHIND, FOUND_BEHIND
+    end = motion.slopes[last_slope(tableau)]
     low, high = 0.0, h
     length = part * h
+    is_last = False
     for _ in range(NEWTON_STEPS):
-        embedded_step(system, tableau, book.onset, motion, t, length)
-        control[0].evaluations += tableau.b.shape[0]
-        depth, rate = penetration_of(system, k, motion.trial)
-        if abs(depth) <= EVENT_DEPTH:
-            return length, True
-        if sign * depth > 0.0:
+        trial_step(system, tableau, book, control, motion, t, length)
+        value, rate = event_value(system, book, k, motion.trial, end)
+        value -= aim
+        if abs(value) <= near or is_last:
+            break
+        if value > 0.0:
             high = length
         else:
             low = length
-        following = length - depth / rate if rate != 0.0 else -1.0
+        following = length - value / rate if rate != 0.0 else -1.0
         if not low < following < high:
             following = 0.5 * (low + high)
         if abs(following - length) <= 1e-15:
-            break
+            if aim == 0.0 or value > 0.0:
+                break
+            # Round-off keeps it from ending just behind: the nearest that is behind.
+            following, is_last = high, True
         length = following
-    return length, abs(depth) <= FOUND_DEPTH
+    if aim > 0.0:
+        return length, -near <= value <= found
+    return length, abs(value) <= found
+
+
+@compiled
+def last_slope(tableau: Tableau) -> int:
+    """Which of the slopes of a step is that at its end."""
+    return tableau.b.shape[0] - (tableau.error.shape[0] == 0)
+
+
+@compiled
+def event_in(
+    system: System,
+    tableau: Tableau,
+    book: Book,
+    control: Records,
+    motion: Integration,
+    t: float,
+    h: float,
+    joints: int,
+) -> tuple[int, float, bool]:
+    """First event of a trial step, or -1, the step that ends on it, s, and whether it is there.
+
+    Among joints the first ``joints`` are looked at.
+    """
+    last = last_slope(tableau)
+    k, located, found = -1, h, True
+    # The cubics may see events of two joints in the wrong order.
+    for _ in range(1 + event_count(system)):
+        earlier, part = first_event(system, book, motion, last, located, k, joints)
+        if not found or earlier < 0:
+            break
+        k = earlier
+        located, found = locate(system, tableau, book, control, motion, t, k, located, part)
+    return k, located, found
 
 
 @compiled
@@ -175,6 +315,7 @@ def finish_step(
     n = system.inverse_mass.shape[0]
     y = motion.y
     note_contacts(book.packed, book.contacts, y[:n], y[n : 2 * n])
+    note_bristles(book.contacts, y, n)
     note_forces(book.packed.joints, book.onset, book.contacts)
     for k in range(system.contacts.shape[0]):
         base = 2 * n + DRIVE_INTEGRALS + JOINT_INTEGRALS * k
@@ -197,6 +338,22 @@ def finish_step(
 
 
 @compiled
+def until_break(system: System, t: float) -> float:
+    """Time to the next bend over time of a load, s."""
+    packed = system.packed
+    return next_break(packed.loads, packed.nodes, packed.modes) - t
+
+
+@compiled
+def settle_state_modes(system: System, tableau: Tableau, motion: Integration, t: float) -> int:
+    """Bring the loads' modes up to a state just accepted; returns how many have changed."""
+    n = system.inverse_mass.shape[0]
+    y = motion.y
+    slope = motion.slopes[last_slope(tableau)]
+    return settle_modes(system.packed, t, y[:n], y[n : 2 * n], slope[n : 2 * n])
+
+
+@compiled
 def march_controlled(
     system: System,
     tableau: Tableau,
@@ -216,13 +373,14 @@ def march_controlled(
             return DONE
         longest = skim_step(system.packed, book.memory, state.longest)
         longest = step_after_touchdown(system.packed.joints, book.onset, book.memory, longest)
-        h = min(state.step, longest, left)
+        h = min(state.step, longest, left, until_break(system, t))
         last_step = h >= left
         for i in range(n):
             motion.scale[i] = state.tolerance * POSITION_SCALE
             motion.scale[n + i] = state.tolerance * (1.0 + abs(motion.y[n + i]))
-        error = embedded_step(system, tableau, book.onset, motion, t, h)
-        state.evaluations += tableau.b.shape[0]
+        for i in range(2 * n, motion.scale.shape[0]):
+            motion.scale[i] = state.tolerance * POSITION_SCALE
+        error = trial_step(system, tableau, book, control, motion, t, h)
         if not error <= 1.0:
             state.rejected += 1
             factor = LEAST_FACTOR
@@ -232,18 +390,12 @@ def march_controlled(
             if not state.step > state.shortest:
                 return BROKEN if not error < 1e30 else STUCK
             continue
-        k, part = first_event(system, book, motion.trial, h, -1)
         factor = GREATEST_FACTOR if error == 0.0 else SAFETY * error**tableau.exponent
         state.step = h * min(max(factor, LEAST_FACTOR), GREATEST_FACTOR)
+        k, located, found = event_in(
+            system, tableau, book, control, motion, t, h, system.contacts.shape[0]
+        )
         if k >= 0:
-            located, found = locate(system, tableau, book, control, motion, t, k, h, part)
-            for _ in range(system.contacts.shape[0]):
-                # The cubics may have seen events of two joints in the wrong order.
-                earlier, part = first_event(system, book, motion.trial, located, k)
-                if not found or earlier < 0:
-                    break
-                k = earlier
-                located, found = locate(system, tableau, book, control, motion, t, k, located, part)
             if not found:
                 # The cubic through both ends saw what is not there; a shorter one sees better.
                 state.rejected += 1
@@ -256,14 +408,15 @@ def march_controlled(
             state.events += 1
         t = end if last_step else t + h
         copy_to(motion.y, motion.trial)
-        if k >= 0:
+        changed = settle_state_modes(system, tableau, motion, t)
+        if 0 <= k < system.contacts.shape[0]:
             switch(system, book, k, t, motion.y)
             rate = penetration_of(system, k, motion.y)[1]
             part = contact_step(system.packed.joints[k], 0.0, rate, FIRST_PARTS)
             state.step = min(state.step, part)
         if state.projected:
             project(system, t, motion.y)
-        if state.projected or k >= 0:
+        if state.projected or k >= 0 or changed > 0:
             rates(system, book.onset, t, motion.y, motion.slopes[0])
             state.evaluations += 1
         else:
@@ -274,7 +427,13 @@ def march_controlled(
 
 @compiled
 def march_fixed(
-    system: System, book: Book, control: Records, motion: Integration, end: float, most: int
+    system: System,
+    tableau: Tableau,
+    book: Book,
+    control: Records,
+    motion: Integration,
+    end: float,
+    most: int,
 ) -> int:
     """Integrate with equal steps of order 4; contact state changes between steps only."""
     n = system.inverse_mass.shape[0]
@@ -286,10 +445,23 @@ def march_fixed(
         if left <= 1e-9 * state.step:
             return DONE
         h = min(state.step, left)
-        classical_step(system, book.onset, motion, t, h)
-        state.evaluations += 4
+        if state.due > t:
+            h = min(state.due - t, left)
+        whole = h
+        h = min(h, until_break(system, t))
+        trial_step(system, tableau, book, control, motion, t, h)
+        k, located, found = event_in(system, tableau, book, control, motion, t, h, 0)
+        if k >= 0:
+            if found:
+                h = located
+                state.events += 1
+            else:
+                trial_step(system, tableau, book, control, motion, t, h)
         copy_to(motion.y, motion.trial)
+        # What is left of a step that was cut follows by itself.
+        state.due = t + whole if h < whole else 0.0
         t = end if h >= left else t + h
+        settle_state_modes(system, tableau, motion, t)
         for i in range(2 * n):
             if not abs(motion.y[i]) < 1e30:
                 return BROKEN

@@ -109,7 +109,7 @@ def _accept(frame: Frame, drives: Drives, book: Book, steps: Records) -> Accept:
 
 
 def _send_back(frame: Frame, solve: Solve, steps: Records) -> Callable[[Any, float], list[float]]:
-    """The function for PostNewton: repeats a step that ran too far past a touch."""
+    """The function for PostNewton: repeats a step that ran too far past a touch or bend."""
     book = solve.recorder.book
     kernel = specialised(shorter_joint_step, frame, book, steps, 0.0)
 
@@ -138,7 +138,7 @@ def prepare(
         drives = _drives(model, linkage)
         accept = _accept(model.frame, drives, book, steps)
         model.system.SetPostStepUserFunction(post_step(solve, accept))
-        if linkage.clearances:
+        if linkage.clearances or linkage.live_loads:
             model.system.SetPostNewtonUserFunction(_send_back(model.frame, solve, steps))
     energies = book.memory["energy"]
     before = stored_energy(book.packed, energies, start.position, start.velocity)

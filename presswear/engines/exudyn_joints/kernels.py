@@ -6,9 +6,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.physics.applied import applied_forces, settle_modes
 from presswear.physics.contact import note_contacts
 from presswear.physics.energy import loss_powers
 from presswear.physics.forces import add_contacts, load_of
+from presswear.physics.loads import WAYS, load_forces, load_motion, next_break, switching
 from presswear.physics.motion import drive_motion
 from presswear.physics.packed import Packed
 from presswear.physics.prescribed import (
@@ -17,13 +19,18 @@ from presswear.physics.prescribed import (
     place_prescribed,
     subtract_inertia,
 )
-from presswear.physics.touchdown import LEAST_STEPS, next_step, shorter_step
+from presswear.physics.touchdown import LEAST_STEPS, crossing, next_step, shorter_step
 from presswear.physics.wear import dose_rates
 from presswear.record.observe import Book, observe, settle_state
-from presswear.tools.compiled import Records, all_finite, compiled, copy_to
+from presswear.tools.compiled import Records, all_finite, compiled
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
+
+JUMP = 1e-3
+"""Change of a load on passing from one piece of its law to the next that is a jump, part of it."""
+LATE = 2.0
+"""A step ends so many shortest steps behind a change of a load's law."""
 
 
 class Frame(NamedTuple):
@@ -57,6 +64,20 @@ class Frame(NamedTuple):
     contacts: Records
 
 
+class Live(NamedTuple):
+    """Working space for the loads with a law.
+
+    Attributes
+    ----------
+    places : ndarray of int
+        Where each of the connector's coordinates belongs in q.
+    force : ndarray, shape (3 bodies,)
+    """
+
+    places: Indices
+    force: Array
+
+
 @compiled
 def refresh(frame: Frame, t: float) -> None:
     """Bring the coordinates of all bodies up to Exudyn's present state."""
@@ -74,15 +95,17 @@ def refresh(frame: Frame, t: float) -> None:
 def connector_forces(
     frame: Frame,
     packed: Packed,
+    live: Live,
     slots: Indices,
     onset: Array,
     t: float,
     out: Array,
 ) -> None:
-    """Fill the generalized forces of all clearance joints on the bodies of the connector.
+    """Fill the generalized forces of clearance joints and loads on the bodies of the connector.
 
     Parameters
     ----------
+    live : Live
     slots : ndarray of int, shape (joints, 2)
         Where the forces on bearing and pin belong in ``out``; -1 for a body that Exudyn
         does not solve for.
@@ -106,6 +129,12 @@ def connector_forces(
             out[i] += load.x
             out[i + 1] += load.y
             out[i + 2] += load.pin_moment
+    if packed.loads.shape[0] > 0:
+        for i in range(live.force.shape[0]):
+            live.force[i] = 0.0
+        load_forces(packed.loads, packed.nodes, packed.modes, t, frame.q, frame.v, live.force)
+        for i in range(out.shape[0]):
+            out[i] += live.force[live.places[i]]
 
 
 class Drives(NamedTuple):
@@ -132,11 +161,17 @@ class Drives(NamedTuple):
 
 
 @compiled
-def drive_power(frame: Frame, drives: Drives, book: Book, t: float) -> float:
-    """Fill the torques of the drives, with contacts noted; returns their power, W."""
+def powers(frame: Frame, drives: Drives, book: Book, t: float) -> tuple[float, float]:
+    """Fill the torques of the drives, with contacts noted.
+
+    Returns
+    -------
+    tuple
+        Power of the drives, and of loads and dampers, W.
+    """
     prescribed = frame.prescribed
+    given = applied_forces(book.packed, t, frame.q, frame.v, drives.force)
     if prescribed.parts.shape[0] > 0:
-        copy_to(drives.force, book.packed.weight)
         add_contacts(book.packed.joints, book.onset, book.contacts, drives.force, drives.rates)
         subtract_inertia(prescribed, frame.a, drives.force)
         drive_torques(prescribed, frame.q, frame.axes, drives.force, book.torque)
@@ -145,11 +180,11 @@ def drive_power(frame: Frame, drives: Drives, book: Book, t: float) -> float:
         if drives.multiplier[i] >= 0:
             book.torque[i] = -drives.multipliers[drives.multiplier[i]]
         power += book.torque[i] * drive_motion(drives.motions[i], t)[1]
-    return power
+    return power, given
 
 
 @compiled
-def sum_step(book: Book, drive_power: float, t: float, h: float) -> None:
+def sum_step(book: Book, drive_power: float, load_power: float, t: float, h: float) -> None:
     """Fill the doses of wear of a step, and add to the ledger of energy.
 
     Doses are taken from the state at the step's end: over a whole contact that is the
@@ -172,11 +207,13 @@ def sum_step(book: Book, drive_power: float, t: float, h: float) -> None:
     ledger = book.ledger[0]
     half = 0.5 * h
     ledger.drive_work += half * (ledger.drive_power + drive_power)
+    ledger.load_work += half * (ledger.load_power + load_power)
     ledger.drive_exchange += half * (abs(ledger.drive_power) + abs(drive_power))
     ledger.contact_loss += half * (ledger.contact_power + contact_power)
     ledger.friction_loss += half * (ledger.friction_power + friction_power)
     ledger.made += half * (ledger.made_power + made_power)
     ledger.drive_power = drive_power
+    ledger.load_power = load_power
     ledger.contact_power = contact_power
     ledger.friction_power = friction_power
     ledger.made_power = made_power
@@ -189,19 +226,54 @@ def accept_joint_step(
     """Settle contact, account for an accepted step and choose the next; NaN if it is broken."""
     refresh(frame, t)
     note_contacts(book.packed, book.contacts, frame.q, frame.v)
-    power = drive_power(frame, drives, book, t)
+    power, given = powers(frame, drives, book, t)
     if not all_finite(frame.q, frame.v):
         return math.nan
     settle_state(book, t, LEAST_STEPS)
-    sum_step(book, power, t, h)
+    sum_step(book, power, given, t, h)
     observe(book, t, h, frame.q, frame.v, frame.a)
-    return next_step(book.packed, book.onset, book.memory, steps, book.contacts, frame.a)
+    following = next_step(book.packed, book.onset, book.memory, steps, book.contacts, frame.a)
+    packed = book.packed
+    if settle_modes(packed, t, frame.q, frame.v, frame.a) > 0:
+        book.ledger[0].load_power = applied_forces(packed, t, frame.q, frame.v, drives.force)
+        for k in range(packed.modes.shape[0]):
+            if packed.modes[k].jump > JUMP:
+                # The rule begins from accelerations that no longer hold.
+                following = steps[0].least
+    left = next_break(packed.loads, packed.nodes, packed.modes) - t
+    return max(min(following, left), 0.1 * steps[0].least)
 
 
 @compiled
 def shorter_joint_step(frame: Frame, book: Book, steps: Records, t: float) -> float:
     """Step with which a trial step has to be repeated; see ``shorter_step``."""
     refresh(frame, t)
-    return shorter_step(
+    shorter = shorter_step(
         book.packed, book.onset, book.memory, steps, frame.contacts, t, frame.q, frame.v
     )
+    wanted = late_change(book.packed, steps, t, frame.q, frame.v, frame.a)
+    return wanted if shorter < 0.0 or 0.0 < wanted < shorter else shorter
+
+
+@compiled
+def late_change(packed: Packed, steps: Records, t: float, q: Array, v: Array, a: Array) -> float:
+    """Step, s, that ends just behind a change of a load's law before the trial state; else -1."""
+    shortest = -1.0
+    for k in range(packed.loads.shape[0]):
+        load = packed.loads[k]
+        last = packed.modes[k]
+        h = t - last.time
+        place, speed, faster = load_motion(load, q, v, a)
+        for way in range(WAYS):
+            p1, r1, _, _ = switching(load, packed.nodes, last, way, place, speed, faster, 0.0)
+            if p1 == -math.inf:
+                continue
+            p0, r0, _, _ = switching(
+                load, packed.nodes, last, way, last.place, last.speed, last.faster, 0.0
+            )
+            s = crossing(min(p0, 0.0), r0, p1, r1, h)
+            if s <= 1.0 and (1.0 - s) * h > 2.0 * LATE * steps[0].least:
+                wanted = s * h + LATE * steps[0].least
+                if shortest < 0.0 or wanted < shortest:
+                    shortest = wanted
+    return shortest

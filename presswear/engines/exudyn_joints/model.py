@@ -1,8 +1,8 @@
 """A linkage as an Exudyn system of rigid bodies, joints and connectors.
 
 Every body is an ``ObjectRigidBody2D``, every ideal joint an Exudyn constraint, and
-all clearance joints together are one ``ObjectGenericODE2`` over the nodes of their
-bodies: its Python user function returns the exact generalized forces on all of them.
+all clearance joints, and all loads with a law, are one ``ObjectGenericODE2`` over the nodes of
+their bodies: its Python user function returns the exact generalized forces on all of them.
 (A connector between two markers cannot: it applies equal and opposite moments, while
 pin and bearing have different radii.)  Bodies without freedom that only clearance joints
 hold on to are left out: their motion is known, and the torques of their drives follow from
@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from presswear.engines.base import Start
 from presswear.engines.exudyn import add_load, add_marker, add_node, add_object
-from presswear.engines.exudyn_joints.kernels import Frame, connector_forces
+from presswear.engines.exudyn_joints.kernels import Frame, Live, connector_forces
 from presswear.linkage.elements import GROUND, Attachment, Drive, Linkage
 from presswear.linkage.topology import bodies_of, joints_of, prescribed_of
 from presswear.physics.contact import CONTACT
@@ -146,7 +146,7 @@ def assemble(linkage: Linkage, start: Start, recorder: Recorder) -> JointsModel:
             damping=spring.damping,
             referenceLength=spring.length,
         )
-    for load in linkage.loads:
+    for load in linkage.dead_loads:
         if load.body in omitted:
             continue
         at_centre = marker_at(Attachment(load.body, 0.0, 0.0))
@@ -154,20 +154,24 @@ def assemble(linkage: Linkage, start: Start, recorder: Recorder) -> JointsModel:
         add_load(system, "ForceVector", markerNumber=at_centre, loadVector=force)
         add_load(system, "TorqueVector", markerNumber=at_centre, loadVector=torque)
     ends = [end.body for joint in linkage.clearances for end in (joint.bearing, joint.pin)]
-    joined = tuple(name for name in dict.fromkeys(ends) if name in nodes)
+    loaded = [load.body for load in linkage.live_loads]
+    joined = tuple(name for name in dict.fromkeys(ends + loaded) if name in nodes)
     places = [3 * joined.index(name) if name in joined else -1 for name in ends]
     slots = np.array(places, dtype=np.int64).reshape(-1, 2)
     packed, onset = recorder.book.packed, recorder.book.onset
     out = np.zeros(3 * len(joined))
+    first = [3 * linkage.index(name) for name in joined]
+    owned = np.array([place + c for place in first for c in range(3)], np.int64)
+    live = Live(owned, np.zeros(3 * len(linkage.bodies)))
 
-    def contacts(system: Any, t: float, item: int, q: Any, v: Any) -> Array:
+    def forces(system: Any, t: float, item: int, q: Any, v: Any) -> Array:
         # Reads the live state, known once all is assembled, instead of Exudyn's copies.
-        kernel(frame, packed, slots, onset, t, out)
+        kernel(frame, packed, live, slots, onset, t, out)
         return out
 
-    if linkage.clearances:
+    if joined:
         numbers = [nodes[name] for name in joined]
-        add_object(system, "GenericODE2", nodeNumbers=numbers, forceUserFunction=contacts)
+        add_object(system, "GenericODE2", nodeNumbers=numbers, forceUserFunction=forces)
     system.Assemble()
     data = system.systemData
     solved = (
@@ -177,7 +181,7 @@ def assemble(linkage: Linkage, start: Start, recorder: Recorder) -> JointsModel:
         data.GetAECoordinates(copy=False),
     )
     frame = _frame(solved[:3], linkage, start, omitted)
-    kernel = specialised(connector_forces, frame, packed, slots, onset, 0.0, out)
+    kernel = specialised(connector_forces, frame, packed, live, slots, onset, 0.0, out)
     return JointsModel(container, system, constraints, solved, frame)
 
 

@@ -90,7 +90,7 @@ def system_of(tree: Tree, linkage: Linkage, start: Start, longest: float) -> Tre
         prescribed=prescribed,
         expected=np.zeros(joints),
         pace=pace,
-        stages=np.zeros((STAGES, 1 + JOINT_RATES * joints)),
+        stages=np.zeros((STAGES, 2 + JOINT_RATES * joints)),
         state=np.zeros((5, count)),
         carried=np.zeros((len(tree.links), CARRIED)),
         balance=np.zeros(tree.size),

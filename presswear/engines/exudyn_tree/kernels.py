@@ -4,9 +4,9 @@ Exudyn's DOPRI5 evaluates seven stages a step, the last in the state that the st
 ends in.  Each leaves its powers in a row, so that work, losses and doses of wear are
 integrated with the weights of the method and at its order.
 
-The law of force changes where a pin touches down or leaves.  Steps end there: the moment
-is predicted from penetration, rate, acceleration and its change, a first step goes
-as near as the prediction can be trusted, a second one ends just behind.
+The law of force changes where a pin touches down or leaves, and where the law of a load does.
+Steps end there: the moment is predicted from penetration, rate, acceleration and its change, a
+first step goes as near as the prediction can be trusted, a second one ends just behind.
 """
 
 import math
@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.engines.dormand_prince import DOPRI5
+from presswear.physics.applied import applied_forces, settle_modes
 from presswear.physics.contact import note_contacts, penetration_acceleration
 from presswear.physics.forces import (
     CONTACT_LOSS,
@@ -27,12 +28,12 @@ from presswear.physics.forces import (
     add_contacts,
 )
 from presswear.physics.links import accelerate_links, carry_branches, gather_forces, place_links
+from presswear.physics.loads import WAYS, next_break, switching
 from presswear.physics.packed import Packed
 from presswear.physics.prescribed import Prescribed, drive_torques, forced_power, place_prescribed
-from presswear.physics.springs import spring_forces
 from presswear.physics.touchdown import LEAST_PARTS, contact_step, skim_step, step_after_touchdown
 from presswear.record.observe import Book, observe, settle_state
-from presswear.tools.compiled import Records, all_finite, compiled, copy_to
+from presswear.tools.compiled import Records, all_finite, compiled
 
 Array = NDArray[np.float64]
 
@@ -47,7 +48,8 @@ LEAST_STEPS = 5
 LEAST_PARTS; a bump of a worn surface can cut a contact short that began like one, and
 there the error control decides."""
 LANDING_DEPTH = 1e-11
-"""A step that ends on a touchdown or separation goes this far behind it, m."""
+"""A step that ends on a touchdown or separation goes this far behind it, m; on a change of a
+load's law, m, rad, m/s or rad/s."""
 LANDING_PART = 1e-3
 """... but no further than this part of the contact's duration."""
 UNKNOWN_DOUBT = 0.05
@@ -80,8 +82,8 @@ class TreeSystem(NamedTuple):
     expected : ndarray, shape (joints,)
         Closing speed that the next step uses: latched, or predicted while open, m/s.
     pace : one record of PACE
-    stages : ndarray, shape (STAGES, 1 + JOINT_RATES joints)
-        Powers of the stages of a step: drives (see ``stage_forces``), then the joints'.
+    stages : ndarray, shape (STAGES, 2 + JOINT_RATES joints)
+        Powers of the stages of a step: drives (see ``stage_forces``), the joints', the loads'.
     state : ndarray, shape (5, 3 bodies)
         q, v, a and generalized forces of all bodies, and their axes: cosine and sine of
         a body's angle in the places of its x and y.
@@ -119,11 +121,11 @@ def stage_forces(
     q, v, a, force, axes = system.state
     place_prescribed(system.prescribed, t, q, v, a, axes)
     place_links(system.links, x, u, q, v, axes)
-    copy_to(force, packed.weight)
-    spring_forces(packed.springs, q, v, force)
+    given = applied_forces(packed, t, q, v, force)
     pace = system.pace[0]
     stage = pace.evaluations % STAGES
     row = system.stages[stage]
+    row[row.shape[0] - 1] = given
     pace.evaluations += 1
     # The first stage is in the state that the last step ended in.
     if stage > 0 or t != pace.noted:
@@ -190,6 +192,41 @@ def time_to_event(p: float, r: float, a: float, j: float) -> tuple[float, float]
 
 
 @compiled
+def step_to_changes(book: Book, system: TreeSystem, t: float, h: float) -> float:
+    """Step, s, no longer than ``h``, that does not run past the next change of a load's law."""
+    packed = book.packed
+    h = min(h, next_break(packed.loads, packed.nodes, packed.modes) - t)
+    smooth = system.pace[0].smooth
+    for k in range(packed.loads.shape[0]):
+        mode = packed.modes[k]
+        change = mode.change if smooth else 0.0
+        for way in range(WAYS):
+            p, r, a, j = switching(
+                packed.loads[k],
+                packed.nodes,
+                mode,
+                way,
+                mode.place,
+                mode.speed,
+                mode.faster,
+                change,
+            )
+            if not -math.inf < p < 0.0:
+                continue
+            arrival, doubt = time_to_event(p, r, a, j)
+            speed = r + arrival * (a + 0.5 * j * arrival)
+            if arrival > h or not speed > 0.0:
+                continue
+            if not smooth:
+                doubt = max(doubt, UNKNOWN_DOUBT * arrival)
+            if doubt * speed <= LANDING_DEPTH:
+                h = min(h, arrival + LANDING_DEPTH / speed)
+            else:
+                h = min(h, max(arrival - 2.0 * doubt, 0.5 * arrival))
+    return h
+
+
+@compiled
 def step_to_events(book: Book, system: TreeSystem, h: float) -> float:
     """Step, s, no longer than ``h``, that does not run past the next change of law.
 
@@ -224,8 +261,11 @@ def step_to_events(book: Book, system: TreeSystem, h: float) -> float:
         if not pace.smooth:
             doubt = max(doubt, UNKNOWN_DOUBT * arrival)
         if doubt * speed <= LANDING_DEPTH:
-            whole = contact_step(joint, 0.0, speed, 1.0)
-            h = min(h, arrival + min(LANDING_DEPTH / speed, LANDING_PART * whole))
+            behind = min(LANDING_DEPTH / speed, LANDING_PART * contact_step(joint, 0.0, speed, 1.0))
+            # A law that begins with a jump gets its touchdown in a short step of its own.
+            if joint.normal.abrupt and not closed and arrival > 2.0 * behind:
+                behind = -behind
+            h = min(h, arrival + behind)
         else:
             h = min(h, max(arrival - 2.0 * doubt, 0.5 * arrival))
     return max(h, pace.shortest)
@@ -242,6 +282,7 @@ def sum_stages(book: Book, system: TreeSystem, h: float) -> None:
         weight = h * WEIGHTS[j]
         row = system.stages[j]
         ledger.drive_work += weight * row[0]
+        ledger.load_work += weight * row[row.shape[0] - 1]
         for k in range(count):
             base = 1 + JOINT_RATES * k
             ledger.contact_loss += weight * row[base + CONTACT_LOSS]
@@ -266,8 +307,7 @@ def tree_state(system: TreeSystem, book: Book, t: float, x: Array, u: Array, u_t
     place_prescribed(system.prescribed, t, q, v, a, axes)
     place_links(system.links, x, u, q, v, axes)
     accelerate_links(system.links, u_t, v, axes, a)
-    copy_to(force, book.packed.weight)
-    spring_forces(book.packed.springs, q, v, force)
+    applied_forces(book.packed, t, q, v, force)
     rates = system.stages[0, 1:]
     if t != system.pace[0].noted:
         note_contacts(book.packed, book.contacts, q, v)
@@ -286,7 +326,7 @@ def tree_state(system: TreeSystem, book: Book, t: float, x: Array, u: Array, u_t
 
 
 @compiled
-def next_tree_step(book: Book, system: TreeSystem, h: float, events: int) -> float:
+def next_tree_step(book: Book, system: TreeSystem, t: float, h: float, events: int) -> float:
     """Limit of the next step, s, after one of length ``h``; the error control may go below it."""
     pace = system.pace[0]
     if not (pace.cut and h >= 0.999 * pace.asked):
@@ -301,7 +341,7 @@ def next_tree_step(book: Book, system: TreeSystem, h: float, events: int) -> flo
         step_after_touchdown(book.packed.joints, book.onset, book.memory, GROWTH * pace.reach),
         skim_step(book.packed, book.memory, pace.longest),
     )
-    pace.asked = step_to_events(book, system, limit)
+    pace.asked = step_to_events(book, system, step_to_changes(book, system, t, limit))
     pace.cut = pace.asked < limit
     return pace.asked
 
@@ -328,4 +368,5 @@ def accept_tree_step(
     q, v, a, _, _ = system.state
     events = settle_state(book, t, LEAST_STEPS)
     observe(book, t, h, q, v, a)
-    return next_tree_step(book, system, h, events)
+    events += settle_modes(book.packed, t, q, v, a)
+    return next_tree_step(book, system, t, h, events)

@@ -1,4 +1,4 @@
-"""The mechanism at an instant, labelled: bodies, joints, mass centres, drives, senses of angles."""
+"""The mechanism at an instant, labelled: bodies, joints, mass centres, drives, loads, angles."""
 
 import math
 
@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.patches import FancyArrowPatch, Polygon
 
 from presswear.linkage.elements import GROUND, Attachment, Linkage
+from presswear.linkage.loads import AnyLoad, Force, Load
 from presswear.results.result import Result
 from presswear.scene.scene import Scene
 from presswear.show.figures.style import (
@@ -24,6 +25,7 @@ _HEIGHT = 5.2
 """Of the figure, inches."""
 _INSTANTS = 361
 """At which the paths of the joints are drawn."""
+_LOAD = "tab:red"
 _MARGIN = 0.16
 """Around everything that moves, part of its size."""
 
@@ -68,6 +70,9 @@ def labelled(scene: Scene, time: float = 0.0) -> Drawing:
         hinge = next((end for _, end in ends if end.body == drive.body), None)
         if hinge is not None:
             _draw_drive(axes, _path(linkage, position, hinge)[0], drive.speed, size)
+    for load in linkage.loads:
+        point = load.point if isinstance(load, Force) else f"{load.body}.centre"
+        _draw_load(axes, load, _path(linkage, position, linkage.point(point, "loads"))[0], size)
     probe = linkage.probe
     watched = _path(linkage, position, Attachment(probe.body, probe.x, probe.y))[0]
     along = np.array([math.cos(probe.direction), math.sin(probe.direction)])
@@ -82,8 +87,9 @@ def labelled(scene: Scene, time: float = 0.0) -> Drawing:
         f"takes {readable(1e3 * period)} ms. Circles: pin joints, those with clearance ringed; "
         "triangles: on the frame; dashed: guides. A cross is a mass centre; the thin arrow from it "
         "is the body's x axis, whose angle counts counterclockwise from the right. Bent arrows: "
-        "drives; the thick black arrow: what is watched, along its direction. Grey: the paths of "
-        "the joints."
+        "drives; the thick black arrow: what is watched, along its direction. "
+        f"{'Red: loads, along the directions in which they count. ' if linkage.loads else ''}"
+        "Grey: the paths of the joints."
     )
     return Drawing("mechanism.png", "The mechanism", caption, sheet)
 
@@ -147,13 +153,33 @@ def _arrow(axes: Axes, start: Array, end: Array, colour: str, linewidth: float =
     )  # fmt: skip
 
 
+def _draw_load(axes: Axes, load: AnyLoad, place: Array, size: float) -> None:
+    """An arrow that ends where a force acts, along it; a bent one for a moment."""
+    direction, moment = None, 1.0
+    if isinstance(load, Force):
+        direction = load.direction
+    elif isinstance(load, Load):
+        direction = math.atan2(load.y, load.x) if load.x or load.y else None
+        moment = load.moment
+    if direction is not None:
+        along = np.array([math.cos(direction), math.sin(direction)])
+        _arrow(axes, place - 0.12 * size * along, place, _LOAD, 1.4)
+    if not isinstance(load, Force) and moment:
+        _bent_arrow(axes, place, moment, 0.045 * size, _LOAD)
+
+
+def _bent_arrow(axes: Axes, place: Array, sense: float, radius: float, colour: str) -> None:
+    """An arrow around a place; counterclockwise where the sense is above zero."""
+    around = np.radians(np.linspace(200.0, 340.0, 30))
+    arc = place + radius * np.column_stack([np.cos(around), np.sin(around)])
+    arc = arc if sense > 0.0 else arc[::-1]
+    axes.plot(*arc.T, color=colour, linewidth=1.1, zorder=6)
+    _arrow(axes, arc[-2], arc[-1], colour, 1.1)
+
+
 def _draw_drive(axes: Axes, hinge: Array, speed: float, size: float) -> None:
     """A bent arrow around the hinge, in the sense in which the drive turns."""
-    around = np.radians(np.linspace(200.0, 340.0, 30))
-    arc = hinge + 0.06 * size * np.column_stack([np.cos(around), np.sin(around)])
-    arc = arc if speed > 0.0 else arc[::-1]
-    axes.plot(*arc.T, color="black", linewidth=1.1, zorder=6)
-    _arrow(axes, arc[-2], arc[-1], "black", 1.1)
+    _bent_arrow(axes, hinge, speed, 0.06 * size, "black")
     axes.annotate(
         f"{abs(speed):.4g} rad/s", (hinge[0], hinge[1] - 0.065 * size), ha="center", va="top"
     )

@@ -2,9 +2,10 @@
 
 from pathlib import Path
 
-from presswear.linkage.laws import delivered_restitution, lankarani_nikravesh_damping
+from presswear.linkage.laws import DAMPINGS, KELVIN_VOIGT, delivered_restitution
 from presswear.results.result import FINISHED, Result
 from presswear.results.stage import StageResult
+from presswear.scene.bearing import Bearing
 from presswear.scene.settings import SET, settings_of
 from presswear.show.figures import drawings
 from presswear.show.figures.style import stage_names
@@ -210,6 +211,23 @@ def _multiplied(stage: StageResult) -> str:
     return readable(stage.amplification)
 
 
+def _restitution(bearing: Bearing) -> str:
+    """What the normal law of a bearing gives back, in a sentence."""
+    law = bearing.normal_law
+    if not isinstance(law, str):
+        return f"The normal force is {law}; what it gives back is not known."
+    if law == KELVIN_VOIGT:
+        return (
+            f"The normal force has a viscous damping of {bearing.viscous_damping:g} N s/m; what "
+            "that gives back depends on the masses that meet."
+        )
+    delivered = delivered_restitution(DAMPINGS[law].factor(bearing.restitution))
+    return (
+        f"The normal force is set to a restitution of {bearing.restitution:g}; the law of "
+        f"{DAMPINGS[law].title} gives back {delivered:.3f}."
+    )
+
+
 def _made(result: Result) -> str:
     """Parts of the dissipated energy that contacts made, of the stages after a wear."""
     parts = [stage.statistics.get("energy_made_part", 0.0) for stage in result.stages[1:]]
@@ -237,12 +255,7 @@ def notes(result: Result) -> list[str]:
         "cycles are given below with 95 % intervals.",
     )
     bearings = [scene.bearing(joint) for joint in scene.clearance_joints]
-    for nominal in dict.fromkeys(own.restitution for own in bearings):
-        delivered = delivered_restitution(lankarani_nikravesh_damping(nominal))
-        found.append(
-            f"The normal force is set to a restitution of {nominal:g}; the law of Lankarani and "
-            f"Nikravesh gives back {delivered:.3f}."
-        )
+    found += dict.fromkeys(_restitution(own) for own in bearings)
     if len(result.stages) > 1 and scene.conventions.contact == "radial":
         found.append(
             "A worn surface is met radially: the force points along the line of centres even "
@@ -251,10 +264,15 @@ def notes(result: Result) -> list[str]:
             f"took, contacts had made {_made(result)} in the stages after a wear: forces and "
             "wear there are worth as much less."
         )
-    if any(own.wear_coefficient > 0.0 for own in bearings):
+    if any(own.materials.wear_coefficient > 0.0 for own in bearings):
         found.append(
             "The wear that the last stage would cause is given, but no stage ran on it. One wear "
             f"stands for {whole(scene.represented_cycles)} cycles."
+        )
+        scatters = sorted({f"{100.0 * own.materials.wear_scatter:g} %" for own in bearings})
+        found.append(
+            "Depths and volumes are as true as the wear coefficient, which no interval holds: from "
+            f"pair to pair it scatters by {' or '.join(scatters)}."
         )
         if result.grew_in_steps:
             found.append(

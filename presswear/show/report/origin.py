@@ -5,7 +5,7 @@ from functools import partial
 
 from presswear.results.result import SCHEMA, Result
 from presswear.results.stage import StageResult
-from presswear.scene.scene import CONVENTIONS, Conventions
+from presswear.scene.bearing import CONVENTIONS, Conventions
 from presswear.scene.settings import Setting, settings_of
 from presswear.show.report.parts import Table, stage_table
 from presswear.tools.numbers import given, readable, whole

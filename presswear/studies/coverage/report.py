@@ -9,7 +9,8 @@ import numpy as np
 
 from presswear.campaign.study import Study, results_of
 from presswear.record.sampling import Interval, half_width
-from presswear.scene.scene import CONVENTIONS, stage_name
+from presswear.scene.bearing import CONVENTIONS
+from presswear.scene.scene import stage_name
 from presswear.show.report.page import render_page
 from presswear.show.report.parts import Table
 from presswear.studies.coverage.variants import TRUTH

@@ -10,8 +10,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from presswear.campaign.study import Change, Study, Variant, unchanged
+from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import friction, friction_high, speed, speed_high, wear_times
-from presswear.scene.scene import CONVENTIONS, Scene
+from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 
 STARTS = 4
@@ -69,7 +70,7 @@ def _finer(scene: Scene) -> Scene:
 def _worn(factor: float) -> Change:
     """Multiply the wear coefficient."""
     return lambda scene: changed(
-        scene, {"wear_coefficient": scene.bearings.wear_coefficient * factor}
+        scene, {"wear_coefficient": scene.bearings.materials.wear_coefficient * factor}
     )
 
 

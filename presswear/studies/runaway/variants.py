@@ -8,8 +8,8 @@ extrapolation, the angles of the maps, the step of the integration.
 from dataclasses import replace
 
 from presswear.campaign.study import Change, Study, Variant, unchanged
+from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import wear_times
-from presswear.scene.scene import CONVENTIONS
 from presswear.scene.settings import changed
 
 RUNAWAY = 10.0

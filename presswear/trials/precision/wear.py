@@ -16,7 +16,8 @@ from presswear.linkage.elements import SurfaceContact
 from presswear.record.sampling import LEAST_SAMPLES, Interval
 from presswear.record.tracker import Progress, Tracker
 from presswear.results.stage import SIDES, StageResult
-from presswear.scene.scene import CONVENTIONS, Scene
+from presswear.scene.bearing import CONVENTIONS
+from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError, RunFailed
 from presswear.trials.runs import Told, part_of
 
@@ -193,7 +194,7 @@ def cases(scene: Scene, extent: Mapping[str, Means]) -> tuple[tuple[Varied, Scen
 
     InputError where the scene has nothing that wears, or allows not every case.
     """
-    if not scene.clearance_joints or scene.bearings.wear_coefficient == 0.0:
+    if not scene.clearance_joints or scene.bearings.materials.wear_coefficient == 0.0:
         raise InputError(f"scene {scene.name}: nothing wears")
     found = []
     for name, means in extent.items():

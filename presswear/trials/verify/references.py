@@ -16,10 +16,8 @@ from presswear.linkage.elements import (
     Body,
     ClearanceJoint,
     Linkage,
-    Load,
     Probe,
     Revolute,
-    Spring,
 )
 from presswear.linkage.laws import (
     FrictionLaw,
@@ -27,6 +25,7 @@ from presswear.linkage.laws import (
     greatest_penetration,
     lankarani_nikravesh_damping,
 )
+from presswear.linkage.loads import Load, Spring
 
 Array = NDArray[np.float64]
 

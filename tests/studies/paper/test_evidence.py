@@ -8,7 +8,7 @@ import pytest
 from invented import BINS, CYCLES, EVEN, every_evidence, evidence_of, stage
 
 from presswear.record.sampling import STARTUP_CYCLES, half_width
-from presswear.scene.scene import Conventions
+from presswear.scene.bearing import Conventions
 from presswear.studies.paper.evidence import Evidence, Measured
 from presswear.studies.paper.printed import Place
 from presswear.studies.paper.variants import BASE, base_scene, variant_key

@@ -1,0 +1,365 @@
+"""Loads with a law of their own as generalized forces, and the moments at which a law changes.
+
+Within a step every law is smooth: which piece of it holds is a mode that changes between
+steps only.  Switching functions rise through zero where the next piece begins; an engine
+ends a step there, and at ``next_break`` where a table over time bends.
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.linkage.elements import Linkage
+from presswear.linkage.loads import (
+    LOAD_PARAMETERS,
+    Force,
+    Harmonics,
+    Moment,
+    OverPosition,
+    OverTime,
+    Table,
+)
+from presswear.physics.constraints import lever
+from presswear.tools.compiled import Records, address_of, call, compiled, own_kernel
+from presswear.tools.own import OwnFunction
+
+Array = NDArray[np.float64]
+
+SERIES, TIME, POSITION, OWN = range(4)
+"""Kinds of laws."""
+OFF, RISING, WHOLE = range(3)
+"""Gate of a load in one sense of motion: none, growing with the speed, all of it."""
+WAYS = 4
+"""Ways out of a mode: next piece of the table, the one before, gate further open, and shut."""
+MOST_WAYS = 8
+"""Taken one by one after a step."""
+TIME_NOISE = 1e-12
+"""A step that ends so close to a bend over time ends there, s."""
+
+LOAD = np.dtype(
+    [
+        ("body", np.int64),  # index of its x in q
+        ("turns", np.bool_),  # a moment over the body's angle, and no force at a point
+        ("x", np.float64),  # the point in the body's frame, m
+        ("y", np.float64),
+        ("cosine", np.float64),  # of the direction
+        ("sine", np.float64),
+        ("kind", np.int64),
+        ("first", np.int64),  # of its nodes
+        ("count", np.int64),
+        ("period", np.float64),  # s, m or rad; 0: the table does not repeat
+        ("zero", np.float64),  # position of the table's zero, m or rad
+        ("held", np.bool_),  # beyond the table its ends are held
+        ("sense", np.float64),  # of motion in which it acts, 1 or -1; 0: both
+        ("rise", np.float64),  # speed from which it is whole, m/s or rad/s
+        ("release", np.bool_),
+        ("mean", np.float64),  # of a series, N or N m
+        ("frequency", np.float64),  # rad/s
+        ("own", np.int64),  # address of a function of one's own
+    ]
+)
+"""A load as the kernels see it."""
+
+MODE = np.dtype(
+    [
+        ("piece", np.int64),  # of the table: 0 before its first node, count behind its last
+        ("turn", np.int64),  # periods that have passed
+        ("gate", np.int64),
+        ("released", np.bool_),
+        ("place", np.float64),  # in the last accepted state, m or rad
+        ("speed", np.float64),
+        ("faster", np.float64),
+        ("change", np.float64),  # of the acceleration, over the last step
+        ("jump", np.float64),  # of the size on leaving that state, part of the greater one
+        ("time", np.float64),  # of that state, s
+    ]
+)
+"""What holds of a load through a step, and its motion at the start of it."""
+
+
+@compiled
+def load_size(load: Records, nodes: Array, mode: Records, t: float, s: float, v: float) -> float:
+    """Size of a load, N or N m, in its present mode, at a position and speed."""
+    if load.kind == SERIES:
+        total: float = load.mean
+        for k in range(load.count):
+            phase = (k + 1) * load.frequency * t
+            row = load.first + k
+            total += nodes[row, 0] * math.cos(phase) + nodes[row, 1] * math.sin(phase)
+        return total
+    if load.kind == OWN:
+        return call(load.own, (t, s, v))
+    if mode.released or mode.gate == OFF:
+        return 0.0
+    piece = mode.piece
+    behind = load.first + piece
+    if piece == 0 or piece == load.count:
+        size: float = 0.0
+        if load.held:
+            size = nodes[behind if piece == 0 else behind - 1, 1]
+    else:
+        at = t if load.kind == TIME else s
+        x0 = nodes[behind - 1, 0]
+        y0 = nodes[behind - 1, 1]
+        part = (at - mode.turn * load.period - x0) / (nodes[behind, 0] - x0)
+        size = y0 + part * (nodes[behind, 1] - y0)
+    if mode.gate == RISING:
+        size *= load.sense * v / load.rise
+    return size
+
+
+@compiled
+def load_motion(load: Records, q: Array, v: Array, a: Array) -> tuple[float, float, float]:
+    """Position in the table, m or rad, speed and acceleration of what a load acts on."""
+    b = load.body
+    if load.turns:
+        return q[b + 2] - load.zero, v[b + 2], a[b + 2]
+    rx, ry = lever(b, load.x, load.y, q)
+    along = load.cosine
+    across = load.sine
+    spin = v[b + 2]
+    turned = across * rx - along * ry
+    place = along * (q[b] + rx) + across * (q[b + 1] + ry) - load.zero
+    speed = along * v[b] + across * v[b + 1] + spin * turned
+    faster = along * a[b] + across * a[b + 1] + a[b + 2] * turned
+    faster -= spin * spin * (along * rx + across * ry)
+    return place, speed, faster
+
+
+@compiled
+def load_forces(
+    loads: Records, nodes: Array, modes: Records, t: float, q: Array, v: Array, force: Array
+) -> float:
+    """Add the loads to the generalized forces; returns their power, W."""
+    power = 0.0
+    for k in range(loads.shape[0]):
+        load = loads[k]
+        b = load.body
+        s, speed, _ = load_motion(load, q, v, v)
+        size = load_size(load, nodes, modes[k], t, s, speed)
+        power += size * speed
+        if load.turns:
+            force[b + 2] += size
+            continue
+        rx, ry = lever(b, load.x, load.y, q)
+        fx = size * load.cosine
+        fy = size * load.sine
+        force[b] += fx
+        force[b + 1] += fy
+        force[b + 2] += rx * fy - ry * fx
+    return power
+
+
+@compiled
+def switching(
+    load: Records, nodes: Array, mode: Records, way: int, s: float, v: float, a: float, j: float
+) -> tuple[float, float, float, float]:
+    """Switching function of a way out of a mode, and three time derivatives.
+
+    It is below zero until the way is to be taken; minus infinity where there is none.
+
+    Parameters
+    ----------
+    s, v, a, j : float
+        Position and three derivatives; see ``load_motion``.
+    """
+    none = (-math.inf, 0.0, 0.0, 0.0)
+    if load.kind != POSITION:
+        return none
+    if way < 2:
+        sign = 1.0 if way == 0 else -1.0
+        if mode.released:
+            # Back where the table begins.
+            row = 0 if load.sense > 0.0 else load.count - 1
+            if sign * load.sense > 0.0:
+                return none
+        else:
+            row = mode.piece if way == 0 else mode.piece - 1
+            if mode.gate == OFF or row < 0 or row == load.count:
+                return none
+        end = mode.turn * load.period + nodes[load.first + row, 0]
+        return sign * (s - end), sign * v, sign * a, sign * j
+    if mode.released or load.sense == 0.0:
+        return none
+    sign = load.sense
+    if way == 2 and mode.gate != WHOLE:
+        return sign * v - (load.rise if mode.gate == RISING else 0.0), sign * a, sign * j, 0.0
+    if way == 3 and mode.gate != OFF:
+        return (load.rise if mode.gate == WHOLE else 0.0) - sign * v, -sign * a, -sign * j, 0.0
+    return none
+
+
+@compiled
+def place_mode(load: Records, nodes: Array, mode: Records, at: float) -> None:
+    """Find the piece of a table at a position or time."""
+    mode.turn = 0
+    if load.period > 0.0:
+        mode.turn = math.floor(at / load.period)
+        at -= mode.turn * load.period
+    mode.piece = 0
+    while mode.piece < load.count and nodes[load.first + mode.piece, 0] <= at:
+        mode.piece += 1
+    if load.period > 0.0:
+        mode.piece = min(max(mode.piece, 1), load.count - 1)
+    end = load.count if load.sense > 0.0 else 0
+    mode.released = load.release and mode.piece == end
+
+
+@compiled
+def open_gate(load: Records, mode: Records, v: float) -> None:
+    """Set the gate of a load as a speed asks for."""
+    mode.gate = WHOLE
+    if load.sense != 0.0 and load.sense * v <= load.rise:
+        mode.gate = RISING if load.sense * v > 0.0 else OFF
+
+
+@compiled
+def take_way(load: Records, nodes: Array, mode: Records, way: int, s: float, v: float) -> None:
+    """Go into the next mode."""
+    if way > 1:
+        mode.gate += 1 if way == 2 else -1
+        if way == 2 and mode.gate == RISING:
+            place_mode(load, nodes, mode, s)  # it was not followed while the gate was shut
+        return
+    if mode.released:
+        mode.released = False
+        mode.piece = 0 if load.sense > 0.0 else load.count
+        open_gate(load, mode, v)
+        return
+    mode.piece += 1 if way == 0 else -1
+    last = load.count if way == 0 else 0
+    if mode.piece == last:
+        if load.period > 0.0:
+            mode.turn += 1 if way == 0 else -1
+            mode.piece = 1 if way == 0 else load.count - 1
+        elif load.release and (load.sense > 0.0) == (way == 0):
+            mode.released = True
+
+
+@compiled
+def settle_loads(
+    loads: Records, nodes: Array, modes: Records, t: float, q: Array, v: Array, a: Array
+) -> int:
+    """Bring the modes up to an accepted state; returns how many have changed."""
+    changes = 0
+    for k in range(loads.shape[0]):
+        load = loads[k]
+        mode = modes[k]
+        s, speed, faster = load_motion(load, q, v, a)
+        before = load_size(load, nodes, mode, t, s, speed)
+        if load.kind == TIME:
+            while break_of(load, nodes, mode) <= t + TIME_NOISE:
+                take_way(load, nodes, mode, 0, t, 0.0)
+                changes += 1
+        mode.change = (faster - mode.faster) / (t - mode.time) if t > mode.time else 0.0
+        mode.time = t
+        mode.place = s
+        mode.speed = speed
+        mode.faster = faster
+        for _ in range(MOST_WAYS):
+            taken = -1
+            for way in range(WAYS):
+                value, rate, _, _ = switching(load, nodes, mode, way, s, speed, faster, 0.0)
+                if value > 0.0 or (value == 0.0 and rate > 0.0):
+                    taken = way
+            if taken < 0:
+                break
+            take_way(load, nodes, mode, taken, s, speed)
+            changes += 1
+        else:
+            place_mode(load, nodes, mode, s)  # a step went over many pieces
+            open_gate(load, mode, speed)
+        after = load_size(load, nodes, mode, t, s, speed)
+        greater = max(abs(before), abs(after))
+        mode.jump = abs(after - before) / greater if greater > 0.0 else 0.0
+    return changes
+
+
+@compiled
+def break_of(load: Records, nodes: Array, mode: Records) -> float:
+    """Time at which a table over time bends next, s."""
+    if load.kind != TIME or mode.piece == load.count:
+        return math.inf
+    return mode.turn * load.period + nodes[load.first + mode.piece, 0]
+
+
+@compiled
+def next_break(loads: Records, nodes: Array, modes: Records) -> float:
+    """Time of the next bend or jump over time of any load, s."""
+    earliest = math.inf
+    for k in range(loads.shape[0]):
+        earliest = min(earliest, break_of(loads[k], nodes, modes[k]))
+    return earliest
+
+
+@compiled
+def place_loads(loads: Records, nodes: Array, modes: Records, q: Array, v: Array) -> None:
+    """Set all modes in an initial state, at t = 0."""
+    for k in range(loads.shape[0]):
+        load = loads[k]
+        s, speed, _ = load_motion(load, q, v, v)
+        modes[k].place = s
+        modes[k].speed = speed
+        place_mode(load, nodes, modes[k], 0.0 if load.kind == TIME else s)
+        open_gate(load, modes[k], speed)
+
+
+def pack_loads(linkage: Linkage) -> tuple[Records, Array]:
+    """The loads of a linkage that have a law, as records of LOAD, and the nodes of their tables.
+
+    The nodes have shape (nodes, 2): position or time and size, or the two terms of a series.
+    """
+    loads = np.zeros(len(linkage.live_loads), LOAD)
+    nodes: list[tuple[float, float]] = []
+    for record, load in zip(loads, linkage.live_loads, strict=True):
+        record["body"] = 3 * linkage.index(load.body)
+        record["turns"] = isinstance(load, Moment)
+        if isinstance(load, Force):
+            point = linkage.point(load.point, "loads")
+            record["x"], record["y"] = point.x, point.y
+            record["cosine"], record["sine"] = math.cos(load.direction), math.sin(load.direction)
+        own = _pack_law(record, load.law, linkage)
+        record["first"], record["count"] = len(nodes), len(own)
+        nodes += own
+    return loads, np.array(nodes, dtype=np.float64).reshape(-1, 2)
+
+
+def _pack_law(record: Records, law: object, linkage: Linkage) -> list[tuple[float, float]]:
+    """Fill the law of a record; returns its nodes."""
+    if isinstance(law, OverTime):
+        period = linkage.period if law.period is None else law.period
+        law.check("cycle", period)
+        record["kind"], record["held"], record["period"] = TIME, True, period
+        return _whole_period(law.table, period)
+    if isinstance(law, OverPosition):
+        record["kind"], record["held"] = POSITION, law.outside == "hold"
+        record["period"], record["zero"] = law.repeats, law.zero
+        record["sense"] = {"both": 0.0, "along": 1.0, "against": -1.0}[law.sense]
+        record["rise"], record["release"] = law.rise, law.release
+        return _whole_period(law.table, law.repeats)
+    if isinstance(law, OwnFunction):
+        record["kind"] = OWN
+        record["own"] = address_of(own_kernel(law, LOAD_PARAMETERS), len(LOAD_PARAMETERS))
+        return []
+    record["kind"] = SERIES
+    if isinstance(law, Harmonics):
+        record["mean"], record["frequency"] = law.mean, law.frequency
+        return list(law.harmonics)
+    record["mean"] = law
+    return []
+
+
+def _whole_period(table: Table, period: float) -> list[tuple[float, float]]:
+    """A table from 0 to its period, with what lies between its last node and its first."""
+    nodes = list(table)
+    if period == 0.0:
+        return nodes
+    (x0, y0), (x1, y1) = nodes[0], nodes[-1]
+    gap = x0 + period - x1
+    edge = y1 + (y0 - y1) * (period - x1) / gap if gap > 0.0 else y1
+    if x0 > 0.0:
+        nodes.insert(0, (0.0, edge))
+    if x1 < period:
+        nodes.append((period, edge))
+    return nodes

@@ -1,0 +1,260 @@
+"""A joint with clearance as a person chooses it, and how the wear model is read."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from typing import Any, get_args
+
+from presswear.linkage.elements import (
+    ClearanceJoint,
+    Footprint,
+    MapFrame,
+    Revolute,
+    Slip,
+    SurfaceContact,
+    WearLaw,
+)
+from presswear.linkage.laws import (
+    DAMPINGS,
+    FRICTION_PARAMETERS,
+    FRICTIONS,
+    KELVIN_VOIGT,
+    NORMAL_PARAMETERS,
+    Elasticity,
+    FrictionLaw,
+    NormalLaw,
+    StiffnessReading,
+    check_friction,
+    check_normal,
+    hertz_stiffness,
+)
+from presswear.linkage.materials import MATERIALS, Materials
+from presswear.linkage.surface import Surface
+from presswear.tools.errors import InputError, unknown
+from presswear.tools.own import OwnFunction
+from presswear.tools.quantities import (
+    check_fields,
+    choice,
+    choice_of,
+    count,
+    named_set,
+    quantity,
+)
+
+
+@dataclass(frozen=True)
+class Conventions:
+    """How the paper's wear model is read; each choice stands alone."""
+
+    stiffness: StiffnessReading = choice(
+        "paper", get_args(StiffnessReading), "K with R_i + R_j as printed, or R_i - R_j"
+    )
+    slip: Slip = choice("angle", get_args(Slip), "ds = (R_j + delta) |d phi| (eq. 24), or |v_t| dt")
+    map_frame: MapFrame = choice(
+        "fixed", get_args(MapFrame), "wear maps fixed in direction, or turning with their bodies"
+    )
+    footprint: Footprint = choice(
+        "bin", get_args(Footprint), "wear into the one bin of the contact, or over the contact arc"
+    )
+    contact: SurfaceContact = choice(
+        "radial",
+        get_args(SurfaceContact),
+        "worn surfaces meet where e points, or over all of the arc on an elastic foundation",
+    )
+
+    @property
+    def name(self) -> str:
+        """Name of the set, or ``own`` for one that has none."""
+        return next((name for name, preset in CONVENTIONS.items() if self == preset), "own")
+
+
+CONVENTIONS: dict[str, Conventions] = {
+    "paper": Conventions(),
+    "refined": Conventions("refined", "sliding", "body", "arc", "foundation"),
+}
+"""The two named sets; every choice can be made alone."""
+
+
+LEAST_RAMP = 1e-5
+"""Least width of the ramp of friction, m/s.
+
+A pin that sticks creeps inside the ramp, in steps that shorten with it: at this width a cycle
+of the press with c_f = 0.8 takes half a million steps, at 1e-6 m/s ten times as many.
+"""
+
+
+Law = str | OwnFunction | Callable[..., float]
+"""A law by its name, or one of one's own; kept as one of the first two."""
+
+
+@dataclass(frozen=True)
+class Bearing:
+    """A joint with clearance: pin, bearing, the laws of their contact, what they are made of."""
+
+    clearance: float = quantity(0.8e-3, "m", 1e-9, 1.0, "paper, per study", "c = R_i - R_j")
+    bearing_radius: float = quantity(0.015, "m", 1e-4, 1.0, "paper", "R_i")
+    width: float = quantity(
+        0.02, "m", 0.0, 1.0, "assumed", "axial width b; only K_d / b matters", open_low=True
+    )
+    materials: Materials | Any = named_set(
+        "paper", MATERIALS, "what pin and bearing are made of, pin first"
+    )
+    contact_stiffness: float | None = quantity(
+        None, "N/m^n", 1e3, 1e15, "chosen", "K; none given: Hertz's, from E, nu and the radii"
+    )
+    exponent: float = quantity(1.5, "", 1.0, 2.5, "paper", "n of the normal force")
+    elasticity: Elasticity = choice(
+        "power",
+        get_args(Elasticity),
+        "elastic force while round: K delta^n, Liu's for a pin that conforms, or an elastic "
+        "foundation's over the arc",
+    )
+    normal_law: Law = choice(
+        "lankarani-nikravesh", tuple(DAMPINGS), "normal force", NORMAL_PARAMETERS
+    )
+    restitution: float = quantity(0.9, "", 0.0, 1.0, "paper", "nominal restitution ce")
+    viscous_damping: float = quantity(
+        0.0, "N s/m", 0.0, 1e9, "chosen", f"D of normal_law = {KELVIN_VOIGT}"
+    )
+    friction_law: Law = choice("ramp", tuple(FRICTIONS), "friction force", FRICTION_PARAMETERS)
+    friction: float = quantity(0.02, "", 0.0, 0.8, "paper, per study", "friction coefficient c_f")
+    lower_speed: float = quantity(1e-4, "m/s", 0.0, 1.0, "paper", "v_0: no friction below")
+    upper_speed: float = quantity(1e-3, "m/s", LEAST_RAMP, 1.0, "paper", "v_1: full friction above")
+    static_friction: float | None = quantity(
+        None, "", 0.0, 2.0, "chosen", "c_s of friction_law = lugre; none given: as c_f"
+    )
+    stribeck_speed: float = quantity(
+        1e-3, "m/s", 1e-6, 1.0, "chosen", "v_s of friction_law = lugre: from c_s to c_f"
+    )
+    bristle_stiffness: float = quantity(
+        1e5, "1/m", 1e2, 1e8, "chosen", "sigma_0 of friction_law = lugre, per unit of force"
+    )
+    bristle_damping: float = quantity(
+        10.0, "s/m", 1e-2, 1e5, "chosen", "sigma_1 of friction_law = lugre, per unit of force"
+    )
+    angles: int = count(360, 16, 100_000, "assumed", "bins of a wear map")
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.materials, Materials):
+            # By their name, or as they were stored.
+            own = self.materials
+            if isinstance(own, str) and own not in MATERIALS:
+                raise unknown("materials", own, MATERIALS)
+            found = MATERIALS[own] if isinstance(own, str) else Materials(**own)
+            object.__setattr__(self, "materials", found)
+        for item in fields(self):
+            # As it is given, or as it was stored.
+            words = choice_of(item, self)
+            if words is not None:
+                put = words.read(item.name, getattr(self, item.name))
+                object.__setattr__(self, item.name, put)
+        check_fields(self)
+        if isinstance(self.normal_law, str):
+            law = DAMPINGS[self.normal_law]
+            if self.restitution < law.least:
+                raise InputError(
+                    f"restitution = {self.restitution:g}: with normal_law = {self.normal_law!r} "
+                    f"allowed is {law.least:g} to 1"
+                )
+            if self.viscous_damping > 0.0 and self.normal_law != KELVIN_VOIGT:
+                raise InputError(
+                    f"viscous_damping = {self.viscous_damping:g} N s/m: with normal_law = "
+                    f"{self.normal_law!r} allowed is 0 N s/m"
+                )
+        if self.static_friction is not None and self.static_friction < self.friction:
+            raise InputError(
+                f"static_friction = {self.static_friction:g}: allowed is {self.friction:g}, the "
+                "friction, up to 2"
+            )
+        if self.elasticity != "power" and self.exponent != 1.5:
+            raise InputError(
+                f"exponent = {self.exponent:g}: with elasticity = {self.elasticity!r} allowed is "
+                "1.5"
+            )
+        if self.clearance >= self.bearing_radius:
+            raise InputError(
+                f"clearance = {self.clearance:g} m: allowed is 1e-9 m up to below the bearing "
+                f"radius, {self.bearing_radius:g} m"
+            )
+        if not self.upper_speed - self.lower_speed >= 0.999 * LEAST_RAMP:
+            raise InputError(
+                f"lower_speed = {self.lower_speed:g} m/s: allowed is 0 to {LEAST_RAMP:g} m/s below "
+                f"upper_speed, {self.upper_speed:g} m/s"
+            )
+
+    def hertz(self, reading: StiffnessReading) -> float:
+        """K, N/m^n: what is given, or Hertz's."""
+        if self.contact_stiffness is not None:
+            return self.contact_stiffness
+        radii = self.bearing_radius, self.bearing_radius - self.clearance
+        return hertz_stiffness(*radii, self.materials.compliance, reading)
+
+    def normal(self, reading: StiffnessReading) -> NormalLaw:
+        """The law of its normal force."""
+        own = self.normal_law if isinstance(self.normal_law, OwnFunction) else None
+        damping = DAMPINGS["lankarani-nikravesh" if own else str(self.normal_law)]
+        return NormalLaw(
+            self.hertz(reading),
+            self.exponent,
+            damping.factor(self.restitution),
+            self.viscous_damping,
+            self.elasticity,
+            own,
+        )
+
+    @property
+    def rubbing(self) -> FrictionLaw:
+        """The law of its friction."""
+        own = self.friction_law if isinstance(self.friction_law, OwnFunction) else None
+        name = "ramp" if own else str(self.friction_law)
+        return FrictionLaw(
+            self.friction,
+            self.lower_speed,
+            self.upper_speed,
+            name,
+            own,
+            self.friction if self.static_friction is None else self.static_friction,
+            self.stribeck_speed,
+            self.bristle_stiffness,
+            self.bristle_damping,
+        )
+
+    def check_own_laws(self, joint: str, reading: StiffnessReading) -> None:
+        """InputError where a law of one's own gives no number or makes energy; runs its text."""
+        normal, friction = self.normal(reading), self.rubbing
+        if normal.own is not None:
+            law = {"stiffness": normal.stiffness, "exponent": normal.exponent}
+            rest = {"damping": normal.damping, "clearance": self.clearance}
+            check_normal(f"{joint}.normal_law", normal.own, law | rest)
+        if friction.own is not None:
+            ramp = {"lower_speed": friction.lower, "upper_speed": friction.upper}
+            values = {"coefficient": friction.coefficient, **ramp}
+            check_friction(f"{joint}.friction_law", friction.own, values)
+
+    def joint(
+        self,
+        revolute: Revolute,
+        conventions: Conventions,
+        worn: tuple[Surface, Surface],
+    ) -> ClearanceJoint:
+        """A revolute joint opened: bearing on its first end, pin on its second."""
+        law = WearLaw(
+            self.materials.wear_coefficient,
+            conventions.slip,
+            conventions.footprint,
+            self.materials.bearing_share,
+            self.angles,
+        )
+        return ClearanceJoint(
+            revolute.name,
+            revolute.first,
+            revolute.second,
+            self.bearing_radius,
+            self.clearance,
+            self.width,
+            self.normal(conventions.stiffness),
+            self.rubbing,
+            law if self.materials.wear_coefficient > 0.0 else None,
+            conventions.map_frame,
+            conventions.contact,
+            *worn,
+        )

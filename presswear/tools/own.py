@@ -1,0 +1,116 @@
+"""Functions of one's own: plain Python, kept as text, so that a result knows its laws."""
+
+import ast
+import hashlib
+import inspect
+import math
+import textwrap
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from presswear.tools.errors import InputError, unknown
+from presswear.tools.files import read_checked
+
+_MOST_BYTES = 2**18
+
+
+def is_function(data: Any) -> bool:
+    """True for a function of one's own as it is stored."""
+    return isinstance(data, dict) and set(data) == {"name", "source"}
+
+
+@dataclass(frozen=True)
+class OwnFunction:
+    """A function of numbers that gives a number, as the text that defines it.
+
+    Everything that it needs stands in that text; ``math`` is there.
+
+    Attributes
+    ----------
+    name : str
+        Of the function in the text.
+    source : str
+        Python.
+    """
+
+    name: str
+    source: str
+
+    @property
+    def digest(self) -> str:
+        """First digits of the SHA-256 of its text."""
+        return hashlib.sha256(self.source.encode()).hexdigest()[:8]
+
+    def __str__(self) -> str:
+        """Its name, and by which text it is known."""
+        return f"{self.name} of one's own, {self.digest}"
+
+    @staticmethod
+    def of(key: str, given: Any) -> "OwnFunction":
+        """A function that is given as itself, as ``FILE.py:NAME``, or as stored.
+
+        Raises
+        ------
+        InputError
+            Naming the key and what is wrong.
+        """
+        if isinstance(given, OwnFunction):
+            return given
+        if is_function(given):
+            return OwnFunction(**given)
+        if callable(given):
+            try:
+                return OwnFunction(given.__name__, textwrap.dedent(inspect.getsource(given)))
+            except (OSError, TypeError, AttributeError):
+                raise InputError(
+                    f"{key}: the source of {given!r} cannot be read: a function defined in a file "
+                    "is expected"
+                ) from None
+        file, _, name = str(given).rpartition(":")
+        path = Path(file)
+        if not path.is_file():
+            raise InputError(f"{key} = {given!r}: there is no file {file!r}; FILE.py:NAME is read")
+        if path.stat().st_size > _MOST_BYTES:
+            raise InputError(f"{key} = {given!r}: it has more than {_MOST_BYTES} bytes")
+        try:
+            return OwnFunction(name, read_checked(path).decode())
+        except UnicodeDecodeError:
+            raise InputError(f"{key} = {given!r}: this is no text") from None
+
+    def parameters(self, key: str, known: tuple[str, ...]) -> tuple[str, ...]:
+        """Names of its parameters, without running it; InputError for one that is not known."""
+        try:
+            tree = ast.parse(self.source)
+        except (SyntaxError, ValueError, RecursionError) as error:
+            raise InputError(f"{key}: {self.name} is no Python: {error}") from None
+        found = {own.name: own for own in tree.body if isinstance(own, ast.FunctionDef)}
+        if self.name not in found:
+            raise unknown(f"function in {key}", self.name, tuple(found))
+        arguments = found[self.name].args
+        names = tuple(own.arg for own in arguments.args)
+        if arguments.vararg or arguments.kwarg or arguments.kwonlyargs or arguments.posonlyargs:
+            raise InputError(f"{key}: {self.name} takes parameters by plain names alone")
+        for name in names:
+            if name not in known:
+                raise unknown(f"parameter of {self.name} in {key}", name, known)
+        return names
+
+    def space(self) -> dict[str, Any]:
+        """What its text defines; runs the text, which is the user's own."""
+        space: dict[str, Any] = {"math": math, "__name__": self.name}
+        exec(compile(self.source, f"<{self.name}>", "exec"), space)
+        return space
+
+    def number(self, key: str, known: tuple[str, ...], values: dict[str, float]) -> float:
+        """Its value at some values of all known parameters; InputError where it is no number."""
+        given = {name: values[name] for name in self.parameters(key, known)}
+        told = ", ".join(f"{name} = {value:g}" for name, value in given.items())
+        try:
+            found = self.space()[self.name](**given)
+        except Exception as error:
+            raise InputError(f"{key}: {self.name} fails at {told}: {error}") from None
+        number = isinstance(found, (int, float)) and not isinstance(found, bool)
+        if not number or not math.isfinite(found):
+            raise InputError(f"{key}: {self.name} gives {found!r} at {told}: a number is expected")
+        return float(found)

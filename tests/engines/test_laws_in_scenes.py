@@ -1,0 +1,127 @@
+"""Contact and friction laws by name and of one's own in a whole mechanism, in every engine."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import presswear as pw
+from presswear.campaign.starts import start_of
+from presswear.engines.base import Plan, Run
+from presswear.engines.settings import ExudynTree, InHouse
+from presswear.linkage.laws import DAMPINGS, FRICTIONS, KELVIN_VOIGT
+from presswear.scene.scene import Scene
+from presswear.scene.settings import changed
+from presswear.tools.errors import InputError
+from presswear.tools.own import OwnFunction
+from presswear.trials.runs import contacts_of
+
+BASE = replace(pw.scenes.wear_times(friction=0.1), wears=0)
+OWN = """
+import math
+
+def rub(sliding, normal, coefficient):
+    return -coefficient * normal * 2.0 / math.pi * math.atan(sliding / 2e-4)
+
+def push(penetration, rate, onset_speed, stiffness):
+    return stiffness * penetration ** 1.5 * (1.0 + 0.2 * rate / onset_speed)
+
+def pull(penetration, rate, onset_speed, stiffness):
+    return stiffness * penetration ** 1.5 * (1.0 - 0.2 * rate / onset_speed)
+
+def along(sliding, normal):
+    return 0.1 * normal * sliding
+
+def words(penetration):
+    return "much"
+
+def lists(penetration, stiffness):
+    return stiffness * sum([penetration]) ** 1.5
+"""
+SETTINGS = [
+    *({"normal_law": name} for name in DAMPINGS if name != KELVIN_VOIGT),
+    {"normal_law": KELVIN_VOIGT, "viscous_damping": 100.0},
+    {"elasticity": "liu"},
+    {"elasticity": "foundation"},
+    *({"friction_law": name} for name in FRICTIONS),
+    {"normal_law": "push", "friction_law": "rub"},
+    {"A.normal_law": "push", "C.friction_law": "smooth", "C.friction": 0.2},
+]
+
+
+def with_laws(settings: dict[str, object], folder: Path) -> Scene:
+    """The base scene with laws; those that are no names stand in a file of one's own."""
+    file = folder / "laws.py"
+    file.write_text(OWN)
+    own = {
+        key: f"{file}:{value}" if f"def {value}(" in OWN else value
+        for key, value in settings.items()
+    }
+    return changed(BASE, own)
+
+
+def run_for(scene: Scene, engine: InHouse | ExudynTree, duration: float) -> Run:
+    plan = Plan(duration, 1, recorded_cycles=1)
+    run = engine.over(scene.mechanism.period).simulate(scene.linkage(), start_of(scene), plan)
+    assert run.status == "completed", run.message
+    residual = abs(float(run.diagnostics["energy_residual_J"]))
+    assert residual < 1e-7 * float(run.diagnostics["drive_exchange_J"])
+    return run
+
+
+@pytest.mark.parametrize("settings", SETTINGS, ids=lambda own: ",".join(map(str, own.values())))
+def test_engines_agree_and_keep_the_energy(settings: dict[str, object], tmp_path: Path) -> None:
+    """Over the first touches of the press; the law makes a difference by then."""
+    scene = with_laws(settings, tmp_path)
+    scene.check_own_laws()
+    # Quadratures of energies are not under the control of the error: they need it finer.
+    engines = InHouse(integration_tolerance=1e-12), ExudynTree(tree_tolerance=1e-11)
+    one, other = (run_for(scene, engine, 0.03) for engine in engines)
+    assert sum(contacts_of(one, k)["touchdown"].size for k in range(2)) >= 4
+    assert np.abs(one.end.position - other.end.position).max() < 1e-8
+    plain = run_for(BASE, engines[0], 0.03)
+    if scene != BASE and scene.bearings != BASE.bearings:
+        assert np.abs(one.end.position - plain.end.position).max() > 1e-8
+
+
+@pytest.mark.parametrize(
+    ("key", "law", "words"),
+    [
+        ("normal_law", "pull", "makes energy"),
+        ("normal_law", "words", "a number is expected"),
+        ("friction_law", "along", "makes energy"),
+    ],
+)
+def test_laws_that_make_energy_or_no_number_are_refused(
+    key: str, law: str, words: str, tmp_path: Path
+) -> None:
+    with pytest.raises(InputError, match=words) as told:
+        pw.run(with_laws({key: law}, tmp_path), tmp_path / "out")
+    assert law in str(told.value)
+    assert "\n" not in str(told.value)
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_law_that_cannot_be_compiled_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="lists cannot be compiled"):
+        pw.run(with_laws({"normal_law": "lists"}, tmp_path), tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+def mine(penetration: float, rate: float, onset_speed: float) -> float:
+    return 1.25e10 * penetration**1.5 * (1.0 + 0.1 * rate / onset_speed)
+
+
+def test_a_function_is_a_law_and_its_result_goes_on_with_it_alone(tmp_path: Path) -> None:
+    """From Python; reopened without it; another law is refused by name."""
+    scene = replace(BASE, bearings=pw.Bearing(normal_law=mine), cycles=1)
+    result = pw.run(scene, tmp_path / "out", engine="dae")
+    again = pw.load(tmp_path / "out")
+    assert again.scene == result.scene
+    law = again.scene.bearings.normal_law
+    assert isinstance(law, OwnFunction)
+    assert "def mine" in law.source
+    other = replace(BASE, bearings=pw.Bearing(normal_law="flores"), cycles=1)
+    with pytest.raises(InputError, match="normal_law is mine of one's own"):
+        pw.run(other, tmp_path / "out", engine="dae")

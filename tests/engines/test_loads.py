@@ -1,0 +1,304 @@
+"""Loads with a law in every engine: closed forms, orders, one against another, the energy."""
+
+import math
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from presswear.campaign.starts import start_of
+from presswear.engines.base import Plan, Run, Start
+from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
+from presswear.linkage.elements import GROUND, Attachment, Body, Guide, Linkage, Probe
+from presswear.linkage.loads import (
+    Force,
+    Harmonics,
+    Law,
+    Moment,
+    OverPosition,
+    OverTime,
+    Spring,
+)
+from presswear.scene.catalog import ideal, wear_times
+from presswear.trials.runs import order_of
+
+UP = 0.5 * math.pi
+FREE = 0.01
+"""Longest step, s."""
+ENGINES: list[tuple[Engine, float]] = [
+    (InHouse(integration_tolerance=1e-12, free_step=FREE), 1e-11),
+    (InHouse("rk4", equal_step=0.77e-3), 1e-8),
+    (ExudynTree(tree_tolerance=1e-11, free_step=FREE), 1e-9),
+    (ExudynJoints(50, 10, free_step=3e-4, newton=1e-10), 2e-5),
+]
+EVERY = pytest.mark.parametrize(
+    ("engine", "within"), ENGINES, ids=["dop853", "rk4", "exudyn-tree", "exudyn-joints"]
+)
+
+
+def guided(law: Law, gravity: float = 0.0, mass: float = 1.0) -> Linkage:
+    """A mass on an inclined guide with a load along it, at a point that is not its centre."""
+    direction = 0.0 if gravity == 0.0 else -UP
+    return Linkage(
+        [Body("mass", mass, 1.0, {"tip": (0.1, 0.2)})],
+        joints=[Guide("guide", "mass", direction=direction)],
+        loads=[Force(Attachment("mass", 0.0, 0.2) if gravity == 0.0 else "mass", direction, law)],
+        watch=Probe("mass", direction),
+        gravity=gravity,
+        cycle=1.0,
+    )
+
+
+def run(
+    engine: Engine, linkage: Linkage, place: float, speed: float, duration: float, cycles: int = 1
+) -> Run:
+    """Run a guided mass from a place and a speed along its guide."""
+    along = np.array([math.cos(linkage.probe.direction), math.sin(linkage.probe.direction), 0.0])
+    start = Start(place * along, speed * along)
+    ran = engine.simulate(linkage, start, Plan(duration / cycles, cycles, recorded_cycles=1))
+    assert ran.status == "completed", ran.message
+    return ran
+
+
+def along(ran: Run, linkage: Linkage) -> tuple[float, float]:
+    """Place and speed along the guide at the end."""
+    direction = linkage.probe.direction
+    unit = np.array([math.cos(direction), math.sin(direction), 0.0])
+    return float(ran.end.position @ unit), float(ran.end.velocity @ unit)
+
+
+def residual(ran: Run) -> float:
+    return abs(float(ran.diagnostics["energy_residual_J"]))
+
+
+@EVERY
+def test_a_table_over_time_moves_a_mass_as_its_double_integral_says(
+    engine: Engine, within: float
+) -> None:
+    """With a jump where the table repeats, and bends that lie on no step."""
+    table, period, end = [(0.0, 2.0), (0.1234, -1.0), (0.3137, 1.5)], 0.3137, 1.1
+    linkage = guided(OverTime(table, period))
+    ran = run(engine, linkage, -0.5, 1.0, end)
+    places, values = np.array(table).T
+    edges = sorted({0.0, end, *(k * period + t for k in range(4) for t in places)})
+    place, speed = -0.5 + end, 1.0
+    for one, other in pairwise(edges):
+        if other > end:
+            break
+        # Linear force, so that Simpson's rule is exact; at an edge from within.
+        t = np.array([one, 0.5 * (one + other), other])
+        inside = np.clip(t - math.floor(t[1] / period) * period, 0.0, period)
+        force = np.interp(inside, places, values)
+        weights = (other - one) * np.array([1.0, 4.0, 1.0]) / 6.0
+        speed += float(weights @ force)
+        place += float(weights @ (force * (end - t)))
+    found = along(ran, linkage)
+    assert found == pytest.approx((place, speed), abs=within)
+    work = float(ran.diagnostics["load_work_J"])
+    assert work == pytest.approx(0.5 * speed**2 - 0.5, abs=within)
+    assert residual(ran) < max(1e-12, within)
+
+
+FREQUENCY = 7.0
+BUFFER = OverPosition([(0.1, 0.0), (0.1 + 2.0, -2.0 * FREQUENCY**2)], outside="hold")
+"""A spring that begins at 0.1 m."""
+
+
+def bounced(place: float, speed: float, end: float) -> tuple[float, float]:
+    """Place and speed after a mass of 1 kg has run into the buffer and out again."""
+    touch = (0.1 - place) / speed
+    return 0.1 - speed * (end - touch - math.pi / FREQUENCY), -speed
+
+
+@EVERY
+def test_a_mass_that_runs_into_a_spring_returns_as_it_came(engine: Engine, within: float) -> None:
+    linkage = guided(replace(BUFFER, table=[(0.0, 0.0), *BUFFER.table]))
+    ran = run(engine, linkage, -0.5, 2.0, 1.1)
+    assert along(ran, linkage) == pytest.approx(bounced(-0.5, 2.0, 1.1), abs=within)
+    assert float(ran.diagnostics["load_work_J"]) == pytest.approx(0.0, abs=within)
+
+
+@EVERY
+def test_blanking_takes_the_area_under_its_table_and_lets_go(engine: Engine, within: float) -> None:
+    """Twice through: the second stroke meets it again, once the whole way back is made."""
+    table = [(0.0, 0.0), (0.02, -30.0), (0.05, -40.0)]
+    law = OverPosition(table, sense="along", release=True)
+    linkage = guided(law)
+    ran = run(engine, linkage, -0.5, 4.0, 0.4)
+    speed = math.sqrt(16.0 - 2.0 * (0.5 * 30.0 * 0.02 + 35.0 * 0.03))
+    assert along(ran, linkage)[1] == pytest.approx(speed, abs=10.0 * within)
+    # A spring swings it to and fro: three times through the table, twice in its sense.
+    spring = Spring("s", Attachment(GROUND, -3.0, 0.0), Attachment("mass", 0.0, 0.0), 400.0, 3.0)
+    swung = replace(linkage, springs=[spring])
+    energy = 0.5 * 400.0 * 0.3**2
+    ran = run(engine, swung, -0.3, 0.0, 0.45)
+    once = 0.5 * 30.0 * 0.02 + 35.0 * 0.03
+    place, speed = along(ran, swung)
+    assert 0.5 * speed**2 + 200.0 * place**2 == pytest.approx(energy - 2.0 * once, abs=20 * within)
+    assert float(ran.diagnostics["load_work_J"]) == pytest.approx(-2.0 * once, abs=20 * within)
+
+
+def errors(engines: list[Engine]) -> list[float]:
+    """Errors of the bounce."""
+    linkage, exact = guided(BUFFER), bounced(-0.5, 2.0, 1.1)
+    runs = [run(engine, linkage, -0.5, 2.0, 1.1) for engine in engines]
+    return [math.dist(along(ran, linkage), exact) for ran in runs]
+
+
+@pytest.mark.parametrize(
+    ("kind", "counts", "order"),
+    [("rk4", (53, 107, 211, 419), 4.0), ("trapezoidal", (501, 1003, 2001), 2.0)],
+)
+def test_a_bend_costs_no_order(kind: str, counts: tuple[int, ...], order: float) -> None:
+    steps = [1.1 / n for n in counts]
+    engines: list[Engine] = [
+        InHouse("rk4", equal_step=step)
+        if kind == "rk4"
+        else ExudynJoints(50, 10, free_step=step, newton=1e-12)
+        for step in steps
+    ]
+    assert order_of(steps, errors(engines)) == pytest.approx(order, abs=0.35)
+
+
+def test_order_eight_follows_its_tolerance_over_a_bend() -> None:
+    """With two events, whatever the tolerance; one that stepped over them would need many steps."""
+    tolerances = [1e-8, 1e-9, 1e-10, 1e-11]
+    linkage, exact = guided(BUFFER), bounced(-0.5, 2.0, 1.1)
+    found, steps = [], []
+    for tolerance in tolerances:
+        ran = run(InHouse(integration_tolerance=tolerance, free_step=1.0), linkage, -0.5, 2.0, 1.1)
+        assert ran.diagnostics["events"] == 2
+        found.append(math.dist(along(ran, linkage), exact))
+        steps.append(int(ran.diagnostics["steps"]))
+    assert 0.85 < order_of(tolerances, found) < 1.2
+    assert max(steps) < 60
+
+
+@EVERY
+def test_a_body_that_a_load_in_one_sense_could_hold_creeps(engine: Engine, within: float) -> None:
+    """It sinks at the part of ``rise`` at which the load bears its weight; nothing chatters."""
+    law = OverPosition([(0.0, -20.0)], sense="along", outside="hold", rise=0.05)
+    linkage = guided(law, gravity=10.0)
+    ran = run(engine, linkage, 0.0, 0.3, 1.0)
+    place, speed = along(ran, linkage)
+    assert speed == pytest.approx(0.5 * 0.05, abs=max(within, 1e-8))
+    # Down to 0.05 m/s at -10 m/s^2, then towards half of it at the rate 20 / 0.05.
+    slowing, rate = 0.025, 400.0
+    path = 0.3 * slowing - 5.0 * slowing**2
+    path += 0.025 * (1.0 - slowing) + 0.025 / rate
+    assert place == pytest.approx(path, abs=max(10.0 * within, 1e-8))
+    assert int(ran.diagnostics["steps"]) < 4000
+
+
+def test_a_counterbalance_that_turns_the_mass_at_its_bend_ends() -> None:
+    """A grazing start: at rest exactly on a bend, and on the end of a table."""
+    law = OverPosition([(-1.0, 0.0), (0.0, 1.0), (1.0, 0.0)])
+    for place in (-1.0, 0.0, 1.0):
+        for engine, _ in ENGINES:
+            ran = run(engine, guided(law), place, 0.0, 0.5)
+            assert np.isfinite(ran.end.position).all()
+            assert int(ran.diagnostics["steps"]) < 3000
+
+
+def test_going_on_over_cycles_gives_the_same() -> None:
+    """The piece of a table is part of the state between two cycles."""
+    linkage = guided(OverPosition([(0.0, 0.0), (0.3, -9.0)], sense="along", release=True))
+    for engine, within in ENGINES:
+        whole, parts = (run(engine, linkage, -0.5, 3.0, 0.9, cycles) for cycles in (1, 3))
+        assert along(whole, linkage) == pytest.approx(along(parts, linkage), abs=10.0 * within)
+
+
+def loaded_press() -> Linkage:
+    """The press with a cushion, a counterbalance, blanking on the way up, and a moment."""
+    linkage = wear_times().linkage()
+    slider = linkage.probe.body
+    repeated = OverPosition([(0.0, 0.0), (2.0, 0.5), (4.0, -0.5)], repeats=2.0 * math.pi)
+    return replace(
+        linkage,
+        loads=[
+            Force(slider, UP, OverPosition([(-0.6, 5.0), (-0.47, 1.0)], outside="hold")),
+            Force(
+                slider,
+                UP,
+                OverPosition([(-0.6, 40.0), (-0.57, 20.0), (-0.565, 0.0)], "against", "hold"),
+            ),
+            Force(
+                slider,
+                UP,
+                OverPosition([(-0.58, 0.0), (-0.57, -30.0)], "along", release=True),
+            ),
+            Force("plate 4", 0.3, Harmonics(1.0, 40.0, [(2.0, 1.0)])),
+            Force("rod 5", 0.3, OverTime([(0.0, 1.0), (0.02, 3.0), (0.03, -2.0)], 0.04)),
+            Moment("crank 7", repeated),
+        ],
+    )
+
+
+def test_engines_agree_over_ten_touches_and_keep_the_energy() -> None:
+    """Exudyn's tree beside Lagrange multipliers, both fine: 1e-8 m, 1e-7 of the exchange."""
+    scene, linkage, joints = wear_times(), loaded_press(), range(2)
+    runs, touches = [], []
+    for engine in (InHouse(integration_tolerance=1e-12), ExudynTree(tree_tolerance=1e-11)):
+        # Ten touches come before 0.03 s; the cycle is what the longest step is a part of.
+        plan = Plan(0.03, 1, recorded_cycles=1)
+        ran = engine.over(scene.mechanism.period).simulate(linkage, start_of(scene), plan)
+        assert ran.status == "completed", ran.message
+        assert residual(ran) < 1e-7 * float(ran.diagnostics["drive_exchange_J"])
+        times = sorted(t for k in joints for t in ran.recorder.episodes(k)[:, 0].tolist())
+        runs.append(ran)
+        touches.append(times[:10])
+    assert len(touches[0]) == 10
+    np.testing.assert_allclose(touches[0], touches[1], atol=1e-9)
+    one, other = (float(ran.diagnostics["load_work_J"]) for ran in runs)
+    assert abs(one) > 1e-2
+    assert one == pytest.approx(other, rel=1e-6)
+
+
+@pytest.mark.parametrize("word", ["dae", "exudyn-joints"])
+def test_drives_and_loads_balance_on_the_ideal_press(word: str) -> None:
+    """Without clearance, at the settings that scenes take: what the residual may be."""
+    scene = replace(ideal(), engine=word)
+    linkage = replace(
+        scene.linkage(),
+        loads=loaded_press().loads,
+        springs=[
+            Spring(
+                "damper",
+                Attachment(GROUND, 0.0, 0.0),
+                Attachment("plate 4", 0.0, 0.0),
+                100.0,
+                0.1,
+                5.0,
+            )
+        ],
+    )
+    period = scene.mechanism.period
+    engine = scene.solver.over(period)
+    ran = engine.simulate(linkage, start_of(scene), Plan(period, 1, recorded_cycles=1))
+    assert ran.status == "completed", ran.message
+    exchange = float(ran.diagnostics["drive_exchange_J"])
+    assert abs(float(ran.diagnostics["load_work_J"])) > 0.1 * exchange
+    assert residual(ran) < 1e-7 * exchange
+
+
+def wobble(time: float, position: float, speed: float) -> float:
+    return -3.0 * position - 0.2 * speed + math.sin(time)
+
+
+@EVERY
+def test_a_function_of_ones_own_is_a_load(engine: Engine, within: float) -> None:
+    """A damped oscillator under sin t: its amplitudes in closed form."""
+    linkage = guided(wobble)
+    ran = run(engine, linkage, -0.5, 1.0, 1.3)
+    w, c, k = 1.0, 0.2, 3.0
+    size = 1.0 / complex(k - w * w, c * w)
+    a, b = size.imag, size.real  # a cos t + b sin t
+    root = complex(-0.5 * c, math.sqrt(k - 0.25 * c * c))
+    # x = Re(A e^(root t)) with Re(A) and Re(A root) from the start.
+    real = -0.5 - a
+    imag = (root.real * real - (1.0 - b)) / root.imag
+    amplitude = complex(real, imag) * np.exp(root * 1.3)
+    place = amplitude.real + a * math.cos(1.3) + b * math.sin(1.3)
+    speed = (root * amplitude).real - a * math.sin(1.3) + b * math.cos(1.3)
+    assert along(ran, linkage) == pytest.approx((place, speed), abs=within)

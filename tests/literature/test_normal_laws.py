@@ -1,0 +1,151 @@
+"""Normal laws by name in the engines: delivered restitution, depth and energy of an impact."""
+
+import math
+from dataclasses import replace
+
+import pytest
+from scipy.integrate import quad
+
+from presswear.engines.base import Plan, Run
+from presswear.engines.settings import Engine, ExudynJoints, InHouse
+from presswear.linkage.laws import DAMPINGS, KELVIN_VOIGT, NormalLaw, delivered_restitution
+from presswear.physics.laws import elastic_of, normal_record
+from presswear.tools.own import OwnFunction
+from presswear.trials.verify import references
+from presswear.trials.verify.verify import delivered
+
+CLEARANCE, STIFFNESS, SPEED = 1e-4, 1.25e10, 0.25
+MASS = 0.3 * 0.1 / 0.4
+ENGINES: list[tuple[Engine, float]] = [
+    (InHouse(integration_tolerance=1e-12), 1e-8),
+    (ExudynJoints(400, 10), 1e-4),
+]
+PLAN = Plan(4e-3, 1)
+
+
+def impact(law: NormalLaw, engine: Engine, speed: float = SPEED) -> Run:
+    """A free pin on its free bearing under a law; see ``references.Impact``."""
+    case = references.Impact(1.0, STIFFNESS, speed, CLEARANCE)
+    joint = replace(case.linkage.clearances[0], normal=law)
+    run = engine.simulate(replace(case.linkage, clearances=(joint,)), case.start, PLAN)
+    assert run.status == "completed", run.message
+    energy = 0.5 * MASS * speed**2
+    bound = 1e-8 if isinstance(engine, InHouse) else 1e-3
+    assert abs(float(run.diagnostics["energy_residual_J"])) < bound * energy
+    return run
+
+
+def kelvin_voigt_restitution(part: float) -> float:
+    """Restitution of a linear spring with a damper of so much of the critical damping.
+
+    The force ends where spring and damper cancel (Schwager and Poeschel, 2007).
+    """
+    if part == 1.0:
+        return math.exp(-2.0)
+    if part > 1.0:
+        root = math.sqrt(part**2 - 1.0)
+        return math.exp(-part / root * math.log((part + root) / (part - root)))
+    root = math.sqrt(1.0 - part**2)
+    # The phase at which damper and spring cancel, between 0 and pi.
+    return math.exp(-part / root * math.atan2(2.0 * part * root, 2.0 * part**2 - 1.0))
+
+
+@pytest.mark.parametrize(("engine", "bound"), ENGINES)
+@pytest.mark.parametrize("nominal", [0.0, 0.05, 0.3, 0.9])
+@pytest.mark.parametrize("name", [name for name in DAMPINGS if name != KELVIN_VOIGT])
+def test_laws_deliver_the_closed_form(
+    name: str, nominal: float, engine: Engine, bound: float
+) -> None:
+    """(1 + e) chi = ln[(1 + chi) / (1 - chi e)], whatever the elastic force."""
+    nominal = max(nominal, DAMPINGS[name].least)
+    damping = DAMPINGS[name].factor(nominal)
+    run = impact(NormalLaw(STIFFNESS, 1.5, damping), engine)
+    assert delivered(run, SPEED) == pytest.approx(delivered_restitution(damping), abs=bound)
+
+
+@pytest.mark.parametrize(("engine", "bound"), ENGINES)
+@pytest.mark.parametrize("part", [0.0, 0.1, 0.5, 1.0, 2.0])
+def test_kelvin_and_voigt_deliver_the_closed_form(
+    part: float, engine: Engine, bound: float
+) -> None:
+    stiffness = 1e7
+    law = NormalLaw(stiffness, 1.0, viscosity=2.0 * part * math.sqrt(stiffness * MASS))
+    run = impact(law, engine)
+    assert delivered(run, SPEED) == pytest.approx(kelvin_voigt_restitution(part), abs=bound)
+
+
+@pytest.mark.parametrize("part", [1e-9, 1e-5, 1e-3, 0.05, 0.5, 3.0])
+def test_elastic_forces_are_what_they_are_named_for(part: float) -> None:
+    """Liu's as printed; the foundation's by quadrature over the arc; their energies too."""
+    depth = part * CLEARANCE
+    liu = normal_record(NormalLaw(STIFFNESS, elasticity="liu"), CLEARANCE)
+    # K = (pi / 2) E* b / sqrt(2 c), and with it (pi / 2) delta E* b sqrt(delta / (2 (c + delta))).
+    modulus = STIFFNESS * 2.0 / math.pi * math.sqrt(2.0 * CLEARANCE)
+    printed = 0.5 * math.pi * depth * modulus * math.sqrt(depth / (2.0 * (CLEARANCE + depth)))
+    assert elastic_of(liu, depth)[0] == pytest.approx(printed, rel=1e-13)
+
+    bed = normal_record(NormalLaw(STIFFNESS, elasticity="foundation"), CLEARANCE)
+    stiffness = 0.75 * STIFFNESS * math.sqrt(0.5 * CLEARANCE)
+    eccentricity = CLEARANCE + depth
+    half = math.acos(CLEARANCE / eccentricity) if part > 1e-6 else math.sqrt(2.0 * part)
+
+    def overlap(x: float) -> float:
+        # e cos(x) - c without its cancellation.
+        return depth - 2.0 * eccentricity * math.sin(0.5 * x) ** 2
+
+    force = quad(
+        lambda x: stiffness * overlap(x) * math.cos(x), -half, half, epsabs=0.0, epsrel=1e-12
+    )[0]
+    energy = quad(
+        lambda x: 0.5 * stiffness * overlap(x) ** 2, -half, half, epsabs=0.0, epsrel=1e-12
+    )[0]
+    found = elastic_of(bed, depth)
+    assert found[0] == pytest.approx(force, rel=1e-9)
+    assert found[1] == pytest.approx(energy, rel=1e-9)
+    for law in (liu, bed):
+        work = quad(lambda x, law=law: elastic_of(law, x)[0], 0.0, depth, epsabs=0.0, epsrel=1e-12)[
+            0
+        ]
+        assert elastic_of(law, depth)[1] == pytest.approx(work, rel=1e-9)
+
+
+@pytest.mark.parametrize("elasticity", ["liu", "foundation"])
+def test_conforming_pins_deliver_the_same_restitution(elasticity: str) -> None:
+    damping = DAMPINGS["lankarani-nikravesh"].factor(0.5)
+    law = NormalLaw(STIFFNESS, 1.5, damping, elasticity="liu")
+    if elasticity == "foundation":
+        law = replace(law, elasticity="foundation")
+    run = impact(law, ENGINES[0][0])
+    assert delivered(run, SPEED) == pytest.approx(delivered_restitution(damping), abs=1e-8)
+
+
+SOFT = """
+K = 3.0e9
+
+def spring(x):
+    return K * x ** 1.3
+
+def soft(penetration, rate, onset_speed):
+    return spring(penetration) * (1.0 + 0.4 * rate / onset_speed)
+"""
+
+
+@pytest.mark.parametrize(("engine", "bound"), ENGINES)
+def test_a_law_of_ones_own_delivers_its_closed_form(engine: Engine, bound: float) -> None:
+    """A power of 1.3 with chi = 0.4, in an engine whose kernels do not know it."""
+    run = impact(NormalLaw(STIFFNESS, own=OwnFunction("soft", SOFT)), engine)
+    assert delivered(run, SPEED) == pytest.approx(delivered_restitution(0.4), abs=bound)
+
+
+def test_two_laws_of_one_name_share_nothing() -> None:
+    """The same name and another text, one after the other in one process, then the first again."""
+    other = OwnFunction("soft", SOFT.replace("0.4", "0.8"))
+    engine = ENGINES[0][0]
+    seen = [
+        delivered(impact(NormalLaw(STIFFNESS, own=own), engine), SPEED)
+        for own in (OwnFunction("soft", SOFT), other, OwnFunction("soft", SOFT))
+    ]
+    assert seen[0] == seen[2] == pytest.approx(delivered_restitution(0.4), abs=1e-8)
+    assert seen[1] == pytest.approx(delivered_restitution(0.8), abs=1e-8)
+    plain = impact(NormalLaw(STIFFNESS, 1.5, 0.3), engine)
+    assert delivered(plain, SPEED) == pytest.approx(delivered_restitution(0.3), abs=1e-8)
