@@ -33,7 +33,9 @@ UNEVEN = replace(
 )
 SPRUNG = replace(
     PUMP,
-    springs=[Spring("s", Attachment("rod", 0.0, 0.0), Attachment("rocker", 0.0, 0.0), 200.0, 0.1)],
+    springs=[
+        Spring("s", Attachment("rod", 0.0, 0.0), Attachment("rocker", 0.0, 0.0), 200.0, 0.1, 0.5)
+    ],
     loads=[Load("slider", 3.0, -2.0), Load("rod", 0.0, 1.0, 0.2)],
 )
 SCENES = {

@@ -177,8 +177,8 @@ def powers(frame: Frame, drives: Drives, book: Book, t: float) -> tuple[float, f
     tuple
         Power of the drives, and of loads and dampers, W.
     """
-    given = applied_forces(book.packed, t, frame.q, frame.v, drives.force)
     prescribed = frame.prescribed
+    given = applied_forces(book.packed, t, frame.q, frame.v, drives.force)
     if prescribed.parts.shape[0] > 0:
         add_contacts(book.packed.joints, book.onset, book.contacts, drives.force, drives.rates)
         subtract_inertia(prescribed, frame.a, drives.force)
