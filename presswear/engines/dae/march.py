@@ -131,11 +131,12 @@ def first_change(
     part = 2.0
     for k in range(system.contacts.shape[0], event_count(system)):
         value, rate = event_value(system, book, k, motion.trial, motion.slopes[last])
-        # One just behind is taken with that on which the step ends.
-        if k == apart or value == -math.inf or 0.0 < value <= 2.0 * BEHIND:
+        if k == apart or value == -math.inf:
             continue
         start, first_rate = event_value(system, book, k, motion.y, motion.slopes[0])
-        s = crossing(min(start, 0.0), first_rate, value, rate, h)
+        # What goes no further behind is round-off, or comes with that on which the step ends.
+        reach = 2.0 * BEHIND
+        s = crossing(min(start, 0.0) - reach, first_rate, value - reach, rate, h)
         if s < part and (s * h > 1e-14 or first_rate > 0.0):
             found, part = k, s
     return found, part
