@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from presswear.linkage.loads import OverPosition as OverPosition
     from presswear.linkage.loads import OverTime as OverTime
     from presswear.linkage.loads import Spring as Spring
+    from presswear.linkage.materials import Materials as Materials
     from presswear.linkage.press import Press as Press
     from presswear.linkage.slider_crank import SliderCrank as SliderCrank
     from presswear.linkage.surface import Surface as Surface
@@ -79,6 +80,7 @@ _ROOMS = {
         "OverTime",
         "Spring",
     ),
+    "linkage.materials": ("Materials",),
     "linkage.press": ("Press",),
     "linkage.slider_crank": ("SliderCrank",),
     "linkage.surface": ("Surface",),

@@ -82,19 +82,17 @@ FRICTION_PARAMETERS = ("sliding", "normal", "coefficient", "lower_speed", "upper
 def hertz_stiffness(
     bearing_radius: float,
     pin_radius: float,
-    youngs_modulus: float,
-    poisson_ratio: float,
+    compliance: float,
     reading: StiffnessReading,
 ) -> float:
-    """Contact stiffness K, N/m^1.5, for a pin and a bearing of the same material.
+    """Contact stiffness K, N/m^1.5, from the sum s_i + s_j of (1 - nu^2) / E of both, 1/Pa.
 
     ``paper`` takes sqrt(R_i R_j / (R_i + R_j)) as printed below equation 8, which
     is two spheres side by side.  ``refined`` takes the conforming pair: a pin in a
     hole has R_i - R_j under the root.
     """
-    compliance = (1.0 - poisson_ratio**2) / youngs_modulus
     combined = bearing_radius + pin_radius if reading == "paper" else bearing_radius - pin_radius
-    return 4.0 / (6.0 * compliance) * math.sqrt(bearing_radius * pin_radius / combined)
+    return 4.0 / (3.0 * compliance) * math.sqrt(bearing_radius * pin_radius / combined)
 
 
 def delivered_restitution(damping: float) -> float:

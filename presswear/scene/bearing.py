@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, fields
-from typing import get_args
+from typing import Any, get_args
 
 from presswear.linkage.elements import (
     ClearanceJoint,
@@ -27,10 +27,18 @@ from presswear.linkage.laws import (
     check_normal,
     hertz_stiffness,
 )
+from presswear.linkage.materials import MATERIALS, Materials
 from presswear.linkage.surface import Surface
-from presswear.tools.errors import InputError
+from presswear.tools.errors import InputError, unknown
 from presswear.tools.own import OwnFunction
-from presswear.tools.quantities import check_fields, choice, choice_of, count, quantity
+from presswear.tools.quantities import (
+    check_fields,
+    choice,
+    choice_of,
+    count,
+    named_set,
+    quantity,
+)
 
 
 @dataclass(frozen=True)
@@ -87,8 +95,9 @@ class Bearing:
     width: float = quantity(
         0.02, "m", 0.0, 1.0, "assumed", "axial width b; only K_d / b matters", open_low=True
     )
-    youngs_modulus: float = quantity(200e9, "Pa", 1e9, 1e12, "paper", "E of pin and bearing")
-    poisson_ratio: float = quantity(0.3, "", 0.0, 0.5, "paper", "nu of pin and bearing")
+    materials: Materials | Any = named_set(
+        "paper", MATERIALS, "what pin and bearing are made of, pin first"
+    )
     contact_stiffness: float | None = quantity(
         None, "N/m^n", 1e3, 1e15, "chosen", "K; none given: Hertz's, from E, nu and the radii"
     )
@@ -110,15 +119,16 @@ class Bearing:
     friction: float = quantity(0.02, "", 0.0, 0.8, "paper, per study", "friction coefficient c_f")
     lower_speed: float = quantity(1e-4, "m/s", 0.0, 1.0, "paper", "v_0: no friction below")
     upper_speed: float = quantity(1e-3, "m/s", LEAST_RAMP, 1.0, "paper", "v_1: full friction above")
-    wear_coefficient: float = quantity(
-        1.2e-15, "1/Pa", 0.0, 1e-9, "assumed, one number for all scenes", "K_d"
-    )
-    bearing_share: float = quantity(
-        0.5, "", 0.0, 1.0, "paper", "part of the wear depth that the bearing loses"
-    )
     angles: int = count(360, 16, 100_000, "assumed", "bins of a wear map")
 
     def __post_init__(self) -> None:
+        if not isinstance(self.materials, Materials):
+            # By their name, or as they were stored.
+            own = self.materials
+            if isinstance(own, str) and own not in MATERIALS:
+                raise unknown("materials", own, MATERIALS)
+            found = MATERIALS[own] if isinstance(own, str) else Materials(**own)
+            object.__setattr__(self, "materials", found)
         for item in fields(self):
             # As it is given, or as it was stored.
             words = choice_of(item, self)
@@ -159,7 +169,7 @@ class Bearing:
         if self.contact_stiffness is not None:
             return self.contact_stiffness
         radii = self.bearing_radius, self.bearing_radius - self.clearance
-        return hertz_stiffness(*radii, self.youngs_modulus, self.poisson_ratio, reading)
+        return hertz_stiffness(*radii, self.materials.compliance, reading)
 
     def normal(self, reading: StiffnessReading) -> NormalLaw:
         """The law of its normal force."""
@@ -201,10 +211,10 @@ class Bearing:
     ) -> ClearanceJoint:
         """A revolute joint opened: bearing on its first end, pin on its second."""
         law = WearLaw(
-            self.wear_coefficient,
+            self.materials.wear_coefficient,
             conventions.slip,
             conventions.footprint,
-            self.bearing_share,
+            self.materials.bearing_share,
             self.angles,
         )
         return ClearanceJoint(
@@ -216,7 +226,7 @@ class Bearing:
             self.width,
             self.normal(conventions.stiffness),
             self.rubbing,
-            law if self.wear_coefficient > 0.0 else None,
+            law if self.materials.wear_coefficient > 0.0 else None,
             conventions.map_frame,
             conventions.contact,
             *worn,

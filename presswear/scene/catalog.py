@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from typing import Any
 
+from presswear.linkage.materials import Materials
 from presswear.linkage.press import Press
 from presswear.linkage.slider_crank import LITERATURE, SliderCrank
 from presswear.scene.bearing import CONVENTIONS, Bearing
@@ -101,7 +102,12 @@ slider_crank = _named(
     "slider-crank",
     "A slider-crank with clearance between rod and slider",
     mechanism=SliderCrank(),
-    bearings=Bearing(clearance=0.5e-3, bearing_radius=0.010, youngs_modulus=207e9, friction=0.0),
+    bearings=Bearing(
+        clearance=0.5e-3,
+        bearing_radius=0.010,
+        materials=Materials(youngs_modulus=207e9),
+        friction=0.0,
+    ),
     conventions=CONVENTIONS["refined"],
     joints="B",
     wears=0,

@@ -67,7 +67,7 @@ def scene_from(file: Path) -> Scene:
         settings = _settings(data.get("settings", {}), file.parent)
         title = data.get("title", f"The linkage of {file.name}")
         # Without a word on it, no joint has clearance and nothing wears.
-        plain = Scene(file.stem, title, mechanism, joints="none", wears=0)
+        plain = Scene(mechanism, file.stem, title, joints="none", wears=0)
         statuses = dict.fromkeys((setting.key for setting in settings_of(plain)), "default")
         return changed(replace(plain, statuses=statuses), settings)
     except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:

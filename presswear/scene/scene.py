@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
-from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -66,19 +65,8 @@ DRAWS = 4
 """Starts of a scene that wears and does not say how many: the fewest with a usable interval."""
 
 
-def joint_words(mechanism: OneMechanism) -> dict[str, tuple[str, ...]]:
-    """The choices of joints with clearance: every combination of their names, and ``none``.
-
-    Names of one letter stand side by side, longer ones with a comma between.
-    """
-    names = mechanism.openable
-    between = "" if all(len(name) == 1 for name in names) else ","
-    chosen = [some for count in range(len(names)) for some in combinations(names, count + 1)]
-    return {between.join(some): some for some in chosen} | {"none": ()}
-
-
-def _words(scene: "Scene") -> tuple[str, ...]:
-    return tuple(joint_words(scene.mechanism))
+def _joints(scene: "Scene") -> tuple[str, ...]:
+    return (*scene.mechanism.openable, "none")
 
 
 @dataclass(frozen=True)
@@ -87,24 +75,26 @@ class Scene:
 
     Attributes
     ----------
-    bearings : Bearing
-        Of every joint with clearance that is not set apart.
+    mechanism : Press, SliderCrank or Linkage
+    bearings : Bearing, or mapping of str to Bearing
+        Of every joint with clearance that is not set apart.  A mapping gives the joints that have
+        clearance, each with its own.
     apart : mapping of str to Bearing
         Those of single joints that differ, by name.
     statuses : mapping of str to str
         Where values come from, by key, where it is not what their fields say.
     """
 
+    mechanism: OneMechanism = field(default_factory=Press)
     name: str = "scene"
     title: str = "A scene of one's own"
-    mechanism: OneMechanism = field(default_factory=Press)
-    bearings: Bearing = field(default_factory=Bearing)
+    bearings: Bearing | Any = field(default_factory=Bearing)  # a mapping is taken apart
     apart: Mapping[str, Bearing] = field(default_factory=dict, hash=False)
     conventions: Conventions = named_set(
         "paper", CONVENTIONS, "what the paper prints, or what a careful engineer would compute"
     )
     numerics: Numerics = field(default_factory=Numerics)
-    joints: str = choice("AC", _words, "which joints have clearance")
+    joints: str = choice("AC", _joints, "which joints have clearance", several=True)
     engine: str = choice(
         "exudyn",
         ENGINES,
@@ -149,6 +139,8 @@ class Scene:
     statuses: Mapping[str, str] = field(default_factory=dict, hash=False)
 
     def __post_init__(self) -> None:
+        if isinstance(self.bearings, Mapping):
+            self._open(self.bearings)
         for name in ("name", "title"):
             if not isinstance(getattr(self, name), str):
                 raise InputError(f"{name} = {getattr(self, name)!r}: a text is expected")
@@ -159,6 +151,8 @@ class Scene:
             if not isinstance(getattr(self, part), kind):
                 raise InputError(f"{part} = {getattr(self, part)!r}: a {kind.__name__} is expected")
         check_fields(self)
+        # One spelling, so that equal scenes are equal.
+        object.__setattr__(self, "joints", self._openable.together(self.clearance_joints))
         check_fields(self.conventions)
         for name, own in dict(self.apart).items():
             if name not in self.mechanism.openable:
@@ -196,10 +190,25 @@ class Scene:
                 f"allowed here is one of {others}"
             )
 
+    def _open(self, bearings: Mapping[str, Any]) -> None:
+        """Give the joints of a mapping clearance."""
+        for name in bearings:
+            if name not in self.mechanism.openable:
+                raise unknown("joint in bearings", name, self.mechanism.openable)
+        common = next(iter(bearings.values()), Bearing())
+        opened = {"joints": self._openable.together(bearings), "bearings": common}
+        for name, value in {**opened, "apart": dict(bearings)}.items():
+            object.__setattr__(self, name, value)
+
     @property
     def clearance_joints(self) -> tuple[str, ...]:
         """Names of the joints with clearance."""
-        return joint_words(self.mechanism)[self.joints]
+        chosen = self._openable.apart(self.joints)
+        return tuple(name for name in self.mechanism.openable if name in chosen)
+
+    @property
+    def _openable(self) -> Choice:
+        return Choice(_joints(self), "", several=True)
 
     def check_own_laws(self) -> None:
         """InputError where a law of one's own gives no number or makes energy; runs its text."""

@@ -35,8 +35,7 @@ class Setting:
     def described(self) -> str:
         """Value, range and text in one line."""
         if isinstance(self.meaning, Choice):
-            words = (*self.meaning.words, *(["FILE.py:FUNCTION"] if self.meaning.own else ()))
-            return f"{self.value}  ({' | '.join(words)})  {self.meaning.text}"
+            return f"{self.value}  ({' | '.join(self.meaning.listed())})  {self.meaning.text}"
         value = "none" if self.value is None else self.meaning.with_unit(f"{self.value:.6g}")
         return f"{value}  ({self.meaning.range_text()}; {self.meaning.status})  {self.meaning.text}"
 

@@ -8,7 +8,7 @@ that the help, the error messages and the report all speak from one place.
 import math
 import re
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import Field, dataclass, field, fields
 from typing import Any
 
@@ -119,11 +119,38 @@ class Choice:
     ----------
     own : tuple of str
         What a function of one's own, in place of a word, may ask for; empty: none is allowed.
+    several : bool
+        Whether the words can be taken together, but for the last, which stands for none of them:
+        side by side where each has one letter, else with commas between.
     """
 
     words: tuple[str, ...]
     text: str
     own: tuple[str, ...] = ()
+    several: bool = False
+
+    @property
+    def _between(self) -> str:
+        return "" if all(len(word) == 1 for word in self.words[:-1]) else ","
+
+    def together(self, words: Iterable[str]) -> str:
+        """Several words as one value, in the order in which they are allowed."""
+        taken = set(words)
+        return self._between.join(own for own in self.words[:-1] if own in taken) or self.words[-1]
+
+    def apart(self, value: str) -> tuple[str, ...]:
+        """The words that a value puts together."""
+        if value == self.words[-1]:
+            return ()
+        if "," in value or self._between:
+            return tuple(part.strip() for part in value.split(","))
+        return tuple(value)
+
+    def listed(self) -> tuple[str, ...]:
+        """Everything that is allowed, as a person reads it."""
+        together = self.several and len(self.words) > 2
+        several = [f"several, as {self.together(self.words)}"] if together else []
+        return (*self.words, *several, *(["FILE.py:FUNCTION"] if self.own else []))
 
     def read(self, name: str, value: Any) -> Any:
         """One of the words, or a function of one's own; InputError where it is neither."""
@@ -139,10 +166,13 @@ class Choice:
         """Raise InputError unless the value is one of the words."""
         if self.own and isinstance(value, OwnFunction):
             return
+        if self.several and isinstance(value, str):
+            parts = self.apart(value)
+            if parts and len(set(parts)) == len(parts) and set(parts) <= set(self.words[:-1]):
+                return
         if value not in self.words:
-            own = " or FILE.py:FUNCTION" if self.own else ""
             raise InputError(
-                f"{name} = {value!r}: allowed is one of {', '.join(self.words)}{own}"
+                f"{name} = {value!r}: allowed is one of {', '.join(self.listed())}"
                 f"{nearest(str(value), self.words)}"
             )
 
@@ -152,20 +182,22 @@ def choice(
     words: tuple[str, ...] | Callable[[Any], tuple[str, ...]],
     text: str,
     own: tuple[str, ...] = (),
+    *,
+    several: bool = False,
 ) -> Any:
     """A dataclass field that takes one of a few words, which may depend on its owner.
 
-    ``own`` names what a function of one's own, in place of a word, may ask for.
+    See ``Choice`` for ``own`` and ``several``.
     """
-    return field(default=default, metadata={"choice": (words, text, own)})
+    return field(default=default, metadata={"choice": (words, text, own, several)})
 
 
 def choice_of(item: Field[Any], owner: Any) -> Choice | None:
     """The choice that a field made by ``choice`` offers its owner; None for any other field."""
     if "choice" not in item.metadata:
         return None
-    words, text, own = item.metadata["choice"]
-    return Choice(words(owner) if callable(words) else words, text, own)
+    words, *rest = item.metadata["choice"]
+    return Choice(words(owner) if callable(words) else words, *rest)
 
 
 @dataclass(frozen=True)

@@ -28,8 +28,8 @@ from presswear.commands import scenes
         (["run", "wear-times", "--cycles", "many"], ("cycles", "many")),
         (["run", "wear-times", "--conventions", "mine"], ("mine", "refined")),
         (["run", "wear-times", "--engine", "steam"], ("steam", "exudyn")),
-        (["run", "wear-times", "--set", "joints=B"], ("joints", "A, C, AC, none")),
-        (["run", "slider-crank", "--set", "joints=C"], ("joints", "A, B, AB, none")),
+        (["run", "wear-times", "--set", "joints=B"], ("joints", "A, C, none, several, as AC")),
+        (["run", "slider-crank", "--set", "joints=C"], ("joints", "A, B, none, several, as AB")),
         (["run", "slider-crank", "--set", "geometry=standard"], ("geometry", "rod_length")),
         (["run", "slider-crank", "--set", "rod_length=40mm"], ("rod_length", "0.050005 m")),
         (

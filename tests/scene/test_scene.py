@@ -8,21 +8,22 @@ from typing import Any
 import pytest
 
 from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
+from presswear.linkage.four_bar import FOUR_BAR
 from presswear.linkage.laws import hertz_stiffness
 from presswear.linkage.press import Press
 from presswear.linkage.slider_crank import SliderCrank
 from presswear.scene.bearing import CONVENTIONS, Bearing, Conventions
 from presswear.scene.catalog import SCENES, scene_named, slider_crank, wear_times
-from presswear.scene.scene import Numerics, Scene, joint_words
+from presswear.scene.scene import Numerics, Scene
 from presswear.scene.settings import changed
 from presswear.tools.errors import InputError
 
-BASE = Scene("base", "a scene")
+BASE = Scene(name="base", title="a scene")
 
 
 def test_defaults_are_the_papers() -> None:
     bearings = Bearing()
-    assert (bearings.youngs_modulus, bearings.poisson_ratio) == (200e9, 0.3)
+    assert (bearings.materials.youngs_modulus, bearings.materials.poisson_ratio) == (200e9, 0.3)
     assert (bearings.restitution, bearings.exponent) == (0.9, 1.5)
     assert (bearings.lower_speed, bearings.upper_speed) == (1e-4, 1e-3)
     assert BASE.mechanism == Press(speed=3.5 * math.pi)
@@ -39,12 +40,20 @@ def test_named_scenes_differ_from_the_central_study_as_they_say() -> None:
 
 
 def test_joints_are_those_of_the_mechanism() -> None:
-    assert joint_words(Press()) == {"A": ("A",), "C": ("C",), "AC": ("A", "C"), "none": ()}
-    assert list(joint_words(SliderCrank())) == ["A", "B", "AB", "none"]
-    for mechanism in (Press(), SliderCrank()):
-        for word, names in joint_words(mechanism).items():
-            scene = Scene("", "", mechanism=mechanism, joints=word)
-            assert tuple(joint.name for joint in scene.linkage().clearances) == names
+    spelled = {"A": "A", "C": "C", "AC": "AC", "A,C": "AC", "CA": "AC", "none": ""}
+    for given, names in spelled.items():
+        scene = Scene(joints=given)
+        assert tuple(joint.name for joint in scene.linkage().clearances) == tuple(names)
+        assert scene.joints == (names or "none")
+    assert Scene(SliderCrank(), joints="B , A").joints == "AB"
+    named = replace(
+        FOUR_BAR, joints=[replace(own, name=f"pin {own.name}") for own in FOUR_BAR.joints]
+    )
+    assert Scene(named, joints="pin B, pin A").clearance_joints == ("pin A", "pin B")
+    assert Scene(named, joints="pin P").joints == "pin P"
+    for wrong in ("", "AA", "AB", "A,", "none,A", "B"):
+        with pytest.raises(InputError, match=r"allowed is one of A, C, none, several, as AC"):
+            Scene(joints=wrong)
 
 
 def test_scene_makes_the_linkage_it_describes() -> None:
@@ -75,7 +84,7 @@ def test_conventions_reach_the_joint(conventions: str, expected: tuple[str, ...]
     told = (joint.map_frame, joint.contact, joint.wear.slip, joint.wear.footprint)
     assert told == expected
     reading = CONVENTIONS[conventions].stiffness
-    stiffness = hertz_stiffness(0.015, 0.0142, 200e9, 0.3, reading)
+    stiffness = hertz_stiffness(0.015, 0.0142, 2.0 * (1.0 - 0.3**2) / 200e9, reading)
     assert joint.normal.stiffness == pytest.approx(stiffness, rel=1e-14)
 
 
@@ -171,3 +180,52 @@ def test_what_is_no_stored_scene_is_refused_in_one_line(data: Any) -> None:
     with pytest.raises(InputError) as refusal:
         Scene.from_dict(data)
     assert len(str(refusal.value).splitlines()) == 1
+
+
+def test_bearings_by_joint_open_those_joints() -> None:
+    """A mapping is the same scene as joints, a common bearing and those apart."""
+    one, other = Bearing(clearance=0.2e-3), Bearing(clearance=0.3e-3, friction=0.1)
+    scene = Scene(bearings={"A": one, "C": other})
+    assert scene == Scene(joints="AC", bearings=one, apart={"C": other})
+    assert scene.bearing("C") == other
+    assert Scene(bearings={"C": other}).clearance_joints == ("C",)
+    assert Scene(bearings={}, wears=0).clearance_joints == ()
+    assert Scene.from_dict(scene.as_dict()) == scene
+    with pytest.raises(InputError, match="unknown joint in bearings 'D'"):
+        Scene(bearings={"D": one})
+
+
+def test_materials_set_the_wear_of_both_sides() -> None:
+    """A pair by name, and single values on top of it."""
+    scene = changed(BASE, {"materials": "nitrided-304L", "C.materials": "paper"})
+    law = scene.bearing("A").materials
+    assert law.wear_coefficient == pytest.approx(70.1e-15)
+    assert law.wear_coefficient * (1.0 - law.bearing_share) == pytest.approx(0.1e-15)
+    assert scene.bearing("C") == BASE.bearing("C")
+    own = changed(scene, {"wear_coefficient": "1e-15/Pa"}).bearing("A").materials
+    assert (own.name, own.bearing_share) == ("own", law.bearing_share)
+    assert Scene.from_dict(scene.as_dict()) == scene
+    assert Bearing(materials="chromed-304L").materials.wear_coefficient == pytest.approx(50.1e-15)
+    with pytest.raises(InputError, match="did you mean chromed-304L"):
+        Bearing(materials="chrome-304L")
+
+
+def test_a_softer_bearing_gives_way() -> None:
+    soft = changed(BASE, {"bearing_modulus": "100GPa"}).bearing("A")
+    assert soft.hertz("paper") == pytest.approx(BASE.bearing("A").hertz("paper") / 1.5)
+    assert changed(BASE, {"contact_stiffness": "1e10N/m^1.5"}).bearing("A").hertz("paper") == 1e10
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        ({"normal_law": "flores", "restitution": "0"}, "allowed is 0.01 to 1"),
+        ({"viscous_damping": "10N s/m"}, "with normal_law = 'lankarani-nikravesh' allowed is 0"),
+        ({"elasticity": "liu", "exponent": "1.2"}, "allowed is 1.5"),
+        ({"normal_law": "hunt-crosley"}, "did you mean hunt-crossley"),
+        ({"A.friction_law": "stribeck.py:f"}, "A.friction_law = 'stribeck.py:f': there is no file"),
+    ],
+)
+def test_laws_that_do_not_fit_are_refused(settings: dict[str, str], words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        changed(BASE, settings)

@@ -14,6 +14,7 @@ from presswear.scene.catalog import wear_times
 from presswear.scene.files import EXAMPLES, example_file, scene_from
 from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError, one_line
+from presswear.tools.own import OwnFunction
 
 
 @pytest.mark.parametrize("kind", EXAMPLES)
@@ -150,3 +151,20 @@ def test_a_damaged_file_is_read_or_refused(
         refusal = one_line(str(error))
     assert "\n" not in refusal
     assert not refusal or refusal.startswith(str(file))
+
+
+def test_laws_of_ones_own_stand_beside_the_file(tmp_path: Path) -> None:
+    """FILE.py:FUNCTION is read from the folder of the scene's file, wherever it is run."""
+    (tmp_path / "laws.py").write_text("def rub(sliding, normal):\n    return -normal * sliding\n")
+    file = tmp_path / "mine.toml"
+    text = example_file("four-bar") + 'B.friction_law = "laws.py:rub"\n'
+    file.write_text(text)
+    law = scene_from(file).bearing("B").friction_law
+    assert isinstance(law, OwnFunction)
+    assert law.name == "rub"
+    for wrong, words in (("laws.py:rob", "did you mean rub"), ("law.py:rub", "there is no file")):
+        file.write_text(text.replace("laws.py:rub", wrong))
+        with pytest.raises(InputError, match=words) as told:
+            scene_from(file)
+        assert str(file) in str(told.value)
+        assert "friction_law" in str(told.value)

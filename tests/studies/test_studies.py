@@ -29,6 +29,6 @@ def test_what_names_the_variants_is_not_changed(name: str, settings: dict[str, A
 @pytest.mark.parametrize("name", ["paper", "runaway"])
 def test_all_else_can_be_changed(name: str) -> None:
     found = study(name, cycles=3, bearing_share=0.25, seed=7)
-    assert all(variant.scene.bearings.bearing_share == 0.25 for variant in found.variants)
+    assert all(variant.scene.bearings.materials.bearing_share == 0.25 for variant in found.variants)
     finer = make_study(name, lambda scene: replace(scene, tolerance=0.02))
     assert [variant.key for variant in finer.variants] == [one.key for one in found.variants]

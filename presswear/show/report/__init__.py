@@ -264,10 +264,15 @@ def notes(result: Result) -> list[str]:
             f"took, contacts had made {_made(result)} in the stages after a wear: forces and "
             "wear there are worth as much less."
         )
-    if any(own.wear_coefficient > 0.0 for own in bearings):
+    if any(own.materials.wear_coefficient > 0.0 for own in bearings):
         found.append(
             "The wear that the last stage would cause is given, but no stage ran on it. One wear "
             f"stands for {whole(scene.represented_cycles)} cycles."
+        )
+        scatters = sorted({f"{100.0 * own.materials.wear_scatter:g} %" for own in bearings})
+        found.append(
+            "Depths and volumes are as true as the wear coefficient, which no interval holds: from "
+            f"pair to pair it scatters by {' or '.join(scatters)}."
         )
         if result.grew_in_steps:
             found.append(

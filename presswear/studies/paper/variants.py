@@ -70,7 +70,7 @@ def _finer(scene: Scene) -> Scene:
 def _worn(factor: float) -> Change:
     """Multiply the wear coefficient."""
     return lambda scene: changed(
-        scene, {"wear_coefficient": scene.bearings.wear_coefficient * factor}
+        scene, {"wear_coefficient": scene.bearings.materials.wear_coefficient * factor}
     )
 
 

@@ -14,6 +14,7 @@ from presswear.campaign.ensemble import linkage_on
 from presswear.campaign.starts import start_of
 from presswear.engines.base import Plan
 from presswear.scene.scene import Scene
+from presswear.scene.settings import changed
 from presswear.tools.errors import RunFailed
 from presswear.trials.runs import Told
 from presswear.trials.timing import TimedRun, Timing, time_runs
@@ -129,7 +130,7 @@ def switched_rows(
         "the scene": scene,
         "no friction": replace(scene, bearings=replace(bearings, friction=0.0)),
         "worn surfaces": scene,
-        "no wear account": replace(scene, bearings=replace(bearings, wear_coefficient=0.0)),
+        "no wear account": changed(scene, {"wear_coefficient": 0.0}),
         "torques stored": replace(scene, drive_torque="on"),
     }
     runs = [

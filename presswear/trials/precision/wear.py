@@ -194,7 +194,7 @@ def cases(scene: Scene, extent: Mapping[str, Means]) -> tuple[tuple[Varied, Scen
 
     InputError where the scene has nothing that wears, or allows not every case.
     """
-    if not scene.clearance_joints or scene.bearings.wear_coefficient == 0.0:
+    if not scene.clearance_joints or scene.bearings.materials.wear_coefficient == 0.0:
         raise InputError(f"scene {scene.name}: nothing wears")
     found = []
     for name, means in extent.items():

@@ -1,0 +1,30 @@
+"""A four-bar and a friction law of one's own, with two pins that differ.
+
+Run:  python scenarios/four_bar.py
+"""
+
+import math
+
+import presswear as pw
+
+
+def rub(sliding: float, normal: float, coefficient: float) -> float:
+    return -coefficient * normal * math.tanh(sliding / 0.5e-3)
+
+
+bars = [pw.Bar("crank", 0.05, 0.3), pw.Bar("coupler", 0.20, 0.5), pw.Bar("rocker", 0.12, 0.4)]
+pins = [
+    pw.Pin("O", (0.0, 0.0), "crank.tail"),
+    pw.Pin("A", "crank.head", "coupler.tail"),
+    pw.Pin("B", "coupler.head", "rocker.head"),
+    pw.Pin("P", (0.18, 0.0), "rocker.tail"),
+]
+guess = {"coupler": 0.6, "rocker": 1.4}  # rad: which way it is put together
+four_bar = pw.Linkage(bars, pins, [pw.Drive("crank", 30.0)], "rocker.head", guess)
+bearings = {
+    "A": pw.Bearing(clearance=0.1e-3, normal_law="flores", restitution=0.6),
+    "B": pw.Bearing(clearance=0.3e-3, friction=0.1, friction_law=rub),
+}
+result = pw.run(pw.Scene(four_bar, bearings=bearings, wears=0, cycles=4), engine="dae")
+for name, joint in result.stages[0].joints.items():
+    print(f"{name}: mean peak force {joint.statistics['force_max_per_cycle_N']['mean']:.0f} N")
