@@ -4,8 +4,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 import presswear as pw
-from presswear.physics.prescribed import place_cranks
-from presswear.physics.tree import Tree, place_links, tree_of
+from presswear.physics.links import place_links
+from presswear.physics.prescribed import place_prescribed
+from presswear.physics.tree import Tree, tree_of
 
 Array = NDArray[np.float64]
 
@@ -40,9 +41,9 @@ def branching() -> pw.Linkage:
 def placed(
     tree: Tree, bodies: int, t: float, x: Array, u: Array
 ) -> tuple[Array, Array, Array, Array]:
-    """q, v, a of the cranks, and axes, with all free bodies placed."""
+    """q, v, a of the prescribed bodies, and axes, with all free bodies placed."""
     q, v, a, axes = np.zeros((4, 3 * bodies))
-    place_cranks(tree.cranks, t, q, v, a, axes)
+    place_prescribed(tree.prescribed, t, q, v, a, axes)
     place_links(tree.links, x, u, q, v, axes)
     return q, v, a, axes
 

@@ -39,14 +39,19 @@ CASES = {
         *("--set", "starts=3", "--set", "drive_torque=on"),
     ),
     "tree until known": ("speed", "--engine", TREE, "--wears", "1", "--tolerance", "0.3", *ONE),
+    "tree C": (
+        *("clearance-c", "--wears", "1", "--cycles", "1", "--conventions", "refined"),
+        *("--set", "extrapolation=single", "--set", "angles=36", "--set", "drive_torque=on", *ONE),
+    ),
+    "tree loose rod": ("slider-crank", "--set", "joints=AB", "--engine", TREE, "--cycles", "2"),
     "tree slider-crank": ("slider-crank", "--engine", TREE, "--cycles", "4"),
     "joints ideal": ("ideal", "--set", "drive_torque=on"),
     "joints A": (
         *("clearance-a", "--wears", "1", "--cycles", "1", "--set", "drive_torque=on", *ONE),
     ),
     "joints C": (
-        *("clearance-c", "--wears", "1", "--cycles", "1", "--conventions", "refined"),
-        *("--set", "extrapolation=single", "--set", "angles=36", *ONE),
+        *("clearance-c", "--engine", JOINTS, "--wears", "0", "--cycles", "1"),
+        *("--set", "drive_torque=on"),
     ),
     "joints A and C": (
         *("speed-8pi", "--engine", JOINTS, "--wears", "0", "--cycles", "1"),

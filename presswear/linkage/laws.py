@@ -73,8 +73,10 @@ FRICTIONS: Mapping[str, str] = {
     "ramp": "Coulomb's with the paper's ramp from v_0 to v_1 (equation 9)",
     "smooth": "tanh(v_t / v_1) of Coulomb's",
     "threlfall": "(1 - exp(-3 v_t / v_1)) of Coulomb's up to v_1, 1 - exp(-3) above (Threlfall)",
+    "lugre": "bristles that hold and slip, with a state of their own (Canudas de Wit and others)",
 }
 """Friction laws by name."""
+LUGRE = "lugre"
 FRICTION_PARAMETERS = ("sliding", "normal", "coefficient", "lower_speed", "upper_speed")
 """What a friction law of one's own may ask for: m/s, N, -, m/s, m/s."""
 
@@ -180,6 +182,12 @@ class FrictionLaw:
         One of FRICTIONS.
     own : OwnFunction or None
         The force along the sliding, N, as a function of FRICTION_PARAMETERS, in its place.
+    static : float
+        c_s of LuGre's law at rest, at least c_f.
+    stribeck : float
+        Its Stribeck speed v_s, m/s.
+    bristle_stiffness, bristle_damping : float
+        Its sigma_0, 1/m, and sigma_1, s/m, per unit of normal force.
     """
 
     coefficient: float = 0.0
@@ -187,6 +195,10 @@ class FrictionLaw:
     upper: float = 1e-3
     name: str = "ramp"
     own: OwnFunction | None = None
+    static: float = 0.0
+    stribeck: float = 1e-3
+    bristle_stiffness: float = 1e5
+    bristle_damping: float = 10.0
 
 
 def check_normal(key: str, own: OwnFunction, values: Mapping[str, float]) -> None:

@@ -51,6 +51,8 @@ CONTACT = np.dtype(
         ("pin_lever_y", np.float64),
         ("normal", np.float64),  # forces, N, see ``note_forces``
         ("tangential", np.float64),
+        ("bristle", np.float64),  # deflection of the bristles of its friction, m
+        ("bristle_rate", np.float64),  # m/s
     ]
 )
 """A pin in its bearing at one instant, open or closed."""

@@ -10,16 +10,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.physics.energy import loss_powers
-from presswear.physics.laws import ONSET_SPEED_FLOOR, friction_force, normal_force
+from presswear.physics.laws import (
+    ONSET_SPEED_FLOOR,
+    bristle_force,
+    bristle_rate,
+    friction_force,
+    normal_force,
+)
 from presswear.physics.wear import dose_rates
 from presswear.tools.compiled import Records, compiled
 
 Array = NDArray[np.float64]
 
-CONTACT_LOSS, FRICTION_LOSS, MADE, WORK, PRESSURE = range(5)
+CONTACT_LOSS, FRICTION_LOSS, MADE, WORK, PRESSURE, BRISTLE = range(6)
 """Rates of a joint: powers lost in contact and in friction, and made by the normal law, W; of
-its two doses of wear, F_n ds/dt, W, and p ds/dt, W/m^2."""
-JOINT_RATES = 5
+its two doses of wear, F_n ds/dt, W, and p ds/dt, W/m^2; of its bristles, m/s."""
+JOINT_RATES = 6
 """Their number."""
 
 
@@ -43,16 +49,26 @@ def contact_forces(joint: Records, onset_speed: float, contact: Records) -> tupl
 
     ``onset_speed`` is the latched closing speed of the contact, or 0 while the joint
     counts as open: a state that penetrates within its first step closes at its
-    present rate.
+    present rate.  Fills in the rate of the bristles, whose deflection the contact holds.
     """
-    if contact.penetration <= 0.0:
+    is_closed = contact.penetration > 0.0
+    has_bristles = joint.friction.bristle_stiffness > 0.0
+    if has_bristles:
+        contact.bristle_rate = bristle_rate(
+            contact.sliding, contact.bristle, is_closed, joint.friction
+        )
+    if not is_closed:
         return 0.0, 0.0
     onset = max(onset_speed if onset_speed > 0.0 else contact.rate, ONSET_SPEED_FLOOR)
     normal = normal_force(
         joint.normal, contact.elastic, contact.penetration, contact.closing, onset
     )
     tangential = 0.0
-    if joint.friction.coefficient > 0.0:
+    if has_bristles:
+        tangential = bristle_force(
+            normal, contact.sliding, contact.bristle, contact.bristle_rate, joint.friction
+        )
+    elif joint.friction.coefficient > 0.0:
         tangential = friction_force(contact.sliding, normal, joint.friction)
     return normal, tangential
 
@@ -114,6 +130,7 @@ def add_contacts(
         rates[base + MADE] = made
         rates[base + WORK] = work
         rates[base + PRESSURE] = pressure
+        rates[base + BRISTLE] = contact.bristle_rate
         if load.normal > 0.0:
             b = joint.pin_body
             if b >= 0:

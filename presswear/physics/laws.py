@@ -11,6 +11,7 @@ import numpy as np
 
 from presswear.linkage.laws import (
     FRICTION_PARAMETERS,
+    LUGRE,
     NORMAL_PARAMETERS,
     FrictionLaw,
     NormalLaw,
@@ -43,6 +44,10 @@ FRICTION = np.dtype(
         ("lower", np.float64),
         ("upper", np.float64),
         ("force", np.int64),  # its address
+        ("static", np.float64),
+        ("stribeck", np.float64),
+        ("bristle_stiffness", np.float64),  # 0 where the law has no bristles
+        ("bristle_damping", np.float64),
     ]
 )
 """A law of friction as the kernels see it."""
@@ -207,10 +212,64 @@ def friction_force(sliding: float, normal: float, law: Records) -> float:
     return call(law.force, (sliding, normal, law.coefficient, law.lower, law.upper))
 
 
+@compiled
+def bristle_rate(sliding: float, bristle: float, is_closed: bool, law: Records) -> float:
+    """Rate of the mean deflection z of the bristles of LuGre's law, m/s.
+
+    z' = v - sigma_0 |v| z / g, g = c_f + (c_s - c_f) exp(-(v / v_s)^2) (Canudas de Wit, Olsson,
+    Astrom and Lischinsky, 1995), all per unit of normal force.  Bristles that touch nothing bear
+    no force: sigma_0 z + sigma_1 z' = 0.
+
+    Parameters
+    ----------
+    sliding, bristle : float
+        v, m/s; z, m.
+    law : record of FRICTION
+    """
+    if not is_closed:
+        return -law.bristle_stiffness / law.bristle_damping * bristle
+    ratio = sliding / law.stribeck
+    held = law.coefficient + (law.static - law.coefficient) * math.exp(-ratio * ratio)
+    return sliding - law.bristle_stiffness * abs(sliding) * bristle / held
+
+
+@compiled
+def bristle_after(
+    sliding: float, before: float, rate: float, h: float, is_closed: bool, law: Records
+) -> float:
+    """Deflection of the bristles at the end of a step of the trapezoidal rule, m.
+
+    Parameters
+    ----------
+    sliding : float
+        At the end of the step, m/s.
+    before, rate, h : float
+        Deflection, m, and its rate, m/s, at the start, and the step, s.
+    """
+    half = 0.5 * h
+    # The rate is a line in z: a + b z.
+    a = bristle_rate(sliding, 0.0, is_closed, law)
+    b = bristle_rate(sliding, 1.0, is_closed, law) - a
+    return (before + half * (rate + a)) / (1.0 - half * b)
+
+
+@compiled
+def bristle_force(
+    normal: float, sliding: float, bristle: float, rate: float, law: Records
+) -> float:
+    """Friction force along t, N, of bristles: -F_n (sigma_0 z + sigma_1 exp(-(v / v_s)^2) z').
+
+    Damping that did not fade with the sliding would make energy (Olsson 1996).
+    """
+    ratio = sliding / law.stribeck
+    damping = law.bristle_damping * math.exp(-ratio * ratio)
+    return -normal * (law.bristle_stiffness * bristle + damping * rate)
+
+
 ELASTICITIES = {"power": None, "liu": liu_force, "foundation": foundation_force}
 """Elastic forces by name, of penetration, K, n, damping and c; None stands in the kernels."""
 FRICTION_FORCES = {"ramp": None, "smooth": smooth_friction, "threlfall": threlfall_friction}
-"""Friction forces by name."""
+"""Friction forces by name, but for the one with bristles."""
 
 ESTIMATED_AT = (1e-4, 1e-2)
 """Parts of the clearance between which an elastic force of one's own is taken for a power law."""
@@ -275,7 +334,11 @@ def friction_record(law: FrictionLaw) -> Records:
     """A friction law as a record of FRICTION."""
     record = np.zeros(1, FRICTION)[0]
     record["coefficient"], record["lower"], record["upper"] = law.coefficient, law.lower, law.upper
-    force = FRICTION_FORCES[law.name]
+    force = FRICTION_FORCES.get(law.name)
+    if law.name == LUGRE and law.coefficient > 0.0:
+        record["static"] = max(law.static, law.coefficient)
+        record["stribeck"], record["bristle_damping"] = law.stribeck, law.bristle_damping
+        record["bristle_stiffness"] = law.bristle_stiffness
     if law.own is not None:
         force = own_kernel(law.own, FRICTION_PARAMETERS)
     record["force"] = INLINE if force is None else address_of(force, 5)

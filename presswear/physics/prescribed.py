@@ -1,106 +1,398 @@
-"""Bodies whose motion is known beforehand: driven cranks hinged to the frame.
+"""Bodies whose motion is known beforehand: what drives hold without freedom.
 
-They turn about a fixed point as their drives say, so that no equation has to be
-solved for them; what their drives have to do follows from the forces on them.
+They hang from the frame as a tree whose coordinates are absolute angles and ways along guides.
+Drives give some of these; the pins that close the loops give the others, by Newton's method
+from where the bodies were last, and their rates and accelerations by linear equations.  Any law
+of motion will do.  No equation of motion has to be solved for them; what their drives have to
+do follows from the forces on them, by virtual work.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from presswear.linkage.elements import GROUND, Linkage
-from presswear.linkage.topology import hinge_of
+from presswear.linkage.topology import chain_of
+from presswear.physics.links import GUIDED, LINK, arm, pack_links
 from presswear.physics.motion import MOTION, drive_motion, pack_motion
 from presswear.tools.compiled import Records, compiled
 
 Array = NDArray[np.float64]
 
-CRANK = np.dtype(
+PART = np.dtype(
     [
-        ("body", np.int64),  # index of its x in q
-        ("hinge_x", np.float64),  # on the frame, m
-        ("hinge_y", np.float64),
-        ("local_x", np.float64),  # the same point in the body's frame, m
-        ("local_y", np.float64),
-        ("inertia", np.float64),  # about the hinge, kg m^2
-        ("drive", MOTION),
+        *((name, LINK[name]) for name in LINK.names or ()),
+        ("below", np.int64),  # part that it hangs from; -1 for the frame
+        ("drive", np.int64),  # place of its drive among the linkage's; -1 for none
+        ("motion", MOTION),  # of that drive
+        ("inertia", np.float64),  # kg m^2; what hangs from the frame: about its hinge, and no mass
     ]
 )
-"""A prescribed body as the kernels see it, in the order of ``Linkage.drives``."""
+"""A prescribed body as the kernels see it."""
+
+CLOSING = np.dtype(
+    [
+        ("first", np.int64),  # part; -1 for the frame
+        ("second", np.int64),
+        ("x1", np.float64),  # points in their bodies' frames, m
+        ("y1", np.float64),
+        ("x2", np.float64),
+        ("y2", np.float64),
+    ]
+)
+"""A pin that closes a loop of prescribed bodies, two rows; as many of their angles are sought."""
+
+PLACE, RATE, FASTER, BORNE, TURNS, RIGHT, LAST, HEAD = range(8)
+TIME, DETERMINANT = 0, 1
+"""Rows of ``Prescribed.work``: coordinates, rates, accelerations, forces on them, their turns with
+a drive, a right-hand side, and one of the last evaluation's time, s, and determinant; then the
+closing rows by all coordinates, those by the coordinates sought, and their inverse."""
+
+MOST_NEWTON = 30
+"""Newton steps after which loops do not close; two are usual."""
+JUMP = 0.05
+"""Newton's way from where bodies are expected to where links could be on other sides, rad or m."""
+CLOSED = 1e-12
+"""Newton step behind which the rows are those of the place found, rad or m."""
+
+
+class Prescribed(NamedTuple):
+    """Prescribed bodies, parents before children.
+
+    Attributes
+    ----------
+    parts : records of PART
+    closings : records of CLOSING
+    work : ndarray, shape (HEAD + 6 closings, parts or 2)
+        Their last motion, from which the next is found, and working space.
+    """
+
+    parts: Records
+    closings: Records
+    work: Array
 
 
 @compiled
-def place_cranks(cranks: Records, t: float, q: Array, v: Array, a: Array, axes: Array) -> None:
+def begin_motion(prescribed: Prescribed, t: float, q: Array) -> None:
+    """Note a state of all bodies from which the motion is to go on, and its time, s."""
+    parts, _, work = prescribed
+    work[:] = 0.0
+    work[LAST, TIME] = t
+    for i in range(parts.shape[0]):
+        part = parts[i]
+        b = part.body
+        if part.kind == GUIDED:
+            along_x = (q[b] - part.before_x) * part.cosine
+            work[PLACE, i] = along_x + (q[b + 1] - part.before_y) * part.sine
+        else:
+            work[PLACE, i] = q[b + 2]
+
+
+@compiled
+def place_prescribed(
+    prescribed: Prescribed, t: float, q: Array, v: Array, a: Array, axes: Array
+) -> None:
     """Fill coordinates, rates and accelerations of the prescribed bodies at a time, s.
+
+    Not finite where their loops do not close near where they are expected, on the same side.
 
     Parameters
     ----------
     axes : ndarray, shape (3 bodies,)
         Cosine and sine of each body's angle, in the places of its x and y.
     """
-    for i in range(cranks.shape[0]):
-        crank = cranks[i]
-        b = crank.body
-        turned, speed, faster = drive_motion(crank.drive, t)
-        theta = crank.drive.angle + turned
-        cosine = math.cos(theta)
-        sine = math.sin(theta)
-        axes[b] = cosine
-        axes[b + 1] = sine
-        rx = -(cosine * crank.local_x - sine * crank.local_y)
-        ry = -(sine * crank.local_x + cosine * crank.local_y)
-        q[b] = crank.hinge_x + rx
-        q[b + 1] = crank.hinge_y + ry
-        q[b + 2] = theta
-        v[b] = -speed * ry
-        v[b + 1] = speed * rx
-        v[b + 2] = speed
-        a[b] = -speed * speed * rx - faster * ry
-        a[b + 1] = -speed * speed * ry + faster * rx
+    parts, closings, work = prescribed
+    ahead = t - work[LAST, TIME]
+    work[LAST, TIME] = t
+    for i in range(parts.shape[0]):
+        if parts[i].drive >= 0:
+            turned, work[RATE, i], work[FASTER, i] = drive_motion(parts[i].motion, t)
+            work[PLACE, i] = parts[i].motion.angle + turned
+        else:
+            work[PLACE, i] += ahead * (work[RATE, i] + 0.5 * ahead * work[FASTER, i])
+    is_closed = closings.shape[0] == 0
+    before, last, moved = work[LAST, DETERMINANT], math.inf, 0.0
+    for _ in range(MOST_NEWTON):
+        _place(parts, work, q, v, a, axes)
+        if is_closed:
+            return
+        step = _newton_step(prescribed, q, axes)
+        # Near a dead point round-off does not shrink to that.
+        is_closed = step <= CLOSED or (step < 1e3 * CLOSED and step >= 0.5 * last)
+        last = step
+        moved += step
+        if not moved < JUMP:
+            break
+        if is_closed:
+            if before * work[LAST, DETERMINANT] < 0.0:
+                break
+            _follow(prescribed)
+    for i in range(parts.shape[0]):
+        work[PLACE, i] = q[parts[i].body] = math.nan
+
+
+@compiled
+def _place(parts: Records, work: Array, q: Array, v: Array, a: Array, axes: Array) -> None:
+    """Fill coordinates, rates and accelerations of all parts from those of the chain."""
+    for i in range(parts.shape[0]):
+        part = parts[i]
+        b = part.body
+        x, spin, faster = work[PLACE, i], work[RATE, i], work[FASTER, i]
+        if part.kind == GUIDED:
+            axes[b], axes[b + 1] = math.cos(part.angle), math.sin(part.angle)
+            q[b] = part.before_x + x * part.cosine
+            q[b + 1] = part.before_y + x * part.sine
+            v[b], v[b + 1] = spin * part.cosine, spin * part.sine
+            a[b], a[b + 1] = faster * part.cosine, faster * part.sine
+            q[b + 2], v[b + 2], a[b + 2] = part.angle, 0.0, 0.0
+            continue
+        p = part.before
+        hx, hy, hvx, hvy, hax, hay = part.before_x, part.before_y, 0.0, 0.0, 0.0, 0.0
+        if p >= 0:
+            rx, ry = arm(hx, hy, axes, p)
+            square = v[p + 2] * v[p + 2]
+            hx, hy = q[p] + rx, q[p + 1] + ry
+            hvx, hvy = v[p] - v[p + 2] * ry, v[p + 1] + v[p + 2] * rx
+            hax = a[p] - a[p + 2] * ry - square * rx
+            hay = a[p + 1] + a[p + 2] * rx - square * ry
+        axes[b], axes[b + 1] = math.cos(x), math.sin(x)
+        rx, ry = arm(part.own_x, part.own_y, axes, b)
+        square = spin * spin
+        q[b], q[b + 1], q[b + 2] = hx - rx, hy - ry, x
+        v[b], v[b + 1], v[b + 2] = hvx + spin * ry, hvy - spin * rx, spin
+        a[b], a[b + 1] = hax + faster * ry + square * rx, hay - faster * rx + square * ry
         a[b + 2] = faster
 
 
 @compiled
-def drive_torque(crank: Records, q: Array, force: Array) -> float:
-    """Torque, N m, that a drive must give against the generalized forces on its body.
-
-    Those of its inertia are among them.
-    """
-    b = crank.body
-    rx = q[b] - crank.hinge_x
-    ry = q[b + 1] - crank.hinge_y
-    moment: float = force[b + 2] + rx * force[b + 1] - ry * force[b]
-    return -moment
+def _end(
+    prescribed: Prescribed, row: int, i: int, x: float, y: float, sign: float, q: Array, axes: Array
+) -> None:
+    """Add one end of a closing pin to its two rows, and its place to what they are short of."""
+    parts, _, work = prescribed
+    right = work[RIGHT]
+    px, py = x, y
+    if i >= 0:
+        b = parts[i].body
+        px, py = arm(x, y, axes, b)
+        px += q[b]
+        py += q[b + 1]
+    right[row] += sign * px
+    right[row + 1] += sign * py
+    across, up = work[HEAD + row], work[HEAD + row + 1]
+    while i >= 0:
+        part = parts[i]
+        if part.kind == GUIDED:
+            across[i] += sign * part.cosine
+            up[i] += sign * part.sine
+            break
+        hx, hy = arm(part.own_x, part.own_y, axes, part.body)
+        hx += q[part.body]
+        hy += q[part.body + 1]
+        across[i] -= sign * (py - hy)
+        up[i] += sign * (px - hx)
+        px, py = hx, hy
+        i = part.below
 
 
 @compiled
-def forced_power(cranks: Records, v: Array, a: Array, force: Array) -> float:
+def _invert(count: int, rows: Array, inverse: Array) -> float:
+    """Fill the inverse of a matrix of ``count`` rows, by Gauss and Jordan; returns its determinant.
+
+    The matrix is overwritten.
+    """
+    determinant = 1.0
+    for r in range(count):
+        for c in range(count):
+            inverse[r, c] = 1.0 if r == c else 0.0
+    for c in range(count):
+        best = c
+        for r in range(c + 1, count):
+            if abs(rows[r, c]) > abs(rows[best, c]):
+                best = r
+        if best != c:
+            determinant = -determinant
+            for k in range(count):
+                rows[c, k], rows[best, k] = rows[best, k], rows[c, k]
+                inverse[c, k], inverse[best, k] = inverse[best, k], inverse[c, k]
+        determinant *= rows[c, c]
+        scale = 1.0 / rows[c, c]
+        for k in range(count):
+            rows[c, k] *= scale
+            inverse[c, k] *= scale
+        for r in range(count):
+            factor = rows[r, c]
+            if r != c and factor != 0.0:
+                for k in range(count):
+                    rows[r, k] -= factor * rows[c, k]
+                    inverse[r, k] -= factor * inverse[c, k]
+    return determinant
+
+
+@compiled
+def _solve(prescribed: Prescribed, row: int) -> float:
+    """Add what takes away the right-hand side to a row of ``work``; returns the greatest."""
+    parts, closings, work = prescribed
+    count = 2 * closings.shape[0]
+    inverse, right, target = work[HEAD + 2 * count :], work[RIGHT], work[row]
+    greatest = 0.0
+    k = 0
+    for i in range(parts.shape[0]):
+        if parts[i].drive < 0:
+            value = 0.0
+            for r in range(count):
+                value -= inverse[k, r] * right[r]
+            target[i] += value
+            greatest = max(greatest, abs(value))
+            k += 1
+    return greatest
+
+
+@compiled
+def _newton_step(prescribed: Prescribed, q: Array, axes: Array) -> float:
+    """Make a step towards closed loops; returns its size, leaves the rows and their inverse."""
+    parts, closings, work = prescribed
+    count = 2 * closings.shape[0]
+    work[RIGHT] = 0.0
+    work[HEAD : HEAD + count] = 0.0
+    for c in range(closings.shape[0]):
+        pin = closings[c]
+        _end(prescribed, 2 * c, pin.first, pin.x1, pin.y1, 1.0, q, axes)
+        _end(prescribed, 2 * c, pin.second, pin.x2, pin.y2, -1.0, q, axes)
+    k = 0
+    for i in range(parts.shape[0]):
+        if parts[i].drive < 0:
+            for r in range(count):
+                work[HEAD + count + r, k] = work[HEAD + r, i]
+            k += 1
+    determinant = _invert(count, work[HEAD + count :], work[HEAD + 2 * count :])
+    work[LAST, DETERMINANT] = determinant
+    return _solve(prescribed, PLACE)
+
+
+@compiled
+def _follow(prescribed: Prescribed) -> None:
+    """Fill the rates and accelerations sought, in a place where all loops are closed."""
+    parts, closings, work = prescribed
+    right = work[RIGHT]
+    for level in (RATE, FASTER):
+        for i in range(parts.shape[0]):
+            if parts[i].drive < 0:
+                work[level, i] = 0.0
+        for c in range(closings.shape[0]):
+            across, up = work[HEAD + 2 * c], work[HEAD + 2 * c + 1]
+            gap_x = gap_y = 0.0
+            for i in range(parts.shape[0]):
+                gap_x += across[i] * work[level, i]
+                gap_y += up[i] * work[level, i]
+                if level == FASTER and parts[i].kind != GUIDED:
+                    square = work[RATE, i] * work[RATE, i]
+                    gap_x -= square * up[i]
+                    gap_y += square * across[i]
+            right[2 * c], right[2 * c + 1] = gap_x, gap_y
+        _solve(prescribed, level)
+
+
+@compiled
+def drive_torques(
+    prescribed: Prescribed, q: Array, axes: Array, force: Array, torque: Array
+) -> None:
+    """Fill the torques, N m, that drives must give against the generalized forces on all parts.
+
+    Those of inertia are among the forces.  By virtual work: what a part bears about its hinge,
+    times its turn with the drive.
+
+    Parameters
+    ----------
+    force : ndarray, shape (3 bodies,)
+        Passed down to what the parts hang from.
+    torque : ndarray, shape (drives,)
+        Those of drives of other bodies stay.
+    """
+    parts, closings, work = prescribed
+    borne, right, turns = work[BORNE], work[RIGHT], work[TURNS]
+    for i in range(parts.shape[0] - 1, -1, -1):
+        part = parts[i]
+        b = part.body
+        if part.kind == GUIDED:
+            borne[i] = force[b] * part.cosine + force[b + 1] * part.sine
+            continue
+        hx, hy = part.before_x, part.before_y
+        p = part.before
+        if p >= 0:
+            lx, ly = arm(hx, hy, axes, p)
+            force[p] += force[b]
+            force[p + 1] += force[b + 1]
+            force[p + 2] += lx * force[b + 1] - ly * force[b]
+            hx, hy = q[p] + lx, q[p + 1] + ly
+        borne[i] = force[b + 2] + (q[b] - hx) * force[b + 1] - (q[b + 1] - hy) * force[b]
+    for i in range(parts.shape[0]):
+        if parts[i].drive < 0:
+            continue
+        needed = borne[i]
+        if closings.shape[0] > 0:
+            for r in range(2 * closings.shape[0]):
+                right[r] = work[HEAD + r, i]
+            turns[:] = 0.0
+            _solve(prescribed, TURNS)
+            for k in range(parts.shape[0]):
+                needed += borne[k] * turns[k]
+        torque[parts[i].drive] = -needed
+
+
+@compiled
+def forced_power(prescribed: Prescribed, v: Array, a: Array, force: Array) -> float:
     """Power, W, of the generalized forces on the prescribed bodies, less what speeds them up."""
     power = 0.0
-    for i in range(cranks.shape[0]):
-        b = cranks[i].body
+    for i in range(prescribed.parts.shape[0]):
+        part = prescribed.parts[i]
+        b = part.body
         for c in range(b, b + 3):
             power += force[c] * v[c]
-        power -= cranks[i].inertia * a[b + 2] * v[b + 2]
+        power -= part.inertia * a[b + 2] * v[b + 2]
+        if part.mass > 0.0:
+            power -= part.mass * (a[b] * v[b] + a[b + 1] * v[b + 1])
     return power
 
 
-def pack_cranks(linkage: Linkage, bodies: frozenset[str]) -> Records:
-    """The drives of the given bodies, each hinged to the frame, as records of CRANK."""
-    drives = [drive for drive in linkage.drives if drive.body in bodies]
-    cranks = np.zeros(len(drives), CRANK)
-    for record, drive in zip(cranks, drives, strict=True):
-        hinge = hinge_of(linkage, drive.body)
-        if hinge is None:
-            raise ValueError(f"{drive.body} has a drive but no hinge on the frame")
-        on_frame, on_body = hinge.first, hinge.second
-        if on_frame.body != GROUND:
-            on_frame, on_body = on_body, on_frame
-        record["body"] = 3 * linkage.index(drive.body)
-        record["hinge_x"], record["hinge_y"] = on_frame.x, on_frame.y
-        record["local_x"], record["local_y"] = on_body.x, on_body.y
-        pack_motion(drive, record["drive"])
-        body = linkage.bodies[linkage.index(drive.body)]
-        record["inertia"] = body.inertia + body.mass * (on_body.x**2 + on_body.y**2)
-    return cranks
+@compiled
+def subtract_inertia(prescribed: Prescribed, a: Array, force: Array) -> None:
+    """Take from generalized forces on the prescribed bodies what speeds these up."""
+    for i in range(prescribed.parts.shape[0]):
+        part = prescribed.parts[i]
+        b = part.body
+        force[b] -= part.mass * a[b]
+        force[b + 1] -= part.mass * a[b + 1]
+        force[b + 2] -= part.inertia * a[b + 2]
+
+
+def pack_prescribed(linkage: Linkage, bodies: frozenset[str]) -> Prescribed:
+    """Bodies that drives hold without freedom, for the kernels; see ``begin_motion``."""
+    branches, pins = chain_of(linkage, bodies)
+    links = pack_links(linkage, branches)
+    parts = np.zeros(len(links), PART)
+    for name in LINK.names or ():
+        parts[name] = links[name]
+    # Coordinates are absolute angles, whatever a body hangs from.
+    parts["below"], parts["parent"] = links["parent"], -1
+    parts["drive"] = -1
+    places = {branch.own.body: i for i, branch in enumerate(branches)} | {GROUND: -1}
+    for number, drive in enumerate(linkage.drives):
+        if drive.body in bodies:
+            own = parts[places[drive.body]]
+            own["drive"] = number
+            pack_motion(drive, own["motion"])
+    for part, branch in zip(parts, branches, strict=True):
+        body = linkage.bodies[linkage.index(branch.own.body)]
+        part["inertia"] = body.inertia
+        if part["before"] < 0 and part["kind"] != GUIDED:
+            part["inertia"] += body.mass * (branch.own.x**2 + branch.own.y**2)
+            part["mass"] = 0.0
+    closings = np.zeros(len(pins), CLOSING)
+    for closing, pin in zip(closings, pins, strict=True):
+        closing["first"], closing["second"] = places[pin.first.body], places[pin.second.body]
+        closing["x1"], closing["y1"] = pin.first.x, pin.first.y
+        closing["x2"], closing["y2"] = pin.second.x, pin.second.y
+    return Prescribed(parts, closings, np.zeros((HEAD + 6 * len(pins), max(len(parts), 2))))

@@ -1,184 +1,17 @@
-"""Open trees: linkages without a closed loop, in the fewest coordinates.
+"""Open trees: linkages without a closed loop that has a freedom, in the fewest coordinates."""
 
-Where clearance joints cut every loop, what is left hangs from the frame and from
-driven cranks.  Each free body then has one coordinate: its angle relative to the
-body it hangs from, or its way along a guide.  A branch that hangs from a crank is
-described in axes that translate with its hinge, so that the crank's motion enters as
-a force -m a and is exact.
-"""
-
-import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import GROUND, Guide, Linkage, Revolute
-from presswear.linkage.topology import branches_of, cranks_of
-from presswear.physics.prescribed import pack_cranks
-from presswear.tools.compiled import Records, compiled
+from presswear.linkage.elements import Linkage
+from presswear.linkage.topology import branches_of, prescribed_of
+from presswear.physics.links import COORDINATES, GUIDED, LOOSE, pack_links
+from presswear.physics.prescribed import Prescribed, pack_prescribed
+from presswear.tools.compiled import Records
 
 Array = NDArray[np.float64]
-
-LINK = np.dtype(
-    [
-        ("body", np.int64),  # index of its x in q
-        ("parent", np.int64),  # link it hangs from; -1 for the frame or a crank
-        ("before", np.int64),  # index in q of the body it hangs from; -1 for the frame
-        ("slides", np.bool_),  # along a guide, instead of turning
-        ("before_x", np.float64),  # joint in the frame of the body before, m
-        ("before_y", np.float64),
-        ("own_x", np.float64),  # joint in the body's own frame, m
-        ("own_y", np.float64),
-        ("cosine", np.float64),  # of the guide's direction
-        ("sine", np.float64),
-        ("angle", np.float64),  # of a sliding body, rad
-        ("mass", np.float64),
-    ]
-)
-"""A free body of the tree as the kernels see it; parents come before children."""
-
-CARRIED = 4
-"""Transport velocity and acceleration of a branch: v_x, v_y, a_x, a_y of its hinge."""
-
-
-@compiled
-def arm(x: float, y: float, axes: Array, body: int) -> tuple[float, float]:
-    """A vector of the frame of the body whose x is ``q[body]``, in global directions."""
-    cosine = axes[body]
-    sine = axes[body + 1]
-    return cosine * x - sine * y, sine * x + cosine * y
-
-
-@compiled
-def place_links(links: Records, x: Array, u: Array, q: Array, v: Array, axes: Array) -> None:
-    """Fill coordinates and rates of all free bodies from those of the tree.
-
-    Parameters
-    ----------
-    x, u : ndarray, shape (links,)
-        Relative angles or ways along guides, rad or m, and rates.
-    q, v : ndarray, shape (3 bodies,)
-    axes : ndarray, shape (3 bodies,)
-        Cosine and sine of each body's angle, in the places of its x and y.  Those of the
-        cranks must be there already, like their coordinates and rates.
-    """
-    for i in range(links.shape[0]):
-        link = links[i]
-        b = link.body
-        if link.slides:
-            q[b] = link.before_x + x[i] * link.cosine
-            q[b + 1] = link.before_y + x[i] * link.sine
-            q[b + 2] = link.angle
-            v[b] = u[i] * link.cosine
-            v[b + 1] = u[i] * link.sine
-            v[b + 2] = 0.0
-            axes[b] = math.cos(link.angle)
-            axes[b + 1] = math.sin(link.angle)
-            continue
-        p = link.before
-        jx, jy, jvx, jvy, angle, spin = link.before_x, link.before_y, 0.0, 0.0, 0.0, 0.0
-        if p >= 0:
-            rx, ry = arm(link.before_x, link.before_y, axes, p)
-            jx = q[p] + rx
-            jy = q[p + 1] + ry
-            jvx = v[p] - v[p + 2] * ry
-            jvy = v[p + 1] + v[p + 2] * rx
-            if link.parent >= 0:
-                angle = q[p + 2]
-                spin = v[p + 2]
-        angle += x[i]
-        spin += u[i]
-        axes[b] = math.cos(angle)
-        axes[b + 1] = math.sin(angle)
-        rx, ry = arm(link.own_x, link.own_y, axes, b)
-        q[b] = jx - rx
-        q[b + 1] = jy - ry
-        q[b + 2] = angle
-        v[b] = jvx + spin * ry
-        v[b + 1] = jvy - spin * rx
-        v[b + 2] = spin
-
-
-@compiled
-def accelerate_links(links: Records, u_t: Array, v: Array, axes: Array, a: Array) -> None:
-    """Fill the accelerations of all free bodies; those of the cranks must be there already."""
-    for i in range(links.shape[0]):
-        link = links[i]
-        b = link.body
-        if link.slides:
-            a[b] = u_t[i] * link.cosine
-            a[b + 1] = u_t[i] * link.sine
-            a[b + 2] = 0.0
-            continue
-        p = link.before
-        jax, jay, spin_t = 0.0, 0.0, 0.0
-        if p >= 0:
-            rx, ry = arm(link.before_x, link.before_y, axes, p)
-            square = v[p + 2] * v[p + 2]
-            jax = a[p] - a[p + 2] * ry - square * rx
-            jay = a[p + 1] + a[p + 2] * rx - square * ry
-            if link.parent >= 0:
-                spin_t = a[p + 2]
-        spin_t += u_t[i]
-        rx, ry = arm(link.own_x, link.own_y, axes, b)
-        square = v[b + 2] * v[b + 2]
-        a[b] = jax + spin_t * ry + square * rx
-        a[b + 1] = jay - spin_t * rx + square * ry
-        a[b + 2] = spin_t
-
-
-@compiled
-def carry_branches(links: Records, v: Array, a: Array, axes: Array, carried: Array) -> None:
-    """Fill velocity and acceleration of what each branch hangs from, shape (links, CARRIED)."""
-    for i in range(links.shape[0]):
-        link = links[i]
-        p = link.before
-        if link.parent >= 0 or p < 0:
-            # Numba copies single numbers faster than short rows.
-            for c in range(CARRIED):
-                carried[i, c] = carried[link.parent, c] if link.parent >= 0 else 0.0
-            continue
-        rx, ry = arm(link.before_x, link.before_y, axes, p)
-        spin = v[p + 2]
-        carried[i, 0] = v[p] - spin * ry
-        carried[i, 1] = v[p + 1] + spin * rx
-        faster = a[p + 2]
-        carried[i, 2] = a[p] - faster * ry - spin * spin * rx
-        carried[i, 3] = a[p + 1] + faster * rx - spin * spin * ry
-
-
-@compiled
-def gather_forces(links: Records, q: Array, axes: Array, force: Array, out: Array) -> None:
-    """Turn forces on the bodies into forces on the coordinates of the tree, J^T f.
-
-    Parameters
-    ----------
-    force : ndarray, shape (3 bodies,)
-        On the mass centres.  Passed down the branches: at the end each body holds what
-        it and all that hangs from it bear, the cranks included.
-    out : ndarray, shape (links,)
-    """
-    for i in range(links.shape[0] - 1, -1, -1):
-        link = links[i]
-        b = link.body
-        fx = force[b]
-        fy = force[b + 1]
-        if link.slides:
-            out[i] = fx * link.cosine + fy * link.sine
-            continue
-        rx, ry = arm(link.own_x, link.own_y, axes, b)
-        moment = force[b + 2] - rx * fy + ry * fx
-        out[i] = moment
-        p = link.before
-        if p >= 0:
-            sx = q[b] + rx - q[p]
-            sy = q[b + 1] + ry - q[p + 1]
-            force[p] += fx
-            force[p + 1] += fy
-            force[p + 2] += sx * fy - sy * fx
-            if link.parent >= 0:
-                force[p + 2] += moment
 
 
 @dataclass(frozen=True)
@@ -190,30 +23,36 @@ class Tree:
     links : records of LINK
     names : tuple of str
         Body of each link.
-    joints : tuple of Revolute or Guide
-        What each link hangs by.
-    cranks : records of CRANK
+    prescribed : Prescribed
+        What it hangs from.
     """
 
     links: Records
     names: tuple[str, ...]
-    joints: tuple[Revolute | Guide, ...]
-    cranks: Records
+    prescribed: Prescribed
+
+    @property
+    def size(self) -> int:
+        """Number of coordinates."""
+        return sum(COORDINATES[kind] for kind in self.links["kind"])
 
     def coordinates(self, q: Array, v: Array) -> tuple[Array, Array]:
-        """Coordinates and rates of the tree in a state of all bodies, each (links,)."""
-        x, u = np.zeros(len(self.links)), np.zeros(len(self.links))
-        for i, link in enumerate(self.links):
-            b = link["body"]
-            if link["slides"]:
+        """Coordinates and rates of the tree in a state of all bodies, each (size,)."""
+        x, u = np.zeros(self.size), np.zeros(self.size)
+        for link in self.links:
+            b, c = link["body"], link["place"]
+            if link["kind"] == GUIDED:
                 along = np.array([link["cosine"], link["sine"]])
-                x[i] = along @ (q[b : b + 2] - [link["before_x"], link["before_y"]])
-                u[i] = along @ v[b : b + 2]
+                x[c] = along @ (q[b : b + 2] - [link["before_x"], link["before_y"]])
+                u[c] = along @ v[b : b + 2]
                 continue
-            x[i], u[i] = q[b + 2], v[b + 2]
+            if link["kind"] == LOOSE:
+                x[c : c + 2], u[c : c + 2] = q[b : b + 2], v[b : b + 2]
+                c += 2
+            x[c], u[c] = q[b + 2], v[b + 2]
             if link["parent"] >= 0:
-                x[i] -= q[link["before"] + 2]
-                u[i] -= v[link["before"] + 2]
+                x[c] -= q[link["before"] + 2]
+                u[c] -= v[link["before"] + 2]
         return x, u
 
 
@@ -222,21 +61,8 @@ def tree_of(linkage: Linkage) -> Tree | str:
     branches = branches_of(linkage)
     if isinstance(branches, str):
         return branches
-    links = np.zeros(len(branches), LINK)
-    for link, (joint, before, own, parent) in zip(links, branches, strict=True):
-        link["body"] = 3 * linkage.index(own.body)
-        link["parent"] = parent
-        link["before"] = -1 if before.body == GROUND else 3 * linkage.index(before.body)
-        link["before_x"], link["before_y"] = before.x, before.y
-        link["own_x"], link["own_y"] = own.x, own.y
-        link["mass"] = linkage.bodies[linkage.index(own.body)].mass
-        if isinstance(joint, Guide):
-            link["slides"] = True
-            link["cosine"], link["sine"] = math.cos(joint.direction), math.sin(joint.direction)
-            link["angle"] = joint.angle
     return Tree(
-        links,
+        pack_links(linkage, branches),
         tuple(branch.own.body for branch in branches),
-        tuple(branch.joint for branch in branches),
-        pack_cranks(linkage, cranks_of(linkage)),
+        pack_prescribed(linkage, prescribed_of(linkage)),
     )

@@ -119,6 +119,18 @@ class Bearing:
     friction: float = quantity(0.02, "", 0.0, 0.8, "paper, per study", "friction coefficient c_f")
     lower_speed: float = quantity(1e-4, "m/s", 0.0, 1.0, "paper", "v_0: no friction below")
     upper_speed: float = quantity(1e-3, "m/s", LEAST_RAMP, 1.0, "paper", "v_1: full friction above")
+    static_friction: float | None = quantity(
+        None, "", 0.0, 2.0, "chosen", "c_s of friction_law = lugre; none given: as c_f"
+    )
+    stribeck_speed: float = quantity(
+        1e-3, "m/s", 1e-6, 1.0, "chosen", "v_s of friction_law = lugre: from c_s to c_f"
+    )
+    bristle_stiffness: float = quantity(
+        1e5, "1/m", 1e2, 1e8, "chosen", "sigma_0 of friction_law = lugre, per unit of force"
+    )
+    bristle_damping: float = quantity(
+        10.0, "s/m", 1e-2, 1e5, "chosen", "sigma_1 of friction_law = lugre, per unit of force"
+    )
     angles: int = count(360, 16, 100_000, "assumed", "bins of a wear map")
 
     def __post_init__(self) -> None:
@@ -148,6 +160,11 @@ class Bearing:
                     f"viscous_damping = {self.viscous_damping:g} N s/m: with normal_law = "
                     f"{self.normal_law!r} allowed is 0 N s/m"
                 )
+        if self.static_friction is not None and self.static_friction < self.friction:
+            raise InputError(
+                f"static_friction = {self.static_friction:g}: allowed is {self.friction:g}, the "
+                "friction, up to 2"
+            )
         if self.elasticity != "power" and self.exponent != 1.5:
             raise InputError(
                 f"exponent = {self.exponent:g}: with elasticity = {self.elasticity!r} allowed is "
@@ -189,7 +206,17 @@ class Bearing:
         """The law of its friction."""
         own = self.friction_law if isinstance(self.friction_law, OwnFunction) else None
         name = "ramp" if own else str(self.friction_law)
-        return FrictionLaw(self.friction, self.lower_speed, self.upper_speed, name, own)
+        return FrictionLaw(
+            self.friction,
+            self.lower_speed,
+            self.upper_speed,
+            name,
+            own,
+            self.friction if self.static_friction is None else self.static_friction,
+            self.stribeck_speed,
+            self.bristle_stiffness,
+            self.bristle_damping,
+        )
 
     def check_own_laws(self, joint: str, reading: StiffnessReading) -> None:
         """InputError where a law of one's own gives no number or makes energy; runs its text."""

@@ -186,8 +186,8 @@ class Scene:
         if isinstance(reason, str) and reason:
             others = ", ".join(name for name in ENGINES if name != ExudynTree.word)
             raise InputError(
-                f"engine = {ExudynTree.word!r}: a linkage without loops is needed, but {reason}; "
-                f"allowed here is one of {others}"
+                f"engine = {ExudynTree.word!r}: a linkage without free loops is needed, but "
+                f"{reason}; allowed here is one of {others}"
             )
 
     def _open(self, bearings: Mapping[str, Any]) -> None:

@@ -29,6 +29,8 @@ _UNITS: dict[str, tuple[str, dict[str, float]]] = {
     "N/m^n": ("1e10N/m^1.5", dict.fromkeys(("N/m^n", "N/m^1.5", "N/m1.5", "N/m"), 1.0)),
     "N": ("500N", {"N": 1.0, "kN": 1e3, "MN": 1e6}),
     "N m": ("20N m", {"N m": 1.0, "Nm": 1.0, "kN m": 1e3, "kNm": 1e3}),
+    "1/m": ("1e5/m", dict.fromkeys(("1/m", "/m"), 1.0)),
+    "s/m": ("10s/m", {"s/m": 1.0}),
     "N s/m": ("100N s/m", dict.fromkeys(("N s/m", "Ns/m"), 1.0)),
 }
 """An example and the known units of each dimension, by its SI unit, and their sizes in it."""

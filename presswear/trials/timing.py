@@ -11,6 +11,7 @@ from typing import ClassVar
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree
 from presswear.linkage.elements import Linkage
+from presswear.linkage.topology import bodies_of, joints_of
 from presswear.physics.tree import Tree, tree_of
 from presswear.tools.errors import RunFailed
 from presswear.trials.runs import Told, finished
@@ -87,17 +88,15 @@ def model_of(linkage: Linkage, engine: Engine) -> str:
     """Name the model that solves a linkage: its coordinates, and constraints where it has any."""
     if isinstance(engine, ExudynTree):
         tree = tree_of(linkage)
-        return f"tree {len(tree.links) if isinstance(tree, Tree) else 0}"
-    omitted, word = 0, "dae"
+        return f"tree {tree.size if isinstance(tree, Tree) else 0}"
+    omitted, word = frozenset[str](), "dae"
     if isinstance(engine, ExudynJoints):
         from presswear.engines.exudyn_joints.model import left_out
 
-        # With a crank its hinge and its drive are left out.
-        omitted, word = len(left_out(linkage)), "joints"
-    bodies, hinges, drives = (
-        len(parts) - omitted for parts in (linkage.bodies, linkage.revolutes, linkage.drives)
-    )
-    return f"{word} {3 * bodies} + {2 * hinges + 2 * len(linkage.guides) + drives}"
+        omitted, word = left_out(linkage), "joints"
+    joints = sum(not bodies_of(joint) <= omitted for joint in joints_of(linkage))
+    drives = sum(drive.body not in omitted for drive in linkage.drives)
+    return f"{word} {3 * (len(linkage.bodies) - len(omitted))} + {2 * joints + drives}"
 
 
 def time_runs(runs: Sequence[TimedRun], repeats: int, told: Told) -> tuple[Timing, ...]:

@@ -52,9 +52,9 @@ _ALPHABETS = (range(32, 127), range(32), range(0x80, 0xD800), range(0xE000, 0x11
 
 _AT_ODDS = """
 run wear-times --set=joints=A --engine=exudyn-tree
-run clearance-c --engine=exudyn-tree
+run clearance-a --engine=exudyn-tree
 run ideal --engine=exudyn-tree
-run slider-crank --set=joints=AB --engine=exudyn-tree
+run slider-crank --set=joints=none --engine=exudyn-tree
 run slider-crank --set=joints=AC
 run ideal --set=starts=2
 run wear-times --set=joints=none --set=starts=3

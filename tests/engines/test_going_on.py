@@ -1,6 +1,6 @@
 """Every engine goes on from a snapshot as if it had never stopped, bit for bit."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +11,7 @@ from listeners import EndsAfter, Keeps
 from presswear.campaign.starts import start_of
 from presswear.engines.base import Plan, Run
 from presswear.record.tracker import Tracker
-from presswear.scene.catalog import slider_crank, wear_times
+from presswear.scene.catalog import clearance_c, slider_crank, wear_times
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.tools.arrays import State, read_arrays, write_arrays
@@ -37,12 +37,17 @@ class Case:
 
 CASES = {
     "open tree": Case(changed(wear_times(), {**FAST, "engine": "exudyn-tree"}), 3),
+    "open tree from a moving plate": Case(changed(clearance_c(), FAST), 3),
+    "open tree with a loose rod": Case(replace(slider_crank(), joints="AB"), 3),
     "in-house, order 8": Case(changed(wear_times(), {**FAST, "engine": "dae"}), 4),
     "in-house, equal steps": Case(
         changed(wear_times(), {**FAST, "engine": "dae", "integrator": "rk4"}), 3
     ),
     "bodies and joints, a crank left out": Case(
         changed(wear_times(), {"speed": "120rad/s", "engine": "exudyn-joints", **COARSE}), 2
+    ),
+    "bodies and joints, a plate left out": Case(
+        changed(clearance_c(), {"speed": "120rad/s", "engine": "exudyn-joints", **COARSE}), 2
     ),
     "bodies and joints": Case(changed(slider_crank(), {"engine": "exudyn-joints", **COARSE}), 2),
 }

@@ -106,7 +106,8 @@ def test_engines_agree_over_ten_touches_and_keep_the_energy(name: str) -> None:
 def test_clearance_on_the_frame_runs_in_every_engine() -> None:
     """The rocker's pivot on the frame is loose: its bearing stands still."""
     scene = replace(scene_of("four-bar"), joints="BP")
-    engines = [replace(scene, engine=word).solver for word in ("exudyn-joints", "dae")]
+    words = ("exudyn-joints", "dae", "exudyn-tree")
+    engines = [replace(scene, engine=word).solver for word in words]
     ends = []
     for engine in engines:
         plan = Plan(0.02, 1, recorded_cycles=1)
@@ -114,3 +115,4 @@ def test_clearance_on_the_frame_runs_in_every_engine() -> None:
         assert run.status == "completed", run.message
         ends.append(run.end.position)
     assert np.abs(ends[0] - ends[1]).max() < 1e-5
+    assert np.abs(ends[1] - ends[2]).max() < 1e-5

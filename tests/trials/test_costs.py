@@ -59,7 +59,7 @@ def test_every_feature_has_its_rows(found: Costs) -> None:
     assert {row.timing.model for row in found.features[1].rows} == {"tree 4"}
     models = [row.timing.model for row in found.features[2].rows]
     assert all(model.startswith("joints ") for model in models)
-    assert models[:4] == ["joints 18 + 18", "joints 15 + 13", "joints 18 + 16", "joints 15 + 11"]
+    assert models[:4] == ["joints 18 + 18", "joints 15 + 13", "joints 6 + 4", "joints 15 + 11"]
 
 
 def test_ratios_follow_from_the_medians(found: Costs) -> None:

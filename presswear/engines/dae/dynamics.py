@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from presswear.physics.applied import applied_forces, has_work
 from presswear.physics.constraints import DRIVE, Constraints, constraint_rows
 from presswear.physics.contact import CONTACT, note_contacts
-from presswear.physics.forces import JOINT_RATES, add_contacts
+from presswear.physics.forces import BRISTLE, JOINT_RATES, add_contacts
 from presswear.physics.motion import drive_motion
 from presswear.physics.multipliers import Elimination, solve_multipliers, work_out
 from presswear.physics.packed import Packed
@@ -85,6 +85,13 @@ def solve(system: System) -> None:
 
 
 @compiled
+def note_bristles(contacts: Records, y: Array, n: int) -> None:
+    """Fill in the deflections of bristles, which are among the integrals of a state."""
+    for k in range(contacts.shape[0]):
+        contacts[k].bristle = y[2 * n + DRIVE_INTEGRALS + JOINT_INTEGRALS * k + BRISTLE]
+
+
+@compiled
 def rates(system: System, onset: Array, t: float, y: Array, out: Array) -> None:
     """Fill dy/dt; leaves the multipliers in ``system``."""
     n = system.inverse_mass.shape[0]
@@ -96,6 +103,7 @@ def rates(system: System, onset: Array, t: float, y: Array, out: Array) -> None:
         out[out.shape[0] - 1] = power
     rest = out[2 * n + DRIVE_INTEGRALS :]
     note_contacts(system.packed, system.contacts, q, v)
+    note_bristles(system.contacts, y, n)
     add_contacts(system.packed.joints, onset, system.contacts, force, rest)
     evaluate_constraints(system, t, q, v)
     damping = 2.0 * system.alpha

@@ -22,13 +22,13 @@ from presswear.engines.dae.march import (
     note_torques,
 )
 from presswear.engines.dae.runge_kutta import Integration
-from presswear.engines.dormand_prince import CLASSICAL, DOP853, DOPRI5
+from presswear.engines.dormand_prince import DOP853, DOPRI5
 from presswear.engines.driver import Simulation
 from presswear.engines.settings import InHouse
 from presswear.linkage.elements import Linkage
 from presswear.physics.constraints import Constraints, constraints_of
 from presswear.physics.energy import MADE_REMEDY, SETTLED, Ledger, made_energy, stored_energy
-from presswear.physics.forces import CONTACT_LOSS, FRICTION_LOSS, MADE
+from presswear.physics.forces import BRISTLE, CONTACT_LOSS, FRICTION_LOSS, MADE
 from presswear.record.recorder import Recorder
 from presswear.record.soundness import Finding
 from presswear.tools.errors import InputError
@@ -106,7 +106,11 @@ def prepare(
     size = joints_end + system.has_work
     y = np.zeros(size)
     y[:n], y[n : 2 * n] = start.position, start.velocity
-    motion = Integration(y, np.zeros(size), np.zeros((DOP853.b.size + 1, size)), np.ones(2 * n))
+    first = 2 * n + DRIVE_INTEGRALS + BRISTLE
+    bristly = np.flatnonzero(book.packed.joints["friction"]["bristle_stiffness"] > 0.0)
+    controlled = np.append(np.arange(2 * n), first + JOINT_INTEGRALS * bristly)
+    slopes = np.zeros((DOP853.b.size + 1, size))
+    motion = Integration(y, np.zeros(size), slopes, np.ones(controlled.size), controlled)
     control = np.zeros(1, CONTROL)
     fixed = settings.has_equal_steps
     control["step"] = settings.step if fixed else 1e-6
@@ -125,7 +129,7 @@ def prepare(
 
     def march(end: float, most: int) -> int:
         if fixed:
-            return int(march_fixed(system, CLASSICAL, book, control, motion, end, most))
+            return int(march_fixed(system, book, control, motion, end, most))
         return int(march_controlled(system, tableau, book, control, motion, end, most))
 
     march(0.0, 1)  # compiles, or loads what was compiled

@@ -26,19 +26,22 @@ class Integration(NamedTuple):
     slopes : ndarray, shape (13, m)
         Slopes of the stages; the first holds dy/dt at the start.
     scale : ndarray, shape (n,)
-        Allowed error of the first n components; the integrals behind them follow.
+        Allowed error of the controlled components.
+    controlled : ndarray of int, shape (n,)
+        Which of the state they are; the others, integrals, follow.
     """
 
     y: Array
     trial: Array
     slopes: Array
     scale: Array
+    controlled: NDArray[np.int64]
 
 
 @compiled
 def classical_step(system: System, onset: Array, motion: Integration, t: float, h: float) -> None:
     """Make one trial step of order 4."""
-    y, new, slopes, _ = motion
+    y, new, slopes, _, _ = motion
     for stage in range(1, 4):
         part = h if stage == 3 else 0.5 * h
         for i in range(y.shape[0]):
@@ -63,7 +66,7 @@ def embedded_step(
 
     ``slopes[stages]`` holds dy/dt at the end afterwards.
     """
-    y, new, slopes, scale = motion
+    y, new, slopes, scale, controlled = motion
     size = y.shape[0]
     stages = tableau.b.shape[0]
     for stage in range(1, stages):
@@ -87,9 +90,10 @@ def embedded_step(
     for i in range(count):
         one = 0.0
         two = 0.0
+        k = controlled[i]
         for j in range(stages + 1):
-            one += tableau.error[j] * slopes[j, i]
-            two += tableau.second_error[j] * slopes[j, i]
+            one += tableau.error[j] * slopes[j, k]
+            two += tableau.second_error[j] * slopes[j, k]
         first += (one / scale[i]) ** 2
         second += (two / scale[i]) ** 2
     if first == 0.0 and second == 0.0:

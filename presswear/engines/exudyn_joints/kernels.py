@@ -13,7 +13,12 @@ from presswear.physics.forces import add_contacts, load_of
 from presswear.physics.loads import WAYS, load_forces, load_motion, next_break, switching
 from presswear.physics.motion import drive_motion
 from presswear.physics.packed import Packed
-from presswear.physics.prescribed import drive_torque, place_cranks
+from presswear.physics.prescribed import (
+    Prescribed,
+    drive_torques,
+    place_prescribed,
+    subtract_inertia,
+)
 from presswear.physics.touchdown import LEAST_STEPS, crossing, next_step, shorter_step
 from presswear.physics.wear import dose_rates
 from presswear.record.observe import Book, observe, settle_state
@@ -34,7 +39,7 @@ class Frame(NamedTuple):
     """Coordinates of all bodies from those that Exudyn solves for.
 
     Where every body is one of Exudyn's, ``q``, ``v`` and ``a`` are its own live arrays
-    and nothing has to be copied: ``places`` and ``cranks`` are empty.
+    and nothing has to be copied: ``places`` and ``prescribed`` are empty.
 
     Attributes
     ----------
@@ -42,8 +47,8 @@ class Frame(NamedTuple):
         Exudyn's live coordinates, rates and accelerations.
     places : ndarray of int
         Where each of them belongs in q.
-    cranks : records of CRANK
-        Driven bodies that are left out.
+    prescribed : Prescribed
+        Bodies that are left out.
     q, v, a, axes : ndarray, shape (3 bodies,)
     contacts : records of CONTACT
         Working space of states on trial.
@@ -53,7 +58,7 @@ class Frame(NamedTuple):
     solved_v: Array
     solved_a: Array
     places: Indices
-    cranks: Records
+    prescribed: Prescribed
     q: Array
     v: Array
     a: Array
@@ -85,7 +90,7 @@ def refresh(frame: Frame, t: float) -> None:
         frame.q[place] = frame.solved_q[i]
         frame.v[place] = frame.solved_v[i]
         frame.a[place] = frame.solved_a[i]
-    place_cranks(frame.cranks, t, frame.q, frame.v, frame.a, frame.axes)
+    place_prescribed(frame.prescribed, t, frame.q, frame.v, frame.a, frame.axes)
 
 
 @compiled
@@ -140,7 +145,7 @@ class Drives(NamedTuple):
     Attributes
     ----------
     multiplier : ndarray of int, shape (drives,)
-        Index of each drive's Lagrange multiplier; -1 for a crank that is left out.
+        Index of each drive's Lagrange multiplier; -1 for that of a body that is left out.
     motions : records of MOTION, shape (drives,)
     multipliers : ndarray
         Exudyn's live multipliers; the torque of a drive is minus its own.
@@ -167,20 +172,16 @@ def powers(frame: Frame, drives: Drives, book: Book, t: float) -> tuple[float, f
         Power of the drives, and of loads and dampers, W.
     """
     given = applied_forces(book.packed, t, frame.q, frame.v, drives.force)
-    if frame.cranks.shape[0] > 0:
+    prescribed = frame.prescribed
+    if prescribed.parts.shape[0] > 0:
         add_contacts(book.packed.joints, book.onset, book.contacts, drives.force, drives.rates)
+        subtract_inertia(prescribed, frame.a, drives.force)
+        drive_torques(prescribed, frame.q, frame.axes, drives.force, book.torque)
     power = 0.0
-    crank = 0
     for i in range(drives.motions.shape[0]):
         if drives.multiplier[i] >= 0:
-            torque = -drives.multipliers[drives.multiplier[i]]
-        else:
-            own = frame.cranks[crank]
-            torque = drive_torque(own, frame.q, drives.force)
-            torque += own.inertia * frame.a[own.body + 2]
-            crank += 1
-        book.torque[i] = torque
-        power += torque * drive_motion(drives.motions[i], t)[1]
+            book.torque[i] = -drives.multipliers[drives.multiplier[i]]
+        power += book.torque[i] * drive_motion(drives.motions[i], t)[1]
     return power, given
 
 

@@ -4,8 +4,9 @@ Every body is an ``ObjectRigidBody2D``, every ideal joint an Exudyn constraint, 
 all clearance joints, and all loads with a law, are one ``ObjectGenericODE2`` over the nodes of
 their bodies: its Python user function returns the exact generalized forces on all of them.
 (A connector between two markers cannot: it applies equal and opposite moments, while
-pin and bearing have different radii.)  A driven crank that only clearance joints hold
-on to is left out: its motion is known, and its torque follows from the contact force.
+pin and bearing have different radii.)  Bodies without freedom that only clearance joints
+hold on to are left out: their motion is known, and the torques of their drives follow from
+the contact forces.
 """
 
 import math
@@ -21,10 +22,10 @@ from presswear.engines.base import Start
 from presswear.engines.exudyn import add_load, add_marker, add_node, add_object
 from presswear.engines.exudyn_joints.kernels import Frame, Live, connector_forces
 from presswear.linkage.elements import GROUND, Attachment, Drive, Linkage
-from presswear.linkage.topology import cranks_of, hinge_of
+from presswear.linkage.topology import bodies_of, joints_of, prescribed_of
 from presswear.physics.contact import CONTACT
 from presswear.physics.motion import drive_motion, is_steady, motion_of
-from presswear.physics.prescribed import pack_cranks
+from presswear.physics.prescribed import begin_motion, pack_prescribed
 from presswear.record.recorder import Recorder
 from presswear.tools.compiled import specialised
 
@@ -47,6 +48,7 @@ class JointsModel:
         arrays = dict(zip(("q", "v", "a", "multipliers"), self.solved, strict=True))
         if frame.places.size:
             arrays |= {"all_q": frame.q, "all_v": frame.v, "all_a": frame.a, "axes": frame.axes}
+            arrays["prescribed"] = frame.prescribed.work
         return {name: np.asarray(array) for name, array in arrays.items()}
 
 
@@ -57,16 +59,17 @@ def _speed_function(drive: Drive) -> Callable[..., float]:
 
 
 def left_out(linkage: Linkage) -> frozenset[str]:
-    """Cranks that hold on to the rest by clearance joints only: their motion is known."""
-    held = {
-        end.body
-        for joint in linkage.revolutes
-        for end in (joint.first, joint.second)
-        if GROUND not in (joint.first.body, joint.second.body)
-    }
-    held |= {end.body for spring in linkage.springs for end in (spring.first, spring.second)}
-    held |= {guide.body for guide in linkage.guides}
-    return cranks_of(linkage) - held
+    """Bodies whose motion is known and that hold on to the rest by clearance joints only."""
+    known = prescribed_of(linkage)
+    if len(known) == len(linkage.bodies):
+        return frozenset()
+    known -= {end.body for spring in linkage.springs for end in (spring.first, spring.second)}
+    while True:
+        joined = [bodies_of(joint) for joint in joints_of(linkage)]
+        held = frozenset[str]().union(*(bodies for bodies in joined if not bodies <= known))
+        if not held & known:
+            return known
+        known -= held
 
 
 def assemble(linkage: Linkage, start: Start, recorder: Recorder) -> JointsModel:
@@ -74,7 +77,6 @@ def assemble(linkage: Linkage, start: Start, recorder: Recorder) -> JointsModel:
     container = exu.SystemContainer()
     system = container.AddSystem()
     omitted = left_out(linkage)
-    hinges = {id(hinge_of(linkage, name)) for name in omitted}
     nodes: dict[str, Any] = {}
     bodies: dict[str, Any] = {GROUND: add_object(system, "Ground")}
     for i, body in enumerate(linkage.bodies):
@@ -104,11 +106,13 @@ def assemble(linkage: Linkage, start: Start, recorder: Recorder) -> JointsModel:
 
     constraints: dict[str, int] = {}
     for joint in linkage.revolutes:
-        if id(joint) in hinges:
+        if bodies_of(joint) <= omitted:
             continue
         markers = [marker_at(joint.first), marker_at(joint.second)]
         constraints[joint.name] = add_object(system, "JointRevolute2D", markerNumbers=markers)
     for guide in linkage.guides:
+        if guide.body in omitted:
+            continue
         normal = guide.direction - guide.angle + 0.5 * math.pi
         on_frame = marker_at(Attachment(GROUND, guide.x, guide.y))
         constraints[guide.name] = add_object(
@@ -183,7 +187,8 @@ def assemble(linkage: Linkage, start: Start, recorder: Recorder) -> JointsModel:
 
 def _frame(solved: Any, linkage: Linkage, start: Start, omitted: frozenset[str]) -> Frame:
     """Coordinates of all bodies, from Exudyn's live coordinates, rates and accelerations."""
-    cranks = pack_cranks(linkage, omitted)
+    prescribed = pack_prescribed(linkage, omitted)
+    begin_motion(prescribed, 0.0, start.position)
     count = 3 * len(linkage.bodies)
     contacts = np.zeros(len(linkage.clearances), CONTACT)
     kept = [i for i, body in enumerate(linkage.bodies) if body.name not in omitted]
@@ -192,5 +197,5 @@ def _frame(solved: Any, linkage: Linkage, start: Start, omitted: frozenset[str])
     if not omitted:
         places, (q, v, a) = places[:0], solved
     return Frame(
-        solved[0], solved[1], solved[2], places, cranks, q, v, a, np.zeros(count), contacts
+        solved[0], solved[1], solved[2], places, prescribed, q, v, a, np.zeros(count), contacts
     )

@@ -1,6 +1,6 @@
 """Exudyn with an open tree in minimal coordinates, explicit and error-controlled.
 
-For linkages in which the clearance joints cut every loop.  The tree's inertia,
+For linkages in which the clearance joints cut every loop that has a freedom.  The tree's inertia,
 gyroscopic terms and the integration (DOPRI5) are Exudyn's; its Python user function
 hands the live state to one compiled kernel, which gives the forces of all contacts,
 weights and moving hinges at once.  Contact state changes only between accepted
@@ -38,10 +38,12 @@ from presswear.engines.exudyn_tree.kernels import (
 from presswear.engines.exudyn_tree.model import TreeModel, assemble
 from presswear.engines.settings import ExudynTree
 from presswear.linkage.elements import Linkage
-from presswear.linkage.topology import cranks_of
+from presswear.linkage.topology import prescribed_of
 from presswear.physics.energy import Ledger, stored_energy
 from presswear.physics.forces import JOINT_RATES
-from presswear.physics.tree import CARRIED, Tree, tree_of
+from presswear.physics.links import CARRIED
+from presswear.physics.prescribed import begin_motion
+from presswear.physics.tree import Tree, tree_of
 from presswear.record.observe import Book
 from presswear.record.recorder import Recorder
 from presswear.record.soundness import Finding
@@ -73,8 +75,10 @@ _STAGES = {
 state, wear, recording and the choice of the next step."""
 
 
-def system_of(tree: Tree, linkage: Linkage, longest: float) -> TreeSystem:
-    """Pack a tree for the kernels; ``longest`` is its longest step, s."""
+def system_of(tree: Tree, linkage: Linkage, start: Start, longest: float) -> TreeSystem:
+    """Pack a tree in a start for the kernels; ``longest`` is its longest step, s."""
+    prescribed = tree.prescribed._replace(work=tree.prescribed.work.copy())
+    begin_motion(prescribed, 0.0, start.position)
     count, joints = 3 * len(linkage.bodies), len(linkage.clearances)
     pace = np.zeros(1, PACE)
     pace["longest"] = longest
@@ -83,13 +87,13 @@ def system_of(tree: Tree, linkage: Linkage, longest: float) -> TreeSystem:
     pace["noted"] = np.nan
     return TreeSystem(
         links=tree.links,
-        cranks=tree.cranks,
+        prescribed=prescribed,
         expected=np.zeros(joints),
         pace=pace,
         stages=np.zeros((STAGES, 2 + JOINT_RATES * joints)),
         state=np.zeros((5, count)),
         carried=np.zeros((len(tree.links), CARRIED)),
-        balance=np.zeros(len(tree.links)),
+        balance=np.zeros(tree.size),
     )
 
 
@@ -122,7 +126,7 @@ def _build(
     tree: Tree, linkage: Linkage, start: Start, system: TreeSystem, book: Book
 ) -> tuple[TreeModel, Accept]:
     """The tree with its user function, and what accounts for a step and chooses the next."""
-    packed, contacts, out = book.packed, book.contacts, np.zeros(len(tree.links))
+    packed, contacts, out = book.packed, book.contacts, np.zeros(tree.size)
     stage = specialised(stage_forces, system, packed, contacts, 0.0, out, out, out)
     calls = 0  # since the last accepted step
 
@@ -161,14 +165,14 @@ def prepare(
     """
     tree = tree_of(linkage)
     if isinstance(tree, str):
-        raise InputError(f"engine exudyn-tree needs a linkage without closed loops: {tree}")
+        raise InputError(f"engine exudyn-tree needs a linkage without free loops: {tree}")
     longest = settings.longest(plan.cycle)
     times: dict[str, float] = {}
     with timed(times, "wall_compile_s"):
         _warm_up(tree, linkage, start)
     with timed(times, "wall_build_s"):
         book = recorder.book
-        system = system_of(tree, linkage, longest)
+        system = system_of(tree, linkage, start, longest)
         model, accept = _build(tree, linkage, start, system, book)
         counts = {"sent_back": "rejectedAutomaticStepSizeSteps"}
         solve = Solve.of(recorder, plan, _STAGES, counts, FIRST_STEP)
@@ -181,7 +185,7 @@ def prepare(
         stored = stored_energy(book.packed, book.memory["energy"], q, v)
         return stored, hinge_power_integral(system)
 
-    tree_state(system, book, 0.0, model.x, model.u, np.zeros(len(tree.links)))
+    tree_state(system, book, 0.0, model.x, model.u, np.zeros(tree.size))
     book.memory["energy"] = book.contacts["energy"]  # of pins that start pressed in
     stored_before, momentum_before = energy()
     exudyn = _settings(settings, longest)
@@ -198,9 +202,9 @@ def prepare(
 
     def diagnostics() -> dict[str, float | int | str]:
         sums, pace = solve.sums, system.pace[0]
-        words = f"open tree of {len(tree.links)} coordinates ({listed(tree.names)})"
+        words = f"open tree of {tree.size} coordinates ({listed(tree.names)})"
         return {
-            "model": described(linkage, words, cranks_of(linkage)),
+            "model": described(linkage, words, prescribed_of(linkage)),
             "solver": f"Exudyn DOPRI5 at tolerance {settings.tree_tolerance:g}, "
             "steps end on touches and separations",
             "steps": int(sums["steps"]),
@@ -222,6 +226,7 @@ def prepare(
             "expected": system.expected,
             "pace": system.pace,
             "state": system.state,
+            "prescribed": system.prescribed.work,
         },
         solve.sums,
         diagnostics,
@@ -233,8 +238,8 @@ def prepare(
 def _warm_up(tree: Tree, linkage: Linkage, start: Start) -> None:
     """Compile every kernel, or load it from the cache, on a state thrown away."""
     book = Recorder.of(linkage, start.position, 1, 1.0).book
-    system = system_of(tree, linkage, 1.0)
-    x = np.zeros(len(tree.links))
+    system = system_of(tree, linkage, start, 1.0)
+    x = np.zeros(tree.size)
     arguments = book.packed, book.contacts
     specialised(stage_forces, system, *arguments, 0.0, x, x, x)
     specialised(accept_tree_step, system, book, 0.0, x, x, x)

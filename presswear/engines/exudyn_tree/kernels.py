@@ -27,11 +27,11 @@ from presswear.physics.forces import (
     WORK,
     add_contacts,
 )
+from presswear.physics.links import accelerate_links, carry_branches, gather_forces, place_links
 from presswear.physics.loads import WAYS, next_break, switching
 from presswear.physics.packed import Packed
-from presswear.physics.prescribed import drive_torque, forced_power, place_cranks
+from presswear.physics.prescribed import Prescribed, drive_torques, forced_power, place_prescribed
 from presswear.physics.touchdown import LEAST_PARTS, contact_step, skim_step, step_after_touchdown
-from presswear.physics.tree import accelerate_links, carry_branches, gather_forces, place_links
 from presswear.record.observe import Book, observe, settle_state
 from presswear.tools.compiled import Records, all_finite, compiled
 
@@ -77,7 +77,8 @@ class TreeSystem(NamedTuple):
 
     Attributes
     ----------
-    links, cranks : records
+    links : records of LINK
+    prescribed : Prescribed
     expected : ndarray, shape (joints,)
         Closing speed that the next step uses: latched, or predicted while open, m/s.
     pace : one record of PACE
@@ -87,11 +88,11 @@ class TreeSystem(NamedTuple):
         q, v, a and generalized forces of all bodies, and their axes: cosine and sine of
         a body's angle in the places of its x and y.
     carried : ndarray, shape (links, CARRIED)
-    balance : ndarray, shape (links,)
+    balance : ndarray, shape (coordinates,)
     """
 
     links: Records
-    cranks: Records
+    prescribed: Prescribed
     expected: Array
     pace: Records
     stages: Array
@@ -112,13 +113,13 @@ def stage_forces(
 ) -> None:
     """Fill the forces on the coordinates of the tree in a stage, without those of inertia.
 
-    The drives' power is that against the forces on their cranks: what is applied
+    The drives' power is that against the forces on the prescribed bodies: what is applied
     there, and dP/dt - F of each branch times the velocity of its hinge.  The part
     dP/dt . v is the end value of P . v less the integral of P . a; the end values are
     added after the run, so that no acceleration is needed here.
     """
     q, v, a, force, axes = system.state
-    place_cranks(system.cranks, t, q, v, a, axes)
+    place_prescribed(system.prescribed, t, q, v, a, axes)
     place_links(system.links, x, u, q, v, axes)
     given = applied_forces(packed, t, q, v, force)
     pace = system.pace[0]
@@ -132,7 +133,7 @@ def stage_forces(
         pace.noted = t
     add_contacts(packed.joints, system.expected, contacts, force, row[1:])
     carry_branches(system.links, v, a, axes, system.carried)
-    power = -forced_power(system.cranks, v, a, force)
+    power = -forced_power(system.prescribed, v, a, force)
     for i in range(system.links.shape[0]):
         link = system.links[i]
         b = link.body
@@ -302,7 +303,7 @@ def tree_state(system: TreeSystem, book: Book, t: float, x: Array, u: Array, u_t
     all that hangs from it bear.
     """
     q, v, a, force, axes = system.state
-    place_cranks(system.cranks, t, q, v, a, axes)
+    place_prescribed(system.prescribed, t, q, v, a, axes)
     place_links(system.links, x, u, q, v, axes)
     accelerate_links(system.links, u_t, v, axes, a)
     applied_forces(book.packed, t, q, v, force)
@@ -314,10 +315,12 @@ def tree_state(system: TreeSystem, book: Book, t: float, x: Array, u: Array, u_t
     for c in range(force.shape[0]):
         force[c] -= book.packed.mass[c] * a[c]
     gather_forces(system.links, q, axes, force, system.balance)
+    drive_torques(system.prescribed, q, axes, force, book.torque)
+    parts = system.prescribed.parts
     power = 0.0
-    for i in range(system.cranks.shape[0]):
-        book.torque[i] = drive_torque(system.cranks[i], q, force)
-        power += book.torque[i] * v[system.cranks[i].body + 2]
+    for i in range(parts.shape[0]):
+        if parts[i].drive >= 0:
+            power += book.torque[parts[i].drive] * v[parts[i].body + 2]
     return power
 
 
@@ -350,7 +353,7 @@ def accept_tree_step(
 
     Parameters
     ----------
-    u_t : ndarray, shape (links,)
+    u_t : ndarray, shape (coordinates,)
         Accelerations of the tree's coordinates in the state.
     """
     if not all_finite(x, u) or not all_finite(u, u_t):

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from presswear.engines.base import Start
 from presswear.engines.exudyn import add_node, add_object
 from presswear.linkage.elements import Linkage
+from presswear.physics.links import COORDINATES, GUIDED, LOOSE
 from presswear.physics.tree import Tree
 
 Array = NDArray[np.float64]
@@ -40,7 +41,7 @@ def assemble(tree: Tree, linkage: Linkage, start: Start, force: Callable[..., Ar
     container = exu.SystemContainer()
     system = container.AddSystem()
     x, u = tree.coordinates(start.position, start.velocity)
-    count = len(tree.links)
+    count = tree.size
     node = add_node(
         system,
         "GenericODE2",
@@ -49,33 +50,44 @@ def assemble(tree: Tree, linkage: Linkage, start: Start, force: Callable[..., Ar
         initialCoordinates_t=list(u),
         numberOfODE2Coordinates=count,
     )
-    types, turns, offsets, centres, masses, inertias = [], [], [], [], [], []
-    for link, name in zip(tree.links, tree.names, strict=True):
-        body = linkage.bodies[linkage.index(name)]
-        # A link's frame sits in its joint, along the body's axes or along its guide.
-        turn, offset = 0.0, np.zeros(2)
-        if link["slides"]:
-            turn = math.atan2(link["sine"], link["cosine"])
-        elif link["parent"] >= 0:
-            parent = tree.links[link["parent"]]
-            offset = np.array([link["before_x"], link["before_y"]])
-            offset -= [parent["own_x"], parent["own_y"]]
-            if parent["slides"]:
-                turn = parent["angle"] - math.atan2(parent["sine"], parent["cosine"])
-                offset = _turned(turn)[:2, :2] @ offset
-        own = np.array([link["own_x"], link["own_y"]])
-        types.append(exu.JointType.PrismaticX if link["slides"] else exu.JointType.RevoluteZ)
+    types, parents, turns, offsets, centres, masses, inertias = [], [], [], [], [], [], []
+
+    def add(kind: Any, parent: int, turn: float, offset: Array, own: Array, body: Any) -> None:
+        types.append(kind)
+        parents.append(parent)
         turns.append(_turned(turn))
         offsets.append([*offset, 0.0])
         centres.append([*-own, 0.0])
-        masses.append(body.mass)
-        inertias.append(np.diag([0.0, 0.0, body.inertia]))
+        masses.append(body.mass if body else 0.0)
+        inertias.append(np.diag([0.0, 0.0, body.inertia if body else 0.0]))
+
+    kinds, still = exu.JointType, np.zeros(2)
+    last = [int(link["place"]) + COORDINATES[link["kind"]] - 1 for link in tree.links]
+    for link, name in zip(tree.links, tree.names, strict=True):
+        # A link's frame sits in its joint, along the body's axes or along its guide.
+        kind, parent, turn, offset = kinds.RevoluteZ, -1, 0.0, still
+        if link["kind"] == GUIDED:
+            kind, turn = kinds.PrismaticX, math.atan2(link["sine"], link["cosine"])
+        elif link["kind"] == LOOSE:
+            # Two links without mass carry it across the plane.
+            add(kinds.PrismaticX, -1, 0.0, still, still, None)
+            add(kinds.PrismaticY, len(types) - 1, 0.0, still, still, None)
+            parent = len(types) - 1
+        elif link["parent"] >= 0:
+            before, parent = tree.links[link["parent"]], last[link["parent"]]
+            offset = np.array([link["before_x"], link["before_y"]])
+            offset -= [before["own_x"], before["own_y"]]
+            if before["kind"] == GUIDED:
+                turn = before["angle"] - math.atan2(before["sine"], before["cosine"])
+                offset = _turned(turn)[:2, :2] @ offset
+        own = np.array([link["own_x"], link["own_y"]])
+        add(kind, parent, turn, offset, own, linkage.bodies[linkage.index(name)])
     add_object(
         system,
         "KinematicTree",
         nodeNumber=node,
         jointTypes=types,
-        linkParents=[int(parent) for parent in tree.links["parent"]],
+        linkParents=parents,
         jointTransformations=_EXUDYN.Matrix3DList(turns),
         jointOffsets=_EXUDYN.Vector3DList(offsets),
         linkInertiasCOM=_EXUDYN.Matrix3DList(inertias),

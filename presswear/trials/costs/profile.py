@@ -215,12 +215,12 @@ def kernel_times(
         above its parts.
     """
     tree, settings = _tree(timed)
-    out = np.zeros(len(tree.links))
+    out = np.zeros(tree.size)
     longest = settings.longest(timed.plan.cycle)
 
     def wall(replay: Any, *arguments: Any) -> float:
         book = recorder_of(timed.linkage, timed.start, timed.plan).book
-        system = engine.system_of(tree, timed.linkage, longest)
+        system = engine.system_of(tree, timed.linkage, timed.start, longest)
         began = clock.perf_counter()
         replay(system, book, *arguments)
         return clock.perf_counter() - began
@@ -254,7 +254,7 @@ def idle_wall(timed: TimedRun, solver: Any, forces: bool, steps: bool) -> tuple[
     Returns also how often the force function was called.
     """
     tree, _ = _tree(timed)
-    out = np.zeros(len(tree.links))
+    out = np.zeros(tree.size)
     calls = 0
 
     def count(*arguments: Any) -> Array:

@@ -21,8 +21,8 @@ from presswear.engines.exudyn_tree.kernels import (
 )
 from presswear.physics.contact import note_contacts
 from presswear.physics.forces import add_contacts
-from presswear.physics.prescribed import place_cranks
-from presswear.physics.tree import place_links
+from presswear.physics.links import place_links
+from presswear.physics.prescribed import place_prescribed
 from presswear.record.observe import Book, observe, settle_state
 from presswear.tools.compiled import Records, compiled
 
@@ -51,7 +51,7 @@ class StageCalls(NamedTuple):
         Times of the stage, and of the state whose contacts were noted before it, s.
     number : ndarray of int, shape (n,)
         How many calls came before.
-    x, u : ndarray, shape (n, links)
+    x, u : ndarray, shape (n, coordinates)
     expected : ndarray, shape (n, joints)
         Closing speeds that the stage used, m/s.
     """
@@ -71,7 +71,7 @@ class StepCalls(NamedTuple):
     ----------
     time, noted : ndarray, shape (n,)
         As in ``StageCalls``.
-    x, u, u_t : ndarray, shape (n, links)
+    x, u, u_t : ndarray, shape (n, coordinates)
     stages : ndarray, shape (n, STAGES, columns)
         Powers that the stages of the step had left.
     contacts : records of CONTACT, shape (n, joints)
@@ -93,7 +93,7 @@ def replay_stages(system: TreeSystem, book: Book, calls: StageCalls, out: Array,
 
     Parameters
     ----------
-    out : ndarray, shape (links,)
+    out : ndarray, shape (coordinates,)
         The forces on the tree.
     part : int
         Place in ``STAGE_PARTS`` up to which they are run.
@@ -110,7 +110,7 @@ def replay_stages(system: TreeSystem, book: Book, calls: StageCalls, out: Array,
         if part == 2:
             stage_forces(system, book.packed, book.contacts, t, x, u, out)
             continue
-        place_cranks(system.cranks, t, q, v, a, axes)
+        place_prescribed(system.prescribed, t, q, v, a, axes)
         place_links(system.links, x, u, q, v, axes)
         if part == 1:
             # As in ``stage_forces``.
