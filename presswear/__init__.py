@@ -71,7 +71,6 @@ _ROOMS = {
         "WearLaw",
     ),
     "linkage.laws": ("FrictionLaw", "NormalLaw"),
-    "linkage.materials": ("Materials",),
     "linkage.loads": (
         "Force",
         "Harmonics",
@@ -81,6 +80,7 @@ _ROOMS = {
         "OverTime",
         "Spring",
     ),
+    "linkage.materials": ("Materials",),
     "linkage.press": ("Press",),
     "linkage.slider_crank": ("SliderCrank",),
     "linkage.surface": ("Surface",),

@@ -1,4 +1,4 @@
-"""Coefficients of the classical and of Dormand and Prince's embedded Runge-Kutta methods.
+"""Coefficients of Dormand and Prince's embedded Runge-Kutta methods.
 
 Orders 8(5,3) and 5(4), as published with DOP853 and DOPRI5 (Hairer, Norsett, Wanner: Solving
 Ordinary Differential Equations I, sections II.4 and II.5).  SciPy has the same numbers, but to
@@ -22,7 +22,7 @@ class Tableau(NamedTuple):
     b, c : ndarray, shape (n,)
     error, second_error : ndarray, shape (n + 1,)
         Weights of the error estimate, and of the one of lower order that DOP853
-        blends in (zero where there is none); empty where the method is not embedded.
+        blends in (zero where there is none).
     exponent : float
         The error goes with the step to minus one over this.
     """
@@ -103,12 +103,3 @@ DOP853 = Tableau(
     _lower(12, _A), np.array(_B), np.array(_C), np.array(_E5), np.array(_E3), -1.0 / 8.0
 )
 """Order 8 with estimates of orders 5 and 3."""
-CLASSICAL = Tableau(
-    np.array([[0, 0, 0, 0], [0.5, 0, 0, 0], [0, 0.5, 0, 0], [0, 0, 1, 0]]),
-    np.array([1 / 6, 1 / 3, 1 / 3, 1 / 6]),
-    np.array([0, 0.5, 0.5, 1]),
-    np.zeros(0),
-    np.zeros(0),
-    0.0,
-)
-"""Order 4 without an estimate."""

@@ -15,7 +15,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 
 from presswear.linkage.laws import FrictionLaw, NormalLaw
-from presswear.linkage.loads import AnyLoad, Force, Load, Moment, Spring
+from presswear.linkage.loads import AnyLoad, Force, Load, Moment, OverTime, Spring
 from presswear.linkage.surface import Surface
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, unknown
@@ -379,6 +379,9 @@ class Linkage:
     def _loaded(self, load: AnyLoad) -> AnyLoad:
         """A load with its point found."""
         self._check_body(load.body, "loads")
+        law = None if isinstance(load, Load) else load.law
+        if isinstance(law, OverTime) and law.period is None:
+            law.check("cycle", self.period)
         if not isinstance(load, Force):
             return load
         point = load.point

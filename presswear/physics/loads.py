@@ -329,7 +329,6 @@ def _pack_law(record: Records, law: object, linkage: Linkage) -> list[tuple[floa
     """Fill the law of a record; returns its nodes."""
     if isinstance(law, OverTime):
         period = linkage.period if law.period is None else law.period
-        law.check("cycle", period)
         record["kind"], record["held"], record["period"] = TIME, True, period
         return _whole_period(law.table, period)
     if isinstance(law, OverPosition):

@@ -191,6 +191,43 @@ def test_a_body_that_a_load_in_one_sense_could_hold_creeps(engine: Engine, withi
     assert int(ran.diagnostics["steps"]) < 4000
 
 
+@EVERY
+def test_what_rests_at_a_change_of_law_stays_there(engine: Engine, within: float) -> None:
+    """At rest on a bend and on the gate: round-off to and fro is no event."""
+    spring = Spring("s", Attachment(GROUND, 0.0, 1.0), Attachment("mass", 0.0, 0.0), 300.0, 0.9)
+    bend = OverPosition([(-0.1, 0.0), (0.0, 20.0), (0.1, 0.0)])
+    one = OverPosition([(0.0, -9.0)], sense="along", outside="hold", rise=0.05)
+    linkage = guided(bend, gravity=10.0)
+    linkage = replace(
+        linkage,
+        springs=[spring],
+        loads=[*linkage.loads, Force("mass", -UP, one), Force("mass", UP, one)],
+    )
+    ran = run(engine, linkage, 0.0, 0.0, 1.0)
+    assert along(ran, linkage) == pytest.approx((0.0, 0.0), abs=1e-9)
+    assert int(ran.diagnostics["steps"]) < 4000
+
+
+def test_a_load_on_a_crank_that_is_left_out_is_its_drives() -> None:
+    """Held by a clearance joint alone, the crank is no body of Exudyn's."""
+    linkage = replace(wear_times(), joints="A").linkage()
+    loaded = replace(linkage, loads=[Moment("crank 2", Harmonics(1.0, 50.0, [(2.0, 0.0)]))])
+    start, works = start_of(wear_times()), []
+    for engine in (ExudynJoints(50, 10, free_step=1e-5), InHouse()):
+        for own in (linkage, loaded):
+            ran = engine.simulate(own, start, Plan(0.005, 1, recorded_cycles=1))
+            assert ran.status == "completed", ran.message
+            works.append([float(ran.diagnostics[f"{name}_work_J"]) for name in ("drive", "load")])
+    for without, with_load in (works[:2], works[2:]):
+        assert without[1] == 0.0
+        assert with_load[1] == pytest.approx(works[3][1], rel=1e-6)
+        assert without[0] - with_load[0] == pytest.approx(with_load[1], rel=1e-6)
+    # The crank turns at a speed that is given, backwards.
+    speed = linkage.drives[0].speed
+    integral = 0.005 + 2.0 * math.sin(50.0 * 0.005) / 50.0
+    assert works[3][1] == pytest.approx(speed * integral, rel=1e-9)
+
+
 def test_a_counterbalance_that_turns_the_mass_at_its_bend_ends() -> None:
     """A grazing start: at rest exactly on a bend, and on the end of a table."""
     law = OverPosition([(-1.0, 0.0), (0.0, 1.0), (1.0, 0.0)])

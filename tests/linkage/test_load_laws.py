@@ -84,6 +84,10 @@ def test_a_function_asks_for_what_is_known() -> None:
         (Force("rocker.haed", 0.0, 1.0), "unknown point of rocker in loads 'haed'; did you mean"),
         (Force("roker", 0.0, 1.0), "unknown body in loads 'roker'; did you mean rocker"),
         (Moment("frame", wobble), "unknown body in loads 'frame'"),
+        (
+            Moment("crank", OverTime([(0.0, 1.0), (0.3, 2.0)])),
+            "with a cycle of 0.20944 s allowed",
+        ),
     ],
 )
 def test_a_load_on_nothing_is_told(load: Any, says: str) -> None:

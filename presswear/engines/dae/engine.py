@@ -22,7 +22,7 @@ from presswear.engines.dae.march import (
     note_torques,
 )
 from presswear.engines.dae.runge_kutta import Integration
-from presswear.engines.dormand_prince import CLASSICAL, DOP853, DOPRI5
+from presswear.engines.dormand_prince import DOP853, DOPRI5
 from presswear.engines.driver import Simulation
 from presswear.engines.settings import InHouse
 from presswear.linkage.elements import Linkage
@@ -129,7 +129,7 @@ def prepare(
 
     def march(end: float, most: int) -> int:
         if fixed:
-            return int(march_fixed(system, CLASSICAL, book, control, motion, end, most))
+            return int(march_fixed(system, book, control, motion, end, most))
         return int(march_controlled(system, tableau, book, control, motion, end, most))
 
     march(0.0, 1)  # compiles, or loads what was compiled

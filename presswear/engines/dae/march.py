@@ -73,6 +73,8 @@ EVENT_DEPTH = 1e-17
 """Penetration at which an event is located, m."""
 FOUND_DEPTH = 1e-12
 """Penetration up to which a place that round-off keeps from it is one, m."""
+CLASSICAL_STAGES = 4
+"""Evaluations in a step of the classical method."""
 BEHIND = 1e-13
 """A step that ends on a change of a load's law goes so far behind it, m, rad, m/s or rad/s."""
 FOUND_BEHIND = 1e-9
@@ -132,11 +134,12 @@ def first_change(
     part = 2.0
     for k in range(system.contacts.shape[0], event_count(system)):
         value, rate = event_value(system, book, k, motion.trial, motion.slopes[last])
-        # One just behind is taken with that on which the step ends.
-        if k == apart or value == -math.inf or 0.0 < value <= 2.0 * BEHIND:
+        if k == apart or value == -math.inf:
             continue
         start, first_rate = event_value(system, book, k, motion.y, motion.slopes[0])
-        s = crossing(min(start, 0.0), first_rate, value, rate, h)
+        # What goes no further behind is round-off, or comes with that on which the step ends.
+        reach = 2.0 * BEHIND
+        s = crossing(min(start, 0.0) - reach, first_rate, value - reach, rate, h)
         if s < part and (s * h > 1e-14 or first_rate > 0.0):
             found, part = k, s
     return found, part
@@ -182,25 +185,27 @@ def first_event(
 @compiled
 def trial_step(
     system: System,
-    tableau: Tableau,
+    tableau: Tableau | None,
     book: Book,
     control: Records,
     motion: Integration,
     t: float,
     h: float,
 ) -> float:
-    """Make one trial step of either kind; returns its error over the allowed one."""
-    control[0].evaluations += tableau.b.shape[0]
-    if tableau.error.shape[0] == 0:
+    """Make one trial step, without a tableau a classical one; returns its error, 1 is allowed."""
+    # The compiler leaves out the branch that is not taken.
+    if tableau is None:
+        control[0].evaluations += CLASSICAL_STAGES
         classical_step(system, book.onset, motion, t, h)
         return 0.0
+    control[0].evaluations += tableau.b.shape[0]
     return embedded_step(system, tableau, book.onset, motion, t, h)
 
 
 @compiled
 def locate(
     system: System,
-    tableau: Tableau,
+    tableau: Tableau | None,
     book: Book,
     control: Records,
     motion: Integration,
@@ -253,15 +258,17 @@ def locate(
 
 
 @compiled
-def last_slope(tableau: Tableau) -> int:
+def last_slope(tableau: Tableau | None) -> int:
     """Which of the slopes of a step is that at its end."""
-    return tableau.b.shape[0] - (tableau.error.shape[0] == 0)
+    if tableau is None:
+        return CLASSICAL_STAGES - 1
+    return tableau.b.shape[0]
 
 
 @compiled
 def event_in(
     system: System,
-    tableau: Tableau,
+    tableau: Tableau | None,
     book: Book,
     control: Records,
     motion: Integration,
@@ -345,7 +352,9 @@ def until_break(system: System, t: float) -> float:
 
 
 @compiled
-def settle_state_modes(system: System, tableau: Tableau, motion: Integration, t: float) -> int:
+def settle_state_modes(
+    system: System, tableau: Tableau | None, motion: Integration, t: float
+) -> int:
     """Bring the loads' modes up to a state just accepted; returns how many have changed."""
     n = system.inverse_mass.shape[0]
     y = motion.y
@@ -428,7 +437,6 @@ def march_controlled(
 @compiled
 def march_fixed(
     system: System,
-    tableau: Tableau,
     book: Book,
     control: Records,
     motion: Integration,
@@ -449,19 +457,19 @@ def march_fixed(
             h = min(state.due - t, left)
         whole = h
         h = min(h, until_break(system, t))
-        trial_step(system, tableau, book, control, motion, t, h)
-        k, located, found = event_in(system, tableau, book, control, motion, t, h, 0)
+        trial_step(system, None, book, control, motion, t, h)
+        k, located, found = event_in(system, None, book, control, motion, t, h, 0)
         if k >= 0:
             if found:
                 h = located
                 state.events += 1
             else:
-                trial_step(system, tableau, book, control, motion, t, h)
+                trial_step(system, None, book, control, motion, t, h)
         copy_to(motion.y, motion.trial)
         # What is left of a step that was cut follows by itself.
         state.due = t + whole if h < whole else 0.0
         t = end if h >= left else t + h
-        settle_state_modes(system, tableau, motion, t)
+        settle_state_modes(system, None, motion, t)
         for i in range(2 * n):
             if not abs(motion.y[i]) < 1e30:
                 return BROKEN

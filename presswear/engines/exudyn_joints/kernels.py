@@ -35,6 +35,8 @@ Indices = NDArray[np.int64]
 
 JUMP = 1e-3
 """Change of a load on passing from one piece of its law to the next that is a jump, part of it."""
+NOISE = 1e-9
+"""What passes a change of a load's law no further is not sent back, m, rad, m/s or rad/s."""
 LATE = 2.0
 """A step ends so many shortest steps behind a change of a load's law."""
 
@@ -280,7 +282,7 @@ def late_change(packed: Packed, steps: Records, t: float, q: Array, v: Array, a:
             p0, r0, _, _ = switching(
                 load, packed.nodes, last, way, last.place, last.speed, last.faster, 0.0
             )
-            s = crossing(min(p0, 0.0), r0, p1, r1, h)
+            s = crossing(min(p0, 0.0) - NOISE, r0, p1 - NOISE, r1, h)
             if s <= 1.0 and (1.0 - s) * h > 2.0 * LATE * steps[0].least:
                 wanted = s * h + LATE * steps[0].least
                 if shortest < 0.0 or wanted < shortest:

@@ -244,18 +244,17 @@ def step_to_changes(book: Book, system: TreeSystem, t: float, h: float) -> float
                 mode.faster,
                 change,
             )
-            if not -math.inf < p < 0.0:
+            if p == -math.inf:
                 continue
-            arrival, doubt = time_to_event(p, r, a, j)
+            # To just behind it: what does not come so far is round-off.
+            arrival, doubt = time_to_event(min(p, 0.0) - LANDING_DEPTH, r, a, j)
             speed = r + arrival * (a + 0.5 * j * arrival)
             if arrival > h or not speed > 0.0:
                 continue
             if not smooth:
                 doubt = max(doubt, UNKNOWN_DOUBT * arrival)
-            if doubt * speed <= LANDING_DEPTH:
-                h = min(h, arrival + LANDING_DEPTH / speed)
-            else:
-                h = min(h, max(arrival - 2.0 * doubt, 0.5 * arrival))
+            near = doubt * speed <= 0.5 * LANDING_DEPTH
+            h = min(h, arrival if near else max(arrival - 2.0 * doubt, 0.5 * arrival))
     return h
 
 
