@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from presswear.linkage.elements import Bar as Bar
     from presswear.linkage.elements import Body as Body
     from presswear.linkage.elements import ClearanceJoint as ClearanceJoint
-    from presswear.linkage.elements import Drive as Drive
     from presswear.linkage.elements import Guide as Guide
     from presswear.linkage.elements import Linkage as Linkage
     from presswear.linkage.elements import Load as Load
@@ -31,6 +30,9 @@ if TYPE_CHECKING:
     from presswear.linkage.elements import WearLaw as WearLaw
     from presswear.linkage.laws import FrictionLaw as FrictionLaw
     from presswear.linkage.laws import NormalLaw as NormalLaw
+    from presswear.linkage.motions import Drive as Drive
+    from presswear.linkage.motions import Follow as Follow
+    from presswear.linkage.motions import Rise as Rise
     from presswear.linkage.press import Press as Press
     from presswear.linkage.slider_crank import SliderCrank as SliderCrank
     from presswear.linkage.surface import Surface as Surface
@@ -56,7 +58,6 @@ _ROOMS = {
         "Bar",
         "Body",
         "ClearanceJoint",
-        "Drive",
         "Guide",
         "Linkage",
         "Load",
@@ -67,6 +68,7 @@ _ROOMS = {
         "WearLaw",
     ),
     "linkage.laws": ("FrictionLaw", "NormalLaw"),
+    "linkage.motions": ("Drive", "Follow", "Rise"),
     "linkage.press": ("Press",),
     "linkage.slider_crank": ("SliderCrank",),
     "linkage.surface": ("Surface",),

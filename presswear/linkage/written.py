@@ -13,13 +13,13 @@ from presswear.linkage.elements import (
     Attachment,
     Bar,
     Body,
-    Drive,
     Guide,
     Linkage,
     Load,
     Pin,
     Spring,
 )
+from presswear.linkage.motions import Drive
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.quantities import Meaning, parse_quantity
 

@@ -100,7 +100,7 @@ def pack_cranks(linkage: Linkage, bodies: frozenset[str]) -> Records:
         record["body"] = 3 * linkage.index(drive.body)
         record["hinge_x"], record["hinge_y"] = on_frame.x, on_frame.y
         record["local_x"], record["local_y"] = on_body.x, on_body.y
-        pack_motion(drive, record["drive"])
+        pack_motion(linkage, drive, record["drive"])
         body = linkage.bodies[linkage.index(drive.body)]
         record["inertia"] = body.inertia + body.mass * (on_body.x**2 + on_body.y**2)
     return cranks

@@ -30,7 +30,7 @@ from presswear.linkage.slider_crank import SliderCrank
 from presswear.linkage.surface import Surface
 from presswear.linkage.topology import branches_of
 from presswear.linkage.written import read, written
-from presswear.physics.assembly import IdealMotion, motion_of
+from presswear.physics.assembly import IdealMotion, followed, motion_of
 from presswear.tools.arrays import Array
 from presswear.tools.documents import typed
 from presswear.tools.errors import InputError, unknown
@@ -349,7 +349,7 @@ class Scene:
 
     def linkage(self, worn: Mapping[str, tuple[Surface, Surface]] | None = None) -> Linkage:
         """The linkage of a stage; ``worn`` gives bearing and pin surface by joint name."""
-        ideal = self.mechanism.linkage()
+        ideal = followed(self.mechanism.linkage())
         surfaces = dict.fromkeys(self.clearance_joints, (Surface(), Surface())) | dict(worn or {})
         joints = (joint for joint in ideal.revolutes if joint.name in self.clearance_joints)
         return ideal.opened(

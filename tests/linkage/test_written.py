@@ -13,7 +13,6 @@ from presswear.linkage.elements import (
     Attachment,
     Bar,
     Body,
-    Drive,
     Guide,
     Linkage,
     Load,
@@ -22,6 +21,7 @@ from presswear.linkage.elements import (
     Spring,
 )
 from presswear.linkage.four_bar import FOUR_BAR
+from presswear.linkage.motions import Drive
 from presswear.linkage.press import GEOMETRIES, Press
 from presswear.linkage.slider_crank import SliderCrank
 from presswear.linkage.written import read, toml_of, values_of, written

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from presswear.physics.contact import note_contacts
 from presswear.physics.energy import loss_powers
 from presswear.physics.forces import add_contacts, load_of
-from presswear.physics.motion import drive_motion
+from presswear.physics.motion import drive_motion, step_to_break
 from presswear.physics.packed import Packed
 from presswear.physics.prescribed import drive_torque, place_cranks
 from presswear.physics.touchdown import LEAST_STEPS, next_step, shorter_step
@@ -110,7 +110,6 @@ class Drives(NamedTuple):
     ----------
     multiplier : ndarray of int, shape (drives,)
         Index of each drive's Lagrange multiplier; -1 for a crank that is left out.
-    motions : records of MOTION, shape (drives,)
     multipliers : ndarray
         Exudyn's live multipliers; the torque of a drive is minus its own.
     force : ndarray, shape (3 bodies,)
@@ -120,7 +119,6 @@ class Drives(NamedTuple):
     """
 
     multiplier: Indices
-    motions: Records
     multipliers: Array
     force: Array
     rates: Array
@@ -134,7 +132,7 @@ def drive_power(frame: Frame, drives: Drives, book: Book, t: float) -> float:
         add_contacts(book.packed.joints, book.onset, book.contacts, drives.force, drives.rates)
     power = 0.0
     crank = 0
-    for i in range(drives.motions.shape[0]):
+    for i in range(book.packed.motions.shape[0]):
         if drives.multiplier[i] >= 0:
             torque = -drives.multipliers[drives.multiplier[i]]
         else:
@@ -143,7 +141,7 @@ def drive_power(frame: Frame, drives: Drives, book: Book, t: float) -> float:
             torque += own.inertia * frame.a[own.body + 2]
             crank += 1
         book.torque[i] = torque
-        power += torque * drive_motion(drives.motions[i], t)[1]
+        power += torque * drive_motion(book.packed.motions[i], t)[1]
     return power
 
 
@@ -194,7 +192,8 @@ def accept_joint_step(
     settle_state(book, t, LEAST_STEPS)
     sum_step(book, power, t, h)
     observe(book, t, h, frame.q, frame.v, frame.a)
-    return next_step(book.packed, book.onset, book.memory, steps, book.contacts, frame.a)
+    following = next_step(book.packed, book.onset, book.memory, steps, book.contacts, frame.a)
+    return step_to_break(book.packed.motions, t, following)
 
 
 @compiled

@@ -153,5 +153,5 @@ def replay_steps(system: TreeSystem, book: Book, calls: StepCalls, part: int, do
         if part > 3:
             observe(book, t, t - last, q, v, a)
         if part > 4:
-            next_tree_step(book, system, t - last, events)
+            next_tree_step(book, system, t, t - last, events)
         last = t
