@@ -31,7 +31,7 @@ def deviations(scene: Scene, ensemble: Ensemble) -> dict[str, Array]:
     for index, recorder in enumerate(ensemble.recorders):
         time = recorder.series("time")
         moved, speed = recorder.series("displacement"), recorder.series("velocity")
-        for rows in whole_cycles(time, period):
+        for rows in whole_cycles(time - scene.run_up, period):
             starts.append(index)
             slider.append(slider_deviation(scene, time[rows], moved[rows], speed[rows]))
             for k, own in enumerate(flight.values()):

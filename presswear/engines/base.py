@@ -48,6 +48,8 @@ class Plan:
         surfaces stay.
     resume : State or None
         State to go on from, of a run with the same linkage, start, engine and plan.
+    run_up : float
+        Time before the first cycle, s: what it brings is in the series, and in no cycle.
     """
 
     cycle: float
@@ -57,11 +59,12 @@ class Plan:
     trackers: tuple[Tracker, ...] = ()
     wear: Callable[[int, Array], Array] | None = None
     resume: State | None = None
+    run_up: float = 0.0
 
     @property
     def duration(self) -> float:
         """Time of the most cycles, s."""
-        return self.cycle * self.cycles
+        return self.run_up + self.cycle * self.cycles
 
     def advanced(self, time: float) -> None:
         """Tell the trackers that a run has come to a time, s."""
@@ -111,6 +114,7 @@ def recorder_of(linkage: Linkage, start: Start, plan: Plan) -> Recorder:
         plan.cycle,
         torques=plan.torques,
         wearing=plan.wear is not None,
+        run_up=plan.run_up,
     )
 
 

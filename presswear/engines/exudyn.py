@@ -159,14 +159,14 @@ class StepLimit:
 
 def post_step(solve: Solve, accept: Accept, write: Write = write_step) -> Callable[..., bool]:
     """The function for Exudyn's PostStep: accounts for a step and hands on the next."""
-    recorder, sums = solve.recorder, solve.sums
+    sums = solve.sums
 
     def after(system: Any, t: float) -> bool:
         try:
             iteration = solve.iteration
             if iteration is None:
                 iteration = solve.iteration = system.sys["dynamicSolver"].it
-                if len(recorder.cycles):
+                if solve.time > 0.0:
                     # Exudyn shows the state that a cycle starts from; it is accounted for.
                     write(iteration, min(sums["following"], solve.end - t))
                     return True

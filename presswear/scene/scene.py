@@ -372,6 +372,11 @@ class Scene:
         return motion_of(self.mechanism)
 
     @property
+    def run_up(self) -> float:
+        """Time in which the mechanism runs up from rest, s; cycles are counted behind it."""
+        return self.mechanism.linkage().run_up_time
+
+    @property
     def watched(self) -> str:
         """The body that is watched, in a word."""
         body = self.mechanism.linkage().probe.body
