@@ -347,7 +347,8 @@ class Linkage:
             return drive
         end = self.point(follow.point, f"follow of {drive.body}")
         self._check_body(end.body, f"follow of {drive.body}")
-        return replace(drive, follow=replace(follow, point=self.watching(end, follow.direction)))
+        probe = self.watching(end, follow.direction)
+        return replace(drive, follow=replace(follow, point=probe, direction=probe.direction))
 
     def point(self, end: Any, where: str) -> Attachment:
         """A point that is given in any way; InputError names it and where it stands."""

@@ -30,12 +30,14 @@ ROUND_OFF = 4e-15
 
 FOLLOWED = 1e-9
 """How near a point keeps to the curve that it follows, part of its stroke."""
-_FEWEST_PIECES = 32
-"""Of the motion of a drive whose point follows a curve."""
+_PIECES = 32, 64, 128
+"""Of the motion of a drive whose point follows a curve; at last as many as there may be."""
 _COARSE, _NODES = 36, 1440
 """Instants of a cycle at which it is followed, and at which its motion is kept."""
 _JUMP = 0.05
 """Largest turn, rad, between where a body is expected and where it is found."""
+_KINK = 0.05
+"""Change of a speed over a short step, part of the greatest speed, that is a jump."""
 _HALVINGS = 14
 """How often an interval is halved before the linkage is said to stop in it."""
 _STEPS = 40
@@ -190,6 +192,11 @@ class Rows:
             )
         return found
 
+    @property
+    def follows(self) -> bool:
+        """True where points follow curves."""
+        return self._following.size > 0
+
     def coordinates(self, q: Array) -> Array:
         """Coordinates of the points that follow curves, along their directions, (n, points), m."""
         places = q[:, self._points.body, :2] + self._points.lever(q)
@@ -226,7 +233,13 @@ class Rows:
         return found[:, :, : self.bodies].reshape(count, len(self.names), -1)
 
     def side(self, q: Array) -> Array:
-        """On which side of its dead points the linkage is, shape (n,), 1 or -1."""
+        """On which side of its dead points the linkage is, shape (n,), 1 or -1.
+
+        1 where points follow curves: a drive may pass a position in which it does not move its
+        point, where the curve leads through it.
+        """
+        if self.follows:
+            return np.ones(len(q))
         return np.asarray(np.linalg.slogdet(self.jacobian(q))[0])
 
 
@@ -584,41 +597,55 @@ def followed(linkage: Linkage) -> Linkage:
                 f"a mean speed of {speed:g} rad/s"
             )
     breaks = _breaks(linkage, period)
-    parts, off = _FEWEST_PIECES, math.inf
-    while True:
+    curves = inverse.rows.coordinates(inverse.position)
+    allowed = FOLLOWED * (np.ptp(curves, axis=0).max() or inverse.rows.size)
+    off = math.inf
+    for parts in (*_PIECES, MOST_PIECES - len(breaks)):
         counts = np.ceil(np.diff(breaks) / period * parts - 1e-9).astype(int)
-        if counts.sum() > MOST_PIECES:
-            raise AssemblyError(
-                f"{linkage.drives[following[0]].name}: with {MOST_PIECES} pieces its point is "
-                f"{off:.3g} m off the curve; allowed is {FOLLOWED:g} of its stroke"
-            )
-        ends = [np.linspace(*pair, n + 1) for pair, n in zip(pairwise(breaks), counts, strict=True)]
+        if np.maximum(counts, 1).sum() > MOST_PIECES:
+            continue
+        ends = [
+            np.linspace(*pair, max(n, 1) + 1)
+            for pair, n in zip(pairwise(breaks), counts, strict=True)
+        ]
         nodes = np.concatenate([own[:-1] for own in ends])
-        motion = inverse.at(nodes)
-        drives = list(linkage.drives)
-        for k, column in zip(following, columns, strict=True):
-            own, place = drives[k], 3 * column + 2
-            table = np.column_stack(
-                [
-                    base * nodes,
-                    motion.position[:, place] - own.speed * nodes,
-                    (motion.velocity[:, place] - own.speed) / base,
-                    motion.acceleration[:, place] / base**2,
-                ]
-            )
-            drives[k] = replace(own, frequency=base, table=table.tolist(), follow=None)
-        found = replace(linkage, drives=drives)
-        length = np.diff(nodes, append=nodes[0] + period)
+        found = _through(linkage, inverse, nodes)
+        length = np.diff(nodes, append=period)
         between = np.concatenate([nodes + part * length for part in (0.25, 0.5, 0.75)])
         near = inverse.at(between).position.reshape(between.size, -1, 3)
         reached = closed(Rows(found), between, near).q
-        distance = np.abs(inverse.rows.off_curves(between, reached))
-        curves = inverse.rows.coordinates(inverse.position)
-        allowed = FOLLOWED * (np.ptp(curves, axis=0).max() or inverse.rows.size)
-        off = float(distance.max())
+        off = float(np.abs(inverse.rows.off_curves(between, reached)).max())
         if off <= allowed:
             return found
-        parts *= 2
+    name = linkage.drives[following[0]].name
+    if math.isinf(off):
+        raise AssemblyError(
+            f"{name}: the curve has {len(breaks) - 1} pieces in the cycle of the linkage; allowed "
+            f"are {MOST_PIECES}"
+        )
+    raise AssemblyError(
+        f"{name}: with {MOST_PIECES} pieces its point is {off:.3g} m off the curve; allowed is "
+        f"{allowed:.3g} m, {FOLLOWED:g} of its stroke"
+    )
+
+
+def _through(linkage: Linkage, inverse: IdealMotion, nodes: Array) -> Linkage:
+    """The linkage with tables, in place of curves, through its motion at some instants, s."""
+    motion, base = inverse.at(nodes), 2.0 * math.pi / inverse.period
+    drives = list(linkage.drives)
+    for k, drive in enumerate(linkage.drives):
+        if drive.follow is not None:
+            place = 3 * linkage.index(drive.body) + 2
+            table = np.column_stack(
+                [
+                    base * nodes,
+                    motion.position[:, place] - drive.speed * nodes,
+                    (motion.velocity[:, place] - drive.speed) / base,
+                    motion.acceleration[:, place] / base**2,
+                ]
+            )
+            drives[k] = replace(drive, frequency=base, table=table.tolist(), follow=None)
+    return replace(linkage, drives=drives)
 
 
 def _breaks(linkage: Linkage, period: float) -> Array:
@@ -650,6 +677,8 @@ def _followed(rows: Rows, start: _Levels, times: Array) -> IdealMotion:
             try:
                 reached = closed(rows, np.array([there]), ahead)
                 is_near = bool(_near(reached.q, ahead) and rows.side(reached.q) == side)
+                if rows.follows:
+                    is_near = is_near and _is_smooth(levels, reached, there - now)
             except AssemblyError:
                 is_near = False
             if is_near:
@@ -664,6 +693,19 @@ def _followed(rows: Rows, start: _Levels, times: Array) -> IdealMotion:
     )
 
 
+def _is_smooth(one: _Levels, other: _Levels, step: float) -> bool:
+    """True where each of two states, a step apart, foretells the other.
+
+    At a position in which a drive does not move its point two motions meet, and only one goes on
+    at the same speed.
+    """
+    allowed = _KINK * max(abs(step) * float(np.abs(one.v[..., 2]).max()), _JUMP * _KINK)
+    ahead = one.q + step * (one.v + 0.5 * step * one.a)
+    back = other.q - step * (other.v - 0.5 * step * other.a)
+    off = np.maximum(np.abs(other.q - ahead), np.abs(one.q - back))
+    return bool(off[..., 2].max() < allowed)
+
+
 def _check(motion: IdealMotion) -> None:
     """Raise AssemblyError for a cycle that comes too near a dead point or does not come back."""
     rows = motion.rows
@@ -672,7 +714,8 @@ def _check(motion: IdealMotion) -> None:
     inverse = np.linalg.inv(rows.jacobian(motion.position) * scale.ravel())
     measure = 1.0 / np.sqrt((inverse**2).sum(axis=(1, 2)))
     worst = int(measure.argmin())
-    if not measure[worst] > NEAREST_DEAD_POINT:
+    # Where points follow curves, those of the joints are seen when the motion is found.
+    if not (rows.follows or measure[worst] > NEAREST_DEAD_POINT):
         raise _stuck(rows, motion.times[worst : worst + 1], motion.position[worst : worst + 1])
     turned = motion.position[-1] - motion.position[0]
     turned[:, 2] -= 2.0 * math.pi * np.round(turned[:, 2] / (2.0 * math.pi))
