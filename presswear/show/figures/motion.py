@@ -39,7 +39,7 @@ _ROUND_GAP = replace(IDEAL, width=0.7)
 _LIMIT = Pen("gap limit, c + wear depths", REFERENCE, width=0.7)
 
 
-def _moving(result: Result, stages: Stages) -> list[ShownStage]:
+def moving_stages(result: Result, stages: Stages) -> list[ShownStage]:
     """The shown stages that have a motion to show, each with the whole of it.
 
     One that failed has none: up to where it was ended its numbers are worth nothing.
@@ -79,7 +79,7 @@ class Window:
         axes.set_xlabel("crank angle since the start (degrees)")
 
 
-def _settled(result: Result, stages: Sequence[ShownStage]) -> tuple[list[ShownStage], Window]:
+def settled(result: Result, stages: Sequence[ShownStage]) -> tuple[list[ShownStage], Window]:
     """The stages over the part of the motion that is shown: cycles behind the start-up."""
     period, run_up = result.scene.mechanism.period, result.scene.run_up
     whole = [round((float(stage.data.time[-1]) - run_up) / period - 0.48) for stage in stages]
@@ -104,10 +104,10 @@ def _settled(result: Result, stages: Sequence[ShownStage]) -> tuple[list[ShownSt
 
 def response(result: Result, stages: Stages) -> list[Drawing]:
     """Displacement, velocity and acceleration of the slider against the ideal."""
-    moving = _moving(result, stages)
+    moving = moving_stages(result, stages)
     if not moving:
         return []
-    shown, window = _settled(result, moving)
+    shown, window = settled(result, moving)
     time = np.linspace(window.begin, window.end, 2001)
     ideal = result.scene.ideal_slider(time)
     with_impacts = bool(result.scene.clearance_joints)
@@ -209,10 +209,10 @@ def _draw_mean_accelerations(
 def contact_force(result: Result, stages: Stages) -> list[Drawing]:
     """Normal force at each clearance joint over time, a panel for each stage."""
     joints = result.scene.clearance_joints
-    moving = _moving(result, stages)
+    moving = moving_stages(result, stages)
     if not joints or not moving:
         return []
-    shown, window = _settled(result, moving)
+    shown, window = settled(result, moving)
     sheet = Sheet(figsize=(WIDTH, 0.5 + 1.35 * len(shown)), layout="constrained")
     grid = sheet.subplots(len(shown), len(joints), squeeze=False, sharex=True, sharey="col")
     for column, joint in zip(grid.T, joints, strict=True):
@@ -236,10 +236,10 @@ def contact_force(result: Result, stages: Stages) -> list[Drawing]:
 def centre_trajectory(result: Result, stages: Stages) -> list[Drawing]:
     """Path of each pin's centre inside its bearing, a panel for each stage."""
     joints = result.scene.clearance_joints
-    moving = _moving(result, stages)
+    moving = moving_stages(result, stages)
     if not joints or not moving:
         return []
-    shown, window = _settled(result, moving)
+    shown, window = settled(result, moving)
     side = (WIDTH - 0.9) / max(len(shown), 2) - 0.1
     sheet = Sheet(figsize=(WIDTH, 0.95 + (side + 0.1) * len(joints)), layout="constrained")
     grid = sheet.subplots(len(joints), len(shown), squeeze=False, sharex=True, sharey=True)
