@@ -67,7 +67,7 @@ def labelled(scene: Scene, time: float = 0.0) -> Drawing:
     for drive in linkage.drives:
         hinge = next((end for _, end in ends if end.body == drive.body), None)
         if hinge is not None:
-            _draw_drive(axes, _path(linkage, position, hinge)[0], drive.speed, size)
+            _draw_drive(axes, _path(linkage, position, hinge)[0], drive.mean_speed, size)
     probe = linkage.probe
     watched = _path(linkage, position, Attachment(probe.body, probe.x, probe.y))[0]
     along = np.array([math.cos(probe.direction), math.sin(probe.direction)])
