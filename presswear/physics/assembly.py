@@ -38,6 +38,8 @@ _JUMP = 0.05
 """Largest turn, rad, between where a body is expected and where it is found."""
 _KINK = 0.05
 """Change of a speed over a short step, part of the greatest speed, that is a jump."""
+_ANGLE_NOISE = 1e-9
+"""Round-off of an angle near a place where its drive does not move its point, rad."""
 _HALVINGS = 14
 """How often an interval is halved before the linkage is said to stop in it."""
 _STEPS = 40
@@ -699,7 +701,7 @@ def _is_smooth(one: _Levels, other: _Levels, step: float) -> bool:
     At a position in which a drive does not move its point two motions meet, and only one goes on
     at the same speed.
     """
-    allowed = _KINK * max(abs(step) * float(np.abs(one.v[..., 2]).max()), _JUMP * _KINK)
+    allowed = _KINK * abs(step) * float(np.abs(one.v[..., 2]).max()) + _ANGLE_NOISE
     ahead = one.q + step * (one.v + 0.5 * step * one.a)
     back = other.q - step * (other.v - 0.5 * step * other.a)
     off = np.maximum(np.abs(other.q - ahead), np.abs(one.q - back))
