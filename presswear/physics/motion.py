@@ -83,8 +83,8 @@ def piece_motion(drive: Records, phase: float) -> tuple[float, float, float]:
 
 
 @compiled
-def drive_motion(drive: Records, t: float) -> tuple[float, float, float]:
-    """Angle turned since t = 0, rad, speed, rad/s, and acceleration, rad/s^2, of a drive."""
+def uneven_motion(drive: Records, t: float) -> tuple[float, float, float]:
+    """What ``drive_motion`` gives, of any drive."""
     rate = 1.0
     rise = 0.0
     if drive.run_up > 0.0:
@@ -108,6 +108,14 @@ def drive_motion(drive: Records, t: float) -> tuple[float, float, float]:
         faster = faster * rate * rate + speed * rise
         speed *= rate
     return turned, speed, faster
+
+
+@compiled
+def drive_motion(drive: Records, t: float) -> tuple[float, float, float]:
+    """Angle turned since t = 0, rad, speed, rad/s, and acceleration, rad/s^2, of a drive."""
+    if drive.count + drive.pieces > 0 or drive.run_up > 0.0:
+        return uneven_motion(drive, t)
+    return drive.speed * t, drive.speed, 0.0
 
 
 @compiled

@@ -11,7 +11,6 @@ from presswear.linkage.elements import GROUND, ClearanceJoint, Linkage
 from presswear.linkage.surface import Surface
 from presswear.physics.foundation import foundation_stiffness
 from presswear.physics.laws import FRICTION
-from presswear.physics.motion import motions_of
 from presswear.physics.springs import pack_springs
 from presswear.physics.surface import BEARING, PIN, ROWS, packed_rows
 from presswear.tools.compiled import Records
@@ -57,8 +56,6 @@ class Packed(NamedTuple):
     surfaces : ndarray, shape (joints, ROWS, m)
         The worn surfaces, see ``packed_rows``; m = 0 where none is worn.
     springs : records of SPRING
-    motions : records of MOTION
-        Of the drives.
     mass, weight : ndarray, shape (3 bodies,)
         Diagonal of the mass matrix; constant generalized forces.
     """
@@ -66,7 +63,6 @@ class Packed(NamedTuple):
     joints: Records
     surfaces: Array
     springs: Records
-    motions: Records
     mass: Array
     weight: Array
 
@@ -85,7 +81,6 @@ def pack(linkage: Linkage, bins: int = 0) -> Packed:
         pack_joints(linkage),
         np.zeros((len(pairs), ROWS, count)),
         pack_springs(linkage),
-        motions_of(linkage),
         mass_of(linkage),
         weight_of(linkage),
     )

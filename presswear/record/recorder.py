@@ -15,6 +15,7 @@ from presswear.linkage.elements import Linkage
 from presswear.linkage.surface import Surface
 from presswear.physics.contact import CONTACT, note_contacts
 from presswear.physics.energy import LEDGER
+from presswear.physics.motion import motions_of
 from presswear.physics.packed import pack, pack_surfaces
 from presswear.physics.surface import BEARING, PIN
 from presswear.physics.touchdown import CONTACT_COLUMNS, LEAST_STEPS, MEMORY, PAST_CONTACT, TALLY
@@ -128,6 +129,7 @@ class Recorder:
         shape = (count, 2, angles)
         book = Book(
             packed=pack(linkage, angles if wearing else 0),
+            motions=motions_of(linkage),
             contacts=np.zeros(count, CONTACT),
             onset=np.zeros(count),
             memory=np.zeros(count, MEMORY),

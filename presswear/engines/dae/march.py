@@ -217,7 +217,7 @@ def march_controlled(
             return DONE
         longest = skim_step(system.packed, book.memory, state.longest)
         longest = step_after_touchdown(system.packed.joints, book.onset, book.memory, longest)
-        h = min(step_to_break(system.packed.motions, t, min(state.step, longest)), left)
+        h = min(step_to_break(system.motions, t, min(state.step, longest)), left)
         last_step = h >= left
         for i in range(n):
             motion.scale[i] = state.tolerance * POSITION_SCALE
@@ -286,7 +286,7 @@ def march_fixed(
         # A remainder of round-off is no step.
         if left <= 1e-9 * state.step:
             return DONE
-        h = min(step_to_break(system.packed.motions, t, state.step), left)
+        h = min(step_to_break(system.motions, t, state.step), left)
         classical_step(system, book.onset, motion, t, h)
         state.evaluations += 4
         copy_to(motion.y, motion.trial)

@@ -132,7 +132,7 @@ def drive_power(frame: Frame, drives: Drives, book: Book, t: float) -> float:
         add_contacts(book.packed.joints, book.onset, book.contacts, drives.force, drives.rates)
     power = 0.0
     crank = 0
-    for i in range(book.packed.motions.shape[0]):
+    for i in range(book.motions.shape[0]):
         if drives.multiplier[i] >= 0:
             torque = -drives.multipliers[drives.multiplier[i]]
         else:
@@ -141,7 +141,7 @@ def drive_power(frame: Frame, drives: Drives, book: Book, t: float) -> float:
             torque += own.inertia * frame.a[own.body + 2]
             crank += 1
         book.torque[i] = torque
-        power += torque * drive_motion(book.packed.motions[i], t)[1]
+        power += torque * drive_motion(book.motions[i], t)[1]
     return power
 
 
@@ -193,7 +193,7 @@ def accept_joint_step(
     sum_step(book, power, t, h)
     observe(book, t, h, frame.q, frame.v, frame.a)
     following = next_step(book.packed, book.onset, book.memory, steps, book.contacts, frame.a)
-    return step_to_break(book.packed.motions, t, following)
+    return step_to_break(book.motions, t, following)
 
 
 @compiled

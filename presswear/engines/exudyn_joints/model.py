@@ -127,7 +127,7 @@ def assemble(linkage: Linkage, start: Start, recorder: Recorder) -> JointsModel:
         # At velocity level; the trapezoidal rule integrates a constant speed exactly.
         turning: dict[str, Any] = {"offset": drive.speed}
         if not is_steady(linkage, drive):
-            speed = _speed_function(recorder.book.packed.motions[place])
+            speed = _speed_function(recorder.book.motions[place])
             turning = {"offset": 0.0, "offsetUserFunction_t": speed}
         markers = [fixed, turned]
         constraints[drive.name] = add_object(

@@ -301,7 +301,7 @@ def next_tree_step(book: Book, system: TreeSystem, t: float, h: float, events: i
         step_after_touchdown(book.packed.joints, book.onset, book.memory, GROWTH * pace.reach),
         skim_step(book.packed, book.memory, pace.longest),
     )
-    broken = step_to_break(book.packed.motions, t, limit)
+    broken = step_to_break(book.motions, t, limit)
     pace.asked = step_to_events(book, system, broken)
     pace.cut = pace.asked < limit
     pace.to_break = broken < limit and pace.asked == broken
