@@ -52,7 +52,7 @@ def whole_cycles(time: Array, period: float) -> list[slice]:
     time : ndarray, shape (n,)
         s.
     """
-    if time.size == 0:
+    if time.size == 0 or time[-1] < 0.0:
         return []
     # The last row of a series may lie a rounding before the end of its cycle.
     count = math.floor(float(time[-1]) / period + 1e-3)

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.linkage.elements import Linkage
+from presswear.physics.energy import SETTLED
 from presswear.record.recorder import Recorder
 from presswear.record.soundness import Finding
 from presswear.record.tracker import Tracker
@@ -65,6 +66,11 @@ class Plan:
     def duration(self) -> float:
         """Time of the most cycles, s."""
         return self.run_up + self.cycle * self.cycles
+
+    @property
+    def settled(self) -> float:
+        """Time from which the energies of a run are judged, s."""
+        return self.run_up + SETTLED * self.cycle
 
     def advanced(self, time: float) -> None:
         """Tell the trackers that a run has come to a time, s."""

@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Load:
-    """A quantity of a drive over the recorded cycles that are samples.
+    """A quantity of a drive over the recorded cycles that are samples, or all if none is whole.
 
     Attributes
     ----------
@@ -52,10 +52,12 @@ def drives_of(scene: Scene, stage: StageResult) -> dict[str, DriveResult]:
     velocity = scene.ideal.at(time).velocity
     period = scene.mechanism.period
     count = int((float(time[-1]) - scene.run_up) / period + 1e-3)
-    first = max(min(STARTUP_CYCLES, count - 1), 0)
-    ends = scene.run_up + period * np.array([first, max(count, first + 1)])
-    begin, end = np.searchsorted(time, ends - 1e-9 * period)
-    rows = slice(int(begin), max(int(end) + 1, int(begin) + 2))
+    rows = slice(None)
+    if count > 0:
+        first = min(STARTUP_CYCLES, count - 1)
+        ends = scene.run_up + period * np.array([first, count])
+        begin, end = np.searchsorted(time, ends - 1e-9 * period)
+        rows = slice(int(begin), int(end) + 1)
     found = {}
     for k, drive in enumerate(linkage.drives):
         torque = stage.arrays["drive_torque"][:, k]
@@ -67,8 +69,6 @@ def drives_of(scene: Scene, stage: StageResult) -> dict[str, DriveResult]:
 
 def _load(time: Array, values: Array) -> Load:
     """Numbers of a sampled quantity, by the trapezoidal rule."""
-    if time.size < 2:
-        time, values = np.array([0.0, 1.0]), np.repeat(values[:1], 2)
     duration = float(time[-1] - time[0])
     return Load(
         float(np.trapezoid(values, time)) / duration,

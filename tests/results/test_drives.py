@@ -70,3 +70,23 @@ def test_power_is_in_the_figures_and_in_the_report() -> None:
     without = run_scene(replace(scene, drive_torque="off", cycles=1))
     assert of_drives(without) == {}
     assert "drives.png" not in [own.file for own in drawings(without)]
+
+
+def test_a_run_that_ends_in_its_run_up_is_told_of_as_far_as_it_came() -> None:
+    """A stage that failed before its first cycle: nothing is whole, and nothing breaks."""
+    scene = Scene(
+        mechanism=replace(PENDULUM, run_up=2),
+        joints="none",
+        wears=0,
+        cycles=1,
+        engine="dae",
+        drive_torque="on",
+    )
+    result = run_scene(scene)
+    stage = result.stages[0]
+    rows = {name: stage.arrays[name][:900] for name in ("time", "slider", "drive_torque")}
+    assert rows["time"][-1] < scene.run_up
+    cut = replace(stage, arrays={**stage.arrays, **rows})
+    found = drives_of(scene, cut)["crank"]
+    assert found.power_load.peak == found.power[np.abs(found.power).argmax()]
+    assert of_drives(replace(result, stages=(cut,)))
