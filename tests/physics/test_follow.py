@@ -143,6 +143,21 @@ def test_the_press_gets_back_the_constant_speed_of_its_servo() -> None:
         assert np.abs(one - other).max() < (1e-11, 1e-8, 1e-5)[k]
 
 
+def test_dead_points_are_passed_wherever_they_lie() -> None:
+    """Begun 3.85 degrees later an instant falls just behind one, where two motions are near."""
+    later = math.radians(3.85) / W
+    there = motion_of(PRESS).at(np.array([later])).position[0].reshape(-1, 3)
+    angles = {body.name: float(there[k, 2]) for k, body in enumerate(PRESS.bodies)}
+    drives = [replace(drive, angle=angles[drive.body]) for drive in PRESS.drives]
+    guess = {name: angles[name] for name in ("rod 3", "plate 4", "rod 5")}
+    own = replace(PRESS, drives=drives, guess=guess)
+    follow = Follow("slider 6.centre", table=curve_of(own))
+    found = followed(replace(own, drives=[drives[0], replace(drives[1], follow=follow)]))
+    time = np.linspace(0.0, PERIOD, 500)
+    off = found.drives[1].motion(time)[0] - drives[1].motion(time)[0]
+    assert np.abs(off).max() < 1e-8
+
+
 def test_a_dead_point_that_is_in_the_way_is_told_with_its_place() -> None:
     """A curve higher by a ten thousandth leads past what the servo can reach there."""
     curve = [[phase, *(1.0001 * own for own in rest)] for phase, *rest in curve_of(PRESS)]
