@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from presswear.linkage.elements import Bar as Bar
     from presswear.linkage.elements import Body as Body
     from presswear.linkage.elements import ClearanceJoint as ClearanceJoint
-    from presswear.linkage.elements import Drive as Drive
     from presswear.linkage.elements import Guide as Guide
     from presswear.linkage.elements import Linkage as Linkage
     from presswear.linkage.elements import Pin as Pin
@@ -37,6 +36,9 @@ if TYPE_CHECKING:
     from presswear.linkage.loads import OverTime as OverTime
     from presswear.linkage.loads import Spring as Spring
     from presswear.linkage.materials import Materials as Materials
+    from presswear.linkage.motions import Drive as Drive
+    from presswear.linkage.motions import Follow as Follow
+    from presswear.linkage.motions import Rise as Rise
     from presswear.linkage.press import Press as Press
     from presswear.linkage.slider_crank import SliderCrank as SliderCrank
     from presswear.linkage.surface import Surface as Surface
@@ -62,7 +64,6 @@ _ROOMS = {
         "Bar",
         "Body",
         "ClearanceJoint",
-        "Drive",
         "Guide",
         "Linkage",
         "Pin",
@@ -81,6 +82,7 @@ _ROOMS = {
         "Spring",
     ),
     "linkage.materials": ("Materials",),
+    "linkage.motions": ("Drive", "Follow", "Rise"),
     "linkage.press": ("Press",),
     "linkage.slider_crank": ("SliderCrank",),
     "linkage.surface": ("Surface",),

@@ -1,6 +1,7 @@
 """Linkages of which a part has no freedom once a joint is open."""
 
-from presswear.linkage.elements import Bar, Drive, Guide, Linkage, Pin
+from presswear.linkage.elements import Bar, Guide, Linkage, Pin
+from presswear.linkage.motions import Drive
 
 PUMP = Linkage(
     bodies=[

@@ -31,7 +31,7 @@ def deviations(scene: Scene, ensemble: Ensemble) -> dict[str, Array]:
     for index, recorder in enumerate(ensemble.recorders):
         time = recorder.series("time")
         moved, speed = recorder.series("displacement"), recorder.series("velocity")
-        for rows in whole_cycles(time, period):
+        for rows in whole_cycles(time - scene.run_up, period):
             starts.append(index)
             slider.append(slider_deviation(scene, time[rows], moved[rows], speed[rows]))
             for k, own in enumerate(flight.values()):
@@ -52,7 +52,7 @@ def whole_cycles(time: Array, period: float) -> list[slice]:
     time : ndarray, shape (n,)
         s.
     """
-    if time.size == 0:
+    if time.size == 0 or time[-1] < 0.0:
         return []
     # The last row of a series may lie a rounding before the end of its cycle.
     count = math.floor(float(time[-1]) / period + 1e-3)

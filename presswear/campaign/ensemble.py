@@ -222,6 +222,7 @@ def plan_of(scene: Scene, task: Task) -> Plan:
         recorded,
         torques=scene.drive_torque == "on",
         wear=task.wear,
+        run_up=scene.run_up,
     )
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.linkage.elements import Linkage
+from presswear.physics.energy import SETTLED
 from presswear.physics.loads import place_loads
 from presswear.record.recorder import Recorder
 from presswear.record.soundness import Finding
@@ -49,6 +50,8 @@ class Plan:
         surfaces stay.
     resume : State or None
         State to go on from, of a run with the same linkage, start, engine and plan.
+    run_up : float
+        Time before the first cycle, s: what it brings is in the series, and in no cycle.
     """
 
     cycle: float
@@ -58,11 +61,17 @@ class Plan:
     trackers: tuple[Tracker, ...] = ()
     wear: Callable[[int, Array], Array] | None = None
     resume: State | None = None
+    run_up: float = 0.0
 
     @property
     def duration(self) -> float:
         """Time of the most cycles, s."""
-        return self.cycle * self.cycles
+        return self.run_up + self.cycle * self.cycles
+
+    @property
+    def settled(self) -> float:
+        """Time from which the energies of a run are judged, s."""
+        return self.run_up + SETTLED * self.cycle
 
     def advanced(self, time: float) -> None:
         """Tell the trackers that a run has come to a time, s."""
@@ -112,6 +121,7 @@ def recorder_of(linkage: Linkage, start: Start, plan: Plan) -> Recorder:
         plan.cycle,
         torques=plan.torques,
         wearing=plan.wear is not None,
+        run_up=plan.run_up,
     )
     own = recorder.book.packed
     place_loads(own.loads, own.nodes, own.modes, start.position, start.velocity)

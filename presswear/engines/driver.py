@@ -103,6 +103,21 @@ def _cycles(
             **named("recorder", recorder.state()),
         }
 
+    def advanced(end: float) -> Finding | None:
+        finding = running.advance(end)
+        if finding is not None:
+            return finding
+        time, position, velocity = running.state()
+        now = Condition(
+            time, running.ledger(), position, velocity, running.remedy, running.constraints
+        )
+        return examine(linkage, recorder, now)
+
+    if plan.run_up > 0.0 and not len(recorder.cycles):
+        finding = advanced(plan.run_up)
+        if finding:
+            return "failed", finding
+        recorder.start_cycle()
     while True:
         done = len(recorder.cycles)
         if done > 0:
@@ -112,18 +127,12 @@ def _cycles(
                 return "completed", None
             if any(answers):
                 return "enough", None
-        finding = running.advance(plan.cycle * (done + 1))
-        if finding is None:
-            time, position, velocity = running.state()
-            now = Condition(
-                time, running.ledger(), position, velocity, running.remedy, running.constraints
-            )
-            finding = examine(linkage, recorder, now)
+        finding = advanced(plan.run_up + plan.cycle * (done + 1))
         if finding:
             return "failed", finding
         added = recorder.end_cycle()
         if plan.wear is not None:
-            recorder.wear(plan.wear(done + 1, added), position, velocity)
+            recorder.wear(plan.wear(done + 1, added), *running.state()[1:])
             running.worn()
         if done + 1 == plan.recorded_cycles:
             recorder.stop_recording()

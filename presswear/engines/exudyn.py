@@ -11,7 +11,7 @@ import exudyn as exu
 import numpy as np
 
 from presswear.engines.base import Plan
-from presswear.physics.energy import MADE_REMEDY, SETTLED, made_energy
+from presswear.physics.energy import MADE_REMEDY, made_energy
 from presswear.record.recorder import Recorder
 from presswear.record.soundness import Finding
 
@@ -105,7 +105,7 @@ class Solve:
     def is_sound(self) -> bool:
         """True while the contacts have made no energy; False ends the run."""
         ledger = self.recorder.book.ledger[0]
-        if self.time > SETTLED * self.plan.cycle:
+        if self.time > self.plan.settled:
             self.reason = made_energy(ledger["contact_loss"], ledger["drive_exchange"])
         return not self.reason
 
@@ -159,14 +159,14 @@ class StepLimit:
 
 def post_step(solve: Solve, accept: Accept, write: Write = write_step) -> Callable[..., bool]:
     """The function for Exudyn's PostStep: accounts for a step and hands on the next."""
-    recorder, sums = solve.recorder, solve.sums
+    sums = solve.sums
 
     def after(system: Any, t: float) -> bool:
         try:
             iteration = solve.iteration
             if iteration is None:
                 iteration = solve.iteration = system.sys["dynamicSolver"].it
-                if len(recorder.cycles):
+                if solve.time > 0.0:
                     # Exudyn shows the state that a cycle starts from; it is accounted for.
                     write(iteration, min(sums["following"], solve.end - t))
                     return True

@@ -9,16 +9,14 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from itertools import chain
 from typing import Any, ClassVar, Literal
-
-import numpy as np
 
 from presswear.linkage.laws import FrictionLaw, NormalLaw
 from presswear.linkage.loads import AnyLoad, Force, Load, Moment, OverTime, Spring
+from presswear.linkage.motions import Drive
 from presswear.linkage.surface import Surface
-from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, unknown
+from presswear.tools.quantities import Meaning
 
 GROUND = "frame"
 
@@ -146,75 +144,6 @@ class Guide:
     angle: float = 0.0
 
 
-MOST_HARMONICS = 16
-"""Of the motion of a drive."""
-
-
-@dataclass(frozen=True)
-class Drive:
-    """A body whose angle is given: constant speed and a Fourier series beside it.
-
-    theta = angle + speed t + sum over k from 1 of a_k (cos k w t - 1) + b_k sin k w t
-
-    Attributes
-    ----------
-    speed : float
-        Mean speed, rad/s.
-    angle : float
-        Angle at the start, rad.
-    frequency : float
-        w, rad/s; 0: the mean speed, so that the motion repeats with each turn.
-    harmonics : tuple of (float, float)
-        a_k and b_k, rad.
-    """
-
-    body: str
-    speed: float = 0.0
-    angle: float = 0.0
-    frequency: float = 0.0
-    harmonics: Sequence[Place] = ()
-
-    def __post_init__(self) -> None:
-        """InputError where a number is none, or harmonics have no frequency."""
-        put = object.__setattr__
-        put(self, "harmonics", tuple((float(a), float(b)) for a, b in self.harmonics))
-        numbers = (self.speed, self.angle, self.frequency, *chain(*self.harmonics))
-        if not all(map(math.isfinite, numbers)):
-            raise InputError(f"drive of {self.body}: finite numbers are expected")
-        if len(self.harmonics) > MOST_HARMONICS:
-            raise InputError(
-                f"harmonics of {self.body}: {len(self.harmonics)} are given; allowed are 0 to "
-                f"{MOST_HARMONICS}"
-            )
-        if self.harmonics and not self.base > 0.0:
-            raise InputError(
-                f"frequency of {self.body} = {self.frequency:g} rad/s: with harmonics and a "
-                "mean speed of 0 it must be above 0"
-            )
-
-    @property
-    def name(self) -> str:
-        """Name of the drive."""
-        return f"drive of {self.body}"
-
-    @property
-    def base(self) -> float:
-        """Frequency of the first harmonic, rad/s."""
-        return self.frequency or abs(self.speed)
-
-    def motion(self, time: Array) -> tuple[Array, Array, Array]:
-        """Angle, rad, speed, rad/s, and acceleration, rad/s^2, at some instants, s."""
-        angle, speed = self.angle + self.speed * time, np.full_like(time, self.speed)
-        faster = np.zeros_like(time)
-        for k, (a, b) in enumerate(self.harmonics, start=1):
-            w = k * self.base
-            cosine, sine = np.cos(w * time), np.sin(w * time)
-            angle = angle + (a * (cosine - 1.0) + b * sine)
-            speed = speed + w * (b * cosine - a * sine)
-            faster = faster - w * w * (a * cosine + b * sine)
-        return angle, speed, faster
-
-
 @dataclass(frozen=True)
 class WearLaw:
     """Archard wear dh = K_d p ds of a clearance joint.
@@ -319,6 +248,9 @@ class Linkage:
         the linkage is put together.  A mapping may be given.
     cycle : float or None
         Time after which the motion repeats, s; None: as the speeds of the drives say.
+    run_up : int
+        Cycles through which it runs up from rest, all drives in step, in the time of twice as
+        many; 0: it starts at speed.
     name : str
     gravity : float
         Acceleration along -y, m/s^2.
@@ -333,6 +265,7 @@ class Linkage:
     watch: Probe | str = ""
     guess: Mapping[str, float] | tuple[tuple[str, float], ...] = ()
     cycle: float | None = None
+    run_up: int = 0
     name: str = "linkage"
     gravity: float = 9.81
     springs: Sequence[Spring] = ()
@@ -355,6 +288,8 @@ class Linkage:
             end = self.point(self.watch or f"{self.bodies[-1].name}.centre", "watch")
             put("watch", self.watching(end))
         put("loads", tuple(self._loaded(load) for load in self.loads))
+        put("drives", tuple(self._following(drive) for drive in self.drives))
+        RUN_UP.check(f"run_up of {self.name}", self.run_up)
         put("guess", tuple((name, float(angle)) for name, angle in dict(self.guess).items()))
         for where, name in (
             *(("drives", drive.body) for drive in self.drives),
@@ -388,6 +323,16 @@ class Linkage:
         if isinstance(point, str) and "." not in point:
             point = f"{point}.centre"
         return replace(load, point=self.point(point, "loads"))
+
+    def _following(self, drive: Drive) -> Drive:
+        """A drive with the point found that follows its curve, if there is one."""
+        follow = drive.follow
+        if follow is None or isinstance(follow.point, Probe):
+            return drive
+        end = self.point(follow.point, f"follow of {drive.body}")
+        self._check_body(end.body, f"follow of {drive.body}")
+        probe = self.watching(end, follow.direction)
+        return replace(drive, follow=replace(follow, point=probe, direction=probe.direction))
 
     def point(self, end: Any, where: str) -> Attachment:
         """A point that is given in any way; InputError names it and where it stands."""
@@ -457,8 +402,7 @@ class Linkage:
         """Time of one cycle, s: the shortest in which every drive makes whole turns."""
         if self.cycle is not None:
             return self.cycle
-        speeds = [abs(drive.speed) for drive in self.drives if drive.speed != 0.0]
-        speeds += [drive.base for drive in self.drives if drive.harmonics]
+        speeds = [speed for drive in self.drives for speed in drive.frequencies]
         if not speeds:
             raise InputError(f"cycle of {self.name}: no drive turns, so that it has to be given, s")
         turns = 1
@@ -471,6 +415,11 @@ class Linkage:
                 )
             turns = math.lcm(turns, ratio.denominator)
         return 2.0 * math.pi * turns / speeds[0]
+
+    @property
+    def run_up_time(self) -> float:
+        """Time in which it runs up, s."""
+        return 2.0 * self.run_up * self.period if self.run_up else 0.0
 
     def index(self, body: str) -> int:
         """Position of a body in ``bodies``."""
@@ -486,6 +435,8 @@ class Linkage:
         return replace(self, joints=kept, clearances=(*self.clearances, *joints))
 
 
+RUN_UP = Meaning("", 0, 1000, "", "cycles through which it runs up from rest", whole=True)
+"""The run-up of a linkage."""
 MOST_TURNS = 64
 """Turns of a drive in the longest cycle that is found by itself."""
 

@@ -16,7 +16,6 @@ from presswear.linkage.elements import (
     GROUND,
     Attachment,
     Body,
-    Drive,
     Guide,
     Linkage,
     Probe,
@@ -31,6 +30,7 @@ from presswear.linkage.mechanism import (
     length,
     mass,
 )
+from presswear.linkage.motions import Drive
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import check_fields, named_set, quantity
 

@@ -13,7 +13,6 @@ from presswear.linkage.elements import (
     GROUND,
     Attachment,
     Body,
-    Drive,
     Guide,
     Linkage,
     Probe,
@@ -28,6 +27,7 @@ from presswear.linkage.mechanism import (
     length,
     mass,
 )
+from presswear.linkage.motions import Drive
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import quantity
 

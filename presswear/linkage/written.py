@@ -6,18 +6,20 @@ Stored numbers are SI; in a file each has its unit, as on the command line.
 import json
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
+from itertools import chain, repeat
 from typing import Any
 
 from presswear.linkage.elements import (
     GROUND,
+    RUN_UP,
     Attachment,
     Bar,
     Body,
-    Drive,
     Guide,
     Linkage,
     Pin,
+    Probe,
 )
 from presswear.linkage.loads import (
     AnyLoad,
@@ -30,6 +32,7 @@ from presswear.linkage.loads import (
     OverTime,
     Spring,
 )
+from presswear.linkage.motions import Drive, Follow, Rise
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.own import OwnFunction
 from presswear.tools.quantities import Meaning, parse_quantity
@@ -45,25 +48,43 @@ def _above(unit: str, text: str) -> Meaning:
     return Meaning(unit, 0.0, math.inf, "", text, open_low=True)
 
 
-@dataclass(frozen=True)
-class Pairs:
-    """Meaning of a list of pairs of quantities.
-
-    Attributes
-    ----------
-    first, second : Meaning
-    what : str
-        What a pair is, for messages.
-    """
-
-    first: Meaning
-    second: Meaning
-    what: str
-
-
 _TEXT, _END, _POINTS, _ANGLES, _YES, _OWN = "text", "end", "points", "angles", "yes or no", "own"
 
-Kind = Meaning | Pairs | str
+
+@dataclass(frozen=True)
+class Columns:
+    """Rows of numbers, as many in each as there are meanings, or as often the last as needed."""
+
+    meanings: tuple[Meaning, ...]
+    widths: tuple[int, ...]
+    text: str
+
+
+@dataclass(frozen=True)
+class Inner:
+    """A table inside a table, or a list of them."""
+
+    keys: "Mapping[str, Kind]"
+    needed: tuple[str, ...]
+    text: str
+    is_list: bool = False
+
+
+Kind = Meaning | Columns | Inner | str
+"""What stands behind a key."""
+
+_LENGTH, _ANGLE = _any("m", ""), _any("rad", "")
+
+
+def _motion_of(unit: Meaning, whose: str) -> dict[str, Kind]:
+    """Keys of a motion: angles of a drive, or lengths of a point that is followed."""
+    rise: dict[str, Kind] = {"start": _ANGLE, "end": _ANGLE, "by": unit, "law": _TEXT}
+    return {
+        "harmonics": Columns((unit,), (2,), f"cosine and sine of each harmonic of {whose}"),
+        "table": Columns((_ANGLE, unit), (2, 4), f"phase of the cycle, and {whose} there"),
+        "rises": Inner(rise, ("start", "end", "by"), f"parts where {whose} rises", True),
+    }
+
 
 TABLES: Mapping[str, Mapping[str, Kind]] = {
     "bodies": {
@@ -86,8 +107,17 @@ TABLES: Mapping[str, Mapping[str, Kind]] = {
         "body": _TEXT,
         "speed": _any("rad/s", "mean speed, counterclockwise"),
         "angle": _any("rad", "angle of the body at the start"),
-        "frequency": _any("rad/s", "frequency of the first harmonic; 0: the mean speed"),
-        "harmonics": Pairs(_any("rad", ""), _any("rad", ""), "angles, of cosine and sine"),
+        "frequency": _any("rad/s", "frequency of what repeats; 0: the mean speed"),
+        **_motion_of(_ANGLE, "the angle"),
+        "follow": Inner(
+            {
+                "point": _END,
+                "direction": _any("rad", "direction of the curve that a point follows"),
+                **_motion_of(_LENGTH, "the point"),
+            },
+            ("point",),
+            "a point follows a curve, given from where it starts",
+        ),
     },
     "springs": {
         "name": _TEXT,
@@ -112,11 +142,11 @@ def _law_keys(size: str, unit: str, over: str, place: str) -> dict[str, Kind]:
     value = _any(unit, "")
     return {
         size: _any(unit, "size, or mean beside harmonics"),
-        "harmonics": Pairs(value, value, f"sizes, of cosine and sine in {unit}"),
+        "harmonics": Columns((value,), (2,), "cosine and sine of each harmonic of the load"),
         "frequency": _any("rad/s", "frequency of the first harmonic"),
-        "over_time": Pairs(_any("s", ""), value, f"quantities, in s and {unit}"),
+        "over_time": Columns((_any("s", ""), value), (2,), "time, and the size of the load then"),
         "period": _any("s", "after which the table repeats; 0: never; else after a cycle"),
-        over: Pairs(_any(place, ""), value, f"quantities, in {place} and {unit}"),
+        over: Columns((_any(place, ""), value), (2,), "position, and the size of the load there"),
         "sense": _TEXT,
         "outside": _TEXT,
         "zero": _any(place, "where the table has its zero"),
@@ -159,6 +189,7 @@ _WHOLE: Mapping[str, Kind] = {
     "direction": _any("rad", "direction in which the point is watched"),
     "guess": _ANGLES,
     "cycle": _above("s", "time after which the motion repeats"),
+    "run_up": RUN_UP,
     "gravity": _any("m/s^2", "acceleration along -y"),
 }
 """Keys of a linkage beside its tables."""
@@ -171,9 +202,6 @@ _NEEDED = {
     "springs": ("name", "first", "second", "stiffness", "length"),
     "loads": ("body",),
 }
-
-_LENGTH, _ANGLE = _any("m", ""), _any("rad", "")
-_PLACE = Pairs(_LENGTH, _LENGTH, "lengths, x and y")
 
 
 def written(linkage: Linkage) -> dict[str, Any]:
@@ -191,6 +219,21 @@ def written(linkage: Linkage) -> dict[str, Any]:
     def own(item: Any, *names: str) -> dict[str, Any]:
         return {name: getattr(item, name) for name in names}
 
+    def motion(law: Drive | Follow) -> dict[str, Any]:
+        return {
+            "harmonics": [list(pair) for pair in law.harmonics],
+            "table": [list(row) for row in law.table],
+            "rises": [asdict(rise) for rise in law.rises],
+        }
+
+    def follow(drive: Drive) -> dict[str, Any]:
+        if drive.follow is None:
+            return {}
+        probe = drive.follow.point
+        assert isinstance(probe, Probe), "a linkage has found it"
+        at = {"point": end(Attachment(probe.body, probe.x, probe.y)), "direction": probe.direction}
+        return {"follow": at | motion(drive.follow)}
+
     watch = linkage.probe
     return {
         "name": linkage.name,
@@ -205,7 +248,7 @@ def written(linkage: Linkage) -> dict[str, Any]:
         ],
         "guides": [own(guide, *TABLES["guides"]) for guide in linkage.guides],
         "drives": [
-            own(drive, *TABLES["drives"]) | {"harmonics": [list(pair) for pair in drive.harmonics]}
+            own(drive, "body", "speed", "angle", "frequency") | motion(drive) | follow(drive)
             for drive in linkage.drives
         ],
         "springs": [
@@ -218,6 +261,7 @@ def written(linkage: Linkage) -> dict[str, Any]:
         "direction": watch.direction,
         "guess": dict(linkage.guess),
         "gravity": linkage.gravity,
+        "run_up": linkage.run_up,
         **({} if linkage.cycle is None else {"cycle": linkage.cycle}),
     }
 
@@ -252,12 +296,11 @@ def toml_of(linkage: Linkage) -> str:
     """A linkage as the tables of a TOML file, each number with its unit and each key explained."""
     data, lines, told = written(linkage), ["[mechanism]"], set()
 
-    def line(key: str, value: Any, meaning: Kind) -> str:
-        text = ""
-        if isinstance(meaning, Meaning):
-            text = "" if meaning.text in told else f"  # {meaning.text}"
-            told.add(meaning.text)
-        return f"{key} = {_toml(value, meaning)}{text}"
+    def line(key: str, value: Any, kind: Kind) -> str:
+        text = "" if isinstance(kind, str) or kind.text in told else f"  # {kind.text}"
+        if not isinstance(kind, str):
+            told.add(kind.text)
+        return f"{key} = {_toml(value, kind)}{text}"
 
     lines += [line(key, data[key], _WHOLE[key]) for key in _WHOLE if key in data]
     for table in TABLES:
@@ -269,22 +312,29 @@ def toml_of(linkage: Linkage) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _toml(value: Any, meaning: Kind) -> str:
+def _toml(value: Any, kind: Kind) -> str:
     """A value of a table as TOML."""
-    if meaning == _OWN:
+    if kind == _OWN:
         return f"{{ name = {json.dumps(value['name'])}, source = {json.dumps(value['source'])} }}"
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, str):
         return f'"{value}"'
-    if isinstance(meaning, Meaning):
-        return f'"{value!r} {meaning.unit}"'
-    if isinstance(meaning, Pairs):
-        rows = (f"[{_toml(x, meaning.first)}, {_toml(y, meaning.second)}]" for x, y in value)
-        return f"[{', '.join(rows)}]"
+    if isinstance(kind, Meaning):
+        return f'"{value!r} {kind.unit}"' if kind.unit else f"{value!r}"
+    if isinstance(kind, Columns):
+        last = kind.meanings[-1]
+        rows = (", ".join(map(_toml, row, chain(kind.meanings, repeat(last)))) for row in value)
+        return f"[{', '.join(f'[{row}]' for row in rows)}]"
+    if isinstance(kind, Inner):
+        if isinstance(value, list):
+            return f"[{', '.join(_toml(own, kind) for own in value)}]"
+        shown = (key for key in kind.keys if key in value and value[key] not in ({}, []))
+        pairs = (f"{key} = {_toml(value[key], kind.keys[key])}" for key in shown)
+        return f"{{ {', '.join(pairs)} }}"
     if isinstance(value, list):
         return f"[{', '.join(_toml(own, _LENGTH) for own in value)}]"
-    inner = _ANGLE if meaning == _ANGLES else _LENGTH
+    inner = _ANGLE if kind == _ANGLES else _LENGTH
     pairs = (
         f'"{key}" = {_toml(own, _POINTS if isinstance(own, list) else inner)}'
         for key, own in value.items()
@@ -295,15 +345,15 @@ def _toml(value: Any, meaning: Kind) -> str:
 def values_of(linkage: Linkage) -> Iterator[tuple[str, str, str]]:
     """Every value of a linkage: key, value with its unit, and what it means."""
     data = written(linkage)
-    rows = [("", data, _WHOLE)]
+    rows: list[tuple[str, Mapping[str, Any], Mapping[str, Kind]]] = [("", data, _WHOLE)]
     for table in TABLES:
         rows += [(f"{table}[{k}].", row, known_of(table, row)) for k, row in enumerate(data[table])]
     for place, row, known in rows:
-        for key, meaning in known.items():
+        for key, kind in known.items():
             if key in row and row[key] not in ({}, []):
-                text = meaning.text if isinstance(meaning, Meaning) else ""
-                shown = _toml(row[key], meaning).replace('"', "")
-                if meaning == _OWN:
+                text = "" if isinstance(kind, str) else kind.text
+                shown = _toml(row[key], kind).replace('"', "")
+                if kind == _OWN:
                     shown = str(OwnFunction(**row[key]))
                 yield f"{place}{key}", shown, text
 
@@ -346,7 +396,7 @@ def read(data: Data, place: str, *, units: bool = False) -> Linkage:
                 *(Pin(**row) for row in tables["pins"]),
                 *(Guide(**row) for row in tables["guides"]),
             ),
-            drives=tuple(Drive(**row) for row in tables["drives"]),
+            drives=tuple(_drive(row) for row in tables["drives"]),
             loads=tuple(_load(row, f"loads[{k}]") for k, row in enumerate(tables["loads"])),
             **whole,
         )
@@ -411,6 +461,20 @@ def _body(row: dict[str, Any]) -> Body:
     return Body(points=points, **row)
 
 
+def _drive(row: dict[str, Any]) -> Drive:
+    """A drive with its rises and the curve that it follows."""
+
+    def motion(own: dict[str, Any]) -> dict[str, Any]:
+        return own | {"rises": tuple(Rise(**rise) for rise in own.get("rises", ()))}
+
+    try:
+        follow = row.get("follow")
+        found = motion(row) | {"follow": None if follow is None else Follow(**motion(follow))}
+    except InputError as error:
+        raise InputError(f"drive of {row['body']}: {error}") from None
+    return Drive(**found)
+
+
 @dataclass(frozen=True)
 class _Reader:
     """Reads values of tables; numbers need their units where a person writes them."""
@@ -445,13 +509,15 @@ class _Reader:
         }
         found: dict[str, Any] = {}
         for key, value in row.items():
-            meaning = known[key]
-            if isinstance(meaning, Pairs):
-                found[key] = self._pairs(f"{place}.{key}", value, meaning)
-            elif isinstance(meaning, str):
-                found[key] = readers[meaning](f"{place}.{key}", value)
+            kind, own = known[key], f"{place}.{key}"
+            if isinstance(kind, str):
+                found[key] = readers[kind](own, value)
+            elif isinstance(kind, Columns):
+                found[key] = self._rows(own, value, kind)
+            elif isinstance(kind, Inner):
+                found[key] = self._inner(own, value, kind)
             else:
-                found[key] = self._number(f"{place}.{key}", value, meaning)
+                found[key] = self._number(own, value, kind)
         return found
 
     def _text(self, place: str, value: Any) -> str:
@@ -459,32 +525,51 @@ class _Reader:
             raise InputError(f"{place} = {value!r}: a text is expected")
         return value
 
-    def _number(self, place: str, value: Any, meaning: Meaning) -> float:
+    def _number(self, place: str, value: Any, meaning: Meaning) -> float | int:
         if isinstance(value, str):
             return parse_quantity(place, value, meaning)
-        if self.units:
+        if self.units and not meaning.whole:
             # A zero is a zero in any unit.
             if value == 0 and isinstance(value, (int, float)) and not isinstance(value, bool):
                 return 0.0
             return parse_quantity(place, str(value), meaning)
         meaning.check(place, value)
-        return float(value)
+        return int(value) if meaning.whole else float(value)
 
     def _yes(self, place: str, value: Any) -> bool:
         if not isinstance(value, bool):
             raise InputError(f"{place} = {value!r}: true or false is expected")
         return value
 
-    def _pair(self, place: str, value: Any, meaning: Pairs = _PLACE) -> tuple[float, float]:
+    def _pair(self, place: str, value: Any) -> tuple[float, float]:
         if not isinstance(value, list | tuple) or len(value) != 2:
-            raise InputError(f"{place} = {value!r}: two {meaning.what}, are expected")
-        one, other = value
-        return self._number(place, one, meaning.first), self._number(place, other, meaning.second)
+            raise InputError(f"{place} = {value!r}: two lengths, x and y, are expected")
+        x, y = (self._number(place, own, _LENGTH) for own in value)
+        return x, y
 
-    def _pairs(self, place: str, value: Any, meaning: Pairs) -> list[tuple[float, float]]:
+    def _rows(self, place: str, value: Any, kind: Columns) -> list[tuple[float, ...]]:
         if not isinstance(value, list):
-            raise InputError(f"{place} = {value!r}: a list of pairs of {meaning.what}, is expected")
-        return [self._pair(f"{place}[{k}]", own, meaning) for k, own in enumerate(value)]
+            raise InputError(f"{place} = {value!r}: a list of rows is expected: {kind.text}")
+        found = []
+        for k, row in enumerate(value):
+            if not isinstance(row, list) or len(row) not in kind.widths:
+                widths = " or ".join(map(str, kind.widths))
+                raise InputError(
+                    f"{place}[{k}] = {row!r}: {widths} values are expected: {kind.text}"
+                )
+            meanings = chain(kind.meanings, repeat(kind.meanings[-1]))
+            pairs = zip(row, meanings, strict=False)
+            found.append(tuple(self._number(f"{place}[{k}]", *pair) for pair in pairs))
+        return found
+
+    def _inner(self, place: str, value: Any, kind: Inner) -> Any:
+        if not kind.is_list:
+            return self.row(value, kind.keys, place, kind.needed)
+        if not isinstance(value, list):
+            raise InputError(f"{place} = {value!r}: a list of tables is expected")
+        return [
+            self.row(own, kind.keys, f"{place}[{k}]", kind.needed) for k, own in enumerate(value)
+        ]
 
     def _end(self, place: str, value: Any) -> Any:
         if isinstance(value, str):

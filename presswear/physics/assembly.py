@@ -7,7 +7,7 @@ All equations are those of ``physics.constraints``, here for many instants at on
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import pairwise
 from typing import NamedTuple
@@ -15,8 +15,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import GROUND, Attachment, Linkage
+from presswear.linkage.elements import GROUND, Attachment, Linkage, Probe
 from presswear.linkage.mechanism import Mechanism
+from presswear.linkage.motions import LEAST_PIECE, MOST_PIECES, Drive, run_up_motion, series
 from presswear.tools.errors import AssemblyError
 
 Array = NDArray[np.float64]
@@ -27,10 +28,18 @@ half of the sine of the angle between them."""
 ROUND_OFF = 4e-15
 """Error of a row that is round-off, part of the size of the linkage."""
 
+FOLLOWED = 1e-9
+"""How near a point keeps to the curve that it follows, part of its stroke."""
+_PIECES = 32, 64, 128
+"""Of the motion of a drive whose point follows a curve; at last as many as there may be."""
 _COARSE, _NODES = 36, 1440
 """Instants of a cycle at which it is followed, and at which its motion is kept."""
 _JUMP = 0.05
 """Largest turn, rad, between where a body is expected and where it is found."""
+_KINK = 0.05
+"""Change of a speed over a short step, part of the greatest speed, that is a jump."""
+_ANGLE_NOISE = 1e-9
+"""Round-off of an angle near a place where its drive does not move its point, rad."""
 _HALVINGS = 14
 """How often an interval is halved before the linkage is said to stop in it."""
 _STEPS = 40
@@ -87,7 +96,9 @@ class Rows:
     """The constraint rows of a linkage, evaluated at many instants.
 
     Coordinates have the shape (n, bodies, 3).  Rows come in the order of
-    ``physics.constraints``: two for each pin joint, two for each guide, one for each drive.
+    ``physics.constraints``: two for each pin joint, two for each guide, one for each drive.  That
+    of a drive whose point follows a curve holds the point on the curve, in place of the angle.
+    Times are those behind a run-up.
 
     Attributes
     ----------
@@ -115,6 +126,17 @@ class Rows:
         ).reshape(-1, 2)
         self._held = np.array([guide.angle for guide in guides])
         self._driven = np.array([linkage.index(drive.body) for drive in drives], dtype=int)
+        following = [k for k, drive in enumerate(drives) if drive.follow is not None]
+        self._following = np.array(following, dtype=int)
+        probes = [_probe(drives[k]) for k in following]
+        self._points = _Ends(linkage, [Attachment(own.body, own.x, own.y) for own in probes])
+        self._along = np.array(
+            [[math.cos(own.direction), math.sin(own.direction)] for own in probes]
+        ).reshape(-1, 2)
+        self._begun = np.zeros(len(following))
+        if following:
+            start = assembled(_leading(linkage))[np.newaxis]
+            self._begun = self.coordinates(start)[0]
         self.names = (
             *(joint.name for joint in joints for _ in range(2)),
             *(guide.name for guide in guides for _ in range(2)),
@@ -138,20 +160,24 @@ class Rows:
         count = len(time)
         still = np.zeros((count, 1, 3))
         levels = [np.concatenate([level, still], axis=1) for level in given]
-        turned = np.array([drive.motion(time) for drive in self.linkage.drives])
+        turned = np.array([_given(drive, time) for drive in self.linkage.drives])
         turned = turned.reshape(-1, 3, count)
+        turned[self._following, 0] += self._begun[:, np.newaxis]
         found = []
-        levers = [end.lever(levels[0]) for end in (self._first, self._second)]
-        bodies = self._first.body, self._second.body
+        all_ends = (self._first, self._second, self._points)
+        levers = [end.lever(levels[0]) for end in all_ends]
         for level, own in enumerate(levels):
             ends = []
-            for body, lever in zip(bodies, levers, strict=True):
+            for end, lever in zip(all_ends, levers, strict=True):
+                body = end.body
                 left = np.stack([-lever[..., 1], lever[..., 0]], axis=-1)
                 moved = own[:, body, :2]
                 moved = moved + (lever if level == 0 else own[:, body, 2:] * left)
                 if level == 2:
                     moved = moved - levels[1][:, body, 2:] ** 2 * lever
                 ends.append(moved)
+            driven = own[:, self._driven, 2]
+            driven[:, self._following] = (ends[2] * self._along).sum(axis=-1)
             held = own[:, self._guided]
             off = held[..., :2] - (self._on if level == 0 else 0.0)
             tilted = held[..., 2] - (self._held if level == 0 else 0.0)
@@ -161,12 +187,27 @@ class Rows:
                     [
                         (ends[0] - ends[1]).reshape(count, -1),
                         guides.reshape(count, -1),
-                        own[:, self._driven, 2] - turned[:, level].T,
+                        driven - turned[:, level].T,
                     ],
                     axis=1,
                 )
             )
         return found
+
+    @property
+    def follows(self) -> bool:
+        """True where points follow curves."""
+        return self._following.size > 0
+
+    def coordinates(self, q: Array) -> Array:
+        """Coordinates of the points that follow curves, along their directions, (n, points), m."""
+        places = q[:, self._points.body, :2] + self._points.lever(q)
+        return np.asarray((places * self._along).sum(axis=-1))
+
+    def off_curves(self, time: Array, q: Array) -> Array:
+        """How far points are from the curves that they follow, shape (n, points), m."""
+        curves = [_given(self.linkage.drives[k], time)[0] for k in self._following]
+        return self.coordinates(q) - self._begun - np.transpose(curves)
 
     def jacobian(self, q: Array) -> Array:
         """Derivatives of the rows by the coordinates, shape (n, rows, 3 bodies)."""
@@ -185,11 +226,48 @@ class Rows:
         found[:, rows + 1, self._guided, 2] = 1.0
         drives = len(self.names) - len(self._driven) + np.arange(len(self._driven))
         found[:, drives, self._driven, 2] = 1.0
+        if self._following.size:
+            following, body, along = drives[self._following], self._points.body, self._along
+            lever = self._points.lever(q)
+            found[:, following] = 0.0
+            found[:, following, body, :2] = along
+            found[:, following, body, 2] = lever[..., 0] * along[:, 1] - lever[..., 1] * along[:, 0]
         return found[:, :, : self.bodies].reshape(count, len(self.names), -1)
 
     def side(self, q: Array) -> Array:
-        """On which side of its dead points the linkage is, shape (n,), 1 or -1."""
+        """On which side of its dead points the linkage is, shape (n,), 1 or -1.
+
+        1 where points follow curves: a drive may pass a position in which it does not move its
+        point, where the curve leads through it.
+        """
+        if self.follows:
+            return np.ones(len(q))
         return np.asarray(np.linalg.slogdet(self.jacobian(q))[0])
+
+
+def _probe(drive: Drive) -> Probe:
+    """The point that follows a curve."""
+    assert drive.follow is not None
+    assert isinstance(drive.follow.point, Probe), "a linkage has found it"
+    return drive.follow.point
+
+
+def _given(drive: Drive, time: Array) -> tuple[Array, Array, Array]:
+    """What is given of a drive, with two derivatives: an angle, or the way of what follows."""
+    if drive.follow is None:
+        return drive.motion(time)
+    return series(drive.follow, drive.base, time)
+
+
+def _leading(linkage: Linkage) -> Linkage:
+    """A linkage at its start: what follows a curve stands where its drive has it."""
+    if not _followers(linkage):
+        return linkage
+    return replace(linkage, drives=[replace(drive, follow=None) for drive in linkage.drives])
+
+
+def _followers(linkage: Linkage) -> list[Drive]:
+    return [drive for drive in linkage.drives if drive.follow is not None]
 
 
 def check_freedoms(linkage: Linkage) -> None:
@@ -257,6 +335,8 @@ def guessed(linkage: Linkage) -> Array:
 class IdealMotion:
     """The motion of a linkage with all its joints closed, over a cycle that repeats.
 
+    A run-up goes before it.
+
     Attributes
     ----------
     period : float
@@ -278,7 +358,9 @@ class IdealMotion:
 
     def at(self, time: Array) -> Motion:
         """Motion of every body at some instants, s."""
-        time = np.atleast_1d(np.asarray(time, dtype=float))
+        now = np.atleast_1d(np.asarray(time, dtype=float))
+        duration = 2.0 * self.rows.linkage.run_up * self.period
+        time, rate, rise = run_up_motion(now, duration)
         cycle = np.floor(time / self.period)
         within = time - cycle * self.period
         nodes = len(self.position) - 1
@@ -293,8 +375,12 @@ class IdealMotion:
             rough = some[np.any(far, axis=0)]
             if rough.size:
                 q[rough], v[rough], a[rough] = closed(self.rows, time[rough], q[rough])
+        if duration > 0.0:
+            rate, rise = rate[:, np.newaxis, np.newaxis], rise[:, np.newaxis, np.newaxis]
+            a = a * rate**2 + v * rise
+            v = v * rate
         flat = (level.reshape(time.size, -1) for level in (q, v, a))
-        return Motion(time, *flat)
+        return Motion(now, *flat)
 
     def _ahead(self, nodes: int) -> Array:
         """Positions predicted at equal intervals of the cycle, shape (nodes + 1, bodies, 3)."""
@@ -396,9 +482,14 @@ def _stuck(rows: Rows, time: Array, q: Array) -> AssemblyError:
 
 def _refusal(rows: Rows, time: float, joint: str) -> AssemblyError:
     where = ""
-    for drive in rows.linkage.drives[:1]:
+    for drive in [own for own in rows.linkage.drives if own.follow is None][:1]:
         turned = float(drive.motion(np.array([time]))[0][0]) - drive.angle
         where = f"at crank angle {math.degrees(abs(turned)):.1f} deg "
+    for drive in _followers(rows.linkage):
+        return AssemblyError(
+            f"{drive.name} cannot make its point follow the curve: {where}({time:.6g} s after the "
+            "start) the point is out of reach, or the drive at a dead point"
+        )
     return AssemblyError(
         f"the linkage cannot be assembled over the cycle: {where}joint {joint} does not close or "
         "is at a dead point"
@@ -413,6 +504,7 @@ def assembled(linkage: Linkage) -> Array:
     AssemblyError
         Where it does not close, or closes more than a right angle from what was guessed.
     """
+    linkage = _leading(linkage)
     check_freedoms(linkage)
     rows = Rows(linkage)
     start = np.zeros(1)
@@ -476,7 +568,99 @@ def ideal_motion(linkage: Linkage, period: float) -> IdealMotion:
 
 def motion_of(mechanism: Mechanism | Linkage) -> IdealMotion:
     """The ideal motion of a mechanism; AssemblyError where it has none."""
-    return ideal_motion(mechanism.linkage(), mechanism.period)
+    return ideal_motion(followed(mechanism.linkage()), mechanism.period)
+
+
+@lru_cache(maxsize=64)
+def followed(linkage: Linkage) -> Linkage:
+    """A linkage in which the motion is found of each drive whose point follows a curve.
+
+    The linkage is followed around its cycle with the points on their curves; the angles of
+    the drives become tables of degree 5, fine enough for ``FOLLOWED``.
+
+    Raises
+    ------
+    AssemblyError
+        Where a point cannot follow, or not by a drive with the mean speed that is given.
+    """
+    following = [k for k, drive in enumerate(linkage.drives) if drive.follow is not None]
+    if not following:
+        return linkage
+    period = linkage.period
+    inverse = ideal_motion(replace(linkage, run_up=0), period)
+    base = 2.0 * math.pi / period
+    columns = [linkage.index(linkage.drives[k].body) for k in following]
+    turned = (inverse.position[-1] - inverse.position[0])[columns, 2]
+    for k, turn in zip(following, turned, strict=True):
+        drive, speed = linkage.drives[k], base * round(turn / (2.0 * math.pi))
+        if abs(speed - drive.speed) > 1e-9 * max(base, abs(speed)):
+            raise AssemblyError(
+                f"speed of {drive.body} = {drive.speed:g} rad/s: to follow its curve it turns at "
+                f"a mean speed of {speed:g} rad/s"
+            )
+    breaks = _breaks(linkage, period)
+    curves = inverse.rows.coordinates(inverse.position)
+    allowed = FOLLOWED * (np.ptp(curves, axis=0).max() or inverse.rows.size)
+    off = math.inf
+    for parts in (*_PIECES, MOST_PIECES - len(breaks)):
+        counts = np.ceil(np.diff(breaks) / period * parts - 1e-9).astype(int)
+        if np.maximum(counts, 1).sum() > MOST_PIECES:
+            continue
+        ends = [
+            np.linspace(*pair, max(n, 1) + 1)
+            for pair, n in zip(pairwise(breaks), counts, strict=True)
+        ]
+        nodes = np.concatenate([own[:-1] for own in ends])
+        found = _through(linkage, inverse, nodes)
+        length = np.diff(nodes, append=period)
+        between = np.concatenate([nodes + part * length for part in (0.25, 0.5, 0.75)])
+        near = inverse.at(between).position.reshape(between.size, -1, 3)
+        reached = closed(Rows(found), between, near).q
+        off = float(np.abs(inverse.rows.off_curves(between, reached)).max())
+        if off <= allowed:
+            return found
+    name = linkage.drives[following[0]].name
+    if math.isinf(off):
+        raise AssemblyError(
+            f"{name}: the curve has {len(breaks) - 1} pieces in the cycle of the linkage; allowed "
+            f"are {MOST_PIECES}"
+        )
+    raise AssemblyError(
+        f"{name}: with {MOST_PIECES} pieces its point is {off:.3g} m off the curve; allowed is "
+        f"{allowed:.3g} m, {FOLLOWED:g} of its stroke"
+    )
+
+
+def _through(linkage: Linkage, inverse: IdealMotion, nodes: Array) -> Linkage:
+    """The linkage with tables, in place of curves, through its motion at some instants, s."""
+    motion, base = inverse.at(nodes), 2.0 * math.pi / inverse.period
+    drives = list(linkage.drives)
+    for k, drive in enumerate(linkage.drives):
+        if drive.follow is not None:
+            place = 3 * linkage.index(drive.body) + 2
+            table = np.column_stack(
+                [
+                    base * nodes,
+                    motion.position[:, place] - drive.speed * nodes,
+                    (motion.velocity[:, place] - drive.speed) / base,
+                    motion.acceleration[:, place] / base**2,
+                ]
+            )
+            drives[k] = replace(drive, frequency=base, table=table.tolist(), follow=None)
+    return replace(linkage, drives=drives)
+
+
+def _breaks(linkage: Linkage, period: float) -> Array:
+    """Times of a cycle at which a motion is not smooth, s, and the first of the next cycle."""
+    found = [0.0]
+    for drive in linkage.drives:
+        law = drive.follow or drive
+        starts = law.pieces.start
+        for turn in range(round(period * drive.base / (2.0 * math.pi)) if starts.size else 0):
+            found += ((starts + 2.0 * math.pi * turn) / drive.base).tolist()
+    least = LEAST_PIECE * period
+    apart = [time for before, time in pairwise([-period, *sorted(found)]) if time - before > least]
+    return np.array([*(time for time in apart if period - time > least), period])
 
 
 def _near(found: Array, expected: Array) -> bool:
@@ -495,6 +679,8 @@ def _followed(rows: Rows, start: _Levels, times: Array) -> IdealMotion:
             try:
                 reached = closed(rows, np.array([there]), ahead)
                 is_near = bool(_near(reached.q, ahead) and rows.side(reached.q) == side)
+                if rows.follows:
+                    is_near = is_near and _is_smooth(levels, reached, there - now)
             except AssemblyError:
                 is_near = False
             if is_near:
@@ -509,6 +695,19 @@ def _followed(rows: Rows, start: _Levels, times: Array) -> IdealMotion:
     )
 
 
+def _is_smooth(one: _Levels, other: _Levels, step: float) -> bool:
+    """True where each of two states, a step apart, foretells the other.
+
+    At a position in which a drive does not move its point two motions meet, and only one goes on
+    at the same speed.
+    """
+    allowed = _KINK * abs(step) * float(np.abs(one.v[..., 2]).max()) + _ANGLE_NOISE
+    ahead = one.q + step * (one.v + 0.5 * step * one.a)
+    back = other.q - step * (other.v - 0.5 * step * other.a)
+    off = np.maximum(np.abs(other.q - ahead), np.abs(one.q - back))
+    return bool(off[..., 2].max() < allowed)
+
+
 def _check(motion: IdealMotion) -> None:
     """Raise AssemblyError for a cycle that comes too near a dead point or does not come back."""
     rows = motion.rows
@@ -517,7 +716,8 @@ def _check(motion: IdealMotion) -> None:
     inverse = np.linalg.inv(rows.jacobian(motion.position) * scale.ravel())
     measure = 1.0 / np.sqrt((inverse**2).sum(axis=(1, 2)))
     worst = int(measure.argmin())
-    if not measure[worst] > NEAREST_DEAD_POINT:
+    # Where points follow curves, those of the joints are seen when the motion is found.
+    if not (rows.follows or measure[worst] > NEAREST_DEAD_POINT):
         raise _stuck(rows, motion.times[worst : worst + 1], motion.position[worst : worst + 1])
     turned = motion.position[-1] - motion.position[0]
     turned[:, 2] -= 2.0 * math.pi * np.round(turned[:, 2] / (2.0 * math.pi))

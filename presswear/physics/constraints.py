@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.linkage.elements import GROUND, Attachment, Linkage
-from presswear.physics.motion import MOTION, drive_motion, pack_motion
+from presswear.physics.motion import drive_motion, motions_of
 from presswear.tools.compiled import Records, compiled
 
 Array = NDArray[np.float64]
@@ -31,7 +31,7 @@ CONSTRAINT = np.dtype(
         ("x2", np.float64),
         ("y2", np.float64),
         ("angle", np.float64),  # of the body on a guide, rad
-        ("drive", MOTION),
+        ("drive", np.int64),  # its place among the motions
         ("normal_x", np.float64),  # of a guide
         ("normal_y", np.float64),
     ]
@@ -52,6 +52,7 @@ def lever(body: int, x: float, y: float, q: Array) -> tuple[float, float]:
 @compiled
 def constraint_rows(
     constraints: Records,
+    motions: Records,
     row_start: Indices,
     t: float,
     q: Array,
@@ -65,6 +66,8 @@ def constraint_rows(
 
     Parameters
     ----------
+    motions : records of MOTION
+        Of the drives.
     row_start : ndarray, shape (rows + 1,)
         Where each row's entries begin in ``jacobian``.
     phi, phi_t, gamma : ndarray, shape (rows,)
@@ -111,8 +114,9 @@ def constraint_rows(
             phi_t[row + 1] = v[c.first + 2]
             gamma[row] = gamma[row + 1] = 0.0
         else:
-            turned, speed, faster = drive_motion(c.drive, t)
-            phi[row] = q[c.first + 2] - c.drive.angle - turned
+            drive = motions[c.drive]
+            turned, speed, faster = drive_motion(drive, t)
+            phi[row] = q[c.first + 2] - drive.angle - turned
             phi_t[row] = v[c.first + 2] - speed
             gamma[row] = faster
 
@@ -124,6 +128,7 @@ class Constraints:
     Attributes
     ----------
     records : record array of CONSTRAINT
+    motions : record array of MOTION
     names : tuple of str
         Name of the joint behind each row.
     row_start : ndarray, shape (rows + 1,)
@@ -134,6 +139,7 @@ class Constraints:
     """
 
     records: Records
+    motions: Records
     names: tuple[str, ...]
     row_start: Indices
     column: Indices
@@ -150,6 +156,7 @@ class Constraints:
         entries = self.constant.copy()
         constraint_rows(
             self.records,
+            self.motions,
             self.row_start,
             t,
             np.asarray(q),
@@ -201,17 +208,18 @@ def constraints_of(linkage: Linkage) -> Constraints:
         rows.append([(body, normal[0]), (body + 1, normal[1])])
         rows.append([(body + 2, 1.0)])
         names += [guide.name, guide.name]
-    for drive in linkage.drives:
+    for index, drive in enumerate(linkage.drives):
         record = next(place)
         record["kind"], record["row"] = DRIVE, len(rows)
         record["first"] = body = 3 * linkage.index(drive.body)
-        pack_motion(drive, record["drive"])
+        record["drive"] = index
         rows.append([(body + 2, 1.0)])
         names.append(drive.name)
     sizes = [len(entries) for entries in rows]
     flat = [entry for entries in rows for entry in entries]
     return Constraints(
         records=records,
+        motions=motions_of(linkage),
         names=tuple(names),
         row_start=np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64),
         column=np.array([column for column, _ in flat], dtype=np.int64),

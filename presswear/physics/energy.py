@@ -66,7 +66,7 @@ def stored_energy(packed: Packed, elastic: Array, q: Array, v: Array) -> float:
 MADE = 0.5
 """Energy that contacts may make, part of what the drives exchanged, before a run is ended."""
 SETTLED = 0.05
-"""Part of the first cycle before which that is not judged."""
+"""Part of the first cycle before which that is not judged, nor in a run-up."""
 
 
 def made_energy(contact_loss: float, exchange: float) -> str:

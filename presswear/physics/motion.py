@@ -1,28 +1,94 @@
-"""The motion that drives prescribe."""
+"""The motion that drives prescribe, and the times at which it is not smooth."""
 
 import math
 
 import numpy as np
 
-from presswear.linkage.elements import MOST_HARMONICS, Drive
+from presswear.linkage.elements import Linkage
+from presswear.linkage.motions import DEGREE, MOST_HARMONICS, MOST_PIECES, Drive
 from presswear.tools.compiled import Records, compiled
 
 MOTION = np.dtype(
     [
-        ("speed", np.float64),
+        ("speed", np.float64),  # mean, with what the pieces turn in a cycle
         ("angle", np.float64),
         ("base", np.float64),  # frequency of the first harmonic, rad/s
         ("count", np.int64),  # of harmonics
         ("cosine", np.float64, (MOST_HARMONICS,)),
         ("sine", np.float64, (MOST_HARMONICS,)),
+        ("pieces", np.int64),
+        ("start", np.float64, (MOST_PIECES,)),  # see linkage.motions.Pieces
+        ("polynomial", np.float64, (MOST_PIECES, DEGREE + 1)),
+        ("wave", np.float64, (MOST_PIECES, 3)),
+        ("run_up", np.float64),  # time in which the linkage runs up, s
     ]
 )
 """A drive as the kernels see it."""
 
+_TURN = 2.0 * math.pi
+_NEAR = 1e-13
+"""A break this close is where a step has just ended, part of the phase so far."""
+_BISECTIONS = 60
+
 
 @compiled
-def drive_motion(drive: Records, t: float) -> tuple[float, float, float]:
-    """Angle turned since t = 0, rad, speed, rad/s, and acceleration, rad/s^2, of a drive."""
+def run_up_motion(duration: float, t: float) -> tuple[float, float, float]:
+    """Time at which motions are followed, s, its rate and its second derivative, 1/s."""
+    if t >= duration:
+        return t - 0.5 * duration, 1.0, 0.0
+    x = max(t / duration, 0.0)
+    square = x * x
+    begun = duration * square * square * (2.5 - x * (3.0 - x))
+    rate = square * x * (10.0 - x * (15.0 - 6.0 * x))
+    bend = x * (1.0 - x)
+    return begun, rate, 30.0 * bend * bend / duration
+
+
+@compiled
+def place_of(drive: Records, within: float) -> int:
+    """The piece in which a phase of 0 to 2 pi lies; -1 before the first."""
+    low = -1
+    high: int = drive.pieces
+    while high - low > 1:
+        middle = (low + high) // 2
+        if drive.start[middle] <= within:
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+@compiled
+def piece_motion(drive: Records, phase: float) -> tuple[float, float, float]:
+    """What the pieces turn since phase 0, rad, and two derivatives by the phase."""
+    within = phase - _TURN * math.floor(phase / _TURN)
+    i = place_of(drive, within)
+    if i < 0:
+        i = drive.pieces - 1
+        within += _TURN
+    x = within - drive.start[i]
+    value, slope, bend = 0.0, 0.0, 0.0
+    for power in range(DEGREE, -1, -1):
+        bend = bend * x + 2.0 * slope
+        slope = slope * x + value
+        value = value * x + drive.polynomial[i, power]
+    amplitude = drive.wave[i, 0]
+    if amplitude != 0.0:
+        w = drive.wave[i, 1]
+        sine = math.sin(w * x + drive.wave[i, 2])
+        value += amplitude * sine
+        slope += amplitude * w * math.cos(w * x + drive.wave[i, 2])
+        bend -= amplitude * w * w * sine
+    return value, slope, bend
+
+
+@compiled
+def uneven_motion(drive: Records, t: float) -> tuple[float, float, float]:
+    """What ``drive_motion`` gives, of any drive."""
+    rate = 1.0
+    rise = 0.0
+    if drive.run_up > 0.0:
+        t, rate, rise = run_up_motion(drive.run_up, t)
     turned: float = drive.speed * t
     speed: float = drive.speed
     faster = 0.0
@@ -33,24 +99,92 @@ def drive_motion(drive: Records, t: float) -> tuple[float, float, float]:
         turned += drive.cosine[k] * (cosine - 1.0) + drive.sine[k] * sine
         speed += w * (drive.sine[k] * cosine - drive.cosine[k] * sine)
         faster -= w * w * (drive.cosine[k] * cosine + drive.sine[k] * sine)
+    if drive.pieces > 0:
+        value, slope, bend = piece_motion(drive, drive.base * t)
+        turned += value
+        speed += drive.base * slope
+        faster += drive.base * drive.base * bend
+    if drive.run_up > 0.0:
+        faster = faster * rate * rate + speed * rise
+        speed *= rate
     return turned, speed, faster
 
 
-def pack_motion(drive: Drive, motion: Records) -> None:
-    """Fill a record of MOTION."""
-    motion["speed"], motion["angle"], motion["base"] = drive.speed, drive.angle, drive.base
+@compiled
+def drive_motion(drive: Records, t: float) -> tuple[float, float, float]:
+    """Angle turned since t = 0, rad, speed, rad/s, and acceleration, rad/s^2, of a drive."""
+    if drive.count + drive.pieces > 0 or drive.run_up > 0.0:
+        return uneven_motion(drive, t)
+    return drive.speed * t, drive.speed, 0.0
+
+
+@compiled
+def break_after(drive: Records, t: float) -> float:
+    """Time, s, of the next break of a motion: where a piece or the run-up ends; or infinity.
+
+    Angle, speed and acceleration have no jump there, but a derivative behind them has.
+    """
+    duration = drive.run_up
+    found = duration if t < duration * (1.0 - _NEAR) else math.inf
+    if drive.pieces == 0:
+        return found
+    followed = run_up_motion(duration, t)[0] if duration > 0.0 else t
+    phase = drive.base * followed
+    begun = _TURN * math.floor(phase / _TURN)
+    ahead = phase - begun + _NEAR * (1.0 + phase)
+    i = place_of(drive, ahead) + 1
+    ahead = drive.start[i] if i < drive.pieces else _TURN + drive.start[0]
+    followed = (begun + ahead) / drive.base
+    if followed >= 0.5 * duration:
+        return min(found, followed + 0.5 * duration)
+    low, high = t, duration
+    for _ in range(_BISECTIONS):
+        middle = 0.5 * (low + high)
+        if run_up_motion(duration, middle)[0] < followed:
+            low = middle
+        else:
+            high = middle
+    return min(found, high)
+
+
+@compiled
+def step_to_break(motions: Records, t: float, h: float) -> float:
+    """Step, s, no longer than ``h``, that does not run past the next break of a motion.
+
+    One that would end shortly before it is halved, so that no tiny one follows.
+    """
+    ahead = math.inf
+    for i in range(motions.shape[0]):
+        if motions[i].pieces > 0 or motions[i].run_up > 0.0:
+            ahead = min(ahead, break_after(motions[i], t) - t)
+    if ahead <= h:
+        return ahead
+    return 0.5 * ahead if ahead < 2.0 * h else h
+
+
+def pack_motion(linkage: Linkage, drive: Drive, motion: Records) -> None:
+    """Fill a record of MOTION with one of a linkage's drives."""
+    if drive.follow is not None:
+        raise ValueError(f"{drive.name} follows a curve: its motion has to be found first")
+    motion["speed"], motion["angle"], motion["base"] = drive.mean_speed, drive.angle, drive.base
     motion["count"] = len(drive.harmonics)
     for k, (cosine, sine) in enumerate(drive.harmonics):
         motion["cosine"][k], motion["sine"][k] = cosine, sine
+    pieces = drive.pieces
+    motion["pieces"] = count = len(pieces.start)
+    for name in ("start", "polynomial", "wave"):
+        motion[name][:count] = getattr(pieces, name)
+    motion["run_up"] = linkage.run_up_time
 
 
-def motion_of(drive: Drive) -> Records:
-    """A drive as a record of MOTION."""
-    motion = np.zeros(1, MOTION)[0]
-    pack_motion(drive, motion)
-    return motion
+def motions_of(linkage: Linkage) -> Records:
+    """The drives of a linkage as records of MOTION, shape (drives,)."""
+    motions = np.zeros(len(linkage.drives), MOTION)
+    for motion, drive in zip(motions, linkage.drives, strict=True):
+        pack_motion(linkage, drive, motion)
+    return motions
 
 
-def is_steady(drive: Drive) -> bool:
-    """True where a drive turns at constant speed."""
-    return not drive.harmonics
+def is_steady(linkage: Linkage, drive: Drive) -> bool:
+    """True where a drive turns at constant speed from the start."""
+    return not (drive.repeats or linkage.run_up)

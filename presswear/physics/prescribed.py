@@ -383,7 +383,7 @@ def pack_prescribed(linkage: Linkage, bodies: frozenset[str]) -> Prescribed:
         if drive.body in bodies:
             own = parts[places[drive.body]]
             own["drive"] = number
-            pack_motion(drive, own["motion"])
+            pack_motion(linkage, drive, own["motion"])
     for part, branch in zip(parts, branches, strict=True):
         body = linkage.bodies[linkage.index(branch.own.body)]
         part["inertia"] = body.inertia

@@ -81,6 +81,8 @@ class Book(NamedTuple):
     ----------
     packed : Packed
         The linkage.
+    motions : records of MOTION
+        Of its drives.
     contacts : records of CONTACT
         With their forces, in the last accepted state.
     onset : ndarray, shape (joints,)
@@ -107,6 +109,7 @@ class Book(NamedTuple):
     """
 
     packed: Packed
+    motions: Records
     contacts: Records
     onset: Array
     memory: Records

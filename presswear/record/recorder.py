@@ -15,6 +15,7 @@ from presswear.linkage.elements import Linkage
 from presswear.linkage.surface import Surface
 from presswear.physics.contact import CONTACT, note_contacts
 from presswear.physics.energy import LEDGER
+from presswear.physics.motion import motions_of
 from presswear.physics.packed import pack, pack_surfaces
 from presswear.physics.surface import BEARING, PIN
 from presswear.physics.touchdown import CONTACT_COLUMNS, LEAST_STEPS, MEMORY, PAST_CONTACT, TALLY
@@ -91,6 +92,7 @@ class Recorder:
         cycle: float,
         torques: bool = True,
         wearing: bool = False,
+        run_up: float = 0.0,
     ) -> "Recorder":
         """An empty recorder for a linkage that starts in a position.
 
@@ -105,6 +107,8 @@ class Recorder:
             Whether series hold the torques of the drives.
         wearing : bool
             Whether the surfaces wear while the linkage runs; see ``wear``.
+        run_up : float
+            Time before the first cycle, s.
         """
         count = len(linkage.clearances)
         angles = max((j.wear.angles for j in linkage.clearances if j.wear), default=1)
@@ -119,11 +123,13 @@ class Recorder:
         record["probe_sin"] = math.sin(linkage.probe.direction)
         record["probe_x"], record["probe_y"] = linkage.probe.x, linkage.probe.y
         record["start"] = watched(record[0], position, position, position)[0]
-        rows = recorded_cycles * (ROWS_AT_MOST if count else 2 * ROWS_AT_LEAST)
+        rows = recorded_cycles + math.ceil(run_up / cycle)
+        rows *= ROWS_AT_MOST if count else 2 * ROWS_AT_LEAST
         columns = SERIES_FIXED + SERIES_JOINT * count + len(linkage.drives) * torques
         shape = (count, 2, angles)
         book = Book(
             packed=pack(linkage, angles if wearing else 0),
+            motions=motions_of(linkage),
             contacts=np.zeros(count, CONTACT),
             onset=np.zeros(count),
             memory=np.zeros(count, MEMORY),

@@ -14,10 +14,12 @@ J_penetration         m        of the pin into the bearing, negative while open
 J_normal_force        N        between pin and bearing, 0 while open
 J_tangential_force    N        friction, with the sign of our contact model
 J_sliding             m/s      tangential speed at the contact
+D_torque              N m      of the drive of body D, where torques are stored
+D_power               W        of the same
 ====================  =======  ====================================================
 
-J is the name of a clearance joint, such as A or C.  A table needs ``time`` and at
-least one other column; their order is free.  CSV: a header line with the names,
+J is the name of a clearance joint, such as A or C, and D that of a driven body.  A table needs
+``time`` and at least one other column; their order is free.  CSV: a header line with the names,
 values separated by commas, lines that begin with ``#`` are comments.  NPZ: one
 array of one dimension per column, under its name.
 """
@@ -30,6 +32,7 @@ from typing import BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.results.drives import drives_of
 from presswear.results.result import Result
 from presswear.tools.arrays import read_numbers, write_arrays
 from presswear.tools.errors import InputError
@@ -49,6 +52,7 @@ JOINT_UNITS = {
     "tangential_force": "N",
     "sliding": "m/s",
 }
+DRIVE_UNITS = {"torque": "N m", "power": "W"}
 TOLERANCE = 1e-3
 """Root mean square difference allowed, part of the root mean square of our column."""
 
@@ -81,10 +85,16 @@ def unit_of(column: str) -> str:
     """Unit of a column; InputError for a name that is none."""
     if column in UNITS:
         return UNITS[column]
+    body, _, quantity = column.rpartition("_")
+    if body and quantity in DRIVE_UNITS:
+        return DRIVE_UNITS[quantity]
     joint, _, quantity = column.partition("_")
     if not joint or quantity not in JOINT_UNITS:
-        known = ", ".join([*UNITS, *(f"J_{name}" for name in JOINT_UNITS)])
-        raise InputError(f"unknown column {column!r}; known are {known}, J a joint such as A")
+        names = [*UNITS, *(f"J_{n}" for n in JOINT_UNITS), *(f"D_{n}" for n in DRIVE_UNITS)]
+        raise InputError(
+            f"unknown column {column!r}; known are {', '.join(names)}, J a joint such as A, D a "
+            "driven body"
+        )
     return JOINT_UNITS[quantity]
 
 
@@ -97,6 +107,8 @@ def table_of(result: Result, stage: int) -> dict[str, Array]:
         columns |= {
             f"{name}_{quantity}": value for quantity, value in zip(JOINT_UNITS, values, strict=True)
         }
+    for body, drive in drives_of(result.scene, own).items():
+        columns |= {f"{body}_{quantity}": getattr(drive, quantity) for quantity in DRIVE_UNITS}
     return columns
 
 

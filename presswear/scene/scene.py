@@ -14,7 +14,7 @@ from presswear.linkage.slider_crank import SliderCrank
 from presswear.linkage.surface import Surface
 from presswear.linkage.topology import branches_of
 from presswear.linkage.written import read, written
-from presswear.physics.assembly import IdealMotion, motion_of
+from presswear.physics.assembly import IdealMotion, followed, motion_of
 from presswear.scene.bearing import CONVENTIONS, Bearing, Conventions
 from presswear.tools.arrays import Array
 from presswear.tools.documents import typed
@@ -239,7 +239,7 @@ class Scene:
 
     def linkage(self, worn: Mapping[str, tuple[Surface, Surface]] | None = None) -> Linkage:
         """The linkage of a stage; ``worn`` gives bearing and pin surface by joint name."""
-        ideal = self.mechanism.linkage()
+        ideal = followed(self.mechanism.linkage())
         surfaces = dict.fromkeys(self.clearance_joints, (Surface(), Surface())) | dict(worn or {})
         joints = (joint for joint in ideal.revolutes if joint.name in self.clearance_joints)
         return ideal.opened(
@@ -260,6 +260,11 @@ class Scene:
     def ideal(self) -> IdealMotion:
         """The motion of the mechanism with all joints closed."""
         return motion_of(self.mechanism)
+
+    @property
+    def run_up(self) -> float:
+        """Time in which the mechanism runs up from rest, s; cycles are counted behind it."""
+        return self.mechanism.linkage().run_up_time
 
     @property
     def watched(self) -> str:

@@ -143,3 +143,6 @@ def test_whole_cycles_leave_out_what_is_begun() -> None:
     found = whole_cycles(time, 1.0)
     assert [(rows.start, rows.stop) for rows in found] == [(0, 100), (100, 200)]
     assert whole_cycles(np.zeros(0), 1.0) == []
+    # Times before the first cycle are those of a run-up.
+    assert whole_cycles(time - 10.0, 1.0) == []
+    assert whole_cycles(time - 1.0, 1.0) == [slice(own.start, own.stop) for own in found[1:]]

@@ -9,8 +9,9 @@ import pytest
 from presswear.campaign.starts import start_of
 from presswear.engines.base import Plan, Run
 from presswear.engines.settings import ExudynTree, InHouse
-from presswear.linkage.elements import Bar, Body, Drive, Guide, Linkage, Pin
+from presswear.linkage.elements import Bar, Body, Guide, Linkage, Pin
 from presswear.linkage.four_bar import FOUR_BAR
+from presswear.linkage.motions import Drive
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.trials.runs import contacts_of

@@ -1,19 +1,21 @@
 """Linkages as plain data: read back equal, and what is wrong told in one line."""
 
 import copy
+import json
 import math
 import tomllib
 from dataclasses import replace
 from typing import Any
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from presswear.linkage.elements import (
     GROUND,
     Attachment,
     Bar,
     Body,
-    Drive,
     Guide,
     Linkage,
     Pin,
@@ -29,10 +31,11 @@ from presswear.linkage.loads import (
     OverTime,
     Spring,
 )
+from presswear.linkage.motions import RISES, Drive, Follow, Rise
 from presswear.linkage.press import GEOMETRIES, Press
 from presswear.linkage.slider_crank import SliderCrank
 from presswear.linkage.written import read, toml_of, values_of, written
-from presswear.tools.errors import InputError
+from presswear.tools.errors import InputError, one_line
 
 LOADED = replace(
     FOUR_BAR,
@@ -139,8 +142,8 @@ ONE, OTHER = ["0 s", "1 N"], ["3 s", "1 N m"]
         (at(over_position=ROWS[:2]), "500 N or N m at the end, 0.003"),
         (at(over_position=[["0 mm", 3.0]]), r"\[0\] = '3.0' has no unit"),
         (at(over_position=[["0 s", "0 N"]]), r"\[0\] = '0 s': unknown unit 's'"),
-        (at(over_position=[["0 m"]]), "two quantities, in m and N, are expected"),
-        (at(over_position="F"), "a list of pairs of quantities, in m and N"),
+        (at(over_position=[["0 m"]]), "2 values are expected: position, and the size"),
+        (at(over_position="F"), "a list of rows is expected: position, and"),
         (at(over_angle=[]), "unknown key of .* 'over_angle'; did you mean"),
         (at(over_time=[], function="f.py:f"), "no file 'f.py'"),
         (
@@ -268,3 +271,122 @@ def test_what_does_not_fit_is_told_by_its_key(path: Any, value: Any, says: str) 
         read(broken(*path, value=value), "here", units=True)
     assert str(refusal.value).startswith(("here", "unknown key of here"))
     assert "\n" not in str(refusal.value)
+
+
+numbers = st.floats(-1e3, 1e3)
+pairs = st.lists(st.tuples(numbers, numbers), max_size=16)
+rows = st.lists(st.tuples(numbers, numbers, numbers), min_size=3, max_size=30).map(
+    lambda own: [(k * 2.0 * math.pi / len(own), *row[:1]) for k, row in enumerate(own)]
+)
+long_rows = st.lists(st.tuples(numbers, numbers, numbers), min_size=3, max_size=30).map(
+    lambda own: [(k * 2.0 * math.pi / len(own), *row) for k, row in enumerate(own)]
+)
+swings = st.tuples(
+    st.floats(0.0, 2.0), st.floats(0.1, 2.0), numbers, st.sampled_from([*RISES])
+).map(
+    lambda own: [
+        Rise(own[0], own[0] + own[1], own[2], own[3]),
+        Rise(own[0] + own[1] + 0.5, own[0] + own[1] + 1.5, -own[2]),
+    ]
+)
+motions = st.one_of(
+    st.fixed_dictionaries({"harmonics": pairs, "table": st.one_of(rows, long_rows)}),
+    st.fixed_dictionaries({"harmonics": pairs, "rises": swings}),
+    st.fixed_dictionaries({"harmonics": pairs}),
+)
+curves = st.builds(
+    lambda motion, direction: Follow("rocker.head", direction, **motion),
+    motions,
+    st.one_of(st.none(), numbers),
+)
+own_drives = st.builds(
+    lambda speed, angle, frequency, motion: Drive("crank", speed, angle, frequency, **motion),
+    numbers,
+    numbers,
+    st.floats(1e-3, 1e3),
+    st.one_of(motions, st.fixed_dictionaries({"follow": curves})),
+)
+
+
+@given(own_drives, st.integers(0, 1000))
+def test_motions_are_kept_to_the_last_bit(drive: Drive, run_up: int) -> None:
+    linkage = replace(FOUR_BAR, drives=[drive], run_up=run_up)
+    assert read(written(linkage), "here") == linkage
+    assert read(json.loads(json.dumps(written(linkage))), "here") == linkage
+    assert read(tomllib.loads(toml_of(linkage))["mechanism"], "here", units=True) == linkage
+
+
+values = st.recursive(
+    st.one_of(
+        st.integers(-3, 3),
+        st.floats(),
+        st.booleans(),
+        st.text(max_size=4),
+        st.sampled_from(["30 deg", "1 rad", "5 mm", "20 rpm", "rocker.head", "cycloidal", "3-4-5"]),
+    ),
+    lambda inner: st.one_of(
+        st.lists(inner, max_size=4),
+        st.dictionaries(
+            st.sampled_from(["start", "end", "by", "law", "point", "table", "rises", "x"]),
+            inner,
+            max_size=4,
+        ),
+    ),
+    max_leaves=12,
+)
+KEYS = ("speed", "angle", "frequency", "harmonics", "table", "rises", "follow", "tabel")
+
+
+@given(st.dictionaries(st.sampled_from(KEYS), values, min_size=1, max_size=4), st.booleans())
+def test_any_drive_is_read_or_refused_in_one_line(row: dict[str, Any], units: bool) -> None:
+    data = tomllib.loads(toml_of(FOUR_BAR))["mechanism"] if units else written(FOUR_BAR)
+    data["drives"] = [{"body": "crank", **row}]
+    told = "here"
+    try:
+        assert len(read(data, "here", units=units).drives) == 1
+    except InputError as error:
+        told = str(error)
+    assert told.startswith(("here", "unknown key of here"))
+    assert "\n" not in one_line(told)
+
+
+@pytest.mark.parametrize(
+    ("row", "told"),
+    [
+        ({"table": [["0 deg", 1]]}, r"here: drives\[0\]\.table\[0\] = '1' has no unit"),
+        (
+            {"table": [["0 deg", "1 rad", "2 rad"]]},
+            r"drives\[0\]\.table\[0\] = .*: 2 or 4 values are expected: phase of the cycle",
+        ),
+        (
+            {"harmonics": [["1 rad"]]},
+            r"harmonics\[0\] = .*: 2 values are expected: cosine and sine",
+        ),
+        ({"rises": 3}, r"here: drives\[0\]\.rises = 3: a list of tables is expected"),
+        ({"rises": [{"start": 0, "end": "9 deg"}]}, r"drives\[0\]\.rises\[0\]: by is missing"),
+        ({"rises": [{"stat": 0}]}, r"unknown key of here: drives\[0\]\.rises\[0\] 'stat'; did you"),
+        (
+            {"rises": [{"start": 0, "end": "9 deg", "by": "9 deg", "law": "cycloid"}]},
+            "here: drive of crank: unknown law of a rise 'cycloid'; did you mean cycloidal",
+        ),
+        ({"follow": {}}, r"here: drives\[0\]\.follow: point is missing"),
+        ({"follow": {"point": "roker.head"}}, "unknown body in follow of crank 'roker'; did you"),
+        (
+            {"table": [[0, 0], ["60 deg", "5 deg"]]},
+            "here: table of crank: 2 rows are given; allowed are 3 to 256",
+        ),
+    ],
+)
+def test_a_motion_that_is_none_is_told_by_its_key(row: dict[str, Any], told: str) -> None:
+    data = tomllib.loads(toml_of(FOUR_BAR))["mechanism"]
+    data["drives"] = [{"body": "crank", "frequency": "30 rpm", **row}]
+    with pytest.raises(InputError, match=told):
+        read(data, "here", units=True)
+
+
+@pytest.mark.parametrize("wrong", ["2.5", -1, 1.5, True, "2 s", 2000])
+def test_a_run_up_is_a_whole_number_of_cycles(wrong: Any) -> None:
+    data = tomllib.loads(toml_of(FOUR_BAR))["mechanism"]
+    assert read(data | {"run_up": 2}, "here", units=True).run_up == 2
+    with pytest.raises(InputError, match="run_up"):
+        read(data | {"run_up": wrong}, "here", units=True)

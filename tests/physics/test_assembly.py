@@ -14,12 +14,12 @@ from presswear.linkage.elements import (
     GROUND,
     Attachment,
     Body,
-    Drive,
     Linkage,
     Probe,
     Revolute,
     bar_ends,
 )
+from presswear.linkage.motions import Drive
 from presswear.linkage.press import GEOMETRIES, Press
 from presswear.linkage.slider_crank import SliderCrank
 from presswear.physics.assembly import Motion, Rows, assembled, ideal_motion, motion_of

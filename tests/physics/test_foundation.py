@@ -226,7 +226,9 @@ def test_no_patch_hides_between_two_nodes(seed: int, above: float) -> None:
     random = np.random.default_rng(seed)
     bearing, pin = Surface(3e-5 * random.random(24)), Surface(3e-5 * random.random(24))
     places = (float(random.uniform(0.0, 6.0)), float(random.uniform(0.0, 6.0)))
-    eccentricity = C + 1e-6 + above - bed(bearing, pin, C, *places).overlap
+    before = bed(bearing, pin, C, *places)
+    # So far that the place that comes nearest meets by the micrometre.
+    eccentricity = C + (1e-6 + above - before.overlap) / math.cos(before.place)
     found = bed(bearing, pin, eccentricity, *places)
     assert found.along > 0.0
     s = np.linspace(-1.5, 1.5, 300_001)

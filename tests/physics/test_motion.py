@@ -2,6 +2,7 @@
 
 import math
 import tomllib
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -10,18 +11,32 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from presswear.campaign.starts import start_of
-from presswear.engines.base import Plan
-from presswear.linkage.elements import Drive, Linkage
+from presswear.engines.base import Plan, Run
+from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
+from presswear.linkage.elements import Linkage
 from presswear.linkage.four_bar import FOUR_BAR
+from presswear.linkage.motions import RISES, Drive, Rise, run_up_motion
 from presswear.linkage.slider_crank import SliderCrank
 from presswear.linkage.written import read, toml_of, written
 from presswear.physics.assembly import motion_of as ideal_of
-from presswear.physics.motion import drive_motion, is_steady, motion_of
+from presswear.physics.motion import (
+    break_after,
+    drive_motion,
+    is_steady,
+    motions_of,
+    step_to_break,
+)
+from presswear.record.recorder import Recorder
+from presswear.record.tracker import Tracker
 from presswear.scene.scene import Scene
+from presswear.scene.settings import changed
+from presswear.tools.arrays import State
+from presswear.tools.compiled import Records
 from presswear.tools.errors import InputError
 
+TURN = 2.0 * math.pi
 amplitudes = st.tuples(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0))
-drives = st.builds(
+fourier = st.builds(
     Drive,
     st.just("crank"),
     st.floats(-50.0, 50.0),
@@ -31,7 +46,12 @@ drives = st.builds(
 )
 
 
-@given(drives, st.floats(0.0, 10.0))
+def packed(drive: Drive, run_up: int = 0) -> Records:
+    """A drive of the four-bar as the kernels see it."""
+    return motions_of(replace(FOUR_BAR, drives=[drive], run_up=run_up))[0]
+
+
+@given(fourier, st.floats(0.0, 10.0))
 def test_a_fourier_series_is_summed_as_it_is_written(drive: Drive, t: float) -> None:
     """Against its complex form, whose derivatives are exact."""
     k = 1.0 + np.arange(len(drive.harmonics))
@@ -41,15 +61,14 @@ def test_a_fourier_series_is_summed_as_it_is_written(drive: Drive, t: float) -> 
     turned = drive.speed * t + (waves - c.real).real.sum()
     exact = turned, drive.speed + (rates * waves).real.sum(), (rates**2 * waves).real.sum()
     scale = 1.0 + np.abs(c).sum() * (1.0 + 5.0 * drive.frequency * np.array([1.0, t])).max()
-    for level, (one, other) in enumerate(
-        zip(drive_motion(motion_of(drive), t), exact, strict=True)
-    ):
+    for level, (one, other) in enumerate(zip(drive_motion(packed(drive), t), exact, strict=True)):
         bound = 1e-13 * scale * (1.0 + 5.0 * drive.frequency) ** level * (1.0 + abs(drive.speed))
         assert one == pytest.approx(other, abs=bound)
     found = [float(level[0]) for level in drive.motion(np.array([t]))]
     found[0] -= drive.angle
-    np.testing.assert_allclose(found, drive_motion(motion_of(drive), t), rtol=1e-12, atol=1e-9)
-    assert is_steady(drive) == (not drive.harmonics)
+    np.testing.assert_allclose(found, drive_motion(packed(drive), t), rtol=1e-12, atol=1e-9)
+    assert is_steady(FOUR_BAR, drive) == (not drive.harmonics)
+    assert not is_steady(replace(FOUR_BAR, run_up=1), drive)
 
 
 def test_what_is_no_motion_is_refused() -> None:
@@ -92,6 +111,23 @@ def test_the_slider_follows_a_crank_that_rocks() -> None:
     np.testing.assert_allclose(motion.acceleration[:, 6], slope * e + bend * w**2, atol=1e-10)
 
 
+INDEXING = Drive(
+    "crank", 30.0, 0.2, rises=[Rise(0.3, 1.9, 0.4, "modified-sine"), Rise(3.0, 5.0, -0.4, "3-4-5")]
+)
+SERVO = Drive(
+    "crank",
+    30.0,
+    0.2,
+    table=[(0.5, 0.0), (1.5, 0.15), (2.8, 0.05), (4.0, -0.1), (5.2, 0.1)],
+)
+PIECES = {
+    "rises": replace(FOUR_BAR, drives=[INDEXING]),
+    "table": replace(FOUR_BAR, drives=[SERVO]),
+    "run-up": replace(FOUR_BAR, run_up=1),
+    "table, run-up": replace(FOUR_BAR, drives=[SERVO], run_up=1),
+}
+
+
 @pytest.mark.parametrize("linkage", [UNEVEN, ROCKING], ids=["four-bar", "slider-crank"])
 def test_harmonics_are_written_and_read_back(linkage: Linkage) -> None:
     assert read(written(linkage), "here") == linkage
@@ -99,29 +135,239 @@ def test_harmonics_are_written_and_read_back(linkage: Linkage) -> None:
     assert read(data, "here", units=True) == linkage
 
 
-@pytest.mark.parametrize("linkage", [UNEVEN, ROCKING], ids=["four-bar", "slider-crank"])
+MOTIONS = {
+    "four-bar": UNEVEN,
+    "slider-crank": ROCKING,
+    "rises": PIECES["rises"],
+    "table, run-up": PIECES["table, run-up"],
+}
+
+
 @pytest.mark.parametrize(
-    ("engine", "joints", "bound"),
+    ("name", "engine", "joints", "bound"),
     [
-        ("dae", "none", 1e-7),
-        ("exudyn-joints", "none", 1e-5),
-        ("dae", "B", 1e-7),
-        ("exudyn-tree", "B", 1e-7),
-        ("exudyn-joints", "B", 1e-5),
+        (name, *own)
+        for name in MOTIONS
+        for own in (
+            ("dae", "none", 1e-7),
+            ("exudyn-joints", "none", 1e-5),
+            ("dae", "B", 1e-7),
+            ("exudyn-tree", "B", 1e-7),
+            ("exudyn-joints", "B", 1e-5),
+        )
+        # Three cycles of contact at equal steps take long.
+        if name != "table, run-up" or own[:2] != ("exudyn-joints", "B")
     ],
 )
 def test_every_engine_follows_an_uneven_drive(
-    linkage: Linkage, engine: str, joints: str, bound: float
+    name: str, engine: str, joints: str, bound: float
 ) -> None:
     """Without clearance the closed motion; with it the drive, and an energy that adds up."""
-    scene = Scene(mechanism=linkage, joints=joints, wears=0, engine=engine)
+    scene = Scene(mechanism=MOTIONS[name], joints=joints, wears=0, engine=engine)
     period = scene.mechanism.period
-    run = scene.solver.over(period).simulate(scene.linkage(), start_of(scene), Plan(period, 1))
+    plan = Plan(period, 1, run_up=scene.run_up)
+    run = scene.solver.over(period).simulate(scene.linkage(), start_of(scene), plan)
     assert run.status == "completed"
+    assert run.time == pytest.approx(scene.run_up + period, rel=1e-9)
     end = scene.ideal.at(np.array([run.time]))
     column = 2 if joints == "B" else slice(None)
     assert np.abs(run.end.position - end.position[0])[column].max() < bound
     assert np.abs(run.end.velocity - end.velocity[0])[column].max() < 1e2 * bound
+    # The drive itself: exact, but for the angle that the trapezoidal rule makes of its speed.
+    angle, speed = (
+        abs(own[2] - exact[0, 2])
+        for own, exact in ((run.end.position, end.position), (run.end.velocity, end.velocity))
+    )
+    assert angle < {"dae": 1e-11, "exudyn-tree": 1e-14, "exudyn-joints": 1e-7}[engine]
+    assert speed < 1e-9
     if joints == "B":
         residual = abs(float(run.diagnostics["energy_residual_J"]))
         assert residual < 10.0 * bound * float(run.diagnostics["drive_exchange_J"])
+
+
+FAR = {"clearance": "0.9 m", "bearing_radius": "1 m"}
+"""The pin never meets its bearing: what is left is smooth but for the breaks of the motion."""
+
+
+def flying(linkage: Linkage) -> Scene:
+    return changed(Scene(mechanism=linkage, joints="B", wears=0), FAR)
+
+
+def flown(scene: Scene, engine: Engine, cycles: float = 1.37) -> Run:
+    plan = Plan(cycles * scene.mechanism.period, 1, 1)
+    run = engine.simulate(scene.linkage(), start_of(scene), plan)
+    assert run.status == "completed", run.message
+    return run
+
+
+def test_no_engine_loses_its_order_at_the_breaks_of_a_motion() -> None:
+    """Steps of a given length against very fine ones; across the breaks errors were 1e-4 to 1e-5.
+
+    Steps are as long as they may be: a tolerance that all of them pass.
+    """
+    scene = flying(PIECES["table"])
+    period = scene.mechanism.period
+    fine = flown(scene, InHouse(integration_tolerance=1e-14, free_step=period / 2000))
+
+    def error(engine: Engine) -> float:
+        return float(np.abs(flown(scene, engine).end.position - fine.end.position).max())
+
+    rk4 = [error(InHouse(integrator="rk4", equal_step=period / n)) for n in (74, 148, 296)]
+    assert min(np.log2(rk4[k] / rk4[k + 1]) for k in (0, 1)) > 3.7
+    tree = [error(ExudynTree(tree_tolerance=1e3, free_step=period / n)) for n in (148, 296)]
+    assert np.log2(tree[0] / tree[1]) > 4.2
+    assert error(InHouse(integration_tolerance=1e6, free_step=period / 74)) < 1e-11
+
+
+@pytest.mark.parametrize(
+    "engine",
+    [
+        ExudynTree(free_step=1e-3),
+        ExudynJoints(free_step=1e-3),
+        InHouse(free_step=1e-3),
+        InHouse(integrator="rk4", equal_step=1e-3),
+    ],
+    ids=["tree", "joints", "dae", "rk4"],
+)
+def test_steps_end_where_a_motion_breaks(engine: Engine) -> None:
+    """Steps of 1 ms are rows of the series; each break, the end of the run-up too, is one."""
+    scene = flying(PIECES["table, run-up"])
+    run = flown(scene, engine, 2.4)
+    time = run.recorder.series("time")
+    motion = run.recorder.book.motions[0]
+    breaks = [0.0]
+    while breaks[-1] < run.time:
+        breaks.append(break_after(motion, breaks[-1]))
+    assert scene.run_up in breaks
+    for own in breaks[1:-1]:
+        assert np.abs(time - own).min() < 1e-12
+
+
+def test_a_run_up_starts_at_rest_and_ends_in_step() -> None:
+    steady, started = PIECES["table"], PIECES["table, run-up"]
+    period, run_up = steady.period, started.run_up_time
+    assert run_up == 2.0 * period
+    ideal = ideal_of(started)
+    rest = ideal.at(np.zeros(1))
+    assert np.abs(rest.velocity).max() == np.abs(rest.acceleration).max() == 0.0
+    time = np.linspace(0.0, period, 7)
+    late, exact = ideal.at(run_up + time), ideal_of(steady).at(time + period)
+    for level in ("position", "velocity", "acceleration"):
+        one, other = getattr(late, level), getattr(exact, level)
+        np.testing.assert_allclose(one, other, rtol=1e-12, atol=1e-12 * np.abs(other).max())
+    # Velocity and acceleration are the derivatives of position and velocity on the way.
+    time, h = np.linspace(0.01, 0.95, 13) * run_up, 1e-6
+    now, up, down = (ideal.at(time + step) for step in (0.0, h, -h))
+    for one, other in (("position", "velocity"), ("velocity", "acceleration")):
+        rate = (getattr(up, one) - getattr(down, one)) / (2.0 * h)
+        scale = np.abs(getattr(now, other)).max()
+        np.testing.assert_allclose(rate, getattr(now, other), atol=1e-6 * scale)
+
+
+class _Kept(Tracker):
+    """Keeps the state behind the first cycle."""
+
+    def cycle(self, recorder: Recorder, state: Callable[[], State]) -> bool:
+        if len(recorder.cycles) == 1:
+            self.state = state()
+        return False
+
+
+@pytest.mark.parametrize("engine", [ExudynTree(), ExudynJoints(), InHouse()])
+def test_no_cycle_holds_anything_of_the_run_up(engine: Engine) -> None:
+    """Cycles are those of the linkage that starts at speed; a run goes on bit for bit."""
+    scene = flying(PIECES["table, run-up"])
+    linkage, start, period = scene.linkage(), start_of(scene), scene.mechanism.period
+    kept = _Kept()
+    plan = Plan(period, 2, run_up=scene.run_up, trackers=(kept,))
+    run = engine.simulate(linkage, start, plan)
+    assert run.status == "completed"
+    assert run.recorder.last_time == pytest.approx(scene.run_up + 2.0 * period, rel=1e-9)
+    # The steps of the run-up are in none of them.
+    assert run.recorder.each_cycle("steps").sum() < 0.7 * float(run.diagnostics["steps"])
+    again = engine.simulate(linkage, start, replace(plan, trackers=(), resume=kept.state))
+    np.testing.assert_array_equal(again.recorder.cycles, run.recorder.cycles)
+    np.testing.assert_array_equal(again.end.position, run.end.position)
+
+
+def test_closed_cycles_behind_a_run_up_are_those_at_speed() -> None:
+    """Nothing of the start from rest is in the numbers of the cycles."""
+    rows = []
+    for linkage in (PIECES["table"], PIECES["table, run-up"]):
+        scene = Scene(mechanism=linkage, joints="none", wears=0, engine="dae")
+        plan = Plan(linkage.period, 1, run_up=scene.run_up)
+        rows.append(InHouse().simulate(scene.linkage(), start_of(scene), plan).recorder.cycles[0])
+    np.testing.assert_allclose(rows[0][:4], rows[1][:4], rtol=1e-3)
+    assert rows[0][4] == pytest.approx(rows[1][4], rel=0.1)  # steps
+
+
+rises = st.builds(
+    lambda first, length, by, law: [
+        Rise(first, first + length, by, law),
+        Rise(first + length + 0.5, first + length + 1.5, -0.8 * by, "cycloidal"),
+    ],
+    st.floats(0.0, 6.0),
+    st.floats(0.2, 4.0),
+    st.floats(-2.0, 2.0),
+    st.sampled_from(sorted(RISES)),
+)
+tables = st.lists(st.floats(-1.0, 1.0), min_size=3, max_size=20).map(
+    lambda own: [(k * TURN / len(own), x) for k, x in enumerate(own)]
+)
+in_pieces = st.one_of(
+    st.builds(Drive, st.just("crank"), st.floats(-9.0, 9.0), rises=rises, frequency=st.just(7.0)),
+    st.builds(Drive, st.just("crank"), st.floats(-9.0, 9.0), table=tables, frequency=st.just(7.0)),
+)
+
+
+@given(in_pieces, st.floats(0.0, 300.0), st.integers(0, 3))
+def test_kernels_see_the_pieces_that_are_written(drive: Drive, t: float, run_up: int) -> None:
+    """To round-off after hundreds of cycles, whose phase is known to 1e-12 rad."""
+    linkage = replace(FOUR_BAR, drives=[drive], run_up=run_up, cycle=TURN / 7.0)
+    motion = motions_of(linkage)[0]
+    tau, rate, rise = run_up_motion(np.array([t]), linkage.run_up_time)
+    angle, speed, faster = (float(level[0]) for level in drive.motion(tau))
+    exact = angle - drive.angle, speed * rate[0], faster * rate[0] ** 2 + speed * rise[0]
+    steep = np.abs(drive.pieces.polynomial).max() + 10.0 * np.abs(drive.pieces.wave[:, :2]).prod()
+    for one, other in zip(drive_motion(motion, t), exact, strict=True):
+        assert one == pytest.approx(other, rel=1e-12, abs=1e-10 * (1.0 + steep))
+
+
+@given(in_pieces, st.floats(0.0, 3.0), st.integers(0, 2))
+def test_breaks_are_where_the_pieces_end(drive: Drive, t: float, run_up: int) -> None:
+    """One after the other, each once: their phases are those at which pieces begin."""
+    linkage = replace(FOUR_BAR, drives=[drive], run_up=run_up, cycle=TURN / 7.0)
+    motion, duration = motions_of(linkage)[0], linkage.run_up_time
+    found = [t]
+    for _ in range(3 * len(drive.pieces.start) + 1):
+        found.append(break_after(motion, found[-1]))
+    assert np.all(np.diff(found) > 0.0)
+    times = np.array(found[1:])
+    phase = 7.0 * run_up_motion(times, duration)[0]
+    off = np.abs(phase[:, np.newaxis] - drive.pieces.start) / TURN
+    off = np.abs(off - np.round(off)).min(axis=1)
+    of_run_up = np.isclose(times, duration, rtol=1e-12) & (off > 1e-9)
+    assert of_run_up.sum() <= 1
+    assert off[~of_run_up].max(initial=0.0) < 1e-11
+    # None is left out: as many as pieces begin in that time.
+    first = 7.0 * run_up_motion(np.array([t]), duration)[0]
+    begun = [np.floor((p - drive.pieces.start) / TURN + 1e-9) for p in (first, phase[-1])]
+    assert len(times) - of_run_up.sum() == (begun[1] - begun[0]).sum()
+
+
+def test_steps_end_at_breaks_and_none_is_tiny() -> None:
+    motions = motions_of(replace(FOUR_BAR, drives=[INDEXING], cycle=TURN / 30.0))
+    ahead = break_after(motions[0], 0.0)
+    assert step_to_break(motions, 0.0, 0.4 * ahead) == 0.4 * ahead
+    assert step_to_break(motions, 0.0, 0.6 * ahead) == 0.5 * ahead
+    assert step_to_break(motions, 0.0, 1.1 * ahead) == ahead
+    steady = motions_of(FOUR_BAR)
+    assert step_to_break(steady, 0.0, 1e9) == 1e9
+
+
+@pytest.mark.parametrize("name", PIECES)
+def test_what_is_written_is_read_back(name: str) -> None:
+    linkage = PIECES[name]
+    assert read(written(linkage), "here") == linkage
+    data = tomllib.loads(toml_of(linkage))["mechanism"]
+    assert read(data, "here", units=True) == linkage

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from scipy.linalg import null_space
 from sub_chains import ARM, PUMP, STEPHENSON
 
-from presswear.linkage.elements import Attachment, Drive, Guide, Linkage, Pin
+from presswear.linkage.elements import Attachment, Guide, Linkage, Pin
 from presswear.linkage.four_bar import FOUR_BAR
+from presswear.linkage.motions import Drive
 from presswear.linkage.press import GEOMETRIES, Press
 from presswear.linkage.slider_crank import SliderCrank
 from presswear.linkage.topology import prescribed_of

@@ -10,8 +10,9 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from two_bodies import JOINT, Pair, joint_load
 
-from presswear.linkage.elements import GROUND, Attachment, Body, Drive
+from presswear.linkage.elements import GROUND, Attachment, Body
 from presswear.linkage.laws import delivered_restitution
+from presswear.linkage.motions import Drive
 from presswear.physics.contact import CONTACT, note_contacts
 from presswear.physics.packed import pack
 from presswear.physics.touchdown import (

@@ -32,7 +32,7 @@ from presswear.tools.errors import InputError
 from presswear.tools.numbers import given, readable, whole, with_interval
 
 BINS = 72
-UNIT = re.compile(r"\((m|mm|µm|nm|s|N|m/s|m/s²|degrees)\)")
+UNIT = re.compile(r"\((m|mm|µm|nm|s|N|m/s|m/s²|N m|W|degrees)\)")
 
 
 def made_up(scene: Scene, stages: int, status: str = "completed", message: str = "") -> Result:
@@ -63,6 +63,8 @@ def _stage(scene: Scene, index: int, status: Any, message: str) -> StageResult:
         "angle": angle,
         "cycles": np.zeros((2, len(CYCLE_FIXED) + len(CYCLE_JOINT) * len(scene.clearance_joints))),
     }
+    if scene.drive_torque == "on":
+        arrays["drive_torque"] = np.column_stack([np.cos(40.0 * time), 1.0 + 0.0 * time])
     joints = {}
     for joint in scene.clearance_joints:
         turn = 6.0 * np.pi * time / time[-1]
@@ -267,8 +269,8 @@ def test_stage_without_motion_is_left_out(status: Status, rows: int | None) -> N
 
 
 def grown() -> Result:
-    """Three stages with two wears of three steps each between them."""
-    result = made_up(BOTH, 3)
+    """Three stages with two wears of three steps each between them, and torques."""
+    result = made_up(replace(BOTH, drive_torque="on"), 3)
     for index in range(2):
         steps = [
             WearStep(1e6, 2, 5e5, 0.1, dict.fromkeys("AC", deepest), {"A": 9.0, "C": 9.0}, 1.0)
@@ -289,7 +291,9 @@ def test_plot_gives_the_axes_of_every_figure_in_memory() -> None:
     assert result.path is None
     counts = {name: len(result.plot(name)) for name in NAMES}
     assert counts.pop("mechanism") == 1
-    assert counts == {"wear": 2, "growth": 2, "surfaces": 6, "response": 7, "force": 6, "path": 6}
+    torque = {"drives": 4}
+    motion = {"response": 7, "force": 6, "path": 6}
+    assert counts == {"wear": 2, "growth": 2, "surfaces": 6, **motion, **torque}
     assert len(result.plot()) == 1 + sum(counts.values())
     assert len(result.plot("path", "wear")) == counts["path"] + counts["wear"]
 

@@ -38,6 +38,7 @@ class System(NamedTuple):
 
     packed: Packed
     constraints: Records
+    motions: Records
     row_start: Indices
     column: Indices
     elimination: Elimination
@@ -60,6 +61,7 @@ def evaluate_constraints(system: System, t: float, q: Array, v: Array) -> None:
     """Evaluate Phi, its derivative, gamma and the Jacobian in the system's working space."""
     constraint_rows(
         system.constraints,
+        system.motions,
         system.row_start,
         t,
         q,
@@ -123,7 +125,7 @@ def rates(system: System, onset: Array, t: float, y: Array, out: Array) -> None:
     for i in range(system.constraints.shape[0]):
         c = system.constraints[i]
         if c.kind == DRIVE:
-            power -= system.multipliers[c.row] * drive_motion(c.drive, t)[1]
+            power -= system.multipliers[c.row] * drive_motion(system.motions[c.drive], t)[1]
     out[2 * n] = power
     out[2 * n + 1] = abs(power)
     for i in range(n):
@@ -158,6 +160,7 @@ def system_of(packed: Packed, constraints: Constraints, alpha: float, beta: floa
     return System(
         packed=packed,
         constraints=constraints.records,
+        motions=constraints.motions,
         row_start=constraints.row_start,
         column=constraints.column,
         elimination=elimination,

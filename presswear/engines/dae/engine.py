@@ -27,7 +27,7 @@ from presswear.engines.driver import Simulation
 from presswear.engines.settings import InHouse
 from presswear.linkage.elements import Linkage
 from presswear.physics.constraints import Constraints, constraints_of
-from presswear.physics.energy import MADE_REMEDY, SETTLED, Ledger, made_energy, stored_energy
+from presswear.physics.energy import MADE_REMEDY, Ledger, made_energy, stored_energy
 from presswear.physics.forces import BRISTLE, CONTACT_LOSS, FRICTION_LOSS, MADE
 from presswear.record.recorder import Recorder
 from presswear.record.soundness import Finding
@@ -149,7 +149,7 @@ def prepare(
             time = float(control["time"][0])
             plan.advanced(time)
             lost = float(y[2 * n + DRIVE_INTEGRALS : joints_end : JOINT_INTEGRALS].sum())
-            made = made_energy(lost, float(y[2 * n + 1])) if time > SETTLED * plan.cycle else ""
+            made = made_energy(lost, float(y[2 * n + 1])) if time > plan.settled else ""
             if made:
                 return Finding("energy", made, time, "", MADE_REMEDY)
         sums["solve"] += clock.perf_counter() - began

@@ -26,6 +26,7 @@ from presswear.physics.constraints import DRIVE
 from presswear.physics.contact import note_contact, note_contacts
 from presswear.physics.forces import PRESSURE, WORK, note_forces
 from presswear.physics.loads import WAYS, load_motion, next_break, switching
+from presswear.physics.motion import step_to_break
 from presswear.physics.touchdown import (
     LEAST_STEPS,
     contact_step,
@@ -382,7 +383,8 @@ def march_controlled(
             return DONE
         longest = skim_step(system.packed, book.memory, state.longest)
         longest = step_after_touchdown(system.packed.joints, book.onset, book.memory, longest)
-        h = min(state.step, longest, left, until_break(system, t))
+        h = step_to_break(system.motions, t, min(state.step, longest))
+        h = min(h, left, until_break(system, t))
         last_step = h >= left
         for i in range(n):
             motion.scale[i] = state.tolerance * POSITION_SCALE
@@ -456,7 +458,7 @@ def march_fixed(
         if state.due > t:
             h = min(state.due - t, left)
         whole = h
-        h = min(h, until_break(system, t))
+        h = min(step_to_break(system.motions, t, h), until_break(system, t))
         trial_step(system, None, book, control, motion, t, h)
         k, located, found = event_in(system, None, book, control, motion, t, h, 0)
         if k >= 0:

@@ -34,7 +34,6 @@ from presswear.linkage.elements import Linkage
 from presswear.physics.constraints import constraints_of
 from presswear.physics.energy import Ledger, stored_energy
 from presswear.physics.forces import JOINT_RATES
-from presswear.physics.motion import MOTION, motion_of
 from presswear.physics.touchdown import STEPS
 from presswear.record.observe import Book
 from presswear.record.recorder import Recorder
@@ -91,7 +90,6 @@ def _drives(model: JointsModel, linkage: Linkage) -> Drives:
             ],
             dtype=np.int64,
         ),
-        motions=np.array([motion_of(drive) for drive in linkage.drives], dtype=MOTION),
         multipliers=model.solved[3],
         force=np.zeros(count),
         rates=np.zeros(JOINT_RATES * len(linkage.clearances)),

@@ -11,7 +11,7 @@ from presswear.physics.contact import note_contacts
 from presswear.physics.energy import loss_powers
 from presswear.physics.forces import add_contacts, load_of
 from presswear.physics.loads import WAYS, load_forces, load_motion, next_break, switching
-from presswear.physics.motion import drive_motion
+from presswear.physics.motion import drive_motion, step_to_break
 from presswear.physics.packed import Packed
 from presswear.physics.prescribed import (
     Prescribed,
@@ -154,7 +154,6 @@ class Drives(NamedTuple):
     ----------
     multiplier : ndarray of int, shape (drives,)
         Index of each drive's Lagrange multiplier; -1 for that of a body that is left out.
-    motions : records of MOTION, shape (drives,)
     multipliers : ndarray
         Exudyn's live multipliers; the torque of a drive is minus its own.
     force : ndarray, shape (3 bodies,)
@@ -164,7 +163,6 @@ class Drives(NamedTuple):
     """
 
     multiplier: Indices
-    motions: Records
     multipliers: Array
     force: Array
     rates: Array
@@ -186,10 +184,10 @@ def powers(frame: Frame, drives: Drives, book: Book, t: float) -> tuple[float, f
         subtract_inertia(prescribed, frame.a, drives.force)
         drive_torques(prescribed, frame.q, frame.axes, drives.force, book.torque)
     power = 0.0
-    for i in range(drives.motions.shape[0]):
+    for i in range(book.motions.shape[0]):
         if drives.multiplier[i] >= 0:
             book.torque[i] = -drives.multipliers[drives.multiplier[i]]
-        power += book.torque[i] * drive_motion(drives.motions[i], t)[1]
+        power += book.torque[i] * drive_motion(book.motions[i], t)[1]
     return power, given
 
 
@@ -252,7 +250,8 @@ def accept_joint_step(
                 # The rule begins from accelerations that no longer hold.
                 following = steps[0].least
     left = next_break(packed.loads, packed.nodes, packed.modes) - t
-    return max(min(following, left), 0.1 * steps[0].least)
+    following = step_to_break(book.motions, t, min(following, left))
+    return max(following, 0.1 * steps[0].least)
 
 
 @compiled

@@ -21,13 +21,13 @@ from numpy.typing import NDArray
 from presswear.engines.base import Start
 from presswear.engines.exudyn import add_load, add_marker, add_node, add_object
 from presswear.engines.exudyn_joints.kernels import Frame, Live, connector_forces
-from presswear.linkage.elements import GROUND, Attachment, Drive, Linkage
+from presswear.linkage.elements import GROUND, Attachment, Linkage
 from presswear.linkage.topology import bodies_of, joints_of, prescribed_of
 from presswear.physics.contact import CONTACT
-from presswear.physics.motion import drive_motion, is_steady, motion_of
+from presswear.physics.motion import drive_motion, is_steady
 from presswear.physics.prescribed import begin_motion, pack_prescribed
 from presswear.record.recorder import Recorder
-from presswear.tools.compiled import specialised
+from presswear.tools.compiled import Records, specialised
 
 Array = NDArray[np.float64]
 
@@ -56,9 +56,8 @@ class JointsModel:
         return {name: np.asarray(array) for name, array in arrays.items()}
 
 
-def _speed_function(drive: Drive) -> Callable[..., float]:
+def _speed_function(motion: Records) -> Callable[..., float]:
     """The function that Exudyn calls for the speed of a drive."""
-    motion = motion_of(drive)
     return lambda system, t, item, offset: drive_motion(motion, t)[1]
 
 
@@ -129,14 +128,15 @@ def assemble(linkage: Linkage, start: Start, recorder: Recorder) -> JointsModel:
         )
     still = add_node(system, "PointGround")
     fixed = add_marker(system, "NodeCoordinate", nodeNumber=still, coordinate=0)
-    for drive in linkage.drives:
+    for place, drive in enumerate(linkage.drives):
         if drive.body in omitted:
             continue
         turned = add_marker(system, "NodeCoordinate", nodeNumber=nodes[drive.body], coordinate=2)
         # At velocity level; the trapezoidal rule integrates a constant speed exactly.
         turning: dict[str, Any] = {"offset": drive.speed}
-        if not is_steady(drive):
-            turning = {"offset": 0.0, "offsetUserFunction_t": _speed_function(drive)}
+        if not is_steady(linkage, drive):
+            speed = _speed_function(recorder.book.motions[place])
+            turning = {"offset": 0.0, "offsetUserFunction_t": speed}
         markers = [fixed, turned]
         constraints[drive.name] = add_object(
             system, "ConnectorCoordinate", markerNumbers=markers, velocityLevel=True, **turning

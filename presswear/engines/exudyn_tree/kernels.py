@@ -30,6 +30,7 @@ from presswear.physics.forces import (
 from presswear.physics.laws import bristle_rate
 from presswear.physics.links import accelerate_links, carry_branches, gather_forces, place_links
 from presswear.physics.loads import WAYS, next_break, switching
+from presswear.physics.motion import step_to_break
 from presswear.physics.packed import Packed
 from presswear.physics.prescribed import Prescribed, drive_torques, forced_power, place_prescribed
 from presswear.physics.touchdown import LEAST_PARTS, contact_step, skim_step, step_after_touchdown
@@ -63,6 +64,7 @@ PACE = np.dtype(
         ("reach", np.float64),  # last step that was not cut short, s
         ("asked", np.float64),  # limit that was set to the step, s
         ("cut", np.bool_),  # an event set that limit
+        ("to_break", np.bool_),  # ... of a drive's motion
         ("smooth", np.bool_),  # no pin has touched down or left in the last step
         ("evaluations", np.int64),
         ("noted", np.float64),  # time of the state whose contacts are noted, s
@@ -361,7 +363,7 @@ def tree_state(system: TreeSystem, book: Book, t: float, x: Array, u: Array, u_t
 
 @compiled
 def next_tree_step(book: Book, system: TreeSystem, t: float, h: float, events: int) -> float:
-    """Limit of the next step, s, after one of length ``h``; the error control may go below it."""
+    """Limit of the step from a time, s, after one of length ``h``; error control may go below."""
     pace = system.pace[0]
     if not (pace.cut and h >= 0.999 * pace.asked):
         # A step cut short says little: what was reached before it still holds.
@@ -370,13 +372,16 @@ def next_tree_step(book: Book, system: TreeSystem, t: float, h: float, events: i
         if book.onset[k] > 0.0 and book.memory[k].steps == 1:
             pace.deepest_touch = max(pace.deepest_touch, book.memory[k].penetration)
     pace.events += events
-    pace.smooth = events == 0
+    # A break changes the third derivatives by which events are foreseen.
+    pace.smooth = events == 0 and not (pace.to_break and h >= 0.999 * pace.asked)
     limit = min(
         step_after_touchdown(book.packed.joints, book.onset, book.memory, GROWTH * pace.reach),
         skim_step(book.packed, book.memory, pace.longest),
     )
-    pace.asked = step_to_events(book, system, step_to_changes(book, system, t, limit))
+    broken = step_to_break(book.motions, t, limit)
+    pace.asked = step_to_events(book, system, step_to_changes(book, system, t, broken))
     pace.cut = pace.asked < limit
+    pace.to_break = broken < limit and pace.asked == broken
     return pace.asked
 
 

@@ -9,6 +9,7 @@ from typing import BinaryIO
 import matplotlib
 
 from presswear.results.result import Result
+from presswear.show.figures.drives import drive_work
 from presswear.show.figures.mechanism import mechanism
 from presswear.show.figures.motion import centre_trajectory, contact_force, response
 from presswear.show.figures.style import (
@@ -34,6 +35,7 @@ NAMES: dict[str, Callable[[Result, Stages], list[Drawing]]] = {
     "response": response,
     "force": contact_force,
     "path": centre_trajectory,
+    "drives": drive_work,
 }
 """Figures by name, in the order of the report; each is drawn of some stages of a result, at
 least one, and gives nothing where it would say nothing."""

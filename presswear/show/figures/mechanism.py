@@ -69,7 +69,7 @@ def labelled(scene: Scene, time: float = 0.0) -> Drawing:
     for drive in linkage.drives:
         hinge = next((end for _, end in ends if end.body == drive.body), None)
         if hinge is not None:
-            _draw_drive(axes, _path(linkage, position, hinge)[0], drive.speed, size)
+            _draw_drive(axes, _path(linkage, position, hinge)[0], drive.mean_speed, size)
     for load in linkage.loads:
         point = load.point if isinstance(load, Force) else f"{load.body}.centre"
         _draw_load(axes, load, _path(linkage, position, linkage.point(point, "loads"))[0], size)

@@ -39,7 +39,7 @@ _ROUND_GAP = replace(IDEAL, width=0.7)
 _LIMIT = Pen("gap limit, c + wear depths", REFERENCE, width=0.7)
 
 
-def _moving(result: Result, stages: Stages) -> list[ShownStage]:
+def moving_stages(result: Result, stages: Stages) -> list[ShownStage]:
     """The shown stages that have a motion to show, each with the whole of it.
 
     One that failed has none: up to where it was ended its numbers are worth nothing.
@@ -57,7 +57,7 @@ class Window:
 
     Attributes
     ----------
-    begin, end, period : float
+    begin, end, period, run_up : float
         s.
     words : str
         The part in words.
@@ -66,42 +66,48 @@ class Window:
     begin: float
     end: float
     period: float
+    run_up: float
     words: str
 
     def label(self, axes: Axes) -> None:
         """Limit an axis of time to it, and mark the crank's angle there."""
         axes.set_xlim(self.begin, self.end)
         axes.xaxis.set_major_locator(MultipleLocator(0.25 * self.period))
-        axes.xaxis.set_major_formatter(lambda time, place: f"{360.0 * time / self.period:.0f}")
+        axes.xaxis.set_major_formatter(
+            lambda time, place: f"{360.0 * (time - 0.5 * self.run_up) / self.period:.0f}"
+        )
         axes.set_xlabel("crank angle since the start (degrees)")
 
 
-def _settled(result: Result, stages: Sequence[ShownStage]) -> tuple[list[ShownStage], Window]:
+def settled(result: Result, stages: Sequence[ShownStage]) -> tuple[list[ShownStage], Window]:
     """The stages over the part of the motion that is shown: cycles behind the start-up."""
-    period = result.scene.mechanism.period
-    whole = [round(float(stage.data.time[-1]) / period - 0.48) for stage in stages]
+    period, run_up = result.scene.mechanism.period, result.scene.run_up
+    whole = [round((float(stage.data.time[-1]) - run_up) / period - 0.48) for stage in stages]
     first = max(min(STARTUP_CYCLES, min(whole) - 1), 0)
-    begin = first * period
+    begin = run_up + first * period
     last = max(float(stage.data.time[-1]) for stage in stages)
     end = min(begin + SHOWN_CYCLES * period, last)
-    cycles = round(end / period)
-    if abs(end / period - cycles) > 0.02:
-        words = f"the first {end / period:.2g} cycles"
+    ran = (end - run_up) / period
+    cycles = round(ran)
+    if abs(ran - cycles) > 0.02:
+        words = f"the first {ran:.2g} cycles"
     elif first:
         one = first + 1 == cycles
         words = f"cycle {cycles}" if one else f"cycles {first + 1} to {cycles}"
     else:
         words = "the first cycle, at the start" if cycles == 1 else f"the first {cycles} cycles"
     shown = [replace(stage, data=between(stage.data, begin, end)) for stage in stages]
-    return shown, Window(begin, end, period, f"{words} of {1e3 * period:.0f} ms")
+    if run_up > 0.0:
+        words += " behind the run-up"
+    return shown, Window(begin, end, period, run_up, f"{words} of {1e3 * period:.0f} ms")
 
 
 def response(result: Result, stages: Stages) -> list[Drawing]:
     """Displacement, velocity and acceleration of the slider against the ideal."""
-    moving = _moving(result, stages)
+    moving = moving_stages(result, stages)
     if not moving:
         return []
-    shown, window = _settled(result, moving)
+    shown, window = settled(result, moving)
     time = np.linspace(window.begin, window.end, 2001)
     ideal = result.scene.ideal_slider(time)
     with_impacts = bool(result.scene.clearance_joints)
@@ -114,7 +120,7 @@ def response(result: Result, stages: Stages) -> list[Drawing]:
         stage.pen.draw(panels[2], stage.data.time, stage.data.velocity, linewidth=0.9)
     IDEAL.draw(panels[2], time, ideal[:, 1], linewidth=0.9)
     panels[2].set_ylabel("velocity\n(m/s)")
-    _draw_accelerations(panels[3 : 3 + len(shown)], result, shown, time, ideal[:, 2])
+    _draw_accelerations(panels[3 : 3 + len(shown)], window, shown, time, ideal[:, 2])
     watched = result.scene.watched
     caption = f"The {watched} over {window.words}, against the motion without clearance."
     if with_impacts:
@@ -150,7 +156,7 @@ def _draw_displacements(
 
 
 def _draw_jagged(
-    axes: Axes, stage: ShownStage, values: Array, each_cycle: Array, period: float, unit: str
+    axes: Axes, stage: ShownStage, values: Array, each_cycle: Array, window: Window, unit: str
 ) -> float:
     """Draw what impacts make jagged, and name its largest value of either sign; gives that.
 
@@ -160,7 +166,8 @@ def _draw_jagged(
         Largest value of each cycle.  Rows of a series are kept as a force changes by 2 % of its
         peak, so that a peak itself may lie between two of them.
     """
-    begin, end = (int(time / period + 0.02) for time in stage.data.time[[0, -1]])
+    ran = stage.data.time[[0, -1]] - window.run_up
+    begin, end = (int(time / window.period + 0.02) for time in ran)
     shown = each_cycle[begin:end]
     largest = max(float(np.abs(values).max()), float(shown.max(initial=0.0)))
     axes.plot(stage.data.time, values, color=stage.pen.colour, linewidth=0.7)
@@ -169,14 +176,13 @@ def _draw_jagged(
 
 
 def _draw_accelerations(
-    panels: Sequence[Axes], result: Result, stages: list[ShownStage], time: Array, ideal: Array
+    panels: Sequence[Axes], window: Window, stages: list[ShownStage], time: Array, ideal: Array
 ) -> None:
     """One panel a stage on a common scale."""
     low, high = float(ideal.min()), float(ideal.max())
-    period = result.scene.mechanism.period
     for axes, stage in zip(panels, stages, strict=True):
         values, peaks = stage.data.acceleration, stage.data.each_cycle("acceleration_max")
-        _draw_jagged(axes, stage, values, peaks, period, "m/s²")
+        _draw_jagged(axes, stage, values, peaks, window, "m/s²")
         IDEAL.draw(axes, time, ideal, linewidth=0.9)
         axes.set_ylabel("acceleration\n(m/s²)")
         low, high = min(low, float(values.min())), max(high, float(values.max()))
@@ -203,18 +209,18 @@ def _draw_mean_accelerations(
 def contact_force(result: Result, stages: Stages) -> list[Drawing]:
     """Normal force at each clearance joint over time, a panel for each stage."""
     joints = result.scene.clearance_joints
-    moving = _moving(result, stages)
+    moving = moving_stages(result, stages)
     if not joints or not moving:
         return []
-    shown, window = _settled(result, moving)
+    shown, window = settled(result, moving)
     sheet = Sheet(figsize=(WIDTH, 0.5 + 1.35 * len(shown)), layout="constrained")
     grid = sheet.subplots(len(shown), len(joints), squeeze=False, sharex=True, sharey="col")
     for column, joint in zip(grid.T, joints, strict=True):
         largest = 0.0
         for axes, stage in zip(column, shown, strict=True):
             own = stage.data.joints[joint]
-            peaks, period = own.each_cycle("force_max"), result.scene.mechanism.period
-            peak = _draw_jagged(axes, stage, own.force[:, 0], peaks, period, "N")
+            peaks = own.each_cycle("force_max")
+            peak = _draw_jagged(axes, stage, own.force[:, 0], peaks, window, "N")
             axes.set_ylabel("normal force (N)")
             largest = max(largest, peak)
         column[0].set_title(f"joint {joint}", loc="left", fontweight="bold")
@@ -230,10 +236,10 @@ def contact_force(result: Result, stages: Stages) -> list[Drawing]:
 def centre_trajectory(result: Result, stages: Stages) -> list[Drawing]:
     """Path of each pin's centre inside its bearing, a panel for each stage."""
     joints = result.scene.clearance_joints
-    moving = _moving(result, stages)
+    moving = moving_stages(result, stages)
     if not joints or not moving:
         return []
-    shown, window = _settled(result, moving)
+    shown, window = settled(result, moving)
     side = (WIDTH - 0.9) / max(len(shown), 2) - 0.1
     sheet = Sheet(figsize=(WIDTH, 0.95 + (side + 0.1) * len(joints)), layout="constrained")
     grid = sheet.subplots(len(joints), len(shown), squeeze=False, sharex=True, sharey=True)

@@ -125,12 +125,13 @@ def stage_names(result: Result, stages: Iterable[StageResult]) -> list[str]:
 
 
 def between(stage: StageResult, begin: float, end: float) -> StageResult:
-    """The stage with its motion and its joints' forces and eccentricities between two times, s."""
+    """The stage with its motion, torques and its joints' forces and paths between two times, s."""
     first = int(np.searchsorted(stage.time, begin))
     rows = slice(first, int(np.searchsorted(stage.time, end, side="right")))
     series = ["time", "slider"]
     for joint in stage.joint_names:
         series += [f"{joint}_force", f"{joint}_eccentricity"]
+    series += ["drive_torque"] * ("drive_torque" in stage.arrays)
     cut = {name: stage.arrays[name][rows] for name in series}
     return replace(stage, arrays={**stage.arrays, **cut})
 

@@ -13,6 +13,7 @@ import exudyn as exu
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.linkage.motions import run_up_motion
 from presswear.show.replay.bodies import (
     INK,
     JOINTS,
@@ -170,7 +171,8 @@ class Picture:
 
     def _title(self, show: _Show, instant: Instant, note: str) -> list[dict[str, Any]]:
         subject, font, z = show.subject, self._scale.font, self._scale.layer(95)
-        turned = 360.0 * instant.time / subject.period
+        followed = run_up_motion(np.array(instant.time), subject.linkage.run_up_time)[0]
+        turned = 360.0 * float(followed) / subject.period
         state = (
             f"t = {instant.time:.4f} s   crank {turned % 360.0:5.1f} deg "
             f"of cycle {int(turned // 360.0) + 1}"

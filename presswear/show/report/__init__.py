@@ -9,6 +9,7 @@ from presswear.scene.bearing import Bearing
 from presswear.scene.settings import SET, settings_of
 from presswear.show.figures import drawings
 from presswear.show.figures.style import stage_names
+from presswear.show.report.drives import of_drives
 from presswear.show.report.origin import (
     convention_set,
     conventions,
@@ -139,9 +140,8 @@ def key_numbers(result: Result) -> Table:
             100.0 * stage.statistics.get("energy_made_part", 0.0), 2
         ),
     }
-    return stage_table(
-        result, "", {result.scene.watched.capitalize(): slider, **by_joint(result, of_joint)}
-    )
+    watched = {result.scene.watched.capitalize(): slider}
+    return stage_table(result, "", {**watched, **by_joint(result, of_joint), **of_drives(result)})
 
 
 def cycle_means(result: Result) -> Table:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import InHouse
 from presswear.linkage.elements import Linkage
+from presswear.physics.assembly import followed
 from presswear.physics.constraints import constraints_of
 from presswear.scene.scene import Numerics, Scene
 from presswear.trials.precision.diagram import Diagram, Numbers, Quantity, Task, check_finite
@@ -42,7 +43,7 @@ def constraint_errors(linkage: Linkage, run: Run) -> dict[str, float]:
 
 def ideal_mechanism(scene: Scene, rungs: Rungs) -> Task:
     """The scene's mechanism with every joint closed."""
-    linkage, period = scene.mechanism.linkage(), scene.mechanism.period
+    linkage, period = followed(scene.mechanism.linkage()), scene.mechanism.period
     motion = scene.ideal.at(np.zeros(1))
     duration = CYCLES * period
 

@@ -1,0 +1,226 @@
+"""Motions of drives as data: rises by their closed forms, tables by scipy, what is no motion."""
+
+import math
+from dataclasses import replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+from scipy.interpolate import BPoly, CubicSpline
+
+from presswear.linkage.four_bar import FOUR_BAR
+from presswear.linkage.motions import (
+    MOST_PIECES,
+    RISES,
+    Drive,
+    Follow,
+    Rise,
+    pieces_of,
+    run_up_motion,
+)
+from presswear.tools.errors import InputError
+
+Array = NDArray[np.float64]
+TURN = 2.0 * math.pi
+
+FACTORS = {
+    "cycloidal": (2.0, TURN),
+    "modified-sine": (4.0 * math.pi / (4.0 + math.pi), 4.0 * math.pi**2 / (4.0 + math.pi)),
+    "3-4-5": (1.875, 10.0 / math.sqrt(3.0)),
+}
+"""Greatest velocity and acceleration of a rise by 1 over a length of 1."""
+PUBLISHED = {"cycloidal": (2.0, 6.28), "modified-sine": (1.76, 5.53), "3-4-5": (1.88, 5.77)}
+"""The same as cam handbooks print them."""
+
+
+def closed_form(law: str, x: Array) -> Array:
+    """The laws as handbooks write them."""
+    if law == "cycloidal":
+        return np.asarray(x - np.sin(TURN * x) / TURN)
+    if law == "3-4-5":
+        return np.asarray(10.0 * x**3 - 15.0 * x**4 + 6.0 * x**5)
+    outer = math.pi * x - 0.25 * np.sin(4.0 * math.pi * x)
+    inner = 2.0 + math.pi * x - 2.25 * np.sin((4.0 * math.pi * x + math.pi) / 3.0)
+    found = np.where(x < 0.125, outer, np.where(x < 0.875, inner, 4.0 + outer))
+    return np.asarray(found / (4.0 + math.pi))
+
+
+@pytest.mark.parametrize("law", RISES)
+def test_a_rise_is_the_law_of_the_handbooks(law: str) -> None:
+    begin, end, by = 0.7, 2.9, -0.4
+    pieces = pieces_of((), (Rise(begin, end, by, law), Rise(4.0, 5.0, -by, "cycloidal")))
+    x = np.linspace(0.0, 1.0, 4001)
+    value, slope, bend = pieces.at(begin + (end - begin) * x)
+    np.testing.assert_allclose(value, by * closed_form(law, x), atol=1e-15)
+    unit = by / (end - begin)
+    fastest, hardest = FACTORS[law]
+    assert np.abs(slope).max() == pytest.approx(abs(unit) * fastest, rel=1e-6)
+    assert np.abs(bend).max() == pytest.approx(abs(unit / (end - begin)) * hardest, rel=1e-6)
+    assert FACTORS[law] == pytest.approx(PUBLISHED[law], abs=5.1e-3)
+    # It begins and ends without velocity and acceleration, and dwells behind that.
+    for level in (slope, bend):
+        assert np.abs(level[[0, -1]]).max() < 1e-14
+    dwell = pieces.at(np.linspace(end, 4.0, 20))
+    np.testing.assert_allclose(dwell[0], by, rtol=1e-15)
+    assert np.abs(dwell[1:]).max() < 1e-15
+
+
+rises = st.lists(st.floats(0.05, 1.0), min_size=2, max_size=8).flatmap(
+    lambda parts: st.tuples(
+        st.just(parts),
+        st.lists(st.floats(-2.0, 2.0), min_size=len(parts), max_size=len(parts)),
+        st.lists(st.sampled_from(sorted(RISES)), min_size=len(parts), max_size=len(parts)),
+        st.floats(0.0, 6.0),
+        st.sampled_from([0.5, 1.0]),
+    )
+)
+
+
+@given(rises)
+def test_rises_join_smoothly_around_the_cycle(drawn: tuple[list[float], ...]) -> None:
+    """Where one piece ends the next goes on with the same angle, speed and acceleration."""
+    parts, ways, laws, first, share = drawn
+    ends = first + TURN * np.cumsum([0.0, *parts]) / sum(parts)
+    found = [
+        Rise(begin, begin + share * (end - begin), by, str(law))
+        for (begin, end), by, law in zip(pairwise(ends), ways, laws, strict=True)
+    ]
+    pieces = pieces_of((), tuple(found))
+    assert pieces.net == pytest.approx(sum(ways), abs=1e-12)
+    assert np.all(np.diff(pieces.start) > 0.0)
+    assert 0.0 <= pieces.start[0] <= pieces.start[-1] < TURN
+    h = 1e-9
+    before, after = pieces.at(pieces.start - h), pieces.at(pieces.start + h)
+    shortest = min(rise.end - rise.start for rise in found)
+    for level, (one, other) in enumerate(zip(before, after, strict=True)):
+        jerk = 200.0 / shortest ** (level + 1)
+        np.testing.assert_allclose(one, other, atol=1e-13 + 2.0 * h * jerk * 2.0)
+    assert abs(pieces.at(np.zeros(1))[0][0]) < 1e-15
+
+
+tables = st.lists(st.floats(0.01, 1.0), min_size=3, max_size=40).flatmap(
+    lambda parts: st.tuples(
+        st.just(parts),
+        st.lists(st.floats(-2.0, 2.0), min_size=len(parts), max_size=len(parts)),
+        st.floats(0.0, 3.0),
+        st.floats(-7.0, 7.0),
+    )
+)
+
+
+@given(tables, st.floats(-30.0, 1000.0))
+def test_a_table_is_the_periodic_spline_of_scipy(
+    drawn: tuple[list[float], list[float], float, float], phase: float
+) -> None:
+    """With a way left over at the end of the cycle, which is a mean speed beside the spline."""
+    parts, values, first, net = drawn
+    phases = first + TURN * np.cumsum([0.0, *parts[:-1]]) / sum(parts)
+    rows = [*zip(phases, values, strict=True), (first + TURN, values[0] + net)]
+    pieces = pieces_of(tuple(rows), ())
+    knots = np.append(phases, first + TURN)
+    level = np.append(values, values[0] + net) - net * knots / TURN
+    level[-1] = level[0]
+    spline = CubicSpline(knots, level, bc_type="periodic")
+    exact = np.array([spline(phase, k) for k in range(3)])
+    exact[0] -= spline(0.0)
+    size = np.abs([spline(knots, k) for k in range(4)]).max(axis=1)
+    size[1:3] += 1.0
+    off = np.abs(np.ravel(pieces.at(np.array([phase]))) - exact)
+    # A phase of 1000 rad is known to 1e-13 rad.
+    assert np.all(off < 1e-12 * (size[:3] + size[1:]))
+    assert pieces.net == pytest.approx(net, abs=1e-12)
+
+
+def test_rows_of_four_are_joined_by_polynomials_of_degree_five() -> None:
+    """As scipy's, from value and two derivatives at the nodes."""
+    phase = np.array([0.2, 1.0, 2.5, 4.0, 5.5])
+    data = np.column_stack([np.sin(phase), np.cos(phase), -np.sin(phase)])
+    pieces = pieces_of(tuple(map(tuple, np.column_stack([phase, data]).tolist())), ())
+    around = np.vstack([data, data[0]])[:, :, np.newaxis]
+    exact = BPoly.from_derivatives(np.append(phase, phase[0] + TURN), list(around))
+    times = np.linspace(0.2, 0.2 + TURN, 100, endpoint=False)
+    value, slope, bend = pieces.at(times)
+    shift = float(exact(TURN)[0])
+    np.testing.assert_allclose(value + shift, exact(times)[:, 0], atol=1e-14)
+    np.testing.assert_allclose(slope, exact.derivative()(times)[:, 0], atol=1e-13)
+    np.testing.assert_allclose(bend, exact.derivative(2)(times)[:, 0], atol=1e-12)
+
+
+def test_a_drive_that_indexes_stands_still_in_its_dwells() -> None:
+    """A quarter turn in a part of each cycle: its mean speed is that of the quarter."""
+    drive = Drive("crank", frequency=8.0, angle=0.3, rises=[Rise(0.0, 2.0, 0.25 * TURN, "3-4-5")])
+    assert drive.mean_speed == pytest.approx(2.0)
+    cycle = TURN / 8.0
+    dwell = np.array([0.7, 1.7, 2.7, 3.7, 4.7]) * cycle
+    angle, speed, faster = drive.motion(dwell)
+    np.testing.assert_allclose(angle, 0.3 + 0.25 * TURN * np.arange(1, 6), rtol=1e-15)
+    assert np.abs(speed).max() < 1e-14
+    assert np.abs(faster).max() < 1e-13
+
+
+def test_a_run_up_is_smooth_and_ends_in_step() -> None:
+    """Each derivative is that of the one before; half of the time has passed at the end."""
+    time = np.linspace(-0.5, 6.0, 200)
+    h = 1e-5
+    levels = run_up_motion(time, 4.0)
+    up, down = run_up_motion(time + h, 4.0), run_up_motion(time - h, 4.0)
+    for level in (0, 1):
+        slope = (up[level] - down[level]) / (2.0 * h)
+        np.testing.assert_allclose(slope, levels[level + 1], atol=1e-9)
+    late = time > 4.0
+    np.testing.assert_array_equal(levels[0][late], time[late] - 2.0)
+    assert [float(x[0]) for x in run_up_motion(np.zeros(1), 4.0)] == [0.0, 0.0, 0.0]
+
+
+ROW = (0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "told"),
+    [
+        ({"table": [ROW, (1.0, 0.1)]}, "table of crank: 2 rows are given; allowed are 3 to 256"),
+        ({"table": [(k * 0.01, 0.0) for k in range(300)]}, "table of crank: 300 rows are given"),
+        ({"table": [ROW, (2.0, 0.1), (1.0, 0.2)]}, "table of crank: its phases must rise, from 0"),
+        ({"table": [(-1.0, 0.0), ROW, (1.0, 0.2)]}, "table of crank: its phases must rise, from 0"),
+        ({"table": [ROW, (2.0, 0.1), (6.5, 0.2), (7.0, 0.0)]}, "go from 0 to 7 rad; a cycle is"),
+        ({"table": [ROW, (1.0, 0.1, 0.0), (2.0, 0.1)]}, "2 or 4 finite numbers are expected"),
+        ({"table": [ROW, (1.0, 0.1, 0.0, 0.0), (2.0, 0.1)]}, "rows of one length are expected"),
+        ({"table": [ROW, (1.0, math.nan), (2.0, 0.1)]}, "2 or 4 finite numbers are expected"),
+        ({"rises": [Rise(0.0, 2.0, 1.0), Rise(1.0, 3.0, -1.0)]}, "the one that ends at 2 rad must"),
+        ({"rises": [Rise(1.0, 8.0, 1.0)]}, "the one that ends at 8 rad must end .* at 7.28319 rad"),
+        ({"rises": [Rise(0.0, 2.0, 1.0)], "table": [ROW] * 3}, "a table and rises are given"),
+        (
+            {"rises": [Rise(k / 20, (k + 1) / 20, 0.01, "modified-sine") for k in range(100)]},
+            f"rises of crank: they make 301 pieces; allowed are {MOST_PIECES} at most",
+        ),
+    ],
+)
+def test_what_is_no_motion_is_refused(wrong: dict[str, object], told: str) -> None:
+    with pytest.raises(InputError, match=told):
+        Drive("crank", 10.0, **wrong)  # type: ignore[arg-type]
+
+
+def test_a_wrong_rise_or_curve_is_refused() -> None:
+    with pytest.raises(InputError, match="unknown law of a rise 'cyclodial'; did you mean cyclo"):
+        Rise(0.0, 1.0, 1.0, "cyclodial")
+    with pytest.raises(InputError, match="a rise from 2 to 1 rad: it must begin at 0 or later"):
+        Rise(2.0, 1.0, 1.0)
+    with pytest.raises(InputError, match=r"follow: the curve ends 0.1 m from where it begins"):
+        Follow("crank.head", rises=[Rise(0.0, 1.0, 0.1)])
+    with pytest.raises(InputError, match="drive of crank: harmonics and follow are given"):
+        Drive("crank", 1.0, harmonics=[(0.1, 0.0)], follow=Follow("crank.head"))
+    with pytest.raises(InputError, match="frequency of crank = 0 rad/s: with follow and a mean"):
+        Drive("crank", follow=Follow("crank.head"))
+
+
+def test_a_linkage_refuses_a_run_up_or_a_point_that_is_none() -> None:
+    wrongs: list[Any] = [-1, 0.5, True, 2000]
+    for wrong in wrongs:
+        with pytest.raises(InputError, match="run_up of linkage"):
+            replace(FOUR_BAR, name="linkage", run_up=wrong)
+    with pytest.raises(InputError, match="unknown point of rocker in follow of crank 'haed'"):
+        replace(FOUR_BAR, drives=[Drive("crank", 30.0, follow=Follow("rocker.haed"))])

@@ -1,0 +1,92 @@
+"""Torque and power of drives, against the balance of energy and statics."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from presswear.campaign.single import run_scene
+from presswear.linkage.elements import Bar, Linkage, Pin
+from presswear.linkage.four_bar import FOUR_BAR
+from presswear.linkage.motions import Drive
+from presswear.results.drives import drives_of
+from presswear.results.tables import table_of, unit_of
+from presswear.scene.scene import Scene
+from presswear.show.figures import drawings
+from presswear.show.report.drives import of_drives
+
+PENDULUM = Linkage(
+    bodies=[Bar("crank", length=0.4, mass=2.0)],
+    joints=[Pin("O", (0.0, 0.0), "crank.tail")],
+    drives=[Drive("crank", speed=5.0, angle=0.3)],
+    name="a bar that is turned",
+)
+
+
+@pytest.mark.parametrize("run_up", [0, 1])
+def test_a_bar_that_is_turned_bears_its_weight(run_up: int) -> None:
+    """M = m g r cos a + J a'': closed form, run-up included."""
+    linkage = replace(PENDULUM, run_up=run_up)
+    scene = Scene(
+        mechanism=linkage, joints="none", wears=0, cycles=3, engine="dae", drive_torque="on"
+    )
+    stage = run_scene(scene).stages[0]
+    found = drives_of(scene, stage)["crank"]
+    motion = scene.ideal.at(stage.time)
+    angle, speed, faster = (
+        level[:, 2] for level in (motion.position, motion.velocity, motion.acceleration)
+    )
+    inertia = 2.0 * 0.4**2 / 3.0
+    torque = 2.0 * 9.81 * 0.2 * np.cos(angle) + inertia * faster
+    np.testing.assert_allclose(found.torque, torque, atol=1e-6)
+    np.testing.assert_allclose(found.power, torque * speed, atol=1e-5)
+    weight = 2.0 * 9.81 * 0.2
+    # Over whole turns at constant speed the weight does no work.
+    assert found.torque_load.mean == pytest.approx(0.0, abs=1e-4)
+    assert found.torque_load.rms == pytest.approx(weight / math.sqrt(2.0), rel=1e-4)
+    assert abs(found.torque_load.peak) == pytest.approx(weight, rel=1e-4)
+    assert abs(found.power_load.peak) == pytest.approx(5.0 * weight, rel=1e-4)
+    columns = table_of(replace(run_scene(scene)), 0)
+    np.testing.assert_array_equal(columns["crank_power"], found.power)
+    assert unit_of("crank_power") == "W"
+    assert unit_of("my_crank_torque") == "N m"
+
+
+def test_power_is_in_the_figures_and_in_the_report() -> None:
+    scene = Scene(mechanism=FOUR_BAR, joints="B", wears=0, cycles=3, drive_torque="on")
+    result = run_scene(scene)
+    (drawing,) = drawings(result, ["drives"])
+    assert [axes.get_ylabel() for axes in drawing.sheet.axes] == ["torque (N m)", "power (W)"]
+    # Its lines begin behind the start-up.
+    first = float(drawing.sheet.axes[1].lines[0].get_xdata()[0])  # type: ignore[index, arg-type]
+    assert first == pytest.approx(2.0 * scene.mechanism.period, rel=1e-2)
+    rows = of_drives(result)["Drive of crank"]
+    own = drives_of(scene, result.stages[0])["crank"]
+    told = rows["power, largest (W)"](result.stages[0]).replace("\u2212", "-")
+    assert float(told.replace("\u202f", "").replace(" ", "")) == pytest.approx(
+        own.power_load.peak, rel=1e-2
+    )
+    without = run_scene(replace(scene, drive_torque="off", cycles=1))
+    assert of_drives(without) == {}
+    assert "drives.png" not in [own.file for own in drawings(without)]
+
+
+def test_a_run_that_ends_in_its_run_up_is_told_of_as_far_as_it_came() -> None:
+    """A stage that failed before its first cycle: nothing is whole, and nothing breaks."""
+    scene = Scene(
+        mechanism=replace(PENDULUM, run_up=2),
+        joints="none",
+        wears=0,
+        cycles=1,
+        engine="dae",
+        drive_torque="on",
+    )
+    result = run_scene(scene)
+    stage = result.stages[0]
+    rows = {name: stage.arrays[name][:900] for name in ("time", "slider", "drive_torque")}
+    assert rows["time"][-1] < scene.run_up
+    cut = replace(stage, arrays={**stage.arrays, **rows})
+    found = drives_of(scene, cut)["crank"]
+    assert found.power_load.peak == found.power[np.abs(found.power).argmax()]
+    assert of_drives(replace(result, stages=(cut,)))
