@@ -179,8 +179,11 @@ def first_event(
         # A state that was just placed on an event moves away from it and does not repeat it.
         if s < part and (s * h > 1e-14 or sign * memory.rate > 0.0):
             found, part = k, s
-    k, s = first_change(system, book, motion, last, h, apart)
-    return (k, s) if s < part else (found, part)
+    if system.packed.loads.shape[0] > 0:
+        k, s = first_change(system, book, motion, last, h, apart)
+        if s < part:
+            found, part = k, s
+    return found, part
 
 
 @compiled
@@ -267,7 +270,7 @@ def last_slope(tableau: Tableau | None) -> int:
 
 
 @compiled
-def event_in(
+def end_on_event(
     system: System,
     tableau: Tableau | None,
     book: Book,
@@ -275,21 +278,33 @@ def event_in(
     motion: Integration,
     t: float,
     h: float,
+    k: int,
+    part: float,
     joints: int,
 ) -> tuple[int, float, bool]:
-    """First event of a trial step, or -1, the step that ends on it, s, and whether it is there.
+    """Find the step that ends on the first event of a trial step of length ``h``.
 
-    Among joints the first ``joints`` are looked at.
+    Parameters
+    ----------
+    k, part, joints : int, float, int
+        The event as ``first_event`` tells it, and the joints that are looked at.
+
+    Returns
+    -------
+    tuple
+        The event, the length of the step, s, and whether it is there.
     """
-    last = last_slope(tableau)
-    k, located, found = -1, h, True
+    located, found, earlier = h, True, k
     # The cubics may see events of two joints in the wrong order.
     for _ in range(1 + event_count(system)):
-        earlier, part = first_event(system, book, motion, last, located, k, joints)
-        if not found or earlier < 0:
+        if earlier < 0:
             break
         k = earlier
         located, found = locate(system, tableau, book, control, motion, t, k, located, part)
+        if not found:
+            break
+        last = last_slope(tableau)
+        earlier, part = first_event(system, book, motion, last, located, k, joints)
     return k, located, found
 
 
@@ -383,15 +398,18 @@ def march_controlled(
             return DONE
         longest = skim_step(system.packed, book.memory, state.longest)
         longest = step_after_touchdown(system.packed.joints, book.onset, book.memory, longest)
-        h = step_to_break(system.motions, t, min(state.step, longest))
-        h = min(h, left, until_break(system, t))
+        h = min(step_to_break(system.motions, t, min(state.step, longest)), left)
+        loaded = system.packed.loads.shape[0] > 0
+        if loaded:
+            h = min(h, until_break(system, t))
         last_step = h >= left
         for i in range(n):
             motion.scale[i] = state.tolerance * POSITION_SCALE
             motion.scale[n + i] = state.tolerance * (1.0 + abs(motion.y[n + i]))
         for i in range(2 * n, motion.scale.shape[0]):
             motion.scale[i] = state.tolerance * POSITION_SCALE
-        error = trial_step(system, tableau, book, control, motion, t, h)
+        error = embedded_step(system, tableau, book.onset, motion, t, h)
+        state.evaluations += tableau.b.shape[0]
         if not error <= 1.0:
             state.rejected += 1
             factor = LEAST_FACTOR
@@ -403,10 +421,12 @@ def march_controlled(
             continue
         factor = GREATEST_FACTOR if error == 0.0 else SAFETY * error**tableau.exponent
         state.step = h * min(max(factor, LEAST_FACTOR), GREATEST_FACTOR)
-        k, located, found = event_in(
-            system, tableau, book, control, motion, t, h, system.contacts.shape[0]
-        )
+        joints = system.contacts.shape[0]
+        k, part = first_event(system, book, motion, tableau.b.shape[0], h, -1, joints)
         if k >= 0:
+            k, located, found = end_on_event(
+                system, tableau, book, control, motion, t, h, k, part, joints
+            )
             if not found:
                 # The cubic through both ends saw what is not there; a shorter one sees better.
                 state.rejected += 1
@@ -419,8 +439,8 @@ def march_controlled(
             state.events += 1
         t = end if last_step else t + h
         copy_to(motion.y, motion.trial)
-        changed = settle_state_modes(system, tableau, motion, t)
-        if 0 <= k < system.contacts.shape[0]:
+        changed = settle_state_modes(system, tableau, motion, t) if loaded else 0
+        if 0 <= k < joints:
             switch(system, book, k, t, motion.y)
             rate = penetration_of(system, k, motion.y)[1]
             part = contact_step(system.packed.joints[k], 0.0, rate, FIRST_PARTS)
@@ -460,8 +480,9 @@ def march_fixed(
         whole = h
         h = min(step_to_break(system.motions, t, h), until_break(system, t))
         trial_step(system, None, book, control, motion, t, h)
-        k, located, found = event_in(system, None, book, control, motion, t, h, 0)
+        k, part = first_event(system, book, motion, last_slope(None), h, -1, 0)
         if k >= 0:
+            k, located, found = end_on_event(system, None, book, control, motion, t, h, k, part, 0)
             if found:
                 h = located
                 state.events += 1
