@@ -108,9 +108,14 @@ def prepare(
     y[:n], y[n : 2 * n] = start.position, start.velocity
     first = 2 * n + DRIVE_INTEGRALS + BRISTLE
     bristly = np.flatnonzero(book.packed.joints["friction"]["bristle_stiffness"] > 0.0)
-    controlled = np.append(np.arange(2 * n), first + JOINT_INTEGRALS * bristly)
-    slopes = np.zeros((DOP853.b.size + 1, size))
-    motion = Integration(y, np.zeros(size), slopes, np.ones(controlled.size), controlled)
+    motion = Integration(
+        y,
+        np.zeros(size),
+        np.zeros((DOP853.b.size + 1, size)),
+        np.ones(2 * n),
+        first + JOINT_INTEGRALS * bristly,
+        np.ones(1),
+    )
     control = np.zeros(1, CONTROL)
     fixed = settings.has_equal_steps
     control["step"] = settings.step if fixed else 1e-6

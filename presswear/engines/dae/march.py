@@ -406,8 +406,7 @@ def march_controlled(
         for i in range(n):
             motion.scale[i] = state.tolerance * POSITION_SCALE
             motion.scale[n + i] = state.tolerance * (1.0 + abs(motion.y[n + i]))
-        for i in range(2 * n, motion.scale.shape[0]):
-            motion.scale[i] = state.tolerance * POSITION_SCALE
+        motion.bristle_scale[0] = state.tolerance * POSITION_SCALE
         error = embedded_step(system, tableau, book.onset, motion, t, h)
         state.evaluations += tableau.b.shape[0]
         if not error <= 1.0:

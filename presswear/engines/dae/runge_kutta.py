@@ -26,22 +26,23 @@ class Integration(NamedTuple):
     slopes : ndarray, shape (13, m)
         Slopes of the stages; the first holds dy/dt at the start.
     scale : ndarray, shape (n,)
-        Allowed error of the controlled components.
-    controlled : ndarray of int, shape (n,)
-        Which of the state they are; the others, integrals, follow.
+        Allowed error of the first n components; what stands behind them follows, but for
+    bristles : ndarray of int
+        Components with the deflections of bristles, and the error allowed in one.
     """
 
     y: Array
     trial: Array
     slopes: Array
     scale: Array
-    controlled: NDArray[np.int64]
+    bristles: NDArray[np.int64]
+    bristle_scale: Array
 
 
 @compiled
 def classical_step(system: System, onset: Array, motion: Integration, t: float, h: float) -> None:
     """Make one trial step of order 4."""
-    y, new, slopes, _, _ = motion
+    y, new, slopes, _, _, _ = motion
     for stage in range(1, 4):
         part = h if stage == 3 else 0.5 * h
         for i in range(y.shape[0]):
@@ -51,6 +52,17 @@ def classical_step(system: System, onset: Array, motion: Integration, t: float, 
         new[i] = y[i] + h / 6.0 * (
             slopes[0, i] + 2.0 * (slopes[1, i] + slopes[2, i]) + slopes[3, i]
         )
+
+
+@compiled
+def errors_of(tableau: Tableau, slopes: Array, i: int) -> tuple[float, float]:
+    """Both estimates of the error of a component, over the length of the step."""
+    one = 0.0
+    two = 0.0
+    for j in range(tableau.b.shape[0] + 1):
+        one += tableau.error[j] * slopes[j, i]
+        two += tableau.second_error[j] * slopes[j, i]
+    return one, two
 
 
 @compiled
@@ -66,7 +78,7 @@ def embedded_step(
 
     ``slopes[stages]`` holds dy/dt at the end afterwards.
     """
-    y, new, slopes, scale, controlled = motion
+    y, new, slopes, scale, bristles, bristle_scale = motion
     size = y.shape[0]
     stages = tableau.b.shape[0]
     for stage in range(1, stages):
@@ -88,14 +100,14 @@ def embedded_step(
     second = 0.0
     count = scale.shape[0]
     for i in range(count):
-        one = 0.0
-        two = 0.0
-        k = controlled[i]
-        for j in range(stages + 1):
-            one += tableau.error[j] * slopes[j, k]
-            two += tableau.second_error[j] * slopes[j, k]
+        one, two = errors_of(tableau, slopes, i)
         first += (one / scale[i]) ** 2
         second += (two / scale[i]) ** 2
+    for i in range(bristles.shape[0]):
+        one, two = errors_of(tableau, slopes, bristles[i])
+        first += (one / bristle_scale[0]) ** 2
+        second += (two / bristle_scale[0]) ** 2
+    count += bristles.shape[0]
     if first == 0.0 and second == 0.0:
         return 0.0
     return abs(h) * first / math.sqrt((first + 0.01 * second) * count)
