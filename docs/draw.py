@@ -12,9 +12,14 @@ import numpy as np
 from cycler import cycler
 from matplotlib.axes import Axes
 
+import presswear
 from presswear.engines.base import Plan
 from presswear.engines.settings import InHouse
 from presswear.linkage.laws import DAMPINGS, KELVIN_VOIGT, NormalLaw, delivered_restitution
+from presswear.linkage.loads import Force, OverPosition
+from presswear.linkage.motions import RISES, Drive, Rise
+from presswear.linkage.slider_crank import SliderCrank
+from presswear.scene.scene import Scene
 from presswear.show.figures.style import LINES, SETTINGS, WIDTH
 from presswear.trials.verify import references
 from presswear.trials.verify.verify import delivered
@@ -46,7 +51,41 @@ def restitution(axes: Axes) -> None:
     axes.legend(frameon=False, title="lines: closed form; dots: one impact in-house")
 
 
-PICTURES: dict[str, Callable[[Axes], None]] = {"restitution": restitution}
+def motion(axes: Axes) -> None:
+    """Acceleration of a drive that rises, dwells and returns, under each law of rises."""
+    time = np.linspace(0.0, 1.0, 2001)
+    for law in RISES:
+        rises = [Rise(0.0, 2.0, 1.0, law), Rise(3.0, 5.0, -1.0, law)]
+        drive = Drive("servo", frequency=2.0 * np.pi, rises=rises)
+        angle, _, faster = drive.motion(time)
+        axes.plot(360.0 * time, faster, label=law)
+    axes.plot(360.0 * time, 100.0 * angle, color="0.6", label="angle, 100 times")
+    axes.set_xlabel("phase of the cycle, degrees")
+    axes.set_ylabel("acceleration, rad/s²")
+    axes.legend(frameon=False, title="1 rad up and down in a cycle of 1 s, with dwells")
+
+
+def load(axes: Axes) -> None:
+    """Torque of the crank of a slider-crank that blanks, and that runs free."""
+    free = SliderCrank(speed=10.0).linkage()
+    # 3 kN at most, against the way out only, and nothing once the part has broken through.
+    table = [(0.150, 0.0), (0.151, -2.5e3), (0.158, -3e3), (0.160, -2.9e3)]
+    blanking = Force("slider.centre", 0.0, OverPosition(table, sense="along", release=True))
+    for label, loads in {"free": (), "blanking": (blanking,)}.items():
+        scene = Scene(replace(free, loads=loads), bearings={}, wears=0, cycles=2, drive_torque="on")
+        stage = presswear.run(scene, engine="dae").stages[0]
+        place = stage.displacement + stage.joints_start if False else stage.displacement
+        axes.plot(1e3 * place, stage.drive_torque[:, 0], label=label)
+    axes.set_xlabel("slider from where it starts, mm")
+    axes.set_ylabel("torque of the crank, N m")
+    axes.legend(frameon=False, title="against the way out, until the part breaks through")
+
+
+PICTURES: dict[str, Callable[[Axes], None]] = {
+    "restitution": restitution,
+    "motion": motion,
+    "load": load,
+}
 
 if __name__ == "__main__":
     for title, draw in PICTURES.items():
