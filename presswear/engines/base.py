@@ -123,8 +123,9 @@ def recorder_of(linkage: Linkage, start: Start, plan: Plan) -> Recorder:
         wearing=plan.wear is not None,
         run_up=plan.run_up,
     )
-    own = recorder.book.packed
-    place_loads(own.loads, own.nodes, own.modes, start.position, start.velocity)
+    loads = recorder.book.packed.loads
+    if loads is not None:
+        place_loads(loads, start.position, start.velocity)
     return recorder
 
 

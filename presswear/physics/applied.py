@@ -22,15 +22,15 @@ def applied_forces(packed: Packed, t: float, q: Array, v: Array, force: Array) -
     """
     copy_to(force, packed.weight)
     power = spring_forces(packed.springs, q, v, force)
-    return power + load_forces(packed.loads, packed.nodes, packed.modes, t, q, v, force)
+    return power + load_forces(packed.loads, t, q, v, force)
 
 
 @compiled
 def settle_modes(packed: Packed, t: float, q: Array, v: Array, a: Array) -> int:
     """Bring the modes of the loads up to an accepted state; returns how many have changed."""
-    return settle_loads(packed.loads, packed.nodes, packed.modes, t, q, v, a)
+    return settle_loads(packed.loads, t, q, v, a)
 
 
 def has_work(packed: Packed) -> bool:
     """True where ``applied_forces`` may return a power."""
-    return len(packed.loads) > 0 or bool(np.any(packed.springs["damping"] != 0.0))
+    return packed.loads is not None or bool(np.any(packed.springs["damping"] != 0.0))

@@ -6,6 +6,7 @@ ends a step there, and at ``next_break`` where a table over time bends.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -78,6 +79,25 @@ MODE = np.dtype(
 """What holds of a load through a step, and its motion at the start of it."""
 
 
+class Loads(NamedTuple):
+    """Loads with a law as the kernels see them.
+
+    Where a linkage has none there is None instead, and no kernel holds any code for them.
+
+    Attributes
+    ----------
+    records : records of LOAD
+    nodes : ndarray, shape (nodes, 2)
+        Of their tables: position or time and size, or the two terms of a series.
+    modes : records of MODE
+        What holds of them through the present step.
+    """
+
+    records: Records
+    nodes: Array
+    modes: Records
+
+
 @compiled
 def load_size(load: Records, nodes: Array, mode: Records, t: float, s: float, v: float) -> float:
     """Size of a load, N or N m, in its present mode, at a position and speed."""
@@ -128,16 +148,16 @@ def load_motion(load: Records, q: Array, v: Array, a: Array) -> tuple[float, flo
 
 
 @compiled
-def load_forces(
-    loads: Records, nodes: Array, modes: Records, t: float, q: Array, v: Array, force: Array
-) -> float:
+def load_forces(loads: Loads | None, t: float, q: Array, v: Array, force: Array) -> float:
     """Add the loads to the generalized forces; returns their power, W."""
+    if loads is None:
+        return 0.0
     power = 0.0
-    for k in range(loads.shape[0]):
-        load = loads[k]
+    for k in range(loads.records.shape[0]):
+        load = loads.records[k]
         b = load.body
         s, speed, _ = load_motion(load, q, v, v)
-        size = load_size(load, nodes, modes[k], t, s, speed)
+        size = load_size(load, loads.nodes, loads.modes[k], t, s, speed)
         power += size * speed
         if load.turns:
             force[b + 2] += size
@@ -238,14 +258,15 @@ def take_way(load: Records, nodes: Array, mode: Records, way: int, s: float, v: 
 
 
 @compiled
-def settle_loads(
-    loads: Records, nodes: Array, modes: Records, t: float, q: Array, v: Array, a: Array
-) -> int:
+def settle_loads(loads: Loads | None, t: float, q: Array, v: Array, a: Array) -> int:
     """Bring the modes up to an accepted state; returns how many have changed."""
+    if loads is None:
+        return 0
     changes = 0
-    for k in range(loads.shape[0]):
-        load = loads[k]
-        mode = modes[k]
+    nodes = loads.nodes
+    for k in range(loads.records.shape[0]):
+        load = loads.records[k]
+        mode = loads.modes[k]
         s, speed, faster = load_motion(load, q, v, a)
         before = load_size(load, nodes, mode, t, s, speed)
         if load.kind == TIME:
@@ -285,31 +306,83 @@ def break_of(load: Records, nodes: Array, mode: Records) -> float:
 
 
 @compiled
-def next_break(loads: Records, nodes: Array, modes: Records) -> float:
+def next_break(loads: Loads | None) -> float:
     """Time of the next bend or jump over time of any load, s."""
+    if loads is None:
+        return math.inf
     earliest = math.inf
-    for k in range(loads.shape[0]):
-        earliest = min(earliest, break_of(loads[k], nodes, modes[k]))
+    for k in range(loads.records.shape[0]):
+        earliest = min(earliest, break_of(loads.records[k], loads.nodes, loads.modes[k]))
     return earliest
 
 
 @compiled
-def place_loads(loads: Records, nodes: Array, modes: Records, q: Array, v: Array) -> None:
-    """Set all modes in an initial state, at t = 0."""
-    for k in range(loads.shape[0]):
-        load = loads[k]
-        s, speed, _ = load_motion(load, q, v, v)
-        modes[k].place = s
-        modes[k].speed = speed
-        place_mode(load, nodes, modes[k], 0.0 if load.kind == TIME else s)
-        open_gate(load, modes[k], speed)
+def count_ways(loads: Loads | None) -> int:
+    """Number of ways out of the modes of all loads."""
+    if loads is None:
+        return 0
+    return WAYS * loads.records.shape[0]
 
 
-def pack_loads(linkage: Linkage) -> tuple[Records, Array]:
-    """The loads of a linkage that have a law, as records of LOAD, and the nodes of their tables.
+@compiled
+def way_out(loads: Loads | None, k: int, q: Array, v: Array, a: Array) -> tuple[float, float]:
+    """Switching function of a way out of a mode in a state, and its rate."""
+    if loads is None:
+        return -math.inf, 0.0
+    load = loads.records[k // WAYS]
+    s, speed, faster = load_motion(load, q, v, a)
+    mode = loads.modes[k // WAYS]
+    value, rate, _, _ = switching(load, loads.nodes, mode, k % WAYS, s, speed, faster, 0.0)
+    return value, rate
 
-    The nodes have shape (nodes, 2): position or time and size, or the two terms of a series.
+
+@compiled
+def way_at_start(loads: Loads | None, k: int, change: float) -> tuple[float, float, float, float]:
+    """Switching function of a way out of a mode in the last accepted state, and its derivatives.
+
+    Parameters
+    ----------
+    change : float
+        Part of the change of the acceleration that is counted on.
     """
+    if loads is None:
+        return -math.inf, 0.0, 0.0, 0.0
+    mode = loads.modes[k // WAYS]
+    return switching(
+        loads.records[k // WAYS],
+        loads.nodes,
+        mode,
+        k % WAYS,
+        mode.place,
+        mode.speed,
+        mode.faster,
+        change * mode.change,
+    )
+
+
+@compiled
+def greatest_jump(loads: Loads | None) -> float:
+    """Greatest jump of a load that settled last, part of the greater size."""
+    jump = 0.0
+    if loads is not None:
+        for k in range(loads.modes.shape[0]):
+            jump = max(jump, loads.modes[k].jump)
+    return jump
+
+
+def place_loads(loads: Loads, q: Array, v: Array) -> None:
+    """Set all modes in an initial state, at t = 0."""
+    for load, mode in zip(loads.records, loads.modes, strict=True):
+        s, speed, _ = load_motion(load, q, v, v)
+        mode["place"], mode["speed"] = s, speed
+        place_mode(load, loads.nodes, mode, 0.0 if load["kind"] == TIME else s)
+        open_gate(load, mode, speed)
+
+
+def pack_loads(linkage: Linkage) -> Loads | None:
+    """The loads of a linkage that have a law."""
+    if not linkage.live_loads:
+        return None
     loads = np.zeros(len(linkage.live_loads), LOAD)
     nodes: list[tuple[float, float]] = []
     for record, load in zip(loads, linkage.live_loads, strict=True):
@@ -322,7 +395,8 @@ def pack_loads(linkage: Linkage) -> tuple[Records, Array]:
         own = _pack_law(record, load.law, linkage)
         record["first"], record["count"] = len(nodes), len(own)
         nodes += own
-    return loads, np.array(nodes, dtype=np.float64).reshape(-1, 2)
+    table = np.array(nodes, dtype=np.float64).reshape(-1, 2)
+    return Loads(loads, table, np.zeros(len(loads), MODE))
 
 
 def _pack_law(record: Records, law: object, linkage: Linkage) -> list[tuple[float, float]]:

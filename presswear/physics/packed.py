@@ -10,7 +10,7 @@ from presswear.linkage.elements import GROUND, ClearanceJoint, Linkage
 from presswear.linkage.surface import Surface
 from presswear.physics.foundation import foundation_stiffness
 from presswear.physics.laws import FRICTION, NORMAL, friction_record, normal_record
-from presswear.physics.loads import MODE, pack_loads
+from presswear.physics.loads import Loads, pack_loads
 from presswear.physics.springs import pack_springs
 from presswear.physics.surface import BEARING, PIN, ROWS, packed_rows
 from presswear.tools.compiled import Records
@@ -54,11 +54,7 @@ class Packed(NamedTuple):
     surfaces : ndarray, shape (joints, ROWS, m)
         The worn surfaces, see ``packed_rows``; m = 0 where none is worn.
     springs : records of SPRING
-    loads : records of LOAD
-    nodes : ndarray, shape (nodes, 2)
-        Of the tables of the loads.
-    modes : records of MODE
-        What holds of the loads through the present step.
+    loads : Loads or None
     mass, weight : ndarray, shape (3 bodies,)
         Diagonal of the mass matrix; constant generalized forces.
     """
@@ -66,9 +62,7 @@ class Packed(NamedTuple):
     joints: Records
     surfaces: Array
     springs: Records
-    loads: Records
-    nodes: Array
-    modes: Records
+    loads: Loads | None
     mass: Array
     weight: Array
 
@@ -83,14 +77,11 @@ def pack(linkage: Linkage, bins: int = 0) -> Packed:
     """
     pairs = [(joint.bearing_surface, joint.pin_surface) for joint in linkage.clearances]
     count = max((own.depth.size for pair in pairs for own in pair if own.is_worn), default=bins)
-    loads, nodes = pack_loads(linkage)
     packed = Packed(
         pack_joints(linkage),
         np.zeros((len(pairs), ROWS, count)),
         pack_springs(linkage),
-        loads,
-        nodes,
-        np.zeros(len(loads), MODE),
+        pack_loads(linkage),
         mass_of(linkage),
         weight_of(linkage),
     )

@@ -285,7 +285,7 @@ class Recorder:
             "frame": book.film[frames].copy(),
             "cycles": self.cycles,
             **named("maps", self.maps.state()),
-            "modes": book.packed.modes.copy(),
+            **({} if book.packed.loads is None else {"modes": book.packed.loads.modes.copy()}),
             "worn": self.worn,
             "growth": self.growth,
         }
@@ -295,7 +295,8 @@ class Recorder:
         book = self.book
         for name in _SMALL:
             getattr(book, name)[...] = stored[name]
-        book.packed.modes[...] = stored["modes"]
+        if book.packed.loads is not None:
+            book.packed.loads.modes[...] = stored["modes"]
         book.series[: len(stored["series"])] = stored["series"]
         for k in range(book.memory.size):
             book.past[k, : len(stored[f"past_{k}"])] = stored[f"past_{k}"]

@@ -13,6 +13,7 @@ from presswear.linkage.loads import Force, Harmonics, Law, Moment, OverPosition,
 from presswear.physics.loads import (
     OFF,
     RISING,
+    Loads,
     load_forces,
     load_motion,
     load_size,
@@ -20,7 +21,7 @@ from presswear.physics.loads import (
     place_loads,
     settle_loads,
 )
-from presswear.physics.packed import Packed, pack
+from presswear.physics.packed import pack
 
 BODY = Body("body", 1.0, 1.0, {"tip": (0.2, -0.1)})
 SPACES = st.lists(st.floats(0.05, 2.0), min_size=2, max_size=6)
@@ -28,19 +29,21 @@ SIZES = st.lists(st.floats(-9.0, 9.0), min_size=7, max_size=7)
 WALK = st.lists(st.floats(-0.7, 0.7), min_size=1, max_size=30)
 
 
-def packed_of(law: Law, turning: bool = False) -> Packed:
+def packed_of(law: Law, turning: bool = False) -> Loads:
     load = Moment("body", law) if turning else Force("body.tip", 0.4, law)
-    return pack(Linkage([BODY], loads=[load], cycle=2.0))
+    loads = pack(Linkage([BODY], loads=[load], cycle=2.0)).loads
+    assert loads is not None
+    return loads
 
 
-def settle(packed: Packed, t: float, s: float, v: float, a: float = 0.0) -> None:
+def settle(packed: Loads, t: float, s: float, v: float, a: float = 0.0) -> None:
     """Bring the modes up to a position and speed of the body's angle."""
     q, rate, faster = (np.array([0.0, 0.0, x]) for x in (s, v, a))
-    settle_loads(packed.loads, packed.nodes, packed.modes, t, q, rate, faster)
+    settle_loads(packed, t, q, rate, faster)
 
 
-def size(packed: Packed, t: float, s: float, v: float) -> float:
-    return load_size(packed.loads[0], packed.nodes, packed.modes[0], t, s, v)
+def size(packed: Loads, t: float, s: float, v: float) -> float:
+    return load_size(packed.records[0], packed.nodes, packed.modes[0], t, s, v)
 
 
 def table_of(spaces: list[float], sizes: list[float], ends: bool = False) -> Table:
@@ -60,7 +63,7 @@ def test_a_table_over_position_is_that_of_numpy(
     law = OverPosition(table, outside="hold" if held else "zero", zero=zero)
     packed = packed_of(law, turning=True)
     places, values = np.array(table).T
-    place_loads(packed.loads, packed.nodes, packed.modes, np.zeros(3), np.zeros(3))
+    place_loads(packed, np.zeros(3), np.zeros(3))
     s = 0.0
     for step in walk:
         s += step
@@ -77,7 +80,7 @@ def test_a_table_repeats_over_position(
     period = table[-1][0] + 0.05 + gap
     packed = packed_of(OverPosition(table, repeats=period), turning=True)
     places, values = np.array(table).T
-    place_loads(packed.loads, packed.nodes, packed.modes, np.zeros(3), np.zeros(3))
+    place_loads(packed, np.zeros(3), np.zeros(3))
     s = 0.0
     for step in walk:
         s += step
@@ -95,20 +98,20 @@ def test_a_table_over_time_is_that_of_numpy(
     period = table[-1][0] + 0.5 if repeats else 0.0
     packed = packed_of(OverTime(table, period), turning=True)
     places, values = np.array(table).T
-    place_loads(packed.loads, packed.nodes, packed.modes, np.zeros(3), np.zeros(3))
+    place_loads(packed, np.zeros(3), np.zeros(3))
     t = 0.0
     for step in steps:
-        bend = next_break(packed.loads, packed.nodes, packed.modes)
+        bend = next_break(packed)
         t = min(t + step, bend)
         settle(packed, t, 0.0, 0.0)
-        assert next_break(packed.loads, packed.nodes, packed.modes) > t
+        assert next_break(packed) > t
         expected = np.interp(t, places, values, period=period or None)
         assert size(packed, t, 0.0, 0.0) == pytest.approx(expected, abs=1e-9)
 
 
 def test_without_a_period_a_table_over_time_repeats_with_the_cycle() -> None:
     packed = packed_of(OverTime([(0.5, 1.0), (1.0, 3.0)]))
-    assert packed.loads["period"].tolist() == [2.0]
+    assert packed.records["period"].tolist() == [2.0]
     # From 3 N at 1 s to 1 N at 2.5 s.
     assert packed.nodes.tolist() == [
         *([0.0, pytest.approx(5.0 / 3.0)], [0.5, 1.0], [1.0, 3.0]),
@@ -127,7 +130,7 @@ def test_harmonics_are_a_fourier_series() -> None:
 def test_in_one_sense_a_load_grows_with_the_speed_and_never_drives(sense: str, sign: float) -> None:
     law = OverPosition([(0.0, -sign * 4.0)], sense=sense, outside="hold", rise=0.1)  # type: ignore[arg-type]
     packed = packed_of(law, turning=True)
-    place_loads(packed.loads, packed.nodes, packed.modes, np.zeros(3), np.zeros(3))
+    place_loads(packed, np.zeros(3), np.zeros(3))
     for speed in (-0.3, -0.05, 0.0, 0.02, 0.1, 5.0, 0.05, -0.05, -0.2, 0.05):
         settle(packed, 0.0, 0.3, speed)
         part = min(max(sign * speed / 0.1, 0.0), 1.0)
@@ -142,7 +145,7 @@ def test_what_was_released_stays_off_until_the_whole_way_back(sense: str, sign: 
     law = OverPosition(table, sense=sense, outside="hold", release=True)  # type: ignore[arg-type]
     packed = packed_of(law, turning=True)
     start = np.array([0.0, 0.0, -0.5 * sign])
-    place_loads(packed.loads, packed.nodes, packed.modes, start, np.zeros(3))
+    place_loads(packed, start, np.zeros(3))
     # Position and speed in the sense of the load, and the part of it that acts.
     for s, v, part in [
         *((0.5, 1.0, 1.0), (0.9, 1.0, 1.0), (0.5, -1.0, 0.0), (0.8, 1.0, 1.0), (1.1, 1.0, 0.0)),
@@ -156,19 +159,19 @@ def test_what_was_released_stays_off_until_the_whole_way_back(sense: str, sign: 
 def test_a_start_beyond_the_end_is_released() -> None:
     law = OverPosition([(0.0, 0.0), (1.0, -6.0)], sense="along", release=True)
     packed = packed_of(law, turning=True)
-    place_loads(packed.loads, packed.nodes, packed.modes, np.array([0.0, 0.0, 1.5]), np.ones(3))
+    place_loads(packed, np.array([0.0, 0.0, 1.5]), np.ones(3))
     assert packed.modes["released"].all()
 
 
 def test_forces_are_the_gradient_of_the_place_and_power_is_their_work() -> None:
     """Generalized force = size times ds/dq; the motion by differences of the place."""
     packed = packed_of(OverPosition([(-9.0, 2.0), (9.0, 5.0)], outside="hold"))
-    load = packed.loads[0]
+    load = packed.records[0]
     rng = np.random.default_rng(3)
     q, v, a = rng.normal(size=(3, 3))
-    place_loads(packed.loads, packed.nodes, packed.modes, q, v)
+    place_loads(packed, q, v)
     force = np.zeros(3)
-    power = load_forces(packed.loads, packed.nodes, packed.modes, 0.0, q, v, force)
+    power = load_forces(packed, 0.0, q, v, force)
     s, speed, faster = load_motion(load, q, v, a)
     given = size(packed, 0.0, s, speed)
     assert power == pytest.approx(given * speed)
@@ -192,7 +195,7 @@ def test_forces_are_the_gradient_of_the_place_and_power_is_their_work() -> None:
 def test_the_gate_opens_in_two_stages() -> None:
     law = OverPosition([(0.0, -1.0)], sense="along", outside="hold", rise=0.1)
     packed = packed_of(law, turning=True)
-    place_loads(packed.loads, packed.nodes, packed.modes, np.zeros(3), np.zeros(3))
+    place_loads(packed, np.zeros(3), np.zeros(3))
     assert packed.modes["gate"].tolist() == [OFF]
     settle(packed, 0.0, 0.0, 0.0, a=1.0)
     assert packed.modes["gate"].tolist() == [RISING]
@@ -201,4 +204,4 @@ def test_the_gate_opens_in_two_stages() -> None:
 def test_loads_with_a_law_are_no_weight() -> None:
     linkage = Linkage([BODY], loads=[Force("body", 0.0, 3.0)], cycle=1.0, gravity=0.0)
     assert not pack(linkage).weight.any()
-    assert len(pack(replace(linkage, loads=[])).loads) == 0
+    assert pack(replace(linkage, loads=[])).loads is None

@@ -87,10 +87,16 @@ def solve(system: System) -> None:
 
 
 @compiled
+def bristle_place(coordinates: int, k: int) -> int:
+    """Place in the state of the deflection of the bristles of joint ``k``."""
+    return coordinates + DRIVE_INTEGRALS + JOINT_INTEGRALS * k + BRISTLE
+
+
+@compiled
 def note_bristles(contacts: Records, y: Array, n: int) -> None:
     """Fill in the deflections of bristles, which are among the integrals of a state."""
     for k in range(contacts.shape[0]):
-        contacts[k].bristle = y[2 * n + DRIVE_INTEGRALS + JOINT_INTEGRALS * k + BRISTLE]
+        contacts[k].bristle = y[bristle_place(2 * n, k)]
 
 
 @compiled

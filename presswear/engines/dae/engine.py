@@ -28,7 +28,7 @@ from presswear.engines.settings import InHouse
 from presswear.linkage.elements import Linkage
 from presswear.physics.constraints import Constraints, constraints_of
 from presswear.physics.energy import MADE_REMEDY, Ledger, made_energy, stored_energy
-from presswear.physics.forces import BRISTLE, CONTACT_LOSS, FRICTION_LOSS, MADE
+from presswear.physics.forces import CONTACT_LOSS, FRICTION_LOSS, MADE
 from presswear.record.recorder import Recorder
 from presswear.record.soundness import Finding
 from presswear.tools.errors import InputError
@@ -106,16 +106,7 @@ def prepare(
     size = joints_end + system.has_work
     y = np.zeros(size)
     y[:n], y[n : 2 * n] = start.position, start.velocity
-    first = 2 * n + DRIVE_INTEGRALS + BRISTLE
-    bristly = np.flatnonzero(book.packed.joints["friction"]["bristle_stiffness"] > 0.0)
-    motion = Integration(
-        y,
-        np.zeros(size),
-        np.zeros((DOP853.b.size + 1, size)),
-        np.ones(2 * n),
-        first + JOINT_INTEGRALS * bristly,
-        np.ones(1),
-    )
+    motion = Integration(y, np.zeros(size), np.zeros((DOP853.b.size + 1, size)), np.ones(2 * n))
     control = np.zeros(1, CONTROL)
     fixed = settings.has_equal_steps
     control["step"] = settings.step if fixed else 1e-6

@@ -25,7 +25,7 @@ from presswear.physics.applied import settle_modes
 from presswear.physics.constraints import DRIVE
 from presswear.physics.contact import note_contact, note_contacts
 from presswear.physics.forces import PRESSURE, WORK, note_forces
-from presswear.physics.loads import WAYS, load_motion, next_break, switching
+from presswear.physics.loads import count_ways, next_break, way_out
 from presswear.physics.motion import step_to_break
 from presswear.physics.touchdown import (
     LEAST_STEPS,
@@ -102,20 +102,13 @@ def event_value(system: System, book: Book, k: int, y: Array, slope: Array) -> t
         depth, rate = penetration_of(system, k, y)
         return (-depth, -rate) if book.onset[k] > 0.0 else (depth, rate)
     n = system.inverse_mass.shape[0]
-    own = (k - joints) // WAYS
-    packed = system.packed
-    load = packed.loads[own]
-    s, speed, faster = load_motion(load, y[:n], y[n : 2 * n], slope[n : 2 * n])
-    way = (k - joints) % WAYS
-    mode = packed.modes[own]
-    value, rate, _, _ = switching(load, packed.nodes, mode, way, s, speed, faster, 0.0)
-    return value, rate
+    return way_out(system.packed.loads, k - joints, y[:n], y[n : 2 * n], slope[n : 2 * n])
 
 
 @compiled
 def event_count(system: System) -> int:
     """Number of events that are looked for."""
-    return system.contacts.shape[0] + WAYS * system.packed.loads.shape[0]
+    return system.contacts.shape[0] + count_ways(system.packed.loads)
 
 
 @compiled
@@ -179,7 +172,7 @@ def first_event(
         # A state that was just placed on an event moves away from it and does not repeat it.
         if s < part and (s * h > 1e-14 or sign * memory.rate > 0.0):
             found, part = k, s
-    if system.packed.loads.shape[0] > 0:
+    if count_ways(system.packed.loads) > 0:
         k, s = first_change(system, book, motion, last, h, apart)
         if s < part:
             found, part = k, s
@@ -363,8 +356,7 @@ def finish_step(
 @compiled
 def until_break(system: System, t: float) -> float:
     """Time to the next bend over time of a load, s."""
-    packed = system.packed
-    return next_break(packed.loads, packed.nodes, packed.modes) - t
+    return next_break(system.packed.loads) - t
 
 
 @compiled
@@ -399,14 +391,13 @@ def march_controlled(
         longest = skim_step(system.packed, book.memory, state.longest)
         longest = step_after_touchdown(system.packed.joints, book.onset, book.memory, longest)
         h = min(step_to_break(system.motions, t, min(state.step, longest)), left)
-        loaded = system.packed.loads.shape[0] > 0
+        loaded = count_ways(system.packed.loads) > 0
         if loaded:
             h = min(h, until_break(system, t))
         last_step = h >= left
         for i in range(n):
             motion.scale[i] = state.tolerance * POSITION_SCALE
             motion.scale[n + i] = state.tolerance * (1.0 + abs(motion.y[n + i]))
-        motion.bristle_scale[0] = state.tolerance * POSITION_SCALE
         error = embedded_step(system, tableau, book.onset, motion, t, h)
         state.evaluations += tableau.b.shape[0]
         if not error <= 1.0:

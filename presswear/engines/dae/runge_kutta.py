@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.engines.dae.dynamics import System, rates
+from presswear.engines.dae.dynamics import System, bristle_place, rates
 from presswear.engines.dormand_prince import Tableau
 from presswear.tools.compiled import compiled, copy_to
 
@@ -26,23 +26,20 @@ class Integration(NamedTuple):
     slopes : ndarray, shape (13, m)
         Slopes of the stages; the first holds dy/dt at the start.
     scale : ndarray, shape (n,)
-        Allowed error of the first n components; what stands behind them follows, but for
-    bristles : ndarray of int
-        Components with the deflections of bristles, and the error allowed in one.
+        Allowed error of the first n components; the integrals behind them follow, but for the
+        deflections of bristles, in which it is as in the first.
     """
 
     y: Array
     trial: Array
     slopes: Array
     scale: Array
-    bristles: NDArray[np.int64]
-    bristle_scale: Array
 
 
 @compiled
 def classical_step(system: System, onset: Array, motion: Integration, t: float, h: float) -> None:
     """Make one trial step of order 4."""
-    y, new, slopes, _, _, _ = motion
+    y, new, slopes, _ = motion
     for stage in range(1, 4):
         part = h if stage == 3 else 0.5 * h
         for i in range(y.shape[0]):
@@ -78,7 +75,7 @@ def embedded_step(
 
     ``slopes[stages]`` holds dy/dt at the end afterwards.
     """
-    y, new, slopes, scale, bristles, bristle_scale = motion
+    y, new, slopes, scale = motion
     size = y.shape[0]
     stages = tableau.b.shape[0]
     for stage in range(1, stages):
@@ -103,11 +100,12 @@ def embedded_step(
         one, two = errors_of(tableau, slopes, i)
         first += (one / scale[i]) ** 2
         second += (two / scale[i]) ** 2
-    for i in range(bristles.shape[0]):
-        one, two = errors_of(tableau, slopes, bristles[i])
-        first += (one / bristle_scale[0]) ** 2
-        second += (two / bristle_scale[0]) ** 2
-    count += bristles.shape[0]
+    for k in range(system.packed.joints.shape[0]):
+        if system.packed.joints[k].friction.bristle_stiffness > 0.0:
+            one, two = errors_of(tableau, slopes, bristle_place(scale.shape[0], k))
+            first += (one / scale[0]) ** 2
+            second += (two / scale[0]) ** 2
+            count += 1
     if first == 0.0 and second == 0.0:
         return 0.0
     return abs(h) * first / math.sqrt((first + 0.01 * second) * count)

@@ -10,7 +10,15 @@ from presswear.physics.applied import applied_forces, settle_modes
 from presswear.physics.contact import note_contacts
 from presswear.physics.energy import loss_powers
 from presswear.physics.forces import add_contacts, load_of
-from presswear.physics.loads import WAYS, load_forces, load_motion, next_break, switching
+from presswear.physics.loads import (
+    Loads,
+    count_ways,
+    greatest_jump,
+    load_forces,
+    next_break,
+    way_at_start,
+    way_out,
+)
 from presswear.physics.motion import drive_motion, step_to_break
 from presswear.physics.packed import Packed
 from presswear.physics.prescribed import (
@@ -139,10 +147,10 @@ def connector_forces(
             out[i] += load.x
             out[i + 1] += load.y
             out[i + 2] += load.pin_moment
-    if packed.loads.shape[0] > 0:
+    if count_ways(packed.loads) > 0:
         for i in range(live.force.shape[0]):
             live.force[i] = 0.0
-        load_forces(packed.loads, packed.nodes, packed.modes, t, frame.q, frame.v, live.force)
+        load_forces(packed.loads, t, frame.q, frame.v, live.force)
         for i in range(out.shape[0]):
             out[i] += live.force[live.places[i]]
 
@@ -245,11 +253,10 @@ def accept_joint_step(
     packed = book.packed
     if settle_modes(packed, t, frame.q, frame.v, frame.a) > 0:
         book.ledger[0].load_power = applied_forces(packed, t, frame.q, frame.v, drives.force)
-        for k in range(packed.modes.shape[0]):
-            if packed.modes[k].jump > JUMP:
-                # The rule begins from accelerations that no longer hold.
-                following = steps[0].least
-    left = next_break(packed.loads, packed.nodes, packed.modes) - t
+        if greatest_jump(packed.loads) > JUMP:
+            # The rule begins from accelerations that no longer hold.
+            following = steps[0].least
+    left = next_break(packed.loads) - t
     following = step_to_break(book.motions, t, min(following, left))
     return max(following, 0.1 * steps[0].least)
 
@@ -261,29 +268,31 @@ def shorter_joint_step(frame: Frame, book: Book, steps: Records, t: float) -> fl
     shorter = shorter_step(
         book.packed, book.onset, book.memory, steps, frame.contacts, t, frame.q, frame.v
     )
-    wanted = late_change(book.packed, steps, t, frame.q, frame.v, frame.a)
+    h = t - book.record[0].now
+    wanted = late_change(book.packed.loads, steps, h, frame.q, frame.v, frame.a)
     return wanted if shorter < 0.0 or 0.0 < wanted < shorter else shorter
 
 
 @compiled
-def late_change(packed: Packed, steps: Records, t: float, q: Array, v: Array, a: Array) -> float:
-    """Step, s, that ends just behind a change of a load's law before the trial state; else -1."""
+def late_change(
+    loads: Loads | None, steps: Records, h: float, q: Array, v: Array, a: Array
+) -> float:
+    """Step, s, that ends just behind a change of a load's law before the trial state; else -1.
+
+    Parameters
+    ----------
+    h : float
+        Step to the trial state, s.
+    """
     shortest = -1.0
-    for k in range(packed.loads.shape[0]):
-        load = packed.loads[k]
-        last = packed.modes[k]
-        h = t - last.time
-        place, speed, faster = load_motion(load, q, v, a)
-        for way in range(WAYS):
-            p1, r1, _, _ = switching(load, packed.nodes, last, way, place, speed, faster, 0.0)
-            if p1 == -math.inf:
-                continue
-            p0, r0, _, _ = switching(
-                load, packed.nodes, last, way, last.place, last.speed, last.faster, 0.0
-            )
-            s = crossing(min(p0, 0.0) - NOISE, r0, p1 - NOISE, r1, h)
-            if s <= 1.0 and (1.0 - s) * h > 2.0 * LATE * steps[0].least:
-                wanted = s * h + LATE * steps[0].least
-                if shortest < 0.0 or wanted < shortest:
-                    shortest = wanted
+    for k in range(count_ways(loads)):
+        p1, r1 = way_out(loads, k, q, v, a)
+        if p1 == -math.inf:
+            continue
+        p0, r0, _, _ = way_at_start(loads, k, 0.0)
+        s = crossing(min(p0, 0.0) - NOISE, r0, p1 - NOISE, r1, h)
+        if s <= 1.0 and (1.0 - s) * h > 2.0 * LATE * steps[0].least:
+            wanted = s * h + LATE * steps[0].least
+            if shortest < 0.0 or wanted < shortest:
+                shortest = wanted
     return shortest

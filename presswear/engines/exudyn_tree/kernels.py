@@ -29,7 +29,7 @@ from presswear.physics.forces import (
 )
 from presswear.physics.laws import bristle_rate
 from presswear.physics.links import accelerate_links, carry_branches, gather_forces, place_links
-from presswear.physics.loads import WAYS, next_break, switching
+from presswear.physics.loads import count_ways, next_break, way_at_start
 from presswear.physics.motion import step_to_break
 from presswear.physics.packed import Packed
 from presswear.physics.prescribed import Prescribed, drive_torques, forced_power, place_prescribed
@@ -229,34 +229,22 @@ def time_to_event(p: float, r: float, a: float, j: float) -> tuple[float, float]
 @compiled
 def step_to_changes(book: Book, system: TreeSystem, t: float, h: float) -> float:
     """Step, s, no longer than ``h``, that does not run past the next change of a load's law."""
-    packed = book.packed
-    h = min(h, next_break(packed.loads, packed.nodes, packed.modes) - t)
+    loads = book.packed.loads
+    h = min(h, next_break(loads) - t)
     smooth = system.pace[0].smooth
-    for k in range(packed.loads.shape[0]):
-        mode = packed.modes[k]
-        change = mode.change if smooth else 0.0
-        for way in range(WAYS):
-            p, r, a, j = switching(
-                packed.loads[k],
-                packed.nodes,
-                mode,
-                way,
-                mode.place,
-                mode.speed,
-                mode.faster,
-                change,
-            )
-            if p == -math.inf:
-                continue
-            # To just behind it: what does not come so far is round-off.
-            arrival, doubt = time_to_event(min(p, 0.0) - LANDING_DEPTH, r, a, j)
-            speed = r + arrival * (a + 0.5 * j * arrival)
-            if arrival > h or not speed > 0.0:
-                continue
-            if not smooth:
-                doubt = max(doubt, UNKNOWN_DOUBT * arrival)
-            near = doubt * speed <= 0.5 * LANDING_DEPTH
-            h = min(h, arrival if near else max(arrival - 2.0 * doubt, 0.5 * arrival))
+    for k in range(count_ways(loads)):
+        p, r, a, j = way_at_start(loads, k, 1.0 if smooth else 0.0)
+        if p == -math.inf:
+            continue
+        # To just behind it: what does not come so far is round-off.
+        arrival, doubt = time_to_event(min(p, 0.0) - LANDING_DEPTH, r, a, j)
+        speed = r + arrival * (a + 0.5 * j * arrival)
+        if arrival > h or not speed > 0.0:
+            continue
+        if not smooth:
+            doubt = max(doubt, UNKNOWN_DOUBT * arrival)
+        near = doubt * speed <= 0.5 * LANDING_DEPTH
+        h = min(h, arrival if near else max(arrival - 2.0 * doubt, 0.5 * arrival))
     return h
 
 
