@@ -74,8 +74,7 @@ def load(axes: Axes) -> None:
     for label, loads in {"free": (), "blanking": (blanking,)}.items():
         scene = Scene(replace(free, loads=loads), bearings={}, wears=0, cycles=2, drive_torque="on")
         stage = presswear.run(scene, engine="dae").stages[0]
-        place = stage.displacement + stage.joints_start if False else stage.displacement
-        axes.plot(1e3 * place, stage.drive_torque[:, 0], label=label)
+        axes.plot(1e3 * stage.displacement, stage.arrays["drive_torque"][:, 0], label=label)
     axes.set_xlabel("slider from where it starts, mm")
     axes.set_ylabel("torque of the crank, N m")
     axes.legend(frameon=False, title="against the way out, until the part breaks through")

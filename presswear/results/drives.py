@@ -13,7 +13,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Load:
+class Duty:
     """A quantity of a drive over the recorded cycles that are samples, or all if none is whole.
 
     Attributes
@@ -35,13 +35,13 @@ class DriveResult:
     ----------
     torque, power : ndarray, shape (n,)
         Given to its body at the times of the series, N m and W.
-    torque_load, power_load : Load
+    torque_duty, power_duty : Duty
     """
 
     torque: Array
     power: Array
-    torque_load: Load
-    power_load: Load
+    torque_duty: Duty
+    power_duty: Duty
 
 
 def drives_of(scene: Scene, stage: StageResult) -> dict[str, DriveResult]:
@@ -62,15 +62,15 @@ def drives_of(scene: Scene, stage: StageResult) -> dict[str, DriveResult]:
     for k, drive in enumerate(linkage.drives):
         torque = stage.arrays["drive_torque"][:, k]
         power = torque * velocity[:, 3 * linkage.index(drive.body) + 2]
-        loads = [_load(time[rows], values[rows]) for values in (torque, power)]
-        found[drive.body] = DriveResult(torque, power, *loads)
+        duties = [_duty(time[rows], values[rows]) for values in (torque, power)]
+        found[drive.body] = DriveResult(torque, power, *duties)
     return found
 
 
-def _load(time: Array, values: Array) -> Load:
+def _duty(time: Array, values: Array) -> Duty:
     """Numbers of a sampled quantity, by the trapezoidal rule."""
     duration = float(time[-1] - time[0])
-    return Load(
+    return Duty(
         float(np.trapezoid(values, time)) / duration,
         float(np.sqrt(np.trapezoid(values**2, time) / duration)),
         float(values[np.abs(values).argmax()]),

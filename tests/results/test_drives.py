@@ -43,10 +43,10 @@ def test_a_bar_that_is_turned_bears_its_weight(run_up: int) -> None:
     np.testing.assert_allclose(found.power, torque * speed, atol=1e-5)
     weight = 2.0 * 9.81 * 0.2
     # Over whole turns at constant speed the weight does no work.
-    assert found.torque_load.mean == pytest.approx(0.0, abs=1e-4)
-    assert found.torque_load.rms == pytest.approx(weight / math.sqrt(2.0), rel=1e-4)
-    assert abs(found.torque_load.peak) == pytest.approx(weight, rel=1e-4)
-    assert abs(found.power_load.peak) == pytest.approx(5.0 * weight, rel=1e-4)
+    assert found.torque_duty.mean == pytest.approx(0.0, abs=1e-4)
+    assert found.torque_duty.rms == pytest.approx(weight / math.sqrt(2.0), rel=1e-4)
+    assert abs(found.torque_duty.peak) == pytest.approx(weight, rel=1e-4)
+    assert abs(found.power_duty.peak) == pytest.approx(5.0 * weight, rel=1e-4)
     columns = table_of(replace(run_scene(scene)), 0)
     np.testing.assert_array_equal(columns["crank_power"], found.power)
     assert unit_of("crank_power") == "W"
@@ -65,7 +65,7 @@ def test_power_is_in_the_figures_and_in_the_report() -> None:
     own = drives_of(scene, result.stages[0])["crank"]
     told = rows["power, largest (W)"](result.stages[0]).replace("\u2212", "-")
     assert float(told.replace("\u202f", "").replace(" ", "")) == pytest.approx(
-        own.power_load.peak, rel=1e-2
+        own.power_duty.peak, rel=1e-2
     )
     without = run_scene(replace(scene, drive_torque="off", cycles=1))
     assert of_drives(without) == {}
@@ -88,5 +88,5 @@ def test_a_run_that_ends_in_its_run_up_is_told_of_as_far_as_it_came() -> None:
     assert rows["time"][-1] < scene.run_up
     cut = replace(stage, arrays={**stage.arrays, **rows})
     found = drives_of(scene, cut)["crank"]
-    assert found.power_load.peak == found.power[np.abs(found.power).argmax()]
+    assert found.power_duty.peak == found.power[np.abs(found.power).argmax()]
     assert of_drives(replace(result, stages=(cut,)))

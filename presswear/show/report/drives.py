@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from presswear.results.drives import Load, drives_of
+from presswear.results.drives import Duty, drives_of
 from presswear.results.result import Result
 from presswear.results.stage import StageResult
 from presswear.show.report.parts import Rows
@@ -17,8 +17,8 @@ def of_drives(result: Result) -> dict[str, Rows[StageResult]]:
     def told(body: str, which: str, name: str) -> Callable[[StageResult], str]:
         def text(stage: StageResult) -> str:
             own = found[stage.index].get(body)
-            load: Load | None = None if own is None else getattr(own, f"{which}_load")
-            return readable(None if load is None else getattr(load, name))
+            duty: Duty | None = None if own is None else getattr(own, f"{which}_duty")
+            return readable(None if duty is None else getattr(duty, name))
 
         return text
 
