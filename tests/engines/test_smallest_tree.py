@@ -41,7 +41,9 @@ SPRUNG = replace(
 SCENES = {
     "press, C": clearance_c(),
     "press, C, drives uneven": Scene(mechanism=UNEVEN, joints="C", wears=0),
-    "slider-crank, A and B": replace(slider_crank(), joints="AB"),
+    "slider-crank, A and B": slider_crank(
+        joints="AB", **{"A.clearance": "0.2 mm", "B.friction": 0.05, "B.normal_law": "flores"}
+    ),
     "slider, springs and loads": Scene(mechanism=SPRUNG, joints="D", bearings=TIGHT, wears=0),
     "driven forearm": Scene(mechanism=ARM, joints="K", bearings=TIGHT, wears=0),
     "coupler of a six-bar": Scene(mechanism=STEPHENSON, joints="C", bearings=TIGHT, wears=0),

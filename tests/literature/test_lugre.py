@@ -1,0 +1,79 @@
+"""LuGre friction of a block on a floor: it holds, breaks away and slides as its authors say.
+
+Canudas de Wit, Olsson, Astrom and Lischinsky, 1995; the floor is that of SDND100.
+"""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from presswear.engines.base import Plan, Run
+from presswear.engines.settings import Engine, ExudynJoints, InHouse
+from presswear.linkage.laws import FrictionLaw
+from presswear.linkage.loads import Force, OverTime
+from presswear.trials.verify import references
+
+PRESS, DYNAMIC, STATIC, STRIBECK, STIFF = 10.0, 0.1, 0.15, 1e-3, 1e4
+LUGRE = FrictionLaw(DYNAMIC, 0.0, 1e-3, "lugre", None, STATIC, STRIBECK, STIFF, 30.0)
+RAMP = FrictionLaw(DYNAMIC, 0.0, 1e-3)
+FINE = InHouse(integration_tolerance=1e-10)
+
+
+def pulled(
+    pull: float, time: float, law: FrictionLaw = LUGRE, speed: float = 0.0, engine: Engine = FINE
+) -> Run:
+    """A block of 1 kg pressed on by 10 N, after a while, s, under a pull, N, slowly put on."""
+    linkage, start = references.block(0.0, PRESS, law, speed)
+    slowly = OverTime([(0.0, 0.0), (1.0, pull)], period=0.0)
+    own = pull if speed > 0.0 else slowly
+    linkage = replace(linkage, loads=[*linkage.loads, Force("block.centre", 0.0, own)])
+    run = engine.simulate(linkage, start, Plan(time, 1, recorded_cycles=1))
+    assert run.status == "completed", run.message
+    return run
+
+
+@pytest.mark.parametrize("engine", [FINE, ExudynJoints(free_step=1e-4)])
+def test_what_is_pulled_too_weakly_stays(engine: Engine) -> None:
+    """Bristles bend until sigma_0 z bears the pull: then nothing moves, where a ramp creeps."""
+    run = pulled(0.8, 1.1, engine=engine)
+    bent = 0.8 / PRESS / STIFF
+    contact = run.recorder.book.contacts[0]
+    assert contact["bristle"] == pytest.approx(bent, rel=1e-3)
+    assert abs(run.end.velocity[0]) < 1e-7
+    # Slipping on the way there adds to it: z' = x' (1 - sigma_0 z / g).
+    moved = -STATIC / STIFF * math.log(1.0 - 0.8 / PRESS / STATIC)
+    assert run.end.position[0] == pytest.approx(moved, rel=1e-2)
+    assert pulled(0.8, 1.1, RAMP).end.velocity[0] == pytest.approx(0.8e-3, rel=1e-4)
+
+
+def test_it_breaks_away_at_the_static_coefficient_and_slides_at_the_other() -> None:
+    """Between c_f and c_s it depends on the start: from rest it holds, sliding it goes on."""
+    pull = 0.5 * (DYNAMIC + STATIC) * PRESS
+    assert abs(pulled(pull, 1.1).end.velocity[0]) < 1e-6
+    sliding = pulled(pull, 0.3, speed=0.1)
+    # Full of c_f: v = v_0 + (pull - c_f N) t.
+    assert sliding.end.velocity[0] == pytest.approx(0.1 + (pull - DYNAMIC * PRESS) * 0.3, rel=1e-3)
+    assert pulled(1.2 * STATIC * PRESS, 1.2).end.velocity[0] > 0.1
+
+
+@pytest.mark.parametrize("speed", [2e-4, 1e-3, 3e-3])
+def test_steady_sliding_follows_the_stribeck_curve(speed: float) -> None:
+    """A pull of g(v) N holds a speed: it changes by second order only, in the beginning."""
+    held = DYNAMIC + (STATIC - DYNAMIC) * math.exp(-((speed / STRIBECK) ** 2))
+    run = pulled(held * PRESS, 2e-2, speed=speed)
+    bristle = run.recorder.book.contacts[0]["bristle"]
+    ratio = run.end.velocity[0] / STRIBECK
+    now = DYNAMIC + (STATIC - DYNAMIC) * math.exp(-ratio * ratio)
+    assert now / STIFF == pytest.approx(bristle, rel=0.2)
+
+
+def test_engines_agree_and_nothing_is_lost_but_by_friction() -> None:
+    runs = [pulled(1.3, 1.1, engine=own) for own in (FINE, ExudynJoints(free_step=2e-5))]
+    one, other = (own.end.position[0] for own in runs)
+    assert one == pytest.approx(other, abs=1e-8)
+    for run in runs:
+        work = 1.3 * run.end.position[0]
+        assert float(run.diagnostics["friction_loss_J"]) <= work + 1e-12
+    assert np.isfinite(one)
