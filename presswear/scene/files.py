@@ -9,8 +9,9 @@ from typing import Any
 from presswear.linkage.elements import Linkage
 from presswear.linkage.four_bar import FOUR_BAR
 from presswear.linkage.press import Press
+from presswear.linkage.reading import read
 from presswear.linkage.slider_crank import SliderCrank
-from presswear.linkage.written import read, toml_of
+from presswear.linkage.written import toml_of
 from presswear.scene.scene import MECHANISMS, OneMechanism, Scene
 from presswear.scene.settings import changed, settings_of
 from presswear.tools.errors import InputError, unknown

@@ -10,10 +10,11 @@ from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.elements import Linkage
 from presswear.linkage.laws import DAMPINGS
 from presswear.linkage.press import Press
+from presswear.linkage.reading import read
 from presswear.linkage.slider_crank import SliderCrank
 from presswear.linkage.surface import Surface
 from presswear.linkage.topology import branches_of
-from presswear.linkage.written import read, written
+from presswear.linkage.written import written
 from presswear.physics.assembly import IdealMotion, followed, motion_of
 from presswear.scene.bearing import CONVENTIONS, Bearing, Conventions
 from presswear.tools.arrays import Array

@@ -33,8 +33,9 @@ from presswear.linkage.loads import (
 )
 from presswear.linkage.motions import RISES, Drive, Follow, Rise
 from presswear.linkage.press import GEOMETRIES, Press
+from presswear.linkage.reading import read
 from presswear.linkage.slider_crank import SliderCrank
-from presswear.linkage.written import read, toml_of, values_of, written
+from presswear.linkage.written import toml_of, values_of, written
 from presswear.tools.errors import InputError, one_line
 
 LOADED = replace(

@@ -16,8 +16,9 @@ from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.elements import Linkage
 from presswear.linkage.four_bar import FOUR_BAR
 from presswear.linkage.motions import RISES, Drive, Rise, run_up_motion
+from presswear.linkage.reading import read
 from presswear.linkage.slider_crank import SliderCrank
-from presswear.linkage.written import read, toml_of, written
+from presswear.linkage.written import toml_of, written
 from presswear.physics.assembly import motion_of as ideal_of
 from presswear.physics.motion import (
     break_after,
