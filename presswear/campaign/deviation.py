@@ -81,7 +81,8 @@ def slider_deviation(scene: Scene, time: Array, moved: Array, speed: Array) -> l
     off, faster = moved - ideal[:, 0], speed - ideal[:, 1]
     wanted = ideal[:, 1]
     centred = off - mean_over_time(time, off)
-    lag = -mean_over_time(time, centred * wanted) / mean_over_time(time, wanted**2)
+    way = mean_over_time(time, wanted**2)
+    lag = -mean_over_time(time, centred * wanted) / way if way > 0.0 else 0.0
     return [
         math.sqrt(mean_over_time(time, off**2)),
         math.sqrt(mean_over_time(time, faster**2)),

@@ -313,6 +313,8 @@ class Linkage:
 
     def _loaded(self, load: AnyLoad) -> AnyLoad:
         """A load with its point found."""
+        if isinstance(load, Force) and isinstance(load.point, tuple | list):
+            raise InputError(f"loads: point = {load.point!r}: a point of a body is expected")
         self._check_body(load.body, "loads")
         law = None if isinstance(load, Load) else load.law
         if isinstance(law, OverTime) and law.period is None:

@@ -216,14 +216,14 @@ def check_normal(key: str, own: OwnFunction, values: Mapping[str, float]) -> Non
 
     for part in (1e-6, 1e-4, 1e-2):
         penetration = part * values["clearance"]
-        for onset in (1e-3, 1.0):
+        for onset in (1e-4, 1e-3, 1e-2, 0.05, 0.2, 1.0, 5.0):
             rest = force(penetration, 0.0, onset)
             told = f"{key}: {own.name} at penetration = {penetration:g} m"
             if not rest > 0.0:
                 raise InputError(f"{told} gives {rest:g} N at rest: it must push, above 0 N")
             if rest != force(penetration, 0.0, 0.1):
                 raise InputError(f"{told} gives a force at rest that depends on onset_speed")
-            for rate in (0.1 * onset, onset):
+            for rate in (0.1 * onset, 0.5 * onset, onset):
                 closing, opening = (force(penetration, side * rate, onset) for side in (1.0, -1.0))
                 if closing < rest or opening > rest:
                     raise InputError(
@@ -240,7 +240,7 @@ def check_friction(key: str, own: OwnFunction, values: Mapping[str, float]) -> N
     values : mapping
         Of FRICTION_PARAMETERS, those of the state left out.
     """
-    for speed in (0.1 * values["upper_speed"], values["upper_speed"], 1.0):
+    for speed in (0.1 * values["upper_speed"], values["upper_speed"], 0.01, 0.1, 0.4, 1.0, 4.0):
         for sliding in (speed, -speed):
             state = {**values, "sliding": sliding, "normal": 100.0}
             force = own.number(key, FRICTION_PARAMETERS, state)

@@ -44,6 +44,11 @@ class Spring:
     length: float
     damping: float = 0.0
 
+    def __post_init__(self) -> None:
+        """InputError where a number is below zero."""
+        for name, unit in (("stiffness", "N/m"), ("length", "m"), ("damping", "N s/m")):
+            _at_least(f"{name} of spring {self.name}", getattr(self, name), 0.0, unit)
+
 
 @dataclass(frozen=True)
 class Load:

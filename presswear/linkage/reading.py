@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from itertools import chain, repeat
+from pathlib import Path
 from typing import Any
 
 from presswear.linkage.elements import (
@@ -49,7 +50,7 @@ from presswear.tools.own import OwnFunction
 from presswear.tools.quantities import Meaning, parse_quantity
 
 
-def read(data: Data, place: str, *, units: bool = False) -> Linkage:
+def read(data: Data, place: str, *, units: bool = False, folder: Path | None = None) -> Linkage:
     """A linkage from plain data.
 
     Parameters
@@ -58,13 +59,15 @@ def read(data: Data, place: str, *, units: bool = False) -> Linkage:
         Where the data stand, for messages.
     units : bool
         Whether numbers need their units.
+    folder : Path or None
+        Where files with functions of one's own stand; None: where the program was called.
 
     Raises
     ------
     InputError
         Naming the table, the key and the value that does not fit.
     """
-    reader = _Reader(units)
+    reader = _Reader(units, folder or Path())
     tables: dict[str, list[dict[str, Any]]] = {}
     for table in TABLES:
         rows = data.get(table, [])
@@ -171,6 +174,10 @@ class _Reader:
     """Reads values of tables; numbers need their units where a person writes them."""
 
     units: bool
+    folder: Path
+
+    def _own(self, place: str, value: Any) -> OwnFunction:
+        return OwnFunction.of(place, f"{self.folder / value}" if isinstance(value, str) else value)
 
     def table_row(self, table: str, row: Any, place: str) -> dict[str, Any]:
         """The values of a row of one of TABLES."""
@@ -196,7 +203,7 @@ class _Reader:
             POINTS: self._points,
             ANGLES: self._angles,
             YES: self._yes,
-            OWN: OwnFunction.of,
+            OWN: self._own,
         }
         found: dict[str, Any] = {}
         for key, value in row.items():
@@ -222,6 +229,7 @@ class _Reader:
         if self.units and not meaning.whole:
             # A zero is a zero in any unit.
             if value == 0 and isinstance(value, (int, float)) and not isinstance(value, bool):
+                meaning.check(place, 0.0)
                 return 0.0
             return parse_quantity(place, str(value), meaning)
         meaning.check(place, value)

@@ -600,7 +600,8 @@ def followed(linkage: Linkage) -> Linkage:
             )
     breaks = _breaks(linkage, period)
     curves = inverse.rows.coordinates(inverse.position)
-    allowed = FOLLOWED * (np.ptp(curves, axis=0).max() or inverse.rows.size)
+    size = inverse.rows.size
+    allowed = max(FOLLOWED * (np.ptp(curves, axis=0).max() or size), ROUND_OFF * size)
     off = math.inf
     for parts in (*_PIECES, MOST_PIECES - len(breaks)):
         counts = np.ceil(np.diff(breaks) / period * parts - 1e-9).astype(int)

@@ -44,7 +44,12 @@ def loss_powers(contact: Records, normal: float, tangential: float) -> tuple[flo
         return 0.0, 0.0, 0.0
     stored = contact.elastic * contact.closing
     lost = normal * contact.approach - stored
-    return lost, -tangential * contact.sliding, normal * (contact.closing - contact.approach)
+    made = normal * (contact.closing - contact.approach)
+    damped = normal * contact.closing - stored
+    if damped < 0.0:
+        # A law of one's own that pushes harder where it opens.
+        made -= damped
+    return lost, -tangential * contact.sliding, made
 
 
 def stored_energy(packed: Packed, elastic: Array, q: Array, v: Array) -> float:

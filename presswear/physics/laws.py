@@ -299,7 +299,8 @@ def _own_forces(own: OwnFunction) -> tuple[Callable[..., float], Callable[..., f
         clearance: float,
     ) -> float:
         total = force(penetration, rate, onset_speed, stiffness, exponent, damping, clearance)
-        return max(total, 0.0)
+        # What is no number stays none, and ends the run.
+        return 0.0 if total < 0.0 else total
 
     return elastic, damped
 

@@ -18,6 +18,7 @@ from presswear.linkage.laws import (
     FRICTION_PARAMETERS,
     FRICTIONS,
     KELVIN_VOIGT,
+    LUGRE,
     NORMAL_PARAMETERS,
     Elasticity,
     FrictionLaw,
@@ -137,9 +138,9 @@ class Bearing:
         if not isinstance(self.materials, Materials):
             # By their name, or as they were stored.
             own = self.materials
-            if isinstance(own, str) and own not in MATERIALS:
-                raise unknown("materials", own, MATERIALS)
-            found = MATERIALS[own] if isinstance(own, str) else Materials(**own)
+            if not isinstance(own, dict) and own not in MATERIALS:
+                raise unknown("materials", f"{own}", MATERIALS)
+            found = Materials(**own) if isinstance(own, dict) else MATERIALS[own]
             object.__setattr__(self, "materials", found)
         for item in fields(self):
             # As it is given, or as it was stored.
@@ -164,6 +165,16 @@ class Bearing:
             raise InputError(
                 f"static_friction = {self.static_friction:g}: allowed is {self.friction:g}, the "
                 "friction, up to 2"
+            )
+        if not isinstance(self.friction_law, str) and self.friction == 0.0:
+            raise InputError(
+                f"friction = 0: with friction_law = {self.friction_law}, which is handed it, "
+                "allowed is above 0 to 0.8"
+            )
+        if self.static_friction is not None and self.friction_law != LUGRE:
+            raise InputError(
+                f"static_friction = {self.static_friction:g}: with friction_law = "
+                f"{self.friction_law} it means nothing"
             )
         if self.elasticity != "power" and self.exponent != 1.5:
             raise InputError(

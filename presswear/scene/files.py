@@ -64,7 +64,7 @@ def scene_from(file: Path) -> Scene:
         for key in data:
             if key not in _KEYS:
                 raise unknown("key", key, _KEYS)
-        mechanism = _mechanism(data.get("mechanism"))
+        mechanism = _mechanism(data.get("mechanism"), file.parent)
         settings = _settings(data.get("settings", {}), file.parent)
         title = data.get("title", f"The linkage of {file.name}")
         # Without a word on it, no joint has clearance and nothing wears.
@@ -78,7 +78,7 @@ def scene_from(file: Path) -> Scene:
         raise InputError(told if told.startswith(str(file)) else f"{file}: {told}") from None
 
 
-def _mechanism(given: Any) -> OneMechanism:
+def _mechanism(given: Any, folder: Path) -> OneMechanism:
     """A linkage from its table, or a mechanism by its kind."""
     if isinstance(given, str):
         if given not in MECHANISMS:
@@ -86,7 +86,7 @@ def _mechanism(given: Any) -> OneMechanism:
         return MECHANISMS[given]()
     if not isinstance(given, Mapping):
         raise InputError("mechanism: the name of one or a table [mechanism] is needed")
-    return read(given, "mechanism", units=True)
+    return read(given, "mechanism", units=True, folder=folder)
 
 
 def _settings(given: Any, folder: Path) -> dict[str, str]:

@@ -151,6 +151,9 @@ class Scene:
         for part, kind in (("bearings", Bearing), ("conventions", Conventions)):
             if not isinstance(getattr(self, part), kind):
                 raise InputError(f"{part} = {getattr(self, part)!r}: a {kind.__name__} is expected")
+        # The press's joints are no default for others.
+        if self.joints == "AC" and not {"A", "C"} <= set(self.mechanism.openable):
+            object.__setattr__(self, "joints", "none")
         check_fields(self)
         # One spelling, so that equal scenes are equal.
         object.__setattr__(self, "joints", self._openable.together(self.clearance_joints))
@@ -174,11 +177,13 @@ class Scene:
                     f"{key} = {own.exponent:g}: with contact = 'foundation', which is linear "
                     "and gives the exponent 1.5 of a round joint, allowed is 1.5"
                 )
-            if self.conventions.contact == "foundation" and not isinstance(own.normal_law, str):
+            worn = self.conventions.contact == "foundation" and self.wears > 0
+            if worn and not isinstance(own.normal_law, str):
                 key = f"{name}.normal_law" if name else "normal_law"
                 raise InputError(
-                    f"{key} = {own.normal_law}: with contact = 'foundation', which has an elastic "
-                    f"force of its own, allowed is one of {', '.join(DAMPINGS)}"
+                    f"{key} = {own.normal_law}: worn surfaces with contact = 'foundation' have an "
+                    f"elastic force of their own; allowed is one of {', '.join(DAMPINGS)}, or "
+                    "contact = 'radial'"
                 )
         if self.draws > 1 and not self.clearance_joints:
             raise InputError(f"starts = {self.starts}: without a clearance joint allowed is 1")

@@ -119,7 +119,12 @@ def changed(scene: Scene, settings: Mapping[str, Any]) -> Scene:
     common = {key: value for key, value in settings.items() if "." not in key}
     bearings = {name: _with(scene.bearing(name), common | own, name) for name, own in apart.items()}
     # Put together at once: a new mechanism may have other joints.
-    return replace(scene, statuses=statuses, apart=bearings, **_updates(scene, common))
+    found = replace(scene, statuses=statuses, apart=bearings, **_updates(scene, common))
+    for key in settings:
+        joint = key.rpartition(".")[0]
+        if joint and joint not in found.clearance_joints:
+            raise InputError(f"{key}: joint {joint} has no clearance; joints = {found.joints}")
+    return found
 
 
 def _with(bearing: Bearing, settings: Mapping[str, Any], joint: str) -> Bearing:
@@ -135,13 +140,15 @@ def _updates(owner: Any, settings: Mapping[str, Any]) -> dict[str, Any]:
     updates: dict[str, Any] = {}
     for item in fields(owner):
         value, given = getattr(owner, item.name), settings.get(item.name)
-        if is_dataclass(value):
+        words, meaning = choice_of(item, owner), meaning_of(item)
+        if words is not None:
+            # First: a law of one's own is data, but no part with settings of its own.
+            if given is not None:
+                updates[item.name] = words.read(item.name, given)
+        elif is_dataclass(value):
             updates[item.name] = _part(item, value, settings)
         elif given is not None:
-            words, meaning = choice_of(item, owner), meaning_of(item)
-            if words is not None:
-                updates[item.name] = words.read(item.name, given)
-            elif meaning is not None and isinstance(given, str):
+            if meaning is not None and isinstance(given, str):
                 updates[item.name] = parse_quantity(item.name, given, meaning)
             elif meaning is not None:
                 meaning.check(item.name, given)

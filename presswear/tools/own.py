@@ -57,7 +57,9 @@ class OwnFunction:
         """
         if isinstance(given, OwnFunction):
             return given
-        if is_function(given):
+        if isinstance(given, dict):
+            if not is_function(given) or not all(isinstance(own, str) for own in given.values()):
+                raise InputError(f"{key} = {given!r}: texts under name and source are expected")
             return OwnFunction(**given)
         if callable(given):
             try:
@@ -87,6 +89,14 @@ class OwnFunction:
         found = {own.name: own for own in tree.body if isinstance(own, ast.FunctionDef)}
         if self.name not in found:
             raise unknown(f"function in {key}", self.name, tuple(found))
+        for part in ast.walk(tree):
+            # Compiled and called by its address it has nobody to tell.
+            if isinstance(part, ast.Raise | ast.Assert | ast.Try | ast.Subscript):
+                what = {ast.Raise: "raises", ast.Assert: "asserts", ast.Try: "tries"}
+                raise InputError(
+                    f"{key}: {self.name} {what.get(type(part), 'takes by an index')} in line "
+                    f"{part.lineno}: a law gives a number everywhere, by arithmetic and ifs"
+                )
         arguments = found[self.name].args
         names = tuple(own.arg for own in arguments.args)
         if arguments.vararg or arguments.kwarg or arguments.kwonlyargs or arguments.posonlyargs:
@@ -108,8 +118,11 @@ class OwnFunction:
         told = ", ".join(f"{name} = {value:g}" for name, value in given.items())
         try:
             found = self.space()[self.name](**given)
-        except Exception as error:
-            raise InputError(f"{key}: {self.name} fails at {told}: {error}") from None
+        except (Exception, SystemExit) as error:
+            inside = ""
+            if isinstance(error, NameError):
+                inside = "; all that it needs stands within it, or in FILE.py given as FILE.py:NAME"
+            raise InputError(f"{key}: {self.name} fails at {told}: {error}{inside}") from None
         number = isinstance(found, (int, float)) and not isinstance(found, bool)
         if not number or not math.isfinite(found):
             raise InputError(f"{key}: {self.name} gives {found!r} at {told}: a number is expected")

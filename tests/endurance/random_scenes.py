@@ -13,6 +13,8 @@ from random import Random
 from typing import Any
 
 from endurance.subject import OutsideError, run_part
+from presswear.linkage.laws import DAMPINGS, KELVIN_VOIGT
+from presswear.linkage.materials import Materials
 from presswear.linkage.mechanism import HEAVIER
 from presswear.linkage.press import GEOMETRIES, Press
 from presswear.linkage.slider_crank import SliderCrank
@@ -83,7 +85,16 @@ def _drawn(draw: Random, owner: Any, apart: tuple[str, ...] = ()) -> dict[str, A
 
 def _bearings(draw: Random, shortest: float) -> Bearing:
     """Bearing whose quantities fit together, no larger than the shortest link, m."""
-    values = _drawn(draw, Bearing())
+    values = _drawn(draw, Bearing(), ("contact_stiffness",))
+    values["materials"] = Materials(**_drawn(draw, Materials(), ("bearing_modulus",)))
+    if values["elasticity"] != "power":
+        values["exponent"] = 1.5
+    values["static_friction"] = max(values["static_friction"], values["friction"])
+    # Damping without bounds is stiff without bounds.
+    least = DAMPINGS[values["normal_law"]].least
+    values["restitution"] = max(values["restitution"], 0.05 if least > 0.0 else 0.0)
+    viscous = min(values["viscous_damping"], 1e3)
+    values["viscous_damping"] = viscous if values["normal_law"] == KELVIN_VOIGT else 0.0
     values["bearing_radius"] = min(values["bearing_radius"], max(shortest, 1e-4))
     # Values that must be in order are drawn below each other.
     least, most = 1e-9, 0.999 * values["bearing_radius"]

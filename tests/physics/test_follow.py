@@ -220,7 +220,7 @@ def test_nothing_runs_before_the_motion_is_found() -> None:
         motions_of(dwelling())
     with pytest.raises(ValueError, match="drive of crank 7 follows a curve"):
         dwelling().drives[1].motion(np.zeros(1))
-    assert followed(PRESS) is PRESS
+    assert followed(PRESS) == PRESS
 
 
 def test_a_scene_holds_the_curve_and_runs_the_motion() -> None:

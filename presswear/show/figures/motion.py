@@ -97,9 +97,10 @@ def settled(result: Result, stages: Sequence[ShownStage]) -> tuple[list[ShownSta
     else:
         words = "the first cycle, at the start" if cycles == 1 else f"the first {cycles} cycles"
     shown = [replace(stage, data=between(stage.data, begin, end)) for stage in stages]
+    words = f"{words} of {1e3 * period:.0f} ms"
     if run_up > 0.0:
         words += " behind the run-up"
-    return shown, Window(begin, end, period, run_up, f"{words} of {1e3 * period:.0f} ms")
+    return shown, Window(begin, end, period, run_up, words)
 
 
 def response(result: Result, stages: Stages) -> list[Drawing]:

@@ -255,7 +255,10 @@ def notes(result: Result) -> list[str]:
         "cycles are given below with 95 % intervals.",
     )
     bearings = [scene.bearing(joint) for joint in scene.clearance_joints]
-    found += dict.fromkeys(_restitution(own) for own in bearings)
+    laws: dict[str, list[str]] = {}
+    for joint, own in zip(scene.clearance_joints, bearings, strict=True):
+        laws.setdefault(_restitution(own), []).append(joint)
+    found += [text if len(laws) == 1 else f"{', '.join(at)}: {text}" for text, at in laws.items()]
     if len(result.stages) > 1 and scene.conventions.contact == "radial":
         found.append(
             "A worn surface is met radially: the force points along the line of centres even "

@@ -149,8 +149,8 @@ def inside_calls(timed: TimedRun, overhead: float) -> tuple[float, float]:
         return found
 
     with _replaced(
-        assemble=lambda tree, linkage, start, function: assemble(
-            tree, linkage, start, force.around(function)
+        assemble=lambda tree, linkage, start, function, rates: assemble(
+            tree, linkage, start, force.around(function), rates
         ),
         StepLimit=limit,
         post_step=lambda *arguments: ends.around(post_step(*arguments)),
