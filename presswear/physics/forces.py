@@ -131,7 +131,8 @@ def add_contacts(
         rates[base + WORK] = work
         rates[base + PRESSURE] = pressure
         rates[base + BRISTLE] = contact.bristle_rate
-        if load.normal > 0.0:
+        # What is no number is applied too, so that it ends the run.
+        if load.normal != 0.0:
             b = joint.pin_body
             if b >= 0:
                 force[b] += load.x

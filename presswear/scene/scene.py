@@ -341,7 +341,7 @@ class Scene:
             return scene
         except InputError:
             raise
-        except (KeyError, TypeError, ValueError, OverflowError) as error:
+        except (AttributeError, KeyError, TypeError, ValueError, OverflowError) as error:
             raise InputError(f"this is not a stored scene: {error}") from None
 
 

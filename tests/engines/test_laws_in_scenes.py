@@ -10,7 +10,7 @@ import presswear as pw
 from presswear.campaign.starts import start_of
 from presswear.engines.base import Plan, Run
 from presswear.engines.settings import ExudynTree, InHouse
-from presswear.linkage.laws import DAMPINGS, FRICTIONS, KELVIN_VOIGT
+from presswear.linkage.laws import DAMPINGS, FRICTIONS, KELVIN_VOIGT, NormalLaw
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.tools.errors import InputError
@@ -125,3 +125,32 @@ def test_a_function_is_a_law_and_its_result_goes_on_with_it_alone(tmp_path: Path
     other = replace(BASE, bearings=pw.Bearing(normal_law="flores"), cycles=1)
     with pytest.raises(InputError, match="normal_law is mine of one's own"):
         pw.run(other, tmp_path / "out", engine="dae")
+
+
+@pytest.mark.parametrize("engine", [InHouse(), ExudynTree()])
+def test_a_law_that_gives_no_number_later_ends_the_run(
+    engine: InHouse | ExudynTree, tmp_path: Path
+) -> None:
+    """Beyond the places at which it is asked before; nothing passes through its bearing."""
+    text = (
+        "def late(penetration):\n    return 1e7 * penetration if penetration < 9e-6 else math.nan\n"
+    )
+    (tmp_path / "late.py").write_text(text)
+    scene = changed(BASE, {"normal_law": f"{tmp_path}/late.py:late"})
+    scene.check_own_laws()
+    plan = Plan(0.1, 1, recorded_cycles=1)
+    run = engine.over(scene.mechanism.period).simulate(scene.linkage(), start_of(scene), plan)
+    assert run.status == "failed"
+
+
+def test_what_a_law_of_ones_own_makes_is_made_by_the_contacts() -> None:
+    """A record whose force is greater where it opens: the ledger counts it, not as a loss."""
+    linkage = BASE.linkage()
+    source = "def rise(penetration, rate, onset_speed):\n    return 1e10 * penetration ** 1.5 "
+    source += "* (1.0 - 0.2 * rate / onset_speed)\n"
+    law = NormalLaw(1e10, own=OwnFunction("rise", source))
+    joints = tuple(replace(joint, normal=law) for joint in linkage.clearances)
+    run = InHouse().simulate(replace(linkage, clearances=joints), start_of(BASE), Plan(0.03, 1))
+    lost, made = (float(run.diagnostics[key]) for key in ("contact_loss_J", "contact_made_J"))
+    assert lost < 0.0
+    assert made == pytest.approx(-lost, rel=1e-9)

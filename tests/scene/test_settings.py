@@ -4,6 +4,7 @@ import json
 import math
 from collections.abc import Mapping
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -253,3 +254,16 @@ def test_one_joint_can_be_set_apart() -> None:
 def test_what_does_not_fit_one_joint_is_told_with_its_name(key: str, value: str, says: str) -> None:
     with pytest.raises(InputError, match=f"^{says}"):
         changed(wear_times(), {"conventions": "refined", key: value})
+
+
+def test_a_named_law_replaces_one_of_ones_own(tmp_path: Path) -> None:
+    """And the other way round; what joints without clearance are set to is refused."""
+    (tmp_path / "laws.py").write_text("def soft(penetration):\n    return 1e9 * penetration\n")
+    own = changed(PRESS, {"normal_law": f"{tmp_path}/laws.py:soft", "C.normal_law": "flores"})
+    assert str(own.bearing("A").normal_law).startswith("soft of one's own")
+    assert own.bearing("C").normal_law == "flores"
+    assert changed(own, {"normal_law": "gonthier"}).bearing("A").normal_law == "gonthier"
+    with pytest.raises(InputError, match=r"A\.friction: joint A has no clearance; joints = C"):
+        changed(PRESS, {"joints": "C", "A.friction": "0.1"})
+    with pytest.raises(InputError, match="with friction_law = ramp it means nothing"):
+        changed(PRESS, {"static_friction": "0.5"})
