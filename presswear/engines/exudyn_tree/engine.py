@@ -94,7 +94,6 @@ def system_of(tree: Tree, linkage: Linkage, start: Start, longest: float) -> Tre
         stages=np.zeros((STAGES, 2 + JOINT_RATES * joints)),
         state=np.zeros((5, count)),
         carried=np.zeros((len(tree.links), CARRIED)),
-        bristles=np.zeros(joints),
         balance=np.zeros(tree.size),
     )
 
@@ -139,7 +138,7 @@ def _build(
         if calls > MOST_CALLS:
             raise StuckError
         if bristly:
-            system.bristles[:] = model.bristles
+            contacts["bristle"] = model.bristles
         stage(system, packed, contacts, t, x, u, out)
         return out
 
@@ -160,7 +159,7 @@ def _build(
         nonlocal calls
         calls = 0
         if bristly:
-            system.bristles[:] = model.bristles
+            contacts["bristle"] = model.bristles
         return kernel(system, book, t, x, u, at_start if t == 0.0 else u_t)
 
     return model, accept

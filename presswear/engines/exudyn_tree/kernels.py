@@ -92,8 +92,6 @@ class TreeSystem(NamedTuple):
         a body's angle in the places of its x and y.
     carried : ndarray, shape (links, CARRIED)
     balance : ndarray, shape (coordinates,)
-    bristles : ndarray, shape (joints,)
-        Deflections of the bristles of friction, m.
     """
 
     links: Records
@@ -104,7 +102,6 @@ class TreeSystem(NamedTuple):
     state: Array
     carried: Array
     balance: Array
-    bristles: Array
 
 
 @compiled
@@ -118,6 +115,8 @@ def stage_forces(
     out: Array,
 ) -> None:
     """Fill the forces on the coordinates of the tree in a stage, without those of inertia.
+
+    ``contacts`` hold the deflections of the bristles of friction, where it has some.
 
     The drives' power is that against the forces on the prescribed bodies: what is applied
     there, and dP/dt - F of each branch times the velocity of its hinge.  The part
@@ -137,8 +136,6 @@ def stage_forces(
     if stage > 0 or t != pace.noted:
         note_contacts(packed, contacts, q, v)
         pace.noted = t
-    for k in range(contacts.shape[0]):
-        contacts[k].bristle = system.bristles[k]
     add_contacts(packed.joints, system.expected, contacts, force, row[1:])
     carry_branches(system.links, v, a, axes, system.carried)
     power = -forced_power(system.prescribed, v, a, force)
@@ -334,8 +331,6 @@ def tree_state(system: TreeSystem, book: Book, t: float, x: Array, u: Array, u_t
     if t != system.pace[0].noted:
         note_contacts(book.packed, book.contacts, q, v)
         system.pace[0].noted = t
-    for k in range(book.contacts.shape[0]):
-        book.contacts[k].bristle = system.bristles[k]
     add_contacts(book.packed.joints, system.expected, book.contacts, force, rates)
     for c in range(force.shape[0]):
         force[c] -= book.packed.mass[c] * a[c]
