@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 FILE = "result.json"
-SCHEMA = 5
+SCHEMA = 6
 FINISHED = ("completed", "unconverged", "failed")
 """Statuses of a run that has come to its end."""
 
