@@ -13,7 +13,7 @@ from random import Random
 from typing import Any
 
 from endurance.subject import OutsideError, run_part
-from presswear.linkage.laws import DAMPINGS, KELVIN_VOIGT
+from presswear.linkage.laws import DAMPINGS, KELVIN_VOIGT, LUGRE
 from presswear.linkage.materials import Materials
 from presswear.linkage.mechanism import HEAVIER
 from presswear.linkage.press import GEOMETRIES, Press
@@ -89,7 +89,8 @@ def _bearings(draw: Random, shortest: float) -> Bearing:
     values["materials"] = Materials(**_drawn(draw, Materials(), ("bearing_modulus",)))
     if values["elasticity"] != "power":
         values["exponent"] = 1.5
-    values["static_friction"] = max(values["static_friction"], values["friction"])
+    held = max(values["static_friction"], values["friction"])
+    values["static_friction"] = held if values["friction_law"] == LUGRE else None
     # Damping without bounds is stiff without bounds.
     least = DAMPINGS[values["normal_law"]].least
     values["restitution"] = max(values["restitution"], 0.05 if least > 0.0 else 0.0)
