@@ -123,11 +123,22 @@ def _draw_body(
     colour: str,
 ) -> None:
     """A bar between two joints, a plate between more, a block around one."""
-    corners = np.array([*points, centre] if len(points) == 1 else points or [centre])
-    if len(points) > 2:
+    distinct: list[Array] = []
+    for point in points:
+        if all(np.abs(point - other).max() > 1e-6 * size for other in distinct):
+            distinct.append(point)
+    corners = np.array([*distinct, centre] if len(distinct) == 1 else distinct or [centre])
+    if len(distinct) > 2:
         around = np.arctan2(*(corners - corners.mean(axis=0)).T[::-1])
         axes.add_patch(
-            Polygon(corners[np.argsort(around)], facecolor=colour, edgecolor=colour, alpha=0.35)
+            Polygon(
+                corners[np.argsort(around)],
+                facecolor=colour,
+                edgecolor=colour,
+                alpha=0.35,
+                linewidth=3.0,
+                joinstyle="round",
+            )
         )
     elif np.ptp(corners, axis=0).max() > 1e-9 * size:
         axes.plot(*corners.T, color=colour, linewidth=5.0, alpha=0.45, solid_capstyle="round")
