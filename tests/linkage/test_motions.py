@@ -199,9 +199,9 @@ ROW = (0.0, 0.0)
         ),
     ],
 )
-def test_what_is_no_motion_is_refused(wrong: dict[str, object], told: str) -> None:
+def test_what_is_no_motion_is_refused(wrong: dict[str, Any], told: str) -> None:
     with pytest.raises(InputError, match=told):
-        Drive("crank", 10.0, **wrong)  # type: ignore[arg-type]
+        Drive("crank", 10.0, **wrong)
 
 
 def test_a_wrong_rise_or_curve_is_refused() -> None:

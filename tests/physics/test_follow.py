@@ -4,6 +4,7 @@ import math
 import re
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -272,7 +273,7 @@ follow = {{ point = "slider.centre", {curve} }}
 """
 
 
-def test_a_curve_is_followed_from_a_file(tmp_path) -> None:  # type: ignore[no-untyped-def]
+def test_a_curve_is_followed_from_a_file(tmp_path: Path) -> None:
     file = tmp_path / "own.toml"
     rows = '[["0 deg", 0], ["90 deg", "20 mm"], ["180 deg", 0], ["270 deg", "-20 mm"]]'
     file.write_text(TOML.format(curve=f"table = {rows}"))

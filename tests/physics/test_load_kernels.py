@@ -9,7 +9,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from presswear.linkage.elements import Body, Linkage
-from presswear.linkage.loads import Force, Harmonics, Law, Moment, OverPosition, OverTime, Table
+from presswear.linkage.loads import (
+    Force,
+    Harmonics,
+    Law,
+    Moment,
+    OverPosition,
+    OverTime,
+    Sense,
+    Table,
+)
 from presswear.physics.loads import (
     OFF,
     RISING,
@@ -127,8 +136,10 @@ def test_harmonics_are_a_fourier_series() -> None:
 
 
 @pytest.mark.parametrize(("sense", "sign"), [("along", 1.0), ("against", -1.0)])
-def test_in_one_sense_a_load_grows_with_the_speed_and_never_drives(sense: str, sign: float) -> None:
-    law = OverPosition([(0.0, -sign * 4.0)], sense=sense, outside="hold", rise=0.1)  # type: ignore[arg-type]
+def test_in_one_sense_a_load_grows_with_the_speed_and_never_drives(
+    sense: Sense, sign: float
+) -> None:
+    law = OverPosition([(0.0, -sign * 4.0)], sense=sense, outside="hold", rise=0.1)
     packed = packed_of(law, turning=True)
     place_loads(packed, np.zeros(3), np.zeros(3))
     for speed in (-0.3, -0.05, 0.0, 0.02, 0.1, 5.0, 0.05, -0.05, -0.2, 0.05):
@@ -140,9 +151,9 @@ def test_in_one_sense_a_load_grows_with_the_speed_and_never_drives(sense: str, s
 
 
 @pytest.mark.parametrize(("sense", "sign"), [("along", 1.0), ("against", -1.0)])
-def test_what_was_released_stays_off_until_the_whole_way_back(sense: str, sign: float) -> None:
+def test_what_was_released_stays_off_until_the_whole_way_back(sense: Sense, sign: float) -> None:
     table = [(0.0, -6.0), (1.0, -6.0)] if sign > 0.0 else [(-1.0, 6.0), (0.0, 6.0)]
-    law = OverPosition(table, sense=sense, outside="hold", release=True)  # type: ignore[arg-type]
+    law = OverPosition(table, sense=sense, outside="hold", release=True)
     packed = packed_of(law, turning=True)
     start = np.array([0.0, 0.0, -0.5 * sign])
     place_loads(packed, start, np.zeros(3))

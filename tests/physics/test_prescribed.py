@@ -199,6 +199,6 @@ def test_what_is_held_twice_is_no_chain() -> None:
 
 def test_points_on_the_frame_close_loops_too() -> None:
     """The rocker's pivot comes last, so that it is a closing pin with one end on the frame."""
-    assert Attachment("frame", 0.18, 0.0) == FOUR_BAR.joints[-1].first  # type: ignore[union-attr]
+    assert Attachment("frame", 0.18, 0.0) == FOUR_BAR.revolutes[-1].first
     prescribed = pack_prescribed(FOUR_BAR, prescribed_of(FOUR_BAR))
     assert prescribed.closings.shape == (1,)

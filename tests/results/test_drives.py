@@ -59,7 +59,7 @@ def test_power_is_in_the_figures_and_in_the_report() -> None:
     (drawing,) = drawings(result, ["drives"])
     assert [axes.get_ylabel() for axes in drawing.sheet.axes] == ["torque (N m)", "power (W)"]
     # Its lines begin behind the start-up.
-    first = float(drawing.sheet.axes[1].lines[0].get_xdata()[0])  # type: ignore[index, arg-type]
+    first = float(np.asarray(drawing.sheet.axes[1].lines[0].get_xdata())[0])
     assert first == pytest.approx(2.0 * scene.mechanism.period, rel=1e-2)
     rows = of_drives(result)["Drive of crank"]
     own = drives_of(scene, result.stages[0])["crank"]
