@@ -5,16 +5,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from ten_touches import agreed_over_ten_touches
 
 from presswear.campaign.starts import start_of
-from presswear.engines.base import Plan, Run
-from presswear.engines.settings import ExudynTree, InHouse
+from presswear.engines.base import Plan
 from presswear.linkage.elements import Bar, Body, Guide, Linkage, Pin
 from presswear.linkage.four_bar import FOUR_BAR
 from presswear.linkage.motions import Drive
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
-from presswear.trials.runs import contacts_of
 
 TOGGLE = Linkage(
     bodies=[
@@ -65,7 +64,6 @@ SCENES = {
     "toggle": (TOGGLE, "KL", {"clearance": 0.2e-3, "K.friction": 0.05, "L.clearance": 0.3e-3}),
     "six-bar": (WATT, "BC", {"clearance": 0.3e-3, "C.clearance": 0.15e-3}),
 }
-TOUCHES = 10
 
 
 def scene_of(name: str) -> Scene:
@@ -73,35 +71,10 @@ def scene_of(name: str) -> Scene:
     return changed(Scene(mechanism=linkage, joints=joints, wears=0), settings)
 
 
-def run_until(scene: Scene, engine: ExudynTree | InHouse, duration: float) -> Run:
-    plan = Plan(duration, 1, recorded_cycles=1)
-    run = engine.over(scene.mechanism.period).simulate(scene.linkage(), start_of(scene), plan)
-    assert run.status == "completed", run.message
-    return run
-
-
-def touchdowns(run: Run, joints: int) -> list[float]:
-    return sorted(time for k in range(joints) for time in contacts_of(run, k)["touchdown"].tolist())
-
-
 @pytest.mark.parametrize("name", SCENES)
 def test_engines_agree_over_ten_touches_and_keep_the_energy(name: str) -> None:
     """Exudyn's tree beside Lagrange multipliers, both fine: 1e-8 m, 1e-7 of the exchange."""
-    scene = scene_of(name)
-    joints = len(scene.clearance_joints)
-    fine = InHouse(integration_tolerance=1e-12)
-    whole = run_until(scene, fine, 0.5 * scene.mechanism.period)
-    times = touchdowns(whole, joints)
-    assert len(times) > TOUCHES
-    duration = 0.5 * (times[TOUCHES - 1] + times[TOUCHES])
-    runs = [run_until(scene, own, duration) for own in (fine, ExudynTree(tree_tolerance=1e-11))]
-    one, other = (np.array(touchdowns(run, joints))[: TOUCHES - 1] for run in runs)
-    np.testing.assert_allclose(one, other, atol=1e-9)
-    places = [run.end.position for run in runs]
-    assert np.abs(places[0] - places[1]).max() < 1e-8
-    for run in runs:
-        residual = abs(float(run.diagnostics["energy_residual_J"]))
-        assert residual < 1e-7 * float(run.diagnostics["drive_exchange_J"])
+    agreed_over_ten_touches(scene_of(name), within=1e-9)
 
 
 def test_clearance_on_the_frame_runs_in_every_engine() -> None:

@@ -8,19 +8,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from sub_chains import ARM, PUMP, STEPHENSON
+from ten_touches import agreed_over_ten_touches
 
-from presswear.campaign.starts import start_of
-from presswear.engines.base import Plan, Run
-from presswear.engines.settings import ExudynTree, InHouse
+from presswear.engines.settings import ExudynTree
 from presswear.linkage.elements import Attachment
 from presswear.linkage.four_bar import FOUR_BAR
 from presswear.linkage.loads import Load, Spring
 from presswear.scene.bearing import Bearing
 from presswear.scene.catalog import clearance_c, slider_crank
 from presswear.scene.scene import Scene
-from presswear.trials.runs import contacts_of
 
-TOUCHES = 10
 TIGHT = Bearing(clearance=0.3e-3, friction=0.05)
 
 PRESS = clearance_c().mechanism.linkage()
@@ -52,36 +49,15 @@ SCENES = {
 }
 
 
-def run_until(scene: Scene, engine: ExudynTree | InHouse, duration: float) -> Run:
-    plan = Plan(duration, 1, recorded_cycles=1)
-    run = engine.over(scene.mechanism.period).simulate(scene.linkage(), start_of(scene), plan)
-    assert run.status == "completed", run.message
-    return run
-
-
-def touchdowns(run: Run, joints: int) -> list[float]:
-    return sorted(time for k in range(joints) for time in contacts_of(run, k)["touchdown"].tolist())
-
-
 @pytest.mark.parametrize("name", SCENES)
 def test_tree_and_in_house_solver_agree_over_ten_touches(name: str) -> None:
     """1e-8 m, 1e-6 of the torques, and 1e-7 of the energy that drives exchange."""
     scene = SCENES[name]
     assert isinstance(scene.solver, ExudynTree)
-    joints = len(scene.clearance_joints)
-    fine = InHouse(integration_tolerance=1e-12)
-    times = touchdowns(run_until(scene, fine, 0.5 * scene.mechanism.period), joints)
-    assert len(times) > TOUCHES
-    duration = 0.5 * (times[TOUCHES - 1] + times[TOUCHES])
-    runs = [run_until(scene, own, duration) for own in (fine, ExudynTree(tree_tolerance=1e-11))]
-    one, other = (np.array(touchdowns(run, joints))[: TOUCHES - 1] for run in runs)
-    np.testing.assert_allclose(one, other, atol=1e-8)
-    reference, ours = runs
-    assert np.abs(ours.end.position - reference.end.position).max() < 1e-8
+    reference, ours = agreed_over_ten_touches(scene, within=1e-8)
     torques = reference.recorder.book.torque
     assert np.abs(torques).min() > 0.0
     np.testing.assert_allclose(ours.recorder.book.torque, torques, rtol=1e-6)
     exchanged = float(reference.diagnostics["drive_exchange_J"])
     work = float(reference.diagnostics["drive_work_J"])
     assert ours.diagnostics["drive_work_J"] == pytest.approx(work, abs=1e-7 * exchanged)
-    assert abs(float(ours.diagnostics["energy_residual_J"])) < 1e-7 * exchanged
