@@ -14,6 +14,7 @@ from presswear.campaign.ensemble import (
     Ensemble,
     Partial,
     Task,
+    linkage_on,
     run_ensemble,
     worn_out,
 )
@@ -26,6 +27,7 @@ from presswear.campaign.growth import (
     share_of,
 )
 from presswear.campaign.progress import Forecast
+from presswear.campaign.resolution import WORTH, step_errors
 from presswear.campaign.stage import stage_of, without_wear
 from presswear.linkage.elements import ClearanceJoint
 from presswear.record.sampling import STARTUP_CYCLES
@@ -200,7 +202,8 @@ def run_campaign(
 
     wanting: list[str] = []
 
-    def finish(stage: StageResult) -> None:
+    def finish(stage: StageResult, steps: dict[str, float]) -> None:
+        stage = replace(stage, statistics={**stage.statistics, **steps})
         wanting.extend(unknown_wear(scene, stage))
         for tracker in trackers:
             tracker.stage(stage)
@@ -226,8 +229,11 @@ def run_campaign(
         ran = at.ran or run_ensemble(
             scene, worn, task, forecast, at.partial, partial(keep, None, None)
         )
+        steps: dict[str, float] = {}
+        if not ran.failure and ran.cycles >= WORTH:
+            steps = step_errors(scene, linkage_on(scene, ran.worn[0]))
         if ran.failure or is_last:
-            finish(without_wear(scene, index, ran))
+            finish(without_wear(scene, index, ran), steps)
             if ran.failure:
                 return "failed", f"stage {index}: {ran.failure}", ran.finding
             break
@@ -240,7 +246,7 @@ def run_campaign(
                 growth, finding = reached
         finally:
             # The stage ran to its end, even where somebody stops the wear after it.
-            finish(stage_of(scene, index, ran, growth, finding))
+            finish(stage_of(scene, index, ran, growth, finding), steps)
         if finding:
             return "failed", finding.words, finding
         assert growth is not None, "a wear without a finding has a pass"

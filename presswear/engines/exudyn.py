@@ -7,13 +7,15 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
-import exudyn as exu
 import numpy as np
 
 from presswear.engines.base import Plan
 from presswear.physics.energy import MADE_REMEDY, made_energy
 from presswear.record.recorder import Recorder
 from presswear.record.soundness import Finding
+from presswear.tools.exudyn import exudyn_module
+
+exu = exudyn_module()
 
 END_TOLERANCE = 1e-10
 """Exudyn ends a run this close to its end time, s; a cycle is closed the same way."""
@@ -22,9 +24,6 @@ _PROGRESS_STEPS = 512
 
 STEP_SAFETY = 0.9
 """Exudyn's own factor behind the step that an error of DOPRI5 allows."""
-
-Stages = Mapping[str, tuple[str, ...]]
-"""Stages of a solve by name, each with the timers of Exudyn that make it up."""
 
 Accept = Callable[[float], float]
 """Called with the time of an accepted step; gives the next step, s, or NaN for a broken state."""
@@ -39,13 +38,12 @@ class Solve:
 
     Attributes
     ----------
-    stages, counts : mapping
-        Timers by stage, and attributes of Exudyn's iteration by name of a count.
+    counts : mapping
+        Attributes of Exudyn's iteration by name of a count.
     sums : dict
-        Over all cycles so far: accepted steps (``steps``), those counts, and wall times, s, of
-        the stages, of all of them (``total``) and as the clock shows (``wall``); beside them
-        the time of the last accepted step, and the next step as the contacts allow it
-        (``following``) and as the solver proposes it, s.
+        Over all cycles so far: accepted steps (``steps``), those counts, and the wall time, s;
+        beside them the time of the last accepted step, and the next step as the contacts allow
+        it (``following``) and as the solver proposes it, s.
     end : float
         Of the present cycle, s.
     reached : bool
@@ -56,7 +54,6 @@ class Solve:
 
     recorder: Recorder
     plan: Plan
-    stages: Stages
     counts: Mapping[str, str]
     sums: dict[str, float]
     end: float = 0.0
@@ -70,14 +67,13 @@ class Solve:
     def of(
         recorder: Recorder,
         plan: Plan,
-        stages: Stages,
         counts: Mapping[str, str],
         proposed: float = 0.0,
     ) -> "Solve":
         """A solve that has not begun, with a first step as proposed, s."""
-        names = ("steps", "sent_back", *counts, "wall", "total", *stages, "time", "following")
+        names = ("steps", "sent_back", *counts, "wall", "time", "following")
         sums = {**dict.fromkeys(names, 0.0), "proposed": proposed}
-        return Solve(recorder, plan, stages, counts, sums)
+        return Solve(recorder, plan, counts, sums)
 
     @property
     def time(self) -> float:
@@ -85,22 +81,10 @@ class Solve:
         return self.sums["time"]
 
     def add(self, solver: Any, wall: float) -> None:
-        """Add the counts and times of a solver of Exudyn's that took a wall time, s."""
+        """Add the counts of a solver of Exudyn's that took a wall time, s."""
         self.sums["wall"] += wall
-        self.sums["total"] += solver.timer.total
-        for name, timers in self.stages.items():
-            self.sums[name] += sum(getattr(solver.timer, timer) for timer in timers)
         for name, counter in self.counts.items():
             self.sums[name] += getattr(solver.it, counter)
-
-    def shares(self) -> dict[str, float]:
-        """Wall time of all solves, s, its stages as parts of it, and the rest."""
-        total = self.sums["total"]
-        shares = {
-            f"share_{name}": self.sums[name] / total if total > 0.0 else 0.0 for name in self.stages
-        }
-        wall = {"wall_solve_s": self.sums["wall"]}
-        return {**wall, **shares, "share_other": 1.0 - sum(shares.values())}
 
     def is_sound(self) -> bool:
         """True while the contacts have made no energy; False ends the run."""
@@ -152,7 +136,7 @@ class StepLimit:
             iteration = self._iteration
             step = min(self._limit, iteration.currentStepSize)
             iteration.currentStepSize = step
-            iteration.currentTime = self._solve.time + step
+            iteration.currentTime = self._solve.sums["time"] + step
             self._limit = 0.0
         return True
 
@@ -218,7 +202,7 @@ def settings_of(longest: float, shortest: float) -> Any:
     settings = exu.SimulationSettings()
     settings.solution.file.write = False
     settings.linearSolver.solverType = exu.LinearSolverType.EXUdense
-    settings.show.computationTime = True  # fills the timers; the console is off
+    settings.show.computationTime = False  # its timers take a sixteenth of an explicit step
     integration = settings.timeIntegration
     integration.verboseMode = 0
     integration.minimumStepSize = shortest
@@ -278,9 +262,10 @@ def run_to_end(
     try:
         with quiet():
             system.SolveDynamic(settings, solverType=kind)
-    except exu.ExudynError as error:
-        # What a user function raises comes wrapped.
-        if isinstance(error, exu.SolverError) or StuckError.__name__ in str(error):
+    except (exu.ExudynError, StuckError) as error:
+        # What a user function raises comes wrapped from the safe module, as it is from the fast.
+        stuck = isinstance(error, StuckError) or StuckError.__name__ in str(error)
+        if stuck or isinstance(error, exu.SolverError):
             message = "the solver found no solution at the shortest step"
         elif "not factorized" in str(error):
             message = "the matrix of the equations is singular or not finite"

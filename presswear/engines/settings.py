@@ -1,14 +1,18 @@
 """The engines as objects: how finely each integrates, and how it is run.
 
-Chosen from ``presswear precision``: the coarsest that keep the bounds of the cross-check up to
-the horizon (slider to 1e-6 m, touches to 1e-6 s); for the open tree and the in-house solver a
+A tolerance that is not given follows from what the numbers are for.  Chosen from ``presswear
+precision``, for a trajectory: the coarsest that keep the bounds of the cross-check up to the
+horizon (slider to 1e-6 m, touches to 1e-6 s); for the open tree and the in-house solver a
 decade finer, which costs them a fifth.  The in-house solver takes order 8, at twice the price
-of order 5, because it checks Exudyn's DOPRI5.
+of order 5, because it checks Exudyn's DOPRI5.  For forces and wear, which are statistics of a
+chaotic motion: the coarsest whose error in them cannot be told from none, a decade finer; what
+that error is in the run at hand, the run itself finds out (``campaign/resolution.py``).
 
 Ranges are checked where a scene takes the settings; trials go beyond them on purpose.  What an
 engine needs to run is imported when it runs.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, cast
@@ -19,7 +23,28 @@ if TYPE_CHECKING:
     from presswear.engines.base import Plan, Run, Start
     from presswear.linkage.elements import Linkage
 
-Integrator = Literal["dop853", "dopri5", "rk4", "rk4-paper"]
+Integrator = Literal["auto", "dop853", "dopri5", "rk4", "rk4-paper"]
+Purpose = Literal["trajectory", "forces", "wear"]
+"""What the numbers of a run are for."""
+
+USUAL = 0.1
+"""Part to which wear is asked to be known, for which the tolerances here are."""
+TREE_TOLERANCES: dict[Purpose, float] = {"trajectory": 1e-8, "forces": 1e-6, "wear": 1e-5}
+"""Tolerances of the open tree by purpose."""
+IN_HOUSE: dict[Purpose, tuple[Integrator, float]] = {
+    "trajectory": ("dop853", 1e-9),
+    "forces": ("dopri5", 1e-7),
+    "wear": ("dopri5", 1e-6),
+}
+"""Integrators of the in-house solver by purpose, and their tolerances."""
+
+
+def asked(tolerances: Mapping[Purpose, float], purpose: Purpose, known: float) -> float:
+    """The tolerance for a purpose; that of wear falls with the part to which it is to be known."""
+    finest = tolerances["trajectory"]
+    scaled = tolerances[purpose] * (min(known / USUAL, 1.0) if purpose == "wear" else 1.0)
+    return max(scaled, finest)
+
 
 LEAST_STEPS = 500
 """Steps of an error-controlled engine in a cycle without contact, at least."""
@@ -38,6 +63,16 @@ class _Engine:
     def _least_steps(self) -> int:
         return LEAST_STEPS
 
+    def resolved(self, purpose: Purpose = "trajectory", known: float = USUAL) -> Self:
+        """The same with what is not given as a purpose needs it.
+
+        Parameters
+        ----------
+        known : float
+            Part to which wear is to be known.
+        """
+        return self
+
     def longest(self, cycle: float) -> float:
         """Longest step in a cycle of a duration, s."""
         return cycle / self._least_steps if self.free_step is None else self.free_step
@@ -46,12 +81,16 @@ class _Engine:
         """The same with the longest step of a cycle of a duration, s, whatever is run."""
         return replace(cast(Any, self), free_step=self.longest(cycle))
 
+    def finer(self, factor: float) -> Self | None:
+        """The same at a tolerance so many times smaller; None where it has none."""
+        return None
+
     def simulate(self, linkage: "Linkage", start: "Start", plan: "Plan") -> "Run":
         """Run a linkage from a start; InputError where this engine cannot begin there."""
         room = self.word.replace("-", "_")
         prepare = import_module(f"presswear.engines.{room}.engine").prepare
         run: Run = import_module("presswear.engines.driver").simulate(
-            prepare, linkage, start, self, plan
+            prepare, linkage, start, self.resolved(), plan
         )
         return run
 
@@ -62,22 +101,37 @@ class ExudynTree(_Engine):
 
     Attributes
     ----------
-    tree_tolerance : float
+    tree_tolerance : float or None
         Error allowed in a step: root mean square over the coordinates, rad or m, and
-        their rates, rad/s or m/s.
+        their rates, rad/s or m/s.  None: by the purpose.
     """
 
     word: ClassVar[str] = "exudyn-tree"
 
-    tree_tolerance: float = quantity(
-        1e-8,
+    tree_tolerance: float | None = quantity(
+        None,
         "",
         1e-13,
         1e-3,
         "chosen",
-        "of exudyn-tree: error of a step, rad or m and rad/s or m/s",
+        "of exudyn-tree: error of a step, rad or m and rad/s or m/s; none given: by the purpose",
     )
     free_step: float | None = None
+
+    def resolved(self, purpose: Purpose = "trajectory", known: float = USUAL) -> "ExudynTree":
+        """The same with a tolerance as a purpose needs it, where none is given."""
+        if self.tree_tolerance is not None:
+            return self
+        return replace(self, tree_tolerance=asked(TREE_TOLERANCES, purpose, known))
+
+    @property
+    def tolerance(self) -> float:
+        """The tolerance; that of a trajectory where none is given."""
+        return cast(float, self.resolved().tree_tolerance)
+
+    def finer(self, factor: float) -> "ExudynTree":
+        """The same at a tolerance so many times smaller."""
+        return replace(self, tree_tolerance=self.tolerance / factor)
 
 
 @dataclass(frozen=True)
@@ -138,12 +192,12 @@ class InHouse(_Engine):
 
     Attributes
     ----------
-    integrator : {"dop853", "dopri5", "rk4", "rk4-paper"}
-        Error-controlled of order 8 or 5 with located touches; classical of order 4
-        with equal steps; the same with the paper's 1e-4 s.
-    integration_tolerance : float
+    integrator : {"auto", "dop853", "dopri5", "rk4", "rk4-paper"}
+        Error-controlled of order 8 or 5 with located touches, or as the purpose needs it;
+        classical of order 4 with equal steps; the same with the paper's 1e-4 s.
+    integration_tolerance : float or None
         Of ``dop853`` and ``dopri5``: per step, times 1 mm or mrad in positions and times
-        1 m/s + |v| in velocities.
+        1 m/s + |v| in velocities.  None: by the purpose.
     equal_step : float
         Of ``rk4``, s.
     projection : {"off", "on"}
@@ -155,17 +209,19 @@ class InHouse(_Engine):
     word: ClassVar[str] = "dae"
 
     integrator: Integrator = choice(
-        "dop853",
-        ("dop853", "dopri5", "rk4", "rk4-paper"),
-        "of dae: order 8 or 5 with located touches, 4 at equal steps, the paper's 1e-4 s",
+        "auto",
+        ("auto", "dop853", "dopri5", "rk4", "rk4-paper"),
+        "of dae: order 8 or 5 with located touches, 4 at equal steps, the paper's 1e-4 s; auto: "
+        "8 for a trajectory, else 5",
     )
-    integration_tolerance: float = quantity(
-        1e-9,
+    integration_tolerance: float | None = quantity(
+        None,
         "",
         1e-14,
         1e-3,
         "chosen",
-        "of dae with dop853 and dopri5: error of a step, times 1 mm and 1 m/s + speed",
+        "of dae with dop853 and dopri5: error of a step, times 1 mm and 1 m/s + speed; none "
+        "given: by the purpose",
     )
     equal_step: float = quantity(1e-5, "s", 1e-9, 1e-2, "chosen", "of dae with rk4: its step")
     projection: str = choice(
@@ -174,6 +230,26 @@ class InHouse(_Engine):
     alpha: float = 20.0
     beta: float = 20.0
     free_step: float | None = None
+
+    def resolved(self, purpose: Purpose = "trajectory", known: float = USUAL) -> "InHouse":
+        """The same with integrator and tolerance as a purpose needs them, where none is given."""
+        chosen, tolerance = self.integrator, self.integration_tolerance
+        if chosen == "auto":
+            chosen = IN_HOUSE[purpose][0]
+        if tolerance is None:
+            tolerances = {key: value for key, (_, value) in IN_HOUSE.items()}
+            tolerance = asked(tolerances, purpose, known)
+        return replace(self, integrator=chosen, integration_tolerance=tolerance)
+
+    @property
+    def tolerance(self) -> float:
+        """The tolerance; that of a trajectory where none is given."""
+        return cast(float, self.resolved().integration_tolerance)
+
+    def finer(self, factor: float) -> "InHouse | None":
+        """The same at a tolerance so many times smaller; None where steps are equal."""
+        finer = self.tolerance / factor
+        return None if self.has_equal_steps else replace(self, integration_tolerance=finer)
 
     @property
     def has_equal_steps(self) -> bool:

@@ -10,6 +10,8 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NotRequired, TypedDict
 
+from presswear.tools.exudyn import wanted
+
 PACKAGES = ("presswear", "exudyn", "numpy", "scipy", "numba", "matplotlib")
 BINDING = ("python", "revision", "source")
 """Parts that must agree for a run to go on with the same numbers, beside the packages.
@@ -45,6 +47,11 @@ def source_digest() -> str:
     return found.hexdigest()[:16]
 
 
+def version_of(package: str) -> str:
+    """Version of a package; of Exudyn also which of its modules, whose last digits differ."""
+    return f"{version(package)}, {wanted()}" if package == "exudyn" else version(package)
+
+
 class Provenance(TypedDict):
     """Versions, revision, machine and date, UTC; ``resumed`` for each time that a run went on."""
 
@@ -61,7 +68,7 @@ def provenance() -> Provenance:
     """Where numbers that are computed here and now come from."""
     return {
         "python": platform.python_version(),
-        "packages": {name: version(name) for name in PACKAGES},
+        "packages": {name: version_of(name) for name in PACKAGES},
         "revision": source_revision(),
         "source": source_digest(),
         "machine": f"{platform.system()} {platform.machine()}, {os.cpu_count()} cores",

@@ -48,6 +48,8 @@ class StoredStatistics(TypedDict):
     energy_exchanged_J: Number
     energy_made_part: Number
     wear_error: NotRequired[Number]
+    step_error_of_dose: NotRequired[Number]
+    step_error_of_force: NotRequired[Number]
 
 
 @dataclass(frozen=True)

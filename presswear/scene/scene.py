@@ -2,11 +2,11 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
-from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
+from presswear.engines.settings import USUAL, Engine, ExudynJoints, ExudynTree, InHouse, Purpose
 from presswear.linkage.elements import Linkage
 from presswear.linkage.laws import DAMPINGS
 from presswear.linkage.press import Press
@@ -43,6 +43,11 @@ class Numerics:
     def __post_init__(self) -> None:
         for item in fields(self):
             check_fields(getattr(self, item.name))
+
+    def resolved(self, purpose: Purpose, known: float = USUAL) -> "Numerics":
+        """The same with what is left open as a purpose needs it; see the engines."""
+        engines: dict[str, Any] = {item.name: getattr(self, item.name) for item in fields(self)}
+        return Numerics(**{name: own.resolved(purpose, known) for name, own in engines.items()})
 
     def of(self, engine: Engine) -> "Numerics":
         """The same with the settings of one engine."""
@@ -100,6 +105,12 @@ class Scene:
         "exudyn",
         ENGINES,
         "what solves the motion; exudyn takes the open tree where there is one, or the joints",
+    )
+    purpose: str = choice(
+        "auto",
+        ("auto", "trajectory", "forces", "wear"),
+        "what the numbers are for, by which tolerances follow that are not given; auto: wear "
+        "where surfaces wear, else a trajectory",
     )
     drive_torque: str = choice("off", ("off", "on"), "whether drive torques are stored")
     wears: int = count(2, 0, 20, "paper, per study", "how often the joints are worn")
@@ -254,13 +265,19 @@ class Scene:
 
     @property
     def solver(self) -> Engine:
-        """The engine that runs: for ``exudyn`` the smallest model that the linkage allows."""
-        numerics = self.numerics
-        if self.engine == "exudyn":
+        """The engine that runs: for ``exudyn`` the smallest model that the linkage allows.
+
+        What its settings leave open is as the scene's purpose needs it.
+        """
+        word = self.engine
+        if word == "exudyn":
             is_tree = not isinstance(branches_of(self.linkage()), str)
-            return numerics.tree if is_tree else numerics.joints
-        named = {engine.word: engine for engine in (numerics.tree, numerics.joints, numerics.dae)}
-        return named[self.engine]
+            word = ExudynTree.word if is_tree else ExudynJoints.word
+        purpose: Purpose = "wear" if self.wears > 0 else "trajectory"
+        if self.purpose != "auto":
+            purpose = cast(Purpose, self.purpose)
+        own = self.numerics.resolved(purpose, self.tolerance)
+        return {engine.word: engine for engine in (own.tree, own.joints, own.dae)}[word]
 
     @property
     def ideal(self) -> IdealMotion:

@@ -280,8 +280,8 @@ def coarser(scene: Scene) -> float:
     usual, numerics = Numerics(), scene.numerics
     steps = ("steps_per_contact", "steps_sustained", "free_steps")
     ratio = {
-        "dae": numerics.dae.integration_tolerance / usual.dae.integration_tolerance,
-        "exudyn-tree": numerics.tree.tree_tolerance / usual.tree.tree_tolerance,
+        "dae": numerics.dae.tolerance / usual.dae.tolerance,
+        "exudyn-tree": numerics.tree.tolerance / usual.tree.tolerance,
         "exudyn-joints": max(
             getattr(usual.joints, name) / getattr(numerics.joints, name) for name in steps
         )

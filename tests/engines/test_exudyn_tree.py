@@ -214,9 +214,11 @@ def test_a_step_that_is_sent_back_for_ever_ends_the_run(monkeypatch: pytest.Monk
 def test_cycles_cost_no_steps_but_the_cuts_at_their_ends() -> None:
     """Each begins with the step that the one before would have taken next."""
     scene = wear_times()
+    # Before the first touch: behind it round-off makes some steps more or less.
     whole, cut = (
-        accuracy(1e-11).simulate(scene.linkage(), start_of(scene), Plan(0.02 / n, n))
+        accuracy(1e-11).simulate(scene.linkage(), start_of(scene), Plan(0.008 / n, n))
         for n in (1, 4)
     )
-    assert abs(int(cut.diagnostics["steps"]) - int(whole.diagnostics["steps"])) <= 4
+    assert whole.diagnostics["events"] == cut.diagnostics["events"] == 0
+    assert 0 <= int(cut.diagnostics["steps"]) - int(whole.diagnostics["steps"]) <= 3
     assert cut.end.position == pytest.approx(whole.end.position, abs=1e-11)

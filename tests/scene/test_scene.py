@@ -229,3 +229,36 @@ def test_a_softer_bearing_gives_way() -> None:
 def test_laws_that_do_not_fit_are_refused(settings: dict[str, str], words: str) -> None:
     with pytest.raises(InputError, match=words):
         changed(BASE, settings)
+
+
+@pytest.mark.parametrize(
+    ("settings", "tolerance"),
+    [
+        ({}, 1e-5),
+        ({"tolerance": 0.01}, 1e-6),
+        ({"tolerance": 1.0}, 1e-5),
+        ({"wears": 0}, 1e-8),
+        ({"purpose": "trajectory"}, 1e-8),
+        ({"purpose": "forces"}, 1e-6),
+        ({"purpose": "wear", "wears": 0}, 1e-5),
+    ],
+)
+def test_a_tolerance_that_is_not_given_follows_from_what_the_numbers_are_for(
+    settings: dict[str, Any], tolerance: float
+) -> None:
+    scene = replace(BASE, **settings)
+    assert isinstance(scene.solver, ExudynTree)
+    assert scene.solver.tree_tolerance == pytest.approx(tolerance)
+    given = replace(scene, numerics=Numerics().having(tree_tolerance=1e-8)).solver
+    assert isinstance(given, ExudynTree)
+    assert given.tree_tolerance == 1e-8
+
+
+def test_the_in_house_integrator_follows_as_well() -> None:
+    scene = replace(BASE, engine="dae")
+    wear, trajectory = scene.solver, replace(scene, purpose="trajectory").solver
+    assert isinstance(wear, InHouse)
+    assert isinstance(trajectory, InHouse)
+    assert (wear.integrator, trajectory.integrator) == ("dopri5", "dop853")
+    assert (wear.integration_tolerance, trajectory.integration_tolerance) == (1e-6, 1e-9)
+    assert InHouse().resolved() == trajectory

@@ -112,7 +112,7 @@ def prepare(
     control["step"] = settings.step if fixed else 1e-6
     control["longest"] = settings.longest(plan.cycle)
     control["shortest"] = 1e-14
-    control["tolerance"] = settings.integration_tolerance
+    control["tolerance"] = settings.tolerance
     control["projected"] = settings.projection == "on"
     tableau = DOPRI5 if settings.integrator == "dopri5" else DOP853
 
@@ -139,6 +139,8 @@ def prepare(
 
     def advance(end: float) -> Finding | None:
         began = clock.perf_counter()
+        # The state to go on from may be that of a coarser run.
+        control["tolerance"] = settings.tolerance
         status = RUNNING
         while status == RUNNING:
             status = march(end, _CHUNK)
@@ -192,7 +194,8 @@ def _solver_words(settings: InHouse) -> str:
     if settings.has_equal_steps:
         words = f"RK4 at equal steps of {settings.step:g} s"
     else:
-        tolerance = settings.integration_tolerance
-        words = f"{settings.integrator.upper()} at tolerance {tolerance:g}, touches located"
+        words = (
+            f"{settings.integrator.upper()} at tolerance {settings.tolerance:g}, touches located"
+        )
     held = ", projected" if settings.projection == "on" else ""
     return f"{words}, Baumgarte {settings.alpha:g}/{settings.beta:g}{held}"

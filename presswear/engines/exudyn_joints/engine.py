@@ -8,14 +8,12 @@ running solver; ``PostNewton`` sends back a step that ran too far past a touch.
 from collections.abc import Callable
 from typing import Any
 
-import exudyn as exu
 import numpy as np
 from numpy.typing import NDArray
 
 from presswear.engines.base import Plan, Start, described
 from presswear.engines.driver import Simulation
 from presswear.engines.exudyn import (
-    Accept,
     Solve,
     post_step,
     run_to_end,
@@ -35,25 +33,19 @@ from presswear.physics.constraints import constraints_of
 from presswear.physics.energy import Ledger, stored_energy
 from presswear.physics.forces import JOINT_RATES
 from presswear.physics.touchdown import STEPS
-from presswear.record.observe import Book
 from presswear.record.recorder import Recorder
 from presswear.record.soundness import Finding
-from presswear.tools.compiled import Records, specialised
+from presswear.tools.bound import bind
+from presswear.tools.compiled import Records
+from presswear.tools.exudyn import exudyn_module
 
 Array = NDArray[np.float64]
+
+exu = exudyn_module()
 
 REMEDY = "more steps_per_contact may help"
 """Advice that makes a run finer."""
 
-_STAGES = {
-    "forces_and_connectors": ("ODE2RHS",),
-    "constraints": ("AERHS", "reactionForces"),
-    "jacobians_and_factors": ("totalJacobian", "factorization"),
-    "linear_solves": ("newtonIncrement",),
-    "end_of_step": ("python",),
-}
-"""Forces include the Python connectors; the step's end is contact state, wear, recording and
-the choice of the next step."""
 _COUNTS = {"newton": "newtonStepsCount", "jacobians": "newtonJacobiCount"}
 
 
@@ -96,23 +88,12 @@ def _drives(model: JointsModel, linkage: Linkage) -> Drives:
     )
 
 
-def _accept(frame: Frame, drives: Drives, book: Book, steps: Records) -> Accept:
-    """Account for accepted steps and choose the next."""
-    kernel = specialised(accept_joint_step, frame, drives, book, steps, 0.0, 0.0)
-
-    def accept(t: float) -> float:
-        return kernel(frame, drives, book, steps, t, t - book.record["now"][0])
-
-    return accept
-
-
 def _send_back(frame: Frame, solve: Solve, steps: Records) -> Callable[[Any, float], list[float]]:
     """The function for PostNewton: repeats a step that ran too far past a touch or bend."""
-    book = solve.recorder.book
-    kernel = specialised(shorter_joint_step, frame, book, steps, 0.0)
+    kernel = bind(shorter_joint_step, frame, solve.recorder.book, steps)
 
     def send_back(system: Any, t: float) -> list[float]:
-        shorter = kernel(frame, book, steps, t)
+        shorter = kernel(t)
         if shorter < 0.0:
             return [0.0, -1.0]
         solve.sums["sent_back"] += 1.0
@@ -132,9 +113,9 @@ def prepare(
     with timed(times, "wall_build_s"):
         book = recorder.book
         model = assemble(linkage, start, recorder)
-        solve = Solve.of(recorder, plan, _STAGES, _COUNTS)
+        solve = Solve.of(recorder, plan, _COUNTS)
         drives = _drives(model, linkage)
-        accept = _accept(model.frame, drives, book, steps)
+        accept = bind(accept_joint_step, model.frame, drives, book, steps)
         model.system.SetPostStepUserFunction(post_step(solve, accept))
         if linkage.clearances or linkage.live_loads:
             model.system.SetPostNewtonUserFunction(_send_back(model.frame, solve, steps))
@@ -166,7 +147,7 @@ def prepare(
             "newton_iterations": int(sums["newton"]),
             "jacobians": int(sums["jacobians"]),
             **times,
-            **solve.shares(),
+            "wall_solve_s": sums["wall"],
         }
 
     return Simulation(

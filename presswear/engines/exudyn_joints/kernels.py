@@ -20,7 +20,6 @@ from presswear.physics.loads import (
     way_out,
 )
 from presswear.physics.motion import drive_motion, step_to_break
-from presswear.physics.packed import Packed
 from presswear.physics.prescribed import (
     Prescribed,
     drive_torques,
@@ -36,6 +35,7 @@ from presswear.physics.touchdown import (
 )
 from presswear.physics.wear import dose_rates
 from presswear.record.observe import Book, observe, settle_state
+from presswear.tools.bound import Bound, bound
 from presswear.tools.compiled import Records, all_finite, compiled
 
 Array = NDArray[np.float64]
@@ -108,26 +108,17 @@ def refresh(frame: Frame, t: float) -> None:
 
 
 @compiled
-def connector_forces(
-    frame: Frame,
-    packed: Packed,
-    live: Live,
-    slots: Indices,
-    onset: Array,
-    memory: Records,
-    t: float,
-    out: Array,
-) -> None:
+def connector_forces(run: Bound, t: float) -> None:
     """Fill the generalized forces of clearance joints and loads on the bodies of the connector.
 
     Parameters
     ----------
-    live : Live
-    slots : ndarray of int, shape (joints, 2)
-        Where the forces on bearing and pin belong in ``out``; -1 for a body that Exudyn
-        does not solve for.
-    out : ndarray, shape (3 bodies of the connector,)
+    run : Bound
+        Frame; Packed; Live; where the forces on bearing and pin belong among those of the
+        connector, shape (joints, 2), -1 for a body that Exudyn does not solve for; closing speeds,
+        m/s; records of MEMORY; and the forces, shape (3 bodies of the connector,).
     """
+    frame, packed, live, slots, onset, memory, out = bound(run)
     refresh(frame, t)
     for i in range(out.shape[0]):
         out[i] = 0.0
@@ -236,10 +227,16 @@ def sum_step(book: Book, drive_power: float, load_power: float, t: float, h: flo
 
 
 @compiled
-def accept_joint_step(
-    frame: Frame, drives: Drives, book: Book, steps: Records, t: float, h: float
-) -> float:
-    """Settle contact, account for an accepted step and choose the next; NaN if it is broken."""
+def accept_joint_step(run: Bound, t: float) -> float:
+    """Settle contact, account for an accepted step and choose the next; NaN if it is broken.
+
+    Parameters
+    ----------
+    run : Bound
+        Frame, Drives, Book and one record of STEPS.
+    """
+    frame, drives, book, steps = bound(run)
+    h = t - book.record[0].now
     refresh(frame, t)
     note_contacts(book.packed, book.contacts, frame.q, frame.v)
     advance_bristles(book.packed.joints, book.memory, book.contacts, t)
@@ -262,8 +259,15 @@ def accept_joint_step(
 
 
 @compiled
-def shorter_joint_step(frame: Frame, book: Book, steps: Records, t: float) -> float:
-    """Step with which a trial step has to be repeated; see ``shorter_step``."""
+def shorter_joint_step(run: Bound, t: float) -> float:
+    """Step with which a trial step has to be repeated; see ``shorter_step``.
+
+    Parameters
+    ----------
+    run : Bound
+        Frame, Book and one record of STEPS.
+    """
+    frame, book, steps = bound(run)
     refresh(frame, t)
     shorter = shorter_step(
         book.packed, book.onset, book.memory, steps, frame.contacts, t, frame.q, frame.v

@@ -10,11 +10,11 @@ the contact forces.
 """
 
 import math
+from array import array
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-import exudyn as exu
 import numpy as np
 from numpy.typing import NDArray
 
@@ -27,9 +27,13 @@ from presswear.physics.contact import CONTACT
 from presswear.physics.motion import drive_motion, is_steady
 from presswear.physics.prescribed import begin_motion, pack_prescribed
 from presswear.record.recorder import Recorder
-from presswear.tools.compiled import Records, specialised
+from presswear.tools.bound import bind
+from presswear.tools.compiled import Records
+from presswear.tools.exudyn import exudyn_module
 
 Array = NDArray[np.float64]
+
+exu = exudyn_module()
 
 
 SOLVED = ("ODE2Coordinates", "ODE2Coordinates_t", "ODE2Coordinates_tt", "AECoordinates")
@@ -164,14 +168,15 @@ def assemble(linkage: Linkage, start: Start, recorder: Recorder) -> JointsModel:
     slots = np.array(places, dtype=np.int64).reshape(-1, 2)
     book = recorder.book
     packed, onset, memory = book.packed, book.onset, book.memory
-    out = np.zeros(3 * len(joined))
+    # Exudyn reads numbers one by one: they come faster out of an array of Python's own.
+    out = array("d", bytes(8 * 3 * len(joined)))
     first = [3 * linkage.index(name) for name in joined]
     owned = np.array([place + c for place in first for c in range(3)], np.int64)
     live = Live(owned, np.zeros(3 * len(linkage.bodies)))
 
-    def forces(system: Any, t: float, item: int, q: Any, v: Any) -> Array:
+    def forces(system: Any, t: float, item: int, q: Any, v: Any) -> Any:
         # Reads the live state, known once all is assembled, instead of Exudyn's copies.
-        kernel(frame, packed, live, slots, onset, memory, t, out)
+        fill(t)
         return out
 
     if joined:
@@ -181,7 +186,9 @@ def assemble(linkage: Linkage, start: Start, recorder: Recorder) -> JointsModel:
     data = system.systemData
     solved = tuple(getattr(data, f"Get{name}")(copy=False) for name in SOLVED)
     frame = _frame(solved[:3], linkage, start, omitted)
-    kernel = specialised(connector_forces, frame, packed, live, slots, onset, memory, 0.0, out)
+    if joined:
+        given = frame, packed, live, slots, onset, memory, np.frombuffer(out)
+        fill = bind(connector_forces, *given)
     return JointsModel(container, system, constraints, solved, frame)
 
 

@@ -7,9 +7,9 @@ weights and moving hinges at once.  Contact state changes only between accepted
 steps, and steps end where a pin touches or leaves.
 """
 
+from array import array
 from typing import Any
 
-import exudyn as exu
 import numpy as np
 from numpy.typing import NDArray
 
@@ -48,10 +48,14 @@ from presswear.physics.tree import Tree, tree_of
 from presswear.record.observe import Book
 from presswear.record.recorder import Recorder
 from presswear.record.soundness import Finding
+from presswear.tools.bound import bind
 from presswear.tools.compiled import specialised
 from presswear.tools.errors import InputError
+from presswear.tools.exudyn import exudyn_module
 
 Array = NDArray[np.float64]
+
+exu = exudyn_module()
 
 REMEDY = "a smaller tree_tolerance may help"
 """Advice that makes a run finer."""
@@ -64,16 +68,6 @@ MOST_CALLS = 7000
 sent back, where thirty reach the shortest.  Exudyn would repeat that one for ever."""
 _INSTANT = 1e-12
 """Length of the step that asks Exudyn for the accelerations at the start, s."""
-
-
-_STAGES = {
-    "forces": ("ODE2RHS",),
-    "mass_matrix": ("massMatrix", "factorization", "newtonIncrement"),
-    "integrator": ("integrationFormula", "errorEstimator"),
-    "end_of_step": ("python",),
-}
-"""Forces include the tree's own in C++ and the Python user function; the step's end is contact
-state, wear, recording and the choice of the next step."""
 
 
 def system_of(tree: Tree, linkage: Linkage, start: Start, longest: float) -> TreeSystem:
@@ -104,7 +98,7 @@ def _settings(accuracy: ExudynTree, longest: float) -> Any:
     integration.automaticStepSize = True
     integration.stepSizeMaxIncrease = 1e9  # growth is limited by next_tree_step
     # Exudyn's relative part takes the state with its sign; only an absolute one is sound.
-    integration.absoluteTolerance = accuracy.tree_tolerance
+    integration.absoluteTolerance = accuracy.tolerance
     integration.relativeTolerance = 0.0
     # The seventh stage of DOPRI5 already is the acceleration at the end of the step.
     integration.explicit.computeEndOfStepAccelerations = False
@@ -127,40 +121,43 @@ def _build(
     tree: Tree, linkage: Linkage, start: Start, system: TreeSystem, book: Book
 ) -> tuple[TreeModel, Accept]:
     """The tree with its user function, and what accounts for a step and chooses the next."""
-    packed, contacts, out = book.packed, book.contacts, np.zeros(tree.size)
-    stage = specialised(stage_forces, system, packed, contacts, 0.0, out, out, out)
-    calls = 0  # since the last accepted step
+    packed, contacts = book.packed, book.contacts
+    # Exudyn reads numbers one by one: they come faster out of an array of Python's own.
+    out = array("d", bytes(8 * tree.size))
+    filled, rates = np.frombuffer(out), np.zeros(len(contacts))
 
-    def forces(mbs: Any, t: float, item: int, q: Any, q_t: Any) -> Array:
+    def forces(mbs: Any, t: float, item: int, q: Any, q_t: Any) -> Any:
         # Reads the live state, known once the model is assembled, instead of Exudyn's copies.
-        nonlocal calls
-        calls += 1
-        if calls > MOST_CALLS:
+        if stage(t) > MOST_CALLS:
             raise StuckError
-        if bristly:
-            contacts["bristle"] = model.bristles
-        stage(system, packed, contacts, t, x, u, out)
         return out
+
+    def bristly_forces(mbs: Any, *stage: Any) -> Any:
+        contacts["bristle"] = model.bristles
+        return forces(mbs, *stage)
 
     def bristle_rates(mbs: Any, t: float, item: int, z: Any) -> Array:
         # Once more a step than the forces, so that no account can be kept here.
-        stage_bristles(system, packed, trial, t, x, u, model.bristles, rates)
+        bristles(t)
         return rates
 
-    bristly = bool((packed.joints["friction"]["bristle_stiffness"] > 0.0).any())
-    trial, rates = contacts.copy(), np.zeros(len(contacts))
-    model = assemble(tree, linkage, start, forces, bristle_rates if bristly else None)
-    x, u, u_t = model.x, model.u, model.u_t
+    is_bristly = bool((packed.joints["friction"]["bristle_stiffness"] > 0.0).any())
+    functions = (bristly_forces, bristle_rates) if is_bristly else (forces,)
+    model = assemble(tree, linkage, start, *functions)
+    x, u = model.x, model.u
+    stage = bind(stage_forces, system, book, x, u, model.u_t, filled)
+    if is_bristly:
+        given = system, packed, contacts.copy(), x, u, model.bristles, rates
+        bristles = bind(stage_bristles, *given)
+    end = bind(accept_tree_step, system, book, x, u, model.u_t, filled)
     at_start = _accelerations_at_start(model)
+    begin = bind(accept_tree_step, system, book, x, u, at_start, filled)
     system.pace["evaluations"] = 0
-    kernel = specialised(accept_tree_step, system, book, 0.0, x, u, u_t)
 
     def accept(t: float) -> float:
-        nonlocal calls
-        calls = 0
-        if bristly:
+        if is_bristly:
             contacts["bristle"] = model.bristles
-        return kernel(system, book, t, x, u, at_start if t == 0.0 else u_t)
+        return end(t) if t > 0.0 else begin(t)
 
     return model, accept
 
@@ -187,9 +184,9 @@ def prepare(
         system = system_of(tree, linkage, start, longest)
         model, accept = _build(tree, linkage, start, system, book)
         counts = {"sent_back": "rejectedAutomaticStepSizeSteps"}
-        solve = Solve.of(recorder, plan, _STAGES, counts, FIRST_STEP)
+        solve = Solve.of(recorder, plan, counts, FIRST_STEP)
         limit = StepLimit(solve)
-        model.system.SetPreStepUserFunction(lambda system, t: limit.pre_step(system, t))
+        model.system.SetPreStepUserFunction(limit.pre_step)
         model.system.SetPostStepUserFunction(post_step(solve, accept, limit.write))
 
     def energy() -> tuple[float, float]:
@@ -217,7 +214,7 @@ def prepare(
         words = f"open tree of {tree.size} coordinates ({listed(tree.names)})"
         return {
             "model": described(linkage, words, prescribed_of(linkage)),
-            "solver": f"Exudyn DOPRI5 at tolerance {settings.tree_tolerance:g}, "
+            "solver": f"Exudyn DOPRI5 at tolerance {settings.tolerance:g}, "
             "steps end on touches and separations",
             "steps": int(sums["steps"]),
             "steps_sent_back": int(sums["sent_back"]),
@@ -225,7 +222,7 @@ def prepare(
             "events": int(pace["events"]),
             "deepest_touch_m": float(pace["deepest_touch"]),
             **times,
-            **solve.shares(),
+            "wall_solve_s": sums["wall"],
         }
 
     return Simulation(
@@ -251,8 +248,7 @@ def _warm_up(tree: Tree, linkage: Linkage, start: Start) -> None:
     book = Recorder.of(linkage, start.position, 1, 1.0).book
     system = system_of(tree, linkage, start, 1.0)
     x = np.zeros(tree.size)
-    arguments = book.packed, book.contacts
-    specialised(stage_forces, system, *arguments, 0.0, x, x, x)
-    specialised(accept_tree_step, system, book, 0.0, x, x, x)
+    bind(stage_forces, system, book, x, x, x, x)
+    bind(accept_tree_step, system, book, x, x, x, x)
     specialised(tree_state, system, book, 0.0, x, x, x)
     specialised(hinge_power_integral, system)

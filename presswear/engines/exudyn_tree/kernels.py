@@ -31,10 +31,10 @@ from presswear.physics.laws import bristle_rate
 from presswear.physics.links import accelerate_links, carry_branches, gather_forces, place_links
 from presswear.physics.loads import count_ways, next_break, way_at_start
 from presswear.physics.motion import step_to_break
-from presswear.physics.packed import Packed
 from presswear.physics.prescribed import Prescribed, drive_torques, forced_power, place_prescribed
 from presswear.physics.touchdown import LEAST_PARTS, contact_step, skim_step, step_after_touchdown
 from presswear.record.observe import Book, observe, settle_state
+from presswear.tools.bound import Bound, bound
 from presswear.tools.compiled import Records, all_finite, compiled
 
 Array = NDArray[np.float64]
@@ -67,6 +67,7 @@ PACE = np.dtype(
         ("to_break", np.bool_),  # ... of a drive's motion
         ("smooth", np.bool_),  # no pin has touched down or left in the last step
         ("evaluations", np.int64),
+        ("accepted", np.int64),  # evaluations up to the last accepted step
         ("noted", np.float64),  # time of the state whose contacts are noted, s
         ("events", np.int64),
         ("deepest_touch", np.float64),  # penetration of the first state in a contact, m
@@ -105,24 +106,28 @@ class TreeSystem(NamedTuple):
 
 
 @compiled
-def stage_forces(
-    system: TreeSystem,
-    packed: Packed,
-    contacts: Records,
-    t: float,
-    x: Array,
-    u: Array,
-    out: Array,
-) -> None:
+def stage_forces(run: Bound, t: float) -> int:
     """Fill the forces on the coordinates of the tree in a stage, without those of inertia.
 
-    ``contacts`` hold the deflections of the bristles of friction, where it has some.
+    The contacts hold the deflections of the bristles of friction, where it has some.
 
     The drives' power is that against the forces on the prescribed bodies: what is applied
     there, and dP/dt - F of each branch times the velocity of its hinge.  The part
     dP/dt . v is the end value of P . v less the integral of P . a; the end values are
     added after the run, so that no acceleration is needed here.
+
+    Parameters
+    ----------
+    run : Bound
+        TreeSystem, Book, coordinates of the tree, rates, accelerations, and the forces.
+
+    Returns
+    -------
+    int
+        Stages since the last accepted step.
     """
+    system, book, x, u, _, out = bound(run)
+    packed, contacts = book.packed, book.contacts
     q, v, a, force, axes = system.state
     place_prescribed(system.prescribed, t, q, v, a, axes)
     place_links(system.links, x, u, q, v, axes)
@@ -150,23 +155,20 @@ def stage_forces(
         force[b + 1] -= ay
     row[0] = power
     gather_forces(system.links, q, axes, force, out)
+    return pace.evaluations - pace.accepted
 
 
 @compiled
-def stage_bristles(
-    system: TreeSystem,
-    packed: Packed,
-    contacts: Records,
-    t: float,
-    x: Array,
-    u: Array,
-    bristles: Array,
-    out: Array,
-) -> None:
-    """Fill the rates of the bristles of friction in a stage, m/s, shape (joints,).
+def stage_bristles(run: Bound, t: float) -> None:
+    """Fill the rates of the bristles of friction in a stage, m/s.
 
-    ``contacts`` is working space; ``bristles`` are the deflections in the stage, m.
+    Parameters
+    ----------
+    run : Bound
+        TreeSystem, Packed, records of CONTACT as working space, coordinates of the tree, rates,
+        deflections of the bristles, m, and their rates, each shape (joints,).
     """
+    system, packed, contacts, x, u, bristles, out = bound(run)
     q, v, a, _, axes = system.state
     place_prescribed(system.prescribed, t, q, v, a, axes)
     place_links(system.links, x, u, q, v, axes)
@@ -369,16 +371,16 @@ def next_tree_step(book: Book, system: TreeSystem, t: float, h: float, events: i
 
 
 @compiled
-def accept_tree_step(
-    system: TreeSystem, book: Book, t: float, x: Array, u: Array, u_t: Array
-) -> float:
+def accept_tree_step(run: Bound, t: float) -> float:
     """Account for an accepted step and choose the next, s; NaN for a broken state.
 
     Parameters
     ----------
-    u_t : ndarray, shape (coordinates,)
-        Accelerations of the tree's coordinates in the state.
+    run : Bound
+        See ``stage_forces``; the accelerations are those in the state.
     """
+    system, book, x, u, u_t, _ = bound(run)
+    system.pace[0].accepted = system.pace[0].evaluations
     if not all_finite(x, u) or not all_finite(u, u_t):
         return math.nan
     h = t - book.record[0].now

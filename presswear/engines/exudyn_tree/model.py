@@ -5,7 +5,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-import exudyn as exu
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,10 +13,11 @@ from presswear.engines.exudyn import add_node, add_object
 from presswear.linkage.elements import Linkage
 from presswear.physics.links import COORDINATES, GUIDED, LOOSE
 from presswear.physics.tree import Tree
+from presswear.tools.exudyn import exudyn_module
 
 Array = NDArray[np.float64]
 
-_EXUDYN: Any = exu  # its type hints do not know the arguments of its lists
+exu = exudyn_module()
 
 
 @dataclass
@@ -109,10 +109,10 @@ def assemble(
         nodeNumber=node,
         jointTypes=types,
         linkParents=parents,
-        jointTransformations=_EXUDYN.Matrix3DList(turns),
-        jointOffsets=_EXUDYN.Vector3DList(offsets),
-        linkInertiasCOM=_EXUDYN.Matrix3DList(inertias),
-        linkCOMs=_EXUDYN.Vector3DList(centres),
+        jointTransformations=exu.Matrix3DList(turns),
+        jointOffsets=exu.Vector3DList(offsets),
+        linkInertiasCOM=exu.Matrix3DList(inertias),
+        linkCOMs=exu.Vector3DList(centres),
         linkMasses=masses,
         forceUserFunction=force,
     )

@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import exudyn as exu
 import numpy as np
 from numpy.typing import NDArray
 
@@ -27,8 +26,11 @@ from presswear.show.replay.joints import FORCE, EnlargedJoint
 from presswear.show.replay.layout import Layout, Panel, layout_of
 from presswear.show.replay.reel import NORMAL, TANGENTIAL, Instant, Subject, points_of
 from presswear.show.replay.shapes import Shape, graphics, line, text
+from presswear.tools.exudyn import exudyn_module
 
 Array = NDArray[np.float64]
+
+exu = exudyn_module()
 
 _FONT = 13.0
 """Letters in a window 640 pixels high, pixels."""

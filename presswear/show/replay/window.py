@@ -11,12 +11,13 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from typing import Any
 
-import exudyn as exu
-
 from presswear.record.film import FRAMES_PER_CYCLE
 from presswear.show.replay.picture import Picture
 from presswear.show.replay.reel import Reel, frames_at, instants, played
 from presswear.tools.errors import RunFailed
+from presswear.tools.exudyn import exudyn_module
+
+exu = exudyn_module()
 
 WITHOUT_WINDOW = "--movie FILE.mp4 makes a film and --still FILE.png --at T a picture without one"
 _OPENS_WITHIN = 30.0

@@ -186,7 +186,8 @@ def endings(result: Result) -> Table:
                 name,
                 ended,
                 whole(stage.statistics.get("cycles")),
-                "–" if error is None else f"{readable(100.0 * error, 2)} %",
+                _part(error),
+                _part(stage.statistics.get("step_error_of_dose")),
                 _multiplied(stage) if stage.joints else "–",
                 readable(stage.simulated_s),
                 readable(stage.wall_s),
@@ -197,11 +198,16 @@ def endings(result: Result) -> Table:
         "how it ended",
         "cycles",
         "wear known to",
+        "finer steps change it by",
         "depth multiplied by",
         "simulated (s)",
         "computed in (s)",
     )
     return Table(head, (("", tuple(rows)),), numeric=False)
+
+
+def _part(part: float | None) -> str:
+    return "–" if part is None else f"{readable(100.0 * part, 2)} %"
 
 
 def _multiplied(stage: StageResult) -> str:
@@ -259,6 +265,12 @@ def notes(result: Result) -> list[str]:
     for joint, own in zip(scene.clearance_joints, bearings, strict=True):
         laws.setdefault(_restitution(own), []).append(joint)
     found += [text if len(laws) == 1 else f"{', '.join(at)}: {text}" for text, at in laws.items()]
+    steps = [stage.statistics.get("step_error_of_force") for stage in result.stages]
+    if known := [part for part in steps if part is not None]:
+        found.append(
+            "Pieces of a cycle were run again with finer steps: their greatest forces change by "
+            f"{readable(100.0 * max(known), 2)} % at most, in the mean over the pieces."
+        )
     if len(result.stages) > 1 and scene.conventions.contact == "radial":
         found.append(
             "A worn surface is met radially: the force points along the line of centres even "

@@ -59,12 +59,8 @@ def _with(**settings: Any) -> Change:
 
 def _finer(scene: Scene) -> Scene:
     """Make the steps a hundred times more accurate."""
-    numerics = scene.numerics
-    finer = numerics.having(
-        tree_tolerance=numerics.tree.tree_tolerance / 100.0,
-        integration_tolerance=numerics.dae.integration_tolerance / 100.0,
-    )
-    return replace(scene, numerics=finer)
+    finer = scene.solver.finer(100.0)
+    return scene if finer is None else replace(scene, numerics=scene.numerics.of(finer))
 
 
 def _worn(factor: float) -> Change:
@@ -171,17 +167,8 @@ def variant_key(case: str, setting: str) -> str:
 
 
 def base_scene(setting: str, change: Change = unchanged) -> Scene:
-    """A setting as the study takes it, with a person's change.
-
-    The steps are coarser than those of the scenes, by a tolerance of 1e-6: of chaotic motion
-    only statistics are asked for here, and the study itself shows that finer steps do not
-    move them (``finer``).
-    """
-    scene = SETTINGS[setting].scene()
-    numerics = scene.numerics.having(
-        tree_tolerance=1e-6, integrator="dopri5", integration_tolerance=1e-7
-    )
-    return change(replace(scene, tolerance=TOLERANCE, numerics=numerics))
+    """A setting as the study takes it, with a person's change."""
+    return change(replace(SETTINGS[setting].scene(), tolerance=TOLERANCE, purpose="wear"))
 
 
 def make(change: Change = unchanged) -> Study:

@@ -161,11 +161,12 @@ def finer(engine: ExudynJoints, period: float, fineness: int) -> ExudynJoints:
 def exudyn_of(scene: Scene) -> dict[str, ExudynTree | ExudynJoints]:
     """The model that Exudyn takes for a scene, from its working settings to its finest."""
     scene = replace(scene, engine="exudyn") if scene.engine == "dae" else scene
+    scene = replace(scene, purpose="trajectory")
     period = scene.mechanism.period
     engine = scene.solver.over(period)
     if isinstance(engine, ExudynTree):
         trees = [
-            replace(engine, tree_tolerance=engine.tree_tolerance / part) for part in TOLERANCE_PARTS
+            replace(engine, tree_tolerance=engine.tolerance / part) for part in TOLERANCE_PARTS
         ]
         return {f"Exudyn's tree at {tree.tree_tolerance:g}": tree for tree in trees}
     return {

@@ -148,9 +148,9 @@ def method_of(engine: ExudynTree | InHouse, own: Engine) -> Method:
     """
     is_default = engine == own
     if isinstance(engine, ExudynTree):
-        return Method(engine, "DOPRI5", TOLERANCE, engine.tree_tolerance, is_default=is_default)
+        return Method(engine, "DOPRI5", TOLERANCE, engine.tolerance, is_default=is_default)
     name, is_paper = _INTEGRATORS[engine.integrator], engine.integrator == "rk4-paper"
-    knob, value = TOLERANCE, engine.integration_tolerance
+    knob, value = TOLERANCE, engine.tolerance
     if engine.has_equal_steps:
         knob, value = STEP, engine.step
     return Method(engine, name, knob, value, is_paper, is_default)
@@ -176,14 +176,14 @@ def joints_over_impacts(
 
 def tree_over_tolerances(tolerances: Sequence[float], own: ExudynTree) -> Iterator[Method]:
     """Exudyn's DOPRI5 on the open tree."""
-    for tolerance in sorted({*tolerances, own.tree_tolerance}, reverse=True):
+    for tolerance in sorted({*tolerances, own.tolerance}, reverse=True):
         yield method_of(replace(own, tree_tolerance=tolerance), own)
 
 
 def dae_over_tolerances(tolerances: Sequence[float], own: InHouse) -> Iterator[Method]:
     """DOP853 and DOPRI5 of the in-house solver."""
     for name in _CONTROLLED:
-        taken = {own.integration_tolerance} if own.integrator == name else set()
+        taken = {own.tolerance} if own.integrator == name else set()
         for tolerance in sorted({*tolerances, *taken}, reverse=True):
             engine = replace(own, integrator=name, integration_tolerance=tolerance)
             yield method_of(engine, own)
@@ -214,6 +214,7 @@ def smooth_methods(
         Period of a cycle of the scene that is run, s, over which its own step of the trapezoidal
         rule is added; None where it is no scene's.
     """
+    numerics = numerics.resolved("trajectory")
     joints = []
     for step in (duration / count for count in rungs.free_steps):
         engine = ExudynJoints(50, 10, free_step=step * _EXACT, newton=SMOOTH_NEWTON)
@@ -243,6 +244,7 @@ def contact_methods(
         True where there is an open tree.
     """
     # Contact or not, these steps are equal: the longest allowed is shorter than any wanted.
+    numerics = numerics.resolved("trajectory")
     fixed = [(ExudynJoints(1, 1, free_step=step), step) for step in rungs.fixed_steps]
     own_tree = numerics.tree.over(period)
     return (
@@ -256,7 +258,7 @@ def contact_methods(
 
 def statistics_methods(scene: Scene) -> tuple[Method, ...]:
     """All methods for statistics of a scene."""
-    numerics = scene.numerics
+    numerics = scene.numerics.resolved("wear", scene.tolerance)
     tree = numerics.tree.over(scene.mechanism.period)
     is_tree = isinstance(tree_of(scene.linkage()), Tree)
     return (

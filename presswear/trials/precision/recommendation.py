@@ -289,6 +289,7 @@ def recommend(precision: Precision, taken: Numerics) -> tuple[Recommendation, ..
     """
     diagrams = [diagram for diagram in precision.diagrams if diagram.key == "horizon"]
     found = [one for diagram in diagrams for one in for_trajectories(diagram)]
+    taken = taken.resolved("wear", precision.scene.tolerance)
     tree = taken.tree.over(precision.scene.mechanism.period)
     own = (method_of(tree, tree), method_of(taken.dae, taken.dae))
     return (*found, *for_statistics(precision.chaos, own), *for_wear(precision.wear))

@@ -1,0 +1,54 @@
+"""Whether finer steps would change what a stage says."""
+
+from dataclasses import replace
+
+import pytest
+
+from presswear.campaign import resolution
+from presswear.campaign.resolution import step_errors
+from presswear.campaign.run import run
+from presswear.scene.catalog import wear_times
+from presswear.scene.scene import Scene
+from presswear.scene.settings import changed
+
+
+def scene_of(engine: str, tolerance: float) -> Scene:
+    key = {"dae": "integration_tolerance", "exudyn-tree": "tree_tolerance"}[engine]
+    return changed(replace(wear_times(), wears=0), {"engine": engine, key: str(tolerance)})
+
+
+@pytest.mark.parametrize("engine", ["dae", "exudyn-tree"])
+def test_pieces_that_are_run_again_as_they_were_are_what_they_were(
+    monkeypatch: pytest.MonkeyPatch, engine: str
+) -> None:
+    """Bit for bit: each begins in the state of the run itself."""
+    monkeypatch.setattr(resolution, "FINER", 1.0)
+    scene = scene_of(engine, 1e-5)
+    assert step_errors(scene, scene.linkage()) == {
+        "step_error_of_dose": 0.0,
+        "step_error_of_force": 0.0,
+    }
+
+
+def test_the_error_falls_with_the_tolerance() -> None:
+    coarse, fine = (
+        [step_errors(scene, scene.linkage(), start)["step_error_of_dose"] for start in (-1, -2)]
+        for scene in (scene_of("exudyn-tree", 1e-4), scene_of("exudyn-tree", 1e-8))
+    )
+    assert min(coarse) > 10.0 * max(fine) > 0.0
+
+
+def test_equal_steps_and_closed_joints_have_none() -> None:
+    scene = changed(wear_times(), {"engine": "dae", "integrator": "rk4"})
+    assert step_errors(scene, scene.linkage()) == {}
+    scene = replace(wear_times(), joints="none", wears=0)
+    assert step_errors(scene, scene.linkage()) == {}
+
+
+def test_a_stage_of_many_cycles_tells_it_beside_what_is_known_of_its_wear() -> None:
+    many, few = (
+        run(replace(scene_of("dae", 1e-5), starts=1, cycles=cycles)).stages[0].statistics
+        for cycles in (resolution.WORTH, resolution.WORTH - 1)
+    )
+    assert 0.0 < many["step_error_of_dose"] < many["wear_error"]
+    assert "step_error_of_dose" not in few

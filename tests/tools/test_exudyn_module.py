@@ -1,0 +1,52 @@
+"""Which of Exudyn's modules is taken, and that both give the same motion."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from presswear.tools.exudyn import wanted
+
+RUN = """
+import json
+import presswear.engines.exudyn
+from presswear.campaign.starts import start_of
+from presswear.engines.base import Plan
+from presswear.engines.settings import ExudynJoints, ExudynTree
+from presswear.scene.catalog import wear_times
+import sys
+scene, found = wear_times(), []
+for engine in (ExudynTree(1e-11), ExudynJoints()):
+    engine = engine.over(scene.mechanism.period)
+    run = engine.simulate(scene.linkage(), start_of(scene), Plan(0.012, 1, 1))
+    found.append([*map(float, run.end.position), float(run.recorder.book.tally["contacts"].sum())])
+print(json.dumps(["exudyn.exudynCPPfast" in sys.modules, found]))
+"""
+
+
+def ran(module: str) -> tuple[bool, list[list[float]]]:
+    environment = {**os.environ, "EXUDYN_MODULE": module}
+    text = subprocess.run(
+        [sys.executable, "-c", RUN], env=environment, capture_output=True, text=True, check=True
+    ).stdout
+    is_fast, found = json.loads(text)  # nothing else is printed
+    return is_fast, found
+
+
+def test_both_modules_give_the_same_motion_through_the_first_touches() -> None:
+    fast, safe = ran(""), ran("safe")
+    assert not safe[0]
+    processor = Path("/proc/cpuinfo")
+    assert fast[0] == (processor.exists() and "avx2" in processor.read_text())
+    for one, other in zip(fast[1], safe[1], strict=True):
+        assert one[-1] == other[-1] > 0.0
+        assert one == pytest.approx(other, abs=1e-11)
+
+
+@pytest.mark.parametrize(("word", "module"), [("", "fast"), ("FAST ", "fast"), ("safe", "safe")])
+def test_the_environment_chooses(monkeypatch: pytest.MonkeyPatch, word: str, module: str) -> None:
+    monkeypatch.setenv("EXUDYN_MODULE", word)
+    assert wanted() == module
