@@ -15,6 +15,7 @@ from presswear.scene.catalog import wear_times
 from presswear.scene.scene import Scene
 from presswear.tools.documents import plain
 from presswear.tools.errors import InputError
+from presswear.tools.exudyn import wanted
 
 Ran = tuple[Scene, Result, Result]
 """A scene, its result in memory, and its result on disk."""
@@ -122,7 +123,7 @@ def test_result_json_says_where_it_comes_from(
     campaign: Ran,
 ) -> None:
     document = json.loads((folder_of(campaign) / "result.json").read_text())
-    assert document["provenance"]["packages"]["exudyn"] == "1.13.6"
+    assert document["provenance"]["packages"]["exudyn"] == f"1.13.6, {wanted()}"
     assert document["provenance"]["python"].startswith("3.")
     assert document["wall_s"] > 0.0
     for stage in document["stages"]:

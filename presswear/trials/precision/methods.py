@@ -146,7 +146,8 @@ def method_of(engine: ExudynTree | InHouse, own: Engine) -> Method:
     own : Engine
         The engine that a scene takes by itself.
     """
-    is_default = engine == own
+    engine = engine.resolved()
+    is_default = engine == own.resolved()
     if isinstance(engine, ExudynTree):
         return Method(engine, "DOPRI5", TOLERANCE, engine.tolerance, is_default=is_default)
     name, is_paper = _INTEGRATORS[engine.integrator], engine.integrator == "rk4-paper"

@@ -231,7 +231,7 @@ def test_cycles_of_a_stage_are_those_that_its_tolerance_takes() -> None:
 def test_ladder_has_the_paper_and_the_defaults() -> None:
     methods = statistics_methods(SCENE)
     assert [method.value for method in methods if method.is_paper] == [1e-4]
-    own, period = Numerics(), SCENE.mechanism.period
+    own, period = Numerics().resolved("wear", SCENE.tolerance), SCENE.mechanism.period
     defaults = [method.engine for method in methods if method.is_default]
     assert defaults == [own.tree.over(period), own.dae]
     assert [stored(method) for method in methods] == list(methods)

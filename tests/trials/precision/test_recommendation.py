@@ -209,7 +209,8 @@ def test_everything_together() -> None:
     engines = [one.subject for one in found if one.purpose == TRAJECTORIES]
     assert len(engines) == len(set(engines)) == 3
     taken = {one.subject: one.taken for one in found if one.purpose == STATISTICS}
-    settings = [method_of(own, own).setting for own in (numerics.tree, numerics.dae)]
+    own = numerics.resolved("wear")
+    settings = [method_of(each, each).setting for each in (own.tree, own.dae)]
     assert list(taken.values()) == settings
     assert all(one.verdict.startswith("the code takes") for one in found)
 

@@ -48,7 +48,7 @@ def test_finer_is_better_in_every_family(press: Diagram) -> None:
 
 def test_defaults_are_the_scenes_own(press: Diagram) -> None:
     own = [point.method.engine for point in press.points if point.method.is_default]
-    numerics, period = SCENE.numerics, SCENE.mechanism.period
+    numerics, period = SCENE.numerics.resolved("trajectory"), SCENE.mechanism.period
     dae = replace(numerics.dae, free_step=period / 500.0)
     assert own == [numerics.joints.over(period), numerics.tree.over(period), dae]
 
