@@ -30,6 +30,7 @@ from presswear.campaign.progress import Forecast
 from presswear.campaign.resolution import WORTH, step_errors
 from presswear.campaign.stage import stage_of, without_wear
 from presswear.linkage.elements import ClearanceJoint
+from presswear.physics.wear import map_shape
 from presswear.record.sampling import STARTUP_CYCLES
 from presswear.record.soundness import Finding
 from presswear.record.tracker import Tracker
@@ -41,9 +42,7 @@ Array = NDArray[np.float64]
 
 def unworn(scene: Scene) -> Array:
     """Depth of round surfaces, shape (starts, joints, 2, m), m."""
-    joints = scene.linkage().clearances
-    angles = max((joint.wear.angles for joint in joints if joint.wear), default=1)
-    return np.zeros((scene.draws, len(joints), 2, angles))
+    return np.zeros((scene.draws, *map_shape(scene.linkage().clearances)))
 
 
 def stage_task(scene: Scene, index: int) -> Task:

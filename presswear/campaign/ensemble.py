@@ -206,10 +206,13 @@ def linkage_on(scene: Scene, worn: Array) -> Linkage:
     Parameters
     ----------
     worn : ndarray, shape (joints, 2, m)
-        Their depth, m.
+        Their depth, m; see ``map_shape``.
     """
-    pairs = [(Surface(bearing), Surface(pin)) for bearing, pin in worn]
-    return scene.linkage(dict(zip(scene.clearance_joints, pairs, strict=True)))
+    surfaces = {}
+    for name, (bearing, pin) in zip(scene.clearance_joints, worn, strict=True):
+        bins = scene.bearing(name).bins
+        surfaces[name] = Surface(bearing[:bins]), Surface(pin[:bins])
+    return scene.linkage(surfaces)
 
 
 def plan_of(scene: Scene, task: Task) -> Plan:

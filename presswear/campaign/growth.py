@@ -170,8 +170,9 @@ def measures(joint: ClearanceJoint, depth: Array) -> Array:
     Parameters
     ----------
     depth : ndarray, shape (2, m)
-        Depth that it added, m.
+        Depth that it added, m; see ``map_shape``.
     """
+    depth = depth[:, : joint.bins]
     return np.array([worn_volume(joint, depth), depth[0].max(), depth[1].max()])
 
 

@@ -12,7 +12,7 @@ from presswear.campaign.statistics import Wear, stage_statistics
 from presswear.linkage.surface import bin_centres
 from presswear.record.sampling import map_errors
 from presswear.record.soundness import Finding
-from presswear.results.stage import SIDES, StageResult
+from presswear.results.stage import SIDES, StageResult, angle_names
 from presswear.scene.scene import Scene
 
 Array = NDArray[np.float64]
@@ -122,12 +122,12 @@ def _arrays(
         arrays[f"{name}_force"] = stacked("normal", "tangential", joint=k)
         arrays[f"{name}_sliding"] = recorder.series("sliding", k).copy()
         arrays[f"{name}_contacts"] = recorder.episodes(k).copy()
-        bins = added.shape[2]
-        arrays["angle"] = bin_centres(bins)
         for i, side in enumerate(SIDES):
-            arrays[f"{name}_depth_{side}"] = worn[k, i]
-            arrays[f"{name}_wear_{side}"] = added[k, i]
-        arrays[f"{name}_wear_batches"] = batches[:, k]
+            arrays[f"{name}_depth_{side}"] = worn[k, i, : joint.bins]
+            arrays[f"{name}_wear_{side}"] = added[k, i, : joint.bins]
+        arrays[f"{name}_wear_batches"] = batches[:, k, :, : joint.bins]
+    bins = {joint.name: joint.bins for joint in joints}
+    arrays |= {angle: bin_centres(bins[name]) for name, angle in angle_names(bins).items()}
     arrays["wear_batch_cycles"] = weights
     starts = ran.recorders
     arrays["cycles"] = np.concatenate([own.cycles for own in starts])

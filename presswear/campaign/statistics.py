@@ -7,7 +7,7 @@ others ran.
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -67,12 +67,23 @@ class Wear:
     by_start: Array
     is_frozen: bool
 
+    def at(self, k: int, bins: int) -> "Wear":
+        """The same of joint ``k`` alone, with its own bins: arrays without the axis of joints."""
+        return replace(
+            self,
+            added=self.added[k, :, :bins],
+            maps=self.maps[:, k, :, :bins],
+            coarser=None if self.coarser is None else self.coarser[k, :, :bins],
+            by_start=self.by_start[:, k, :, :bins],
+        )
+
 
 def joint_statistics(
     joint: ClearanceJoint, k: int, recorders: Recorders, alone: Recorders, wear: Wear
 ) -> dict[str, Any]:
     """Numbers of one clearance joint; see ``stage_statistics``."""
-    added, maps, weights = wear.added[k], wear.maps[:, k], wear.weights
+    wear = wear.at(k, joint.bins)
+    added, maps, weights = wear.added, wear.maps, wear.weights
     mean, volume = _mean_of(recorders, alone), worn_volume(joint, added)
     force = [recorder.each_cycle("force_max", k) for recorder in recorders]
     tallies = np.array([recorder.book.tally[k] for recorder in recorders])
@@ -96,10 +107,10 @@ def joint_statistics(
         volumes = np.array([worn_volume(joint, own) for own in maps])
         off = volume - float(np.average(volumes, weights=weights))
         numbers["wear_volume_half_width_m3"] = math.hypot(half_width(volumes) or 0.0, off)
-    each = wear.by_start[:, k].max(axis=(1, 2))
+    each = wear.by_start.max(axis=(1, 2))
     numbers["wear_depth_max_by_start_m"] = [float(depth) for depth in each]
     if wear.coarser is not None:
-        numbers["wear_volume_step_m3"] = abs(worn_volume(joint, wear.coarser[k]) - volume)
+        numbers["wear_volume_step_m3"] = abs(worn_volume(joint, wear.coarser) - volume)
     if wear.is_frozen:
         return numbers
     sides: dict[str, list[int]] = {"bearing": [0], "pin": [1]}
@@ -112,7 +123,7 @@ def joint_statistics(
         numbers[f"wear_depth_max_{name}_deg"] = float(degrees[int(depth.argmax())])
         step = 0.0
         if wear.coarser is not None:
-            step = abs(float(depth.max() - wear.coarser[k, some].sum(axis=0).max()))
+            step = abs(float(depth.max() - wear.coarser[some].sum(axis=0).max()))
             numbers[f"wear_depth_max_{name}_step_m"] = step
         if len(maps):
             drawn = maps[:, some].sum(axis=1)

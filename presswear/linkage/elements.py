@@ -210,6 +210,11 @@ class ClearanceJoint:
         """R_j = R_i - c, m."""
         return self.bearing_radius - self.clearance
 
+    @property
+    def bins(self) -> int:
+        """Angular bins of its wear maps; one where no account is kept."""
+        return 1 if self.wear is None else self.wear.angles
+
 
 @dataclass(frozen=True)
 class Probe:

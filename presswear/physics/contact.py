@@ -139,10 +139,11 @@ def note_contact(packed: Packed, k: int, q: Array, v: Array, contact: Records) -
     contact.pin_spin = pin.spin
     contact.pin_lever_x = pin.lever_x
     contact.pin_lever_y = pin.lever_y
-    if joint.foundation > 0.0 and packed.surfaces.shape[2] > 0:
-        note_foundation(joint, packed.surfaces[k], contact)
+    surfaces = packed.surfaces[k, :, : joint.surface_bins]
+    if joint.foundation > 0.0 and joint.surface_bins > 0:
+        note_foundation(joint, surfaces, contact)
     else:
-        note_radial(joint, packed.surfaces[k], contact)
+        note_radial(joint, surfaces, contact)
     contact.sliding = (
         vy * contact.normal_x
         - vx * contact.normal_y

@@ -34,6 +34,8 @@ JOINT = np.dtype(
         ("friction", FRICTION),
         ("map_turns", np.float64),  # 1 where the wear maps turn with their bodies
         ("foundation", np.float64),  # its stiffness k_w b R, N/m^2 per rad; 0 for radial contact
+        ("map_bins", np.int64),  # of the wear maps of a cycle
+        ("surface_bins", np.int64),  # of the worn surfaces; 0 while they are round
         ("least_depth", np.float64),  # sum of the least depths of both surfaces, m
         ("relief", np.float64),  # greatest difference of depth that a pin can meet, m
         ("wear_coefficient", np.float64),  # K_d, 1/Pa; 0 keeps no account
@@ -52,7 +54,8 @@ class Packed(NamedTuple):
     ----------
     joints : records of JOINT
     surfaces : ndarray, shape (joints, ROWS, m)
-        The worn surfaces, see ``packed_rows``; m = 0 where none is worn.
+        The worn surfaces, see ``packed_rows``, each joint's in the first of the m columns; m = 0
+        where none is worn.
     springs : records of SPRING
     loads : Loads or None
     mass, weight : ndarray, shape (3 bodies,)
@@ -67,19 +70,23 @@ class Packed(NamedTuple):
     weight: Array
 
 
-def pack(linkage: Linkage, bins: int = 0) -> Packed:
+def pack(linkage: Linkage, wearing: bool = False) -> Packed:
     """Pack a linkage for the kernels.
 
     Parameters
     ----------
-    bins : int
-        Bins of surfaces that are round now and worn while they run; 0: none is.
+    wearing : bool
+        Whether surfaces that are round now wear while they run.
     """
+    joints = pack_joints(linkage)
     pairs = [(joint.bearing_surface, joint.pin_surface) for joint in linkage.clearances]
-    count = max((own.depth.size for pair in pairs for own in pair if own.is_worn), default=bins)
+    for record, joint, pair in zip(joints, linkage.clearances, pairs, strict=True):
+        later = joint.bins if wearing and joint.wear else 0
+        sizes = (own.depth.size for own in pair if own.is_worn)
+        record["surface_bins"] = max(sizes, default=later)
     packed = Packed(
-        pack_joints(linkage),
-        np.zeros((len(pairs), ROWS, count)),
+        joints,
+        np.zeros((len(pairs), ROWS, joints["surface_bins"].max(initial=0))),
         pack_springs(linkage),
         pack_loads(linkage),
         mass_of(linkage),
@@ -122,6 +129,7 @@ def pack_joints(linkage: Linkage) -> Records:
         record["effective_mass"] = effective_mass(linkage, joint)
         record["normal"] = normal_record(joint.normal, joint.clearance)
         record["friction"] = friction_record(joint.friction)
+        record["map_bins"] = joint.bins
         record["map_turns"] = float(joint.map_frame == "body")
         if joint.contact == "foundation":
             record["foundation"] = foundation_stiffness(joint.normal.stiffness, joint.clearance)
@@ -150,9 +158,9 @@ def effective_mass(linkage: Linkage, joint: ClearanceJoint) -> float:
 
 def pack_surfaces(packed: Packed, k: int, surfaces: tuple[Surface, Surface]) -> None:
     """Give joint ``k`` of a packed linkage its surfaces, bearing and pin."""
-    count = packed.surfaces.shape[2]
+    count = int(packed.joints[k]["surface_bins"])
     for row, surface in zip((BEARING, PIN), surfaces, strict=True):
-        packed.surfaces[k, row : row + PIN] = packed_rows(surface, count)
+        packed.surfaces[k, row : row + PIN, :count] = packed_rows(surface, count)
     depths = [surface.depth for surface in surfaces if surface.is_worn]
     packed.joints[k]["least_depth"] = sum(float(depth.min()) for depth in depths)
     packed.joints[k]["relief"] = sum(float(np.ptp(depth)) for depth in depths)

@@ -433,13 +433,14 @@ def skim_step(packed: Packed, memory: Records, longest: float) -> float:
 
     Its error estimate sees a bump only where a stage happens to fall on it.
     """
-    count = packed.surfaces.shape[2]
-    if count == 0:
+    if packed.surfaces.shape[2] == 0:
         return longest
     for k in range(memory.shape[0]):
         last = memory[k]
-        if last.sweep > 0.0 and last.penetration > -packed.joints[k].relief:
-            bins = 2.0 * math.pi / count / last.sweep
+        joint = packed.joints[k]
+        worn = joint.surface_bins > 0
+        if worn and last.sweep > 0.0 and last.penetration > -joint.relief:
+            bins = 2.0 * math.pi / joint.surface_bins / last.sweep
             longest = min(longest, bins / SKIM_STEPS)
     return longest
 
@@ -454,7 +455,6 @@ def next_step(
     a: Array,
 ) -> float:
     """Length of the next step, s, from the state just settled."""
-    count = packed.surfaces.shape[2]
     chosen = steps[0].free
     for k in range(memory.shape[0]):
         joint = packed.joints[k]
@@ -462,10 +462,12 @@ def next_step(
         depth = last.penetration
         rate = last.rate
         part = contact_step(joint, depth, rate, steps[0].per_contact)
-        acceleration = penetration_acceleration(joint, packed.surfaces[k], contacts[k], a)
-        if count > 0 and last.sweep > 0.0 and depth > -joint.relief:
+        acceleration = penetration_acceleration(
+            joint, packed.surfaces[k, :, : joint.surface_bins], contacts[k], a
+        )
+        if joint.surface_bins > 0 and last.sweep > 0.0 and depth > -joint.relief:
             # A bump of the profile is a contact of its own and gets as many steps.
-            bins = 2.0 * math.pi / count / last.sweep
+            bins = 2.0 * math.pi / joint.surface_bins / last.sweep
             share = 0.5 * steps[0].per_contact if onset[k] > 0.0 else FLIGHT_STEPS_PER_BIN
             chosen = min(chosen, max(bins / share, steps[0].least))
         if onset[k] > 0.0:

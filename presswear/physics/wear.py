@@ -8,6 +8,7 @@ foundation, and the worn volume is K_d times the integral of F_n ds to round-off
 """
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -140,6 +141,15 @@ def deposit_over_arc(
         for k in range(count):
             depth[side, k] += scale * shares[side, k]
             shares[side, k] = 0.0
+
+
+def map_shape(joints: Sequence[ClearanceJoint]) -> tuple[int, int, int]:
+    """Shape (joints, 2, m) of the wear maps of some joints.
+
+    They have room for the finest; each joint's maps are in the first of the m, its own ``bins``,
+    and nothing behind.
+    """
+    return len(joints), 2, max((joint.bins for joint in joints), default=1)
 
 
 def worn_volume(joint: ClearanceJoint, depth: Array) -> float:

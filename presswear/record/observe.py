@@ -97,7 +97,8 @@ class Book(NamedTuple):
     cycle : ndarray, shape (CYCLE_FIXED + CYCLE_JOINT joints,)
         Row of the present cycle.
     depth : ndarray, shape (joints, 2, m)
-        Depth that the present cycle added to bearing and pin, m.
+        Depth that the present cycle added to bearing and pin, each joint's in its own bins, the
+        first of the m; m.
     doses : records of DOSE
         Doses in the last step.
     shares : ndarray, shape (2, m)
@@ -132,17 +133,19 @@ def deposit(book: Book, k: int) -> None:
     """Add the wear of the last step's doses to the maps of joint ``k``."""
     joint = book.packed.joints[k]
     contact = book.contacts[k]
+    bins = joint.map_bins
+    depth = book.depth[k, :, :bins]
     if joint.over_arc:
         deposit_over_arc(
-            book.depth[k],
+            depth,
             joint,
-            book.packed.surfaces[k],
+            book.packed.surfaces[k, :, : joint.surface_bins],
             contact,
             book.doses[k].work,
-            book.shares,
+            book.shares[:, :bins],
         )
     else:
-        deposit_in_bin(book.depth[k], joint, contact, book.doses[k].pressure)
+        deposit_in_bin(depth, joint, contact, book.doses[k].pressure)
 
 
 @compiled

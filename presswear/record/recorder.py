@@ -19,6 +19,7 @@ from presswear.physics.motion import motions_of
 from presswear.physics.packed import pack, pack_surfaces
 from presswear.physics.surface import BEARING, PIN
 from presswear.physics.touchdown import CONTACT_COLUMNS, LEAST_STEPS, MEMORY, PAST_CONTACT, TALLY
+from presswear.physics.wear import map_shape
 from presswear.record.film import Film, empty_film, shutter_of
 from presswear.record.observe import (
     CONTACTS_AT_MOST,
@@ -111,7 +112,6 @@ class Recorder:
             Time before the first cycle, s.
         """
         count = len(linkage.clearances)
-        angles = max((j.wear.angles for j in linkage.clearances if j.wear), default=1)
         tally = np.zeros(count, TALLY)
         tally["fewest_steps"] = np.iinfo(np.int64).max
         record = np.zeros(1, RECORD)
@@ -126,9 +126,9 @@ class Recorder:
         rows = recorded_cycles + math.ceil(run_up / cycle)
         rows *= ROWS_AT_MOST if count else 2 * ROWS_AT_LEAST
         columns = SERIES_FIXED + SERIES_JOINT * count + len(linkage.drives) * torques
-        shape = (count, 2, angles)
+        shape = map_shape(linkage.clearances)
         book = Book(
-            packed=pack(linkage, angles if wearing else 0),
+            packed=pack(linkage, wearing),
             motions=motions_of(linkage),
             contacts=np.zeros(count, CONTACT),
             onset=np.zeros(count),
@@ -142,7 +142,7 @@ class Recorder:
             cycle=np.zeros(len(CYCLE_FIXED) + len(CYCLE_JOINT) * count),
             depth=np.zeros(shape),
             doses=np.zeros(count, DOSE),
-            shares=np.zeros((2, angles)),
+            shares=np.zeros(shape[1:]),
             torque=np.zeros(len(linkage.drives)),
             ledger=np.zeros(1, LEDGER),
         )
@@ -232,12 +232,17 @@ class Recorder:
 
     @property
     def worn(self) -> Array:
-        """Depth of bearings and pins as they are now, shape (joints, 2, m), m; m = 0: round."""
+        """Depth of bearings and pins as they are now, shape (joints, 2, m), m; m = 0: round.
+
+        Each joint's stands in its own bins, the first of the m.
+        """
         return self.book.packed.surfaces[:, (BEARING, PIN)]
 
     def _rebuild(self, depth: Array) -> None:
-        for k, (bearing, pin) in enumerate(depth):
-            pack_surfaces(self.book.packed, k, (Surface(bearing), Surface(pin)))
+        packed = self.book.packed
+        for k, own in enumerate(depth):
+            bearing, pin = own[:, : packed.joints[k]["surface_bins"]]
+            pack_surfaces(packed, k, (Surface(bearing), Surface(pin)))
 
     def wear(self, lost: Array, q: Array, v: Array) -> None:
         """Rebuild the surfaces without a depth, m, in the state between two cycles.

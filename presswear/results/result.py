@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.record.film import Film
-from presswear.results.stage import StageResult
+from presswear.results.stage import StageResult, angle_names
 from presswear.results.stored import (
     StoredResult,
     check_arrays,
@@ -156,8 +156,8 @@ class Result:
 
         own = self.stage(stage)
         lengths = {"time": own.time.size}
-        if self.scene.clearance_joints:
-            lengths["angle"] = own.angle.size
+        bins = {name: joint.angle.size for name, joint in own.joints.items()}
+        lengths |= {angle: bins[name] for name, angle in angle_names(bins).items()}
         held = {}
         for name, array in own.arrays.items():
             along = next((axis for axis, n in lengths.items() if array.shape[:1] == (n,)), None)
@@ -202,11 +202,12 @@ def load(path: str | Path) -> Result:
     path = Path(path)
     scene, stored = stored_scene(path)
     joints = scene.clearance_joints
+    bins = {name: scene.bearing(name).bins for name in joints}
     stages = []
     for stage in stored.stages:
         name, film = files_of(stage.index)
         arrays = read_numbers(path / name, stored.files[name])
-        check_arrays(arrays, joints, scene.bearings.angles, path / name)
+        check_arrays(arrays, bins, path / name)
         read_checked(path / film, stored.files[film])
         read = partial(_film, path / film, stored.files[film], scene)
         stages.append(replace(stage, arrays=arrays, joint_names=joints, read_film=read))

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.engines.base import Status
+from presswear.linkage.surface import bin_centres
 from presswear.physics.touchdown import CONTACT_COLUMNS
 from presswear.record.film import Film
 from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
@@ -18,6 +19,20 @@ from presswear.tools.errors import InputError
 Array = NDArray[np.float64]
 
 SIDES = ("bearing", "pin")
+
+
+def angle_names(bins: Mapping[str, int]) -> dict[str, str]:
+    """Names of the arrays that hold the angles of wear maps, by joint.
+
+    ``angle`` where all have as many bins, else ``J_angle`` for joint J.
+
+    Parameters
+    ----------
+    bins : mapping of str to int
+        Of the maps of each joint.
+    """
+    are_alike = len(set(bins.values())) == 1
+    return {name: "angle" if are_alike else f"{name}_angle" for name in bins}
 
 
 @dataclass(frozen=True)
@@ -95,6 +110,11 @@ class JointResult:
     def each_cycle(self, name: str) -> Array:
         """A number of each cycle, by its name in ``CYCLE_JOINT``, shape (cycles,); SI units."""
         return self.arrays["cycles"][:, CYCLE_JOINT.index(name)]
+
+    @property
+    def angle(self) -> Array:
+        """Angles of its wear maps, shape (m,), rad."""
+        return bin_centres(self.arrays["depth_bearing"].size)
 
     def depth(self, side: str) -> Array:
         """Depth that the stage ran on, bearing or pin, shape (m,), m."""
@@ -194,11 +214,6 @@ class StageResult:
     def acceleration(self) -> Array:
         """Acceleration of what the scene watches, shape (n,), m/s^2."""
         return self.arrays["slider"][:, 2]
-
-    @property
-    def angle(self) -> Array:
-        """Angles of the wear maps, shape (m,), rad."""
-        return self.arrays["angle"]
 
     @property
     def joints(self) -> dict[str, JointResult]:

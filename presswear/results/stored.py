@@ -17,7 +17,7 @@ from presswear.linkage.surface import bin_centres
 from presswear.physics.touchdown import CONTACT_COLUMNS
 from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
 from presswear.results.provenance import Provenance
-from presswear.results.stage import SIDES, StageResult
+from presswear.results.stage import SIDES, StageResult, angle_names
 from presswear.tools.documents import typed
 from presswear.tools.errors import InputError
 
@@ -175,28 +175,27 @@ JOINT_SHAPES = {
     "force": "rows 2",
     "sliding": "rows",
     "flight": "recorded",
+}
+"""Arrays of each joint."""
+MAP_SHAPES = {
     "depth_bearing": "bins",
     "depth_pin": "bins",
     "wear_bearing": "bins",
     "wear_pin": "bins",
     "wear_batches": "batches 2 bins",
 }
-"""Arrays of each joint."""
+"""Those over the angle, with bins of its own."""
 DEPTHS = ("depth_bearing", "depth_pin", "wear_bearing", "wear_pin")
 """Endings of the arrays of which no value is below zero."""
 
 
-def check_arrays(
-    arrays: Mapping[str, Array], joints: tuple[str, ...], angles: int, file: Path
-) -> None:
+def check_arrays(arrays: Mapping[str, Array], joints: Mapping[str, int], file: Path) -> None:
     """InputError naming the first array of a stage that is missing, misshapen or not finite.
 
     Parameters
     ----------
-    joints : tuple of str
-        With clearance, in the scene.
-    angles : int
-        Bins of a wear map; without a wear account there is one.
+    joints : mapping of str to int
+        Bins of the wear maps of the joints with clearance, by name.
     """
     for name, values in arrays.items():
         if not np.all(np.abs(values) <= LARGEST_ENTRY):
@@ -207,10 +206,11 @@ def check_arrays(
     shapes = {**SHAPES, "cycles": f"cycles {columns}"}
     if "drive_torque" in arrays:
         shapes["drive_torque"] = "rows drives"
-    if joints:
-        shapes["angle"] = "bins"
-    for joint in joints:
+    for joint, angle in angle_names(joints).items():
         shapes |= {f"{joint}_{name}": shape for name, shape in JOINT_SHAPES.items()}
+        own = f"{joints[joint]}"
+        shapes |= {f"{joint}_{name}": s.replace("bins", own) for name, s in MAP_SHAPES.items()}
+        shapes[angle] = own
         shapes[f"{joint}_contacts"] = f"contacts_{joint} {len(CONTACT_COLUMNS)}"
     lengths: dict[str, int] = {}
     for name, shape in shapes.items():
@@ -218,10 +218,10 @@ def check_arrays(
         values = arrays[name]
         if name == "time" and values.size and (values[0] < 0.0 or np.any(np.diff(values) < 0.0)):
             raise InputError(f"{file}: time goes backwards")
-        if name == "angle" and not (
-            values.size in (1, angles) and np.allclose(values, bin_centres(values.size), 0.0, 1e-9)
-        ):
-            raise InputError(f"{file}: angle does not hold the middles of {angles} bins of a turn")
+        if name.endswith("angle") and not np.allclose(values, bin_centres(values.size), 0.0, 1e-9):
+            raise InputError(
+                f"{file}: {name} does not hold the middles of {values.size} bins of a turn"
+            )
         if name.endswith(DEPTHS) and np.any(values < 0.0):
             raise InputError(f"{file}: {name} holds a depth below zero")
 

@@ -192,6 +192,11 @@ class Bearing:
                 f"upper_speed, {self.upper_speed:g} m/s"
             )
 
+    @property
+    def bins(self) -> int:
+        """Bins of its wear maps; one where nothing wears."""
+        return self.angles if self.materials.wear_coefficient > 0.0 else 1
+
     def hertz(self, reading: StiffnessReading) -> float:
         """K, N/m^n: what is given, or Hertz's."""
         if self.contact_stiffness is not None:

@@ -174,11 +174,6 @@ class Scene:
                 raise unknown("joint", name, self.mechanism.openable)
             if not isinstance(own, Bearing):
                 raise InputError(f"apart of {name} = {own!r}: a Bearing is expected")
-            if own.angles != self.bearings.angles:
-                raise InputError(
-                    f"{name}.angles = {own.angles}: all maps have as many bins; allowed is "
-                    f"{self.bearings.angles}"
-                )
         alike = {name: own for name, own in self.apart.items() if own != self.bearings}
         object.__setattr__(self, "apart", alike)
         for name, own in {"": self.bearings, **self.apart}.items():

@@ -103,7 +103,7 @@ def changed(scene: Scene, settings: Mapping[str, Any]) -> Scene:
         For a key that is none, or a value that does not fit.
     """
     known = {setting.key for setting in settings_of(scene) if "." not in setting.key}
-    of_one = {setting.key for setting in _settings(scene.bearings, {})} - {"angles"}
+    of_one = {setting.key for setting in _settings(scene.bearings, {})}
     apart: dict[str, dict[str, Any]] = {name: {} for name in scene.apart}
     for key, value in settings.items():
         joint, dot, own = key.rpartition(".")

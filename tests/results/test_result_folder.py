@@ -2,6 +2,7 @@
 
 import errno
 import json
+import math
 import os
 import shutil
 from collections.abc import Callable
@@ -9,19 +10,24 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from endurance.sameness import folder_differences
 
 from presswear.__main__ import main
 from presswear.campaign.checkpoint import Checkpoint
 from presswear.campaign.single import run_into
+from presswear.linkage.surface import bin_centres
 from presswear.record.tracker import Tracker
 from presswear.results.folder import INTERVAL, LEAST_WAIT, ResultFolder
 from presswear.results.result import load, read_document, unfinished
+from presswear.results.stage import SIDES
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import wear_times
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
+from presswear.show.figures import drawings
+from presswear.show.report import render
 from presswear.tools.arrays import write_arrays
 from presswear.tools.documents import sealed_json
 from presswear.tools.errors import InputError, RunFailed
@@ -42,9 +48,13 @@ SCENE = changed(
         "integrator": "dopri5",
         "integration_tolerance": "1e-5",
         "angles": "90",
+        "C.angles": "60",
     },
 )
-"""Two starts of two cycles, a wear in steps, and again: every kind of place to stop at."""
+"""Two starts of two cycles, a wear in steps, and again: every kind of place to stop at.
+
+With maps of different bins at its joints.
+"""
 
 
 class Stop(BaseException):
@@ -342,7 +352,8 @@ def test_the_command_goes_on_and_ends_as_if_never_stopped(
     wrong = ["run", "friction", "--resume", "--out", str(halted)]
     assert main(wrong) == 2
     assert "it holds a run of wear-times, not of friction" in capsys.readouterr().err
-    assert main(["run", "wear-times", "--cycles", "3", "--resume", "--out", str(halted)]) == 2
+    other = ["run", "wear-times", "--cycles", "3", "--set", "C.angles=60"]
+    assert main([*other, "--resume", "--out", str(halted)]) == 2
     assert "cycles is 2 there and 3 here" in capsys.readouterr().err
     assert main(["run", "wear-times", "--resume", "--out", str(halted)]) == 0
     assert "going on after stage 0, the wear after it" in capsys.readouterr().out
@@ -359,3 +370,26 @@ def test_the_scene_of_these_tests_is_of_every_kind(whole: Path) -> None:
     assert scene == SCENE
     assert scene.draws > 1
     assert scene.wears_in_steps
+
+
+def test_maps_of_different_bins_are_stored_and_shown(whole: Path) -> None:
+    """Each joint's arrays, statistics, figures and report are over its own angles."""
+    result = load(whole)
+    data = result.dataset(1)
+    for name, bins in (("A", 90), ("C", 60)):
+        assert "angle" not in result.stages[1].arrays
+        np.testing.assert_array_equal(data.coords[f"{name}_angle"], bin_centres(bins))
+        assert data[f"{name}_depth_pin"].dims == (f"{name}_angle",)
+        joint = result.stages[1].joints[name]
+        numbers = result.stages[0].statistics["joints"][name]
+        worn = sum(float(joint.depth(side).mean()) for side in SIDES)
+        (gap,) = (own for own in SCENE.linkage().clearances if own.name == name)
+        volume = worn * 2.0 * math.pi * gap.bearing_radius * gap.width
+        assert numbers["wear_volume_m3"] == pytest.approx(volume, rel=1e-12)
+    drawn = {drawing.file: drawing.sheet for drawing in drawings(result)}
+    ends = [
+        {int(line.get_xdata().size) for line in axes.get_lines()}  # type: ignore[union-attr]
+        for axes in drawn["wear-depth.png"].axes
+    ]
+    assert len(set(map(max, ends))) == 2
+    assert render(result, [])

@@ -259,7 +259,9 @@ def step_to_events(book: Book, system: TreeSystem, h: float) -> float:
         joint = book.packed.joints[k]
         last = book.memory[k]
         closed = book.onset[k] > 0.0
-        acceleration = penetration_acceleration(joint, book.packed.surfaces[k], book.contacts[k], a)
+        acceleration = penetration_acceleration(
+            joint, book.packed.surfaces[k, :, : joint.surface_bins], book.contacts[k], a
+        )
         jerk = (acceleration - last.acceleration) / last.step if last.step > 0.0 else 0.0
         last.acceleration = acceleration
         if closed and last.steps == 1 and last.rate > 0.0 and acceleration < 0.0:

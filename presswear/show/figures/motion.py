@@ -321,6 +321,6 @@ def gap_limit(result: Result, joint: str, stage: StageResult) -> Array:
     depth = own.depth("bearing") + own.depth("pin")
     if maps_turn(result) or not np.any(depth > 0.0):
         return np.zeros((2, 0))
-    angle = np.append(stage.angle, stage.angle[0])
+    angle = np.append(own.angle, own.angle[0])
     gap = result.scene.bearing(joint).clearance + np.append(depth, depth[0])
     return gap * np.array([np.cos(angle), np.sin(angle)])

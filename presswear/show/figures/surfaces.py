@@ -104,7 +104,7 @@ def worn_surface(result: Result, joint: str, stages: list[ShownStage]) -> Drawin
     """
     bearings = result.scene.bearing(joint)
     worn = [(stage.pen, stage.data.joints[joint]) for stage in stages]
-    angle = stages[-1].data.angle
+    angle = worn[-1][1].angle
     views = _views(result, joint, angle, worn[-1][1])
     deepest = max(float(own.depth(side).max()) for _, own in worn for side in SIDES)
     enlarged = max(1.0, round_down(_DRAWN_DEPTH * bearings.bearing_radius / deepest))

@@ -54,7 +54,7 @@ def wear_depth(result: Result, stages: Stages) -> list[Drawing]:
     sheet = Sheet(figsize=(WIDTH, 0.5 + 2.3 * rows), layout="constrained")
     grid = sheet.subplots(rows, len(parts), squeeze=False)
     for axes, (joint, sides, curves) in zip(grid.flat, panels, strict=True):
-        _draw_depth(axes, stages[0].angle, curves)
+        _draw_depth(axes, stages[0].joints[joint].angle, curves)
         axes.set_xlabel(angle_label(result, sides[0]))
         axes.set_ylabel(f"depth, {' + '.join(sides)} (µm)")
         axes.set_title(f"joint {joint}", loc="left", fontweight="bold")

@@ -308,9 +308,9 @@ def notes(result: Result) -> list[str]:
                 "they scatter, and how far they are from the others, is in the intervals."
             )
         if scene.conventions.footprint == "bin":
+            widths = dict.fromkeys(f"{360 / own.angles:g}°" for own in bearings)
             found.append(
                 "All wear of a moment goes into one bin of the map, as in the paper. Depth and "
-                "volume then scale with the width of the bins, here "
-                f"{360 / scene.bearings.angles:g}°."
+                f"volume then scale with the width of the bins, here {' and '.join(widths)}."
             )
     return found

@@ -38,11 +38,11 @@ def _peak(joint: str, kind: str, sides: tuple[str, ...], stage: StageResult) -> 
     told = f"wear_depth_max_{sides[0] if len(sides) == 1 else 'both'}_m"
     if kind == "wear" and told not in statistics(stage, joint):
         return "–"
-    own = stage.joints[joint].arrays
-    depth = np.sum([own[f"{kind}_{side}"] for side in sides], axis=0)
+    own = stage.joints[joint]
+    depth = np.sum([own.arrays[f"{kind}_{side}"] for side in sides], axis=0)
     if not np.any(depth > 0.0):
         return "0"
-    angle = float(np.degrees(stage.angle[int(depth.argmax())]))
+    angle = float(np.degrees(own.angle[int(depth.argmax())]))
     return f"{readable(MICRONS * float(depth.max()))}\u00a0at\u00a0{angle:.1f}°"
 
 

@@ -191,7 +191,7 @@ class Evidence:
             mean + side * np.hypot(end - centre, mean - centre)
             for side, end in ((-1.0, low), (1.0, high))
         )
-        return WearMap(result.stages[0].angle, mean, np.maximum(low, 0.0), high)
+        return WearMap(result.stages[0].joints[place.joint].angle, mean, np.maximum(low, 0.0), high)
 
     def map_error(self, case: str, place: Place) -> float | None:
         """Standard error of the map of the last wear at a place, part of its rms."""

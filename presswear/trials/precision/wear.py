@@ -204,7 +204,8 @@ def cases(scene: Scene, extent: Mapping[str, Means]) -> tuple[tuple[Varied, Scen
         bearings = base.bearings
         told: list[tuple[Group, str, float | None, bool, Scene]] = []
         for angles in means.angles:
-            changed = replace(base, bearings=replace(bearings, angles=angles))
+            apart = {name: replace(own, angles=angles) for name, own in base.apart.items()}
+            changed = replace(base, bearings=replace(bearings, angles=angles), apart=apart)
             told.append(("angles", f"{angles}", angles, angles == bearings.angles, changed))
         for cycles in means.cycles:
             changed = replace(base, cycles=cycles)
