@@ -263,6 +263,7 @@ class Linkage:
     """
 
     kind: ClassVar[str] = "linkage"
+    loose: ClassVar[tuple[str, ...]] = ()
 
     bodies: Sequence[Body]
     joints: Sequence[Pin | Revolute | Guide] = ()

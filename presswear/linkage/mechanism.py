@@ -53,10 +53,13 @@ class Mechanism(ABC):
         The word by which a stored scene names it.
     openable : tuple of str
         Names, one letter each, of the joints that may have clearance, in order.
+    loose : tuple of str
+        Those that have clearance where a scene does not say which.
     """
 
     kind: ClassVar[str]
     openable: ClassVar[tuple[str, ...]]
+    loose: ClassVar[tuple[str, ...]]
 
     def __post_init__(self) -> None:
         """InputError where a quantity is out of range, or bodies cannot move together."""

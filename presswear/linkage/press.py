@@ -106,6 +106,7 @@ class Press(Mechanism):
 
     kind = "press"
     openable = ("A", "C")
+    loose = ("A", "C")
 
     geometry: Geometry = named_set(
         "standard", GEOMETRIES, "named geometry; a choice, the paper does not fix it"

@@ -48,6 +48,7 @@ class SliderCrank(Mechanism):
 
     kind = "slider-crank"
     openable = ("A", "B")
+    loose = ("B",)
 
     crank_length: float = _length(0.05, "crank, O to A")
     rod_length: float = _length(0.12, "rod, A to B; longer than the crank")

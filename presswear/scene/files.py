@@ -67,8 +67,8 @@ def scene_from(file: Path) -> Scene:
         mechanism = _mechanism(data.get("mechanism"), file.parent)
         settings = _settings(data.get("settings", {}), file.parent)
         title = data.get("title", f"The linkage of {file.name}")
-        # Without a word on it, no joint has clearance and nothing wears.
-        plain = Scene(mechanism, file.stem, title, joints="none", wears=0)
+        # Without a word on it, nothing wears.
+        plain = Scene(mechanism, file.stem, title, wears=0)
         statuses = dict.fromkeys((setting.key for setting in settings_of(plain)), "default")
         return changed(replace(plain, statuses=statuses), settings)
     except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:

@@ -100,7 +100,13 @@ class Scene:
         "paper", CONVENTIONS, "what the paper prints, or what a careful engineer would compute"
     )
     numerics: Numerics = field(default_factory=Numerics)
-    joints: str = choice("AC", _joints, "which joints have clearance", several=True)
+    joints: str | Any = choice(  # always a text of a scene that is made
+        None,
+        _joints,
+        "which joints have clearance; none given: those of the press or the slider-crank, and none "
+        "of a linkage of one's own",
+        several=True,
+    )
     engine: str = choice(
         "exudyn",
         ENGINES,
@@ -162,9 +168,8 @@ class Scene:
         for part, kind in (("bearings", Bearing), ("conventions", Conventions)):
             if not isinstance(getattr(self, part), kind):
                 raise InputError(f"{part} = {getattr(self, part)!r}: a {kind.__name__} is expected")
-        # The press's joints are no default for others.
-        if self.joints == "AC" and not {"A", "C"} <= set(self.mechanism.openable):
-            object.__setattr__(self, "joints", "none")
+        if self.joints is None:
+            self._close()
         check_fields(self)
         # One spelling, so that equal scenes are equal.
         object.__setattr__(self, "joints", self._openable.together(self.clearance_joints))
@@ -211,6 +216,15 @@ class Scene:
         opened = {"joints": self._openable.together(bearings), "bearings": common}
         for name, value in {**opened, "apart": dict(bearings)}.items():
             object.__setattr__(self, name, value)
+
+    def _close(self) -> None:
+        """Leave the joints as the mechanism has them where nobody says which have clearance."""
+        if not self.mechanism.loose and self.bearings != Bearing():
+            raise InputError(
+                "bearings: no joint has clearance; joints = ..., or a mapping by joint, says which "
+                f"of {', '.join(self.mechanism.openable)}"
+            )
+        object.__setattr__(self, "joints", self._openable.together(self.mechanism.loose))
 
     @property
     def clearance_joints(self) -> tuple[str, ...]:
@@ -332,6 +346,8 @@ class Scene:
             plain = dict(data)
             mechanism = dict(plain.pop("mechanism"))
             kind = mechanism.pop("kind")
+            if plain["joints"] is None:
+                raise InputError("this is no whole scene: 'joints' is None")
             Choice((*MECHANISMS, Linkage.kind), "").check("kind of mechanism", kind)
             is_own = kind == Linkage.kind
             scene = Scene(

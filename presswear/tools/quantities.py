@@ -180,7 +180,7 @@ class Choice:
 
 
 def choice(
-    default: str,
+    default: str | None,
     words: tuple[str, ...] | Callable[[Any], tuple[str, ...]],
     text: str,
     own: tuple[str, ...] = (),

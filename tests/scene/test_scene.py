@@ -56,6 +56,22 @@ def test_joints_are_those_of_the_mechanism() -> None:
             Scene(joints=wrong)
 
 
+def test_a_mechanism_says_which_joints_have_clearance_where_nobody_else_does() -> None:
+    """A linkage of one's own has ideal joints; a bearing that would be in none is refused."""
+    for mechanism, joints in ((Press(), "AC"), (SliderCrank(), "B"), (FOUR_BAR, "none")):
+        scene = Scene(mechanism)
+        assert scene == Scene(mechanism, joints=joints)
+        assert scene.joints == joints
+    # Those of another press are no default of its own linkage.
+    assert Scene(Press().linkage()).joints == "none"
+    tight = Bearing(clearance=0.2e-3)
+    with pytest.raises(InputError, match=r"^bearings: no joint has clearance; .* of O, A, B, P$"):
+        Scene(FOUR_BAR, bearings=tight)
+    assert Scene(FOUR_BAR, bearings=tight, joints="B").clearance_joints == ("B",)
+    with pytest.raises(InputError, match="no whole scene: 'joints' is None"):
+        Scene.from_dict({**BASE.as_dict(), "joints": None})
+
+
 def test_scene_makes_the_linkage_it_describes() -> None:
     scene = changed(BASE, {"joints": "A", "friction": "0.05", "restitution": "0.8"})
     linkage, closed = scene.linkage(), scene.mechanism.linkage()
