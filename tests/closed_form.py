@@ -11,7 +11,7 @@ import numpy as np
 from presswear.linkage.elements import Attachment, Linkage
 from presswear.linkage.press import CRANK_2_START, CRANK_7_START, Press
 from presswear.linkage.slider_crank import SliderCrank
-from presswear.physics.assembly import Motion
+from presswear.physics.ideal import Motion
 from presswear.tools.arrays import Array
 
 

@@ -458,7 +458,7 @@ class Drive:
     def motion(self, time: Array) -> tuple[Array, Array, Array]:
         """Angle, rad, speed, rad/s, and acceleration, rad/s^2, at some instants, s.
 
-        ValueError where it follows a curve: ``physics.assembly.followed`` finds its motion.
+        ValueError where it follows a curve: ``physics.following.followed`` finds its motion.
         """
         if self.follow is not None:
             raise ValueError(f"{self.name} follows a curve: its motion has to be found first")

@@ -15,7 +15,8 @@ from presswear.linkage.slider_crank import SliderCrank
 from presswear.linkage.surface import Surface
 from presswear.linkage.topology import branches_of
 from presswear.linkage.written import written
-from presswear.physics.assembly import IdealMotion, followed, motion_of
+from presswear.physics.following import followed, motion_of
+from presswear.physics.ideal import IdealMotion
 from presswear.scene.bearing import CONVENTIONS, Bearing, Conventions
 from presswear.tools.arrays import Array
 from presswear.tools.documents import typed

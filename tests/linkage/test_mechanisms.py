@@ -17,8 +17,9 @@ from presswear.linkage.elements import GROUND, Attachment, Linkage
 from presswear.linkage.mechanism import Mechanism
 from presswear.linkage.press import CRANK_2_START, CRANK_7_START, GEOMETRIES, Geometry, Press
 from presswear.linkage.slider_crank import SliderCrank
-from presswear.physics.assembly import Motion, motion_of
 from presswear.physics.constraints import constraints_of
+from presswear.physics.following import motion_of
+from presswear.physics.ideal import Motion
 from presswear.scene.catalog import slider_crank
 from presswear.scene.scene import Scene
 from presswear.tools.errors import AssemblyError, InputError

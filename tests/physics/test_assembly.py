@@ -22,8 +22,11 @@ from presswear.linkage.elements import (
 from presswear.linkage.motions import Drive
 from presswear.linkage.press import GEOMETRIES, Press
 from presswear.linkage.slider_crank import SliderCrank
-from presswear.physics.assembly import Motion, Rows, assembled, ideal_motion, motion_of
+from presswear.physics.assembly import assembled
 from presswear.physics.constraints import constraints_of
+from presswear.physics.following import motion_of
+from presswear.physics.ideal import Motion, ideal_motion
+from presswear.physics.rows import Rows
 from presswear.tools.errors import AssemblyError
 
 Array = NDArray[np.float64]

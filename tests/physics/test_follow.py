@@ -17,7 +17,8 @@ from presswear.linkage.motions import RISES, Drive, Follow, Rise
 from presswear.linkage.press import Press
 from presswear.linkage.slider_crank import SliderCrank
 from presswear.linkage.written import written
-from presswear.physics.assembly import FOLLOWED, followed, ideal_motion, motion_of
+from presswear.physics.following import FOLLOWED, followed, motion_of
+from presswear.physics.ideal import ideal_motion
 from presswear.physics.motion import motions_of
 from presswear.scene.files import scene_from
 from presswear.scene.scene import Scene

@@ -19,7 +19,7 @@ from presswear.linkage.motions import RISES, Drive, Rise, run_up_motion
 from presswear.linkage.reading import read
 from presswear.linkage.slider_crank import SliderCrank
 from presswear.linkage.written import toml_of, written
-from presswear.physics.assembly import motion_of as ideal_of
+from presswear.physics.following import motion_of as ideal_of
 from presswear.physics.motion import (
     break_after,
     drive_motion,

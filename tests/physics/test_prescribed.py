@@ -17,8 +17,9 @@ from presswear.linkage.motions import Drive
 from presswear.linkage.press import GEOMETRIES, Press
 from presswear.linkage.slider_crank import SliderCrank
 from presswear.linkage.topology import prescribed_of
-from presswear.physics.assembly import Motion, motion_of
 from presswear.physics.constraints import constraints_of
+from presswear.physics.following import motion_of
+from presswear.physics.ideal import Motion
 from presswear.physics.packed import mass_of
 from presswear.physics.prescribed import (
     Prescribed,

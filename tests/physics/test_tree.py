@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from presswear.linkage.elements import Linkage
 from presswear.linkage.press import GEOMETRIES, Press
-from presswear.physics.assembly import motion_of
+from presswear.physics.following import motion_of
 from presswear.physics.links import CARRIED, accelerate_links, carry_branches, gather_forces
 from presswear.physics.prescribed import begin_motion, forced_power
 from presswear.physics.tree import tree_of

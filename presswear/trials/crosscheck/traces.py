@@ -11,7 +11,7 @@ from scipy.interpolate import CubicHermiteSpline
 
 from presswear.engines.base import Run
 from presswear.linkage.elements import Linkage
-from presswear.physics.assembly import Motion
+from presswear.physics.ideal import Motion
 from presswear.trials.runs import contacts_of, finished
 
 Array = NDArray[np.float64]

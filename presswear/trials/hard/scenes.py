@@ -20,7 +20,7 @@ from presswear.linkage.laws import DAMPINGS, FRICTIONS, KELVIN_VOIGT
 from presswear.linkage.press import Press
 from presswear.linkage.slider_crank import SliderCrank
 from presswear.linkage.surface import Surface, bin_centres
-from presswear.physics.assembly import motion_of
+from presswear.physics.following import motion_of
 from presswear.record.recorder import Recorder
 from presswear.record.tracker import Tracker
 from presswear.scene.bearing import CONVENTIONS

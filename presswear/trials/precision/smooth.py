@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import InHouse
 from presswear.linkage.elements import Linkage
-from presswear.physics.assembly import followed
 from presswear.physics.constraints import constraints_of
+from presswear.physics.following import followed
 from presswear.scene.scene import Numerics, Scene
 from presswear.trials.precision.diagram import Diagram, Numbers, Quantity, Task, check_finite
 from presswear.trials.precision.methods import Rungs, smooth_methods
