@@ -3,7 +3,8 @@
 The mass matrix is diagonal, so that equation 18 reduces to one equation per
 constraint row, and two rows couple only where they share a body.  The elimination
 order, the fill and every single product are worked out once for a linkage
-(minimum degree); what is left at run time is a list of multiplications.
+(minimum degree); what is left at run time is a list of multiplications.  With the multipliers
+a state is moved onto the constraints.
 """
 
 from collections.abc import Sequence
@@ -12,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.physics.constraints import Constraints
-from presswear.tools.compiled import compiled
+from presswear.physics.constraints import Constraints, constraint_rows
+from presswear.tools.compiled import Records, compiled, copy_to
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -149,3 +150,120 @@ def work_out(constraints: Constraints) -> Elimination:
         pairs(updates, 2),
         len(slot),
     )
+
+
+class Held(NamedTuple):
+    """The constraints that hold a linkage, with the working space to solve for their multipliers.
+
+    Attributes
+    ----------
+    constraints, motions : records of CONSTRAINT and MOTION
+    row_start, column : ndarray of int
+        See ``Constraints``.
+    elimination : Elimination
+    inverse_mass : ndarray, shape (3 bodies,)
+    phi, phi_t, gamma, right, multipliers : ndarray, shape (rows,)
+    jacobian : ndarray, shape (entries,)
+    work : ndarray, shape (slots,)
+    """
+
+    constraints: Records
+    motions: Records
+    row_start: Indices
+    column: Indices
+    elimination: Elimination
+    inverse_mass: Array
+    phi: Array
+    phi_t: Array
+    gamma: Array
+    jacobian: Array
+    right: Array
+    work: Array
+    multipliers: Array
+
+
+def held_by(constraints: Constraints, mass: Array) -> Held:
+    """The constraints of a linkage whose mass matrix has a diagonal, shape (3 bodies,)."""
+    elimination = work_out(constraints)
+    rows = np.zeros((5, constraints.rows))
+    return Held(
+        constraints=constraints.records,
+        motions=constraints.motions,
+        row_start=constraints.row_start,
+        column=constraints.column,
+        elimination=elimination,
+        inverse_mass=1.0 / mass,
+        phi=rows[0],
+        phi_t=rows[1],
+        gamma=rows[2],
+        jacobian=constraints.constant.copy(),
+        right=rows[3],
+        work=np.zeros(elimination.slots),
+        multipliers=rows[4],
+    )
+
+
+@compiled
+def evaluate_constraints(held: Held, t: float, q: Array, v: Array) -> None:
+    """Evaluate Phi, its derivative, gamma and the Jacobian in the working space."""
+    constraint_rows(
+        held.constraints,
+        held.motions,
+        held.row_start,
+        t,
+        q,
+        v,
+        held.phi,
+        held.phi_t,
+        held.gamma,
+        held.jacobian,
+    )
+
+
+@compiled
+def solve(held: Held) -> None:
+    """Solve for the multipliers with the right-hand side in ``right``, which is overwritten."""
+    solve_multipliers(
+        held.elimination,
+        held.jacobian,
+        held.inverse_mass,
+        held.right,
+        held.work,
+        held.multipliers,
+    )
+
+
+@compiled
+def move(held: Held, level: Array) -> None:
+    """Take from positions, velocities or accelerations what the right-hand side has them off."""
+    solve(held)
+    for row in range(held.phi.shape[0]):
+        for e in range(held.row_start[row], held.row_start[row + 1]):
+            c = held.column[e]
+            level[c] -= held.inverse_mass[c] * held.jacobian[e] * held.multipliers[row]
+
+
+@compiled
+def project(held: Held, t: float, q: Array, v: Array) -> None:
+    """Move a state onto the constraints: one Newton step for q, an exact one for v.
+
+    Both in the metric of the mass matrix, so that the change of kinetic energy is
+    of second order in the violation.
+    """
+    evaluate_constraints(held, t, q, v)
+    copy_to(held.right, held.phi)
+    move(held, q)
+    evaluate_constraints(held, t, q, v)
+    copy_to(held.right, held.phi_t)
+    move(held, v)
+
+
+@compiled
+def project_acceleration(held: Held, t: float, q: Array, v: Array, a: Array) -> None:
+    """Move accelerations onto the constraints of a state; leaves what that adds to multipliers."""
+    evaluate_constraints(held, t, q, v)
+    for row in range(held.phi.shape[0]):
+        held.right[row] = -held.gamma[row]
+        for e in range(held.row_start[row], held.row_start[row + 1]):
+            held.right[row] += held.jacobian[e] * a[held.column[e]]
+    move(held, a)

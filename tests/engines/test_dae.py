@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
+from scipy.linalg import null_space
 
 from presswear.campaign.starts import start_of
 from presswear.engines.base import Plan, Run, Start
@@ -13,6 +14,7 @@ from presswear.engines.settings import InHouse
 from presswear.linkage.elements import Attachment, Body, Linkage, Probe, Revolute
 from presswear.linkage.surface import Surface, bin_centres
 from presswear.physics.constraints import constraints_of
+from presswear.physics.multipliers import held_by, project, project_acceleration
 from presswear.physics.packed import pack
 from presswear.scene.catalog import ideal, speed_high, wear_times
 from presswear.scene.settings import changed
@@ -42,7 +44,34 @@ def test_multipliers_solve_equation_18(joints: str) -> None:
     system = system_of(packed._replace(joints=packed.joints[:0]), constraints, 20.0, 20.0)
     rates(system, np.zeros(0), 0.1, y, out)
     np.testing.assert_allclose(out[18:36], exact[:18], rtol=1e-9, atol=1e-8)
-    np.testing.assert_allclose(system.multipliers, exact[18:], rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(system.held.multipliers, exact[18:], rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.parametrize("joints", ["none", "A", "AC"])
+def test_states_move_onto_the_constraints_by_the_least_that_masses_feel(joints: str) -> None:
+    """In all levels; the change is of forces that do no work on what is free."""
+    scene = replace(PRESS, joints=joints)
+    linkage = scene.linkage()
+    constraints, mass = constraints_of(linkage), pack(linkage).mass
+    motion = scene.ideal.at(np.array([0.1]))
+    rng = np.random.default_rng(4)
+    given = [
+        level[0] + 1e-7 * rng.standard_normal(18)
+        for level in (motion.position, motion.velocity, motion.acceleration)
+    ]
+    q, v, a = (level.copy() for level in given)
+    held = held_by(constraints, mass)
+    project(held, 0.1, q, v)
+    project_acceleration(held, 0.1, q, v, a)
+    added = held.multipliers.copy()
+    phi, phi_t, gamma, jacobian = constraints.evaluate(0.1, q, v)
+    free = null_space(jacobian)
+    assert np.abs(phi).max() < 1e-13 > 1e-2 * np.abs(phi_t).max()
+    np.testing.assert_allclose(jacobian @ a, gamma, rtol=1e-12, atol=1e-10)
+    for level, before in zip((q, v, a), given, strict=True):
+        forces = mass * (level - before)
+        assert np.abs(free.T @ forces).max(initial=0.0) < 1e-6 * np.abs(forces).max()
+    np.testing.assert_allclose(-jacobian.T @ added, mass * (a - given[2]), rtol=1e-6, atol=1e-12)
 
 
 def test_derivatives_of_the_constraints() -> None:

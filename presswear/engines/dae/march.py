@@ -16,7 +16,6 @@ from presswear.engines.dae.dynamics import (
     JOINT_INTEGRALS,
     System,
     note_bristles,
-    project,
     rates,
 )
 from presswear.engines.dae.runge_kutta import Integration, classical_step, embedded_step
@@ -27,6 +26,7 @@ from presswear.physics.contact import note_contact, note_contacts
 from presswear.physics.forces import PRESSURE, WORK, note_forces
 from presswear.physics.loads import count_ways, next_break, way_out
 from presswear.physics.motion import step_to_break
+from presswear.physics.multipliers import project
 from presswear.physics.touchdown import (
     LEAST_STEPS,
     contact_step,
@@ -85,7 +85,7 @@ FOUND_BEHIND = 1e-9
 @compiled
 def penetration_of(system: System, k: int, y: Array) -> tuple[float, float]:
     """Penetration and its rate of joint ``k`` in a state."""
-    n = system.inverse_mass.shape[0]
+    n = system.held.inverse_mass.shape[0]
     contact = system.contacts[k]
     note_contact(system.packed, k, y[:n], y[n : 2 * n], contact)
     return contact.penetration, contact.rate
@@ -101,7 +101,7 @@ def event_value(system: System, book: Book, k: int, y: Array, slope: Array) -> t
     if k < joints:
         depth, rate = penetration_of(system, k, y)
         return (-depth, -rate) if book.onset[k] > 0.0 else (depth, rate)
-    n = system.inverse_mass.shape[0]
+    n = system.held.inverse_mass.shape[0]
     return way_out(system.packed.loads, k - joints, y[:n], y[n : 2 * n], slope[n : 2 * n])
 
 
@@ -317,9 +317,9 @@ def switch(system: System, book: Book, k: int, t: float, y: Array) -> None:
 def note_torques(system: System, book: Book) -> None:
     """Note the torques of the drives in the state whose slopes were evaluated last."""
     drive = 0
-    for i in range(system.constraints.shape[0]):
-        if system.constraints[i].kind == DRIVE:
-            book.torque[drive] = -system.multipliers[system.constraints[i].row]
+    for i in range(system.held.constraints.shape[0]):
+        if system.held.constraints[i].kind == DRIVE:
+            book.torque[drive] = -system.held.multipliers[system.held.constraints[i].row]
             drive += 1
 
 
@@ -328,7 +328,7 @@ def finish_step(
     system: System, book: Book, control: Records, motion: Integration, t: float, h: float
 ) -> None:
     """Account for an accepted state in ``motion.y``, whose slopes are in ``slopes[0]``."""
-    n = system.inverse_mass.shape[0]
+    n = system.held.inverse_mass.shape[0]
     y = motion.y
     note_contacts(book.packed, book.contacts, y[:n], y[n : 2 * n])
     note_bristles(book.contacts, y, n)
@@ -348,9 +348,9 @@ def finish_step(
     state = control[0]
     state.time = t
     state.steps += 1
-    for row in range(system.phi.shape[0]):
-        state.position_error = max(state.position_error, abs(system.phi[row]))
-        state.velocity_error = max(state.velocity_error, abs(system.phi_t[row]))
+    for row in range(system.held.phi.shape[0]):
+        state.position_error = max(state.position_error, abs(system.held.phi[row]))
+        state.velocity_error = max(state.velocity_error, abs(system.held.phi_t[row]))
 
 
 @compiled
@@ -364,7 +364,7 @@ def settle_state_modes(
     system: System, tableau: Tableau | None, motion: Integration, t: float
 ) -> int:
     """Bring the loads' modes up to a state just accepted; returns how many have changed."""
-    n = system.inverse_mass.shape[0]
+    n = system.held.inverse_mass.shape[0]
     y = motion.y
     slope = motion.slopes[last_slope(tableau)]
     return settle_modes(system.packed, t, y[:n], y[n : 2 * n], slope[n : 2 * n])
@@ -381,7 +381,7 @@ def march_controlled(
     most: int,
 ) -> int:
     """Integrate towards ``end`` for at most so many steps; returns how far it got."""
-    n = system.inverse_mass.shape[0]
+    n = system.held.inverse_mass.shape[0]
     state = control[0]
     for _ in range(most):
         t = state.time
@@ -390,7 +390,7 @@ def march_controlled(
             return DONE
         longest = skim_step(system.packed, book.memory, state.longest)
         longest = step_after_touchdown(system.packed.joints, book.onset, book.memory, longest)
-        h = min(step_to_break(system.motions, t, min(state.step, longest)), left)
+        h = min(step_to_break(system.held.motions, t, min(state.step, longest)), left)
         loaded = count_ways(system.packed.loads) > 0
         if loaded:
             h = min(h, until_break(system, t))
@@ -436,7 +436,7 @@ def march_controlled(
             part = contact_step(system.packed.joints[k], 0.0, rate, FIRST_PARTS)
             state.step = min(state.step, part)
         if state.projected:
-            project(system, t, motion.y)
+            project(system.held, t, motion.y[:n], motion.y[n : 2 * n])
         if state.projected or k >= 0 or changed > 0:
             rates(system, book.onset, t, motion.y, motion.slopes[0])
             state.evaluations += 1
@@ -456,7 +456,7 @@ def march_fixed(
     most: int,
 ) -> int:
     """Integrate with equal steps of order 4; contact state changes between steps only."""
-    n = system.inverse_mass.shape[0]
+    n = system.held.inverse_mass.shape[0]
     state = control[0]
     for _ in range(most):
         t = state.time
@@ -468,7 +468,7 @@ def march_fixed(
         if state.due > t:
             h = min(state.due - t, left)
         whole = h
-        h = min(step_to_break(system.motions, t, h), until_break(system, t))
+        h = min(step_to_break(system.held.motions, t, h), until_break(system, t))
         trial_step(system, None, book, control, motion, t, h)
         k, part = first_event(system, book, motion, last_slope(None), h, -1, 0)
         if k >= 0:
@@ -489,7 +489,7 @@ def march_fixed(
         note_contacts(book.packed, book.contacts, motion.y[:n], motion.y[n : 2 * n])
         settle_state(book, t, LEAST_STEPS)
         if state.projected:
-            project(system, t, motion.y)
+            project(system.held, t, motion.y[:n], motion.y[n : 2 * n])
         rates(system, book.onset, t, motion.y, motion.slopes[0])
         finish_step(system, book, control, motion, t, h)
     return RUNNING

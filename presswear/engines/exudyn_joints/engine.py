@@ -32,6 +32,8 @@ from presswear.linkage.elements import Linkage
 from presswear.physics.constraints import constraints_of
 from presswear.physics.energy import Ledger, stored_energy
 from presswear.physics.forces import JOINT_RATES
+from presswear.physics.motion import is_steady
+from presswear.physics.multipliers import held_by
 from presswear.physics.touchdown import STEPS
 from presswear.record.recorder import Recorder
 from presswear.record.soundness import Finding
@@ -70,9 +72,11 @@ def pack_steps(accuracy: ExudynJoints, cycle: float) -> Records:
     return steps
 
 
-def _drives(model: JointsModel, linkage: Linkage) -> Drives:
-    """Where the torques of the drives come from."""
+def _drives(model: JointsModel, linkage: Linkage, mass: Array) -> Drives:
+    """Where the torques of the drives come from, and what holds uneven ones."""
     number = model.system.systemData.GetObjectLTGAE
+    own = [drive for drive in linkage.drives if drive.name in model.joints]
+    are_steady = all(is_steady(linkage, drive) for drive in own)
     count = 3 * len(linkage.bodies)
     return Drives(
         multiplier=np.array(
@@ -85,6 +89,7 @@ def _drives(model: JointsModel, linkage: Linkage) -> Drives:
         multipliers=model.solved[3],
         force=np.zeros(count),
         rates=np.zeros(JOINT_RATES * len(linkage.clearances)),
+        held=None if are_steady else held_by(constraints_of(linkage), mass),
     )
 
 
@@ -114,7 +119,7 @@ def prepare(
         book = recorder.book
         model = assemble(linkage, start, recorder)
         solve = Solve.of(recorder, plan, _COUNTS)
-        drives = _drives(model, linkage)
+        drives = _drives(model, linkage, book.packed.mass)
         accept = bind(accept_joint_step, model.frame, drives, book, steps)
         model.system.SetPostStepUserFunction(post_step(solve, accept))
         if linkage.clearances or linkage.live_loads:
@@ -126,6 +131,9 @@ def prepare(
     def advance(end: float) -> Finding | None:
         kind = exu.DynamicSolverType.TrapezoidalIndex2
         live = dict(zip(SOLVED, model.solved, strict=True))
+        # Exudyn's own are those of even drives; a cycle goes on with what the last one ended with.
+        compute = drives.held is None or solve.time == 0.0
+        exudyn.timeIntegration.generalizedAlpha.computeInitialAccelerations = compute
         return run_to_end(model.system, live, exudyn, kind, solve, longest, end, REMEDY)
 
     def state() -> tuple[float, Array, Array]:

@@ -136,7 +136,8 @@ def assemble(linkage: Linkage, start: Start, recorder: Recorder) -> JointsModel:
         if drive.body in omitted:
             continue
         turned = add_marker(system, "NodeCoordinate", nodeNumber=nodes[drive.body], coordinate=2)
-        # At velocity level; the trapezoidal rule integrates a constant speed exactly.
+        # At velocity level; the trapezoidal rule integrates a constant speed exactly, and what it
+        # makes of another is put right behind each step (``kernels.hold``).
         turning: dict[str, Any] = {"offset": drive.speed}
         if not is_steady(linkage, drive):
             speed = _speed_function(recorder.book.motions[place])
