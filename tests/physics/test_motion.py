@@ -228,7 +228,8 @@ def test_a_drive_turns_exactly_where_joints_are_loose(joint: str, is_far: bool) 
     for count, state in enumerate(kept, 1):
         exact = linkage.drives[0].motion(np.array([count * plan.cycle]))
         found = [state[level][2] for level in "qva"]
-        np.testing.assert_allclose(found, np.ravel(exact), rtol=1e-13, atol=1e-13)
+        # Round-off of the accelerations of the free bodies is in that of the drive.
+        np.testing.assert_allclose(found, np.ravel(exact), rtol=1e-12)
     assert len(kept) == 3
 
 
