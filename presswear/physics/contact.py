@@ -11,8 +11,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.physics.foundation import Bed, press
+from presswear.physics.foundation import press
 from presswear.physics.laws import elastic_of
+from presswear.physics.overlap import Bed
 from presswear.physics.packed import Packed
 from presswear.physics.surface import BEARING, PIN, SLOPE, curvature, profile
 from presswear.tools.compiled import Records, compiled

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from two_bodies import JOINT, Pair, placed
 
 from presswear.linkage.surface import Surface, bin_centres
-from presswear.physics.foundation import Bed, foundation_stiffness, press
+from presswear.physics.foundation import foundation_stiffness, press
+from presswear.physics.overlap import Bed
 from presswear.physics.surface import ROWS, packed_rows
 
 Array = NDArray[np.float64]

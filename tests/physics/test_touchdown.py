@@ -15,20 +15,15 @@ from presswear.linkage.laws import delivered_restitution
 from presswear.linkage.motions import Drive
 from presswear.physics.contact import CONTACT, note_contacts
 from presswear.physics.packed import pack
+from presswear.physics.steps import LANDING, OVERSHOOT, STEPS, contact_step, next_step, shorter_step
 from presswear.physics.touchdown import (
-    LANDING,
     LEAST_STEPS,
     MEMORY,
-    OVERSHOOT,
     PAST_CONTACT,
-    STEPS,
     TALLY,
-    contact_step,
     crossing,
     hermite,
-    next_step,
     settle,
-    shorter_step,
 )
 from presswear.tools.compiled import Records
 

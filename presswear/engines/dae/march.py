@@ -27,16 +27,8 @@ from presswear.physics.forces import PRESSURE, WORK, note_forces
 from presswear.physics.loads import count_ways, next_break, way_out
 from presswear.physics.motion import step_to_break
 from presswear.physics.multipliers import project
-from presswear.physics.touchdown import (
-    LEAST_STEPS,
-    contact_step,
-    crossing,
-    remember,
-    separate,
-    skim_step,
-    step_after_touchdown,
-    touch_down,
-)
+from presswear.physics.steps import contact_step, skim_step, step_after_touchdown
+from presswear.physics.touchdown import LEAST_STEPS, crossing, remember, separate, touch_down
 from presswear.record.observe import Book, observe, settle_state
 from presswear.tools.compiled import Records, compiled, copy_to
 

@@ -34,7 +34,7 @@ from presswear.physics.energy import Ledger, stored_energy
 from presswear.physics.forces import JOINT_RATES
 from presswear.physics.motion import is_steady
 from presswear.physics.multipliers import held_by
-from presswear.physics.touchdown import STEPS
+from presswear.physics.steps import STEPS
 from presswear.record.recorder import Recorder
 from presswear.record.soundness import Finding
 from presswear.tools.bound import bind

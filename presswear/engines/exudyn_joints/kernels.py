@@ -28,13 +28,8 @@ from presswear.physics.prescribed import (
     place_prescribed,
     subtract_inertia,
 )
-from presswear.physics.touchdown import (
-    LEAST_STEPS,
-    advance_bristles,
-    crossing,
-    next_step,
-    shorter_step,
-)
+from presswear.physics.steps import next_step, shorter_step
+from presswear.physics.touchdown import LEAST_STEPS, advance_bristles, crossing
 from presswear.physics.wear import dose_rates
 from presswear.record.observe import Book, observe, settle_state
 from presswear.tools.bound import Bound, bound

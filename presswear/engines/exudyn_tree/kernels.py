@@ -32,7 +32,7 @@ from presswear.physics.links import accelerate_links, carry_branches, gather_for
 from presswear.physics.loads import count_ways, next_break, way_at_start
 from presswear.physics.motion import step_to_break
 from presswear.physics.prescribed import Prescribed, drive_torques, forced_power, place_prescribed
-from presswear.physics.touchdown import LEAST_PARTS, contact_step, skim_step, step_after_touchdown
+from presswear.physics.steps import LEAST_PARTS, contact_step, skim_step, step_after_touchdown
 from presswear.record.observe import Book, observe, settle_state
 from presswear.tools.bound import Bound, bound
 from presswear.tools.compiled import Records, all_finite, compiled
