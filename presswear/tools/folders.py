@@ -15,7 +15,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO
 
-from presswear.tools.errors import InputError
+from presswear.tools.errors import InputError, nearest
 
 LOCK = "lock"
 """Name of the file that is locked."""
@@ -36,6 +36,14 @@ def check_name(path: Path) -> None:
         raise InputError(f"{text!r}: a name of printable characters is expected")
     if any(len(part.encode()) > LONGEST_NAME for part in path.parts):
         raise InputError(f"{text}: names of at most {LONGEST_NAME} bytes are expected")
+
+
+def check_folder(path: Path) -> None:
+    """InputError where there is no such folder."""
+    if not path.is_dir():
+        beside = path.parent.iterdir() if path.parent.is_dir() else ()
+        near = nearest(path.name, (item.name for item in beside if item.is_dir()))
+        raise InputError(f"{path}: there is no such folder{near}")
 
 
 def is_free(path: Path) -> bool:
