@@ -56,7 +56,7 @@ def settled(
         if not joints:
             raise InputError(f"surfaces of {name}: no joint of the scene has clearance")
         if name not in joints:
-            raise unknown("joint with clearance, of which surfaces are given,", name, joints)
+            raise unknown("joint in surfaces", name, joints)
         sides = tuple(pair) if isinstance(pair, tuple | list) else ()
         if len(sides) != len(SIDES):
             raise InputError(f"surfaces of {name}: a pair, bearing and pin, is expected")

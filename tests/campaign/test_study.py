@@ -107,7 +107,7 @@ def test_a_stored_study_is_the_same_study(folder: Path) -> None:
     [
         ("{", "cannot be read"),
         ('{"schema": 99}', "schema 99"),
-        ('{"schema": 3}', "missing required field"),
+        ('{"schema": 4}', "missing required field"),
     ],
 )
 def test_a_damaged_study_is_named(tmp_path: Path, text: str, words: str) -> None:
