@@ -13,6 +13,7 @@ from presswear.scene.bearing import LEAST_ANGLES, Bearing
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.files import read_checked
+from presswear.tools.folders import check_file
 from presswear.tools.quantities import Meaning, parse_quantity
 
 Surfaces = Mapping[str, tuple[Any, Any]]
@@ -112,8 +113,9 @@ def _check_angles(where: str, angle: Array) -> None:
     if gaps[k] < 1e-9:
         twice = math.degrees(angle[k])
         raise InputError(f"{where}: the angle {twice:g} deg is there twice; a turn has it once")
-    k = int(gaps.argmax())
-    if gaps[k] > widest * (1.0 + 1e-6):
+    wide = np.flatnonzero(gaps > widest * (1.0 + 1e-6))
+    if wide.size:
+        k = int(wide[0])
         begin, end = (math.degrees(own) for own in (angle[k], angle[k] + gaps[k]))
         raise InputError(
             f"{where}: {angle.size} angles, none between {begin:g} and {end:g} deg; a whole turn "
@@ -136,7 +138,8 @@ def _rebinned(angle: Array, depth: Array, bins: int) -> Array:
 
     # Neighbours beyond both ends: the curve is closed.
     around = np.concatenate([angle[-3:] - _TURN, angle, angle[:3] + _TURN])
-    area = PchipInterpolator(around, np.concatenate([depth[-3:], depth, depth[:3]]))
+    with np.errstate(over="ignore"):  # of slopes next to nothing
+        area = PchipInterpolator(around, np.concatenate([depth[-3:], depth, depth[:3]]))
     edges = np.linspace(0.0, _TURN, bins + 1)
     mean = np.diff(area.antiderivative()(edges)) * bins / _TURN
     return np.maximum(mean, 0.0)
@@ -154,6 +157,7 @@ def read_profiles(file: Path) -> dict[str, tuple[Array, Array]]:
     InputError
         Naming the file and the line of what cannot be read.
     """
+    check_file(file)
     try:
         lines = read_checked(file).decode("utf-8-sig").splitlines()
     except UnicodeDecodeError as error:
@@ -164,12 +168,15 @@ def read_profiles(file: Path) -> dict[str, tuple[Array, Array]]:
         if line.strip() and not line.lstrip().startswith("#")
     ]
     if len(told) < 2:
-        raise InputError(f"{file} has no rows; a header such as {_HEADER} and rows are expected")
+        raise InputError(f"{file}: it has no rows; a header such as {_HEADER} is expected")
     (_, header), *rows = told
     try:
         sizes = dict(map(_column, header))
-        for name in _COLUMNS.keys() - sizes.keys():
-            raise InputError(f"it has no column {name}; a header such as {_HEADER} is expected")
+        if len(sizes) < len(header):
+            raise InputError(f"a column is there twice; a header such as {_HEADER} is expected")
+        for name in _COLUMNS:
+            if name not in sizes:
+                raise InputError(f"it has no column {name}; a header such as {_HEADER} is expected")
     except InputError as error:
         raise InputError(f"{file}: {error}") from None
     points: dict[str, tuple[list[Any], list[Any]]] = {}

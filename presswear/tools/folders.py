@@ -10,7 +10,7 @@ import platform
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO
@@ -41,9 +41,18 @@ def check_name(path: Path) -> None:
 def check_folder(path: Path) -> None:
     """InputError where there is no such folder."""
     if not path.is_dir():
-        beside = path.parent.iterdir() if path.parent.is_dir() else ()
-        near = nearest(path.name, (item.name for item in beside if item.is_dir()))
-        raise InputError(f"{path}: there is no such folder{near}")
+        raise InputError(f"{path}: there is no such folder{_nearest(path, Path.is_dir)}")
+
+
+def check_file(path: Path) -> None:
+    """InputError where there is no such file."""
+    if not path.is_file():
+        raise InputError(f"{path}: there is no such file{_nearest(path, Path.is_file)}")
+
+
+def _nearest(path: Path, is_meant: Callable[[Path], bool]) -> str:
+    beside = path.parent.iterdir() if path.parent.is_dir() else ()
+    return nearest(path.name, (item.name for item in beside if is_meant(item)))
 
 
 def is_free(path: Path) -> bool:
