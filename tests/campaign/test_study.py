@@ -121,7 +121,9 @@ def linked() -> Study:
     """A variant on the surfaces of another's last stage, and one on a stage that never comes."""
     base = small().variants[0].scene
     stops = small().variants[1].scene
-    alone = replace(base, wears=0)
+    # Longer than what it waits for: the longest are begun first.
+    alone = replace(base, wears=0, cycles=3)
+    assert Variant("on", "", alone).extent > Variant("base", "", base).extent
     variants = (
         Variant("base", "worn", base),
         Variant("stops", "the paper's step", stops),
