@@ -73,15 +73,18 @@ def settled(
 
 def _surface(where: str, given: Any, bearing: Bearing) -> Surface:
     """One side on the bins of its joint; empty where it is round."""
+    if given is None:
+        return Surface()
     try:
-        values = np.array(given.depth if isinstance(given, Surface) else given, dtype=float)
-    except (TypeError, ValueError):
-        raise InputError(f"{where}: depths, or rows of angle and depth, are expected") from None
-    if given is None or not values.size:
+        values = np.array(given.depth if isinstance(given, Surface) else given)
+    except ValueError:
+        values = np.array(None)  # rows of several lengths
+    if values.shape == (0,):
         return Surface()
     if values.ndim == 1:
         values = np.column_stack([bin_centres(values.size), values])
-    if values.ndim != 2 or values.shape[1] != 2 or not np.isfinite(values).all():
+    is_number = values.dtype.kind in "fiu"
+    if not (is_number and values.ndim == 2 and values.shape[1] == 2 and np.isfinite(values).all()):
         raise InputError(f"{where}: finite depths, or rows of angle and depth, are expected")
     angle, depth = values[np.argsort(values[:, 0] % _TURN, kind="stable")].T
     if not depth.any():
