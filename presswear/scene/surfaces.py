@@ -1,8 +1,8 @@
 """Surfaces that a scene begins on: those of another run, or measured ones."""
 
 import math
-import re
 from collections.abc import Callable, Mapping
+from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
@@ -199,7 +199,8 @@ def read_profiles(file: Path) -> dict[str, tuple[Array, Array]]:
 
 def _column(word: str) -> tuple[str, float]:
     """Name of a column, and the size of its unit where it has one."""
-    name, unit = re.fullmatch(r"(\w*)[\s(\[_]*(.*?)[\s)\]]*", word, re.DOTALL).groups()  # type: ignore[union-attr]
+    name = "".join(takewhile(str.isalpha, word))
+    unit = word[len(name) :].strip(" ()[]")
     if name not in _COLUMNS:
         raise unknown("column", word, _COLUMNS)
     meaning = _COLUMNS[name]
