@@ -22,7 +22,7 @@ from presswear.studies.runaway.report import (
     read_same,
     read_wears,
 )
-from presswear.studies.runaway.variants import LONGER_KEY, make
+from presswear.studies.runaway.variants import LONGER, make
 from presswear.tools.numbers import with_interval
 
 SCRIPT = Path(__file__).parents[2] / "scenarios" / "runaway.py"
@@ -82,7 +82,7 @@ def test_runaway_changes_one_thing_at_a_time_and_only_what_it_says() -> None:
         assert sum(changes) + (scene.extrapolation != paper.extrapolation) == 1
     for variant in study.variants:
         # The second wear in steps needs the stage behind it.
-        wears = 2 if variant.scene.wears_in_steps or variant.key == LONGER_KEY else 1
+        wears = 2 if variant.scene.wears_in_steps or variant.key == LONGER else 1
         assert variant.scene.wears == (0 if variant.on else wears)
 
 
@@ -90,11 +90,9 @@ def test_both_contacts_run_on_the_surfaces_of_one_run() -> None:
     study = make()
     same = [variant for variant in study.variants if variant.on]
     assert [(one.on, one.scene.conventions.contact) for one in same] == [
-        (f"{LONGER_KEY}:{stage}", contact)
-        for stage in (1, 2)
-        for contact in ("radial", "foundation")
+        (f"{LONGER}:{stage}", contact) for stage in (1, 2) for contact in ("radial", "foundation")
     ]
-    (source,) = (variant.scene for variant in study.variants if variant.key == LONGER_KEY)
+    (source,) = (variant.scene for variant in study.variants if variant.key == LONGER)
     assert (source.cycles, source.starts, source.wears) == (200, 1, 2)
     for one in same:
         alike = replace(one.scene.conventions, contact="radial")

@@ -14,7 +14,7 @@ from presswear.show.figures.style import MICRONS, REFERENCE, SETTINGS, WIDTH, Ax
 from presswear.show.report.page import illustrate, render_page
 from presswear.show.report.parts import MILLI, Table
 from presswear.studies.paper.printed import shown_in
-from presswear.studies.runaway.variants import CYCLES, LONGER_KEY, RUNAWAY, STARTS
+from presswear.studies.runaway.variants import CYCLES, LONGER, RUNAWAY, STARTS
 from presswear.tools.arrays import Array
 from presswear.tools.files import write_bytes
 from presswear.tools.numbers import readable, with_interval
@@ -333,7 +333,7 @@ def draw_wears(
     panels[0].set_yticks(rows, [*(o.variant.label for o in outcomes), "paper, printed"])
     panels[0].invert_yaxis()
     sheet.legend(*panels[0].get_legend_handles_labels(), loc="outside upper right", ncols=2)
-    longer = next((o.variant.label for o in outcomes if o.variant.key == LONGER_KEY), "")
+    longer = next((o.variant.label for o in outcomes if o.variant.key == LONGER), "")
     caption = _CAPTION.format(longer=longer)
     return Drawing("two-wears.png", "Both wears under each reading", caption, sheet)
 
