@@ -79,7 +79,7 @@ class Ensemble:
     Attributes
     ----------
     linkage : Linkage
-        With round surfaces.
+        On the surfaces that the scene begins on.
     worn : ndarray, shape (runs, joints, 2, m)
         Depth of the surfaces that each run began with, m.
     runs : tuple of Run
@@ -209,9 +209,8 @@ def linkage_on(scene: Scene, worn: Array) -> Linkage:
         Their depth, m; see ``map_shape``.
     """
     surfaces = {}
-    for name, (bearing, pin) in zip(scene.clearance_joints, worn, strict=True):
-        bins = scene.bearing(name).bins
-        surfaces[name] = Surface(bearing[:bins]), Surface(pin[:bins])
+    for joint, (bearing, pin) in zip(scene.linkage().clearances, worn, strict=True):
+        surfaces[joint.name] = Surface(bearing[: joint.bins]), Surface(pin[: joint.bins])
     return scene.linkage(surfaces)
 
 

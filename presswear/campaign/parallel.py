@@ -73,7 +73,9 @@ def _work(folder: Path, variant: Variant, interval: float) -> None:
 
     try:
         tell(0.0, "")
-        run_variant(folder / variant.key, variant.scene, interval, tell)
+        scene = variant.scene_in(folder)
+        if scene is not None:
+            run_variant(folder / variant.key, scene, interval, tell)
     except KeyboardInterrupt:
         _SHARED["messages"].cancel_join_thread()
 
@@ -131,12 +133,18 @@ def _run_variants(
     try:
         # The longest first, so that no process is left with one when the others are done.
         order = sorted(left, key=lambda variant: variant.extent, reverse=True)
-        running = {pool.submit(_work, folder, each, interval): each for each in order}
-        while running:
+        unfinished = {variant.key for variant in left}
+        running: dict[Future[None], Variant] = {}
+        while order or running:
+            for each in [own for own in order if own.source not in unfinished]:
+                order.remove(each)
+                running[pool.submit(_work, folder, each, interval)] = each
             done, _ = wait(running, _POLL, return_when="FIRST_COMPLETED")
             _listen(messages, tell)
             for future in done:
-                _check(future, running.pop(future), tell)
+                variant = running.pop(future)
+                unfinished.remove(variant.key)
+                _check(future, variant, tell)
     finally:
         stop.set()
         pool.shutdown(cancel_futures=True)

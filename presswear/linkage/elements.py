@@ -212,8 +212,10 @@ class ClearanceJoint:
 
     @property
     def bins(self) -> int:
-        """Angular bins of its wear maps; one where no account is kept."""
-        return 1 if self.wear is None else self.wear.angles
+        """Angular bins of its wear maps; without an account those of its surfaces, or one."""
+        if self.wear is not None:
+            return self.wear.angles
+        return max(self.bearing_surface.depth.size, self.pin_surface.depth.size, 1)
 
 
 @dataclass(frozen=True)

@@ -202,7 +202,7 @@ def load(path: str | Path) -> Result:
     path = Path(path)
     scene, stored = stored_scene(path)
     joints = scene.clearance_joints
-    bins = {name: scene.bearing(name).bins for name in joints}
+    bins = {joint.name: joint.bins for joint in scene.linkage().clearances}
     stages = []
     for stage in stored.stages:
         name, film = files_of(stage.index)
