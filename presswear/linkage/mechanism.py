@@ -36,11 +36,6 @@ def inertia(status: str, default: float, text: str) -> Any:
     return quantity(default, "kg m^2", 1e-9, 1e4, status, text)
 
 
-def gravity() -> Any:
-    """A dataclass field: acceleration along -y, m/s^2."""
-    return quantity(9.81, "m/s^2", -100.0, 100.0, "assumed", "gravity along -y")
-
-
 @dataclass(frozen=True)
 class Mechanism(ABC):
     """A driven mechanism: everything but its clearance joints.

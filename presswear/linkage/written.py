@@ -92,7 +92,7 @@ def written(linkage: Linkage) -> dict[str, Any]:
         ],
         "springs": [
             own(spring, *TABLES["springs"])
-            | {"first": end(spring.first), "second": end(spring.second)}
+            | dict(zip(("first", "second"), map(end, spring.ends), strict=True))
             for spring in linkage.springs
         ],
         "loads": [_load_written(load, end) for load in linkage.loads],

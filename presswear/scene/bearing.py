@@ -30,6 +30,7 @@ from presswear.linkage.laws import (
 )
 from presswear.linkage.materials import MATERIALS, Materials
 from presswear.linkage.surface import Surface
+from presswear.tools.checked import checked
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.own import OwnFunction
 from presswear.tools.quantities import (
@@ -42,6 +43,7 @@ from presswear.tools.quantities import (
 )
 
 
+@checked
 @dataclass(frozen=True)
 class Conventions:
     """How the paper's wear model is read; each choice stands alone."""
@@ -90,6 +92,7 @@ Law = str | OwnFunction | Callable[..., float]
 """A law by its name, or one of one's own; kept as one of the first two."""
 
 
+@checked
 @dataclass(frozen=True)
 class Bearing:
     """A joint with clearance: pin, bearing, the laws of their contact, what they are made of."""
@@ -141,8 +144,8 @@ class Bearing:
         if not isinstance(self.materials, Materials):
             # By their name, or as they were stored.
             own = self.materials
-            if not isinstance(own, dict) and own not in MATERIALS:
-                raise unknown("materials", f"{own}", MATERIALS)
+            if not isinstance(own, dict) and not (isinstance(own, str) and own in MATERIALS):
+                raise unknown("materials", own, MATERIALS)
             found = Materials(**own) if isinstance(own, dict) else MATERIALS[own]
             object.__setattr__(self, "materials", found)
         for item in fields(self):

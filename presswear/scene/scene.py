@@ -19,8 +19,9 @@ from presswear.physics.assembly import IdealMotion, followed, motion_of
 from presswear.scene.bearing import CONVENTIONS, Bearing, Conventions
 from presswear.scene.surfaces import settled
 from presswear.tools.arrays import Array
+from presswear.tools.checked import checked
 from presswear.tools.documents import typed
-from presswear.tools.errors import InputError, unknown
+from presswear.tools.errors import InputError, shown, unknown
 from presswear.tools.quantities import Choice, check_fields, choice, count, named_set, quantity
 
 OneMechanism = Press | SliderCrank | Linkage
@@ -33,6 +34,7 @@ MECHANISMS: dict[str, type[Press | SliderCrank]] = {
 ENGINES = ("exudyn", ExudynTree.word, ExudynJoints.word, InHouse.word)
 
 
+@checked
 @dataclass(frozen=True)
 class Numerics:
     """The engines, each with its settings; a run uses one of them."""
@@ -76,6 +78,7 @@ def _joints(scene: "Scene") -> tuple[str, ...]:
     return (*scene.mechanism.openable, "none")
 
 
+@checked
 @dataclass(frozen=True)
 class Scene:
     """A study of a mechanism; see the fields' own texts for units and ranges.
@@ -161,27 +164,17 @@ class Scene:
     def __post_init__(self) -> None:
         if isinstance(self.bearings, Mapping):
             self._open(self.bearings)
-        for name in ("name", "title"):
-            if not isinstance(getattr(self, name), str):
-                raise InputError(f"{name} = {getattr(self, name)!r}: a text is expected")
-        for key, status in dict(self.statuses).items():
-            if not (isinstance(key, str) and isinstance(status, str)):
-                raise InputError(f"status {status!r} of {key!r}: texts are expected")
-        for part, kind in (("bearings", Bearing), ("conventions", Conventions)):
-            if not isinstance(getattr(self, part), kind):
-                raise InputError(f"{part} = {getattr(self, part)!r}: a {kind.__name__} is expected")
+        if not isinstance(self.bearings, Bearing):
+            raise InputError(f"bearings = {shown(self.bearings)}: a Bearing is expected")
         # The press's joints are no default for others.
         if self.joints == "AC" and not {"A", "C"} <= set(self.mechanism.openable):
             object.__setattr__(self, "joints", "none")
         check_fields(self)
         # One spelling, so that equal scenes are equal.
         object.__setattr__(self, "joints", self._openable.together(self.clearance_joints))
-        check_fields(self.conventions)
         for name, own in dict(self.apart).items():
             if name not in self.mechanism.openable:
                 raise unknown("joint", name, self.mechanism.openable)
-            if not isinstance(own, Bearing):
-                raise InputError(f"apart of {name} = {own!r}: a Bearing is expected")
             if own.angles != self.bearings.angles:
                 raise InputError(
                     f"{name}.angles = {own.angles}: all maps have as many bins; allowed is "
