@@ -242,10 +242,12 @@ class Bearing:
             law = {"stiffness": normal.stiffness, "exponent": normal.exponent}
             rest = {"damping": normal.damping, "clearance": self.clearance}
             check_normal(f"{joint}.normal_law", normal.own, law | rest)
+            normal.own.check_compiles(f"{joint}.normal_law", NORMAL_PARAMETERS)
         if friction.own is not None:
             ramp = {"lower_speed": friction.lower, "upper_speed": friction.upper}
             values = {"coefficient": friction.coefficient, **ramp}
             check_friction(f"{joint}.friction_law", friction.own, values)
+            friction.own.check_compiles(f"{joint}.friction_law", FRICTION_PARAMETERS)
 
     def joint(
         self,

@@ -9,6 +9,7 @@ import numpy as np
 from presswear.engines.settings import USUAL, Engine, ExudynJoints, ExudynTree, InHouse, Purpose
 from presswear.linkage.elements import Linkage
 from presswear.linkage.laws import DAMPINGS
+from presswear.linkage.loads import LOAD_PARAMETERS, Load
 from presswear.linkage.press import Press
 from presswear.linkage.reading import read
 from presswear.linkage.slider_crank import SliderCrank
@@ -22,6 +23,7 @@ from presswear.tools.arrays import Array
 from presswear.tools.checked import checked
 from presswear.tools.documents import typed
 from presswear.tools.errors import InputError, shown, unknown
+from presswear.tools.own import OwnFunction
 from presswear.tools.quantities import Choice, check_fields, choice, count, named_set, quantity
 
 OneMechanism = Press | SliderCrank | Linkage
@@ -234,6 +236,10 @@ class Scene:
         """InputError where a law of one's own gives no number or makes energy; runs its text."""
         for joint in self.clearance_joints:
             self.bearing(joint).check_own_laws(joint, self.conventions.stiffness)
+        for k, load in enumerate(self.mechanism.linkage().loads):
+            own = None if isinstance(load, Load) else load.law
+            if isinstance(own, OwnFunction):
+                own.check_compiles(f"loads[{k}].function", LOAD_PARAMETERS)
 
     def bearing(self, joint: str) -> Bearing:
         """The bearing of a joint."""
