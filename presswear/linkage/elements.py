@@ -444,6 +444,13 @@ class Linkage:
         return 2.0 * math.pi * turns / speeds[0]
 
     @property
+    def phase(self) -> str:
+        """Name of the angle that goes through a whole turn in a cycle."""
+        turn = 2.0 * math.pi / self.period
+        cranks = [d for d in self.drives if not d.repeats and abs(abs(d.speed) / turn - 1.0) < 1e-9]
+        return "crank angle" if cranks else "phase of the cycle"
+
+    @property
     def run_up_time(self) -> float:
         """Time in which it runs up, s."""
         return 2.0 * self.run_up * self.period if self.run_up else 0.0

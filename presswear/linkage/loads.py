@@ -24,6 +24,8 @@ STRONG = 1e12
 """Greatest constant load, N or N m; the strongest press has 1e9."""
 FAST = 1e6
 """Greatest frequency, rad/s."""
+LEAST_REPEAT = 1e-6
+"""Of a table over position, m or rad; steps end at all its nodes."""
 LEAST_GAP = 1e-6
 """Between two neighbours in a table, part of its length: closer ones are a jump."""
 
@@ -185,6 +187,11 @@ class OverPosition:
         table = self.table
         _rising("over_position", table)
         self._check_ends(table)
+        if 0.0 < self.repeats < LEAST_REPEAT:
+            raise InputError(
+                f"repeats = {self.repeats:g} m or rad: allowed is 0, or {LEAST_REPEAT:g} to "
+                f"{TURNED:g} m or rad"
+            )
         if self.release and (self.sense == "both" or self.repeats or len(table) < 2):
             raise InputError(
                 "release: it needs a table of two nodes that acts in one sense and does not repeat"
@@ -288,9 +295,7 @@ def _law(law: Any) -> Law:
     if isinstance(law, Harmonics | OverTime | OverPosition):
         return law
     if isinstance(law, OwnFunction | dict | str) or callable(law):
-        own = OwnFunction.of("law", law)
-        own.parameters("law", LOAD_PARAMETERS)
-        return own
+        return OwnFunction.asking("law", law, LOAD_PARAMETERS)
     return float(law)
 
 

@@ -35,6 +35,7 @@ from presswear.linkage.keys import (
     known_of,
 )
 from presswear.linkage.loads import (
+    LOAD_PARAMETERS,
     AnyLoad,
     Force,
     Harmonics,
@@ -173,7 +174,8 @@ class _Reader:
     folder: Path
 
     def _own(self, place: str, value: Any) -> OwnFunction:
-        return OwnFunction.of(place, f"{self.folder / value}" if isinstance(value, str) else value)
+        given = f"{self.folder / value}" if isinstance(value, str) else value
+        return OwnFunction.asking(place, given, LOAD_PARAMETERS)
 
     def table_row(self, table: str, row: Any, place: str) -> dict[str, Any]:
         """The values of a row of one of TABLES."""

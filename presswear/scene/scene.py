@@ -10,6 +10,7 @@ from presswear.engines.settings import USUAL, Engine, ExudynJoints, ExudynTree, 
 from presswear.linkage.elements import Linkage
 from presswear.linkage.laws import DAMPINGS
 from presswear.linkage.loads import LOAD_PARAMETERS, Load
+from presswear.linkage.pace import check_pace
 from presswear.linkage.press import Press
 from presswear.linkage.reading import read
 from presswear.linkage.slider_crank import SliderCrank
@@ -203,6 +204,7 @@ class Scene:
                 )
         if self.draws > 1 and not self.clearance_joints:
             raise InputError(f"starts = {self.starts}: without a clearance joint allowed is 1")
+        check_pace(self.mechanism.linkage())
         _ = self.ideal
         reason = branches_of(self.linkage()) if self.engine == ExudynTree.word else ""
         if isinstance(reason, str) and reason:

@@ -106,6 +106,13 @@ class OwnFunction:
         except UnicodeDecodeError:
             raise InputError(f"{key} = {given!r}: this is no text") from None
 
+    @staticmethod
+    def asking(key: str, given: Any, known: tuple[str, ...]) -> "OwnFunction":
+        """A function as ``of`` reads it, which asks for nothing but what is known."""
+        own = OwnFunction.of(key, given)
+        own.parameters(f"{key} = {given}" if isinstance(given, str) else key, known)
+        return own
+
     def parameters(self, key: str, known: tuple[str, ...]) -> tuple[str, ...]:
         """Names of its parameters, without running it; InputError for one that is not known."""
         try:

@@ -162,9 +162,7 @@ class Choice:
         """One of the words, or a function of one's own; InputError where it is neither."""
         is_own = callable(value) or isinstance(value, OwnFunction | dict) or ".py:" in str(value)
         if self.own and is_own:
-            own = OwnFunction.of(name, value)
-            own.parameters(name, self.own)
-            return own
+            return OwnFunction.asking(name, value, self.own)
         self.check(name, value)
         return value
 

@@ -189,7 +189,10 @@ ROW = (0.0, 0.0)
         ({"table": [ROW, (2.0, 0.1), (6.5, 0.2), (7.0, 0.0)]}, "go from 0 to 7 rad; a cycle is"),
         ({"table": [ROW, (1.0, 0.1, 0.0), (2.0, 0.1)]}, "2 or 4 finite numbers are expected"),
         ({"table": [ROW, (1.0, 0.1, 0.0, 0.0), (2.0, 0.1)]}, "rows of one length are expected"),
-        ({"table": [ROW, (1.0, math.nan), (2.0, 0.1)]}, r"table\[1\]\[1\] of crank = nan: a finite"),
+        (
+            {"table": [ROW, (1.0, math.nan), (2.0, 0.1)]},
+            r"table\[1\]\[1\] of crank = nan: a finite",
+        ),
         ({"rises": [Rise(0.0, 2.0, 1.0), Rise(1.0, 3.0, -1.0)]}, "the one that ends at 2 rad must"),
         ({"rises": [Rise(1.0, 8.0, 1.0)]}, "the one that ends at 8 rad must end .* at 7.28319 rad"),
         ({"rises": [Rise(0.0, 2.0, 1.0)], "table": [ROW] * 3}, "a table and rises are given"),
