@@ -55,8 +55,7 @@ class Body:
     points: Mapping[str, Place] | tuple[tuple[str, Place], ...] = ()
 
     def __post_init__(self) -> None:
-        """InputError where a number is out of range."""
-        check_fields(self)
+        """InputError where a point is out of range."""
         points = dict(self.points)
         for name, ends in points.items():
             Attachment(f"{self.name}.{name}", *ends)
@@ -69,7 +68,10 @@ BAR = Meaning("m", 1e-6, LARGE, "", "of a bar: from its tail to its head, its ma
 
 @checked
 def Bar(  # noqa: N802 - to whoever writes a linkage it is a kind of body
-    name: str, length: float, mass: float, inertia: float | None = None
+    name: str,
+    length: Annotated[float, BAR],
+    mass: Annotated[float, MASS],
+    inertia: float | None = None,
 ) -> Body:
     """A bar: a body with the points ``tail`` and ``head`` at its ends.
 
@@ -82,7 +84,6 @@ def Bar(  # noqa: N802 - to whoever writes a linkage it is a kind of body
     inertia : float or None
         About its mass centre, kg m^2; None: that of a thin rod, m l^2 / 12.
     """
-    BAR.check(f"length of {name}", length)
     half = 0.5 * length
     ends = (("tail", (-half, 0.0)), ("head", (half, 0.0)))
     return Body(name, mass, mass * length**2 / 12.0 if inertia is None else inertia, ends)
@@ -285,10 +286,11 @@ class Linkage:
         check_fields(self)
         if not self.bodies:
             raise InputError("bodies: at least one is needed")
-        _once("body", [GROUND, *(body.name for body in self.bodies)])
+        _check_names("body", [GROUND, *(body.name for body in self.bodies)])
         put("joints", tuple(self._joined(joint) for joint in self.joints))
-        _once("joint", [joint.name for joint in (*self.joints, *self.clearances)])
-        _once("drive of", [drive.body for drive in self.drives])
+        _check_names("joint", ["none", *(own.name for own in (*self.joints, *self.clearances))])
+        _check_names("spring", [spring.name for spring in self.springs])
+        _check_names("drive of", [drive.body for drive in self.drives])
         if isinstance(self.watch, str):
             end = self.point(self.watch or f"{self.bodies[-1].name}.centre", "watch")
             put("watch", self.watching(end))
@@ -469,8 +471,14 @@ class Linkage:
         return replace(self, joints=kept, clearances=(*self.clearances, *joints))
 
 
-def _once(what: str, names: Sequence[str]) -> None:
-    """InputError where a name stands twice."""
+def _check_names(what: str, names: Sequence[str]) -> None:
+    """InputError where a name stands twice, or holds what points, lists and files are told by."""
     for name in names:
+        if not name.isprintable() or name != name.strip() or not name or set(name) & _SIGNS:
+            signs = " ".join(sorted(_SIGNS))
+            raise InputError(f"name of a {what} = {name!r}: a text without {signs} is expected")
         if list(names).count(name) > 1:
             raise InputError(f"{what} {name}: the name stands twice")
+
+
+_SIGNS = set(".,:;=/\\'\"")

@@ -40,10 +40,6 @@ class Attachment:
     x: Annotated[float, LENGTH]
     y: Annotated[float, LENGTH]
 
-    def __post_init__(self) -> None:
-        """InputError where a number is out of range."""
-        check_fields(self)
-
 
 @checked
 @dataclass(frozen=True)

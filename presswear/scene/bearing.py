@@ -146,7 +146,11 @@ class Bearing:
             own = self.materials
             if not isinstance(own, dict) and not (isinstance(own, str) and own in MATERIALS):
                 raise unknown("materials", own, MATERIALS)
-            found = Materials(**own) if isinstance(own, dict) else MATERIALS[own]
+            found = (
+                MATERIALS[own]
+                if isinstance(own, str)
+                else Materials(**{f"{key}": value for key, value in own.items()})
+            )
             object.__setattr__(self, "materials", found)
         for item in fields(self):
             # As it is given, or as it was stored.

@@ -170,7 +170,11 @@ class Scene:
         if not isinstance(self.bearings, Bearing):
             raise InputError(f"bearings = {shown(self.bearings)}: a Bearing is expected")
         # The press's joints are no default for others.
-        if self.joints == "AC" and not {"A", "C"} <= set(self.mechanism.openable):
+        if (
+            isinstance(self.joints, str)
+            and self.joints == "AC"
+            and not {"A", "C"} <= set(self.mechanism.openable)
+        ):
             object.__setattr__(self, "joints", "none")
         check_fields(self)
         # One spelling, so that equal scenes are equal.

@@ -3,17 +3,19 @@
 import inspect
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import fields, is_dataclass
-from functools import cache, partial, wraps
+from functools import partial, wraps
 from itertools import repeat
 from numbers import Integral, Real
 from types import NoneType, UnionType
-from typing import Any, Literal, TypeVar, Union, cast, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Literal, TypeVar, Union, cast, get_args, get_origin
 
 import numpy as np
 
 from presswear.tools.errors import InputError, nearest, shown, unknown
-from presswear.tools.quantities import NAMING, meaning_of
+from presswear.tools.own import OwnFunction
+from presswear.tools.quantities import NAMING, Meaning
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -28,6 +30,7 @@ _WORDS: dict[Any, str] = {
     NoneType: "None",
     Callable: "function",
     np.ndarray: "list of numbers",
+    OwnFunction: "function",
 }
 
 
@@ -44,21 +47,23 @@ def checked(made: F) -> F:
     is_class = isinstance(made, type)
     function: Callable[..., Any] = cast(Any, made).__init__ if is_class else made
     signature, label = inspect.signature(function), made.__name__
-    known = [name for name in signature.parameters if name != "self"]
-
-    @cache
-    def kinds() -> dict[str, Any]:
-        found = get_type_hints(made)
-        for item in fields(cast(Any, made)) if is_dataclass(made) else ():
-            is_choice = "choice" in item.metadata and get_origin(item.type) is not Literal
-            if is_choice or meaning_of(item) is not None:
-                found[item.name] = _Meant
-        return found
+    parameters = [own for own in signature.parameters.values() if own.name != "self"]
+    kinds: dict[str, Any] = {
+        # What is imported later, if at all, is checked by whoever imports it.
+        own.name: Any if isinstance(own.annotation, str) else own.annotation
+        for own in parameters
+        if own.kind is not own.VAR_KEYWORD
+    }
+    for item in fields(cast(Any, made)) if is_dataclass(made) else ():
+        is_choice = "choice" in item.metadata and get_origin(item.type) is not Literal
+        if is_choice or "meaning" in item.metadata:
+            kinds[item.name] = _Meant
+    known = list(kinds)
 
     @wraps(function)
     def settling(*given: Any, **named: Any) -> Any:
         for name in named:
-            if name not in known:
+            if name not in kinds and len(kinds) == len(parameters):
                 raise unknown(f"argument of {label}", name, known)
         try:
             bound = signature.bind(*given, **named)
@@ -66,9 +71,9 @@ def checked(made: F) -> F:
             raise InputError(f"{label}: {error}") from None
         arguments = bound.arguments
         owner = arguments.get(known[0]) if known[0] in NAMING else None
-        for name in arguments.keys() & set(known):
+        for name in arguments.keys() & kinds.keys():
             whose = f" of {owner}" if isinstance(owner, str) and name != known[0] else ""
-            arguments[name] = _settled(name, whose, arguments[name], kinds().get(name, Any))
+            arguments[name] = _settled(name, whose, arguments[name], kinds[name])
         return function(*bound.args, **bound.kwargs)
 
     if not is_class:
@@ -80,39 +85,19 @@ def checked(made: F) -> F:
 def _settled(name: str, whose: str, value: Any, kind: Any) -> Any:
     """A value as its kind has it; InputError names its place and whose it is."""
     origin, inner = get_origin(kind) or kind, get_args(kind)
-    refusal = InputError(f"{name}{whose} = {shown(value)}: a {_word(kind)} is expected")
     if kind is Any:
         return value
     if kind is _Meant:
         return _number(value)
-    if origin in (Union, UnionType):
-        return _one_of(name, whose, value, inner, refusal)
-    if origin in (tuple, Sequence):
-        return _rows(name, whose, value, kind, refusal)
-    if origin is np.ndarray:
-        try:
-            return np.array(value, dtype=float)
-        except (TypeError, ValueError, OverflowError):
-            raise refusal from None
-    if kind in (float, int):
+    if origin is Annotated:
         number = _number(value)
-        if isinstance(number, bool) or not isinstance(number, int | kind):
-            raise refusal
-        if not -LARGEST <= number <= LARGEST:
-            raise InputError(f"{refusal}, {LARGEST:g} at most")
-        return kind(number)
-    fits = isinstance(value, Mapping if origin is Mapping else object)
-    if origin is Literal:
-        fits = isinstance(value, str) and value in inner
-        near = nearest(f"{value}", inner)
-        refusal = InputError(f"{name}{whose} = {shown(value)}: allowed is {_word(kind)}{near}")
-    elif origin is Callable:
-        fits = callable(value)
-    elif origin is not Mapping:
-        fits = isinstance(value, origin)
-    if not fits:
-        raise refusal
-    if origin is Mapping:
+        cast(Meaning, inner[1]).check(f"{name}{whose}", number)
+        return number
+    if origin in (Union, UnionType):
+        return _one_of(name, whose, value, kind)
+    if origin in (tuple, Sequence):
+        return _rows(name, whose, value, kind)
+    if origin is Mapping and isinstance(value, Mapping):
         settled = partial(_settled, whose=whose)
         return {
             settled(f"name in {name}", value=key, kind=inner[0]): settled(
@@ -120,7 +105,29 @@ def _settled(name: str, whose: str, value: Any, kind: Any) -> Any:
             )
             for key, own in value.items()
         }
-    return value
+    if origin is np.ndarray:
+        with suppress(TypeError, ValueError, OverflowError):
+            return np.array(value, dtype=float)
+    if kind in (float, int):
+        number = _number(value)
+        if isinstance(number, int | kind) and not isinstance(number, bool):
+            if -LARGEST <= number <= LARGEST:
+                return kind(number)
+            raise InputError(f"{_refusal(name, whose, value, kind)}, {LARGEST:g} at most")
+    elif origin is Literal:
+        if isinstance(value, str) and value in inner:
+            return value
+        told = f"{name}{whose} = {shown(value)}: allowed is {_word(kind)}"
+        raise InputError(f"{told}{nearest(f'{value}', inner)}")
+    elif callable(value) if origin is Callable else isinstance(value, origin):
+        return value
+    raise _refusal(name, whose, value, kind)
+
+
+def _refusal(name: str, whose: str, value: Any, kind: Any) -> InputError:
+    word = _word(kind)
+    article = "an" if word[0] in "AEIOU" else "a"
+    return InputError(f"{name}{whose} = {shown(value)}: {article} {word} is expected")
 
 
 def _number(value: Any) -> Any:
@@ -133,28 +140,31 @@ def _number(value: Any) -> Any:
         return math.inf
 
 
-def _one_of(name: str, whose: str, value: Any, kinds: Sequence[Any], refusal: InputError) -> Any:
+def _one_of(name: str, whose: str, value: Any, kind: Any) -> Any:
     """A value of one of some kinds."""
+    kinds, refusal = get_args(kind), None
     if isinstance(value, Real) and not isinstance(value, bool) and float in kinds:
         return _settled(name, whose, value, float)
-    for kind in kinds:
+    for own in kinds:
         try:
-            return _settled(name, whose, value, kind)
+            return _settled(name, whose, value, own)
         except InputError as error:
             # Where the whole is of this kind but a part is not, the part is told.
             if not str(error).startswith(f"{name}{whose} = "):
                 refusal = error
-    raise refusal
+    raise refusal or _refusal(name, whose, value, kind)
 
 
-def _rows(name: str, whose: str, value: Any, kind: Any, refusal: InputError) -> tuple[Any, ...]:
+def _rows(name: str, whose: str, value: Any, kind: Any) -> tuple[Any, ...]:
     """A list of any sort as a tuple, each of its values settled."""
-    if not isinstance(value, Collection) or isinstance(value, str | bytes | Mapping):
-        raise refusal
-    inner, rows = get_args(kind), list(value) if len(getattr(value, "shape", "1")) else []
+    is_list = isinstance(value, Collection) and not isinstance(value, str | bytes | Mapping)
+    # An array without dimensions calls itself a collection as well.
+    if not is_list or getattr(value, "ndim", 1) == 0:
+        raise _refusal(name, whose, value, kind)
+    inner, rows = get_args(kind), list(value)
     alike = get_origin(kind) is not tuple or inner[-1] is Ellipsis
     if not alike and len(rows) != len(inner):
-        raise refusal
+        raise _refusal(name, whose, value, kind)
     each = repeat(inner[0]) if alike else inner
     return tuple(
         _settled(f"{name}[{k}]", whose, *pair)
