@@ -59,6 +59,8 @@ class Body:
         points = dict(self.points)
         for name, ends in points.items():
             Attachment(f"{self.name}.{name}", *ends)
+        if points.get("centre", (0.0, 0.0)) != (0.0, 0.0):
+            raise InputError(f"points.centre of {self.name}: this is the name of the mass centre")
         object.__setattr__(self, "points", tuple(points.items()))
 
 

@@ -216,7 +216,7 @@ def _draw_load(axes: Axes, load: AnyLoad, place: Array, size: float) -> None:
         moment = load.moment
     if direction is not None:
         along = np.array([math.cos(direction), math.sin(direction)])
-        _arrow(axes, place - 0.12 * size * along, place, _LOAD, 1.4)
+        _arrow(axes, place - 0.19 * size * along, place, _LOAD, 1.4)
     if not isinstance(load, Force) and moment:
         _bent_arrow(axes, place, moment, 0.045 * size, _LOAD)
 

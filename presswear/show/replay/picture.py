@@ -139,6 +139,7 @@ class Picture:
         for show, instant in zip(self._shows, instants, strict=True):
             coordinates.append(instant.past[-1])
             words += self._title(show, instant, note)
+            ink += self._springs(show, instant)
             for own, row, peak in zip(show.joints, instant.joints, instant.peaks, strict=True):
                 bearing, pin = (
                     points_of(show.subject.linkage, instant.past, end)
@@ -149,6 +150,17 @@ class Picture:
                 words += self._joint_words(own, row, peak)
         self._place(np.concatenate(coordinates), instants[0].time)
         self.system.SetObjectParameter(self._ink, "VgraphicsData", [graphics(ink), *words])
+
+    def _springs(self, show: _Show, instant: Instant) -> list[Shape]:
+        """A line from end to end of each spring."""
+        linkage, shapes = show.subject.linkage, []
+        for spring in linkage.springs:
+            one, other = (
+                points_of(linkage, instant.past[-1:], end)[0, :2] + show.panel.offset
+                for end in spring.ends
+            )
+            shapes.append(line(one, other, 0.5 * self._scale.bar, self._scale.layer(38), STEEL))
+        return shapes
 
     def _place(self, coordinates: Array, time: float) -> None:
         data = self.system.systemData
@@ -161,7 +173,7 @@ class Picture:
         above = own.centre + np.array([-1.45, 1.13]) * own.radius
         below = own.centre + np.array([-1.45, -1.19]) * own.radius
         # Both of the normal force: a peak of one beside a value of the other would lie below it.
-        force = f"normal force {row[NORMAL]:.0f} N, peak {peak:.0f} N"
+        force = f"normal {row[NORMAL]:.0f} N, peak {peak:.0f} N"
         words = [text(above, f"{own.joint.name}: {force}", z, font, own.paint)]
         for i, factor in enumerate(own.words()):
             words.append(text(below - [0.0, i * self._line(0.8)], factor, z, 0.75 * font, INK))
