@@ -190,7 +190,7 @@ def _run_into(
     except BaseException as error:
         if not isinstance(error, KeyboardInterrupt) and not is_stopped():
             raise
-        raise KeyboardInterrupt(f"interrupted; kept up to {store.kept}; {go_on}") from None
+        raise KeyboardInterrupt(f"interrupted; {store.kept}; {go_on}") from None
 
 
 def _window(arguments: argparse.Namespace, scene: Scene) -> "AbstractContextManager[Live | None]":
