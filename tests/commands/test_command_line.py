@@ -263,7 +263,7 @@ def test_a_run_goes_on_without_the_files_it_began_with(
     line = ["run", "mine.toml", "--resume", "--out", "out"]
     going_on: list[Scene] = []
 
-    def run_into(store: ResultFolder, own: Scene, trackers: object) -> None:
+    def run_into(store: ResultFolder, own: Scene, *more: object) -> None:
         going_on.append(own)
         store.interrupt()
 
