@@ -11,8 +11,8 @@ GROUND = "frame"
 Place = tuple[float, float]
 """Coordinates, m."""
 
-LARGE = 1e3
-"""Of a length, m: no machine is larger."""
+LARGE = 1e5
+"""Of a length, m: no machine is larger, and a floor is a part of a round so large."""
 TURNED = 1e4
 """Of an angle, rad: beyond it a sine has lost four digits."""
 
