@@ -143,10 +143,10 @@ class OwnFunction:
 
     def check_compiles(self, key: str, known: tuple[str, ...]) -> None:
         """InputError naming the key where it cannot be compiled; runs its text."""
-        from presswear.tools.compiled import own_kernel  # slow to import
+        from presswear.tools import compiled  # slow to import
 
         try:
-            own_kernel(self, known)
+            compiled.own_kernel(self, known)
         except InputError as error:
             raise InputError(f"{key}: {error}") from None
 
