@@ -51,7 +51,7 @@ def test_compiled_it_gives_the_same_by_its_address(a: float, b: float) -> None:
         ("def law(aa):\n    return aa\n", "did you mean a"),
         ("def law(*a):\n    return a\n", "plain names alone"),
         ("def law(a, *, b):\n    return a\n", "plain names alone"),
-        ("law = 3\n", "unknown function"),
+        ("law = 3\n", "unknown function in normal_law 'law'; there is none"),
         ("\0", "is no Python"),
         ("def law(a):\n    while a > 0:\n        a -= 1\n    return a\n", "line 2: a law gives"),
         ("def law(a):\n    for k in range(a):\n        a += k\n    return a\n", "loops over other"),

@@ -140,7 +140,8 @@ def test_force_is_an_arrow_as_long_as_its_root() -> None:
 def test_a_peak_in_words_is_never_below_its_force(picture: Picture) -> None:
     """With friction the whole force is above the normal one, of which the peak is."""
     instant = REEL.instant(20, 20)
-    picture.set([replace(instant, peaks=instant.joints[:, 0])], 0.0, "")
+    joints = instant.joints * np.array([100.0, 100.0, 1.0, 1.0, 1.0, 1.0])
+    picture.set([replace(instant, joints=joints, peaks=joints[:, 0])], 0.0, "")
     told = picture.container.renderer.GetGraphicsData()["texts"]["text"]
     words = [re.search(r": \D* (\d+) N, peak (\d+) N$", own) for own in told]
     pairs = [own.groups() for own in words if own is not None]
