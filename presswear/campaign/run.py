@@ -12,6 +12,7 @@ from presswear.engines.settings import Engine
 from presswear.record.tracker import Tracker
 from presswear.results.result import Result
 from presswear.scene.scene import Scene
+from presswear.tools.checked import checked
 from presswear.tools.errors import InputError
 
 
@@ -37,6 +38,7 @@ def run(
 ) -> dict[str, Result]: ...
 
 
+@checked
 def run(
     scene: Scene | Study,
     folder: str | Path | None = None,

@@ -126,9 +126,11 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
     if arguments.resume and arguments.out is None:
         raise InputError("--resume needs the folder to go on in: --out DIR")
     goes_on = arguments.resume and (arguments.out / "result.json").exists()
-    told = goes_on and _is_plain(arguments)
-    named = scene_given(arguments.scene)  # an unknown name is told first
-    scene = _stored_scene(arguments) if told else _with_options(named, arguments)
+    if goes_on and _is_plain(arguments):
+        # Neither its file nor those of its laws are needed any more.
+        scene = _stored_scene(arguments)
+    else:
+        scene = _with_options(scene_given(arguments.scene), arguments)
     folder = arguments.out or free_folder(scene.name)
     from presswear.results.folder import ResultFolder
     from presswear.results.result import load
@@ -139,7 +141,7 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
             console.print(remark, highlight=False, soft_wrap=True)
         if store.is_finished:
             console.print(f"the run in {folder} has come to its end before", highlight=False)
-        _run_into(store, scene, window, console)
+        _run_into(arguments.scene, store, scene, window, console)
     from presswear.show.report import write_report
 
     result = load(folder)
@@ -169,8 +171,10 @@ def _stored_scene(arguments: argparse.Namespace) -> Scene:
     return scene
 
 
-def _run_into(store: "ResultFolder", scene: Scene, window: "Live | None", console: Console) -> None:
-    """Run a scene into its folder, from where it stands, with progress on the terminal."""
+def _run_into(
+    given: str, store: "ResultFolder", scene: Scene, window: "Live | None", console: Console
+) -> None:
+    """Run a scene, given by a name or a file, into its folder, with progress on the terminal."""
     from presswear.campaign.single import run_into
     from presswear.commands.running import Terminal
 
@@ -178,15 +182,15 @@ def _run_into(store: "ResultFolder", scene: Scene, window: "Live | None", consol
     try:
         with progress_bar(console) as bar:
             run_into(store, scene, [Terminal(bar, scene), *([window] if window else [])])
-    except InputError:
-        raise
+    except InputError as error:
+        raise InputError(f"{given}: {error}") from None
     except RunFailed as error:
         hint = f"; {go_on}" if store.path.exists() else ""
         raise RunFailed(f"{error}{hint}") from error
     except BaseException as error:
         if not isinstance(error, KeyboardInterrupt) and not is_stopped():
             raise
-        raise KeyboardInterrupt(f"interrupted; kept up to {store.kept}; {go_on}") from None
+        raise KeyboardInterrupt(f"interrupted; {store.kept}; {go_on}") from None
 
 
 def _window(arguments: argparse.Namespace, scene: Scene) -> "AbstractContextManager[Live | None]":

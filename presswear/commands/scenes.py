@@ -91,9 +91,13 @@ def _list(arguments: argparse.Namespace, console: Console) -> int:
             console.print(f"{name:12} {title}", highlight=False)
         return 0
     scene = scene_given(arguments.scene)
+    settings = tuple(settings_of(scene))
     if isinstance(scene.mechanism, Linkage):
+        keys = {setting.key for setting in settings}
         for key, value, text in values_of(scene.mechanism):
-            console.print(f"{key:20} {value}  {text}".rstrip(), highlight=False, soft_wrap=True)
-    for setting in settings_of(scene):
+            if key not in keys:
+                line = f"{key:20} {value}  {text}".rstrip()
+                console.print(line, highlight=False, soft_wrap=True)
+    for setting in settings:
         console.print(f"{setting.key:20} {setting.described()}", highlight=False, soft_wrap=True)
     return 0

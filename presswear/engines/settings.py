@@ -17,6 +17,7 @@ from dataclasses import dataclass, replace
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, cast
 
+from presswear.tools.checked import checked
 from presswear.tools.quantities import choice, quantity
 
 if TYPE_CHECKING:
@@ -95,6 +96,7 @@ class _Engine:
         return run
 
 
+@checked
 @dataclass(frozen=True)
 class ExudynTree(_Engine):
     """Exudyn with an open tree in minimal coordinates, explicit and error-controlled.
@@ -134,6 +136,7 @@ class ExudynTree(_Engine):
         return replace(self, tree_tolerance=self.tolerance / factor)
 
 
+@checked
 @dataclass(frozen=True)
 class ExudynJoints(_Engine):
     """Exudyn with bodies and joints, implicit: any linkage.
@@ -186,6 +189,7 @@ class ExudynJoints(_Engine):
         return self.free_steps
 
 
+@checked
 @dataclass(frozen=True)
 class InHouse(_Engine):
     """Lagrange multipliers in Cartesian coordinates, with touches located.

@@ -9,16 +9,19 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from typing import Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from presswear.linkage.laws import FrictionLaw, NormalLaw
 from presswear.linkage.loads import AnyLoad, Force, Load, Moment, OverTime, Spring
 from presswear.linkage.motions import Drive
+from presswear.linkage.points import GROUND as GROUND
+from presswear.linkage.points import LARGE, End, Place, angle, place
+from presswear.linkage.points import Attachment as Attachment
+from presswear.linkage.points import Probe as Probe
 from presswear.linkage.surface import Surface
+from presswear.tools.checked import checked
 from presswear.tools.errors import InputError, unknown
-from presswear.tools.quantities import Meaning
-
-GROUND = "frame"
+from presswear.tools.quantities import Meaning, check_fields, count, quantity
 
 MapFrame = Literal["fixed", "body"]
 Slip = Literal["angle", "sliding"]
@@ -26,10 +29,13 @@ Footprint = Literal["bin", "arc"]
 SurfaceContact = Literal["radial", "foundation"]
 
 
-Place = tuple[float, float]
-"""Coordinates, m."""
+MASS = Meaning("kg", 1e-9, 1e9, "", "mass")
+INERTIA = Meaning(
+    "kg m^2", 1e-18, 1e15, "", "about the mass centre; of a bar m l^2 / 12 if not given"
+)
 
 
+@checked
 @dataclass(frozen=True)
 class Body:
     """A rigid body.
@@ -44,27 +50,30 @@ class Body:
     """
 
     name: str
-    mass: float
-    inertia: float
+    mass: Annotated[float, MASS]
+    inertia: Annotated[float, INERTIA]
     points: Mapping[str, Place] | tuple[tuple[str, Place], ...] = ()
 
     def __post_init__(self) -> None:
-        """InputError where a number is none."""
-        positive(self.mass, "mass", "kg", self.name)
-        positive(self.inertia, "inertia", "kg m^2", self.name)
-        points = tuple((name, (float(x), float(y))) for name, (x, y) in dict(self.points).items())
-        object.__setattr__(self, "points", points)
+        """InputError where a point is out of range."""
+        points = dict(self.points)
+        for name, ends in points.items():
+            Attachment(f"{self.name}.{name}", *ends)
+        if points.get("centre", (0.0, 0.0)) != (0.0, 0.0):
+            raise InputError(f"points.centre of {self.name}: this is the name of the mass centre")
+        object.__setattr__(self, "points", tuple(points.items()))
 
 
-def positive(value: float, what: str, unit: str, owner: str) -> None:
-    """InputError unless a value is a finite number above zero."""
-    number = isinstance(value, (int, float)) and not isinstance(value, bool)
-    if not (number and 0.0 < value < math.inf):
-        raise InputError(f"{what} of {owner} = {value!r}: allowed is a number above 0 {unit}")
+BAR = Meaning("m", 1e-6, LARGE, "", "of a bar: from its tail to its head, its mass centre halfway")
+"""The length of a bar."""
 
 
+@checked
 def Bar(  # noqa: N802 - to whoever writes a linkage it is a kind of body
-    name: str, length: float, mass: float, inertia: float | None = None
+    name: str,
+    length: Annotated[float, BAR],
+    mass: Annotated[float, MASS],
+    inertia: float | None = None,
 ) -> Body:
     """A bar: a body with the points ``tail`` and ``head`` at its ends.
 
@@ -77,20 +86,9 @@ def Bar(  # noqa: N802 - to whoever writes a linkage it is a kind of body
     inertia : float or None
         About its mass centre, kg m^2; None: that of a thin rod, m l^2 / 12.
     """
-    positive(length, "length", "m", name)
-    positive(mass, "mass", "kg", name)
     half = 0.5 * length
     ends = (("tail", (-half, 0.0)), ("head", (half, 0.0)))
     return Body(name, mass, mass * length**2 / 12.0 if inertia is None else inertia, ends)
-
-
-@dataclass(frozen=True)
-class Attachment:
-    """A point of a body, in the body's frame with origin at the mass centre, m."""
-
-    body: str
-    x: float
-    y: float
 
 
 def bar_ends(body: str, length: float) -> tuple[Attachment, Attachment]:
@@ -98,10 +96,7 @@ def bar_ends(body: str, length: float) -> tuple[Attachment, Attachment]:
     return Attachment(body, -0.5 * length, 0.0), Attachment(body, 0.5 * length, 0.0)
 
 
-End = Attachment | str | Place
-"""A point: as it is, as ``body.point``, or as coordinates on the frame, m."""
-
-
+@checked
 @dataclass(frozen=True)
 class Pin:
     """A pin joint between two points as a person writes them; a linkage makes a Revolute of it."""
@@ -111,6 +106,7 @@ class Pin:
     second: End
 
 
+@checked
 @dataclass(frozen=True)
 class Revolute:
     """An ideal pin joint between two points."""
@@ -120,6 +116,7 @@ class Revolute:
     second: Attachment
 
 
+@checked
 @dataclass(frozen=True)
 class Guide:
     """A straight guide on the frame: the body slides along a line and does not turn.
@@ -138,12 +135,17 @@ class Guide:
 
     name: str
     body: str
-    x: float = 0.0
-    y: float = 0.0
-    direction: float = 0.0
-    angle: float = 0.0
+    x: float = place("a point of the line, to the right of the origin")
+    y: float = place("a point of the line, above the origin")
+    direction: float = angle("angle of the line")
+    angle: float = angle("fixed angle of the body")
+
+    def __post_init__(self) -> None:
+        """InputError where a number is out of range."""
+        check_fields(self)
 
 
+@checked
 @dataclass(frozen=True)
 class WearLaw:
     """Archard wear dh = K_d p ds of a clearance joint.
@@ -170,6 +172,7 @@ class WearLaw:
     angles: int = 360
 
 
+@checked
 @dataclass(frozen=True)
 class ClearanceJoint:
     """A pin joint with clearance: a pin loose in a bearing.
@@ -218,22 +221,26 @@ class ClearanceJoint:
         return max(self.bearing_surface.depth.size, self.pin_surface.depth.size, 1)
 
 
-@dataclass(frozen=True)
-class Probe:
-    """The coordinate that a study watches: a point of a body along a direction, rad.
-
-    Attributes
-    ----------
-    x, y : float
-        The point in the body's frame with origin at the mass centre, m.
-    """
-
-    body: str
-    direction: float = 0.0
-    x: float = 0.0
-    y: float = 0.0
+CYCLE = 1e-5, 1e3
+"""Shortest and longest time of a cycle, s: a pin at rest in its bearing takes some 1e4 steps a
+second."""
+MOST_TURNS = 1000
+"""Turns of a drive in a cycle."""
+COMMON_TURNS = 64
+"""Turns of a drive in the longest cycle that is found by itself."""
 
 
+def run_up() -> Any:
+    """A dataclass field: cycles of a run-up."""
+    return count(0, 0, 1000, "chosen", "cycles through which it runs up from rest")
+
+
+def gravity() -> Any:
+    """A dataclass field: acceleration along -y, m/s^2."""
+    return quantity(9.81, "m/s^2", -100.0, 100.0, "assumed", "acceleration along -y")
+
+
+@checked
 @dataclass(frozen=True)
 class Linkage:
     """A planar mechanism, driven, with or without clearance joints.
@@ -272,10 +279,10 @@ class Linkage:
     drives: Sequence[Drive] = ()
     watch: Probe | str = ""
     guess: Mapping[str, float] | tuple[tuple[str, float], ...] = ()
-    cycle: float | None = None
-    run_up: int = 0
+    cycle: float | None = quantity(None, "s", *CYCLE, "", "time after which the motion repeats")
+    run_up: int = run_up()
     name: str = "linkage"
-    gravity: float = 9.81
+    gravity: float = gravity()
     springs: Sequence[Spring] = ()
     loads: Sequence[AnyLoad] = ()
     clearances: Sequence[ClearanceJoint] = ()
@@ -286,19 +293,21 @@ class Linkage:
         def put(name: str, value: Any) -> None:
             object.__setattr__(self, name, value)
 
-        for item in ("bodies", "drives", "springs", "loads", "clearances"):
-            put(item, tuple(getattr(self, item)))
-        _once("body", [GROUND, *(body.name for body in self.bodies)])
+        check_fields(self)
+        if not self.bodies:
+            raise InputError("bodies: at least one is needed")
+        _check_names("body", [GROUND, *(body.name for body in self.bodies)])
         put("joints", tuple(self._joined(joint) for joint in self.joints))
-        _once("joint", [joint.name for joint in (*self.joints, *self.clearances)])
-        _once("drive of", [drive.body for drive in self.drives])
+        _check_names("joint", ["none", *(own.name for own in (*self.joints, *self.clearances))])
+        _check_names("spring", [spring.name for spring in self.springs])
+        _check_names("drive of", [drive.body for drive in self.drives])
         if isinstance(self.watch, str):
             end = self.point(self.watch or f"{self.bodies[-1].name}.centre", "watch")
             put("watch", self.watching(end))
         put("loads", tuple(self._loaded(load) for load in self.loads))
+        put("springs", tuple(self._hung(spring) for spring in self.springs))
         put("drives", tuple(self._following(drive) for drive in self.drives))
-        RUN_UP.check(f"run_up of {self.name}", self.run_up)
-        put("guess", tuple((name, float(angle)) for name, angle in dict(self.guess).items()))
+        put("guess", tuple(dict(self.guess).items()))
         for where, name in (
             *(("drives", drive.body) for drive in self.drives),
             *(("guess", name) for name in dict(self.guess)),
@@ -321,8 +330,6 @@ class Linkage:
 
     def _loaded(self, load: AnyLoad) -> AnyLoad:
         """A load with its point found."""
-        if isinstance(load, Force) and isinstance(load.point, tuple | list):
-            raise InputError(f"loads: point = {load.point!r}: a point of a body is expected")
         self._check_body(load.body, "loads")
         law = None if isinstance(load, Load) else load.law
         if isinstance(law, OverTime) and law.period is None:
@@ -334,6 +341,12 @@ class Linkage:
             point = f"{point}.centre"
         return replace(load, point=self.point(point, "loads"))
 
+    def _hung(self, spring: Spring) -> Spring:
+        """A spring with its points found."""
+        where = f"spring {spring.name}"
+        first, second = self.point(spring.first, where), self.point(spring.second, where)
+        return replace(spring, first=first, second=second)
+
     def _following(self, drive: Drive) -> Drive:
         """A drive with the point found that follows its curve, if there is one."""
         follow = drive.follow
@@ -344,7 +357,7 @@ class Linkage:
         probe = self.watching(end, follow.direction)
         return replace(drive, follow=replace(follow, point=probe, direction=probe.direction))
 
-    def point(self, end: Any, where: str) -> Attachment:
+    def point(self, end: End, where: str) -> Attachment:
         """A point that is given in any way; InputError names it and where it stands."""
         if isinstance(end, str):
             body, _, name = end.partition(".")
@@ -353,12 +366,14 @@ class Linkage:
             if name not in points:
                 raise unknown(f"point of {body} in {where}", name, points)
             return Attachment(body, *points[name])
-        if not isinstance(end, Attachment):
-            x, y = end
-            return Attachment(GROUND, float(x), float(y))
-        if end.body != GROUND:
-            self._check_body(end.body, where)
-        return end
+        if isinstance(end, Attachment):
+            if end.body != GROUND:
+                self._check_body(end.body, where)
+            return end
+        try:
+            return Attachment(GROUND, *end)
+        except InputError as error:
+            raise InputError(f"{where}: {error}") from None
 
     def watching(self, end: Attachment, direction: float | None = None) -> Probe:
         """A point as what is watched: along its body's guide, where it has one, else along x."""
@@ -410,21 +425,42 @@ class Linkage:
     @property
     def period(self) -> float:
         """Time of one cycle, s: the shortest in which every drive makes whole turns."""
-        if self.cycle is not None:
-            return self.cycle
+        found = self._common if self.cycle is None else self.cycle
+        told = f"cycle of {self.name}, in which all drives make whole turns,"
+        Meaning("s", *CYCLE, "", "").check(told, found)
+        for drive in self.drives:
+            for speed in drive.frequencies:
+                turns = speed * found / (2.0 * math.pi)
+                if turns > MOST_TURNS:
+                    raise InputError(
+                        f"{told} = {found:g} s: {drive.name} turns {turns:.6g} times in it, with "
+                        f"{speed:g} rad/s; allowed are {MOST_TURNS} times at most"
+                    )
+        return found
+
+    @property
+    def _common(self) -> float:
+        """The shortest time in which every drive makes whole turns, s."""
         speeds = [speed for drive in self.drives for speed in drive.frequencies]
         if not speeds:
             raise InputError(f"cycle of {self.name}: no drive turns, so that it has to be given, s")
         turns = 1
         for speed in speeds:
-            ratio = Fraction(speed / speeds[0]).limit_denominator(MOST_TURNS)
+            ratio = Fraction(speed / speeds[0]).limit_denominator(COMMON_TURNS)
             if abs(float(ratio) * speeds[0] / speed - 1.0) > 1e-9:
                 raise InputError(
                     f"cycle of {self.name}: speeds of {speeds[0]:g} and {speed:g} rad/s have no "
-                    f"common cycle of {MOST_TURNS} turns or less; it has to be given, s"
+                    f"common cycle of {COMMON_TURNS} turns or less; it has to be given, s"
                 )
             turns = math.lcm(turns, ratio.denominator)
         return 2.0 * math.pi * turns / speeds[0]
+
+    @property
+    def phase(self) -> str:
+        """Name of the angle that goes through a whole turn in a cycle."""
+        turn = 2.0 * math.pi / self.period
+        cranks = [d for d in self.drives if not d.repeats and abs(abs(d.speed) / turn - 1.0) < 1e-9]
+        return "crank angle" if cranks else "phase of the cycle"
 
     @property
     def run_up_time(self) -> float:
@@ -445,14 +481,14 @@ class Linkage:
         return replace(self, joints=kept, clearances=(*self.clearances, *joints))
 
 
-RUN_UP = Meaning("", 0, 1000, "", "cycles through which it runs up from rest", whole=True)
-"""The run-up of a linkage."""
-MOST_TURNS = 64
-"""Turns of a drive in the longest cycle that is found by itself."""
-
-
-def _once(what: str, names: Sequence[str]) -> None:
-    """InputError where a name stands twice."""
+def _check_names(what: str, names: Sequence[str]) -> None:
+    """InputError where a name stands twice, or holds what points, lists and files are told by."""
     for name in names:
+        if not name.isprintable() or name != name.strip() or not name or set(name) & _SIGNS:
+            signs = " ".join(sorted(_SIGNS))
+            raise InputError(f"name of a {what} = {name!r}: a text without {signs} is expected")
         if list(names).count(name) > 1:
             raise InputError(f"{what} {name}: the name stands twice")
+
+
+_SIGNS = set(".,:;=/\\'\"")

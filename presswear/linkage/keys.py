@@ -1,22 +1,29 @@
 """Keys of a linkage as plain data, and what stands behind each."""
 
-import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
-from presswear.linkage.elements import RUN_UP
-from presswear.tools.quantities import Meaning
+from presswear.linkage.elements import BAR, Body, Guide, Linkage
+from presswear.linkage.loads import Force, Harmonics, Load, OverPosition, OverTime, Spring
+from presswear.linkage.motions import Drive, Follow
+from presswear.linkage.points import ANGLE as ANGLE
+from presswear.linkage.points import LENGTH as LENGTH
+from presswear.tools.checked import LARGEST
+from presswear.tools.quantities import Meaning, meaning_of
 
 Data = Mapping[str, Any]
 
 
+def _own(owner: type, *names: str, unit: str = "") -> dict[str, Meaning]:
+    """Meanings of fields of a data class, by their names; in a unit of their own."""
+    found = {item.name: meaning_of(item) for item in fields(owner)}
+    meant = {name: found[name] for name in names}
+    return {name: replace(own, unit=unit or own.unit) for name, own in meant.items() if own}
+
+
 def _any(unit: str, text: str) -> Meaning:
-    return Meaning(unit, -math.inf, math.inf, "", text)
-
-
-def _above(unit: str, text: str) -> Meaning:
-    return Meaning(unit, 0.0, math.inf, "", text, open_low=True)
+    return Meaning(unit, -LARGEST, LARGEST, "", text)
 
 
 TEXT, END, POINTS, ANGLES, YES, OWN = "text", "end", "points", "angles", "yes or no", "own"
@@ -44,8 +51,6 @@ class Inner:
 Kind = Meaning | Columns | Inner | str
 """What stands behind a key."""
 
-LENGTH, ANGLE = _any("m", ""), _any("rad", "")
-
 
 def _motion_of(unit: Meaning, whose: str) -> dict[str, Kind]:
     """Keys of a motion: angles of a drive, or lengths of a point that is followed."""
@@ -60,30 +65,24 @@ def _motion_of(unit: Meaning, whose: str) -> dict[str, Kind]:
 TABLES: Mapping[str, Mapping[str, Kind]] = {
     "bodies": {
         "name": TEXT,
-        "length": _above("m", "of a bar: from its tail to its head, its mass centre halfway"),
-        "mass": _above("kg", "mass"),
-        "inertia": _above("kg m^2", "about the mass centre; of a bar m l^2 / 12 if not given"),
+        "length": BAR,
+        **_own(Body, "mass", "inertia"),
         "points": POINTS,
     },
     "pins": {"name": TEXT, "first": END, "second": END},
     "guides": {
         "name": TEXT,
         "body": TEXT,
-        "x": _any("m", "a point of the line, to the right of the origin"),
-        "y": _any("m", "a point of the line, above the origin"),
-        "direction": _any("rad", "angle of the line"),
-        "angle": _any("rad", "fixed angle of the body"),
+        **_own(Guide, "x", "y", "direction", "angle"),
     },
     "drives": {
         "body": TEXT,
-        "speed": _any("rad/s", "mean speed, counterclockwise"),
-        "angle": _any("rad", "angle of the body at the start"),
-        "frequency": _any("rad/s", "frequency of what repeats; 0: the mean speed"),
+        **_own(Drive, "speed", "angle", "frequency"),
         **_motion_of(ANGLE, "the angle"),
         "follow": Inner(
             {
                 "point": END,
-                "direction": _any("rad", "direction of the curve that a point follows"),
+                **_own(Follow, "direction"),
                 **_motion_of(LENGTH, "the point"),
             },
             ("point",),
@@ -94,15 +93,11 @@ TABLES: Mapping[str, Mapping[str, Kind]] = {
         "name": TEXT,
         "first": END,
         "second": END,
-        "stiffness": _any("N/m", "stiffness"),
-        "length": _any("m", "length without force"),
-        "damping": _any("N s/m", "damping"),
+        **_own(Spring, "stiffness", "length", "damping"),
     },
     "loads": {
         "body": TEXT,
-        "x": _any("N", "force to the right, at the mass centre"),
-        "y": _any("N", "force upwards"),
-        "moment": _any("N m", "moment, counterclockwise"),
+        **_own(Load, "x", "y", "moment"),
     },
 }
 """Keys of each table of a linkage, and what stands there; see ``known_of`` for loads."""
@@ -114,23 +109,22 @@ def _law_keys(size: str, unit: str, over: str, place: str) -> dict[str, Kind]:
     return {
         size: _any(unit, "size, or mean beside harmonics"),
         "harmonics": Columns((value,), (2,), "cosine and sine of each harmonic of the load"),
-        "frequency": _any("rad/s", "frequency of the first harmonic"),
+        **_own(Harmonics, "frequency"),
         "over_time": Columns((_any("s", ""), value), (2,), "time, and the size of the load then"),
-        "period": _any("s", "after which the table repeats; 0: never; else after a cycle"),
+        **_own(OverTime, "period"),
         over: Columns((_any(place, ""), value), (2,), "position, and the size of the load there"),
         "sense": TEXT,
         "outside": TEXT,
-        "zero": _any(place, "where the table has its zero"),
-        "rise": _above(f"{place}/s", "speed from which a load in one sense is whole"),
+        **_own(OverPosition, "zero", "repeats", unit=place),
+        **_own(OverPosition, "rise", unit=f"{place}/s"),
         "release": YES,
-        "repeats": _any(place, "after which the table repeats; 0: never"),
         "function": OWN,
     }
 
 
 FORCE: Mapping[str, Kind] = {
     "point": END,
-    "direction": _any("rad", "direction of the force"),
+    **_own(Force, "direction"),
     **_law_keys("force", "N", "over_position", "m"),
 }
 MOMENT: Mapping[str, Kind] = {"body": TEXT, **_law_keys("moment", "N m", "over_angle", "rad")}
@@ -157,11 +151,9 @@ def known_of(table: str, row: Mapping[str, Any]) -> Mapping[str, Kind]:
 WHOLE: Mapping[str, Kind] = {
     "name": TEXT,
     "watch": END,
-    "direction": _any("rad", "direction in which the point is watched"),
+    "direction": replace(ANGLE, text="direction in which the point is watched"),
     "guess": ANGLES,
-    "cycle": _above("s", "time after which the motion repeats"),
-    "run_up": RUN_UP,
-    "gravity": _any("m/s^2", "acceleration along -y"),
+    **_own(Linkage, "cycle", "run_up", "gravity"),
 }
 """Keys of a linkage beside its tables."""
 

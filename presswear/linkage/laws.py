@@ -15,6 +15,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
+from presswear.tools.checked import checked
 from presswear.tools.errors import InputError
 from presswear.tools.own import OwnFunction
 
@@ -139,6 +140,7 @@ def greatest_penetration(
     return float((energy * lost) ** (1.0 / (exponent + 1.0)))
 
 
+@checked
 @dataclass(frozen=True)
 class NormalLaw:
     """Normal contact of one joint.
@@ -168,6 +170,7 @@ class NormalLaw:
     own: OwnFunction | None = None
 
 
+@checked
 @dataclass(frozen=True)
 class FrictionLaw:
     """Friction of one joint.

@@ -6,25 +6,31 @@ bends or jumps is located by every engine: no step crosses it.  Where a function
 bends is its owner's business: no engine knows.
 """
 
-import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal, get_args
+from dataclasses import dataclass, replace
+from typing import Annotated, Any, Literal, cast
 
-from presswear.tools.errors import InputError, nearest
+from presswear.linkage.points import ANGLE, LARGE, TURNED, Attachment, End
+from presswear.tools.checked import checked
+from presswear.tools.errors import InputError
 from presswear.tools.own import OwnFunction
-
-if TYPE_CHECKING:
-    from presswear.linkage.elements import Attachment
+from presswear.tools.quantities import Meaning, check_fields, quantity
 
 Sense = Literal["both", "along", "against"]
 Outside = Literal["hold", "zero"]
 Table = Sequence[tuple[float, float]]
 
+STRONG = 1e12
+"""Greatest constant load, N or N m; the strongest press has 1e9."""
+FAST = 1e6
+"""Greatest frequency, rad/s."""
+LEAST_REPEAT = 1e-6
+"""Of a table over position, m or rad; steps end at all its nodes."""
 LEAST_GAP = 1e-6
 """Between two neighbours in a table, part of its length: closer ones are a jump."""
 
 
+@checked
 @dataclass(frozen=True)
 class Spring:
     """A linear spring and damper between two points.
@@ -38,28 +44,38 @@ class Spring:
     """
 
     name: str
-    first: "Attachment"
-    second: "Attachment"
-    stiffness: float
-    length: float
-    damping: float = 0.0
+    first: End
+    second: End
+    stiffness: Annotated[float, Meaning("N/m", 0.0, 1e12, "", "stiffness")]
+    length: Annotated[float, Meaning("m", 0.0, LARGE, "", "length without force")]
+    damping: float = quantity(0.0, "N s/m", 0.0, 1e12, "", "damping")
 
     def __post_init__(self) -> None:
-        """InputError where a number is below zero."""
-        for name, unit in (("stiffness", "N/m"), ("length", "m"), ("damping", "N s/m")):
-            _at_least(f"{name} of spring {self.name}", getattr(self, name), 0.0, unit)
+        """InputError where a number is out of range."""
+        check_fields(self)
+
+    @property
+    def ends(self) -> tuple[Attachment, Attachment]:
+        """Both its ends, which a linkage has found."""
+        return cast(tuple[Attachment, Attachment], (self.first, self.second))
 
 
+@checked
 @dataclass(frozen=True)
 class Load:
     """A constant force, N, at the mass centre of a body and moment, N m, on it."""
 
     body: str
-    x: float = 0.0
-    y: float = 0.0
-    moment: float = 0.0
+    x: float = quantity(0.0, "N", -STRONG, STRONG, "", "force to the right, at the mass centre")
+    y: float = quantity(0.0, "N", -STRONG, STRONG, "", "force upwards")
+    moment: float = quantity(0.0, "N m", -STRONG, STRONG, "", "moment, counterclockwise")
+
+    def __post_init__(self) -> None:
+        """InputError where a number is out of range."""
+        check_fields(self)
 
 
+@checked
 @dataclass(frozen=True)
 class Harmonics:
     """A Fourier series over time: mean + sum over k from 1 of a_k cos k w t + b_k sin k w t.
@@ -75,20 +91,19 @@ class Harmonics:
     """
 
     mean: float = 0.0
-    frequency: float = 0.0
+    frequency: float = quantity(0.0, "rad/s", 0.0, FAST, "", "frequency of the first harmonic")
     harmonics: Table = ()
 
     def __post_init__(self) -> None:
-        """InputError where a number is none, or harmonics have no frequency."""
-        object.__setattr__(self, "harmonics", _pairs("harmonics", self.harmonics))
-        _finite("mean", self.mean)
-        _finite("frequency", self.frequency)
+        """InputError where a number is out of range, or harmonics have no frequency."""
+        check_fields(self)
         if self.harmonics and not self.frequency > 0.0:
             raise InputError(
                 f"frequency = {self.frequency:g} rad/s: with harmonics it must be above 0"
             )
 
 
+@checked
 @dataclass(frozen=True)
 class OverTime:
     """A table over time, linear between its nodes.
@@ -103,17 +118,19 @@ class OverTime:
     """
 
     table: Table
-    period: float | None = None
+    period: float | None = quantity(
+        None, "s", 0.0, 1e6, "", "after which the table repeats; 0: never; else after a cycle"
+    )
 
     def __post_init__(self) -> None:
         """InputError where the table is none, or longer than its period."""
-        object.__setattr__(self, "table", _rising("over_time", self.table))
+        check_fields(self)
+        _rising("over_time", self.table)
         if self.period is not None:
             self.check("period", self.period)
 
     def check(self, name: str, period: float) -> None:
         """InputError unless the table fits into a period, s, of a name."""
-        _at_least(name, period, 0.0, "s")
         last = self.table[-1][0]
         if period > 0.0 and not (self.table[0][0] >= 0.0 and last <= period):
             raise InputError(
@@ -122,6 +139,7 @@ class OverTime:
             )
 
 
+@checked
 @dataclass(frozen=True)
 class OverPosition:
     """A table over the position of the point along the force, or the angle of the body.
@@ -154,22 +172,26 @@ class OverPosition:
     table: Table
     sense: Sense = "both"
     outside: Outside = "zero"
-    zero: float = 0.0
-    rise: float = 1e-3
+    zero: float = quantity(0.0, "m or rad", -TURNED, TURNED, "", "where the table has its zero")
+    rise: float = quantity(
+        1e-3, "m/s or rad/s", 1e-9, 1e6, "", "speed from which a load in one sense is whole"
+    )
     release: bool = False
-    repeats: float = 0.0
+    repeats: float = quantity(
+        0.0, "m or rad", 0.0, TURNED, "", "position after which the table repeats; 0: it does not"
+    )
 
     def __post_init__(self) -> None:
         """InputError where the table is none, or the law would jump or drive the motion."""
-        table = _rising("over_position", self.table)
-        object.__setattr__(self, "table", table)
-        _word("sense", self.sense, get_args(Sense))
-        _word("outside", self.outside, get_args(Outside))
-        _finite("zero", self.zero)
-        _at_least("repeats", self.repeats, 0.0, "m or rad")
-        if not (_is_number(self.rise) and 0.0 < self.rise < math.inf):
-            raise InputError(f"rise = {self.rise!r}: allowed is above 0 m/s or rad/s")
+        check_fields(self)
+        table = self.table
+        _rising("over_position", table)
         self._check_ends(table)
+        if 0.0 < self.repeats < LEAST_REPEAT:
+            raise InputError(
+                f"repeats = {self.repeats:g} m or rad: allowed is 0, or {LEAST_REPEAT:g} to "
+                f"{TURNED:g} m or rad"
+            )
         if self.release and (self.sense == "both" or self.repeats or len(table) < 2):
             raise InputError(
                 "release: it needs a table of two nodes that acts in one sense and does not repeat"
@@ -205,13 +227,14 @@ class OverPosition:
                     )
 
 
-Law = float | Harmonics | OverTime | OverPosition | OwnFunction | Callable[..., float]
+Law = float | Harmonics | OverTime | OverPosition | OwnFunction | Callable[..., float] | str
 """Law of the size of a load: a constant, N or N m, one of these, or a function of one's own of
-LOAD_PARAMETERS."""
+LOAD_PARAMETERS, as ``FILE.py:NAME`` too."""
 LOAD_PARAMETERS = ("time", "position", "speed")
 """What a law of one's own may ask for: s; m or rad; m/s or rad/s."""
 
 
+@checked
 @dataclass(frozen=True)
 class Force:
     """A force at a point of a body, along a direction that stays fixed on the frame.
@@ -227,13 +250,13 @@ class Force:
         the direction, measured from the origin of the frame.
     """
 
-    point: "Attachment | str"
-    direction: float
+    point: Attachment | str
+    direction: Annotated[float, replace(ANGLE, text="direction of the force")]
     law: Law
 
     def __post_init__(self) -> None:
-        """InputError where a number is none."""
-        _finite("direction", self.direction)
+        """InputError where a number is out of range."""
+        check_fields(self)
         object.__setattr__(self, "law", _law(self.law))
 
     @property
@@ -242,6 +265,7 @@ class Force:
         return self.point.partition(".")[0] if isinstance(self.point, str) else self.point.body
 
 
+@checked
 @dataclass(frozen=True)
 class Moment:
     """A moment on a body, counterclockwise.
@@ -271,50 +295,12 @@ def _law(law: Any) -> Law:
     if isinstance(law, Harmonics | OverTime | OverPosition):
         return law
     if isinstance(law, OwnFunction | dict | str) or callable(law):
-        own = OwnFunction.of("law", law)
-        own.parameters("law", LOAD_PARAMETERS)
-        return own
-    _finite("law", law)
+        return OwnFunction.asking("law", law, LOAD_PARAMETERS)
     return float(law)
 
 
-def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
-
-
-def _finite(name: str, value: Any) -> None:
-    """InputError unless a value is a finite number."""
-    if not (_is_number(value) and math.isfinite(value)):
-        raise InputError(f"{name} = {value!r}: a finite number is expected")
-
-
-def _at_least(name: str, value: Any, least: float, unit: str) -> None:
-    if not (_is_number(value) and least <= value < math.inf):
-        raise InputError(f"{name} = {value!r}: allowed is at least {least:g} {unit}")
-
-
-def _word(name: str, value: Any, words: tuple[str, ...]) -> None:
-    if value not in words:
-        raise InputError(
-            f"{name} = {value!r}: allowed is one of {', '.join(words)}{nearest(str(value), words)}"
-        )
-
-
-def _pairs(name: str, table: Any) -> Table:
-    """Pairs of finite numbers as a tuple; InputError names the one that is none."""
-    try:
-        rows = tuple((float(one), float(other)) for one, other in table)
-    except (TypeError, ValueError):
-        raise InputError(f"{name} = {table!r}: pairs of numbers are expected") from None
-    for k, row in enumerate(rows):
-        if not all(map(math.isfinite, row)):
-            raise InputError(f"{name}[{k}] = {row}: finite numbers are expected")
-    return rows
-
-
-def _rising(name: str, table: Any) -> Table:
-    """A table whose first column rises; InputError names the row that does not."""
-    rows = _pairs(name, table)
+def _rising(name: str, rows: Table) -> None:
+    """InputError unless the first column of a table rises; names the row that does not."""
     if not rows:
         raise InputError(f"{name}: a table of one row or more is expected")
     least = LEAST_GAP * (max(row[0] for row in rows) - min(row[0] for row in rows))
@@ -325,4 +311,3 @@ def _rising(name: str, table: Any) -> Table:
                 f"{name}[{k}]: {other:g} does not lie above {one:g}, the row before it, by a "
                 f"millionth of the table's length"
             )
-    return rows

@@ -2,9 +2,11 @@
 
 from dataclasses import dataclass
 
+from presswear.tools.checked import checked
 from presswear.tools.quantities import check_fields, quantity
 
 
+@checked
 @dataclass(frozen=True)
 class Materials:
     """A pin and a bearing as a pair."""

@@ -3,22 +3,14 @@
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
 from presswear.linkage.elements import Linkage
-from presswear.tools.errors import InputError
 from presswear.tools.quantities import check_fields, quantity
 
 SHORT, LONG = 1e-3, 10.0
 """Shortest and longest link that is still one of a machine, m."""
-
-HEAVIER = 1e6
-"""Mass of the heaviest body over that of the lightest, at most.
-
-Beyond it the accelerations of the light body are round-off of the forces on the heavy one:
-runs crawl at the shortest step, or end there.
-"""
 
 
 def length(status: str, default: float, text: str) -> Any:
@@ -36,16 +28,9 @@ def inertia(status: str, default: float, text: str) -> Any:
     return quantity(default, "kg m^2", 1e-9, 1e4, status, text)
 
 
-def gravity() -> Any:
-    """A dataclass field: acceleration along -y, m/s^2."""
-    return quantity(9.81, "m/s^2", -100.0, 100.0, "assumed", "gravity along -y")
-
-
 @dataclass(frozen=True)
 class Mechanism(ABC):
-    """A driven mechanism: everything but its clearance joints.
-
-    A data class of its quantities; those whose names hold ``mass`` are masses of bodies.
+    """A driven mechanism, a data class of its quantities: everything but its clearance joints.
 
     Attributes
     ----------
@@ -62,16 +47,8 @@ class Mechanism(ABC):
     loose: ClassVar[tuple[str, ...]]
 
     def __post_init__(self) -> None:
-        """InputError where a quantity is out of range, or bodies cannot move together."""
+        """InputError where a quantity is out of range."""
         check_fields(self)
-        names = [item.name for item in fields(self) if "mass" in item.name]
-        masses = {name: getattr(self, name) for name in names}
-        light, heavy = min(masses, key=masses.__getitem__), max(masses, key=masses.__getitem__)
-        if masses[heavy] > HEAVIER * masses[light]:
-            raise InputError(
-                f"{heavy} = {masses[heavy]:g} kg beside {light} = {masses[light]:g} kg: allowed is "
-                f"{HEAVIER:g} times as much"
-            )
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Self:

@@ -11,16 +11,18 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, NamedTuple, Union, cast
+from typing import Annotated, Any, NamedTuple, cast
 
 import numpy as np
 
+from presswear.linkage.points import ANGLE, Attachment, Probe, angle
 from presswear.tools.arrays import Array
-from presswear.tools.errors import InputError, unknown
+from presswear.tools.checked import checked
+from presswear.tools.errors import InputError, shown, unknown
+from presswear.tools.quantities import check_fields, quantity
 
-if TYPE_CHECKING:
-    from presswear.linkage.elements import Attachment, Probe
-
+FAST = 1e5
+"""Greatest speed and frequency of a drive, rad/s; the fastest spindles have 2e4."""
 MOST_HARMONICS = 16
 """Of a motion."""
 MOST_PIECES = 256
@@ -67,6 +69,7 @@ Manufacturing Handbook; greatest velocities and accelerations are 2 and 2 pi, 1.
 """
 
 
+@checked
 @dataclass(frozen=True)
 class Rise:
     """A rise, or return, of a motion in a part of its cycle; between rises it dwells.
@@ -80,17 +83,16 @@ class Rise:
     law : {"cycloidal", "modified-sine", "3-4-5"}
     """
 
-    start: float
-    end: float
+    start: Annotated[float, ANGLE]
+    end: Annotated[float, ANGLE]
     by: float
     law: str = "cycloidal"
 
     def __post_init__(self) -> None:
-        """InputError where a number is none, or the law is unknown."""
-        if not all(map(_is_finite, (self.start, self.end, self.by))):
-            raise InputError(f"{self}: finite numbers are expected")
+        """InputError where a number is out of range, or the law is unknown."""
+        check_fields(self)
         if self.law not in RISES:
-            raise unknown("law of a rise", str(self.law), RISES)
+            raise unknown("law of a rise", self.law, RISES)
         if not 0.0 <= self.start < self.end - LEAST_PIECE:
             raise InputError(
                 f"a rise from {self.start:g} to {self.end:g} rad: it must begin at 0 or later and "
@@ -236,27 +238,16 @@ def _following(rises: tuple[Rise, ...]) -> list[float]:
     return [*(rise.start for rise in rises[1:]), rises[0].start + _TURN]
 
 
-def _is_finite(value: Any) -> bool:
-    is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
-    return is_number and math.isfinite(value)
-
-
 def _settle(law: "Law", owner: str) -> None:
-    """Make the lists of a motion tuples of numbers; InputError where they are no motion."""
-
-    def numbers(what: str, rows: Numbers, *widths: int) -> tuple[object, ...]:
-        for row in rows:
-            if len(row) not in widths or not all(map(_is_finite, row)):
+    """InputError where the lists of numbers of a motion are no motion."""
+    check_fields(law)
+    for what, widths in (("harmonics", (2,)), ("table", (2, 4))):
+        for row in getattr(law, what):
+            if len(row) not in widths:
                 raise InputError(
-                    f"{what} of {owner}: {tuple(row)!r} is given; "
+                    f"{what} of {owner}: {shown(row)} is given; "
                     f"{' or '.join(map(str, widths))} finite numbers are expected"
                 )
-        return tuple(tuple(map(float, row)) for row in rows)
-
-    put = object.__setattr__
-    put(law, "harmonics", numbers("harmonics", law.harmonics, 2))
-    put(law, "table", numbers("table", law.table, 2, 4))
-    put(law, "rises", tuple(law.rises))
     if len(law.harmonics) > MOST_HARMONICS:
         raise InputError(
             f"harmonics of {owner}: {len(law.harmonics)} are given; allowed are 0 to "
@@ -331,6 +322,7 @@ def series(law: "Law", base: float, time: Array) -> tuple[Array, Array, Array]:
     return place, speed, faster
 
 
+@checked
 @dataclass(frozen=True)
 class Follow:
     """A curve that a point follows: its coordinate along a direction, from where it starts.
@@ -347,8 +339,8 @@ class Follow:
         As of a drive, in m.
     """
 
-    point: Union["Attachment", "Probe", str]
-    direction: float | None = None
+    point: Attachment | Probe | str
+    direction: float | None = angle("direction of the curve that a point follows", None)
     harmonics: Numbers = ()
     table: Numbers = ()
     rises: Sequence[Rise] = ()
@@ -368,6 +360,7 @@ class Follow:
         return pieces_of(*cast(Any, (self.table, self.rises)))
 
 
+@checked
 @dataclass(frozen=True)
 class Drive:
     """A body whose angle is given: a mean speed, and what repeats with a cycle beside it.
@@ -398,18 +391,18 @@ class Drive:
     """
 
     body: str
-    speed: float = 0.0
-    angle: float = 0.0
-    frequency: float = 0.0
+    speed: float = quantity(0.0, "rad/s", -FAST, FAST, "", "mean speed, counterclockwise")
+    angle: float = angle("angle of the body at the start")
+    frequency: float = quantity(
+        0.0, "rad/s", 0.0, FAST, "", "frequency of what repeats; 0: the mean speed"
+    )
     harmonics: Numbers = ()
     table: Numbers = ()
     rises: Sequence[Rise] = ()
     follow: Follow | None = None
 
     def __post_init__(self) -> None:
-        """InputError where a number is none, or what repeats has no frequency."""
-        if not all(map(_is_finite, (self.speed, self.angle, self.frequency))):
-            raise InputError(f"drive of {self.body}: finite numbers are expected")
+        """InputError where a number is out of range, or what repeats has no frequency."""
         _settle(self, self.body)
         own = [name for name in ("harmonics", "table", "rises") if getattr(self, name)]
         if self.follow is not None and own:

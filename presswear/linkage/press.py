@@ -21,16 +21,18 @@ from presswear.linkage.elements import (
     Probe,
     Revolute,
     bar_ends,
+    gravity,
+    run_up,
 )
 from presswear.linkage.mechanism import (
     LONG,
     Mechanism,
-    gravity,
     inertia,
     length,
     mass,
 )
 from presswear.linkage.motions import Drive
+from presswear.tools.checked import checked
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import check_fields, named_set, quantity
 
@@ -43,6 +45,7 @@ _length, _mass, _inertia = (partial(make, "paper") for make in (length, mass, in
 _side = partial(length, "paper, reading chosen")
 
 
+@checked
 @dataclass(frozen=True)
 class Geometry:
     """Where the frame joint O2 is, the plate's sides, and how the linkage is assembled.
@@ -64,13 +67,11 @@ class Geometry:
 
     def __post_init__(self) -> None:
         check_fields(self)
-        if not isinstance(self.name, str):
-            raise InputError(f"name of a geometry = {self.name!r}: a text is expected")
         for side in ("side_b", "side_c", "slider_side"):
             value = getattr(self, side)
-            if isinstance(value, bool) or value not in (-1.0, 1.0):
+            if value not in (-1.0, 1.0):
                 raise InputError(
-                    f"{side} = {value!r}: allowed is -1 (right, below) or 1 (left, above)"
+                    f"{side} = {value:g}: allowed is -1 (right, below) or 1 (left, above)"
                 )
         short, middle, longest = sorted((self.side_bd, self.side_bc, self.side_cd))
         if longest >= short + middle:
@@ -100,6 +101,7 @@ GEOMETRIES: dict[str, Geometry] = {
 """Three choices that meet the two printed peaks about equally well."""
 
 
+@checked
 @dataclass(frozen=True)
 class Press(Mechanism):
     """The seven-bar press: everything but its clearance joints."""
@@ -135,6 +137,7 @@ class Press(Mechanism):
         "paper, per study",
         "crank speed w: crank 7 turns at +w, crank 2 at -w",
     )
+    run_up: int = run_up()
 
     @property
     def origin(self) -> str:
@@ -198,6 +201,7 @@ class Press(Mechanism):
             watch=Probe("slider 6", 0.5 * math.pi),
             guess=self.guess,
             gravity=self.gravity,
+            run_up=self.run_up,
         )
 
     @property

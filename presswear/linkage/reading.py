@@ -35,6 +35,7 @@ from presswear.linkage.keys import (
     known_of,
 )
 from presswear.linkage.loads import (
+    LOAD_PARAMETERS,
     AnyLoad,
     Force,
     Harmonics,
@@ -81,8 +82,6 @@ def read(data: Data, place: str, *, units: bool = False, folder: Path | None = N
             raise unknown(f"key of {place}", key, (*TABLES, *WHOLE))
     whole = reader.row({k: v for k, v in data.items() if k in WHOLE}, WHOLE, place, ())
     watch, direction = whole.pop("watch", None), whole.pop("direction", None)
-    if not tables["bodies"]:
-        raise InputError(f"{place}: bodies: at least one is needed")
     try:
         linkage = Linkage(
             bodies=tuple(_body(row) for row in tables["bodies"]),
@@ -91,16 +90,14 @@ def read(data: Data, place: str, *, units: bool = False, folder: Path | None = N
                 *(Guide(**row) for row in tables["guides"]),
             ),
             drives=tuple(_drive(row) for row in tables["drives"]),
+            springs=tuple(Spring(**row) for row in tables["springs"]),
             loads=tuple(_load(row, f"loads[{k}]") for k, row in enumerate(tables["loads"])),
             **whole,
         )
-        for row in tables["springs"]:
-            for key in ("first", "second"):
-                row[key] = linkage.point(row[key], f"spring {row['name']}")
-        changes: dict[str, Any] = {"springs": tuple(Spring(**row) for row in tables["springs"])}
-        if watch is not None:
-            changes["watch"] = linkage.watching(linkage.point(watch, "watch"), direction)
-        return replace(linkage, **changes)
+        if watch is None:
+            return linkage
+        probe = linkage.watching(linkage.point(watch, "watch"), direction)
+        return replace(linkage, watch=probe)
     except InputError as error:
         raise InputError(f"{place}: {error}") from None
 
@@ -177,7 +174,8 @@ class _Reader:
     folder: Path
 
     def _own(self, place: str, value: Any) -> OwnFunction:
-        return OwnFunction.of(place, f"{self.folder / value}" if isinstance(value, str) else value)
+        given = f"{self.folder / value}" if isinstance(value, str) else value
+        return OwnFunction.asking(place, given, LOAD_PARAMETERS)
 
     def table_row(self, table: str, row: Any, place: str) -> dict[str, Any]:
         """The values of a row of one of TABLES."""

@@ -18,16 +18,18 @@ from presswear.linkage.elements import (
     Probe,
     Revolute,
     bar_ends,
+    gravity,
+    run_up,
 )
 from presswear.linkage.mechanism import (
     LONG,
     Mechanism,
-    gravity,
     inertia,
     length,
     mass,
 )
 from presswear.linkage.motions import Drive
+from presswear.tools.checked import checked
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import quantity
 
@@ -39,6 +41,7 @@ _LEAST_RATIO = 1.0001
 _length, _mass, _inertia = (partial(make, LITERATURE) for make in (length, mass, inertia))
 
 
+@checked
 @dataclass(frozen=True)
 class SliderCrank(Mechanism):
     """A slider-crank: everything but its clearance joints.
@@ -61,6 +64,7 @@ class SliderCrank(Mechanism):
     speed: float = quantity(
         5000.0 * math.pi / 30.0, "rad/s", 1.0, 5000.0, LITERATURE, "crank speed, 5000 rpm"
     )
+    run_up: int = run_up()
 
     def __post_init__(self) -> None:
         """InputError where a quantity is out of range, or the crank cannot turn all around."""
@@ -107,4 +111,5 @@ class SliderCrank(Mechanism):
             watch=Probe("slider", 0.0),
             guess={"rod": 0.0},
             gravity=self.gravity,
+            run_up=self.run_up,
         )

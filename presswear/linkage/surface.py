@@ -13,6 +13,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from presswear.tools.arrays import Array
+from presswear.tools.checked import checked
+from presswear.tools.errors import InputError, shown
 
 SIDES = ("bearing", "pin")
 
@@ -39,6 +41,7 @@ def bin_centres(count: int) -> Array:
     return (np.arange(count, dtype=np.float64) + 0.5) * (2.0 * math.pi / count)
 
 
+@checked
 @dataclass(frozen=True, eq=False)
 class Surface:
     """One worn surface, bearing or pin.
@@ -55,9 +58,11 @@ class Surface:
     slope: Array = field(init=False)
 
     def __post_init__(self) -> None:
-        depth = np.array(self.depth, dtype=float)
+        depth = np.array(self.depth)
         if depth.ndim != 1 or not np.all(np.isfinite(depth)):
-            raise ValueError("a wear depth is a one-dimensional array of finite numbers, m")
+            raise InputError(
+                f"depth = {shown(depth)}: a one-dimensional array of finite numbers is expected, m"
+            )
         slope = monotone_slopes(depth) if depth.size else np.zeros(0)
         depth.flags.writeable = slope.flags.writeable = False
         object.__setattr__(self, "depth", depth)

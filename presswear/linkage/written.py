@@ -49,7 +49,7 @@ def written(linkage: Linkage) -> dict[str, Any]:
     def end(at: Attachment) -> Any:
         if at.body == GROUND:
             return [at.x, at.y]
-        points = dict(linkage.bodies[linkage.index(at.body)].points)
+        points = {"centre": (0.0, 0.0)} | dict(linkage.bodies[linkage.index(at.body)].points)
         names = [name for name, place in points.items() if place == (at.x, at.y)]
         if names:
             return f"{at.body}.{names[0]}"
@@ -92,7 +92,7 @@ def written(linkage: Linkage) -> dict[str, Any]:
         ],
         "springs": [
             own(spring, *TABLES["springs"])
-            | {"first": end(spring.first), "second": end(spring.second)}
+            | dict(zip(("first", "second"), map(end, spring.ends), strict=True))
             for spring in linkage.springs
         ],
         "loads": [_load_written(load, end) for load in linkage.loads],

@@ -93,7 +93,7 @@ def pack_springs(linkage: Linkage) -> Records:
     """The springs of a linkage as records of SPRING."""
     springs = np.zeros(len(linkage.springs), SPRING)
     for record, spring in zip(springs, linkage.springs, strict=True):
-        for end, point in (("1", spring.first), ("2", spring.second)):
+        for end, point in zip("12", spring.ends, strict=True):
             record["first" if end == "1" else "second"] = (
                 -1 if point.body == GROUND else 3 * linkage.index(point.body)
             )

@@ -89,7 +89,7 @@ class ResultFolder(Tracker):
         self.path = path
         self.resumed: tuple[Mapping[str, Any], State] | None = None
         self.remarks: list[str] = []
-        self.kept = "its end"
+        self.kept = "kept up to its end"
         self._scene = scene
         self._interval = interval
         self._latest: Storable | None = None
@@ -239,7 +239,8 @@ class ResultFolder(Tracker):
         self._document["message"] = "stopped by the user; it can be gone on with"
         self._write()
         self._lock.release()
-        self.kept = "nothing was computed yet" if self._latest is None else self._latest.words()
+        words = self._latest and f"kept up to {self._latest.words()}"
+        self.kept = words or "nothing was computed yet"
 
     def discard(self) -> None:
         """Remove what a run left that turned out to be impossible before anything came of it."""

@@ -25,6 +25,7 @@ from presswear.results.stored import (
 )
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import read_numbers
+from presswear.tools.checked import checked
 from presswear.tools.documents import read_sealed
 from presswear.tools.errors import InputError
 from presswear.tools.files import read_checked
@@ -74,6 +75,7 @@ class Result:
     wall_s: float
     path: Path | None = None
 
+    @checked
     def stage(self, index: int) -> StageResult:
         """The stage after so many wears; InputError tells which there are."""
         for stage in self.stages:
@@ -194,6 +196,7 @@ def stored_scene(path: Path) -> tuple[Scene, StoredResult]:
     return scene, stored
 
 
+@checked
 def load(path: str | Path) -> Result:
     """Read a result folder; InputError names what is missing, cut off, altered or too new.
 

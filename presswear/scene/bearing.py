@@ -30,6 +30,7 @@ from presswear.linkage.laws import (
 )
 from presswear.linkage.materials import MATERIALS, Materials
 from presswear.linkage.surface import Surface
+from presswear.tools.checked import checked
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.own import OwnFunction
 from presswear.tools.quantities import (
@@ -42,6 +43,7 @@ from presswear.tools.quantities import (
 )
 
 
+@checked
 @dataclass(frozen=True)
 class Conventions:
     """How the paper's wear model is read; each choice stands alone."""
@@ -90,6 +92,7 @@ Law = str | OwnFunction | Callable[..., float]
 """A law by its name, or one of one's own; kept as one of the first two."""
 
 
+@checked
 @dataclass(frozen=True)
 class Bearing:
     """A joint with clearance: pin, bearing, the laws of their contact, what they are made of."""
@@ -141,9 +144,13 @@ class Bearing:
         if not isinstance(self.materials, Materials):
             # By their name, or as they were stored.
             own = self.materials
-            if not isinstance(own, dict) and own not in MATERIALS:
-                raise unknown("materials", f"{own}", MATERIALS)
-            found = Materials(**own) if isinstance(own, dict) else MATERIALS[own]
+            if not isinstance(own, dict) and not (isinstance(own, str) and own in MATERIALS):
+                raise unknown("materials", own, MATERIALS)
+            found = (
+                MATERIALS[own]
+                if isinstance(own, str)
+                else Materials(**{f"{key}": value for key, value in own.items()})
+            )
             object.__setattr__(self, "materials", found)
         for item in fields(self):
             # As it is given, or as it was stored.
@@ -239,10 +246,12 @@ class Bearing:
             law = {"stiffness": normal.stiffness, "exponent": normal.exponent}
             rest = {"damping": normal.damping, "clearance": self.clearance}
             check_normal(f"{joint}.normal_law", normal.own, law | rest)
+            normal.own.check_compiles(f"{joint}.normal_law", NORMAL_PARAMETERS)
         if friction.own is not None:
             ramp = {"lower_speed": friction.lower, "upper_speed": friction.upper}
             values = {"coefficient": friction.coefficient, **ramp}
             check_friction(f"{joint}.friction_law", friction.own, values)
+            friction.own.check_compiles(f"{joint}.friction_law", FRICTION_PARAMETERS)
 
     def joint(
         self,

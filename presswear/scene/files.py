@@ -89,7 +89,7 @@ def _mechanism(given: Any, folder: Path) -> OneMechanism:
     """A linkage from its table, or a mechanism by its kind."""
     if isinstance(given, str):
         if given not in MECHANISMS:
-            raise unknown("mechanism", given, (*MECHANISMS, f"a table [{Linkage.kind}]"))
+            raise unknown("mechanism", given, (*MECHANISMS, "a table [mechanism]"))
         return MECHANISMS[given]()
     if not isinstance(given, Mapping):
         raise InputError("mechanism: the name of one or a table [mechanism] is needed")

@@ -9,6 +9,8 @@ import numpy as np
 from presswear.engines.settings import USUAL, Engine, ExudynJoints, ExudynTree, InHouse, Purpose
 from presswear.linkage.elements import Linkage
 from presswear.linkage.laws import DAMPINGS
+from presswear.linkage.loads import LOAD_PARAMETERS, Load
+from presswear.linkage.pace import check_pace
 from presswear.linkage.press import Press
 from presswear.linkage.reading import read
 from presswear.linkage.slider_crank import SliderCrank
@@ -20,8 +22,10 @@ from presswear.physics.ideal import IdealMotion
 from presswear.scene.bearing import CONVENTIONS, Bearing, Conventions
 from presswear.scene.surfaces import settled
 from presswear.tools.arrays import Array
+from presswear.tools.checked import checked
 from presswear.tools.documents import typed
-from presswear.tools.errors import InputError, unknown
+from presswear.tools.errors import InputError, shown, unknown
+from presswear.tools.own import OwnFunction
 from presswear.tools.quantities import Choice, check_fields, choice, count, named_set, quantity
 
 OneMechanism = Press | SliderCrank | Linkage
@@ -34,6 +38,7 @@ MECHANISMS: dict[str, type[Press | SliderCrank]] = {
 ENGINES = ("exudyn", ExudynTree.word, ExudynJoints.word, InHouse.word)
 
 
+@checked
 @dataclass(frozen=True)
 class Numerics:
     """The engines, each with its settings; a run uses one of them."""
@@ -77,6 +82,7 @@ def _joints(scene: "Scene") -> tuple[str, ...]:
     return (*scene.mechanism.openable, "none")
 
 
+@checked
 @dataclass(frozen=True)
 class Scene:
     """A study of a mechanism; see the fields' own texts for units and ranges.
@@ -168,26 +174,16 @@ class Scene:
     def __post_init__(self) -> None:
         if isinstance(self.bearings, Mapping):
             self._open(self.bearings)
-        for name in ("name", "title"):
-            if not isinstance(getattr(self, name), str):
-                raise InputError(f"{name} = {getattr(self, name)!r}: a text is expected")
-        for key, status in dict(self.statuses).items():
-            if not (isinstance(key, str) and isinstance(status, str)):
-                raise InputError(f"status {status!r} of {key!r}: texts are expected")
-        for part, kind in (("bearings", Bearing), ("conventions", Conventions)):
-            if not isinstance(getattr(self, part), kind):
-                raise InputError(f"{part} = {getattr(self, part)!r}: a {kind.__name__} is expected")
+        if not isinstance(self.bearings, Bearing):
+            raise InputError(f"bearings = {shown(self.bearings)}: a Bearing is expected")
         if self.joints is None:
             self._close()
         check_fields(self)
         # One spelling, so that equal scenes are equal.
         object.__setattr__(self, "joints", self._openable.together(self.clearance_joints))
-        check_fields(self.conventions)
-        for name, own in dict(self.apart).items():
+        for name in self.apart:
             if name not in self.mechanism.openable:
                 raise unknown("joint", name, self.mechanism.openable)
-            if not isinstance(own, Bearing):
-                raise InputError(f"apart of {name} = {own!r}: a Bearing is expected")
         alike = {name: own for name, own in self.apart.items() if own != self.bearings}
         object.__setattr__(self, "apart", alike)
         begun_on = settled(self.surfaces, self.clearance_joints, self.bearing)
@@ -209,6 +205,7 @@ class Scene:
                 )
         if self.draws > 1 and not self.clearance_joints:
             raise InputError(f"starts = {self.starts}: without a clearance joint allowed is 1")
+        check_pace(self.mechanism.linkage())
         _ = self.ideal
         reason = branches_of(self.linkage()) if self.engine == ExudynTree.word else ""
         if isinstance(reason, str) and reason:
@@ -251,6 +248,10 @@ class Scene:
         """InputError where a law of one's own gives no number or makes energy; runs its text."""
         for joint in self.clearance_joints:
             self.bearing(joint).check_own_laws(joint, self.conventions.stiffness)
+        for k, load in enumerate(self.mechanism.linkage().loads):
+            own = None if isinstance(load, Load) else load.law
+            if isinstance(own, OwnFunction):
+                own.check_compiles(f"loads[{k}].function", LOAD_PARAMETERS)
 
     def bearing(self, joint: str) -> Bearing:
         """The bearing of a joint."""

@@ -164,20 +164,18 @@ def _updates(owner: Any, settings: Mapping[str, Any]) -> dict[str, Any]:
     """New values of the fields of an owner that settings change."""
     updates: dict[str, Any] = {}
     for item in fields(owner):
-        value, given = getattr(owner, item.name), settings.get(item.name)
+        value, is_given = getattr(owner, item.name), item.name in settings
         words, meaning = choice_of(item, owner), meaning_of(item)
         if words is not None:
             # First: a law of one's own is data, but no part with settings of its own.
-            if given is not None:
-                updates[item.name] = words.read(item.name, given)
+            if is_given:
+                updates[item.name] = words.read(item.name, settings[item.name])
         elif is_dataclass(value):
             updates[item.name] = _part(item, value, settings)
-        elif given is not None:
-            if meaning is not None and isinstance(given, str):
-                updates[item.name] = parse_quantity(item.name, given, meaning)
-            elif meaning is not None:
-                meaning.check(item.name, given)
-                updates[item.name] = given
+        elif is_given and meaning is not None:
+            given = settings[item.name]
+            is_text = isinstance(given, str)
+            updates[item.name] = parse_quantity(item.name, given, meaning) if is_text else given
     return updates
 
 

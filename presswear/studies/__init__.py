@@ -4,6 +4,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from presswear.tools.checked import checked
+
 if TYPE_CHECKING:
     from presswear.campaign.study import Change, Study
 
@@ -45,6 +47,7 @@ def _check_labels(plain: "Study", found: "Study") -> None:
                 )
 
 
+@checked
 def study(name: str, **settings: Any) -> "Study":
     """A named study, its scenes changed by settings as those of ``presswear.scenes`` are."""
     from presswear.scene.settings import changed
@@ -52,8 +55,14 @@ def study(name: str, **settings: Any) -> "Study":
     return make_study(name, lambda scene: changed(scene, settings))
 
 
+@checked
 def write_report(study: "Study", folder: str | Path) -> tuple[str, Path]:
     """Write the report of a study that ran into its folder; gives its answer and its path."""
+    from presswear.campaign.study import Study
+    from presswear.tools.errors import InputError, shown
+
+    if not isinstance(study, Study):
+        raise InputError(f"study = {shown(study)}: a Study is expected")
     module = import_module(f"presswear.studies.{study.name}.report")
     found: tuple[str, Path] = module.write_report(study, Path(folder))
     return found

@@ -9,7 +9,10 @@ from typing import Any
 
 
 class InputError(ValueError):
-    """Input that names nothing, is out of range or does not fit together."""
+    """Input that names nothing, is out of range or does not fit together; told in one line."""
+
+    def __init__(self, message: str) -> None:
+        super().__init__(one_line(message))
 
 
 class AssemblyError(InputError):
@@ -40,12 +43,21 @@ def nearest(name: str, known: Iterable[str]) -> str:
     return f"; did you mean {lower[found[0]]}?" if found else ""
 
 
-def unknown(kind: str, name: str, known: Iterable[str]) -> InputError:
+def unknown(kind: str, name: Any, known: Iterable[str]) -> InputError:
     """The error for a name that is none of those known, with the nearest of them."""
     words = tuple(known)
-    return InputError(
-        f"unknown {kind} {name!r}{nearest(name, words)}; known are {', '.join(words)}"
-    )
+    told = f"known are {', '.join(words)}" if words else "there is none"
+    return InputError(f"unknown {kind} {shown(name)}{nearest(f'{name}', words)}; {told}")
+
+
+MOST_OF_VALUE = 80
+"""Characters of a value in a message."""
+
+
+def shown(value: Any) -> str:
+    """A value as Python writes it, cut where it is long."""
+    text = repr(value)
+    return text if len(text) <= MOST_OF_VALUE else f"{text[: MOST_OF_VALUE - 3]}..."
 
 
 MOST_SHOWN = 1000

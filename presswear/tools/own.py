@@ -13,6 +13,32 @@ from presswear.tools.errors import InputError, unknown
 from presswear.tools.files import read_checked
 
 _MOST_BYTES = 2**18
+_MOST_ROUNDS = 1000
+_FORBIDDEN: dict[type[ast.AST], str] = {
+    ast.Raise: "raises",
+    ast.Assert: "asserts",
+    ast.Try: "tries",
+    ast.Subscript: "takes by an index",
+    ast.While: "loops while something holds",
+    ast.GeneratorExp: "makes a list",
+    ast.ListComp: "makes a list",
+    ast.SetComp: "makes a list",
+    ast.DictComp: "makes a list",
+}
+"""What no law does, in words."""
+
+
+def _is_short(loop: ast.For) -> bool:
+    """True for a loop whose number of rounds stands there, and is small."""
+    rounds = 1
+    for inner in (own.iter for own in ast.walk(loop) if isinstance(own, ast.For)):
+        try:
+            # Within a call of range nothing but whole numbers is read.
+            bounds = ast.literal_eval(ast.unparse(inner).removeprefix("range"))
+            rounds *= len(range(*bounds) if isinstance(bounds, tuple) else range(bounds))
+        except (ValueError, TypeError, SyntaxError, OverflowError):
+            return False
+    return rounds <= _MOST_ROUNDS
 
 
 def is_function(data: Any) -> bool:
@@ -80,6 +106,13 @@ class OwnFunction:
         except UnicodeDecodeError:
             raise InputError(f"{key} = {given!r}: this is no text") from None
 
+    @staticmethod
+    def asking(key: str, given: Any, known: tuple[str, ...]) -> "OwnFunction":
+        """A function as ``of`` reads it, which asks for nothing but what is known."""
+        own = OwnFunction.of(key, given)
+        own.parameters(f"{key} = {given}" if isinstance(given, str) else key, known)
+        return own
+
     def parameters(self, key: str, known: tuple[str, ...]) -> tuple[str, ...]:
         """Names of its parameters, without running it; InputError for one that is not known."""
         try:
@@ -90,12 +123,14 @@ class OwnFunction:
         if self.name not in found:
             raise unknown(f"function in {key}", self.name, tuple(found))
         for part in ast.walk(tree):
-            # Compiled and called by its address it has nobody to tell.
-            if isinstance(part, ast.Raise | ast.Assert | ast.Try | ast.Subscript):
-                what = {ast.Raise: "raises", ast.Assert: "asserts", ast.Try: "tries"}
+            # Compiled and called by its address it has nobody to tell, and nobody can stop it.
+            what = _FORBIDDEN.get(type(part), "")
+            if isinstance(part, ast.For) and not _is_short(part):
+                what = f"loops over other than a range of written numbers up to {_MOST_ROUNDS}"
+            if what:
                 raise InputError(
-                    f"{key}: {self.name} {what.get(type(part), 'takes by an index')} in line "
-                    f"{part.lineno}: a law gives a number everywhere, by arithmetic and ifs"
+                    f"{key}: {self.name} {what} in line {getattr(part, 'lineno', 1)}: a law gives "
+                    "a number everywhere, by arithmetic and ifs"
                 )
         arguments = found[self.name].args
         names = tuple(own.arg for own in arguments.args)
@@ -105,6 +140,15 @@ class OwnFunction:
             if name not in known:
                 raise unknown(f"parameter of {self.name} in {key}", name, known)
         return names
+
+    def check_compiles(self, key: str, known: tuple[str, ...]) -> None:
+        """InputError naming the key where it cannot be compiled; runs its text."""
+        from presswear.tools import compiled  # slow to import
+
+        try:
+            compiled.own_kernel(self, known)
+        except InputError as error:
+            raise InputError(f"{key}: {error}") from None
 
     def space(self) -> dict[str, Any]:
         """What its text defines; runs the text, which is the user's own."""

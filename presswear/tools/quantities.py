@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import Field, dataclass, field, fields
 from typing import Any
 
-from presswear.tools.errors import InputError, nearest
+from presswear.tools.errors import InputError, nearest, shown
 from presswear.tools.own import OwnFunction
 
 _UNITS: dict[str, tuple[str, dict[str, float]]] = {
@@ -77,7 +77,7 @@ class Meaning:
         kind = int if self.whole else (int, float)
         if not isinstance(value, kind) or isinstance(value, bool):
             raise InputError(
-                f"{name} = {value!r}: a {'whole ' if self.whole else ''}number is expected; "
+                f"{name} = {shown(value)}: a {'whole ' if self.whole else ''}number is expected; "
                 f"allowed is {self.range_text()}"
             )
         # Beyond all floats: a whole number that was stored may be of any length.
@@ -85,11 +85,15 @@ class Meaning:
             value = math.inf if value > 0 else -math.inf
         fits = self.low < value <= self.high if self.open_low else self.low <= value <= self.high
         if not (math.isfinite(value) and fits):
-            shown = f"{value:g}"
+            told = f"{value:g}"
             # What is outside by a hair must not be told as what is allowed.
-            if self.low <= float(shown) <= self.high:
-                shown = f"{value!r}"
-            raise InputError(f"{name} = {self.with_unit(shown)}: allowed is {self.range_text()}")
+            if self.low <= float(told) <= self.high:
+                told = f"{value!r}"
+            raise InputError(f"{name} = {self.with_unit(told)}: allowed is {self.range_text()}")
+
+
+NAMING = ("name", "body")
+"""First fields, or arguments, that say whose the others are."""
 
 
 def quantity(
@@ -158,9 +162,7 @@ class Choice:
         """One of the words, or a function of one's own; InputError where it is neither."""
         is_own = callable(value) or isinstance(value, OwnFunction | dict) or ".py:" in str(value)
         if self.own and is_own:
-            own = OwnFunction.of(name, value)
-            own.parameters(name, self.own)
-            return own
+            return OwnFunction.asking(name, value, self.own)
         self.check(name, value)
         return value
 
@@ -172,10 +174,10 @@ class Choice:
             parts = self.apart(value)
             if parts and len(set(parts)) == len(parts) and set(parts) <= set(self.words[:-1]):
                 return
-        if value not in self.words:
+        if not (isinstance(value, str) and value in self.words):
             raise InputError(
-                f"{name} = {value!r}: allowed is one of {', '.join(self.listed())}"
-                f"{nearest(str(value), self.words)}"
+                f"{name} = {shown(value)}: allowed is one of {', '.join(self.listed())}"
+                f"{nearest(f'{value}', self.words)}"
             )
 
 
@@ -227,20 +229,22 @@ def sets_of(item: Field[Any]) -> NamedSets | None:
 
 
 def check_fields(owner: Any) -> None:
-    """Check every quantity and choice of a dataclass instance."""
+    """Check every quantity and choice of a dataclass instance; of one with a name it is told."""
+    first = fields(owner)[0].name
+    whose = f" of {getattr(owner, first)}" if first in NAMING else ""
     for item in fields(owner):
         value = getattr(owner, item.name)
         meaning, words = meaning_of(item), choice_of(item, owner)
         if meaning is not None and not (value is None and item.default is None):
-            meaning.check(item.name, value)
+            meaning.check(f"{item.name}{whose}", value)
         if words is not None:
             words.check(item.name, value)
 
 
 def meaning_of(item: Field[Any]) -> Meaning | None:
-    """The meaning of a field made by ``quantity``; None for any other field."""
-    found = item.metadata.get("meaning")
-    return found if isinstance(found, Meaning) else None
+    """The meaning of a field made by ``quantity``, or annotated with it; None for any other."""
+    told = (item.metadata.get("meaning"), *getattr(item.type, "__metadata__", ()))
+    return next((own for own in told if isinstance(own, Meaning)), None)
 
 
 def parse_quantity(name: str, text: str, meaning: Meaning) -> float | int:

@@ -10,7 +10,13 @@ from pathlib import Path
 import pytest
 
 from presswear.__main__ import main
+from presswear.campaign import single
 from presswear.commands import scenes
+from presswear.results.folder import ResultFolder
+from presswear.scene.files import example_file, scene_from
+from presswear.scene.scene import Scene
+from presswear.show import report
+from presswear.tools.own import OwnFunction
 
 
 @pytest.mark.parametrize(
@@ -238,6 +244,46 @@ def test_a_new_file_is_listed_drawn_and_run(
     assert main(["run", "my-own.toml", "--out", "out", *options]) == 0
     assert main(["report", "out"]) == 0
     assert "report in out" in capsys.readouterr().out
+
+
+def test_a_run_goes_on_without_the_files_it_began_with(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Its folder holds the mechanism and the text of the law."""
+    monkeypatch.chdir(tmp_path)
+    law = "def soft(penetration):\n    return 1e7 * penetration\n"
+    Path("laws.py").write_text(law)
+    text = example_file("four-bar").replace("wears = 1", 'wears = 0\nnormal_law = "laws.py:soft"')
+    Path("mine.toml").write_text(text)
+    scene = scene_from(Path("mine.toml"))
+    assert isinstance(scene.bearings.normal_law, OwnFunction)
+    with ResultFolder(Path("out"), scene) as folder:
+        folder.interrupt()
+    Path("laws.py").unlink()
+    line = ["run", "mine.toml", "--resume", "--out", "out"]
+    going_on: list[Scene] = []
+
+    def run_into(store: ResultFolder, own: Scene, *more: object) -> None:
+        going_on.append(own)
+        store.interrupt()
+
+    monkeypatch.setattr(single, "run_into", run_into)
+    monkeypatch.setattr(report, "write_report", lambda result: "")
+    for _ in range(2):
+        assert main(line) == 0
+        Path("mine.toml").unlink(missing_ok=True)
+    assert going_on == [scene, scene]
+    assert main([*line, "--cycles", "3"]) == 2
+    assert "mine.toml: there is no such file" in capsys.readouterr().err
+
+
+def test_a_list_names_everything_once(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    file = tmp_path / "mine.toml"
+    file.write_text(example_file("four-bar"))
+    assert main(["list", f"{file}"]) == 0
+    keys = [line.split()[0] for line in capsys.readouterr().out.splitlines()]
+    assert len(keys) == len(set(keys))
+    assert {"gravity", "run_up", "cycle"} <= set(keys)
 
 
 @pytest.mark.parametrize(

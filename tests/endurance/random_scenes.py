@@ -15,7 +15,7 @@ from typing import Any
 from endurance.subject import OutsideError, run_part
 from presswear.linkage.laws import DAMPINGS, KELVIN_VOIGT, LUGRE
 from presswear.linkage.materials import Materials
-from presswear.linkage.mechanism import HEAVIER
+from presswear.linkage.pace import HEAVIER
 from presswear.linkage.press import GEOMETRIES, Press
 from presswear.linkage.slider_crank import SliderCrank
 from presswear.scene.bearing import LEAST_RAMP, Bearing, Conventions

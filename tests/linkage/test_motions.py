@@ -189,7 +189,10 @@ ROW = (0.0, 0.0)
         ({"table": [ROW, (2.0, 0.1), (6.5, 0.2), (7.0, 0.0)]}, "go from 0 to 7 rad; a cycle is"),
         ({"table": [ROW, (1.0, 0.1, 0.0), (2.0, 0.1)]}, "2 or 4 finite numbers are expected"),
         ({"table": [ROW, (1.0, 0.1, 0.0, 0.0), (2.0, 0.1)]}, "rows of one length are expected"),
-        ({"table": [ROW, (1.0, math.nan), (2.0, 0.1)]}, "2 or 4 finite numbers are expected"),
+        (
+            {"table": [ROW, (1.0, math.nan), (2.0, 0.1)]},
+            r"table\[1\]\[1\] of crank = nan: a finite",
+        ),
         ({"rises": [Rise(0.0, 2.0, 1.0), Rise(1.0, 3.0, -1.0)]}, "the one that ends at 2 rad must"),
         ({"rises": [Rise(1.0, 8.0, 1.0)]}, "the one that ends at 8 rad must end .* at 7.28319 rad"),
         ({"rises": [Rise(0.0, 2.0, 1.0)], "table": [ROW] * 3}, "a table and rises are given"),
@@ -220,7 +223,7 @@ def test_a_wrong_rise_or_curve_is_refused() -> None:
 def test_a_linkage_refuses_a_run_up_or_a_point_that_is_none() -> None:
     wrongs: list[Any] = [-1, 0.5, True, 2000]
     for wrong in wrongs:
-        with pytest.raises(InputError, match="run_up of linkage"):
+        with pytest.raises(InputError, match="run_up = "):
             replace(FOUR_BAR, name="linkage", run_up=wrong)
     with pytest.raises(InputError, match="unknown point of rocker in follow of crank 'haed'"):
         replace(FOUR_BAR, drives=[Drive("crank", 30.0, follow=Follow("rocker.haed"))])

@@ -66,16 +66,17 @@ def test_energy_is_the_work_of_the_moment() -> None:
     linkage, start = references.andrews(), references.andrews_start()
     end = InHouse().simulate(linkage, start, plan).end
     spring = linkage.springs[0]
+    first, second = spring.ends
 
     def stored(position: NDArray[np.float64]) -> float:
-        i = 3 * linkage.index(spring.first.body)
+        i = 3 * linkage.index(first.body)
         x, y, angle = position[i : i + 3]
         c, s = math.cos(angle), math.sin(angle)
         place = (
-            x + c * spring.first.x - s * spring.first.y,
-            y + s * spring.first.x + c * spring.first.y,
+            x + c * first.x - s * first.y,
+            y + s * first.x + c * first.y,
         )
-        stretch = math.dist(place, (spring.second.x, spring.second.y)) - spring.length
+        stretch = math.dist(place, (second.x, second.y)) - spring.length
         return 0.5 * spring.stiffness * stretch**2
 
     mass = np.array([m for body in linkage.bodies for m in (body.mass, body.mass, body.inertia)])

@@ -230,7 +230,7 @@ def test_a_scene_holds_the_curve_and_runs_the_motion() -> None:
     again = Scene.from_dict(scene.as_dict())
     assert again == scene
     follow = written(dwelling())["drives"][1]["follow"]
-    assert (follow["point"]["body"], len(follow["rises"])) == ("slider 6", 2)
+    assert (follow["point"], len(follow["rises"])) == ("slider 6.centre", 2)
     assert all(drive.follow is None for drive in scene.linkage().drives)
     assert scene.linkage().drives == followed(dwelling()).drives
 

@@ -3,6 +3,7 @@
 import math
 import re
 from dataclasses import replace
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
@@ -15,18 +16,21 @@ from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure as Sheet
 
 from presswear.engines.base import Status
+from presswear.linkage.elements import Bar, Pin
 from presswear.linkage.four_bar import FOUR_BAR
-from presswear.linkage.loads import AnyLoad, Force, Harmonics, Load, Moment
+from presswear.linkage.loads import AnyLoad, Force, Harmonics, Load, Moment, Spring
+from presswear.linkage.motions import Drive, Rise
 from presswear.linkage.surface import bin_centres
 from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
 from presswear.results.result import Result
 from presswear.results.stage import SIDES, StageResult, WearStep
-from presswear.scene.bearing import CONVENTIONS
+from presswear.scene.bearing import CONVENTIONS, Bearing
 from presswear.scene.catalog import wear_times
 from presswear.scene.scene import Scene, stage_name
 from presswear.scene.settings import changed
 from presswear.show.figures import NAMES, drawings, save
 from presswear.show.figures.mechanism import labelled
+from presswear.show.figures.motion import Window
 from presswear.show.figures.style import length_scale, round_down
 from presswear.tools.errors import InputError
 from presswear.tools.numbers import given, readable, whole, with_interval
@@ -359,6 +363,62 @@ def test_the_mechanism_is_labelled_where_it_stands() -> None:
         marks = [np.ravel(line.get_xydata()) for line in axes.lines if line.get_marker() == "+"]
         assert any(np.allclose(mark, centre, atol=1e-12) for mark in marks)
     assert words.count("11 rad/s") == 2
+
+
+def test_a_run_up_leaves_the_paths_whole() -> None:
+    """The joints' paths are those of a cycle at speed, wherever the mechanism is drawn."""
+    slow, plain = (
+        labelled(Scene(mechanism=replace(FOUR_BAR, run_up=run_up), joints="B")).sheet.axes[0]
+        for run_up in (3, 0)
+    )
+    for one, other in zip(slow.lines[:4], plain.lines[:4], strict=True):
+        lengths = [
+            np.hypot(*np.diff(np.asarray(own.get_xydata()), axis=0).T).sum() for own in (one, other)
+        ]
+        assert lengths[0] == pytest.approx(lengths[1], rel=1e-9)
+
+
+def test_pins_at_one_place_share_a_text_and_springs_are_drawn() -> None:
+    """Two pins join three bars in one place; nothing is written over."""
+    third = Bar("third", 0.1, 0.2)
+    spring = Spring("coil", "third.tail", (0.3, 0.2), 100.0, 0.1)
+    linkage = replace(
+        FOUR_BAR,
+        bodies=[*FOUR_BAR.bodies, third],
+        joints=[*FOUR_BAR.joints, Pin("B2", "rocker.head", "third.head")],
+        drives=[*FOUR_BAR.drives, Drive("third", harmonics=[(0.0, 0.1)], frequency=30.0)],
+        springs=[spring],
+    )
+    scene = Scene(linkage, bearings={"B": Bearing(clearance=1e-4)})
+    (axes,) = labelled(scene).sheet.axes
+    words = [text.get_text() for text in axes.texts]
+    assert "B, B2\nc of B = 0.1 mm" in words
+    assert "coil" in words
+    places = [text.get_position() for text in axes.texts if text.get_fontweight() == "bold"]
+    gaps = [math.dist(*pair) for pair in combinations(places, 2)]
+    assert len(places) == 4
+    assert min(gaps) > 0.01
+    coil = max(axes.lines, key=lambda line: np.asarray(line.get_xydata())[:, 0].max())
+    assert np.asarray(coil.get_xydata())[-1] == pytest.approx((0.3, 0.2))
+
+
+@pytest.mark.parametrize(
+    ("drive", "phase"),
+    [
+        (Drive("crank", 30.0), "crank angle"),
+        (Drive("crank", -30.0), "crank angle"),
+        (Drive("crank", 30.0, harmonics=[(0.0, 0.1)]), "phase of the cycle"),
+        (Drive("crank", frequency=20.0, rises=[Rise(0.0, 3.0, math.tau)]), "phase of the cycle"),
+    ],
+)
+def test_the_phase_is_a_crank_angle_only_where_a_crank_turns_with_it(
+    drive: Drive, phase: str
+) -> None:
+    linkage = replace(FOUR_BAR, drives=[drive])
+    window = Window(0.0, linkage.period, linkage.period, 0.0, linkage.phase, "")
+    axes = Sheet().subplots()
+    window.label(axes)
+    assert axes.get_xlabel() == f"{phase} since the start (degrees)"
 
 
 def test_loads_are_drawn_where_they_act() -> None:

@@ -51,8 +51,21 @@ def test_compiled_it_gives_the_same_by_its_address(a: float, b: float) -> None:
         ("def law(aa):\n    return aa\n", "did you mean a"),
         ("def law(*a):\n    return a\n", "plain names alone"),
         ("def law(a, *, b):\n    return a\n", "plain names alone"),
-        ("law = 3\n", "unknown function"),
+        ("law = 3\n", "unknown function in normal_law 'law'; there is none"),
         ("\0", "is no Python"),
+        ("def law(a):\n    while a > 0:\n        a -= 1\n    return a\n", "line 2: a law gives"),
+        ("def law(a):\n    for k in range(a):\n        a += k\n    return a\n", "loops over other"),
+        (
+            "def law(a):\n    for k in range(10**9):\n        pass\n",
+            "loops over other than a range",
+        ),
+        ("def law(a):\n    for k in range(0, 2000):\n        pass\n", "written numbers up to 1000"),
+        (
+            "def law(a):\n    for k in range(99):\n        for j in range(99):\n            pass\n",
+            "law loops over other than a range of written numbers up to 1000 in line 2",
+        ),
+        ("def law(a):\n    return sum(x for x in iter(int, 1))\n", "makes a list in line 2"),
+        ("def law(a):\n    return [x for x in (1, 2)][0]\n", "in line 2"),
     ],
 )
 def test_texts_that_define_no_law_are_refused_unread(source: str, words: str) -> None:
@@ -84,6 +97,20 @@ def test_what_is_no_number_is_told_with_its_place(body: str, words: str) -> None
 def test_what_cannot_be_read_is_refused(given_value: object) -> None:
     with pytest.raises(InputError, match="law"):
         OwnFunction.of("law", given_value)
+
+
+def test_short_loops_are_laws() -> None:
+    text = "def law(a):\n    for k in range(1, 9):\n        a += k\n    return a\n"
+    own = OwnFunction("law", text)
+    assert own.parameters("law", KNOWN) == ("a",)
+    assert own_kernel(own, KNOWN)(3.0, 0.0, 0.0) == 39.0
+
+
+def test_what_cannot_be_compiled_is_told_with_its_key() -> None:
+    own = OwnFunction("law", "def law(a):\n    return a + open('x').fileno()\n")
+    with pytest.raises(InputError, match=r"^B\.normal_law: law cannot be compiled: ") as refusal:
+        own.check_compiles("B.normal_law", KNOWN)
+    assert len(str(refusal.value).splitlines()) == 1
 
 
 def test_helpers_are_compiled_with_it() -> None:

@@ -70,7 +70,7 @@ def left_out(linkage: Linkage) -> frozenset[str]:
     known = prescribed_of(linkage)
     if len(known) == len(linkage.bodies):
         return frozenset()
-    known -= {end.body for spring in linkage.springs for end in (spring.first, spring.second)}
+    known -= {end.body for spring in linkage.springs for end in spring.ends}
     while True:
         joined = [bodies_of(joint) for joint in joints_of(linkage)]
         held = frozenset[str]().union(*(bodies for bodies in joined if not bodies <= known))
@@ -150,7 +150,7 @@ def assemble(linkage: Linkage, start: Start, recorder: Recorder) -> JointsModel:
         add_object(
             system,
             "ConnectorSpringDamper",
-            markerNumbers=[marker_at(spring.first), marker_at(spring.second)],
+            markerNumbers=[marker_at(end) for end in spring.ends],
             stiffness=spring.stiffness,
             damping=spring.damping,
             referenceLength=spring.length,

@@ -62,7 +62,7 @@ def drawings(
         nothing to draw.
     """
     for name in names:
-        if name not in NAMES:
+        if not (isinstance(name, str) and name in NAMES):
             raise unknown("figure", name, NAMES)
     stages = result.stages if stage is None else (result.stage(stage),)
     for name in names or NAMES:

@@ -7,7 +7,7 @@ from presswear.show.figures.style import WIDTH, Drawing, Sheet, Stages, legend
 
 
 def drive_work(result: Result, stages: Stages) -> list[Drawing]:
-    """Torque and power of each drive over the crank angle, where torques were stored."""
+    """Torque and power of each drive over the phase of the cycle, where torques were stored."""
     scene = result.scene
     shown = [
         stage for stage in moving_stages(result, stages) if "drive_torque" in stage.data.arrays

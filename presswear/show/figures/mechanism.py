@@ -1,6 +1,7 @@
 """The mechanism at an instant, labelled: bodies, joints, mass centres, drives, loads, angles."""
 
 import math
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from matplotlib.patches import FancyArrowPatch, Polygon
@@ -26,6 +27,8 @@ _HEIGHT = 5.2
 _INSTANTS = 361
 """At which the paths of the joints are drawn."""
 _LOAD = "tab:red"
+_WINDINGS = 10
+"""Of a spring."""
 _MARGIN = 0.16
 """Around everything that moves, part of its size."""
 
@@ -39,18 +42,21 @@ def labelled(scene: Scene, time: float = 0.0) -> Drawing:
     """Draw the mechanism of a scene at an instant, s, its joints closed."""
     linkage = scene.mechanism.linkage()
     period = scene.mechanism.period
-    times = np.append(time, np.linspace(0.0, period, _INSTANTS))
+    # A whole cycle, behind the run-up.
+    times = np.append(time, scene.run_up + np.linspace(0.0, period, _INSTANTS))
     position = scene.ideal.at(times).position
     sheet = Sheet(figsize=(WIDTH, _HEIGHT), layout="constrained")
     axes = sheet.subplots()
     ends = [(joint.name, end) for joint in linkage.revolutes for end in (joint.first, joint.second)]
     paths = {name: _path(linkage, position, end) for name, end in ends}
     centres = [_path(linkage, position, Attachment(b.name, 0.0, 0.0)) for b in linkage.bodies]
-    everything = np.vstack([*paths.values(), *centres])
+    hung = [_path(linkage, position, end) for own in linkage.springs for end in own.ends]
+    everything = np.vstack([*paths.values(), *centres, *hung])
     size = float(np.hypot(*np.ptp(everything, axis=0)))
-    for name, path in paths.items():
+    for path in paths.values():
         axes.plot(*path[1:].T, color=MUTED, linewidth=0.5, zorder=1)
-        _draw_joint(axes, scene, name, path[0], size)
+    for joints in _together({name: path[0] for name, path in paths.items()}, size):
+        _draw_joints(axes, scene, joints, paths[joints[0]][0], size)
     for name, end in ends:
         if end.body == GROUND:
             axes.plot(*paths[name][0], marker=(3, 0, 0), markersize=15, color="0.8", zorder=0)
@@ -70,6 +76,9 @@ def labelled(scene: Scene, time: float = 0.0) -> Drawing:
         hinge = next((end for _, end in ends if end.body == drive.body), None)
         if hinge is not None:
             _draw_drive(axes, _path(linkage, position, hinge)[0], drive.mean_speed, size)
+    for spring in linkage.springs:
+        one, other = (_path(linkage, position, end)[0] for end in spring.ends)
+        _draw_spring(axes, spring.name, one, other)
     for load in linkage.loads:
         point = load.point if isinstance(load, Force) else f"{load.body}.centre"
         _draw_load(axes, load, _path(linkage, position, linkage.point(point, "loads"))[0], size)
@@ -88,6 +97,7 @@ def labelled(scene: Scene, time: float = 0.0) -> Drawing:
         "triangles: on the frame; dashed: guides. A cross is a mass centre; the thin arrow from it "
         "is the body's x axis, whose angle counts counterclockwise from the right. Bent arrows: "
         "drives; the thick black arrow: what is watched, along its direction. "
+        f"{'Zigzag: springs. ' if linkage.springs else ''}"
         f"{'Red: loads, along the directions in which they count. ' if linkage.loads else ''}"
         "Grey: the paths of the joints."
     )
@@ -104,14 +114,28 @@ def _path(linkage: Linkage, position: Array, end: Attachment) -> Array:
     return np.column_stack([x + cosine * end.x - sine * end.y, y + sine * end.x + cosine * end.y])
 
 
-def _draw_joint(axes: Axes, scene: Scene, name: str, place: Array, size: float) -> None:
-    words = name
-    if name in scene.clearance_joints:
-        words = f"{name}\nc = {1e3 * scene.bearing(name).clearance:g} mm"
+def _together(places: Mapping[str, Array], size: float) -> list[list[str]]:
+    """Names of what lies at one place, part of the drawing, in their order."""
+    found: list[list[str]] = []
+    for name, place in places.items():
+        near = (own for own in found if np.abs(places[own[0]] - place).max() < 0.01 * size)
+        own = next(near, None)
+        found.append([name]) if own is None else own.append(name)
+    return found
+
+
+def _draw_joints(axes: Axes, scene: Scene, names: Sequence[str], place: Array, size: float) -> None:
+    """The pin joints at one place, their names in one text."""
+    loose = [name for name in names if name in scene.clearance_joints]
+    if loose:
         axes.plot(*place, "o", markersize=11, markerfacecolor="none", color="black", zorder=5)
     axes.plot(*place, "o", markersize=5, markerfacecolor="white", color="black", zorder=6)
+    words = [", ".join(names)]
+    for name in loose:
+        of = f" of {name}" if len(names) > 1 else ""
+        words.append(f"c{of} = {1e3 * scene.bearing(name).clearance:g} mm")
     x, y = place + 0.022 * size
-    axes.text(x, y, words, weight="bold", zorder=7)
+    axes.text(x, y, "\n".join(words), weight="bold", zorder=7)
 
 
 def _draw_body(
@@ -164,6 +188,24 @@ def _arrow(axes: Axes, start: Array, end: Array, colour: str, linewidth: float =
     )  # fmt: skip
 
 
+def _draw_spring(axes: Axes, name: str, one: Array, other: Array) -> None:
+    """A zigzag between the ends of a spring."""
+    part = np.linspace(0.0, 1.0, 4 * _WINDINGS + 1)
+    across = np.array([other[1] - one[1], one[0] - other[0]])
+    length = max(float(np.hypot(*across)), 1e-300)
+    swing = 0.03 * np.sin(2.0 * math.pi * _WINDINGS * part) * (np.abs(part - 0.5) < 0.4)
+    line = one + np.outer(part, other - one) + np.outer(swing, across)
+    axes.plot(*line.T, color=MUTED, linewidth=1.0, zorder=2)
+    axes.annotate(
+        name,
+        tuple(0.5 * (one + other)),
+        xytext=tuple(9.0 * across / length),
+        textcoords="offset points",
+        color=MUTED,
+        zorder=7,
+    )
+
+
 def _draw_load(axes: Axes, load: AnyLoad, place: Array, size: float) -> None:
     """An arrow that ends where a force acts, along it; a bent one for a moment."""
     direction, moment = None, 1.0
@@ -174,7 +216,7 @@ def _draw_load(axes: Axes, load: AnyLoad, place: Array, size: float) -> None:
         moment = load.moment
     if direction is not None:
         along = np.array([math.cos(direction), math.sin(direction)])
-        _arrow(axes, place - 0.12 * size * along, place, _LOAD, 1.4)
+        _arrow(axes, place - 0.19 * size * along, place, _LOAD, 1.4)
     if not isinstance(load, Force) and moment:
         _bent_arrow(axes, place, moment, 0.045 * size, _LOAD)
 

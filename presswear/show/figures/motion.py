@@ -59,6 +59,8 @@ class Window:
     ----------
     begin, end, period, run_up : float
         s.
+    phase : str
+        Name of the angle that is a whole turn in a cycle.
     words : str
         The part in words.
     """
@@ -67,16 +69,17 @@ class Window:
     end: float
     period: float
     run_up: float
+    phase: str
     words: str
 
     def label(self, axes: Axes) -> None:
-        """Limit an axis of time to it, and mark the crank's angle there."""
+        """Limit an axis of time to it, and mark the phase of the cycle there."""
         axes.set_xlim(self.begin, self.end)
         axes.xaxis.set_major_locator(MultipleLocator(0.25 * self.period))
         axes.xaxis.set_major_formatter(
             lambda time, place: f"{360.0 * (time - 0.5 * self.run_up) / self.period:.0f}"
         )
-        axes.set_xlabel("crank angle since the start (degrees)")
+        axes.set_xlabel(f"{self.phase} since the start (degrees)")
 
 
 def settled(result: Result, stages: Sequence[ShownStage]) -> tuple[list[ShownStage], Window]:
@@ -100,7 +103,8 @@ def settled(result: Result, stages: Sequence[ShownStage]) -> tuple[list[ShownSta
     words = f"{words} of {1e3 * period:.0f} ms"
     if run_up > 0.0:
         words += " behind the run-up"
-    return shown, Window(begin, end, period, run_up, words)
+    phase = result.scene.mechanism.linkage().phase
+    return shown, Window(begin, end, period, run_up, phase, words)
 
 
 def response(result: Result, stages: Stages) -> list[Drawing]:

@@ -68,7 +68,7 @@ def attachments(linkage: Linkage, body: str) -> list[tuple[str, Attachment]]:
     pairs = chain(
         ((joint.name, joint.first, joint.second) for joint in linkage.revolutes),
         ((joint.name, joint.bearing, joint.pin) for joint in linkage.clearances),
-        ((spring.name, spring.first, spring.second) for spring in linkage.springs),
+        ((spring.name, *spring.ends) for spring in linkage.springs),
     )
     return [(name, end) for name, *ends in pairs for end in ends if end.body == body]
 

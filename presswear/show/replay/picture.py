@@ -4,7 +4,6 @@ Bodies, bearings and pins are rigid bodies whose coordinates are those that were
 what changes its shape (forces, paths, words) is drawn anew for every frame.
 """
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -24,7 +23,7 @@ from presswear.show.replay.bodies import (
 )
 from presswear.show.replay.joints import FORCE, EnlargedJoint
 from presswear.show.replay.layout import Layout, Panel, layout_of
-from presswear.show.replay.reel import NORMAL, TANGENTIAL, Instant, Subject, points_of
+from presswear.show.replay.reel import NORMAL, Instant, Subject, points_of
 from presswear.show.replay.shapes import Shape, graphics, line, text
 from presswear.tools.exudyn import exudyn_module
 
@@ -140,6 +139,7 @@ class Picture:
         for show, instant in zip(self._shows, instants, strict=True):
             coordinates.append(instant.past[-1])
             words += self._title(show, instant, note)
+            ink += self._springs(show, instant)
             for own, row, peak in zip(show.joints, instant.joints, instant.peaks, strict=True):
                 bearing, pin = (
                     points_of(show.subject.linkage, instant.past, end)
@@ -151,6 +151,17 @@ class Picture:
         self._place(np.concatenate(coordinates), instants[0].time)
         self.system.SetObjectParameter(self._ink, "VgraphicsData", [graphics(ink), *words])
 
+    def _springs(self, show: _Show, instant: Instant) -> list[Shape]:
+        """A line from end to end of each spring."""
+        linkage, shapes = show.subject.linkage, []
+        for spring in linkage.springs:
+            one, other = (
+                points_of(linkage, instant.past[-1:], end)[0, :2] + show.panel.offset
+                for end in spring.ends
+            )
+            shapes.append(line(one, other, 0.5 * self._scale.bar, self._scale.layer(38), STEEL))
+        return shapes
+
     def _place(self, coordinates: Array, time: float) -> None:
         data = self.system.systemData
         for kind in (exu.ConfigurationType.Current, exu.ConfigurationType.Visualization):
@@ -161,7 +172,8 @@ class Picture:
         font, z = self._scale.font, self._scale.layer(95)
         above = own.centre + np.array([-1.45, 1.13]) * own.radius
         below = own.centre + np.array([-1.45, -1.19]) * own.radius
-        force = f"force {math.hypot(row[NORMAL], row[TANGENTIAL]):.0f} N, peak {peak:.0f} N"
+        # Both of the normal force: a peak of one beside a value of the other would lie below it.
+        force = f"normal {row[NORMAL]:.0f} N, peak {peak:.0f} N"
         words = [text(above, f"{own.joint.name}: {force}", z, font, own.paint)]
         for i, factor in enumerate(own.words()):
             words.append(text(below - [0.0, i * self._line(0.8)], factor, z, 0.75 * font, INK))
@@ -176,7 +188,7 @@ class Picture:
         followed = run_up_motion(np.array(instant.time), subject.linkage.run_up_time)[0]
         turned = 360.0 * float(followed) / subject.period
         state = (
-            f"t = {instant.time:.4f} s   crank {turned % 360.0:5.1f} deg "
+            f"t = {instant.time:.4f} s   {subject.linkage.phase} {turned % 360.0:5.1f} deg "
             f"of cycle {int(turned // 360.0) + 1}"
         )
         below = show.panel.title - [0.0, self._line(1.2)]

@@ -91,8 +91,9 @@ class Reel(Subject):
 
     @property
     def start(self) -> float:
-        """Time, s, after the first cycle, in which pins settle, if there are more."""
-        return self.period if self.span[1] >= 1.98 * self.period else 0.0
+        """Time, s, after the run-up and, if there are more, the first cycle: pins settle in it."""
+        run_up = self.linkage.run_up_time
+        return run_up + self.period * (self.span[1] - run_up >= 1.98 * self.period)
 
     @property
     def slowed(self) -> float:
@@ -194,7 +195,7 @@ def played(slowed: float) -> str:
 
 
 def frames_at(reels: Sequence[Reel], time: float) -> tuple[int, ...]:
-    """The frame of each reel at one crank angle: that of the first at a time, s.
+    """The frame of each reel at one phase of the cycle: that of the first at a time, s.
 
     InputError where a reel does not reach so far.
     """

@@ -213,7 +213,7 @@ def _show(
 ) -> None:
     """The process of the window."""
     first = reels[0]
-    # Every reel has frames up to the crank angle at which the shortest ends.
+    # Every reel has frames up to the phase at which the shortest ends.
     last = first.period * min(reel.span[1] / reel.period for reel in reels)
     player = Player(first.span[0], last, start, slowed, first.period / FRAMES_PER_CYCLE)
     window = Window(Picture(reels, size), player.press)

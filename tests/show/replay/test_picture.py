@@ -1,5 +1,6 @@
 """The picture shows what was stored: positions, joints and forces in the renderer's own data."""
 
+import re
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -10,6 +11,7 @@ from made_up_reel import FRAMES, made_up_reel
 from numpy.typing import NDArray
 
 from presswear.linkage.elements import ClearanceJoint
+from presswear.linkage.loads import Spring
 from presswear.show.replay.bodies import attachments
 from presswear.show.replay.joints import FORCE, EnlargedJoint
 from presswear.show.replay.picture import Picture
@@ -135,6 +137,30 @@ def test_force_is_an_arrow_as_long_as_its_root() -> None:
     assert length(0.25 * largest) == pytest.approx(0.5 * length(largest))
 
 
+def test_a_peak_in_words_is_never_below_its_force(picture: Picture) -> None:
+    """With friction the whole force is above the normal one, of which the peak is."""
+    instant = REEL.instant(20, 20)
+    joints = instant.joints * np.array([100.0, 100.0, 1.0, 1.0, 1.0, 1.0])
+    picture.set([replace(instant, joints=joints, peaks=joints[:, 0])], 0.0, "")
+    told = picture.container.renderer.GetGraphicsData()["texts"]["text"]
+    words = [re.search(r": \D* (\d+) N, peak (\d+) N$", own) for own in told]
+    pairs = [own.groups() for own in words if own is not None]
+    assert len(pairs) == 2
+    assert all(int(force) == int(peak) > 0 for force, peak in pairs)
+
+
+def test_a_spring_goes_from_end_to_end() -> None:
+    spring = Spring("coil", LINKAGE.point("slider 6.centre", ""), (0.4, -0.3), 100.0, 0.1)
+    picture = Picture([replace(REEL, linkage=replace(LINKAGE, springs=[spring]))], (480, 320))
+    picture.set([REEL.instant(20, 20)], 0.0, "")
+    ink = 1 + len(LINKAGE.bodies) + 4 * len(LINKAGE.clearances)
+    points = drawn(picture, ink)[0][:, :2] - picture.layout.panels[0].offset
+    slider = points_of(LINKAGE, REEL.film.position[[20]], spring.ends[0])[0, :2]
+    for end in (slider, np.array([0.4, -0.3])):
+        assert np.hypot(*(points - end).T).min() < 0.02
+    picture.close()
+
+
 def test_pixels_show_bodies_in_their_colours_and_a_contact_in_red(picture: Picture) -> None:
     picture.set([REEL.instant(20, 20)], 0.3, "")  # even frames press
     pixels = picture.image()
@@ -161,7 +187,7 @@ def test_words_tell_time_angle_stage_forces_and_factors(picture: Picture) -> Non
         f"t = {instant.time:.4f} s",
         "72.0 deg of cycle 1",
         "slowed 18 times",
-        f"A: force {np.hypot(*instant.joints[0, :2]):.0f} N, peak {instant.peaks[0]:.0f} N",
+        f"A: normal {instant.joints[0, 0]:.0f} N, peak {instant.peaks[0]:.0f} N",
         "clearance, wear x",
         "orange: wear once more",
     ):
