@@ -230,10 +230,11 @@ def distance(press: Any, one: Array, other: Array) -> float:
 
 
 def touch_distance(one: Touches, other: Touches) -> float:
-    """Greatest difference of the touches' times, s; infinite where they are not the same."""
-    if [k for k, _ in one] != [k for k, _ in other]:
+    """Greatest difference of the touches' times, s, joint by joint; infinite where one lacks."""
+    if sorted(k for k, _ in one) != sorted(k for k, _ in other):
         return math.inf
-    return max((abs(t - s) for (_, t), (_, s) in zip(one, other, strict=True)), default=0.0)
+    pairs = zip(sorted(one), sorted(other), strict=True)
+    return max((abs(t - s) for (_, t), (_, s) in pairs), default=0.0)
 
 
 def at_error(settings: Sequence[Setting], error: float) -> Level | None:

@@ -91,7 +91,7 @@ def _beside(found: SideBySide) -> TextTable:
     for method in found.methods:
         cells = [method.name]
         for level in method.levels:
-            cells.append(f"{level.value:.1e}" if level else "-")
+            cells.append(f"{level.value:.2g}" if level else "-")
             cells += map(_ratio, _costs_of(level), units)
         rows.append(tuple(cells))
     sentences = [
@@ -140,18 +140,17 @@ def _runs(found: SideBySide) -> TextTable:
                 (
                     method.name,
                     task,
-                    f"{own.value:.1e}",
+                    f"{own.value:.2g}",
                     *("-" if x is None else f"{x:.1e}" for x in (own.error, own.touch_error)),
                     _fixed(own.steps, 0),
                     _fixed(own.evaluations / own.steps, 1) if own.evaluations else "-",
                     "failed" if cost is None else _fixed(1e6 * cost / own.steps, 2),
-                    _ratio(cost, found.units["ab".index(task)].cost),
                 )
             )
     return TextTable(
         "Work and precision",
         ("method", "task"),
-        ("setting", "error, m", "touches, s", "steps/s", "a step", "us/step", "ratio"),
+        ("setting", "error, m", "touches, s", "steps/s", "a step", "us/step"),
         tuple(rows),
         (
             "A setting is a tolerance, a step in s, or for exudyn-joints the steps in an impact. "
