@@ -115,9 +115,10 @@ def in_house(t: float, y: Array, onset: Array) -> Array:
 closing = st.one_of(st.just(OPEN), st.floats(1e-3, 0.5))
 # On the ramp of friction, below it, above it.
 sliding = st.one_of(st.floats(-1.2e-3, 1.2e-3), st.floats(-1.0, 1.0))
-# Not near zero: an unlatched damping divides by it.
+# Neither near zero, where the round-off of places is large beside them.
 rate = st.one_of(st.floats(1e-3, 0.3), st.floats(-0.3, -1e-3))
-pin = st.tuples(st.floats(0.0, 6.3), st.floats(-1e-4, 4e-5), rate, sliding)
+depth = st.one_of(st.floats(-1e-4, -1e-8), st.floats(1e-5, 4e-5))
+pin = st.tuples(st.floats(0.0, 6.3), depth, rate, sliding)
 
 
 @settings(max_examples=80, deadline=None)

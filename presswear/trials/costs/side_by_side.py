@@ -39,7 +39,7 @@ Runs = Callable[[float, float], Outcome]
 
 REFERENCE = 1e-12
 """Tolerance of the in-house solver that errors are held against."""
-LEVELS = (1e-6, 1e-9)
+LEVELS = (1e-6, 1e-7, 1e-9)
 """Errors at which costs are compared, m."""
 TOO_DEAR = 40.0
 """Cost in task a, of the open tree's as scenes take it, above which task b is left out."""
@@ -147,7 +147,10 @@ def starts_of(scene: Scene, count: int) -> list[Start]:
 def run_engine(scene: Scene, start: Start, engine: Engine, end: float, recorded: bool) -> Outcome:
     """Run an engine on the unworn linkage of a scene; RunFailed if it fails."""
     linkage, plan = scene.linkage(), Plan(end, 1, 1, torques=False)
-    engine, recorder = engine.over(scene.mechanism.period), recorder_of(linkage, start, plan)
+    engine, recorder = (
+        engine.resolved().over(scene.mechanism.period),
+        recorder_of(linkage, start, plan),
+    )
     prepare = import_module(f"presswear.engines.{engine.word.replace('-', '_')}.engine").prepare
     running = prepare(linkage, start, engine, plan, recorder)
     if not recorded:
@@ -189,7 +192,8 @@ def methods_of(
     scene: Scene, start: Start, recorded: float
 ) -> dict[str, tuple[tuple[float, ...], Runs]]:
     """Settings of each method, coarse to fine, and how it runs; up to a time, s, recorded."""
-    press, own, period = numbers_of(scene), scene.numerics, scene.mechanism.period
+    press, period = numbers_of(scene), scene.mechanism.period
+    own = scene.numerics.resolved("trajectory")
     at_start = state_of(scene.linkage(), start)
     longest = own.tree.longest(period)
 
@@ -203,7 +207,7 @@ def methods_of(
     def by(peer: Callable[..., Outcome], *words: str) -> Runs:
         return lambda value, end: peer(press, at_start, end, *words, value, longest)
 
-    tree = sorted({*TOLERANCES, own.tree.tree_tolerance}, reverse=True)
+    tree = sorted({*TOLERANCES, own.tree.tolerance}, reverse=True)
     found: dict[str, tuple[tuple[float, ...], Runs]] = {
         TREE: (tuple(tree), engine(lambda value: replace(own.tree, tree_tolerance=value)))
     }
@@ -291,7 +295,7 @@ def side_by_side(scene: Scene, short: float, cycles: float, repeats: int, told: 
     RunFailed where the open tree as scenes take it fails.
     """
     press, long = numbers_of(scene), cycles * scene.mechanism.period
-    starts, default = starts_of(scene, repeats), scene.numerics.tree.tree_tolerance
+    starts, default = starts_of(scene, repeats), scene.numerics.tree.tolerance
     told("reference", 0.0)
     precise = InHouse(integration_tolerance=REFERENCE)
     references = [run_engine(scene, start, precise, short, recorded=True) for start in starts]

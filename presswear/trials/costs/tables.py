@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from presswear.engines import settings
 from presswear.trials.costs.features import FeatureTable
 from presswear.trials.costs.side_by_side import (
     HAND,
@@ -87,28 +88,32 @@ def _costs_of(level: Level | None) -> tuple[float | None, float | None]:
 
 def _beside(found: SideBySide) -> TextTable:
     units = [own.cost or 0.0 for own in found.units]
+    order, tolerance = settings.IN_HOUSE["wear"]
     rows = []
     for method in found.methods:
         cells = [method.name]
         for level in method.levels:
-            cells.append(f"{level.value:.2g}" if level else "-")
             cells += map(_ratio, _costs_of(level), units)
         rows.append(tuple(cells))
     sentences = [
-        f"Processor time in parts of that of {TREE} at {found.units[0].value:.0e}, as scenes take "
-        f"it, at equal error; medians over {len(found.units[1].seconds)} starts, run in turn.",
+        f"Processor time in parts of that of {TREE} at {found.units[0].value:.0e}, its tolerance "
+        f"for trajectories, at equal error; medians over {len(found.units[1].seconds)} starts, run "
+        "in turn.",
         f"Task a is the first {found.short:g} s with {found.touches} touches. The error is that "
         "of the slider and of the links' ends, against the in-house solver at "
-        f"{REFERENCE:.0e}; the setting that makes it is found between two others. Task b is "
+        f"{REFERENCE:.0e}; cost and setting are found between those of two others. Task b is "
         f"{found.long:.3g} s at that setting: pins rest in contact nine tenths of the time. What "
         f"takes more than {TOO_DEAR:g} times the tree's time in task a is left out.",
+        f"For wear scenes take {settings.TREE_TOLERANCES['wear']:.0e} in {TREE} and "
+        f"{order.upper()} at {tolerance:.0e} in-house; the errors that these make in task a stand "
+        "below.",
         "By hand: minimal coordinates, compiled, 2 by 2 equations solved directly; the loop sums "
         "the work of friction, the others keep nothing.",
         *(_verdict(found, k) for k in range(len(LEVELS))),
     ]
     if found.missing:
         sentences.append(f"Not installed: {', '.join(found.missing)}.")
-    numbers = tuple(name for error in LEVELS for name in (f"for {error:.0e} m", "a", "b"))
+    numbers = tuple(name for error in LEVELS for name in (f"{error:.0e} m: a", "b"))
     return TextTable("Same work, side by side", ("method",), numbers, tuple(rows), tuple(sentences))
 
 
@@ -153,7 +158,8 @@ def _runs(found: SideBySide) -> TextTable:
         ("setting", "error, m", "touches, s", "steps/s", "a step", "us/step"),
         tuple(rows),
         (
-            "A setting is a tolerance, a step in s, or for exudyn-joints the steps in an impact. "
+            "A setting is a tolerance, a step in s, or for exudyn-joints the steps in an impact; "
+            "those of task b make the errors above. "
             "Steps are those tried in a simulated second; beside them the evaluations in a step.",
         ),
     )
