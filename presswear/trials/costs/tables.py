@@ -145,7 +145,7 @@ def _runs(found: SideBySide) -> TextTable:
                 (
                     method.name,
                     task,
-                    f"{own.value:.2g}",
+                    f"{own.value:.3g}",
                     *("-" if x is None else f"{x:.1e}" for x in (own.error, own.touch_error)),
                     _fixed(own.steps, 0),
                     _fixed(own.evaluations / own.steps, 1) if own.evaluations else "-",
