@@ -48,15 +48,16 @@ def add(commands: Any) -> None:
 
     costs = commands.add_parser(
         "costs",
-        description=f"Times the scene {SCENE} on one core, with each feature on and off, in every "
-        "engine at equal work, and stage by stage in the open tree. Ratios hold within one run "
-        "of this command; keep the machine calm meanwhile. About four minutes.",
+        description=f"Runs the scene {SCENE} in every engine, as one would write it by hand, in "
+        "scipy's codes, and in MuJoCo and Drake where they are installed, at equal error; then "
+        "times it on one core with each feature on and off. Ratios hold within one run of this "
+        "command; keep the machine calm meanwhile. Below 15 minutes.",
         epilog="example: presswear costs --repeats 7 --out results/costs-calm",
     )
     add_out(costs, "costs")
     costs.add_argument("--repeats", help="how often each run is timed (default 5)")
     costs.add_argument(
-        "--quick", action="store_true", help="short runs, twice each: rough, below a minute"
+        "--quick", action="store_true", help="short runs, twice each: rough, two minutes"
     )
     costs.set_defaults(run=_costs)
 

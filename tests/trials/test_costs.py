@@ -10,15 +10,12 @@ from rich.console import Console
 
 from presswear.__main__ import main
 from presswear.commands.trials import print_text_table
-from presswear.engines.base import Plan
-from presswear.engines.exudyn_tree import engine
 from presswear.engines.settings import ExudynJoints, InHouse
 from presswear.scene.catalog import scene_named
-from presswear.tools.errors import InputError, RunFailed
+from presswear.tools.errors import RunFailed
 from presswear.trials.costs import study as costs_study
-from presswear.trials.costs.equal_work import FIXED, FIXED_STEP, check_fixed, equal_work
 from presswear.trials.costs.features import SWITCHES, deepest, plan_of, timed_run, wear_once
-from presswear.trials.costs.profile import call_costs, profile, record
+from presswear.trials.costs.side_by_side import HAND, LEVELS, TREE
 from presswear.trials.costs.study import Costs, CostsExtent, store, study
 from presswear.trials.costs.tables import markdown_of, tables_of
 from presswear.trials.timing import Timing, model_of, time_runs
@@ -27,9 +24,9 @@ SHORT = CostsExtent(
     repeats=2,
     tree_cycles=0.05,
     joints_cycles=0.02,
-    profile_cycles=0.05,
     wear_cycles=1,
-    equal_time=0.0105,
+    short=0.0105,
+    long=0.02,
 )
 JOINTS = replace(scene_named("wear-times"), engine=ExudynJoints.word)
 SHORTEST = timed_run("short", scene_named("wear-times"), 0.01)
@@ -86,66 +83,27 @@ def test_a_switch_changes_what_is_modelled(found: Costs) -> None:
     assert rows["friction", "on"].steps != rows["friction", "off"].steps
 
 
-def test_engines_are_complete_and_compared_with_fixed_steps(found: Costs) -> None:
-    work = found.engines
-    names = [row.timing.name for row in work.rows]
-    assert len(names) == len(set(names)) == 7
-    assert sum(name.startswith("tree") for name in names) == 4
-    assert work.touchdowns == 1
-    for row in work.rows:
-        assert row.faster == pytest.approx(work.fixed.timing.per_second / row.timing.per_second)
+def test_all_methods_are_run_side_by_side(found: Costs) -> None:
+    beside = found.side_by_side
+    names = [method.name for method in beside.methods]
+    assert names[:5] == [TREE, "dae, DOPRI5", "dae, DOP853", "exudyn-joints", HAND]
+    assert {"by hand, LSODA", "by hand, DOP853", "by hand, Radau"} < set(names)
+    assert len(names) + len(beside.missing) == 10
+    assert beside.touches == 1
+    for method in beside.methods:
+        assert [own.failure for own in method.settings] == [""] * len(method.settings)
+        assert all(len(own.seconds) == SHORT.repeats for own in method.settings)
         # No more than the clearance: it is the same motion.
-        assert 0.0 <= row.slider_error < 1e-4
-    errors = [row.touchdown_error for row in work.rows if "tolerance 1e-10" in row.timing.name]
-    assert errors[0] < 1e-8
-
-
-def test_fixed_steps_are_all_of_one_length() -> None:
-    plan = Plan(3e-3, 1, 1, torques=False)
-    timed = replace(timed_run("fixed", JOINTS, 1.0), engine=FIXED, plan=plan)
-    rows = timed.run().recorder.book.record
-    assert int(rows["steps"][0]) == 3001  # the start is one
-    timing = time_runs([timed], 1, silent)[0]
-    assert timing.steps * FIXED_STEP == pytest.approx(timing.simulated, rel=1e-12)
-    check_fixed(timing)
-    for broken in (replace(timing, steps=timing.steps + 1), replace(timing, sent_back=1)):
-        with pytest.raises(RunFailed, match="1e-06"):
-            check_fixed(broken)
-
-
-def test_an_end_without_touches_has_no_touchdown_error() -> None:
-    work = equal_work(scene_named("wear-times"), 1e-5, 1, silent)
-    assert work.touchdowns == 0
-    assert work.tree.touchdown_error == 0.0
-
-
-def test_stages_add_up_to_the_run(found: Costs) -> None:
-    assert list(found.profiles) == ["unworn", "worn"]
-    for each in found.profiles.values():
-        assert sum(part.seconds for part in each.parts) == pytest.approx(each.timing.wall)
-        assert each.calls >= 6 * each.timing.attempts
-        assert each.share_of("Exudyn", "Python", "kernel") == pytest.approx(1.0)
-        assert each.largest_python.kind == "Python"
-        assert {part.kind for part in each.parts} == {"Exudyn", "Python", "kernel"}
-
-
-def test_a_profile_leaves_the_engine_as_it_was() -> None:
-    before = dict(vars(engine))
-    profile(SHORTEST, 1, silent)
-    assert dict(vars(engine)) == before
-
-
-def test_recording_does_not_change_a_run() -> None:
-    run = SHORTEST.run()
-    stages, steps = record(SHORTEST)
-    assert len(steps.time) == int(run.diagnostics["steps"]) + 1
-    assert steps.time[-1] == pytest.approx(run.time)
-    assert len(stages.time) > int(run.diagnostics["evaluations"])
-
-
-def test_what_a_call_takes_is_known_for_the_tree_only() -> None:
-    with pytest.raises(InputError, match="no run of the open tree"):
-        call_costs(timed_run("joints", JOINTS, 0.01))
+        assert all(own.error is not None and own.error < 1e-3 for own in method.settings)
+        for level, error in zip(method.levels, LEVELS, strict=True):
+            assert level is None or level.error == error
+            assert level is None or level.long is None or level.long.value == level.value
+    by_name = {method.name: method for method in beside.methods}
+    assert beside.units[0] in by_name[TREE].settings
+    assert beside.units[1].value == beside.units[0].value
+    finest = by_name[HAND].settings[-1]
+    assert finest.steps == pytest.approx(1.0 / finest.value)
+    assert finest.evaluations == 4.0 * finest.steps
 
 
 def test_worn_surfaces_come_from_a_wear() -> None:
@@ -189,7 +147,7 @@ def test_markdown_and_terminal_hold_every_row(
         assert all(sentence in text for sentence in table.sentences)
         print_text_table(console, table)
     assert "…" not in capsys.readouterr().out
-    for words in ("fair measure", "Python as such takes", "times faster"):
+    for words in ("fair measure", "The in-house solver takes, of the loop by hand"):
         assert words in text
 
 
@@ -204,9 +162,8 @@ def test_both_files_hold_what_was_measured(found: Costs, tmp_path: Path) -> None
     timing = row["timing"]
     steps = timing["steps"] + timing["sent_back"]
     assert timing["per_step"] == pytest.approx(median(timing["walls"]) / steps)
-    assert document["engines"]["passed"] == found.engines.passed
-    for each in document["profiles"].values():
-        assert sum(part["share"] for part in each["parts"]) == pytest.approx(1.0)
+    units = document["side_by_side"]["units"]
+    assert [unit["cost"] for unit in units] == [unit.cost for unit in found.side_by_side.units]
 
 
 def test_the_command_prints_and_stores(
@@ -226,7 +183,7 @@ def test_the_command_prints_and_stores(
     assert main(["costs", "--quick", "--repeats", "3", "--out", str(folder)]) == 0
     assert extents == [replace(costs_study.QUICK, repeats=3)]
     assert sorted(path.name for path in folder.iterdir()) == ["costs.json", "costs.md"]
-    assert "Engines at equal work" in capsys.readouterr().out
+    assert "Same work, side by side" in capsys.readouterr().out
     assert main(["costs", "--out", str(folder)]) == 2
     assert "not empty" in capsys.readouterr().err
 

@@ -1,1 +1,1 @@
-"""Costs: wall times of features, of engines at equal work, and of the stages of a run."""
+"""Costs: engines beside peers at the same work, and wall times of features."""

@@ -8,20 +8,18 @@ from presswear.engines.settings import ExudynJoints, ExudynTree
 from presswear.results.provenance import Provenance, provenance
 from presswear.scene.scene import Scene
 from presswear.tools.files import write_bytes
-from presswear.trials.costs.equal_work import EqualWork, equal_work
 from presswear.trials.costs.features import (
     FeatureTable,
     clearance_rows,
     deepest,
     switched_rows,
-    timed_run,
     wear_once,
 )
-from presswear.trials.costs.profile import Profile, profile
+from presswear.trials.costs.side_by_side import SideBySide, side_by_side
 from presswear.trials.runs import Told, part_of, parts_of
 from presswear.trials.stored import processor_name, write_document
 
-SCHEMA = 3
+SCHEMA = 4
 
 
 @dataclass(frozen=True)
@@ -33,20 +31,22 @@ class CostsExtent:
     repeats : int
         Repeats of every run; half as many, but two, of those with bodies and joints in the
         tables of features.
-    tree_cycles, joints_cycles, profile_cycles : float
-        Simulated time of the runs, cycles; whole, or below 1.
+    tree_cycles, joints_cycles : float
+        Simulated time of the runs of features, cycles; whole, or below 1.
     wear_cycles : int
         Cycles whose wear makes the worn surfaces.
-    equal_time : float
-        Simulated time of the engines at equal work, s.
+    short : float
+        Simulated time up to which trajectories are compared side by side, s.
+    long : float
+        Cycles of the other task there.
     """
 
     repeats: int = 5
     tree_cycles: float = 2.0
     joints_cycles: float = 1.0
-    profile_cycles: float = 2.0
     wear_cycles: int = 5
-    equal_time: float = 0.05
+    short: float = 0.05
+    long: float = 2.0
 
     @property
     def joints_repeats(self) -> int:
@@ -54,12 +54,10 @@ class CostsExtent:
         return min(self.repeats, max(2, (self.repeats + 1) // 2))
 
 
-QUICK = CostsExtent(
-    repeats=2, tree_cycles=0.25, joints_cycles=0.1, profile_cycles=0.25, wear_cycles=1
-)
-"""Well below a minute; too short for ratios near 1."""
+QUICK = CostsExtent(repeats=2, tree_cycles=0.25, joints_cycles=0.1, wear_cycles=1, long=1.0)
+"""About two minutes; too short for ratios near 1."""
 
-_SECTIONS = {"chosen": 17, "tree": 15, "joints": 30, "engines": 8, "unworn": 10, "worn": 20}
+_SECTIONS = {"side by side": 55, "chosen": 14, "tree": 11, "joints": 20}
 """Parts of the study's time, per cent, roughly: what progress goes by."""
 
 
@@ -71,8 +69,6 @@ class Costs:
     ----------
     deepest : dict
         Deepest wear of each joint on the worn surfaces, bearing and pin together, m.
-    profiles : dict of Profile
-        Those of the open tree, ``unworn`` and ``worn``.
     """
 
     scene: Scene
@@ -80,21 +76,21 @@ class Costs:
     processor: str
     extent: CostsExtent
     deepest: Mapping[str, float]
+    side_by_side: SideBySide
     features: tuple[FeatureTable, ...]
-    engines: EqualWork
-    profiles: Mapping[str, Profile]
 
 
 def study(scene: Scene, extent: CostsExtent, told: Told) -> Costs:
-    """Measure what the features of a scene cost, how engines compare, where time goes.
+    """Measure engines and peers at the same work, and what the features of a scene cost.
 
     RunFailed where a run fails.
     """
     parts, source = parts_of(told, _SECTIONS), provenance()
-    told("wear of the worn surfaces", 0.0)
+    beside = side_by_side(scene, extent.short, extent.long, extent.repeats, parts["side by side"])
+    parts["chosen"]("wear of the worn surfaces", 0.0)
     worn = wear_once(scene, extent.wear_cycles)
     tree, joints = (replace(scene, engine=each.word) for each in (ExudynTree, ExudynJoints))
-    many, repeats = (extent.tree_cycles, extent.repeats), extent.repeats
+    many = extent.tree_cycles, extent.repeats
     few = extent.joints_cycles, extent.joints_repeats
     first, second = (part_of(parts["joints"], start, 0.5) for start in (0.0, 0.5))
     features = (
@@ -111,15 +107,9 @@ def study(scene: Scene, extent: CostsExtent, told: Told) -> Costs:
             clearance_rows(joints, *few, first) + switched_rows(joints, worn, *few, second),
         ),
     )
-    engines = equal_work(scene, extent.equal_time, repeats, parts["engines"])
-    profiles = {
-        name: profile(timed_run(name, scene, extent.profile_cycles, surfaces), repeats, parts[name])
-        for name, surfaces in (("unworn", None), ("worn", worn))
-    }
     told("done", 1.0)
-    return Costs(
-        scene, source, processor_name(), extent, deepest(scene, worn), features, engines, profiles
-    )
+    depths = deepest(scene, worn)
+    return Costs(scene, source, processor_name(), extent, depths, beside, features)
 
 
 def store(costs: Costs, markdown: str, folder: Path) -> None:

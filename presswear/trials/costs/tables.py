@@ -1,11 +1,21 @@
 """The study of costs as tables of words, for a terminal or a Markdown file."""
 
-from collections.abc import Iterable, Mapping
+import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
-from presswear.trials.costs.equal_work import FIXED_STEP, REFERENCE, WANTED, EqualWork
+from presswear.engines import settings
 from presswear.trials.costs.features import FeatureTable
-from presswear.trials.costs.profile import LARGEST_PYTHON_SHARE, Profile
+from presswear.trials.costs.side_by_side import (
+    HAND,
+    IN_HOUSE,
+    LEVELS,
+    REFERENCE,
+    TOO_DEAR,
+    TREE,
+    Level,
+    SideBySide,
+)
 from presswear.trials.costs.study import Costs
 from presswear.trials.timing import Timing
 
@@ -62,68 +72,97 @@ def _features(table: FeatureTable, simulated: float, surfaces: str) -> TextTable
     return TextTable(table.title, ("feature", "model"), numbers, rows, tuple(sentences))
 
 
-def _engines(work: EqualWork) -> TextTable:
-    rows = tuple(
-        (
-            row.timing.name,
-            row.timing.model,
-            f"{row.timing.attempts}",
-            f"{row.slider_error:.1e}",
-            f"{row.touchdown_error:.1e}",
-            _fixed(row.timing.per_second, 3),
-            _ends(row.timing, row.timing.simulated),
-            _fixed(row.faster, 1),
-        )
-        for row in work.rows
-    )
-    tree, fixed = work.tree, work.fixed
-    return TextTable(
-        "Engines at equal work",
-        ("engine", "model"),
-        ("steps", "slider, m", "touches, s", "s/s", "min..max", "faster"),
-        rows,
-        (
-            f"{work.simulated:g} s simulated; medians of {len(fixed.timing.walls)}, least and "
-            f"greatest. Errors against the in-house solver at tolerance "
-            f"{REFERENCE.integration_tolerance:.0e}: the slider at the end, and the greatest of "
-            f"the first {work.touchdowns} touches' times.",
-            SIZES,
-            f"All {fixed.timing.steps} steps of the first row are {FIXED_STEP:.0e} s. "
-            f"The open tree as scenes take it is {tree.faster:.0f} times faster "
-            f"(at least {WANTED:.0f} is wanted) with errors of {tree.slider_error:.1e} m and "
-            f"{tree.touchdown_error:.1e} s against {fixed.slider_error:.1e} m and "
-            f"{fixed.touchdown_error:.1e} s: {'as wanted' if work.passed else 'MISSED'}.",
-        ),
-    )
+def _ratio(cost: float | None, unit: float | None) -> str:
+    """A cost in parts of a unit, with two digits that count."""
+    if not (cost and unit and math.isfinite(cost)):
+        return "-"
+    return f"{float(f'{cost / unit:.2g}'):g}"
 
 
-def _profiles(profiles: Mapping[str, Profile]) -> TextTable:
-    found = list(profiles.values())
+def _costs_of(level: Level | None) -> tuple[float | None, float | None]:
+    """Costs of a method at an error in both tasks, s/s, as far as they are known."""
+    if level is None:
+        return None, None
+    return level.cost, level.long.cost if level.long else None
+
+
+def _beside(found: SideBySide) -> TextTable:
+    units = [own.cost or 0.0 for own in found.units]
+    order, tolerance = settings.IN_HOUSE["wear"]
     rows = []
-    for parts in zip(*(each.parts for each in found), strict=True):
-        cells = [parts[0].name, parts[0].kind]
-        for each, part in zip(found, parts, strict=True):
-            cells.append(_fixed(1e6 * part.seconds / each.timing.attempts, 2))
-            cells.append(_fixed(100.0 * part.share, 1))
+    for method in found.methods:
+        cells = [method.name]
+        for level in method.levels:
+            cells += map(_ratio, _costs_of(level), units)
         rows.append(tuple(cells))
     sentences = [
-        f"{found[0].timing.simulated:.3g} s simulated; medians of {len(found[0].timing.walls)}. "
-        "Kernels were timed in compiled loops on the states of the run, clocks around Python's "
-        "functions are subtracted; Exudyn's own part is its timer of the mass matrix, and what "
-        "is left."
+        f"Processor time in parts of that of {TREE} at {found.units[0].value:.0e}, its tolerance "
+        f"for trajectories, at equal error; medians over {len(found.units[1].seconds)} starts, run "
+        "in turn.",
+        f"Task a is the first {found.short:g} s with {found.touches} touches. The error is that "
+        "of the slider and of the links' ends, against the in-house solver at "
+        f"{REFERENCE:.0e}; cost and setting are found between those of two others. Task b is "
+        f"{found.long:.3g} s at that setting: pins rest in contact nine tenths of the time. What "
+        f"takes more than {TOO_DEAR:g} times the tree's time in task a is left out.",
+        f"For wear scenes take {settings.TREE_TOLERANCES['wear']:.0e} in {TREE} and "
+        f"{order.upper()} at {tolerance:.0e} in-house; the errors that these make in task a stand "
+        "below.",
+        "By hand: minimal coordinates, compiled, 2 by 2 equations solved directly; the loop sums "
+        "the work of friction, the others keep nothing.",
+        *(_verdict(found, k) for k in range(len(LEVELS))),
     ]
-    for name, each in profiles.items():
-        largest = each.largest_python
-        verdict = "none is above" if largest.share <= LARGEST_PYTHON_SHARE else "ABOVE"
-        sentences.append(
-            f"{name.capitalize()}: Python as such takes {100.0 * each.share_of('Python'):.0f} % of "
-            f"the run, with its kernels {100.0 * each.share_of('Python', 'kernel'):.0f} %; its "
-            f"longest stage ({largest.name}) takes {100.0 * largest.share:.0f} %: {verdict} "
-            f"{100.0 * LARGEST_PYTHON_SHARE:.0f} %."
-        )
-    columns = tuple(column for name in profiles for column in (f"{name}, us/step", "%"))
-    title = "Where the time of the open tree goes"
-    return TextTable(title, ("stage", "in"), columns, tuple(rows), tuple(sentences))
+    if found.missing:
+        sentences.append(f"Not installed: {', '.join(found.missing)}.")
+    numbers = tuple(name for error in LEVELS for name in (f"{error:.0e} m: a", "b"))
+    return TextTable("Same work, side by side", ("method",), numbers, tuple(rows), tuple(sentences))
+
+
+def _verdict(found: SideBySide, k: int) -> str:
+    """How the in-house solver stands beside the loop by hand at an error."""
+    costs = {method.name: _costs_of(method.levels[k]) for method in found.methods}
+    words = []
+    for task, name in enumerate("ab"):
+        own = {
+            cost[task] or math.inf: method
+            for method, cost in costs.items()
+            if method.startswith(IN_HOUSE)
+        }
+        best = min(own)
+        words.append(f"{_ratio(best, costs[HAND][task])} in task {name} ({own[best]})")
+    return (
+        f"The in-house solver takes, of the loop by hand at {LEVELS[k]:.0e} m, {', '.join(words)}."
+    )
+
+
+def _runs(found: SideBySide) -> TextTable:
+    rows = []
+    for method in found.methods:
+        runs = [("a", own) for own in method.settings]
+        runs += [("b", level.long) for level in method.levels if level and level.long]
+        for task, own in runs:
+            cost = own.cost
+            rows.append(
+                (
+                    method.name,
+                    task,
+                    f"{own.value:.3g}",
+                    *("-" if x is None else f"{x:.1e}" for x in (own.error, own.touch_error)),
+                    _fixed(own.steps, 0),
+                    _fixed(own.evaluations / own.steps, 1) if own.evaluations else "-",
+                    "failed" if cost is None else _fixed(1e6 * cost / own.steps, 2),
+                )
+            )
+    return TextTable(
+        "Work and precision",
+        ("method", "task"),
+        ("setting", "error, m", "touches, s", "steps/s", "a step", "us/step"),
+        tuple(rows),
+        (
+            "A setting is a tolerance, a step in s, or for exudyn-joints the steps in an impact; "
+            "those of task b make the errors above. "
+            "Steps are those tried in a simulated second; beside them the evaluations in a step.",
+        ),
+    )
 
 
 def tables_of(costs: Costs) -> tuple[TextTable, ...]:
@@ -140,7 +179,7 @@ def tables_of(costs: Costs) -> tuple[TextTable, ...]:
         _features(table, simulated, surfaces)
         for table, simulated in zip(costs.features, (tree, tree, joints), strict=True)
     ]
-    return (*features, _engines(costs.engines), _profiles(costs.profiles))
+    return (_beside(costs.side_by_side), _runs(costs.side_by_side), *features)
 
 
 def markdown_of(costs: Costs) -> str:

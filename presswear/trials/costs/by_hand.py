@@ -1,0 +1,345 @@
+"""The press with both joints open as one would write it by hand: no part of the program in it.
+
+Four coordinates, absolute angles of plate 4 and rod 3, height of slider 6, angle of rod 5; crank
+7 and the pin of crank 2 move as they are driven.  Two pairs of equations, each solved by
+Cramer's rule, that only the contact at C couples.  Numbers stay in registers: kernels take and
+give scalars.
+
+The closing speed of a touch is latched between steps: over a short step its square is linear in
+the penetration.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.linkage.elements import ClearanceJoint
+from presswear.linkage.press import CRANK_2_START, CRANK_7_START, Press
+from presswear.scene.scene import Scene
+from presswear.tools.compiled import Records, compiled
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+Four = tuple[float, float, float, float]
+
+SIZE = 8
+"""Coordinates, rad and m, and their rates."""
+OPEN = -1.0
+"""Closing speed of a joint that is open."""
+LEAST_CLOSING = 1e-6
+"""Least closing speed in the damping term, m/s."""
+
+_CONTACT = ("bearing_radius", "clearance", "stiffness", "damping", "friction", "lower", "upper")
+_PRESS = (
+    *("speed", "gravity", "o2_x", "o2_y", "length_2", "length_3", "length_5", "length_7"),
+    *("mass_3", "mass_4", "mass_5", "mass_6", "plate_inertia", "rod_3_inertia", "rod_5_inertia"),
+    *("centre_x", "centre_y", "b_x", "b_y", "c_x", "c_y", "start_2", "start_7"),
+)
+CONTACT = np.dtype([(name, np.float64) for name in _CONTACT])
+PRESS = np.dtype([*((name, np.float64) for name in _PRESS), ("a", CONTACT), ("c", CONTACT)])
+"""Numbers of the press: lengths from D in the plate's frame, inertias about the hinges, SI."""
+
+
+class Push(NamedTuple):
+    """Force of a pin on its bearing, N, where it acts, m; depth, m, its rate, m/s; F_n |v_t|, W."""
+
+    x: float
+    y: float
+    at_x: float
+    at_y: float
+    depth: float
+    rate: float
+    rubbing: float
+
+
+class Cranks(NamedTuple):
+    """Places, m, and velocities, m/s, of D and of the pin at A."""
+
+    x: float
+    y: float
+    vx: float
+    vy: float
+    pin_x: float
+    pin_y: float
+    pin_vx: float
+    pin_vy: float
+
+
+def numbers_of(scene: Scene) -> Records:
+    """The numbers of a scene, one record of PRESS; its surfaces are round."""
+    press, linkage = scene.mechanism, scene.linkage()
+    assert isinstance(press, Press)
+    corner = press.plate_corners()
+    start = corner["D"].x, corner["D"].y
+    record = np.zeros(1, PRESS)
+    for name in _PRESS[:2] + _PRESS[4:12]:
+        record[name] = getattr(press, name)
+    record["o2_x"], record["o2_y"] = press.geometry.hx, press.geometry.hy
+    record["centre_x"], record["centre_y"] = -start[0], -start[1]
+    for name in ("b", "c"):
+        end = corner[name.upper()]
+        record[f"{name}_x"], record[f"{name}_y"] = end.x - start[0], end.y - start[1]
+    record["plate_inertia"] = (
+        press.inertia_4
+        + press.mass_4 * math.hypot(*start) ** 2
+        + press.mass_3 * press.geometry.side_bd**2
+    )
+    record["rod_3_inertia"] = press.inertia_3 + press.mass_3 * (0.5 * press.length_3) ** 2
+    record["rod_5_inertia"] = press.inertia_5 + press.mass_5 * (0.5 * press.length_5) ** 2
+    record["start_2"], record["start_7"] = CRANK_2_START, CRANK_7_START
+    for joint in linkage.clearances:
+        record[joint.name.lower()] = _contact_of(joint)
+    return record
+
+
+def _contact_of(joint: ClearanceJoint) -> tuple[float, ...]:
+    normal, friction = joint.normal, joint.friction
+    return (
+        *(joint.bearing_radius, joint.clearance, normal.stiffness, normal.damping),
+        *(friction.coefficient, friction.lower, friction.upper),
+    )
+
+
+@compiled
+def cranks(press: Records, t: float) -> Cranks:
+    """Place D and the pin at A."""
+    p = press[0]
+    seven, two = p.start_7 + p.speed * t, p.start_2 - p.speed * t
+    x, y = p.length_7 * math.cos(seven), p.length_7 * math.sin(seven)
+    back_x, back_y = -p.length_2 * math.cos(two), -p.length_2 * math.sin(two)
+    w = p.speed
+    return Cranks(
+        *(x, y, -w * y, w * x), *(p.o2_x + back_x, p.o2_y + back_y, w * back_y, -w * back_x)
+    )
+
+
+@compiled
+def push(
+    own: Records,
+    onset: float,
+    pin_x: float,
+    pin_y: float,
+    ex: float,
+    ey: float,
+    vx: float,
+    vy: float,
+    pin_spin: float,
+    bearing_spin: float,
+) -> Push:
+    """Push of a pin with an eccentricity, m, and its rate, m/s; ``onset`` is latched or OPEN."""
+    distance = math.sqrt(ex * ex + ey * ey)
+    depth = distance - own.clearance
+    if distance == 0.0:
+        return Push(0.0, 0.0, pin_x, pin_y, depth, 0.0, 0.0)
+    nx, ny = ex / distance, ey / distance
+    rate = vx * nx + vy * ny
+    if depth <= 0.0:
+        return Push(0.0, 0.0, pin_x, pin_y, depth, rate, 0.0)
+    closing = max(onset if onset >= 0.0 else rate, LEAST_CLOSING)
+    normal = own.stiffness * depth * math.sqrt(depth) * (1.0 + own.damping * rate / closing)
+    normal = max(normal, 0.0)
+    arm = own.bearing_radius - own.clearance - 0.5 * depth
+    sliding = vy * nx - vx * ny + pin_spin * arm - bearing_spin * (arm + distance)
+    ramp = min(max((abs(sliding) - own.lower) / (own.upper - own.lower), 0.0), 1.0)
+    along = math.copysign(own.friction * ramp * normal, sliding)
+    return Push(
+        *(normal * nx - along * ny, normal * ny + along * nx),
+        *(pin_x + arm * nx, pin_y + arm * ny),
+        *(depth, rate, normal * abs(sliding)),
+    )
+
+
+@compiled
+def accelerations(
+    press: Records, at: Cranks, onset: Array, x: Four, u: Four
+) -> tuple[Four, Four, Push, Push]:
+    """Accelerations of the coordinates, the pushes' forces on them, and both pushes."""
+    plate, rod_3, slider, rod_5 = x
+    plate_t, rod_3_t, slider_t, rod_5_t = u
+    p = press[0]
+    cosine, sine = math.cos(plate), math.sin(plate)
+    gx, gy = cosine * p.centre_x - sine * p.centre_y, sine * p.centre_x + cosine * p.centre_y
+    bx, by = cosine * p.b_x - sine * p.b_y, sine * p.b_x + cosine * p.b_y
+    cx, cy = cosine * p.c_x - sine * p.c_y, sine * p.c_x + cosine * p.c_y
+    rx, ry = p.length_3 * math.cos(rod_3), p.length_3 * math.sin(rod_3)
+    sx, sy = p.length_5 * math.cos(rod_5), p.length_5 * math.sin(rod_5)
+    one = push(
+        *(p.a, onset[0], at.pin_x, at.pin_y),
+        *(at.pin_x - at.x - bx - rx, at.pin_y - at.y - by - ry),
+        at.pin_vx - at.vx + plate_t * by + rod_3_t * ry,
+        at.pin_vy - at.vy - plate_t * bx - rod_3_t * rx,
+        *(-p.speed, rod_3_t),
+    )
+    two = push(
+        *(p.c, onset[1], at.x + cx, at.y + cy),
+        *(at.x + cx - p.o2_x - sx, at.y + cy - slider - sy),
+        at.vx - plate_t * cy + rod_5_t * sy,
+        at.vy + plate_t * cx - slider_t - rod_5_t * sx,
+        *(plate_t, rod_5_t),
+    )
+    # Pin A pushes rod 3; pin C, on the plate, pushes rod 5 and is pushed back.
+    force_1 = bx * one.y - by * one.x - (two.at_x - at.x) * two.y + (two.at_y - at.y) * two.x
+    force_2 = (one.at_x - at.x - bx) * one.y - (one.at_y - at.y - by) * one.x
+    force_4 = (two.at_x - p.o2_x) * two.y - (two.at_y - slider) * two.x
+    # All that hangs from D feels its acceleration, -w^2 D, and gravity.
+    square = p.speed * p.speed
+    ax, ay = square * at.x, square * at.y - p.gravity
+    hx, hy = 0.5 * rx, 0.5 * ry
+    mx, my = p.mass_4 * gx + p.mass_3 * bx, p.mass_4 * gy + p.mass_3 * by
+    m12 = p.mass_3 * (bx * hx + by * hy)
+    turn = p.mass_3 * (bx * hy - by * hx)
+    right_1 = force_1 + mx * ay - my * ax + rod_3_t * rod_3_t * turn
+    right_2 = force_2 + p.mass_3 * (hx * ay - hy * ax) - plate_t * plate_t * turn
+    other = 1.0 / (p.plate_inertia * p.rod_3_inertia - m12 * m12)
+    m34 = 0.5 * p.mass_5 * sx
+    both = p.mass_5 + p.mass_6
+    right_3 = two.y - both * p.gravity + 0.5 * p.mass_5 * sy * rod_5_t * rod_5_t
+    right_4 = force_4 - m34 * p.gravity
+    last = 1.0 / (both * p.rod_5_inertia - m34 * m34)
+    return (
+        (
+            other * (p.rod_3_inertia * right_1 - m12 * right_2),
+            other * (p.plate_inertia * right_2 - m12 * right_1),
+            last * (p.rod_5_inertia * right_3 - m34 * right_4),
+            last * (both * right_4 - m34 * right_3),
+        ),
+        (force_1, force_2, two.y, force_4),
+        one,
+        two,
+    )
+
+
+@compiled
+def evaluate(press: Records, t: float, y: Array, onset: Array, out: Array, gaps: Array) -> None:
+    """Fill slopes and the pushes' forces on the coordinates, shape (12,), and the gaps, (2, 2)."""
+    x, u = (y[0], y[1], y[2], y[3]), (y[4], y[5], y[6], y[7])
+    a, forces, one, two = accelerations(press, cranks(press, t), onset, x, u)
+    for i in range(4):
+        out[i], out[4 + i], out[8 + i] = u[i], a[i], forces[i]
+    gaps[0, 0], gaps[0, 1] = one.depth, one.rate
+    gaps[1, 0], gaps[1, 1] = two.depth, two.rate
+
+
+@compiled
+def relative_forces(
+    press: Records, t: float, q: Array, v: Array, onset: Array, work: Array, gaps: Array, out: Array
+) -> None:
+    """Fill the pushes' forces on the relative coordinates of a tree; ``work`` is (20,).
+
+    Those are the angles of crank 7, plate 4 and rod 3, each against the body it hangs from, the
+    height of slider 6 and the angle of rod 5.
+    """
+    y = work[:8]
+    y[0], y[1], y[2], y[3] = q[0] + q[1], q[0] + q[1] + q[2], q[3], q[4]
+    y[4], y[5], y[6], y[7] = v[0] + v[1], v[0] + v[1] + v[2], v[3], v[4]
+    evaluate(press, t, y, onset, work[8:], gaps)
+    force = work[16:]
+    out[0], out[1], out[2] = 0.0, force[0] + force[1], force[1]
+    out[3], out[4] = force[2], force[3]
+
+
+@compiled
+def land(
+    onset: Array, before: Array, now: Array, touches: Array, noted: Indices, last: float
+) -> bool:
+    """Latch or release the pins whose gaps a step from ``last``, s, has closed or opened.
+
+    Parameters
+    ----------
+    before, now : ndarray, shape (2, 2)
+        Depths and their rates at both ends of the step; the first become the second.
+    touches, noted : ndarray, shapes (most, 2) and (1,)
+        Joint and time, s, of the first touches, and how many there were.
+
+    Returns
+    -------
+    bool
+        Whether any did.
+    """
+    changed = False
+    for k in range(2):
+        depth, rate = before[k, 0], before[k, 1]
+        if (now[k, 0] > 0.0) != (onset[k] >= 0.0):
+            changed = True
+            onset[k] = OPEN
+            if now[k, 0] > 0.0:
+                part = depth / (depth - now[k, 0])
+                onset[k] = math.sqrt(max(rate**2 + part * (now[k, 1] ** 2 - rate**2), 0.0))
+                if noted[0] < touches.shape[0]:
+                    touches[noted[0], 0] = k
+                    touches[noted[0], 1] = last - 2.0 * depth / (max(rate, 0.0) + onset[k])
+                noted[0] += 1
+        before[k, 0], before[k, 1] = now[k, 0], now[k, 1]
+    return changed
+
+
+@compiled
+def ahead(x: Four, h: float, u: Four) -> Four:
+    """x + h u."""
+    return x[0] + h * u[0], x[1] + h * u[1], x[2] + h * u[2], x[3] + h * u[3]
+
+
+@compiled
+def averaged(a: Four, b: Four, c: Four, d: Four) -> Four:
+    """Sum of four slopes with the weights 1, 2, 2 and 1."""
+    return (
+        a[0] + 2.0 * (b[0] + c[0]) + d[0],
+        a[1] + 2.0 * (b[1] + c[1]) + d[1],
+        a[2] + 2.0 * (b[2] + c[2]) + d[2],
+        a[3] + 2.0 * (b[3] + c[3]) + d[3],
+    )
+
+
+@compiled
+def march(
+    press: Records,
+    y: Array,
+    end: float,
+    steps: int,
+    onset: Array,
+    gaps: Array,
+    touches: Array,
+    noted: Indices,
+    sums: Array,
+) -> None:
+    """Integrate from t = 0 by the classical method of order 4 with equal steps.
+
+    Parameters
+    ----------
+    y : ndarray, shape (SIZE,)
+        State; that at the end afterwards.
+    gaps : ndarray, shape (2, 2, 2)
+        Working space.
+    onset, touches, noted : ndarray
+        As in ``land``.
+    sums : ndarray, shape (2,)
+        Gets F_n |v_t| over time in each joint, N m.
+    """
+    h = end / steps
+    half = 0.5 * h
+    x, u = (y[0], y[1], y[2], y[3]), (y[4], y[5], y[6], y[7])
+    here = cranks(press, 0.0)
+    for step in range(steps + 1):
+        t = step * h
+        a, _, one, two = accelerations(press, here, onset, x, u)
+        gaps[1, 0, 0], gaps[1, 0, 1] = one.depth, one.rate
+        gaps[1, 1, 0], gaps[1, 1, 1] = two.depth, two.rate
+        if land(onset, gaps[0], gaps[1], touches, noted, t - h):
+            a, _, one, two = accelerations(press, here, onset, x, u)
+        sums[0] += h * one.rubbing
+        sums[1] += h * two.rubbing
+        if step == steps:
+            break
+        mid, here = cranks(press, t + half), cranks(press, t + h)
+        u_2 = ahead(u, half, a)
+        b, _, _, _ = accelerations(press, mid, onset, ahead(x, half, u), u_2)
+        u_3 = ahead(u, half, b)
+        c, _, _, _ = accelerations(press, mid, onset, ahead(x, half, u_2), u_3)
+        u_4 = ahead(u, h, c)
+        d, _, _, _ = accelerations(press, here, onset, ahead(x, h, u_3), u_4)
+        x = ahead(x, h / 6.0, averaged(u, u_2, u_3, u_4))
+        u = ahead(u, h / 6.0, averaged(a, b, c, d))
+    y[0], y[1], y[2], y[3] = x
+    y[4], y[5], y[6], y[7] = u
