@@ -86,9 +86,9 @@ class Kernel:
         self.py_func = function
         kept = _of_package(function) and _cache_is_usable()
         self.whole = _NUMBA.njit(cache=kept, pipeline_class=WholeCompiler, **_OPTIONS)(function)
-        self._part = _NUMBA.njit(
-            pipeline_class=PartCompiler, no_cpython_wrapper=True, **_OPTIONS
-        )(function)
+        self._part = _NUMBA.njit(pipeline_class=PartCompiler, no_cpython_wrapper=True, **_OPTIONS)(
+            function
+        )
 
     def __call__(self, *arguments: Any) -> Any:
         return self.whole(*arguments)

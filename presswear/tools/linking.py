@@ -9,10 +9,19 @@ calls.  The numbers stay what they are: nothing here is allowed to change one.
 
 from typing import Any
 
+from numba.core import types
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompilerBase, DefaultPassBuilder
 from numba.core.compiler_machinery import LoweringPass, register_pass
-from numba.core.typed_passes import NativeLowering
+from numba.core.typed_passes import InlineOverloads, NativeLowering, NopythonRewrites
+from numba.core.untyped_passes import (
+    FindLiterallyCalls,
+    InlineClosureLikes,
+    InlineInlinables,
+    LiteralUnroll,
+    MakeFunctionToJitFunction,
+    WithLifting,
+)
 
 _Library: Any = JITCodeLibrary  # numba's type hints leave out what is used here
 _Compiler: Any = CompilerBase
@@ -78,24 +87,60 @@ class _Known(_Pass):
         return True
 
 
-class PartCompiler(_Compiler):
-    """Compiles a kernel for kernels."""
+class _Typing:
+    """Numba's knowledge of types, asked once where it is asked for the same again and again."""
 
-    def define_pipelines(self) -> list[Any]:
+    def __init__(self, context: Any) -> None:
+        self._context = context
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._context, name)
+
+    def resolve_function_type(self, function: Any, given: Any, named: Any) -> Any:
+        """The signature of a call.  Kernels ask thousands of times what adding two floats gives."""
+        if named or not isinstance(function, types.Function):
+            return self._context.resolve_function_type(function, given, named)
+        known = function, tuple(given)
+        if known not in _RESOLVED:
+            _RESOLVED[known] = self._context.resolve_function_type(function, given, named)
+        return _RESOLVED[known]
+
+
+_RESOLVED: dict[Any, Any] = {}
+
+_NEEDLESS = WithLifting, InlineClosureLikes, MakeFunctionToJitFunction, InlineOverloads
+_NEEDLESS += InlineInlinables, NopythonRewrites, FindLiterallyCalls, LiteralUnroll
+"""Passes of numba that change no kernel: for closures, arrays as a whole and the like."""
+
+
+class _Quick(_Compiler):
+    """Numba's compiler without what kernels do not need."""
+
+    def _passes(self, library: Any, after: Any = None) -> list[Any]:
         state = self.state
-        state.flags.no_compile = True
-        state.library = _Part(state.targetctx.codegen(), state.func_id.func_qualname)
+        state.library = library(state.targetctx.codegen(), state.func_id.func_qualname)
+        state.typingctx = _Typing(state.typingctx)
         passes = DefaultPassBuilder.define_nopython_pipeline(state)
-        passes.add_pass_after(_Known, NativeLowering)
+        passes.passes = [each for each in passes.passes if each[0] not in _NEEDLESS]
+        if after is not None:
+            passes.add_pass_after(after, NativeLowering)
+        passes._finalized = False
         passes.finalize()
         return [passes]
 
 
-class WholeCompiler(_Compiler):
+class PartCompiler(_Quick):
+    """Compiles a kernel for kernels."""
+
+    def define_pipelines(self) -> list[Any]:
+        self.state.flags.no_compile = True
+        return self._passes(_Part, _Known)
+
+
+class WholeCompiler(_Quick):
     """Compiles a kernel for Python, or for calls by its address."""
 
     def define_pipelines(self) -> list[Any]:
-        state = self.state
-        state.library = _Whole(state.targetctx.codegen(), state.func_id.func_qualname)
-        state.library.enable_object_caching()
-        return [DefaultPassBuilder.define_nopython_pipeline(state)]
+        passes = self._passes(_Whole)
+        self.state.library.enable_object_caching()
+        return passes

@@ -34,7 +34,6 @@ from presswear.engines.exudyn_tree.kernels import (
     hinge_power_integral,
     stage_bristles,
     stage_forces,
-    tree_state,
 )
 from presswear.engines.exudyn_tree.model import TreeModel, assemble
 from presswear.engines.settings import ExudynTree
@@ -194,7 +193,8 @@ def prepare(
         stored = stored_energy(book.packed, book.memory["energy"], q, v)
         return stored, hinge_power_integral(system)
 
-    tree_state(system, book, 0.0, model.x, model.u, np.zeros(tree.size))
+    bind(stage_forces, system, book, model.x, model.u, model.u_t, np.zeros(tree.size))(0.0)
+    system.pace["evaluations"] = 0
     book.memory["energy"] = book.contacts["energy"]  # of pins that start pressed in
     stored_before, momentum_before = energy()
     exudyn = _settings(settings, longest)
@@ -250,5 +250,4 @@ def _warm_up(tree: Tree, linkage: Linkage, start: Start) -> None:
     x = np.zeros(tree.size)
     bind(stage_forces, system, book, x, x, x, x)
     bind(accept_tree_step, system, book, x, x, x, x)
-    specialised(tree_state, system, book, 0.0, x, x, x)
     specialised(hinge_power_integral, system)
