@@ -14,8 +14,10 @@ import ctypes
 import hashlib
 import inspect
 import os
+import signal
 import tempfile
 import threading
+import warnings
 from _thread import interrupt_main
 from collections.abc import Callable
 from functools import cache, update_wrapper
@@ -46,6 +48,9 @@ Numba knows their fields, a type checker does not.
 
 _NUMBA: Any = numba  # their type hints leave out what is used here
 _CGUTILS: Any = cgutils
+_TYPES: Any = types
+_TYPING: Any = typing
+_LOWER: Any = lower_builtin
 _PACKAGE = Path(__file__).resolve().parents[1]
 
 
@@ -91,7 +96,14 @@ class Kernel:
         )
 
     def __call__(self, *arguments: Any) -> Any:
+        """Run it, compiled or loaded if need be."""
         return self.whole(*arguments)
+
+    @property
+    def is_kept(self) -> bool:
+        """True where some of its machine code is kept."""
+        folder = self.whole.stats.cache_path
+        return folder is None or any(Path(folder).glob(f"*.{self.py_func.__qualname__}-*.nbi"))
 
     @property
     def _numba_type_(self) -> Any:
@@ -130,10 +142,10 @@ class _Apart(Kernel):
         self._name = f"{function.__module__}.{function.__qualname__}"
         binding.add_symbol(f"{self._name}.address", ctypes.addressof(self._place))
         binding.add_symbol(f"{self._name}.find", ctypes.cast(self._find, ctypes.c_void_p).value)
-        signature = typing.signature(result, *given)
-        template = typing.make_concrete_template(self._name, self, [signature])
+        signature = _TYPING.signature(result, *given)
+        template = _TYPING.make_concrete_template(self._name, self, [signature])
         self._type = types.Function(template)
-        lower_builtin(self, *given)(self._generate)
+        _LOWER(self, *given)(self._generate)
 
     def _found(self) -> int | None:
         """Compile it, or load it; called by kernels, which nothing may interrupt."""
@@ -188,7 +200,11 @@ def apart(result: Any, *given: Any) -> Callable[[F], F]:
         array of numbers, 0 for a number, else a value of that type.
     """
     kinds = tuple(map(_numba_type, given))
-    return lambda function: cast(F, _Apart(function, _numba_type(result), kinds))
+
+    def made(function: F) -> F:
+        return cast(F, _Apart(function, _numba_type(result), kinds))
+
+    return made
 
 
 def _numba_type(given: Any) -> Any:
@@ -196,7 +212,7 @@ def _numba_type(given: Any) -> Any:
         return _NUMBA.from_dtype(given)
     if type(given) is int:
         # What is cut from an array of several axes may have gaps.
-        return types.Array(types.float64, given, "CA"[given == 1]) if given else types.float64
+        return _TYPES.Array(_TYPES.float64, given, "CA"[given == 1]) if given else _TYPES.float64
     return _NUMBA.typeof(given)
 
 
@@ -211,6 +227,39 @@ def specialised(kernel: F, *arguments: Any) -> F:
     types = tuple(_NUMBA.typeof(argument) for argument in arguments)
     dispatcher.compile(types)
     return cast(F, dispatcher.overloads[types].entry_point)
+
+
+def compile_at_once(*asked: tuple[Any, ...]) -> None:
+    """Compile kernels where no code of them is kept, the first here, the others beside it.
+
+    They are compiled in a process of their own where there is a core for it; whoever asks for
+    them behind this loads what it kept.
+
+    Parameters
+    ----------
+    asked : tuple
+        A kernel and its arguments, as for ``specialised``.
+    """
+    new = [each for each in asked if not each[0].is_kept]
+    if len(new) < 2 or not hasattr(os, "fork") or len(os.sched_getaffinity(0)) < 2:
+        return
+    with warnings.catch_warnings():
+        # Other threads of this process do nothing that the new one waits for.
+        warnings.simplefilter("ignore", DeprecationWarning)
+        process = os.fork()
+    if process == 0:
+        try:
+            for kernel, *arguments in new[1:]:
+                specialised(kernel, *arguments)
+        finally:
+            os._exit(0)
+    try:
+        specialised(*new[0])
+        os.waitpid(process, 0)
+    except BaseException:
+        os.kill(process, signal.SIGKILL)
+        os.waitpid(process, 0)
+        raise
 
 
 def _calling(typing: Any, address: Any, arguments: Any) -> Any:

@@ -23,12 +23,11 @@ from numba.core.untyped_passes import (
     WithLifting,
 )
 
-_Library: Any = JITCodeLibrary  # numba's type hints leave out what is used here
-_Compiler: Any = CompilerBase
-_Pass: Any = LoweringPass
+_PASSES: Any = DefaultPassBuilder  # numba's type hints leave out what is used here
+_REGISTER: Any = register_pass
 
 
-class _Linked(_Library):
+class _Linked(JITCodeLibrary):
     """Code that takes its callees' with it, each once."""
 
     def _optimize_functions(self, module: Any) -> None:
@@ -44,7 +43,6 @@ class _Part(_Linked):
     """Code that waits to be linked."""
 
     def finalize(self) -> None:
-        self._raise_if_finalized()
         self._finalized = True
 
 
@@ -63,25 +61,27 @@ class _Whole(_Linked):
         visit(self)
         # Callers first: what nobody has asked for yet would be left out.
         self._linking_libraries = found[-2::-1]
-        super().finalize()
+        finish: Any = super().finalize
+        finish()
 
     def _optimize_final_module(self) -> None:
-        passes, builder = self._codegen._module_pass_manager()
+        codegen: Any = self._codegen
+        passes, builder = codegen._module_pass_manager()
         passes.run(self._final_module, builder)
 
 
-@register_pass(mutates_CFG=False, analysis_only=False)
-class _Known(_Pass):
+@_REGISTER(mutates_CFG=False, analysis_only=False)
+class _Known(LoweringPass):
     """Makes a part known to its callers, though it has no address."""
 
     _name = "presswear_known"
 
     def __init__(self) -> None:
-        _Pass.__init__(self)
+        """It has no state."""
 
     def run_pass(self, state: Any) -> bool:
         lowered = state["cr"]
-        name = [].copy  # a dispatcher asks for any builtin function of its own
+        name: Any = [].copy  # a dispatcher asks for any builtin function of its own
         state.targetctx.insert_user_function(name, lowered.fndesc, [state.library])
         state["cr"] = lowered._replace(cfunc=name)
         return True
@@ -108,19 +108,21 @@ class _Typing:
 
 _RESOLVED: dict[Any, Any] = {}
 
-_NEEDLESS = WithLifting, InlineClosureLikes, MakeFunctionToJitFunction, InlineOverloads
-_NEEDLESS += InlineInlinables, NopythonRewrites, FindLiterallyCalls, LiteralUnroll
+_NEEDLESS = (
+    *(WithLifting, InlineClosureLikes, MakeFunctionToJitFunction, InlineOverloads),
+    *(InlineInlinables, NopythonRewrites, FindLiterallyCalls, LiteralUnroll),
+)
 """Passes of numba that change no kernel: for closures, arrays as a whole and the like."""
 
 
-class _Quick(_Compiler):
+class _Quick(CompilerBase):
     """Numba's compiler without what kernels do not need."""
 
     def _passes(self, library: Any, after: Any = None) -> list[Any]:
         state = self.state
         state.library = library(state.targetctx.codegen(), state.func_id.func_qualname)
         state.typingctx = _Typing(state.typingctx)
-        passes = DefaultPassBuilder.define_nopython_pipeline(state)
+        passes = _PASSES.define_nopython_pipeline(state)
         passes.passes = [each for each in passes.passes if each[0] not in _NEEDLESS]
         if after is not None:
             passes.add_pass_after(after, NativeLowering)
@@ -133,6 +135,7 @@ class PartCompiler(_Quick):
     """Compiles a kernel for kernels."""
 
     def define_pipelines(self) -> list[Any]:
+        """Tell numba how it is compiled."""
         self.state.flags.no_compile = True
         return self._passes(_Part, _Known)
 
@@ -141,6 +144,7 @@ class WholeCompiler(_Quick):
     """Compiles a kernel for Python, or for calls by its address."""
 
     def define_pipelines(self) -> list[Any]:
+        """Tell numba how it is compiled."""
         passes = self._passes(_Whole)
         self.state.library.enable_object_caching()
         return passes
