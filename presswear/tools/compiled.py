@@ -34,7 +34,7 @@ from numba.extending import intrinsic, lower_builtin
 from numpy.typing import NDArray
 
 from presswear.tools.errors import InputError
-from presswear.tools.linking import PartCompiler, WholeCompiler
+from presswear.tools.linking import Kept, PartCompiler, WholeCompiler
 from presswear.tools.own import OwnFunction
 
 Array = NDArray[np.float64]
@@ -89,8 +89,9 @@ class Kernel:
     def __init__(self, function: Callable[..., Any]) -> None:
         update_wrapper(self, function)
         self.py_func = function
-        kept = _of_package(function) and _cache_is_usable()
-        self.whole = _NUMBA.njit(cache=kept, pipeline_class=WholeCompiler, **_OPTIONS)(function)
+        self.whole = _NUMBA.njit(pipeline_class=WholeCompiler, **_OPTIONS)(function)
+        if _of_package(function) and _cache_is_usable():
+            self.whole._cache = Kept(function)
         self._part = _NUMBA.njit(pipeline_class=PartCompiler, no_cpython_wrapper=True, **_OPTIONS)(
             function
         )

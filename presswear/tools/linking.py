@@ -10,6 +10,7 @@ calls.  The numbers stay what they are: nothing here is allowed to change one.
 from typing import Any
 
 from numba.core import types
+from numba.core.caching import FunctionCache
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompilerBase, DefaultPassBuilder
 from numba.core.compiler_machinery import LoweringPass, register_pass
@@ -129,6 +130,16 @@ class _Quick(CompilerBase):
         passes._finalized = False
         passes.finalize()
         return [passes]
+
+
+class Kept(FunctionCache):
+    """Machine code on disk; to load it numba need not know how anything is compiled."""
+
+    def load_overload(self, signature: Any, context: Any) -> Any:
+        """Load the code for arguments of some types, if it is kept."""
+        guarded: Any = self._guard_against_spurious_io_errors
+        with guarded():
+            return self._load_overload(signature, context)
 
 
 class PartCompiler(_Quick):
