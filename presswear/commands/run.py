@@ -159,11 +159,14 @@ def _run_into(store: "ResultFolder", scene: Scene, window: "Live | None", consol
     """Run a scene into its folder, from where it stands, with progress on the terminal."""
     from presswear.campaign.single import run_into
     from presswear.commands.running import Terminal
+    from presswear.tools.compiled import told_of_compiling
 
     go_on = go_on_with(scene.name, store.path)
     try:
         with progress_bar(console) as bar:
-            run_into(store, scene, [Terminal(bar), *([window] if window else [])])
+            terminal = Terminal(bar)
+            with told_of_compiling(terminal.compiling):
+                run_into(store, scene, [terminal, *([window] if window else [])])
     except InputError:
         raise
     except RunFailed as error:

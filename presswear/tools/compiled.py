@@ -17,9 +17,11 @@ import os
 import signal
 import tempfile
 import threading
+import time as clock
 import warnings
 from _thread import interrupt_main
 from collections.abc import Callable
+from contextlib import AbstractContextManager
 from functools import cache, update_wrapper
 from pathlib import Path
 from typing import Any, TypeVar, cast
@@ -28,13 +30,13 @@ import numba
 import numpy as np
 from llvmlite import binding, ir
 from numba import config
-from numba.core import cgutils, types, typing
+from numba.core import cgutils, event, types, typing
 from numba.core.errors import NumbaError
 from numba.extending import intrinsic, lower_builtin
 from numpy.typing import NDArray
 
 from presswear.tools.errors import InputError
-from presswear.tools.linking import Kept, PartCompiler, WholeCompiler
+from presswear.tools.linking import PartCompiler, WholeCompiler, kept_code
 from presswear.tools.own import OwnFunction
 
 Array = NDArray[np.float64]
@@ -50,6 +52,8 @@ _NUMBA: Any = numba  # their type hints leave out what is used here
 _CGUTILS: Any = cgutils
 _TYPES: Any = types
 _TYPING: Any = typing
+_EVENT: Any = event
+_COMPILING = "numba:compile"
 _LOWER: Any = lower_builtin
 _PACKAGE = Path(__file__).resolve().parents[1]
 
@@ -91,7 +95,7 @@ class Kernel:
         self.py_func = function
         self.whole = _NUMBA.njit(pipeline_class=WholeCompiler, **_OPTIONS)(function)
         if _of_package(function) and _cache_is_usable():
-            self.whole._cache = Kept(function)
+            self.whole._cache = kept_code(function)
         self._part = _NUMBA.njit(pipeline_class=PartCompiler, no_cpython_wrapper=True, **_OPTIONS)(
             function
         )
@@ -294,6 +298,37 @@ def address_of(kernel: Callable[..., float], count: int) -> int:
             _nrt=False,
         )(function)
     return int(_KEPT[kernel].address)
+
+
+class _Listener(event.Listener):
+    """Hands on that functions are compiled; those that one calls are compiled within it."""
+
+    def __init__(self, told: Callable[[float], None]) -> None:
+        self._told, self._depth, self._began = told, 0, 0.0
+        self._process = os.getpid()
+
+    def on_start(self, event: Any) -> None:
+        """Hear that it begins."""
+        if self._depth == 0:
+            self._began = clock.perf_counter()
+            self._tell(0.0)
+        self._depth += 1
+
+    def on_end(self, event: Any) -> None:
+        """Hear that it is done."""
+        self._depth -= 1
+        if self._depth == 0:
+            self._tell(clock.perf_counter() - self._began)
+
+    def _tell(self, seconds: float) -> None:
+        # What a process compiles for this one nobody watches, and locks are not to be waited for.
+        if os.getpid() == self._process:
+            self._told(seconds)
+
+
+def told_of_compiling(told: Callable[[float], None]) -> AbstractContextManager[Any]:
+    """While this lasts, tell where something is compiled here: 0, then the time it took, s."""
+    return cast(AbstractContextManager[Any], _EVENT.install_listener(_COMPILING, _Listener(told)))
 
 
 @cache

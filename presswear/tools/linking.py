@@ -132,14 +132,21 @@ class _Quick(CompilerBase):
         return [passes]
 
 
-class Kept(FunctionCache):
+class _Kept(FunctionCache):
     """Machine code on disk; to load it numba need not know how anything is compiled."""
 
     def load_overload(self, signature: Any, context: Any) -> Any:
         """Load the code for arguments of some types, if it is kept."""
         guarded: Any = self._guard_against_spurious_io_errors
         with guarded():
-            return self._load_overload(signature, context)
+            load: Any = self._load_overload
+            return load(signature, context)
+
+
+def kept_code(function: Any) -> Any:
+    """The code on disk of a function."""
+    made: Any = _Kept
+    return made(function)
 
 
 class PartCompiler(_Quick):
