@@ -67,8 +67,10 @@ class _Whole(_Linked):
 
     def _optimize_final_module(self) -> None:
         codegen: Any = self._codegen
-        passes, builder = codegen._module_pass_manager()
-        passes.run(self._final_module, builder)
+        made = codegen._module_pass_manager()
+        # Numba 0.61 makes them ready to run, later ones with what built them.
+        passes, *builder = made if isinstance(made, tuple) else (made,)
+        passes.run(self._final_module, *builder)
 
 
 @_REGISTER(mutates_CFG=False, analysis_only=False)
