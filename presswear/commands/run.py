@@ -177,11 +177,14 @@ def _run_into(
     """Run a scene, given by a name or a file, into its folder, with progress on the terminal."""
     from presswear.campaign.single import run_into
     from presswear.commands.running import Terminal
+    from presswear.tools.compiled import told_of_compiling
 
     go_on = go_on_with(scene.name, store.path)
     try:
         with progress_bar(console) as bar:
-            run_into(store, scene, [Terminal(bar, scene), *([window] if window else [])])
+            terminal = Terminal(bar, scene)
+            with told_of_compiling(terminal.compiling):
+                run_into(store, scene, [terminal, *([window] if window else [])])
     except InputError as error:
         raise InputError(f"{given}: {error}") from None
     except RunFailed as error:

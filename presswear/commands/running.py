@@ -14,7 +14,13 @@ class Terminal(Tracker):
 
     def __init__(self, bar: Bar, scene: Scene) -> None:
         self._bar, self._scene = bar, scene
+        self._compiled = 0.0  # time in which this stage compiled, s
         self._task = bar.add_task(scene.stage_name(0), total=1.0)
+
+    def compiling(self, seconds: float) -> None:
+        """Show that kernels are being compiled, until the run goes on; what it took is no speed."""
+        self._compiled += seconds
+        self._bar.update(self._task, description="compiling")
 
     def progress(self, progress: Progress) -> None:
         """Show where the campaign stands; ends it where a signal has come."""
@@ -29,12 +35,14 @@ class Terminal(Tracker):
         told = stage.diagnostics
         model = f"{stage.name}: {told['model']}. {told['solver']}"
         self._bar.console.print(model, highlight=False)
-        self._bar.console.print(_stage_line(stage), highlight=False)
+        self._bar.console.print(_stage_line(stage, self._compiled), highlight=False)
+        self._compiled = 0.0
 
 
-def _stage_line(stage: StageResult) -> str:
+def _stage_line(stage: StageResult, compiled: float) -> str:
     """One line on a finished stage: how much ran, how finely, and what came out."""
-    speed = stage.wall_s / stage.simulated_s if stage.simulated_s > 0.0 else float("nan")
+    wall = stage.wall_s - compiled
+    speed = wall / stage.simulated_s if stage.simulated_s > 0.0 else float("nan")
     parts = [
         f"  {stage.cycles} cycles, {stage.diagnostics['steps']} steps, "
         f"{speed:.2f} s per simulated second"

@@ -21,7 +21,9 @@ def applied_forces(packed: Packed, t: float, q: Array, v: Array, force: Array) -
         Power that no stored energy stands for, of loads with a law and of dampers, W.
     """
     copy_to(force, packed.weight)
-    power = spring_forces(packed.springs, q, v, force)
+    power = 0.0
+    if packed.springs.shape[0] > 0:
+        power = spring_forces(packed.springs, q, v, force)
     return power + load_forces(packed.loads, t, q, v, force)
 
 

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from presswear.physics.foundation import press
 from presswear.physics.laws import elastic_of
 from presswear.physics.overlap import Bed
-from presswear.physics.packed import Packed
+from presswear.physics.packed import JOINT, Packed
 from presswear.physics.surface import BEARING, PIN, SLOPE, curvature, profile
-from presswear.tools.compiled import Records, compiled
+from presswear.tools.compiled import Records, apart, compiled
 
 Array = NDArray[np.float64]
 
@@ -216,7 +216,7 @@ def bed_of(joint: Records, surfaces: Array, contact: Records) -> Bed:
     )
 
 
-@compiled
+@apart(None, JOINT, 2, CONTACT)
 def note_foundation(joint: Records, surfaces: Array, contact: Records) -> None:
     """Fill in the contact of the pin with all of the worn arc, through an elastic foundation.
 

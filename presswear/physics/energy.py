@@ -64,7 +64,7 @@ def stored_energy(packed: Packed, elastic: Array, q: Array, v: Array) -> float:
     with np.errstate(over="ignore"):  # a run that failed has no energy worth a warning
         kinetic = 0.5 * float(np.sum(packed.mass * v**2))
     potential = -float(packed.weight @ q)
-    springs = spring_energy(packed.springs, q)
+    springs = spring_energy(packed.springs, q) if len(packed.springs) else 0.0
     return kinetic + potential + springs + float(np.sum(elastic))
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from presswear.linkage.elements import Linkage
 from presswear.linkage.motions import DEGREE, MOST_HARMONICS, MOST_PIECES, Drive
-from presswear.tools.compiled import Records, compiled
+from presswear.tools.compiled import Records, apart, compiled
 
 MOTION = np.dtype(
     [
@@ -82,7 +82,7 @@ def piece_motion(drive: Records, phase: float) -> tuple[float, float, float]:
     return value, slope, bend
 
 
-@compiled
+@apart((0.0, 0.0, 0.0), MOTION, 0)
 def uneven_motion(drive: Records, t: float) -> tuple[float, float, float]:
     """What ``drive_motion`` gives, of any drive."""
     rate = 1.0
@@ -118,7 +118,7 @@ def drive_motion(drive: Records, t: float) -> tuple[float, float, float]:
     return drive.speed * t, drive.speed, 0.0
 
 
-@compiled
+@apart(0, MOTION, 0)
 def break_after(drive: Records, t: float) -> float:
     """Time, s, of the next break of a motion: where a piece or the run-up ends; or infinity.
 

@@ -17,7 +17,7 @@ from presswear.linkage.elements import GROUND, Linkage
 from presswear.linkage.topology import chain_of
 from presswear.physics.links import GUIDED, LINK, arm, pack_links
 from presswear.physics.motion import MOTION, drive_motion, pack_motion
-from presswear.tools.compiled import Records, compiled
+from presswear.tools.compiled import Records, apart, compiled
 
 Array = NDArray[np.float64]
 
@@ -72,6 +72,10 @@ class Prescribed(NamedTuple):
     parts: Records
     closings: Records
     work: Array
+
+
+SOME = Prescribed(np.zeros(0, PART), np.zeros(0, CLOSING), np.zeros((0, 0)))
+"""Tells the types of what is prescribed."""
 
 
 @compiled
@@ -250,7 +254,7 @@ def _solve(prescribed: Prescribed, row: int) -> float:
     return greatest
 
 
-@compiled
+@apart(0, SOME, 1, 1)
 def _newton_step(prescribed: Prescribed, q: Array, axes: Array) -> float:
     """Make a step towards closed loops; returns its size, leaves the rows and their inverse."""
     parts, closings, work = prescribed
@@ -272,7 +276,7 @@ def _newton_step(prescribed: Prescribed, q: Array, axes: Array) -> float:
     return _solve(prescribed, PLACE)
 
 
-@compiled
+@apart(None, SOME)
 def _follow(prescribed: Prescribed) -> None:
     """Fill the rates and accelerations sought, in a place where all loops are closed."""
     parts, closings, work = prescribed
@@ -295,6 +299,20 @@ def _follow(prescribed: Prescribed) -> None:
         _solve(prescribed, level)
 
 
+@apart(0, SOME, np.int64(0), 0)
+def _with_turned(prescribed: Prescribed, i: int, needed: float) -> float:
+    """A torque, N m, with what the parts bear that turn with part ``i`` without a drive."""
+    parts, closings, work = prescribed
+    borne, right, turns = work[BORNE], work[RIGHT], work[TURNS]
+    for r in range(2 * closings.shape[0]):
+        right[r] = work[HEAD + r, i]
+    turns[:] = 0.0
+    _solve(prescribed, TURNS)
+    for k in range(parts.shape[0]):
+        needed += borne[k] * turns[k]
+    return needed
+
+
 @compiled
 def drive_torques(
     prescribed: Prescribed, q: Array, axes: Array, force: Array, torque: Array
@@ -312,7 +330,7 @@ def drive_torques(
         Those of drives of other bodies stay.
     """
     parts, closings, work = prescribed
-    borne, right, turns = work[BORNE], work[RIGHT], work[TURNS]
+    borne = work[BORNE]
     for i in range(parts.shape[0] - 1, -1, -1):
         part = parts[i]
         b = part.body
@@ -333,12 +351,7 @@ def drive_torques(
             continue
         needed = borne[i]
         if closings.shape[0] > 0:
-            for r in range(2 * closings.shape[0]):
-                right[r] = work[HEAD + r, i]
-            turns[:] = 0.0
-            _solve(prescribed, TURNS)
-            for k in range(parts.shape[0]):
-                needed += borne[k] * turns[k]
+            needed = _with_turned(prescribed, i, needed)
         torque[parts[i].drive] = -needed
 
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from presswear.linkage.elements import GROUND, Linkage
 from presswear.physics.constraints import lever
-from presswear.tools.compiled import Records, compiled
+from presswear.tools.compiled import Records, apart, compiled
 
 Array = NDArray[np.float64]
 
@@ -56,7 +56,7 @@ def spring_energy(springs: Records, q: Array) -> float:
     return energy
 
 
-@compiled
+@apart(0, np.zeros(0, SPRING), 1, 1, 1)
 def spring_forces(springs: Records, q: Array, v: Array, force: Array) -> float:
     """Add the forces of the springs to the generalized forces; returns their dampers' power, W."""
     power = 0.0

@@ -14,10 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.linkage.elements import ClearanceJoint
-from presswear.physics.contact import direction_of
+from presswear.physics.contact import CONTACT, direction_of
 from presswear.physics.foundation import spread
+from presswear.physics.packed import JOINT
 from presswear.physics.surface import ROWS, bin_of
-from presswear.tools.compiled import Records, compiled
+from presswear.tools.compiled import Records, apart, compiled
 
 Array = NDArray[np.float64]
 
@@ -99,7 +100,7 @@ def deposit_in_bin(
     depth[1, pin_bin] += (1.0 - joint.bearing_share) * added
 
 
-@compiled
+@apart(None, 2, JOINT, 2, CONTACT, 0, 2)
 def deposit_over_arc(
     depth: Array, joint: Records, surfaces: Array, contact: Records, dose: float, shares: Array
 ) -> None:

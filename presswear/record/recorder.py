@@ -38,7 +38,6 @@ from presswear.record.observe import (
     VELOCITY_MAX,
     VELOCITY_MIN,
     Book,
-    observe,
     settle_state,
     watched,
 )
@@ -149,13 +148,6 @@ class Recorder:
         recorder = Recorder(book, MapBatches(shape))
         recorder.start_cycle()
         return recorder
-
-    def begin(self, q: Array, v: Array, a: Array) -> None:
-        """Settle contact in the initial state and write the first row of the series."""
-        book = self.book
-        note_contacts(book.packed, book.contacts, q, v)
-        settle_state(book, 0.0, LEAST_STEPS)
-        observe(book, 0.0, 0.0, q, v, a)
 
     @property
     def cycles(self) -> Array:

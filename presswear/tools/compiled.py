@@ -7,28 +7,36 @@ digest of every source file that holds kernels; any edit starts a new folder.
 
 What differs from scene to scene, a law of one's own above all, is called by the address of its
 machine code: kernels do not know it when they are compiled, so that no two laws ever share
-compiled code.
+compiled code.  What few scenes need is called by address as well, and compiled when it is.
 """
 
+import ctypes
 import hashlib
 import inspect
 import os
+import signal
 import tempfile
+import threading
+import time as clock
+import warnings
+from _thread import interrupt_main
 from collections.abc import Callable
-from functools import cache
+from contextlib import AbstractContextManager
+from functools import cache, update_wrapper
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
 import numpy as np
-from llvmlite import ir
+from llvmlite import binding, ir
 from numba import config
-from numba.core import cgutils, types
+from numba.core import cgutils, event, types, typing
 from numba.core.errors import NumbaError
-from numba.extending import intrinsic
+from numba.extending import intrinsic, lower_builtin
 from numpy.typing import NDArray
 
 from presswear.tools.errors import InputError
+from presswear.tools.linking import PartCompiler, WholeCompiler, kept_code
 from presswear.tools.own import OwnFunction
 
 Array = NDArray[np.float64]
@@ -42,6 +50,11 @@ Numba knows their fields, a type checker does not.
 
 _NUMBA: Any = numba  # their type hints leave out what is used here
 _CGUTILS: Any = cgutils
+_TYPES: Any = types
+_TYPING: Any = typing
+_EVENT: Any = event
+_COMPILING = "numba:compile"
+_LOWER: Any = lower_builtin
 _PACKAGE = Path(__file__).resolve().parents[1]
 
 
@@ -50,7 +63,7 @@ def _source_digest() -> str:
     digest = hashlib.sha256(numba.__version__.encode())
     for path in sorted(_PACKAGE.rglob("*.py")):
         source = path.read_bytes()
-        if b"compiled import" in source or path.name == "compiled.py":
+        if b"compiled import" in source or path.name in ("compiled.py", "linking.py"):
             digest.update(path.relative_to(_PACKAGE).as_posix().encode())
             digest.update(source)
     return digest.hexdigest()[:16]
@@ -71,6 +84,37 @@ def _cache_is_usable() -> bool:
     return True
 
 
+_OPTIONS = {"error_model": "numpy", "_nrt": False, "no_cfunc_wrapper": True}
+
+
+class Kernel:
+    """A compiled function: a part of those kernels that call it, a whole where Python does."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        update_wrapper(self, function)
+        self.py_func = function
+        self.whole = _NUMBA.njit(pipeline_class=WholeCompiler, **_OPTIONS)(function)
+        if _of_package(function) and _cache_is_usable():
+            self.whole._cache = kept_code(function)
+        self._part = _NUMBA.njit(pipeline_class=PartCompiler, no_cpython_wrapper=True, **_OPTIONS)(
+            function
+        )
+
+    def __call__(self, *arguments: Any) -> Any:
+        """Run it, compiled or loaded if need be."""
+        return self.whole(*arguments)
+
+    @property
+    def is_kept(self) -> bool:
+        """True where some of its machine code is kept."""
+        folder = self.whole.stats.cache_path
+        return folder is None or any(Path(folder).glob(f"*.{self.py_func.__qualname__}-*.nbi"))
+
+    @property
+    def _numba_type_(self) -> Any:
+        return self._part._numba_type_
+
+
 def compiled(function: F) -> F:
     """Compile a kernel (numba, nopython).
 
@@ -81,13 +125,100 @@ def compiled(function: F) -> F:
     Kernels of this package keep their compiled code between processes; a kernel
     defined elsewhere is outside the digest and is compiled anew each time.
     """
-    kept = _of_package(function) and _cache_is_usable()
-    compiler = _NUMBA.njit(cache=kept, error_model="numpy", _nrt=False)
-    return cast(F, compiler(function))
+    return cast(F, Kernel(function))
 
 
 def _of_package(function: Callable[..., Any]) -> bool:
     return _PACKAGE in Path(function.__code__.co_filename).resolve().parents
+
+
+class _Apart(Kernel):
+    """A kernel that others call by its address, and that is compiled when one does.
+
+    Its callers know the name of a place in memory that holds the address, or nothing yet, and of
+    a function that finds it.
+    """
+
+    def __init__(self, function: Callable[..., Any], result: Any, given: tuple[Any, ...]) -> None:
+        super().__init__(function)
+        self._given = given
+        self._place = ctypes.c_void_p()
+        self._find = ctypes.CFUNCTYPE(ctypes.c_void_p)(self._found)
+        self._name = f"{function.__module__}.{function.__qualname__}"
+        binding.add_symbol(f"{self._name}.address", ctypes.addressof(self._place))
+        binding.add_symbol(f"{self._name}.find", ctypes.cast(self._find, ctypes.c_void_p).value)
+        signature = _TYPING.signature(result, *given)
+        template = _TYPING.make_concrete_template(self._name, self, [signature])
+        self._type = types.Function(template)
+        _LOWER(self, *given)(self._generate)
+
+    def _found(self) -> int | None:
+        """Compile it, or load it; called by kernels, which nothing may interrupt."""
+        while self._place.value is None:
+            try:
+                self.whole.compile(self._given)
+                code = self.whole.overloads[self._given]
+                self._place.value = code.library.get_pointer_to_function(code.fndesc.llvm_func_name)
+            except KeyboardInterrupt:
+                threading.Timer(0.0, interrupt_main).start()
+        return self._place.value
+
+    def _generate(self, context: Any, builder: Any, signature: Any, given: Any) -> Any:
+        """Call it from a kernel that is being compiled."""
+        convention, result = context.call_conv, signature.return_type
+        kind = convention.get_function_type(result, signature.args).as_pointer()
+        find = ir.FunctionType(kind, ())
+        place = _CGUTILS.get_or_insert_function(builder.module, find, f"{self._name}.find")
+        held = _global(builder.module, kind, f"{self._name}.address")
+        known = builder.load(held)
+        before = builder.block
+        with builder.if_then(_CGUTILS.is_null(builder, known), likely=False):
+            found = builder.call(place, ())
+            inside = builder.block
+        address = builder.phi(kind)
+        address.add_incoming(known, before)
+        address.add_incoming(found, inside)
+        # No kernel raises.
+        _, value = convention.call_function(builder, address, result, signature.args, given)
+        return value
+
+    @property
+    def _numba_type_(self) -> Any:
+        return self._type
+
+
+def _global(module: Any, kind: Any, name: str) -> Any:
+    """A variable of another module."""
+    found = module.globals.get(name)
+    return ir.GlobalVariable(module, kind, name) if found is None else found
+
+
+def apart(result: Any, *given: Any) -> Callable[[F], F]:
+    """Compile a kernel that few scenes need apart from those that call it; see ``compiled``.
+
+    Parameters
+    ----------
+    result
+        Type of its result, as below; None for none.
+    given
+        Types of its parameters: a structured dtype for a record of it, the number of axes of an
+        array of numbers, 0 for a number, else a value of that type.
+    """
+    kinds = tuple(map(_numba_type, given))
+
+    def made(function: F) -> F:
+        return cast(F, _Apart(function, _numba_type(result), kinds))
+
+    return made
+
+
+def _numba_type(given: Any) -> Any:
+    if isinstance(given, np.dtype):
+        return _NUMBA.from_dtype(given)
+    if type(given) is int:
+        # What is cut from an array of several axes may have gaps.
+        return _TYPES.Array(_TYPES.float64, given, "CA"[given == 1]) if given else _TYPES.float64
+    return _NUMBA.typeof(given)
 
 
 def specialised(kernel: F, *arguments: Any) -> F:
@@ -97,10 +228,43 @@ def specialised(kernel: F, *arguments: Any) -> F:
     records and arrays that takes longer than a small kernel itself.  This is for
     functions that a solver calls a million times with the same arrays.
     """
-    dispatcher = cast(Any, kernel)
+    dispatcher = cast(Kernel, kernel).whole
     types = tuple(_NUMBA.typeof(argument) for argument in arguments)
     dispatcher.compile(types)
     return cast(F, dispatcher.overloads[types].entry_point)
+
+
+def compile_at_once(*asked: tuple[Any, ...]) -> None:
+    """Compile kernels where no code of them is kept, the first here, the others beside it.
+
+    They are compiled in a process of their own where there is a core for it; whoever asks for
+    them behind this loads what it kept.
+
+    Parameters
+    ----------
+    asked : tuple
+        A kernel and its arguments, as for ``specialised``.
+    """
+    new = [each for each in asked if not each[0].is_kept]
+    if len(new) < 2 or not hasattr(os, "fork") or len(os.sched_getaffinity(0)) < 2:
+        return
+    with warnings.catch_warnings():
+        # Other threads of this process do nothing that the new one waits for.
+        warnings.simplefilter("ignore", DeprecationWarning)
+        process = os.fork()
+    if process == 0:
+        try:
+            for kernel, *arguments in new[1:]:
+                specialised(kernel, *arguments)
+        finally:
+            os._exit(0)
+    try:
+        specialised(*new[0])
+        os.waitpid(process, 0)
+    except BaseException:
+        os.kill(process, signal.SIGKILL)
+        os.waitpid(process, 0)
+        raise
 
 
 def _calling(typing: Any, address: Any, arguments: Any) -> Any:
@@ -134,6 +298,37 @@ def address_of(kernel: Callable[..., float], count: int) -> int:
             _nrt=False,
         )(function)
     return int(_KEPT[kernel].address)
+
+
+class _Listener(event.Listener):
+    """Hands on that functions are compiled; those that one calls are compiled within it."""
+
+    def __init__(self, told: Callable[[float], None]) -> None:
+        self._told, self._depth, self._began = told, 0, 0.0
+        self._process = os.getpid()
+
+    def on_start(self, event: Any) -> None:
+        """Hear that it begins."""
+        if self._depth == 0:
+            self._began = clock.perf_counter()
+            self._tell(0.0)
+        self._depth += 1
+
+    def on_end(self, event: Any) -> None:
+        """Hear that it is done."""
+        self._depth -= 1
+        if self._depth == 0:
+            self._tell(clock.perf_counter() - self._began)
+
+    def _tell(self, seconds: float) -> None:
+        # What a process compiles for this one nobody watches, and locks are not to be waited for.
+        if os.getpid() == self._process:
+            self._told(seconds)
+
+
+def told_of_compiling(told: Callable[[float], None]) -> AbstractContextManager[Any]:
+    """While this lasts, tell where something is compiled here: 0, then the time it took, s."""
+    return cast(AbstractContextManager[Any], _EVENT.install_listener(_COMPILING, _Listener(told)))
 
 
 @cache

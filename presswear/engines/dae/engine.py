@@ -9,7 +9,6 @@ from presswear.engines.base import Plan, Start, described
 from presswear.engines.dae.dynamics import (
     DRIVE_INTEGRALS,
     JOINT_INTEGRALS,
-    rates,
     system_of,
 )
 from presswear.engines.dae.march import (
@@ -19,7 +18,6 @@ from presswear.engines.dae.march import (
     STUCK,
     march_controlled,
     march_fixed,
-    note_torques,
 )
 from presswear.engines.dae.runge_kutta import Integration
 from presswear.engines.dormand_prince import DOP853, DOPRI5
@@ -116,19 +114,15 @@ def prepare(
     control["projected"] = settings.projection == "on"
     tableau = DOPRI5 if settings.integrator == "dopri5" else DOP853
 
-    def note_rates() -> None:
-        rates(system, book.onset, float(control["time"][0]), y, motion.slopes[0])
-
-    note_rates()
-    note_torques(system, book)
-    recorder.begin(y[:n], y[n : 2 * n], motion.slopes[0, n : 2 * n])
-
     def march(end: float, most: int) -> int:
         if fixed:
             return int(march_fixed(system, book, control, motion, end, most))
         return int(march_controlled(system, tableau, book, control, motion, end, most))
 
-    march(0.0, 1)  # compiles, or loads what was compiled
+    def worn() -> None:
+        control["known"] = False
+
+    march(0.0, 1)  # accounts for the start; compiles, or loads what was compiled
     ready = clock.perf_counter()
 
     def stored() -> float:
@@ -186,7 +180,7 @@ def prepare(
         diagnostics,
         REMEDY,
         constraints,
-        worn=note_rates,
+        worn=worn,
     )
 
 

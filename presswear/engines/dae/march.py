@@ -24,7 +24,7 @@ from presswear.physics.applied import settle_modes
 from presswear.physics.constraints import DRIVE
 from presswear.physics.contact import note_contact, note_contacts
 from presswear.physics.forces import PRESSURE, WORK, note_forces
-from presswear.physics.loads import count_ways, next_break, way_out
+from presswear.physics.loads import Loads, count_ways, next_break, way_out
 from presswear.physics.motion import step_to_break
 from presswear.physics.multipliers import project
 from presswear.physics.steps import contact_step, skim_step, step_after_touchdown
@@ -45,6 +45,8 @@ CONTROL = np.dtype(
         ("shortest", np.float64),  # s
         ("tolerance", np.float64),
         ("projected", np.bool_),
+        ("begun", np.bool_),  # the start is accounted for
+        ("known", np.bool_),  # ... and the slopes of the state are
         ("steps", np.int64),
         ("rejected", np.int64),
         ("events", np.int64),
@@ -105,7 +107,13 @@ def event_count(system: System) -> int:
 
 @compiled
 def first_change(
-    system: System, book: Book, motion: Integration, last: int, h: float, apart: int
+    loads: Loads | None,
+    system: System,
+    book: Book,
+    motion: Integration,
+    last: int,
+    h: float,
+    apart: int,
 ) -> tuple[int, float]:
     """Change of a load's law that comes first in a trial step, and at which part; or -1.
 
@@ -118,6 +126,8 @@ def first_change(
     """
     found = -1
     part = 2.0
+    if loads is None:
+        return found, part
     for k in range(system.contacts.shape[0], event_count(system)):
         value, rate = event_value(system, book, k, motion.trial, motion.slopes[last])
         if k == apart or value == -math.inf:
@@ -164,11 +174,8 @@ def first_event(
         # A state that was just placed on an event moves away from it and does not repeat it.
         if s < part and (s * h > 1e-14 or sign * memory.rate > 0.0):
             found, part = k, s
-    if count_ways(system.packed.loads) > 0:
-        k, s = first_change(system, book, motion, last, h, apart)
-        if s < part:
-            found, part = k, s
-    return found, part
+    k, s = first_change(system.packed.loads, system, book, motion, last, h, apart)
+    return (k, s) if s < part else (found, part)
 
 
 @compiled
@@ -346,6 +353,22 @@ def finish_step(
 
 
 @compiled
+def begin(system: System, book: Book, control: Records, motion: Integration) -> None:
+    """Account for the start, once, and find the slopes of a state where they are not known."""
+    n = system.held.inverse_mass.shape[0]
+    state, y, slope = control[0], motion.y, motion.slopes[0]
+    if not state.known:
+        rates(system, book.onset, state.time, y, slope)
+        state.known = True
+    if not state.begun:
+        note_torques(system, book)
+        note_contacts(book.packed, book.contacts, y[:n], y[n : 2 * n])
+        settle_state(book, 0.0, LEAST_STEPS)
+        observe(book, 0.0, 0.0, y[:n], y[n : 2 * n], slope[n : 2 * n])
+        state.begun = True
+
+
+@compiled
 def until_break(system: System, t: float) -> float:
     """Time to the next bend over time of a load, s."""
     return next_break(system.packed.loads) - t
@@ -375,6 +398,7 @@ def march_controlled(
     """Integrate towards ``end`` for at most so many steps; returns how far it got."""
     n = system.held.inverse_mass.shape[0]
     state = control[0]
+    begin(system, book, control, motion)
     for _ in range(most):
         t = state.time
         left = end - t
@@ -450,6 +474,7 @@ def march_fixed(
     """Integrate with equal steps of order 4; contact state changes between steps only."""
     n = system.held.inverse_mass.shape[0]
     state = control[0]
+    begin(system, book, control, motion)
     for _ in range(most):
         t = state.time
         left = end - t

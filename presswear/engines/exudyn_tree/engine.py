@@ -34,7 +34,6 @@ from presswear.engines.exudyn_tree.kernels import (
     hinge_power_integral,
     stage_bristles,
     stage_forces,
-    tree_state,
 )
 from presswear.engines.exudyn_tree.model import TreeModel, assemble
 from presswear.engines.settings import ExudynTree
@@ -48,8 +47,8 @@ from presswear.physics.tree import Tree, tree_of
 from presswear.record.observe import Book
 from presswear.record.recorder import Recorder
 from presswear.record.soundness import Finding
-from presswear.tools.bound import bind
-from presswear.tools.compiled import specialised
+from presswear.tools.bound import Bound, bind
+from presswear.tools.compiled import compile_at_once, specialised
 from presswear.tools.errors import InputError
 from presswear.tools.exudyn import exudyn_module
 
@@ -194,7 +193,8 @@ def prepare(
         stored = stored_energy(book.packed, book.memory["energy"], q, v)
         return stored, hinge_power_integral(system)
 
-    tree_state(system, book, 0.0, model.x, model.u, np.zeros(tree.size))
+    bind(stage_forces, system, book, model.x, model.u, model.u_t, np.zeros(tree.size))(0.0)
+    system.pace["evaluations"] = 0
     book.memory["energy"] = book.contacts["energy"]  # of pins that start pressed in
     stored_before, momentum_before = energy()
     exudyn = _settings(settings, longest)
@@ -248,7 +248,13 @@ def _warm_up(tree: Tree, linkage: Linkage, start: Start) -> None:
     book = Recorder.of(linkage, start.position, 1, 1.0).book
     system = system_of(tree, linkage, start, 1.0)
     x = np.zeros(tree.size)
-    bind(stage_forces, system, book, x, x, x, x)
-    bind(accept_tree_step, system, book, x, x, x, x)
-    specialised(tree_state, system, book, 0.0, x, x, x)
-    specialised(hinge_power_integral, system)
+    run = Bound()
+    run.arguments = system, book, x, x, x, x
+    asked = (
+        (accept_tree_step, run, 0.0),
+        (stage_forces, run, 0.0),
+        (hinge_power_integral, system),
+    )
+    compile_at_once(*asked)
+    for kernel, *arguments in asked:
+        specialised(kernel, *arguments)

@@ -1,0 +1,142 @@
+"""Kernels that call each other: linked once, compiled apart, at once, and told of."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from presswear.tools.compiled import apart, compiled, specialised, told_of_compiling
+
+Array = NDArray[np.float64]
+
+
+@compiled
+def _leaf(x: float) -> float:
+    return x * x + 1.0
+
+
+@compiled
+def _left(x: float) -> float:
+    return 2.0 * _leaf(x)
+
+
+@compiled
+def _right(x: float) -> float:
+    return _leaf(x) - x
+
+
+@compiled
+def _both(x: float) -> float:
+    return _left(x) + _right(x) + _leaf(-x)
+
+
+def test_a_kernel_takes_all_that_it_calls_with_it_and_none_of_it_is_compiled_alone() -> None:
+    assert _both(3.0) == 2.0 * 10.0 + (10.0 - 3.0) + 10.0
+    for part in (_leaf, _left, _right):
+        assert not part.whole.overloads  # type: ignore[attr-defined]
+    assert _left(3.0) == 20.0
+
+
+PAIR = np.dtype([("one", np.float64), ("other", np.int64)])
+
+
+@apart((0.0, 0), PAIR, 1, 0)
+def _rare(pair: np.void, numbers: Array, x: float) -> tuple[float, int]:
+    pair.other += 1  # type: ignore[attr-defined]
+    return pair.one * x + numbers[numbers.shape[0] - 1], numbers.shape[0]  # type: ignore[attr-defined]
+
+
+@compiled
+def _seldom(pairs: NDArray[np.void], numbers: Array, x: float) -> float:
+    total = 0.0
+    for k in range(pairs.shape[0]):
+        if x > 0.0:
+            value, count = _rare(pairs[k], numbers[:, k], x)
+            total += value * count
+    return total
+
+
+def test_a_kernel_apart_is_compiled_when_it_is_called_first() -> None:
+    pairs, numbers = np.zeros(2, PAIR), np.arange(6.0).reshape(3, 2)
+    pairs["one"] = 10.0, 100.0
+    assert _seldom(pairs, numbers, -1.0) == 0.0
+    assert not _rare.whole.overloads  # type: ignore[attr-defined]
+    # Columns have gaps, whole arrays none.
+    assert _seldom(pairs, numbers, 2.0) == 3.0 * (20.0 + 4.0) + 3.0 * (200.0 + 5.0)
+    assert len(_rare.whole.overloads) == 1  # type: ignore[attr-defined]
+    assert pairs["other"].tolist() == [1, 1]
+
+
+def test_compiling_is_told_with_its_time_and_loading_is_not() -> None:
+    @compiled
+    def half(x: float) -> float:
+        return 0.5 * _leaf(x)
+
+    heard: list[float] = []
+    with told_of_compiling(heard.append):
+        assert half(1.0) == 1.0
+        assert half(3.0) == 5.0
+    start, took = heard
+    assert start == 0.0 < took
+    specialised(half, 1)
+    assert len(heard) == 2
+
+
+def _told(tmp_path: Path, script: str) -> list[str]:
+    """What a script prints that finds no compiled code."""
+    environment = {**os.environ, "XDG_CACHE_HOME": str(tmp_path)}
+    command = [sys.executable, "-c", script]
+    ran = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+    return ran.stdout.split()
+
+
+AT_ONCE = """
+import numpy as np
+from presswear.tools.compiled import all_finite, compile_at_once, copy_to, told_of_compiling
+x, heard = np.ones(3), []
+with told_of_compiling(heard.append):
+    compile_at_once((copy_to, x, x), (all_finite, x, x))
+    here = len(heard)
+    copy_to(x, x)
+    assert all_finite(x, x)
+for kernel in (copy_to, all_finite):
+    stats = kernel.whole.stats
+    print(sum(stats.cache_hits.values()), sum(stats.cache_misses.values()))
+print(here, len(heard))
+"""
+
+
+@pytest.mark.skipif(
+    not hasattr(os, "fork") or len(os.sched_getaffinity(0)) < 2, reason="needs two cores"
+)
+def test_the_second_kernel_is_compiled_by_another_process_and_loaded(tmp_path: Path) -> None:
+    assert _told(tmp_path, AT_ONCE) == ["0", "1", "1", "0", "2", "2"]
+
+
+COUNTED = """
+from numba.core import event
+import presswear as pw
+from presswear.physics.contact import note_foundation
+from presswear.physics.wear import deposit_over_arc
+
+class Count(event.Listener):
+    compiled = 0
+    def on_start(self, told): Count.compiled += 1
+    def on_end(self, told): pass
+
+event.register("numba:compile", Count())
+pw.run(pw.scenes.wear_times(cycles=1, wears=0), engine="%s")
+print(Count.compiled, len(note_foundation.whole.overloads) + len(deposit_over_arc.whole.overloads))
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("engine", "most"), [("exudyn-tree", 95), ("dae", 105)])
+def test_a_first_start_compiles_few_kernels(tmp_path: Path, engine: str, most: int) -> None:
+    compiled, unused = map(int, _told(tmp_path, COUNTED % engine))
+    assert 20 < compiled <= most
+    assert unused == 0
