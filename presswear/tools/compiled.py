@@ -216,8 +216,8 @@ def _numba_type(given: Any) -> Any:
     if isinstance(given, np.dtype):
         return _NUMBA.from_dtype(given)
     if type(given) is int:
-        # What is cut from an array of several axes may have gaps.
-        return _TYPES.Array(_TYPES.float64, given, "CA"[given == 1]) if given else _TYPES.float64
+        # What is cut from a larger array may have gaps.
+        return _TYPES.Array(_TYPES.float64, given, "A") if given else _TYPES.float64
     return _NUMBA.typeof(given)
 
 
