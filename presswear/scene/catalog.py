@@ -12,6 +12,7 @@ from presswear.scene.bearing import CONVENTIONS, Bearing
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.scene.surfaces import Surfaces
+from presswear.tools.checked import checked
 from presswear.tools.errors import unknown
 
 Make = Callable[..., Scene]
@@ -41,9 +42,11 @@ def _named(name: str, title: str, base: Make = Scene, **changes: Any) -> Make:
         scene = changed(scene, settings) if settings else scene
         return replace(scene, surfaces=surfaces) if surfaces else scene
 
+    make.__name__ = name
     make.__doc__ = f"{title}; settings by key change it, and the surfaces that it begins on."
-    SCENES[name] = Entry(title, make)
-    return make
+    found = checked(make)
+    SCENES[name] = Entry(title, found)
+    return found
 
 
 ideal = _named(
