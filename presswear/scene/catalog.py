@@ -12,6 +12,7 @@ from presswear.scene.bearing import CONVENTIONS, Bearing
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.scene.surfaces import Surfaces
+from presswear.tools.checked import checked
 from presswear.tools.errors import unknown
 
 Make = Callable[..., Scene]
@@ -36,14 +37,16 @@ def _named(name: str, title: str, base: Make = Scene, **changes: Any) -> Make:
     the command line, or a number, SI.  Beside them it takes the surfaces that it begins on.
     """
 
-    def make(*, surfaces: Surfaces | None = None, **settings: Any) -> Scene:
+    def make(*, surfaces: Surfaces | Any = None, **settings: Any) -> Scene:
         scene = replace(base(), name=name, title=title, **changes)
         scene = changed(scene, settings) if settings else scene
-        return replace(scene, surfaces=surfaces) if surfaces else scene
+        return scene if surfaces is None else replace(scene, surfaces=surfaces)
 
+    make.__name__ = name
     make.__doc__ = f"{title}; settings by key change it, and the surfaces that it begins on."
-    SCENES[name] = Entry(title, make)
-    return make
+    found = checked(make)
+    SCENES[name] = Entry(title, found)
+    return found
 
 
 ideal = _named(

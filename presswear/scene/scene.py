@@ -168,7 +168,7 @@ class Scene:
         "none given: 4 where something wears, else 1",
     )
     seed: int = count(0, 0, 100_000, "chosen", "draws the starts anew, for an independent run")
-    surfaces: Mapping[str, tuple[Any, Any]] = field(default_factory=dict, hash=False)
+    surfaces: Mapping[str, tuple[Any, Any]] | Any = field(default_factory=dict, hash=False)
     statuses: Mapping[str, str] = field(default_factory=dict, hash=False)
 
     def __post_init__(self) -> None:

@@ -59,6 +59,7 @@ def checked(made: F) -> F:
         if is_choice or "meaning" in item.metadata:
             kinds[item.name] = _Meant
     known = list(kinds)
+    first = known[0] if known and known[0] in NAMING else ""
 
     @wraps(function)
     def settling(*given: Any, **named: Any) -> Any:
@@ -70,9 +71,9 @@ def checked(made: F) -> F:
         except TypeError as error:
             raise InputError(f"{label}: {error}") from None
         arguments = bound.arguments
-        owner = arguments.get(known[0]) if known[0] in NAMING else None
+        owner = arguments.get(first)
         for name in arguments.keys() & kinds.keys():
-            whose = f" of {owner}" if isinstance(owner, str) and name != known[0] else ""
+            whose = f" of {owner}" if isinstance(owner, str) and name != first else ""
             arguments[name] = _settled(name, whose, arguments[name], kinds[name])
         return function(*bound.args, **bound.kwargs)
 

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from presswear.scene.catalog import ideal
 from presswear.tools.checked import LARGEST, checked
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import Meaning, check_fields, quantity
@@ -98,5 +99,7 @@ def test_functions_are_checked_as_classes_are() -> None:
         joined([part, 3])  # type: ignore[list-item]
     with pytest.raises(InputError, match="whole = 1: a True or False is expected"):
         joined([part], whole=1)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="ideal: too many positional arguments"):
+        ideal(3)
     with pytest.raises(InputError, match="joined: too many positional arguments"):
         joined([part], True, 3)  # type: ignore[call-arg]
