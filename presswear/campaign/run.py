@@ -20,7 +20,7 @@ def run(
     scene: Scene,
     folder: str | Path | None = None,
     engine: str | Engine | None = None,
-    jobs: int = 1,
+    jobs: int | None = None,
     trackers: Sequence[Tracker] = (),
     check: bool = True,
 ) -> Result: ...
@@ -31,7 +31,7 @@ def run(
     scene: Study,
     folder: str | Path | None = None,
     engine: str | Engine | None = None,
-    jobs: int = 1,
+    jobs: int | None = None,
     trackers: Sequence[Tracker] = (),
     check: bool = True,
 ) -> dict[str, Result]: ...
@@ -41,7 +41,7 @@ def run(
     scene: Scene | Study,
     folder: str | Path | None = None,
     engine: str | Engine | None = None,
-    jobs: int = 1,
+    jobs: int | None = None,
     trackers: Sequence[Tracker] = (),
     check: bool = True,
 ) -> Result | dict[str, Result]:
@@ -56,8 +56,9 @@ def run(
     engine : str, engine or None
         A word, such as ``dae``, or an engine with its settings, such as
         ``ExudynTree(tree_tolerance=1e-10)``; None: the scene's.
-    jobs : int
-        Variants of a study at a time.
+    jobs : int or None
+        Runs at a time, of starts or of a study's variants; None: as many as there are cores.
+        No number depends on it.
     trackers : sequence of Tracker
         Told what happens.
     check : bool
@@ -76,10 +77,10 @@ def run(
     InputError
         Where the scene, or what stands in the folder, does not allow it.
     """
+    if jobs is not None and jobs < 1:
+        raise InputError(f"jobs = {jobs}: a number from 1 is expected")
     if isinstance(scene, Scene):
-        if jobs != 1:
-            raise InputError(f"jobs = {jobs}: a scene takes 1; more are for studies")
-        return run_scene(scene, folder, engine, trackers, check)
+        return run_scene(scene, folder, engine, trackers, check, jobs)
     if folder is None:
         raise InputError(f"the study {scene.name} needs a folder for its runs")
     variants = tuple(replace(v, scene=with_engine(v.scene, engine)) for v in scene.variants)

@@ -14,6 +14,7 @@ from presswear.commands.terminal import (
     folder_given,
     free_folder,
     go_on_with,
+    jobs_given,
     progress_bar,
     scene_given,
     seconds_given,
@@ -63,7 +64,7 @@ def add(commands: Any) -> None:
         metavar="KEY=VALUE",
         help="change one value, with its unit; repeatable (see presswear list SCENE)",
     )
-    run.add_argument("--jobs", default="1", metavar="N", help="of a study: runs at a time")
+    run.add_argument("--jobs", metavar="N", help="runs at a time (default: all cores)")
     run.add_argument(
         "--resume",
         action="store_true",
@@ -107,8 +108,7 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
 
         change = partial(_with_options, arguments=arguments)
         return studies.run(arguments, console, None if _is_plain(arguments) else change)
-    if arguments.jobs != "1":
-        raise InputError(f"--jobs is for studies: {', '.join(STUDIES)}")
+    jobs = jobs_given(arguments.jobs)
     interval = seconds_given("--checkpoint", arguments.checkpoint)
     if arguments.resume and arguments.out is None:
         raise InputError("--resume needs the folder to go on in: --out DIR")
@@ -126,7 +126,7 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
             console.print(remark, highlight=False, soft_wrap=True)
         if store.is_finished:
             console.print(f"the run in {folder} has come to its end before", highlight=False)
-        _run_into(store, scene, window, console)
+        _run_into(store, scene, jobs, window, console)
     from presswear.show.report import write_report
 
     result = load(folder)
@@ -155,15 +155,23 @@ def _stored_scene(arguments: argparse.Namespace) -> Scene:
     return scene
 
 
-def _run_into(store: "ResultFolder", scene: Scene, window: "Live | None", console: Console) -> None:
+def _run_into(
+    store: "ResultFolder",
+    scene: Scene,
+    jobs: int | None,
+    window: "Live | None",
+    console: Console,
+) -> None:
     """Run a scene into its folder, from where it stands, with progress on the terminal."""
-    from presswear.campaign.single import run_into
+    from presswear.campaign.single import run_into, workers_of
     from presswear.commands.running import Terminal
 
     go_on = go_on_with(scene.name, store.path)
     try:
         with progress_bar(console) as bar:
-            run_into(store, scene, [Terminal(bar), *([window] if window else [])])
+            trackers = [Terminal(bar), *([window] if window else [])]
+            with workers_of([scene], jobs, trackers, store.interval) as workers:
+                run_into(store, scene, trackers, workers)
     except InputError:
         raise
     except RunFailed as error:

@@ -130,6 +130,13 @@ class MapBatches:
         """Depth of the samples, m."""
         return np.asarray(self._sums.sum(axis=0)) if self.cycles > STARTUP_CYCLES else self._last
 
+    @staticmethod
+    def stored(state: State) -> "MapBatches":
+        """The maps of a state."""
+        maps = MapBatches(state["last"].shape)
+        maps.restore(state)
+        return maps
+
     def state(self) -> dict[str, NDArray[Any]]:
         """All that changes, copied."""
         return {
