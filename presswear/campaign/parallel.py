@@ -76,7 +76,6 @@ class _Work:
             report(min(part, 0.999), word)
 
         variant = self.variant
-        tell(0.0, "")
         try:
             path = self.folder / variant.key
             run_variant(path, variant.scene, self.interval, tell, self.workers)

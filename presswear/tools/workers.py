@@ -4,9 +4,9 @@ A job is a function that can be pickled.  It is given another one, to be called 
 second with how far it is, which is also where it is stopped; what it has by then it can hand
 over as ``Stopped``.  Nothing that it gives depends on where or when it runs.
 
-Processes are forked from a server that has imported what jobs need and has one thread (on
+Processes are forked from a server that has imported what jobs need and done nothing else (on
 Linux; elsewhere they begin from nothing): a fork of this process would copy the locks of
-threads that are not there any more, of numerical libraries, of a progress bar, of a window.  The
+threads that it does not copy, of numerical libraries, of a progress bar, of a window.  The
 first job runs alone until it first tells how far it is, so that one process compiles what is not
 compiled yet and the others load it.  What they tell stands in shared memory without a lock: a
 process that is killed leaves none behind.
@@ -261,51 +261,52 @@ class Pool:
         dropped: set[int] = set()
         try:
             while waiting or running:
-                try:
-                    if self._pool is None:
-                        self._begin()
-                    self._fill(waiting, running)
-                    done = wait(running, POLL, FIRST_COMPLETED).done
-                    # Of a pool that broke some may be finished all the same.
-                    for future in sorted(done, key=lambda own: own.exception() is not None):
-                        _, key, _ = running[future]
-                        outcome = None if key in dropped else future.result()
-                        del running[future]
-                        self._is_again = False
-                        if key in dropped:
-                            dropped.discard(key)
-                            continue
-                        for other, following in ended(key, outcome).items():
-                            waiting.pop(other, None)
-                            if following is not None:
-                                waiting[other] = following
-                            for at, busy, _ in running.values():
-                                if busy == other:
-                                    self._board.stops[at] = True
-                                    dropped.add(other)
-                except (BrokenProcessPool, MemoryError):
-                    lost = {k: job for _, k, job in running.values() if k not in dropped}
-                    waiting = lost | waiting
-                    running, dropped = {}, set()
+                is_lost = not self._fill(waiting, running)
+                done = wait(running, POLL, FIRST_COMPLETED).done
+                # Of a pool that broke some may be finished all the same.
+                for future in sorted(done, key=lambda own: own.exception() is not None):
+                    if isinstance(future.exception(), BrokenProcessPool | MemoryError):
+                        is_lost = True
+                        break
+                    _, key, _ = running[future]
+                    further = {} if key in dropped else ended(key, future.result())
+                    del running[future]
+                    dropped.discard(key)
+                    self._is_warm, self._is_again = True, False
+                    for other, following in further.items():
+                        waiting.pop(other, None)
+                        if following is not None:
+                            waiting[other] = following
+                        for place, busy, _ in running.values():
+                            if busy == other:
+                                self._board.stops[place] = True
+                                dropped.add(other)
+                if is_lost:
+                    lost = {key: job for _, key, job in running.values() if key not in dropped}
+                    waiting, running, dropped = lost | waiting, {}, set()
                     self._replace()
                 self._look(running, told)
         except BaseException as error:
             if isinstance(error, KeyboardInterrupt) or is_stopped():
                 self._collect(running, dropped, ended)
+            self._end(wait=False)
             raise
 
-    def _fill(self, waiting: dict[int, Job], running: dict["Future[Any]", Any]) -> None:
-        """Hand out jobs to places that are free."""
+    def _fill(self, waiting: dict[int, Job], running: dict["Future[Any]", Any]) -> bool:
+        """Hand out jobs to places that are free; False where a process has been killed."""
+        if self._pool is None:
+            self._begin()
         busy = {place for place, _, _ in running.values()}
         free = [place for place in range(self._count) if place not in busy]
         if not self._is_warm:
             free = free[: 1 - len(busy)]
-        # What runs under a key goes on as itself before anything follows it.
-        for place, key in zip(free, list(waiting), strict=False):
-            self._board.clear(place)
-            job = waiting[key]
-            future = self._submit(_do, place, job)
-            running[future] = place, key, waiting.pop(key)
+        try:
+            for place, key in zip(free, list(waiting), strict=False):
+                self._board.clear(place)
+                running[self._submit(_do, place, waiting[key])] = place, key, waiting.pop(key)
+        except BrokenProcessPool:
+            return False
+        return True
 
     def _look(self, running: Mapping["Future[Any]", tuple[int, int, Job]], told: Told) -> None:
         """Hand on what was told."""
@@ -348,7 +349,9 @@ def workers_for(
     count: int, imports: Sequence[str] = (), lasts: float = math.inf, room: int = 0
 ) -> InProcess | Pool:
     """The cheapest that can do so many jobs at once; see ``Pool``."""
-    return InProcess(lasts) if count <= 1 else Pool(count, imports, lasts, room)
+    # A process that is to end with its own parent may have no children.
+    is_alone = count <= 1 or multiprocessing.current_process().daemon
+    return InProcess(lasts) if is_alone else Pool(count, imports, lasts, room)
 
 
 def _context(imports: Sequence[str]) -> Any:
