@@ -303,7 +303,9 @@ class Pool:
         try:
             for place, key in zip(free, list(waiting), strict=False):
                 self._board.clear(place)
-                running[self._submit(_do, place, waiting[key])] = place, key, waiting.pop(key)
+                job = waiting[key]
+                running[self._submit(_do, place, job)] = place, key, job
+                del waiting[key]
         except BrokenProcessPool:
             return False
         return True
