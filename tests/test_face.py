@@ -46,10 +46,11 @@ class Stops(pw.Tracker):
         return len(recorder.cycles) == 2
 
 
-def test_a_tracker_can_end_a_run() -> None:
-    scene = pw.scenes.wear_times(wears=0, cycles=9, **QUICK)
-    result = pw.run(scene, trackers=[Stops()])
-    assert (result.stages[0].cycles, result.stages[0].status) == (2, "enough")
+@pytest.mark.parametrize("starts", [1, 2])
+def test_a_tracker_can_end_a_run(starts: int) -> None:
+    scene = pw.scenes.wear_times(wears=0, cycles=9, starts=starts, **QUICK)
+    result = pw.run(scene, trackers=[Stops()], jobs=2)
+    assert (result.stages[0].cycles, result.stages[0].status) == (2 * starts, "enough")
 
 
 def test_a_run_goes_on_in_its_folder_and_is_read_when_it_is_finished(tmp_path: Path) -> None:

@@ -321,6 +321,7 @@ class _Rounds:
                     None if reached is None else reached.state,
                     self._lasts,
                     self._forecast.frames,
+                    self._forecast.near,
                 )
         return found
 

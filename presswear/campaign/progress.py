@@ -46,6 +46,11 @@ class Forecast:
         """Frames of the film that the trackers want to hear of."""
         return max((tracker.frames for tracker in self.trackers), default=0)
 
+    @property
+    def near(self) -> tuple[Tracker, ...]:
+        """The trackers that want to hear of single runs."""
+        return tuple(tracker for tracker in self.trackers if tracker.hears_runs)
+
     def numbers(self) -> dict[str, float | None]:
         """Give everything that changes, by name; None stands for infinity, as in JSON."""
         values = {name: getattr(self, name) for name in _NUMBERS}

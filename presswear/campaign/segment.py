@@ -178,6 +178,8 @@ class Segment:
         Wall time after which it ends as soon as a cycle does, s.
     frames : int
         Frames of the film to be shown while it runs.
+    trackers : tuple of Tracker
+        Told what the engine tells, in this process.
     """
 
     scene: Scene
@@ -188,12 +190,14 @@ class Segment:
     state: State | None
     lasts: float
     frames: int = 0
+    trackers: tuple[Tracker, ...] = ()
 
     def __call__(self, report: Report) -> Reached:
         """Run it; Stopped, with what was reached, where that is interrupted."""
         linkage = linkage_on(self.scene, self.worn)
         hearing = _Hearing(self, linkage, report)
-        plan = replace(plan_of(self.scene, self.task), trackers=(hearing,), resume=self.state)
+        trackers = (hearing, *self.trackers)
+        plan = replace(plan_of(self.scene, self.task), trackers=trackers, resume=self.state)
         try:
             run = self.scene.solver.simulate(linkage, start_of(self.scene, self.start), plan)
         except BaseException as error:

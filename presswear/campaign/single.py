@@ -80,6 +80,8 @@ def workers_of(
         (frames * columns_of(len(own.bodies), len(own.clearances)) for own in linkages), default=0
     )
     count = min(jobs or cores(), max(most_runs(scene) for scene in scenes))
+    if any(own.hears_runs for own in trackers):
+        count = 1
     engines = dict.fromkeys(scene.solver.room for scene in scenes)
     return workers_for(count, (_SEGMENT, *engines), interval / _SHARES, room)
 

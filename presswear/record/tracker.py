@@ -43,8 +43,9 @@ class Progress:
 class Tracker:
     """Told what happens; a tracker overrides what it wants to know.
 
-    An engine tells of one run: ``begun``, ``advanced`` and ``cycle``.  A campaign, whose runs may
-    be in other processes, tells ``progress``, ``checkpoint`` and ``stage``.
+    An engine tells of one run: ``begun``, ``advanced`` and ``cycle``.  A campaign hands these on
+    from each of its runs, which it then keeps in this process, and tells ``progress``,
+    ``checkpoint`` and ``stage`` besides.
 
     Attributes
     ----------
@@ -53,6 +54,12 @@ class Tracker:
     """
 
     frames = 0
+
+    @property
+    def hears_runs(self) -> bool:
+        """True where it overrides something that an engine tells."""
+        told = ("begun", "advanced", "cycle")
+        return any(getattr(type(self), name) is not getattr(Tracker, name) for name in told)
 
     def begun(self, recorder: "Recorder") -> None:
         """Hear that a run begins to fill a recorder."""
