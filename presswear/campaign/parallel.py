@@ -19,7 +19,7 @@ from presswear.tools.documents import write_json
 from presswear.tools.errors import RunFailed
 from presswear.tools.folders import FolderLock
 from presswear.tools.stopping import is_stopped
-from presswear.tools.workers import InProcess, Report, Workers, cores, workers_for
+from presswear.tools.workers import Report, Workers, cores, workers_for
 
 
 @dataclass
@@ -137,7 +137,6 @@ def _run_variants(
     """Run variants in so many processes; all of them end, with checkpoints, where one breaks."""
     # The longest first, so that no process is left with one when the others are done.
     order = sorted(left, key=lambda variant: variant.extent, reverse=True)
-    most = jobs or cores()
 
     def ended(index: int, outcome: None) -> dict[int, None]:
         tell(order[index].key, 1.0, "")
@@ -146,11 +145,12 @@ def _run_variants(
     def told(index: int, part: float, word: str, rows: object) -> None:
         tell(order[index].key, part, word)
 
-    if len(left) >= most:
-        work = {k: _Work(folder, variant, interval) for k, variant in enumerate(order)}
-        with workers_for(most, (__name__,)) as processes:
-            processes.run(work, ended, told)
-        return
-    with workers_of([variant.scene for variant in left], jobs, (), interval) as shared:
+    most = jobs or cores()
+    is_wide = len(left) >= most
+    with (
+        workers_for(most if is_wide else 1, (__name__,)) as variants,
+        workers_of([v.scene for v in left], 1 if is_wide else most, (), interval) as starts,
+    ):
+        shared = None if is_wide else starts
         work = {k: _Work(folder, variant, interval, shared) for k, variant in enumerate(order)}
-        InProcess().run(work, ended, told)
+        variants.run(work, ended, told)
