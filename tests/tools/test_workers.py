@@ -270,9 +270,10 @@ def within(is_so: Callable[[], bool]) -> bool:
 def test_no_process_outlives_its_parent(tmp_path: Path) -> None:
     process = script(tmp_path)
     assert process.stdout is not None
-    said = [process.stdout.readline().strip()]
+    said: list[str] = []
     while len(set(said)) < 3:
         said.append(process.stdout.readline().strip())
+        assert said[-1], "it has ended"
     pids = [int(word) for word in set(said) - {"begun"}]
     assert said.count("begun") == 1
     assert all(map(is_running, pids))
@@ -289,6 +290,7 @@ def test_nobody_else_says_anything_when_all_are_interrupted(tmp_path: Path) -> N
     said: set[str] = set()
     while len(said) < 3:
         said.add(process.stdout.readline().strip())
+        assert "" not in said, "it has ended"
     os.killpg(process.pid, signal.SIGINT)
     errors = process.communicate(timeout=PATIENCE)[1]
     assert errors.count("Traceback") == 1
