@@ -48,6 +48,7 @@ if TYPE_CHECKING:
     from presswear.results.result import load as load
     from presswear.results.stage import JointResult as JointResult
     from presswear.results.stage import StageResult as StageResult
+    from presswear.results.surfaces import read_surfaces as read_surfaces
     from presswear.scene.bearing import Bearing as Bearing
     from presswear.scene.bearing import Conventions as Conventions
     from presswear.scene.scene import Scene as Scene
@@ -89,6 +90,7 @@ _ROOMS = {
     "record.tracker": ("Progress", "Tracker"),
     "results.result": ("Result", "load"),
     "results.stage": ("JointResult", "StageResult"),
+    "results.surfaces": ("read_surfaces",),
     "scene.bearing": ("Bearing", "Conventions"),
     "scene.scene": ("Scene",),
     "studies": ("study", "write_report"),

@@ -33,11 +33,15 @@ from presswear.tools.workers import InProcess, Workers
 Array = NDArray[np.float64]
 
 
-def unworn(scene: Scene) -> Array:
-    """Depth of round surfaces, shape (starts, joints, 2, m), m."""
+def begun_on(scene: Scene) -> Array:
+    """Depth of the surfaces that every start begins on, shape (starts, joints, 2, m), m."""
     joints = scene.linkage().clearances
     angles = max((joint.wear.angles for joint in joints if joint.wear), default=1)
-    return np.zeros((scene.draws, len(joints), 2, angles))
+    worn = np.zeros((len(joints), 2, scene.bearings.angles if scene.surfaces else angles))
+    for depth, joint in zip(worn, joints, strict=True):
+        for own, surface in zip(depth, (joint.bearing_surface, joint.pin_surface), strict=True):
+            own[:] = surface.depth if surface.is_worn else 0.0
+    return np.repeat(worn[np.newaxis], scene.draws, axis=0)
 
 
 def stage_task(scene: Scene, index: int) -> Task:
@@ -92,13 +96,13 @@ def run_stage(
     Parameters
     ----------
     worn : ndarray, shape (runs, joints, 2, m)
-        Depth of the surfaces of each run, m; None: they are round.
+        Depth of the surfaces of each run, m; None: those that the scene begins on.
     workers : Workers or None
         Does the runs; None: this process.
     """
     forecast = Forecast(replace(scene, wears=index), trackers)
     forecast.begin(index)
-    worn = unworn(scene) if worn is None else worn
+    worn = begun_on(scene) if worn is None else worn
     ran = run_ensemble(scene, worn, stage_task(scene, index), forecast, workers or InProcess())
     stage = without_wear(scene, index, ran)
     for tracker in trackers:
@@ -201,7 +205,7 @@ def run_campaign(
     workers = workers or InProcess()
     scene.check_own_laws()
     forecast = Forecast(scene, trackers)
-    at = Checkpoint(worn=unworn(scene)) if begun is None else begun
+    at = Checkpoint(worn=begun_on(scene)) if begun is None else begun
     forecast.restore(at.forecast)
 
     def tell(checkpoint: Checkpoint, is_stage: bool = False) -> None:

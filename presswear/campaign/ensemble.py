@@ -61,7 +61,7 @@ class Ensemble:
     Attributes
     ----------
     linkage : Linkage
-        With round surfaces.
+        On the surfaces that the scene begins on.
     worn : ndarray, shape (runs, joints, 2, m)
         Depth of the surfaces that each run began with, m.
     runs : tuple of Run

@@ -19,7 +19,7 @@ from presswear.tools.documents import write_json
 from presswear.tools.errors import RunFailed
 from presswear.tools.folders import FolderLock
 from presswear.tools.stopping import is_stopped
-from presswear.tools.workers import Report, Workers, cores, workers_for
+from presswear.tools.workers import Job, Report, Workers, cores, workers_for
 
 
 @dataclass
@@ -77,8 +77,9 @@ class _Work:
 
         variant = self.variant
         try:
-            path = self.folder / variant.key
-            run_variant(path, variant.scene, self.interval, tell, self.workers)
+            path, scene = self.folder / variant.key, variant.scene_in(self.folder)
+            if scene is not None:
+                run_variant(path, scene, self.interval, tell, self.workers)
         # A variant may fail with any error of its process, and the user must learn which variant.
         except Exception as error:
             if is_stopped():
@@ -138,9 +139,11 @@ def _run_variants(
     # The longest first, so that no process is left with one when the others are done.
     order = sorted(left, key=lambda variant: variant.extent, reverse=True)
 
-    def ended(index: int, outcome: None) -> dict[int, None]:
+    keys = {variant.key for variant in left}
+
+    def ended(index: int, outcome: None) -> dict[int, Job | None]:
         tell(order[index].key, 1.0, "")
-        return {}
+        return {k: job for k, job in work.items() if order[k].source == order[index].key}
 
     def told(index: int, part: float, word: str, rows: object) -> None:
         tell(order[index].key, part, word)
@@ -153,4 +156,6 @@ def _run_variants(
     ):
         shared = None if is_wide else starts
         work = {k: _Work(folder, variant, interval, shared) for k, variant in enumerate(order)}
-        variants.run(work, ended, told)
+        # Those that begin on the surfaces of another come behind it.
+        first = {k: job for k, job in work.items() if order[k].source not in keys}
+        variants.run(first, ended, told)

@@ -155,6 +155,9 @@ def stage_statistics(
     )
     return {
         "cycles": sum(len(own) for own in displacement),
+        "energy_made_per_cycle_J": mean(
+            lambda own: np.diff(own.each_cycle("contact_made"), prepend=0.0)
+        ),
         "slider": {
             "displacement_max_m": float(max(after_startup(own).max() for own in displacement)),
             "velocity_min_m_s": float(min(after_startup(own).min() for own in slowest)),

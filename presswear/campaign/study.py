@@ -13,6 +13,7 @@ from typing import Any
 from presswear.results.provenance import Provenance, provenance, provenance_differs
 from presswear.results.result import FINISHED, Result, load, read_document
 from presswear.scene.scene import Scene
+from presswear.scene.settings import begun_on
 from presswear.tools.documents import read_json, typed
 from presswear.tools.errors import InputError
 from presswear.tools.folders import is_free
@@ -21,7 +22,7 @@ Change = Callable[[Scene], Scene]
 """A change that a person asks for in the scene that a study starts from."""
 
 FILE = "study.json"
-SCHEMA = 3
+SCHEMA = 4
 _KEY = re.compile(r"[A-Za-z0-9][A-Za-z0-9.+=,_-]*")
 _CYCLES_OF_MAPS = 0.06
 """Cycles until wear maps are known to a tolerance, times its square: a rough measure."""
@@ -42,11 +43,33 @@ class Variant:
         Name of its folder.
     label : str
         The change from the others, in a few words.
+    scene : Scene
+    on : str
+        ``KEY:STAGE``, the stage of a variant before it on whose surfaces it begins; or nothing.
     """
 
     key: str
     label: str
     scene: Scene
+    on: str = ""
+
+    @property
+    def source(self) -> str:
+        """Key of the variant that runs before it, or nothing."""
+        return self.on.rpartition(":")[0]
+
+    def scene_in(self, folder: Path) -> Scene | None:
+        """The scene on the surfaces that it begins on, in the study's folder.
+
+        None where the variant that they are of never came to that stage.
+        """
+        if not self.on:
+            return self.scene
+        path, stage = folder / self.source, int(self.on.rpartition(":")[2])
+        stages = load(path).stages if (path / "result.json").exists() else ()
+        if stage >= len(stages):
+            return None
+        return begun_on(self.scene, stages[stage].surfaces, self.on)
 
     @property
     def extent(self) -> float:
@@ -82,7 +105,8 @@ class Study:
             "title": self.title,
             "question": self.question,
             "variants": [
-                {"key": v.key, "label": v.label, "scene": v.scene.as_dict()} for v in self.variants
+                {"key": v.key, "label": v.label, "scene": v.scene.as_dict(), "on": v.on}
+                for v in self.variants
             ],
         }
 
@@ -94,6 +118,7 @@ class StoredVariant:
     key: str
     label: str
     scene: dict[str, Any]
+    on: str
 
 
 @dataclass(frozen=True)
@@ -126,7 +151,9 @@ def _stored(folder: Path) -> StoredStudy:
 def _study_of(stored: StoredStudy, folder: Path) -> Study:
     file = folder / FILE
     try:
-        variants = tuple(Variant(v.key, v.label, Scene.from_dict(v.scene)) for v in stored.variants)
+        variants = tuple(
+            Variant(v.key, v.label, Scene.from_dict(v.scene), v.on) for v in stored.variants
+        )
     except InputError as error:
         raise InputError(f"{file}: {error}") from None
     keys = [variant.key for variant in variants]
@@ -134,6 +161,14 @@ def _study_of(stored: StoredStudy, folder: Path) -> Study:
     strange = [key for key in keys if not _KEY.fullmatch(key) or keys.count(key) > 1]
     if strange or not keys:
         raise InputError(f"{file}: {strange[:1] or 'nothing'} cannot name a variant's folder")
+    for place, variant in enumerate(variants):
+        stage = variant.on.rpartition(":")[2]
+        is_place = stage.isascii() and stage.isdigit() and variant.source in keys[:place]
+        if variant.on and not is_place:
+            raise InputError(
+                f"{file}: {variant.key} begins on {variant.on!r}; KEY:STAGE of a variant before it "
+                "is expected"
+            )
     return Study(stored.name, stored.title, stored.question, variants)
 
 
@@ -159,8 +194,8 @@ def waiting(study: Study, folder: Path, resume: bool) -> list[Variant]:
     if not resume:
         raise InputError(f"--out {folder}: it exists and is not empty; name a new one or --resume")
     stored = _stored(folder)
-    wanted = {v.key: v.scene for v in study.variants}
-    there = {v.key: v.scene for v in _study_of(stored, folder).variants}
+    wanted = {v.key: (v.scene, v.on) for v in study.variants}
+    there = {v.key: (v.scene, v.on) for v in _study_of(stored, folder).variants}
     for key in dict.fromkeys([*wanted, *there]):
         if wanted.get(key) != there.get(key):
             raise InputError(
@@ -177,7 +212,10 @@ def waiting(study: Study, folder: Path, resume: bool) -> list[Variant]:
 
 
 def results_of(study: Study, folder: Path) -> Iterator[tuple[Variant, Result | None]]:
-    """Each variant with its result; None for one that failed before its first stage ended."""
+    """Each variant with its result; None for one that failed before its first stage ended.
+
+    Nor has one a result whose surfaces were never reached.
+    """
     for variant in study.variants:
         path = folder / variant.key
         yield variant, load(path) if (path / "result.json").exists() else None

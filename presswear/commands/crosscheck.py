@@ -10,7 +10,6 @@ from presswear.commands.export import TABLE_TEXT
 from presswear.commands.terminal import (
     add_out,
     add_settings,
-    check_folder,
     finished_part,
     free_folder,
     number_given,
@@ -22,7 +21,7 @@ from presswear.commands.terminal import (
 from presswear.commands.trials import telling
 from presswear.scene.settings import changed
 from presswear.tools.errors import InputError
-from presswear.tools.folders import only_writer
+from presswear.tools.folders import check_folder, only_writer
 
 _CYCLES = (1e-3, 100.0)
 """Shortest and longest time over which trajectories are compared, cycles."""

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 
-from presswear.commands.terminal import check_folder, finished_part, progress_bar
+from presswear.commands.terminal import finished_part, progress_bar
 from presswear.tools.errors import InputError
+from presswear.tools.folders import check_folder
 from presswear.tools.quantities import Meaning, parse_quantity
 
 if TYPE_CHECKING:

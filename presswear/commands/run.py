@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Console
 
 from presswear.commands.terminal import (
-    check_folder,
     finished_part,
     folder_given,
     free_folder,
@@ -23,9 +22,10 @@ from presswear.commands.terminal import (
 from presswear.scene.catalog import SCENES
 from presswear.scene.files import SUFFIX
 from presswear.scene.scene import Scene
-from presswear.scene.settings import changed
+from presswear.scene.settings import begun_on, changed
 from presswear.studies import STUDIES
 from presswear.tools.errors import InputError, RunFailed
+from presswear.tools.folders import check_folder
 from presswear.tools.stopping import is_stopped
 
 if TYPE_CHECKING:
@@ -64,6 +64,14 @@ def add(commands: Any) -> None:
         metavar="KEY=VALUE",
         help="change one value, with its unit; repeatable (see presswear list SCENE)",
     )
+    run.add_argument(
+        "--on",
+        metavar="SURFACES",
+        help="begin on given surfaces: DIR:STAGE, those that a stage of another result ran on (1: "
+        "those after its first wear, the mean of its starts; without :STAGE its last stage), or "
+        "FILE.csv, measured ones, with a header such as joint,side,angle (deg),depth (um), side "
+        "bearing or pin; other angles than the maps' own are resampled, the worn volume kept",
+    )
     run.add_argument("--jobs", metavar="N", help="runs at a time (default: all cores)")
     run.add_argument(
         "--resume",
@@ -97,7 +105,12 @@ def _with_options(scene: Scene, arguments: argparse.Namespace) -> Scene:
             if key in settings:
                 raise InputError(f"--{key} and --set {key} are both given: one of them is meant")
             settings[key] = given
-    return changed(scene, settings)
+    scene = changed(scene, settings)
+    if arguments.on is None:
+        return scene
+    from presswear.results.surfaces import read_surfaces
+
+    return begun_on(scene, read_surfaces(arguments.on), arguments.on)
 
 
 def _run(arguments: argparse.Namespace, console: Console) -> int:
@@ -140,7 +153,8 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
 
 def _is_plain(arguments: argparse.Namespace) -> bool:
     """True where nothing is said about the scene but its name."""
-    return not arguments.set and all(getattr(arguments, key) is None for key in OPTIONS)
+    told = (arguments.on, *(getattr(arguments, key) for key in OPTIONS))
+    return not arguments.set and all(own is None for own in told)
 
 
 def _stored_scene(arguments: argparse.Namespace) -> Scene:
@@ -169,7 +183,7 @@ def _run_into(
     go_on = go_on_with(scene.name, store.path)
     try:
         with progress_bar(console) as bar:
-            trackers = [Terminal(bar), *([window] if window else [])]
+            trackers = [Terminal(bar, scene), *([window] if window else [])]
             with workers_of([scene], jobs, trackers, store.interval) as workers:
                 run_into(store, scene, trackers, workers)
     except InputError:

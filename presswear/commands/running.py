@@ -4,7 +4,7 @@ from rich.progress import Progress as Bar
 
 from presswear.record.tracker import Progress, Tracker
 from presswear.results.stage import StageResult
-from presswear.scene.scene import stage_name
+from presswear.scene.scene import Scene
 from presswear.tools.numbers import with_interval
 from presswear.tools.stopping import check_stopped
 
@@ -12,15 +12,15 @@ from presswear.tools.stopping import check_stopped
 class Terminal(Tracker):
     """Shows the progress of a campaign, and two lines on each finished stage."""
 
-    def __init__(self, bar: Bar) -> None:
-        self._bar = bar
-        self._task = bar.add_task(stage_name(0), total=1.0)
+    def __init__(self, bar: Bar, scene: Scene) -> None:
+        self._bar, self._scene = bar, scene
+        self._task = bar.add_task(scene.stage_name(0), total=1.0)
 
     def progress(self, progress: Progress) -> None:
         """Show where the campaign stands; ends it where a signal has come."""
         check_stopped()
-        name, word = stage_name(progress.stage), progress.word
-        is_wear = word.startswith(stage_name(progress.stage + 1))
+        name, word = self._scene.stage_name(progress.stage), progress.word
+        is_wear = word.startswith(self._scene.stage_name(progress.stage + 1))
         description = word if is_wear else f"{name}: {word}" if word else name
         self._bar.update(self._task, description=description, completed=progress.whole)
 

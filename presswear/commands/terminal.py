@@ -24,7 +24,8 @@ from presswear.scene.catalog import scene_named
 from presswear.scene.files import SUFFIX, scene_from
 from presswear.scene.scene import Scene
 from presswear.studies import STUDIES
-from presswear.tools.errors import InputError, nearest
+from presswear.tools.errors import InputError
+from presswear.tools.folders import check_folder
 from presswear.tools.quantities import Meaning, parse_quantity
 
 if TYPE_CHECKING:
@@ -68,14 +69,6 @@ def scene_given(name: str) -> Scene:
     if name in STUDIES:
         raise InputError(f"{name!r} is a study of several scenes; presswear run {name}")
     return scene_named(name, STUDIES)
-
-
-def check_folder(path: Path) -> None:
-    """InputError where there is no such folder."""
-    if not path.is_dir():
-        beside = path.parent.iterdir() if path.parent.is_dir() else ()
-        near = nearest(path.name, (item.name for item in beside if item.is_dir()))
-        raise InputError(f"{path}: there is no such folder{near}")
 
 
 def count_given(option: str, text: str, most: int) -> int:

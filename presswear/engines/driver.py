@@ -11,6 +11,7 @@ from presswear.engines.base import Plan, Run, Start, Status, recorder_of
 from presswear.linkage.elements import Linkage
 from presswear.physics.constraints import Constraints
 from presswear.physics.energy import Ledger
+from presswear.record.observe import CONTACT_MADE
 from presswear.record.recorder import Recorder
 from presswear.record.soundness import Condition, Finding, examine
 from presswear.tools.arrays import State, named, numbers, part, set_numbers
@@ -108,9 +109,9 @@ def _cycles(
         if finding is not None:
             return finding
         time, position, velocity = running.state()
-        now = Condition(
-            time, running.ledger(), position, velocity, running.remedy, running.constraints
-        )
+        ledger = running.ledger()
+        recorder.book.cycle[CONTACT_MADE] = ledger.made
+        now = Condition(time, ledger, position, velocity, running.remedy, running.constraints)
         return examine(linkage, recorder, now)
 
     if plan.run_up > 0.0 and not len(recorder.cycles):

@@ -14,6 +14,8 @@ import numpy as np
 
 from presswear.tools.arrays import Array
 
+SIDES = ("bearing", "pin")
+
 
 def monotone_slopes(depth: Array) -> Array:
     """Slopes at the bin centres, m/rad, that keep the interpolant monotone.

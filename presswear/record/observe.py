@@ -29,8 +29,11 @@ SERIES_JOINT_NAMES = (
 ECCENTRICITY_X, ECCENTRICITY_Y, PENETRATION, NORMAL, TANGENTIAL, SLIDING = range(6)
 """Columns of a series row for each joint."""
 SERIES_FIXED, SERIES_JOINT = len(SERIES_NAMES), len(SERIES_JOINT_NAMES)
-CYCLE_FIXED = ("displacement_max", "velocity_min", "velocity_max", "acceleration_max", "steps")
-DISPLACEMENT_MAX, VELOCITY_MIN, VELOCITY_MAX, ACCELERATION_MAX, STEPS = range(5)
+CYCLE_FIXED = (
+    *("displacement_max", "velocity_min", "velocity_max", "acceleration_max", "steps"),
+    "contact_made",
+)
+DISPLACEMENT_MAX, VELOCITY_MIN, VELOCITY_MAX, ACCELERATION_MAX, STEPS, CONTACT_MADE = range(6)
 CYCLE_JOINT = ("force_max", "dose", "contacts")
 FORCE_MAX, WORK_DOSE, CONTACTS = range(3)
 """Columns of a cycle's row: those of the linkage, then those of each joint."""

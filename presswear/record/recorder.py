@@ -111,7 +111,11 @@ class Recorder:
             Time before the first cycle, s.
         """
         count = len(linkage.clearances)
-        angles = max((j.wear.angles for j in linkage.clearances if j.wear), default=1)
+        # Without an account of wear the maps, all zero, have the bins of the surfaces.
+        bins = (
+            j.wear.angles if j.wear else j.bearing_surface.depth.size for j in linkage.clearances
+        )
+        angles = max(bins, default=1) or 1
         tally = np.zeros(count, TALLY)
         tally["fewest_steps"] = np.iinfo(np.int64).max
         record = np.zeros(1, RECORD)

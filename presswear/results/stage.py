@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.engines.base import Status
+from presswear.linkage.surface import SIDES as SIDES
+from presswear.linkage.surface import Surface
 from presswear.physics.touchdown import CONTACT_COLUMNS
 from presswear.record.film import Film
 from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
@@ -16,8 +18,6 @@ from presswear.scene.scene import stage_name
 from presswear.tools.errors import InputError
 
 Array = NDArray[np.float64]
-
-SIDES = ("bearing", "pin")
 
 
 @dataclass(frozen=True)
@@ -155,8 +155,31 @@ class StageResult:
 
     @property
     def name(self) -> str:
-        """Name of the stage: ``no wear``, ``first wear``, ..."""
-        return stage_name(self.index)
+        """Name of the stage: ``no wear``, or ``given surfaces``, ``first wear``, ..."""
+        return stage_name(self.index, self.is_worn)
+
+    @property
+    def is_worn(self) -> bool:
+        """True where any surface that it ran on had lost material."""
+        return any(
+            bool(np.any(self.arrays.get(f"{name}_depth_{side}", 0.0)))
+            for name in self.joint_names
+            for side in SIDES
+        )
+
+    @property
+    def surfaces(self) -> dict[str, tuple[Surface, Surface]]:
+        """Bearing and pin by joint that it ran on, as a scene may begin on them.
+
+        They are the mean of its starts, where each had surfaces of its own.
+        """
+        return {
+            name: (
+                Surface(self.arrays[f"{name}_depth_bearing"]),
+                Surface(self.arrays[f"{name}_depth_pin"]),
+            )
+            for name in self.joint_names
+        }
 
     @property
     def failed(self) -> bool:

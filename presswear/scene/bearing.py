@@ -83,6 +83,9 @@ of the press with c_f = 0.8 takes half a million steps, at 1e-6 m/s ten times as
 """
 
 
+LEAST_ANGLES = 16
+"""Fewest bins of a wear map."""
+
 Law = str | OwnFunction | Callable[..., float]
 """A law by its name, or one of one's own; kept as one of the first two."""
 
@@ -132,7 +135,7 @@ class Bearing:
     bristle_damping: float = quantity(
         10.0, "s/m", 1e-2, 1e5, "chosen", "sigma_1 of friction_law = lugre, per unit of force"
     )
-    angles: int = count(360, 16, 100_000, "assumed", "bins of a wear map")
+    angles: int = count(360, LEAST_ANGLES, 100_000, "assumed", "bins of a wear map")
 
     def __post_init__(self) -> None:
         if not isinstance(self.materials, Materials):

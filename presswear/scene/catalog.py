@@ -11,6 +11,7 @@ from presswear.linkage.slider_crank import LITERATURE, SliderCrank
 from presswear.scene.bearing import CONVENTIONS, Bearing
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
+from presswear.scene.surfaces import Surfaces
 from presswear.tools.errors import unknown
 
 Make = Callable[..., Scene]
@@ -32,14 +33,15 @@ def _named(name: str, title: str, base: Make = Scene, **changes: Any) -> Make:
     """Enter a scene under a name: another one with some of its fields changed.
 
     Called with settings by key, it is changed by them.  A setting is text with its unit, as on
-    the command line, or a number, SI.
+    the command line, or a number, SI.  Beside them it takes the surfaces that it begins on.
     """
 
-    def make(**settings: Any) -> Scene:
+    def make(*, surfaces: Surfaces | None = None, **settings: Any) -> Scene:
         scene = replace(base(), name=name, title=title, **changes)
-        return changed(scene, settings) if settings else scene
+        scene = changed(scene, settings) if settings else scene
+        return replace(scene, surfaces=surfaces) if surfaces else scene
 
-    make.__doc__ = f"{title}; settings by key change it."
+    make.__doc__ = f"{title}; settings by key change it, and the surfaces that it begins on."
     SCENES[name] = Entry(title, make)
     return make
 

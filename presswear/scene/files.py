@@ -13,12 +13,13 @@ from presswear.linkage.reading import read
 from presswear.linkage.slider_crank import SliderCrank
 from presswear.linkage.written import toml_of
 from presswear.scene.scene import MECHANISMS, OneMechanism, Scene
-from presswear.scene.settings import changed, settings_of
+from presswear.scene.settings import begun_on, changed, settings_of
+from presswear.scene.surfaces import TABLE, read_profiles
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.files import read_checked
 
 SUFFIX = ".toml"
-_KEYS = ("title", "mechanism", "settings")
+_KEYS = ("title", "mechanism", "settings", "surfaces")
 _MOST_BYTES = 2**20
 
 
@@ -70,7 +71,13 @@ def scene_from(file: Path) -> Scene:
         # Without a word on it, no joint has clearance and nothing wears.
         plain = Scene(mechanism, file.stem, title, joints="none", wears=0)
         statuses = dict.fromkeys((setting.key for setting in settings_of(plain)), "default")
-        return changed(replace(plain, statuses=statuses), settings)
+        scene = changed(replace(plain, statuses=statuses), settings)
+        source = data.get("surfaces")
+        if source is None:
+            return scene
+        if not isinstance(source, str) or not source.endswith(TABLE):
+            raise InputError(f"surfaces = {source!r}: a name that ends in {TABLE} is expected")
+        return begun_on(scene, read_profiles(file.parent / source), source)
     except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
         raise InputError(f"{file}: {error}") from None
     except InputError as error:

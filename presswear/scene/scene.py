@@ -12,11 +12,12 @@ from presswear.linkage.laws import DAMPINGS
 from presswear.linkage.press import Press
 from presswear.linkage.reading import read
 from presswear.linkage.slider_crank import SliderCrank
-from presswear.linkage.surface import Surface
+from presswear.linkage.surface import SIDES, Surface
 from presswear.linkage.topology import branches_of
 from presswear.linkage.written import written
 from presswear.physics.assembly import IdealMotion, followed, motion_of
 from presswear.scene.bearing import CONVENTIONS, Bearing, Conventions
+from presswear.scene.surfaces import settled
 from presswear.tools.arrays import Array
 from presswear.tools.documents import typed
 from presswear.tools.errors import InputError, unknown
@@ -87,6 +88,12 @@ class Scene:
         clearance, each with its own.
     apart : mapping of str to Bearing
         Those of single joints that differ, by name.
+    surfaces : mapping of str to pair
+        Bearing and pin that every start begins on, by joint; those that are not given are round.
+        A side is a ``Surface``, None, depths of equal bins of a turn, shape (m,), m, or rows of
+        angle, rad, and depth, m, shape (n, 2).  Where its angles are not those of the joint's own
+        bins, each bin takes the mean of the monotone cubic through the points, which keeps the
+        worn volume.
     statuses : mapping of str to str
         Where values come from, by key, where it is not what their fields say.
     """
@@ -148,6 +155,7 @@ class Scene:
         "none given: 4 where something wears, else 1",
     )
     seed: int = count(0, 0, 100_000, "chosen", "draws the starts anew, for an independent run")
+    surfaces: Mapping[str, tuple[Any, Any]] = field(default_factory=dict, hash=False)
     statuses: Mapping[str, str] = field(default_factory=dict, hash=False)
 
     def __post_init__(self) -> None:
@@ -181,6 +189,8 @@ class Scene:
                 )
         alike = {name: own for name, own in self.apart.items() if own != self.bearings}
         object.__setattr__(self, "apart", alike)
+        begun_on = settled(self.surfaces, self.clearance_joints, self.bearing)
+        object.__setattr__(self, "surfaces", begun_on)
         for name, own in {"": self.bearings, **self.apart}.items():
             if self.conventions.contact == "foundation" and own.exponent != 1.5:
                 key = f"{name}.exponent" if name else "exponent"
@@ -188,7 +198,7 @@ class Scene:
                     f"{key} = {own.exponent:g}: with contact = 'foundation', which is linear "
                     "and gives the exponent 1.5 of a round joint, allowed is 1.5"
                 )
-            worn = self.conventions.contact == "foundation" and self.wears > 0
+            worn = self.conventions.contact == "foundation" and (self.wears > 0 or self.surfaces)
             if worn and not isinstance(own.normal_law, str):
                 key = f"{name}.normal_law" if name else "normal_law"
                 raise InputError(
@@ -255,9 +265,13 @@ class Scene:
         return self.extrapolation == "steps"
 
     def linkage(self, worn: Mapping[str, tuple[Surface, Surface]] | None = None) -> Linkage:
-        """The linkage of a stage; ``worn`` gives bearing and pin surface by joint name."""
+        """The linkage of a stage; ``worn`` gives bearing and pin surface by joint name.
+
+        Joints that it does not name have the surfaces that the scene begins on.
+        """
         ideal = followed(self.mechanism.linkage())
-        surfaces = dict.fromkeys(self.clearance_joints, (Surface(), Surface())) | dict(worn or {})
+        surfaces = dict.fromkeys(self.clearance_joints, (Surface(), Surface()))
+        surfaces |= {**self.surfaces, **(worn or {})}
         joints = (joint for joint in ideal.revolutes if joint.name in self.clearance_joints)
         return ideal.opened(
             tuple(self.bearing(j.name).joint(j, self.conventions, surfaces[j.name]) for j in joints)
@@ -312,11 +326,15 @@ class Scene:
         slider[:, 0] -= slider[0, 0]
         return slider[1:]
 
+    def stage_name(self, index: int) -> str:
+        """Name of a stage of this scene."""
+        return stage_name(index, bool(self.surfaces))
+
     def modelled(self) -> dict[str, Any]:
         """What is computed as plain data; how finely, by what and how often is left out."""
         names = (
             *("mechanism", "bearings", "apart", "conventions"),
-            *("extrapolation", "represented_cycles"),
+            *("extrapolation", "represented_cycles", "surfaces"),
         )
         return {name: value for name, value in self.as_dict().items() if name in names}
 
@@ -324,8 +342,12 @@ class Scene:
         """The scene as plain data, SI units, radians; its mechanism says of which kind it is."""
         mechanism = self.mechanism
         own = written(mechanism) if isinstance(mechanism, Linkage) else asdict(mechanism)
+        surfaces = {
+            name: {side: own.depth.tolist() for side, own in zip(SIDES, pair, strict=True)}
+            for name, pair in self.surfaces.items()
+        }
         plain = asdict(self)
-        return plain | {"mechanism": {"kind": mechanism.kind, **own}}
+        return plain | {"mechanism": {"kind": mechanism.kind, **own}, "surfaces": surfaces}
 
     @staticmethod
     def from_dict(data: Mapping[str, Any]) -> "Scene":
@@ -347,6 +369,10 @@ class Scene:
                 apart={name: Bearing(**own) for name, own in plain.pop("apart").items()},
                 conventions=Conventions(**plain.pop("conventions")),
                 numerics=_numerics(dict(plain.pop("numerics"))),
+                surfaces={
+                    name: tuple(own[side] for side in SIDES)
+                    for name, own in plain.pop("surfaces").items()
+                },
                 **plain,
             )
             lacking = next(_lacking(scene.as_dict(), data), None)
@@ -391,8 +417,8 @@ _ORDINALS = (
 )
 
 
-def stage_name(index: int) -> str:
-    """Name of a stage: ``no wear``, ``first wear``, ..."""
+def stage_name(index: int, is_worn: bool = False) -> str:
+    """Name of a stage: ``no wear``, or ``given surfaces``, ``first wear``, ..."""
     if index == 0:
-        return "no wear"
+        return "given surfaces" if is_worn else "no wear"
     return f"{_ORDINALS[index - 1]} wear" if index <= len(_ORDINALS) else f"wear {index}"

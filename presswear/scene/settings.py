@@ -9,7 +9,9 @@ from typing import Any
 
 from presswear.scene.bearing import Bearing
 from presswear.scene.scene import Scene
+from presswear.scene.surfaces import Surfaces
 from presswear.tools.errors import InputError, unknown
+from presswear.tools.files import digest
 from presswear.tools.own import OwnFunction, is_function
 from presswear.tools.quantities import (
     Choice,
@@ -19,6 +21,9 @@ from presswear.tools.quantities import (
     parse_quantity,
     sets_of,
 )
+
+_LONGEST = 200
+"""Characters of a value that is told in full."""
 
 SET = "set by the user"
 """Status of a value that was changed."""
@@ -75,7 +80,7 @@ def differences(first: Any, second: Any, key: str = "") -> list[tuple[str, Any, 
     """Keys under which two stored scenes differ, and both values; a part by its own keys.
 
     The name of a part stands under the part's key.  A function of one's own is told by its
-    name and digest.
+    name and digest, and what would fill a screen by its beginning and digest.
     """
     if is_function(first) or is_function(second):
         first, second = (
@@ -89,7 +94,12 @@ def differences(first: Any, second: Any, key: str = "") -> list[tuple[str, Any, 
                 first.get(name), second.get(name), key if key and name == "name" else name
             )
         ]
-    return [] if first == second else [(key, first, second)]
+    return [] if first == second else [(key, _short(first), _short(second))]
+
+
+def _short(value: Any) -> Any:
+    text = f"{value}"
+    return value if len(text) <= _LONGEST else f"{text[:20]}... ({digest(text.encode())[:12]})"
 
 
 def changed(scene: Scene, settings: Mapping[str, Any]) -> Scene:
@@ -125,6 +135,21 @@ def changed(scene: Scene, settings: Mapping[str, Any]) -> Scene:
         if joint and joint not in found.clearance_joints:
             raise InputError(f"{key}: joint {joint} has no clearance; joints = {found.joints}")
     return found
+
+
+def begun_on(scene: Scene, surfaces: Surfaces, source: str) -> Scene:
+    """The scene begun on surfaces, with a word on where they come from.
+
+    Raises
+    ------
+    InputError
+        Naming the source, where they do not fit the scene.
+    """
+    try:
+        statuses = {**scene.statuses, "surfaces": source}
+        return replace(scene, surfaces=surfaces, statuses=statuses)
+    except InputError as error:
+        raise InputError(f"{source}: {error}") from None
 
 
 def _with(bearing: Bearing, settings: Mapping[str, Any], joint: str) -> Bearing:

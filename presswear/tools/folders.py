@@ -10,12 +10,12 @@ import platform
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO
 
-from presswear.tools.errors import InputError
+from presswear.tools.errors import InputError, nearest
 
 LOCK = "lock"
 """Name of the file that is locked."""
@@ -36,6 +36,23 @@ def check_name(path: Path) -> None:
         raise InputError(f"{text!r}: a name of printable characters is expected")
     if any(len(part.encode()) > LONGEST_NAME for part in path.parts):
         raise InputError(f"{text}: names of at most {LONGEST_NAME} bytes are expected")
+
+
+def check_folder(path: Path) -> None:
+    """InputError where there is no such folder."""
+    if not path.is_dir():
+        raise InputError(f"{path}: there is no such folder{_nearest(path, Path.is_dir)}")
+
+
+def check_file(path: Path) -> None:
+    """InputError where there is no such file."""
+    if not path.is_file():
+        raise InputError(f"{path}: there is no such file{_nearest(path, Path.is_file)}")
+
+
+def _nearest(path: Path, is_meant: Callable[[Path], bool]) -> str:
+    beside = path.parent.iterdir() if path.parent.is_dir() else ()
+    return nearest(path.name, (item.name for item in beside if is_meant(item)))
 
 
 def is_free(path: Path) -> bool:

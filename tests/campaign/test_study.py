@@ -1,5 +1,6 @@
 """Studies: running variants side by side, going on with them, what is refused."""
 
+import json
 import shutil
 from dataclasses import replace
 from pathlib import Path
@@ -107,10 +108,67 @@ def test_a_stored_study_is_the_same_study(folder: Path) -> None:
     [
         ("{", "cannot be read"),
         ('{"schema": 99}', "schema 99"),
-        ('{"schema": 3}', "missing required field"),
+        ('{"schema": 4}', "missing required field"),
     ],
 )
 def test_a_damaged_study_is_named(tmp_path: Path, text: str, words: str) -> None:
     (tmp_path / "study.json").write_text(text)
     with pytest.raises(InputError, match=words):
         load_study(tmp_path)
+
+
+def linked() -> Study:
+    """A variant on the surfaces of another's last stage, and one on a stage that never comes."""
+    base = small().variants[0].scene
+    stops = small().variants[1].scene
+    # Longer than what it waits for: the longest are begun first.
+    alone = replace(base, wears=0, cycles=3)
+    assert Variant("on", "", alone).extent > Variant("base", "", base).extent
+    variants = (
+        Variant("base", "worn", base),
+        Variant("stops", "the paper's step", stops),
+        Variant("on", "on its surfaces", alone, "base:1"),
+        Variant("never", "on what is never there", alone, "stops:1"),
+    )
+    return Study("linked", "Surfaces handed on", "Which?", variants)
+
+
+@pytest.fixture(scope="module")
+def chain(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of a study in which a variant begins on the surfaces of another."""
+    folder = tmp_path_factory.mktemp("chain") / "out"
+    run_study(linked(), folder, 2, False)
+    return folder
+
+
+def test_a_variant_begins_on_the_surfaces_of_another(chain: Path) -> None:
+    base, _, on, never = (result for _, result in results_of(linked(), chain))
+    assert base is not None
+    assert on is not None
+    assert never is None
+    given, worn = on.stages[0].joints["A"], base.stages[1].joints["A"]
+    assert given.depth("pin").tobytes() == worn.depth("pin").tobytes()
+    assert given.depth("pin").any()
+    assert on.scene.statuses["surfaces"] == "base:1"
+    assert load_study(chain) == linked()
+    assert [variant.key for variant in waiting(linked(), chain, resume=True)] == ["never"]
+    run_study(linked(), chain, 1, True)
+
+
+@pytest.mark.parametrize("on", ["base", "base:", "base:one", "nobody:1", "on:1", "never:0"])
+def test_a_variant_on_what_is_not_before_it_is_refused(chain: Path, on: str) -> None:
+    document = json.loads((chain / "study.json").read_text())
+    document["variants"][2]["on"] = on
+    other = chain.parent / f"other-{on.replace(':', '-')}"
+    other.mkdir()
+    (other / "study.json").write_text(json.dumps(document))
+    with pytest.raises(InputError, match=f"on begins on '{on}'; KEY:STAGE of a variant before it"):
+        load_study(other)
+
+
+def test_a_study_on_other_surfaces_is_another_study(chain: Path) -> None:
+    study = linked()
+    changed_one = replace(study.variants[2], on="base:0")
+    other = replace(study, variants=(*study.variants[:2], changed_one, study.variants[3]))
+    with pytest.raises(InputError, match=r"another study .on differs"):
+        waiting(other, chain, resume=True)

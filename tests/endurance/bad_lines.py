@@ -76,7 +76,7 @@ precision --quick --set=exponent=2
 """
 _OPTIONS = {
     "run {scene}": "cycles={count} wears={text} wears=-1 wears={many} tolerance={count} "
-    "engine={text} conventions={text} out={place}",
+    "engine={text} conventions={text} out={place} on=no/{text}",
     "run paper": "jobs={count}",
     "run ideal": "set={word}",
     "crosscheck": "duration={text} duration=1e300 until={no_count} set=clearance=1",

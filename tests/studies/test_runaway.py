@@ -14,8 +14,16 @@ from presswear.campaign.study import Variant, load_study, results_of
 from presswear.scene.catalog import wear_times
 from presswear.scene.settings import changed
 from presswear.studies import STUDIES
-from presswear.studies.runaway.report import TwoWears, answer, read_wears
-from presswear.studies.runaway.variants import make
+from presswear.studies.runaway.report import (
+    TwoWears,
+    answer,
+    contacts_compared,
+    draw_wears,
+    read_same,
+    read_wears,
+)
+from presswear.studies.runaway.variants import LONGER, make
+from presswear.tools.numbers import with_interval
 
 SCRIPT = Path(__file__).parents[2] / "scenarios" / "runaway.py"
 
@@ -74,7 +82,57 @@ def test_runaway_changes_one_thing_at_a_time_and_only_what_it_says() -> None:
         assert sum(changes) + (scene.extrapolation != paper.extrapolation) == 1
     for variant in study.variants:
         # The second wear in steps needs the stage behind it.
-        assert variant.scene.wears == (2 if variant.scene.wears_in_steps else 1)
+        wears = 2 if variant.scene.wears_in_steps or variant.key == LONGER else 1
+        assert variant.scene.wears == (0 if variant.on else wears)
+
+
+def test_both_contacts_run_on_the_surfaces_of_one_run() -> None:
+    study = make()
+    same = [variant for variant in study.variants if variant.on]
+    assert [(one.on, one.scene.conventions.contact) for one in same] == [
+        (f"{LONGER}:{stage}", contact) for stage in (1, 2) for contact in ("radial", "foundation")
+    ]
+    (source,) = (variant.scene for variant in study.variants if variant.key == LONGER)
+    assert (source.cycles, source.starts, source.wears) == (200, 1, 2)
+    for one in same:
+        alike = replace(one.scene.conventions, contact="radial")
+        assert alike == source.conventions
+
+
+def test_what_both_contacts_make_is_told_from_results() -> None:
+    scene = changed(
+        replace(wear_times(), wears=0, cycles=4, starts=2),
+        {"engine": "dae", "integrator": "dopri5", "integration_tolerance": 1e-6},
+    )
+    scene = replace(scene, surfaces={"A": (1e-5 * (1.0 + np.sin(np.arange(360))), None)})
+    variant = Variant("on", "after the first wear, radial", scene, "longer:1")
+    result = run_scene(scene)
+    told, joint = result.stages[0].statistics, result.stages[0].joints["A"].statistics
+    one = read_same(variant, result)
+    force = joint["force_max_per_cycle_N"]
+    assert one.force == (force["mean"], force["half_width"])
+    text = contacts_compared([one, read_same(variant, None)])
+    assert text.count("after the first wear, radial: ") == 1
+    assert f"{with_interval(*one.force)} N at A" in text
+    made = told["energy_made_per_cycle_J"]
+    row = one.row()
+    assert row[2] == with_interval(1e3 * made["mean"], 1e3 * made["half_width"])
+    assert contacts_compared([read_same(variant, None)]) == ""
+    assert "never reached" in read_same(variant, None).row()[-1]
+
+
+def test_words_stand_within_the_figure() -> None:
+    same = [read_same(Variant("on", "on it", wear_times(), "longer:1"), None)]
+    outcomes = [outcome("calm", 1e-5, 2e-5), outcome("broken", 0.0, 0.0, "it stopped")]
+    sheet = draw_wears(outcomes, same, 8e-4).sheet
+    sheet.draw_without_rendering()
+    words = [text for axes in sheet.axes for text in axes.texts if text.get_text() == "stopped"]
+    assert len(words) == 3
+    for word in words:
+        assert word.axes is not None
+        inside, place = word.axes.get_window_extent(), word.get_window_extent()
+        assert inside.x0 < place.x0 < place.x1 < inside.x1
+        assert inside.y0 < place.y0 < place.y1 < inside.y1
 
 
 def test_the_script_runs_and_its_study_can_be_gone_on_with(
@@ -84,12 +142,13 @@ def test_the_script_runs_and_its_study_can_be_gone_on_with(
     quick = {"engine": "dae", "cycles": 1, "starts": 1, "represented_cycles": 1e5, "speed": 60.0}
     runpy.run_path(str(SCRIPT))["main"](str(folder), **quick)
     said = capsys.readouterr().out
-    assert "of 19 readings that can be computed" in said
+    assert "of 20 readings that can be computed" in said
     assert f"report: {folder / 'report.html'}" in said
     study = load_study(folder)
     assert [v.key for v, result in results_of(study, folder) if result is None] == []
     page = (folder / "report.html").read_text()
     assert page.count("<figure>") == 1
+    assert "The same surfaces under both contacts: after the first wear, radial" in page
     assert "a wear stands for 0.1 million" in page
     assert all(variant.label in page for variant in study.variants)
     assert main(["run", "runaway", "--resume", "--out", str(folder)]) == 0

@@ -84,7 +84,7 @@ def _curves(result: Result, stages: Stages, joint: str, sides: tuple[str, ...]) 
     curves = [
         (stage.pen, total(stage.data, "depth"))
         for stage in shown_stages(result, stages)
-        if stage.data.index > 0
+        if stage.data.is_worn
     ]
     last = stages[-1]
     if last is result.stages[-1] and not last.failed:
@@ -127,7 +127,8 @@ def wear_growth(result: Result, stages: Stages) -> list[Drawing]:
     grid = sheet.subplots(1, len(joints), squeeze=False)
     for axes, joint in zip(grid.flat, joints, strict=True):
         for side, pen in _SURFACES.items():
-            depth = [0.0, *(MICRONS * step.deepest_m[joint][side] for step in steps)]
+            begun = float(result.stages[0].joints[joint].depth(side).max())
+            depth = MICRONS * np.array([begun, *(step.deepest_m[joint][side] for step in steps)])
             pen.draw(axes, cycles[shown], depth[shown], marker=marker, markersize=4.0)
         _mark_wears(axes, ends)
         axes.set_xlim(cycles[first], None)

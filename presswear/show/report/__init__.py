@@ -3,9 +3,11 @@
 from pathlib import Path
 
 from presswear.linkage.laws import DAMPINGS, KELVIN_VOIGT, delivered_restitution
+from presswear.linkage.surface import SIDES
 from presswear.results.result import FINISHED, Result
 from presswear.results.stage import StageResult
 from presswear.scene.bearing import Bearing
+from presswear.scene.scene import Scene
 from presswear.scene.settings import SET, settings_of
 from presswear.show.figures import drawings
 from presswear.show.figures.style import stage_names
@@ -20,6 +22,7 @@ from presswear.show.report.origin import (
 from presswear.show.report.page import Illustration, illustrate, render_page
 from presswear.show.report.parts import (
     CUBIC_MILLIMETRES,
+    MICRONS,
     MILLI,
     Rows,
     Table,
@@ -27,13 +30,14 @@ from presswear.show.report.parts import (
     count,
     mean,
     number,
+    scaled,
     stage_table,
     statistics,
 )
 from presswear.show.report.wear import deepest, growth, one_wear, spread
 from presswear.tools.errors import InputError
 from presswear.tools.files import write_bytes
-from presswear.tools.numbers import readable, whole
+from presswear.tools.numbers import readable, whole, with_interval
 from presswear.tools.quantities import Choice
 
 
@@ -160,6 +164,12 @@ def cycle_means(result: Result) -> Table:
         "highest displacement (mm)": mean("", highest, MILLI),
         "highest velocity (m/s)": mean("", "velocity_max_per_cycle_m_s"),
         "largest acceleration (m/s²)": mean("", "acceleration_max_per_cycle_m_s2"),
+        "energy made by contacts (mJ)": lambda stage: with_interval(
+            *(
+                scaled(stage.statistics.get("energy_made_per_cycle_J", {}).get(part), MILLI)
+                for part in ("mean", "half_width")
+            )
+        ),
         "cycles in the means": lambda stage: whole(
             statistics(stage, "").get(highest, {}).get("cycles")
         ),
@@ -235,9 +245,22 @@ def _restitution(bearing: Bearing) -> str:
 
 
 def _made(result: Result) -> str:
-    """Parts of the dissipated energy that contacts made, of the stages after a wear."""
-    parts = [stage.statistics.get("energy_made_part", 0.0) for stage in result.stages[1:]]
+    """Parts of the dissipated energy that contacts made, of the stages on worn surfaces."""
+    worn = [stage for stage in result.stages if stage.is_worn]
+    parts = [stage.statistics.get("energy_made_part", 0.0) for stage in worn]
     return ", ".join(f"{readable(100.0 * part, 2)} %" for part in parts)
+
+
+def _given(scene: Scene) -> str:
+    """A sentence on the surfaces that a scene begins on."""
+    deepest = ", ".join(
+        f"{side} at {joint} {readable(MICRONS * float(own.depth.max()))} µm"
+        for joint, pair in scene.surfaces.items()
+        for side, own in zip(SIDES, pair, strict=True)
+        if own.is_worn
+    )
+    source = scene.statuses.get("surfaces", "a script")
+    return f"The first stage begins on surfaces from {source}, deepest: {deepest}."
 
 
 def notes(result: Result) -> list[str]:
@@ -260,6 +283,8 @@ def notes(result: Result) -> list[str]:
         "Beyond some tens of impacts the motion is chaotic; a peak is one draw. The means over "
         "cycles are given below with 95 % intervals.",
     )
+    if scene.surfaces:
+        found.insert(0, _given(scene))
     bearings = [scene.bearing(joint) for joint in scene.clearance_joints]
     laws: dict[str, list[str]] = {}
     for joint, own in zip(scene.clearance_joints, bearings, strict=True):
@@ -271,12 +296,12 @@ def notes(result: Result) -> list[str]:
             "Pieces of a cycle were run again with finer steps: their greatest forces change by "
             f"{readable(100.0 * max(known), 2)} % at most, in the mean over the pieces."
         )
-    if len(result.stages) > 1 and scene.conventions.contact == "radial":
+    if any(stage.is_worn for stage in result.stages) and scene.conventions.contact == "radial":
         found.append(
             "A worn surface is met radially: the force points along the line of centres even "
             "where the profile slopes, which feeds energy into the joint or takes it out, and a "
             "pin can enter a groove narrower than itself. Of the energy that damping and friction "
-            f"took, contacts had made {_made(result)} in the stages after a wear: forces and "
+            f"took, contacts had made {_made(result)} in the stages on them: forces and "
             "wear there are worth as much less."
         )
     if any(own.materials.wear_coefficient > 0.0 for own in bearings):

@@ -177,7 +177,7 @@ def write_report(study: Study, folder: Path) -> tuple[str, Path]:
         package="presswear.studies",
         study=study,
         answer=sentence,
-        outcomes=Table(head, tuple(groups.items())),
+        tables={"Variants": Table(head, tuple(groups.items()))},
         figures=[],
         notes=["The interval behind a truth is that of the mean of the long campaigns."],
     )

@@ -10,14 +10,14 @@ import numpy as np
 
 from presswear.campaign.study import Study, Variant, results_of
 from presswear.results.result import Result
-from presswear.show.figures.style import MICRONS, REFERENCE, SETTINGS, WIDTH, Drawing, Sheet
+from presswear.show.figures.style import MICRONS, REFERENCE, SETTINGS, WIDTH, Axes, Drawing, Sheet
 from presswear.show.report.page import illustrate, render_page
-from presswear.show.report.parts import Table
+from presswear.show.report.parts import MILLI, Table
 from presswear.studies.paper.printed import shown_in
-from presswear.studies.runaway.variants import CYCLES, RUNAWAY, STARTS
+from presswear.studies.runaway.variants import CYCLES, LONGER, RUNAWAY, STARTS
 from presswear.tools.arrays import Array
 from presswear.tools.files import write_bytes
-from presswear.tools.numbers import readable
+from presswear.tools.numbers import readable, with_interval
 
 PRINTED = tuple(
     one.value for one in shown_in(8) if (one.quantity, one.place.joint) == ("depth", "A")
@@ -38,7 +38,16 @@ _HEAD = (
 _CAPTION = (
     "Deepest depth that the first and the second wear add to one surface, bearing or pin, "
     "under each reading: every start, and its median; dashed: the clearance. The last row is what "
-    "the paper prints for A."
+    "the paper prints for A. Below: the same surfaces, those that the row “{longer}” leaves, run "
+    "on under both contacts, with 95 % intervals."
+)
+_SAME_HEAD = (
+    "on the surfaces, contact",
+    "peak force at A, mean a cycle (N)",
+    "energy made by contacts in a cycle (mJ)",
+    "the same, of what they and friction take (%)",
+    "energy residual",
+    "",
 )
 _NOTES = (
     f"A wear runs away here when the second adds more than {RUNAWAY:g} times the depth of "
@@ -134,6 +143,62 @@ def told(count: int, of: int) -> str:
     return f"{count} of {of} ({100.0 * low:.0f} to {100.0 * high:.0f} %)"
 
 
+@dataclass(frozen=True)
+class SameSurfaces:
+    """A run on surfaces that another one left.
+
+    Attributes
+    ----------
+    force, made : tuple of float
+        Mean over cycles of the peak force at the first joint, N, and of the energy that contacts
+        make, J, each with the half width of its interval.
+    part : float
+        Energy that contacts made, part of what they and friction took.
+    residual : float
+        Energy that does not add up, part of the energy exchanged.
+    failure : str
+        Why there are no numbers, or nothing.
+    """
+
+    variant: Variant
+    force: tuple[float, float]
+    made: tuple[float, float]
+    part: float
+    residual: float
+    failure: str
+
+    def row(self) -> tuple[str, ...]:
+        """Its row in the report."""
+        return (
+            self.variant.label,
+            with_interval(*self.force),
+            with_interval(*(MILLI * own for own in self.made)),
+            readable(100.0 * self.part, 2),
+            "-" if math.isnan(self.residual) else f"{self.residual:.0e}",
+            self.failure,
+        )
+
+
+def read_same(variant: Variant, result: Result | None) -> SameSurfaces:
+    """Read a variant that ran on another's surfaces from its result."""
+    stage = result.stages[0] if result is not None and result.stages else None
+    if stage is None or stage.failed:
+        failure = stage.message if stage else "its surfaces were never reached, or it stopped"
+        nothing = (math.nan, math.nan)
+        return SameSurfaces(variant, nothing, nothing, math.nan, math.nan, failure)
+    told = stage.statistics
+    joint = variant.scene.clearance_joints[0]
+    force, made = (
+        (own["mean"], math.nan if own["half_width"] is None else own["half_width"])
+        for own in (
+            told["joints"][joint]["force_max_per_cycle_N"],
+            told["energy_made_per_cycle_J"],
+        )
+    )
+    residual = abs(told["energy_residual_J"]) / told["energy_exchanged_J"]
+    return SameSurfaces(variant, force, made, told["energy_made_part"], residual, "")
+
+
 def read_wears(variant: Variant, result: Result | None) -> TwoWears:
     """Read a variant's two wears from its result."""
     joints = variant.scene.clearance_joints
@@ -187,12 +252,58 @@ def answer(outcomes: Sequence[TwoWears], clearance: float) -> str:
     return " ".join([*parts, f"The paper prints {first:.3g} µm and then {second:.0f} µm."])
 
 
-def draw_wears(outcomes: Sequence[TwoWears], clearance: float) -> Drawing:
-    """Deepest depth that each wear adds at each joint, one row a variant."""
+def contacts_compared(same: Sequence[SameSurfaces]) -> str:
+    """Say what each contact makes of the same surfaces, in a sentence; nothing without numbers."""
+    parts = [
+        f"{own.variant.label}: {with_interval(*own.force)} N at A and "
+        f"{with_interval(*(MILLI * each for each in own.made))} mJ made in a cycle"
+        for own in same
+        if not own.failure
+    ]
+    return f"The same surfaces under both contacts: {'; '.join(parts)}." if parts else ""
+
+
+def _draw_same(panels: Sequence[Axes], same: Sequence[SameSurfaces]) -> None:
+    """Mean peak force and energy made on the same surfaces under both contacts, one row a run."""
+    force = [one.force for one in same]
+    made = [(MILLI * one.made[0], MILLI * one.made[1]) for one in same]
+    for axes, pairs in zip(panels, (force, made), strict=True):
+        for row, (one, (mean, half)) in enumerate(zip(same, pairs, strict=True)):
+            if one.failure:
+                _write(axes, "stopped", row)
+            else:
+                half = 0.0 if math.isnan(half) else half
+                axes.errorbar(mean, row, xerr=half, fmt="D", color="#333333", ms=4, capsize=2)
+        axes.set_ylim(len(same) - 0.5, -0.5)
+        axes.update_datalim([(0.0, 0.0)])
+        axes.autoscale_view(scaley=False)
+    panels[0].set_yticks(range(len(same)), [one.variant.label for one in same])
+    panels[0].set_xlabel("mean peak force at A (N)")
+    panels[1].set_xlabel("energy made by contacts in a cycle (mJ)")
+
+
+def _write(axes: Axes, word: str, row: int) -> None:
+    """Write a word at the left end of a row without marks."""
+    across = axes.get_yaxis_transform()
+    axes.text(0.02, row, word, transform=across, ha="left", va="center", fontsize=6.5)
+
+
+def draw_wears(
+    outcomes: Sequence[TwoWears], same: Sequence[SameSurfaces], clearance: float
+) -> Drawing:
+    """Deepest depth that each wear adds at each joint, one row a variant.
+
+    Below them what both contacts make of the same surfaces, where there are such runs.
+    """
     joints = list(outcomes[0].first)
     rows = np.arange(len(outcomes) + 1)
-    sheet = Sheet(figsize=(WIDTH, 0.9 + 0.24 * rows.size), layout="constrained")
-    panels = sheet.subplots(1, len(joints), sharey=True, squeeze=False)[0]
+    heights = (rows.size, len(same))
+    sheet = Sheet(figsize=(WIDTH, 1.6 + 0.24 * sum(heights)), layout="constrained")
+    grid = sheet.subplots(2, max(len(joints), 2), sharey="row", height_ratios=heights)
+    panels, below = grid[0, : len(joints)], grid[1, :2]
+    for unused in {*grid.flat} - {*panels, *below}:
+        unused.remove()
+    _draw_same(below, same)
     marks = (("first", "o", "#0072B2"), ("second", "s", "#D55E00"))
     for axes, joint in zip(panels, joints, strict=True):
         for (wear, marker, colour), printed in zip(marks, PRINTED, strict=True):
@@ -208,9 +319,12 @@ def draw_wears(outcomes: Sequence[TwoWears], clearance: float) -> Drawing:
             if outcome.second[joint].size:
                 continue
             own = MICRONS * outcome.first[joint]
-            word, x = ("second wear stopped", np.median(own)) if own.size else ("stopped", 1.0)
-            below = {"xytext": (0, -5), "textcoords": "offset points", "fontsize": 6.5}
-            axes.annotate(word, (float(x), row), ha="center", va="top", **below)
+            if not own.size:
+                _write(axes, "stopped", int(row))
+                continue
+            under = {"xytext": (0, -5), "textcoords": "offset points", "fontsize": 6.5}
+            place = (float(np.median(own)), row)
+            axes.annotate("second wear stopped", place, ha="center", va="top", **under)
         axes.axvline(
             MICRONS * clearance, color=REFERENCE, linewidth=0.8, linestyle=(0.0, (3.0, 1.5))
         )
@@ -219,23 +333,32 @@ def draw_wears(outcomes: Sequence[TwoWears], clearance: float) -> Drawing:
     panels[0].set_yticks(rows, [*(o.variant.label for o in outcomes), "paper, printed"])
     panels[0].invert_yaxis()
     sheet.legend(*panels[0].get_legend_handles_labels(), loc="outside upper right", ncols=2)
-    return Drawing("two-wears.png", "Both wears under each reading", _CAPTION, sheet)
+    longer = next((o.variant.label for o in outcomes if o.variant.key == LONGER), "")
+    caption = _CAPTION.format(longer=longer)
+    return Drawing("two-wears.png", "Both wears under each reading", caption, sheet)
 
 
 def write_report(study: Study, folder: Path) -> tuple[str, Path]:
     """Write ``report.html`` and the figure into the study's folder; returns answer and path."""
-    outcomes = [read_wears(variant, result) for variant, result in results_of(study, folder)]
+    results = list(results_of(study, folder))
+    outcomes = [read_wears(*one) for one in results if not one[0].on]
+    same = [read_same(*one) for one in results if one[0].on]
     scene = study.variants[0].scene
     clearance, million = scene.bearings.clearance, 1e-6 * scene.represented_cycles
-    sentence = answer(outcomes, clearance)
+    sentence = f"{answer(outcomes, clearance)} {contacts_compared(same)}".strip()
     with matplotlib.rc_context(SETTINGS):
-        drawing = draw_wears(outcomes, clearance)
+        drawing = draw_wears(outcomes, same, clearance)
     text = render_page(
         "study.html",
         package="presswear.studies",
         study=study,
         answer=sentence,
-        outcomes=Table(_HEAD, (("", tuple(outcome.row() for outcome in outcomes)),)),
+        tables={
+            "Variants": Table(_HEAD, (("", tuple(outcome.row() for outcome in outcomes)),)),
+            "The same surfaces under both contacts": Table(
+                _SAME_HEAD, (("", tuple(one.row() for one in same)),)
+            ),
+        },
         figures=[illustrate(drawing, folder)],
         notes=[note.format(million=million) for note in _NOTES],
     )

@@ -2,12 +2,15 @@
 
 The paper's second wear is a thousand times deeper than its first.  Each variant changes
 one thing that could do that: the reading of contact and wear, the size of the
-extrapolation, the angles of the maps, the step of the integration.
+extrapolation, the angles of the maps, the step of the integration.  Then the surfaces of a
+run as long as the paper's are run on once more, under each of the two contacts.
 """
 
 from dataclasses import replace
+from typing import get_args
 
 from presswear.campaign.study import Change, Study, Variant, unchanged
+from presswear.linkage.elements import SurfaceContact
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import wear_times
 from presswear.scene.settings import changed
@@ -18,6 +21,9 @@ CYCLES = 5
 """Cycles of each start: of wear maps and totals, some per cent to a few tens of per cent."""
 STARTS = 16
 """Each wears its own surfaces: a wear that runs away does so with a probability."""
+
+LONGER = "longer"
+"""Key of the run of 200 cycles, as the paper's, on whose surfaces both contacts run."""
 
 _FOUNDATION = {"contact": "foundation"}
 _ARC = {"footprint": "arc", "extrapolation": "single"}
@@ -73,6 +79,15 @@ def make(change: Change = unchanged) -> Study:
         # In steps it needs the stage behind it.
         scene = replace(scene, wears=2) if scene.wears_in_steps else scene
         variants.append(Variant(key, label, scene))
+    # Fewer where somebody asks for less.
+    cycles = max(200 * (paper.cycles or CYCLES) * paper.draws // (CYCLES * STARTS), 1)
+    longer = replace(paper, cycles=cycles, starts=1, wears=2)
+    variants.append(Variant(LONGER, f"paper, one start of {cycles} cycles", longer))
+    for stage, wear in enumerate(("first", "second"), start=1):
+        for contact in get_args(SurfaceContact):
+            scene = replace(changed(paper, {"contact": contact}), wears=0)
+            label = f"after the {wear} wear, {contact}"
+            variants.append(Variant(f"on-{stage}-{contact}", label, scene, f"{LONGER}:{stage}"))
     return Study(
         "runaway",
         "Does the second wear run away? The paper's scene, one reading changed at a time",

@@ -36,6 +36,7 @@ def cycle_rows(count: int, seed: int, force: Mapping[str, float]) -> Array:
         "velocity_max": 0.99 * scatter(1e-3),
         "acceleration_max": 1000.0 * scatter(0.1),
         "steps": np.zeros(count),
+        "contact_made": np.zeros(count),
     }
     columns = [rows[name] for name in CYCLE_FIXED]
     for mean in force.values():

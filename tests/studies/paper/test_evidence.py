@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from invented import BINS, CYCLES, EVEN, every_evidence, evidence_of, stage
 
+from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
 from presswear.record.sampling import STARTUP_CYCLES, half_width
 from presswear.scene.bearing import Conventions
 from presswear.studies.paper.evidence import Evidence, Measured
@@ -15,6 +16,8 @@ from presswear.studies.paper.variants import BASE, base_scene, variant_key
 from presswear.studies.paper.words import QUANTITIES
 
 SETTING = "wear-times"
+FORCE = len(CYCLE_FIXED) + CYCLE_JOINT.index("force_max")
+"""Column of the peak force of the first joint."""
 SLIDER = ("displacement", "velocity", "acceleration", "lag", "stroke")
 one = partial(stage, SETTING)
 
@@ -28,7 +31,7 @@ def known(evidence: Evidence, quantity: str, wears: int = 0, joint: str = "") ->
 def test_a_peak_is_the_mean_over_cycles_behind_the_startup_of_each_start() -> None:
     arrays = one(0, 1, force=[EVEN] * 3)
     found = known(evidence_of(SETTING, arrays), "force", joint="A")
-    samples = arrays["cycles"].reshape(3, CYCLES, -1)[:, STARTUP_CYCLES:, 5]
+    samples = arrays["cycles"].reshape(3, CYCLES, -1)[:, STARTUP_CYCLES:, FORCE]
     assert found.value == pytest.approx(samples.mean())
     assert (found.samples, found.starts, found.differ) == (3 * (CYCLES - STARTUP_CYCLES), 3, False)
     assert found.ends is not None
@@ -120,7 +123,7 @@ def test_behind_a_wear_the_starts_alone_give_the_interval() -> None:
     evidence = evidence_of(SETTING, one(0, 1), one(1, 2, force=[even] * 2 + [higher] * 2), starts=2)
     found = known(evidence, "force", 1, "A")
     rows = evidence.results[variant_key(BASE, SETTING)].stages[1].arrays["cycles"]
-    each = rows.reshape(4, CYCLES, -1)[:, STARTUP_CYCLES:, 5].mean(axis=1)
+    each = rows.reshape(4, CYCLES, -1)[:, STARTUP_CYCLES:, FORCE].mean(axis=1)
     assert found.value == pytest.approx(each[:2].mean())
     assert found.starts == 2
     assert found.ends is not None

@@ -1,0 +1,222 @@
+"""Surfaces that a scene begins on: resampled, stored, read from tables, refused."""
+
+import json
+import math
+import re
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import quad
+from scipy.interpolate import PchipInterpolator
+
+from presswear.linkage.surface import Surface, bin_centres
+from presswear.scene.catalog import wear_times
+from presswear.scene.files import scene_from
+from presswear.scene.scene import Scene
+from presswear.scene.surfaces import read_profiles
+from presswear.tools.errors import InputError
+
+TURN = 2.0 * math.pi
+
+
+def on(bearing: Any = None, pin: Any = None, **changes: Any) -> Scene:
+    return wear_times(surfaces={"A": (bearing, pin)}, **changes)
+
+
+def smooth(angle: Any) -> Any:
+    """A profile of which all means over bins are known, m."""
+    return 1e-5 * (1.0 + np.cos(angle - 0.4))
+
+
+def test_depths_on_the_scenes_own_bins_are_taken_as_they_are() -> None:
+    depth = np.random.default_rng(3).uniform(0.0, 1e-5, 360)
+    points = np.column_stack([bin_centres(360), depth])
+    turned = np.roll(points, 77, axis=0) + np.array([TURN, 0.0])
+    for side in (depth, Surface(depth), depth.tolist(), points, turned):
+        (bearing, pin) = on(side).surfaces["A"]
+        np.testing.assert_allclose(bearing.depth, depth, rtol=0.0, atol=0.0)
+        assert pin == Surface()
+    joint = on(None, depth).linkage().clearances[0]
+    assert (joint.bearing_surface, joint.pin_surface) == (Surface(), Surface(depth))
+
+
+@settings(deadline=None, max_examples=60)
+@given(st.lists(st.floats(0.0, 1e-4), min_size=16, max_size=120), st.integers(16, 400))
+def test_the_worn_volume_of_equal_bins_stays(depth: list[float], angles: int) -> None:
+    if max(depth) == 0.0:
+        return
+    found = on(depth, angles=angles).surfaces["A"][0].depth
+    assert found.size == angles
+    assert found.min() >= 0.0
+    assert found.max() <= max(depth) * (1.0 + 1e-9)
+    assert abs(found.mean() - np.mean(depth)) <= 1e-12 * max(depth)
+
+
+def test_a_measured_profile_is_the_mean_of_its_curve_over_each_bin() -> None:
+    generator = np.random.default_rng(5)
+    angle = np.sort(TURN * (np.arange(900) + generator.uniform(0.1, 0.9, 900)) / 900)
+    found = on(np.column_stack([angle, smooth(angle)])).surfaces["A"][0].depth
+    edges = np.linspace(0.0, TURN, 361)
+    exact = 1e-5 * (1.0 + np.diff(np.sin(edges - 0.4)) / np.diff(edges))
+    np.testing.assert_allclose(found, exact, rtol=0.0, atol=2e-10)
+
+
+def test_the_volume_of_uneven_points_is_that_of_their_curve() -> None:
+    angle = np.array([0.1, 0.3, 0.65, 0.7, 1.0, 1.35, 1.7, *np.arange(2.0, TURN, 0.3)])
+    depth = np.random.default_rng(7).uniform(0.0, 1e-5, angle.size)
+    found = on(np.column_stack([angle, depth])).surfaces["A"][0].depth
+    # Three turns in a row: the middle one does not see the ends.
+    curve = PchipInterpolator(
+        np.concatenate([angle - TURN, angle, angle + TURN]), np.tile(depth, 3)
+    )
+    breaks = sorted([0.0, *angle, TURN])
+    whole = sum(quad(curve, a, b)[0] for a, b in pairwise(breaks))
+    assert found.mean() * TURN == pytest.approx(whole, rel=1e-12)
+
+
+def test_a_scene_on_given_surfaces_is_stored_and_read_the_same() -> None:
+    scene = on(smooth(bin_centres(100)), smooth(bin_centres(360)))
+    again = Scene.from_dict(json.loads(json.dumps(scene.as_dict())))
+    assert again == scene
+    assert again.surfaces["A"][0].depth.tobytes() == scene.surfaces["A"][0].depth.tobytes()
+    assert scene != wear_times()
+    assert on(np.zeros(360), None) == wear_times()
+    finer = replace(scene, bearings=replace(scene.bearings, angles=720))
+    assert finer.surfaces["A"][1].depth.size == 720
+
+
+@pytest.mark.parametrize(
+    ("surfaces", "says"),
+    [
+        (5, "surfaces = 5: bearing and pin by joint are expected"),
+        ({"B": (None, None)}, "unknown joint in surfaces 'B'; known are A, C"),
+        ({"A": np.ones(360)}, "surfaces of A: a pair, bearing and pin, is expected"),
+        ({"A": (np.ones(360),)}, "surfaces of A: a pair, bearing and pin, is expected"),
+        ({"C": (None, "deep")}, "pin at C: finite depths, or rows of angle and depth"),
+        ({"C": (None, ["1e-6"] * 360)}, "pin at C: finite depths, or rows of angle and depth"),
+        ({"C": (None, [[0.0], [1.0, 2.0]])}, "pin at C: finite depths"),
+        ({"C": (None, {"depth": 1.0})}, "pin at C: finite depths"),
+        ({"A": (np.full(360, 0.9e-3), None)}, "depth 0.0009 m at 0.5 deg: allowed is 0 to 0.0008"),
+        ({"A": (None, np.full(360, -1e-6))}, "pin at A: depth -1e-06 m at 0.5 deg: allowed is 0"),
+        ({"A": (np.full(360, math.nan), None)}, "bearing at A: finite depths"),
+        ({"A": (np.ones((3, 3, 3)), None)}, "bearing at A: finite depths"),
+        ({"A": (np.full(15, 1e-6), None)}, "bearing at A: 15 angles, none between 12 and 36 deg"),
+        (
+            {"A": (np.column_stack([np.linspace(0.0, 6.0, 90)] * 2) * 1e-5, None)},
+            "90 angles, none between 0.00343775 and 360 deg; a whole turn in steps of at most 22.5",
+        ),
+        (
+            {"A": (np.column_stack([np.linspace(0.0, TURN, 91), np.full(91, 1e-6)]), None)},
+            "bearing at A: the angle 0 deg is there twice",
+        ),
+    ],
+)
+def test_surfaces_that_do_not_fit_are_refused_in_one_line(surfaces: Any, says: str) -> None:
+    with pytest.raises(InputError, match=re.escape(says)) as refused:
+        wear_times(surfaces=surfaces)
+    assert "\n" not in str(refused.value)
+
+
+def test_a_joint_without_clearance_has_no_surface() -> None:
+    with pytest.raises(InputError, match="surfaces of A: no joint of the scene has clearance"):
+        on(np.full(360, 1e-6), joints="none", wears=0)
+    with pytest.raises(InputError, match="unknown joint in surfaces 'A'; known are C"):
+        on(np.full(360, 1e-6), joints="C")
+
+
+def test_a_law_of_ones_own_does_not_meet_given_surfaces_on_a_foundation() -> None:
+    def soft(penetration: float) -> float:
+        return 1e9 * penetration
+
+    own = {"normal_law": soft, "contact": "foundation", "wears": 0}
+    with pytest.raises(InputError, match="have an elastic force of their own"):
+        on(np.full(360, 1e-6), **own)
+
+
+def table(header: str, rows: Any) -> str:
+    return "\n".join([header, *(",".join(map(str, row)) for row in rows)])
+
+
+def test_a_table_of_profiles_is_read_in_any_unit_and_order(tmp_path: Path) -> None:
+    angle = np.arange(0.0, 360.0, 4.0)
+    depth = 1e6 * smooth(np.radians(angle))
+    first = table(
+        "# of a roundness tester\njoint,side,angle (deg),depth (um)",
+        [
+            ("A", side, a, d)
+            for side in ("pin", "bearing")
+            for a, d in zip(angle, depth, strict=True)
+        ],
+    )
+    second = table(
+        '"depth [mm]", joint ,angle rad,side',
+        [
+            (1e-3 * d, "A", np.radians(a), side)
+            for a, d in zip(angle[::-1], depth[::-1], strict=True)
+            for side in ("bearing", "pin")
+        ],
+    )
+    found = []
+    for name, text in (("one.csv", first), ("two.csv", second)):
+        (tmp_path / name).write_text(text)
+        found.append(wear_times(surfaces=read_profiles(tmp_path / name)).surfaces["A"])
+    for one, other in zip(*found, strict=True):
+        np.testing.assert_allclose(one.depth, other.depth, rtol=1e-12)
+        np.testing.assert_allclose(one.depth, smooth(bin_centres(360)), rtol=0.0, atol=1e-8)
+
+
+HEADER = "joint,side,angle (deg),depth (um)\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("", ": it has no rows; a header such as joint,side,angle (deg),depth (um)"),
+        (HEADER, ": it has no rows"),
+        ("joint,side,angle,depth (um)\nA,pin,0,1", ": angle has no unit; a header such as"),
+        ("joint,side,angle (turn),depth (um)\nA,pin,0,1", ": angle = '1 turn': unknown unit"),
+        ("joint,side,angle (deg)\nA,pin,0", ": it has no column depth; a header"),
+        ("joint,sides,angle (deg),depth (um)\nA,pin,0,1", "'sides'; did you mean side?"),
+        ("joint,side,side,angle (deg),depth (um)\nA,pin,pin,0,1", ": a column is there twice"),
+        (f"{HEADER}A,pin,0", ", line 2: 3 values for 4 columns"),
+        (f"{HEADER}A,pin,0,1\n\nA,bearng,0,1", ", line 4: unknown side 'bearng'; did you mean"),
+        (f"{HEADER}A,pin,0,deep", ", line 2: depth is 'deep'; a finite number is expected"),
+        (f"{HEADER}A,pin,nan,1", ", line 2: angle is 'nan'; a finite number is expected"),
+    ],
+)
+def test_a_table_that_cannot_be_read_is_told_in_one_line(
+    text: str, says: str, tmp_path: Path
+) -> None:
+    file = tmp_path / "worn.csv"
+    file.write_text(text)
+    with pytest.raises(InputError, match=re.escape(f"{file}") + ".*" + re.escape(says)) as refused:
+        read_profiles(file)
+    assert "\n" not in str(refused.value)
+    with pytest.raises(InputError, match=r"no such file; did you mean worn\.csv\?"):
+        read_profiles(tmp_path / "wron.csv")
+
+
+def test_a_file_of_a_scene_may_name_a_table(tmp_path: Path) -> None:
+    angle = np.arange(0.0, 360.0, 5.0)
+    rows = [("C", "bearing", a, 3.0) for a in angle]
+    (tmp_path / "worn.csv").write_text(table(HEADER.strip(), rows))
+    file = tmp_path / "mine.toml"
+    text = 'mechanism = "press"\nsurfaces = "worn.csv"\n[settings]\njoints = "AC"\n'
+    file.write_text(text)
+    scene = scene_from(file)
+    np.testing.assert_allclose(scene.surfaces["C"][0].depth, 3e-6, rtol=1e-12)
+    assert scene.statuses["surfaces"] == "worn.csv"
+    for wrong, says in (
+        (text.replace("worn.csv", "worn"), "surfaces = 'worn': a name that ends in .csv"),
+        (text.replace('"AC"', '"A"'), "worn.csv: unknown joint in surfaces 'C'"),
+        (f'{text}clearance = "2 um"\n', "worn.csv: bearing at C: depth 3e-06 m at 0 deg"),
+    ):
+        file.write_text(wrong)
+        with pytest.raises(InputError, match=f"^{re.escape(str(file))}: {re.escape(says)}"):
+            scene_from(file)
