@@ -8,7 +8,7 @@ import presswear as pw
 
 def main(folder: str = "results/paper", **settings: float | str) -> None:
     study = pw.study("paper", **settings)
-    pw.run(study, folder, jobs=2)
+    pw.run(study, folder)
     answer, report = pw.write_report(study, folder)
     print(f"{answer}\nreport: {report}")
 

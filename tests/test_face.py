@@ -113,10 +113,11 @@ class Stops(pw.Tracker):
         return len(recorder.cycles) == 2
 
 
-def test_a_tracker_can_end_a_run() -> None:
-    scene = pw.scenes.wear_times(wears=0, cycles=9, **QUICK)
-    result = pw.run(scene, trackers=[Stops()])
-    assert (result.stages[0].cycles, result.stages[0].status) == (2, "enough")
+@pytest.mark.parametrize("starts", [1, 2])
+def test_a_tracker_can_end_a_run(starts: int) -> None:
+    scene = pw.scenes.wear_times(wears=0, cycles=9, starts=starts, **QUICK)
+    result = pw.run(scene, trackers=[Stops()], jobs=2)
+    assert (result.stages[0].cycles, result.stages[0].status) == (2 * starts, "enough")
 
 
 def test_a_run_goes_on_in_its_folder_and_is_read_when_it_is_finished(tmp_path: Path) -> None:
@@ -157,8 +158,8 @@ def test_settings_of_an_engine_are_checked_like_any_other() -> None:
         pw.run(pw.scenes.wear_times(), engine=pw.ExudynTree(tree_tolerance=-1.0))
     with pytest.raises(pw.InputError, match="did you mean exudyn-tree"):
         pw.run(pw.scenes.wear_times(), engine="exudyn-tee")
-    with pytest.raises(pw.InputError, match="jobs = 2: a scene takes 1"):
-        pw.run(pw.scenes.wear_times(), jobs=2)
+    with pytest.raises(pw.InputError, match="jobs = 0: a number from 1 is expected"):
+        pw.run(pw.scenes.wear_times(), jobs=0)
     with pytest.raises(pw.InputError, match="'papre'; did you mean paper"):
         pw.study("papre")
 

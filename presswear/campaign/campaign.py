@@ -9,15 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.campaign.checkpoint import Checkpoint
-from presswear.campaign.ensemble import (
-    NOTHING,
-    Ensemble,
-    Partial,
-    Task,
-    linkage_on,
-    run_ensemble,
-    worn_out,
-)
+from presswear.campaign.ensemble import NOTHING, Ensemble, Partial, run_ensemble
 from presswear.campaign.growth import (
     FIRST_PASS,
     Growth,
@@ -28,6 +20,7 @@ from presswear.campaign.growth import (
 )
 from presswear.campaign.progress import Forecast
 from presswear.campaign.resolution import WORTH, step_errors
+from presswear.campaign.segment import Task, linkage_on, worn_out
 from presswear.campaign.stage import stage_of, without_wear
 from presswear.linkage.elements import ClearanceJoint
 from presswear.physics.wear import map_shape
@@ -36,6 +29,7 @@ from presswear.record.soundness import Finding
 from presswear.record.tracker import Tracker
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene, stage_name
+from presswear.tools.workers import InProcess, Workers
 
 Array = NDArray[np.float64]
 
@@ -55,10 +49,11 @@ def stage_task(scene: Scene, index: int) -> Task:
     if scene.cycles is not None:
         return Task(scene.cycles)
     # A jump multiplies the noise of its map, which moves whatever comes behind long before it
-    # shows in the map: all the cycles that may be, as in the paper.
+    # shows in the map: all the cycles that may be, as in the paper.  Without a joint that is open
+    # there is no map.
     jumps = index < scene.wears and not scene.wears_in_steps
     most = max(scene.most_cycles // scene.draws, 1)
-    return Task(most, None if jumps else scene.tolerance)
+    return Task(most, None if jumps or not scene.clearance_joints else scene.tolerance)
 
 
 def pass_task(scene: Scene, index: int, growth: Growth | None) -> Task | None:
@@ -90,7 +85,11 @@ def pass_task(scene: Scene, index: int, growth: Growth | None) -> Task | None:
 
 
 def run_stage(
-    scene: Scene, index: int, worn: Array | None = None, trackers: Sequence[Tracker] = ()
+    scene: Scene,
+    index: int,
+    worn: Array | None = None,
+    trackers: Sequence[Tracker] = (),
+    workers: Workers | None = None,
 ) -> tuple[StageResult, Ensemble]:
     """Run one stage on given surfaces, without the wear after it; gives its runs as well.
 
@@ -98,11 +97,13 @@ def run_stage(
     ----------
     worn : ndarray, shape (runs, joints, 2, m)
         Depth of the surfaces of each run, m; None: those that the scene begins on.
+    workers : Workers or None
+        Does the runs; None: this process.
     """
     forecast = Forecast(replace(scene, wears=index), trackers)
     forecast.begin(index)
     worn = begun_on(scene) if worn is None else worn
-    ran = run_ensemble(scene, worn, stage_task(scene, index), forecast)
+    ran = run_ensemble(scene, worn, stage_task(scene, index), forecast, workers or InProcess())
     stage = without_wear(scene, index, ran)
     for tracker in trackers:
         tracker.stage(stage)
@@ -115,6 +116,7 @@ def growths(
     ran: Ensemble,
     growth: Growth | None,
     forecast: Forecast,
+    workers: Workers,
     begun: Partial,
     keep: Callable[[Growth | None, Partial], None],
 ) -> Iterator[tuple[Growth | None, Finding | None]]:
@@ -127,7 +129,7 @@ def growths(
     begun : Partial
         What has run of the next one.
     keep : callable
-        Told after each cycle of those runs where they stand.
+        Told now and then where those runs stand.
     """
     joints, represented = ran.linkage.clearances, scene.represented_cycles
     if not scene.wears_in_steps:
@@ -139,7 +141,7 @@ def growths(
         if task is None:
             return
         forecast.expect(2.0 * task.cycles if growth is None else 0.0)
-        worn = run_ensemble(scene, ran.worn, task, forecast, begun, partial(keep, growth))
+        worn = run_ensemble(scene, ran.worn, task, forecast, workers, begun, partial(keep, growth))
         begun = NOTHING
         finding = worn.finding
         if finding:
@@ -184,7 +186,10 @@ def _gone(joints: Sequence[ClearanceJoint], worn: Array, where: str, time: float
 
 
 def run_campaign(
-    scene: Scene, trackers: Sequence[Tracker], begun: Checkpoint | None = None
+    scene: Scene,
+    trackers: Sequence[Tracker],
+    begun: Checkpoint | None = None,
+    workers: Workers | None = None,
 ) -> tuple[str, str, Finding | None]:
     """Run every stage; returns status (``completed`` or ``failed``), a message and the finding.
 
@@ -194,7 +199,10 @@ def run_campaign(
     ----------
     begun : Checkpoint
         Where to go on, as trackers were told; None: from the start.
+    workers : Workers or None
+        Does the runs; None: this process.
     """
+    workers = workers or InProcess()
     scene.check_own_laws()
     forecast = Forecast(scene, trackers)
     at = Checkpoint(worn=begun_on(scene)) if begun is None else begun
@@ -231,7 +239,7 @@ def run_campaign(
         if scene.wears_in_steps and not is_last:
             forecast.expect(3.0 * (scene.cycles or FIRST_PASS))
         ran = at.ran or run_ensemble(
-            scene, worn, task, forecast, at.partial, partial(keep, None, None)
+            scene, worn, task, forecast, workers, at.partial, partial(keep, None, None)
         )
         steps: dict[str, float] = {}
         if not ran.failure and ran.cycles >= WORTH:
@@ -245,7 +253,9 @@ def run_campaign(
         # What has run in part is of the stage itself before its wear has begun.
         running = NOTHING if at.ran is None else at.partial
         try:
-            passes = growths(scene, index, ran, growth, forecast, running, partial(keep, ran))
+            passes = growths(
+                scene, index, ran, growth, forecast, workers, running, partial(keep, ran)
+            )
             for reached in passes:
                 growth, finding = reached
         finally:

@@ -7,22 +7,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.campaign.ensemble import (
-    NOTHING,
-    Ensemble,
-    Partial,
-    Task,
-    Wear,
-    linkage_on,
-    plan_of,
-)
-from presswear.campaign.growth import Growth, share_of
-from presswear.campaign.starts import start_of
-from presswear.engines.base import Run, Start, recorder_of
-from presswear.record.soundness import Finding
+from presswear.campaign.ensemble import NOTHING, Ensemble, Partial
+from presswear.campaign.growth import Growth
+from presswear.campaign.segment import Reached, Task, restored, stored
 from presswear.results.stage import WearStep
 from presswear.scene.scene import Scene
-from presswear.tools.arrays import State, named, part
+from presswear.tools.arrays import State
 
 Array = NDArray[np.float64]
 Document = Mapping[str, Any]
@@ -57,10 +47,7 @@ class Checkpoint:
 
     def words(self) -> str:
         """Up to where everything is kept, in words."""
-        runs, state = self.partial.runs, self.partial.state
-        finished = sum(len(run.recorder.cycles) for run in runs)
-        if state is not None:
-            finished += len(state["recorder/cycles"])
+        finished = sum(own.cycles for own in self.partial.reached if own is not None)
         where = f"stage {self.index}"
         if self.ran is not None:
             where += ", the wear after it"
@@ -73,16 +60,18 @@ class Checkpoint:
             "index": self.index,
             "forecast": dict(self.forecast),
             "partial": {
-                "runs": [
-                    _run(f"partial/{k}", run, arrays) for k, run in enumerate(self.partial.runs)
+                "reached": [
+                    None if own is None else stored(f"partial/{k}", own, arrays)
+                    for k, own in enumerate(self.partial.reached)
                 ],
+                "until": list(self.partial.until),
                 "wall": self.partial.wall,
             },
         }
-        if self.partial.state is not None:
-            arrays |= named("state", self.partial.state)
         if self.ran is not None:
-            runs = [_run(f"ran/{k}", run, arrays) for k, run in enumerate(self.ran.runs)]
+            runs = [
+                stored(f"ran/{k}", Reached.of(run), arrays) for k, run in enumerate(self.ran.runs)
+            ]
             document["ran"] = {"runs": runs, "wall": self.ran.wall}
         if self.growth is not None:
             growth = self.growth
@@ -98,7 +87,10 @@ class Checkpoint:
         worn = arrays["worn"]
         ran = growth = None
         if "ran" in document:
-            runs = _restored_runs("ran", document["ran"]["runs"], arrays, scene, worn)
+            runs = tuple(
+                restored(f"ran/{k}", own, arrays).run(scene, Task(1), worn[k])
+                for k, own in enumerate(document["ran"]["runs"])
+            )
             ran = Ensemble(scene.linkage(), worn, runs, scene.draws, document["ran"]["wall"])
         if "growth" in document:
             growth = Growth(
@@ -108,51 +100,9 @@ class Checkpoint:
                 arrays.get("growth/coarser"),
             )
         at_hand = document["partial"]
-        # The runs of a pass need room for its wear, however much that takes.
-        wear = share_of(scene.represented_cycles, 1) if ran else None
-        partial = Partial(
-            _restored_runs("partial", at_hand["runs"], arrays, scene, worn, wear),
-            part(arrays, "state") or None,
-            at_hand["wall"],
+        reached = tuple(
+            None if own is None else restored(f"partial/{k}", own, arrays)
+            for k, own in enumerate(at_hand["reached"])
         )
+        partial = Partial(reached, tuple(at_hand["until"]), at_hand["wall"])
         return Checkpoint(document["index"], worn, ran, growth, partial, document["forecast"])
-
-
-def _run(prefix: str, run: Run, arrays: dict[str, Any]) -> dict[str, Any]:
-    """A finished run as a document; its arrays are added to those given."""
-    arrays |= named(f"{prefix}/recorder", run.recorder.state())
-    arrays |= {f"{prefix}/q": run.end.position, f"{prefix}/v": run.end.velocity}
-    return {
-        "status": run.status,
-        "finding": asdict(run.finding) if run.finding else None,
-        "time": run.time,
-        "diagnostics": run.diagnostics,
-    }
-
-
-def _restored_runs(
-    prefix: str,
-    runs: list[dict[str, Any]],
-    arrays: State,
-    scene: Scene,
-    worn: Array,
-    wear: Wear | None = None,
-) -> tuple[Run, ...]:
-    """Finished runs; ``wear`` is given where their surfaces wore meanwhile."""
-    found = []
-    for k, told in enumerate(runs):
-        own = part(arrays, f"{prefix}/{k}")
-        plan = plan_of(scene, Task(1, wear=wear))
-        recorder = recorder_of(linkage_on(scene, worn[k]), start_of(scene), plan)
-        recorder.restore(part(own, "recorder"))
-        found.append(
-            Run(
-                told["status"],
-                Finding(**told["finding"]) if told["finding"] else None,
-                recorder,
-                Start(own["q"], own["v"]),
-                told["time"],
-                told["diagnostics"],
-            )
-        )
-    return tuple(found)

@@ -1,20 +1,15 @@
-"""The variants of a study, side by side in processes of their own.
+"""The variants of a study: side by side where there are enough of them, else one by one.
 
-One that is finished is kept whatever happens to the others, and one that is stopped goes on
-from its checkpoint.
+Each variant in a process of its own costs least, as long as there are variants for all; with
+fewer, the starts of one at a time share the processes.  One that is finished is kept whatever
+happens to the others, and one that is stopped goes on from its checkpoint.
 """
 
-import multiprocessing
-import queue
-import signal
 from collections.abc import Callable, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor, wait
-from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-from presswear.campaign.single import run_into
+from presswear.campaign.single import run_into, workers_of
 from presswear.campaign.study import FILE, Study, Variant, waiting
 from presswear.record.tracker import Progress, Tracker
 from presswear.results.folder import INTERVAL, ResultFolder
@@ -23,9 +18,8 @@ from presswear.scene.scene import Scene
 from presswear.tools.documents import write_json
 from presswear.tools.errors import RunFailed
 from presswear.tools.folders import FolderLock
-
-_POLL = 0.2
-"""Time between two looks at the processes, s."""
+from presswear.tools.stopping import is_stopped
+from presswear.tools.workers import Job, Report, Workers, cores, workers_for
 
 
 @dataclass
@@ -39,7 +33,11 @@ class _Telling(Tracker):
 
 
 def run_variant(
-    path: Path, scene: Scene, interval: float, told: Callable[[float, str], None]
+    path: Path,
+    scene: Scene,
+    interval: float,
+    told: Callable[[float, str], None],
+    workers: Workers | None = None,
 ) -> None:
     """Run a scene into a result folder, or go on in it; a run that fails is a result as well.
 
@@ -47,58 +45,69 @@ def run_variant(
     ----------
     interval : float
         Between two checkpoints, s.
+    workers : Workers or None
+        Does the runs; None: this process.
     """
-    run_into(ResultFolder(path, scene, interval, resume=True), scene, [_Telling(told)])
+    run_into(ResultFolder(path, scene, interval, resume=True), scene, [_Telling(told)], workers)
 
 
-_SHARED: dict[str, Any] = {}
-"""In a process of its own: the queue for messages, and the event that ends all of them."""
+@dataclass(frozen=True)
+class _Work:
+    """A variant as a job.
 
+    Attributes
+    ----------
+    folder : Path
+        The study's.
+    interval : float
+        Between two checkpoints, s.
+    workers : Workers or None
+        Does its runs; None: the process that it is in.
+    """
 
-def _begin(messages: Any, stop: Any) -> None:
-    """Prepare a process of the pool."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides
-    _SHARED.update(messages=messages, stop=stop)
+    folder: Path
+    variant: Variant
+    interval: float
+    workers: Workers | None = None
 
+    def __call__(self, report: Report) -> None:
+        def tell(part: float, word: str) -> None:
+            # The end is told once everything is written.
+            report(min(part, 0.999), word)
 
-def _work(folder: Path, variant: Variant, interval: float) -> None:
-    """Run a variant in a process of the pool."""
-    parent = multiprocessing.parent_process()
-
-    def tell(part: float, word: str) -> None:
-        if _SHARED["stop"].is_set() or (parent is not None and not parent.is_alive()):
-            raise KeyboardInterrupt  # nobody waits for this any more
-        # The end is told once everything is written.
-        _SHARED["messages"].put((variant.key, min(part, 0.999), word))
-
-    try:
-        tell(0.0, "")
-        scene = variant.scene_in(folder)
-        if scene is not None:
-            run_variant(folder / variant.key, scene, interval, tell)
-    except KeyboardInterrupt:
-        _SHARED["messages"].cancel_join_thread()
+        variant = self.variant
+        try:
+            path, scene = self.folder / variant.key, variant.scene_in(self.folder)
+            if scene is not None:
+                run_variant(path, scene, self.interval, tell, self.workers)
+        # A variant may fail with any error of its process, and the user must learn which variant.
+        except Exception as error:
+            if is_stopped():
+                raise KeyboardInterrupt from None
+            raise RunFailed(f"variant {variant.key}: {type(error).__name__}: {error}") from error
 
 
 def run_study(
     study: Study,
     folder: Path,
-    jobs: int,
+    jobs: int | None,
     resume: bool,
     trackers: Sequence[Tracker] = (),
     interval: float = INTERVAL,
 ) -> None:
-    """Run the variants of a study that are not finished, so many at a time.
+    """Run the variants of a study that are not finished.
 
     Parameters
     ----------
+    jobs : int or None
+        Runs at a time; None: as many as there are cores.
     interval : float
         Between two checkpoints of a variant, s.
 
     Raises
     ------
     RunFailed
-        Where a process ended in a way of its own.
+        Where a variant ended in an error, or processes were killed again and again.
     """
     left = waiting(study, folder, resume)
     lock = FolderLock(folder)
@@ -122,50 +131,31 @@ def run_study(
 def _run_variants(
     left: Sequence[Variant],
     folder: Path,
-    jobs: int,
+    jobs: int | None,
     interval: float,
     tell: Callable[[str, float, str], None],
 ) -> None:
     """Run variants in so many processes; all of them end, with checkpoints, where one breaks."""
-    context = multiprocessing.get_context("spawn")
-    messages, stop = context.Queue(), context.Event()
-    pool = ProcessPoolExecutor(min(jobs, len(left)), context, _begin, (messages, stop))
-    try:
-        # The longest first, so that no process is left with one when the others are done.
-        order = sorted(left, key=lambda variant: variant.extent, reverse=True)
-        unfinished = {variant.key for variant in left}
-        running: dict[Future[None], Variant] = {}
-        while order or running:
-            for each in [own for own in order if own.source not in unfinished]:
-                order.remove(each)
-                running[pool.submit(_work, folder, each, interval)] = each
-            done, _ = wait(running, _POLL, return_when="FIRST_COMPLETED")
-            _listen(messages, tell)
-            for future in done:
-                variant = running.pop(future)
-                unfinished.remove(variant.key)
-                _check(future, variant, tell)
-    finally:
-        stop.set()
-        pool.shutdown(cancel_futures=True)
+    # The longest first, so that no process is left with one when the others are done.
+    order = sorted(left, key=lambda variant: variant.extent, reverse=True)
 
+    keys = {variant.key for variant in left}
 
-def _check(future: Future[None], variant: Variant, tell: Callable[[str, float, str], None]) -> None:
-    """Tell that a variant has ended; RunFailed where its process broke."""
-    try:
-        future.result()
-    except BrokenProcessPool:
-        raise RunFailed("a process of the study was ended from outside") from None
-    # A variant may fail with any error of its process, and the user must learn which variant.
-    except Exception as error:
-        raise RunFailed(f"variant {variant.key}: {type(error).__name__}: {error}") from error
-    tell(variant.key, 1.0, "")
+    def ended(index: int, outcome: None) -> dict[int, Job | None]:
+        tell(order[index].key, 1.0, "")
+        return {k: job for k, job in work.items() if order[k].source == order[index].key}
 
+    def told(index: int, part: float, word: str, rows: object) -> None:
+        tell(order[index].key, part, word)
 
-def _listen(messages: Any, tell: Callable[[str, float, str], None]) -> None:
-    """Hand on all that the processes have said."""
-    while True:
-        try:
-            tell(*messages.get_nowait())
-        except queue.Empty:
-            return
+    most = jobs or cores()
+    is_wide = len(left) >= most
+    with (
+        workers_for(most if is_wide else 1, (__name__,)) as variants,
+        workers_of([v.scene for v in left], 1 if is_wide else most, (), interval) as starts,
+    ):
+        shared = None if is_wide else starts
+        work = {k: _Work(folder, variant, interval, shared) for k, variant in enumerate(order)}
+        # Those that begin on the surfaces of another come behind it.
+        first = {k: job for k, job in work.items() if order[k].source not in keys}
+        variants.run(first, ended, told)

@@ -1,11 +1,11 @@
 """How far a campaign is; how many cycles a wear takes shows only as it goes."""
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from presswear.linkage.elements import Linkage
-from presswear.record.recorder import Recorder
+from presswear.record.film import Film
 from presswear.record.tracker import Progress, Tracker
 from presswear.scene.scene import Scene
 
@@ -19,7 +19,7 @@ class Forecast:
 
     Attributes
     ----------
-    trackers : iterable of Tracker
+    trackers : sequence of Tracker
         Told of the progress.
     index : int
         Of the stage at hand.
@@ -32,7 +32,7 @@ class Forecast:
     """
 
     scene: Scene
-    trackers: Iterable[Tracker]
+    trackers: Sequence[Tracker]
     index: int = 0
     earlier: float = 0.0
     done: float = 0.0
@@ -40,6 +40,16 @@ class Forecast:
     worn_by: float = 0.0
     _shown: float = 0.0
     _shown_whole: float = 0.0
+
+    @property
+    def frames(self) -> int:
+        """Frames of the film that the trackers want to hear of."""
+        return max((tracker.frames for tracker in self.trackers), default=0)
+
+    @property
+    def near(self) -> tuple[Tracker, ...]:
+        """The trackers that want to hear of single runs."""
+        return tuple(tracker for tracker in self.trackers if tracker.hears_runs)
 
     def numbers(self) -> dict[str, float | None]:
         """Give everything that changes, by name; None stands for infinity, as in JSON."""
@@ -63,7 +73,7 @@ class Forecast:
         self.later = cycles
 
     def tell(
-        self, run: float, needed: float, word: str, linkage: Linkage, recorder: Recorder
+        self, run: float, needed: float, word: str, linkage: Linkage, film: Film | None
     ) -> None:
         """Tell the trackers how far the campaign is; no part ever shrinks.
 
@@ -77,6 +87,6 @@ class Forecast:
         rest = (self.scene.wears - self.index) * max(self.worn_by, stage)
         whole = (self.earlier + now) / (self.earlier + stage + rest)
         self._shown_whole = max(self._shown_whole, min(whole, 1.0))
-        progress = Progress(self.index, self._shown, self._shown_whole, word, linkage, recorder)
+        progress = Progress(self.index, self._shown, self._shown_whole, word, linkage, film)
         for tracker in self.trackers:
             tracker.progress(progress)

@@ -21,7 +21,7 @@ def run(
     scene: Scene,
     folder: str | Path | None = None,
     engine: str | Engine | None = None,
-    jobs: int = 1,
+    jobs: int | None = None,
     trackers: Sequence[Tracker] = (),
     check: bool = True,
 ) -> Result: ...
@@ -32,7 +32,7 @@ def run(
     scene: Study,
     folder: str | Path | None = None,
     engine: str | Engine | None = None,
-    jobs: int = 1,
+    jobs: int | None = None,
     trackers: Sequence[Tracker] = (),
     check: bool = True,
 ) -> dict[str, Result]: ...
@@ -43,7 +43,7 @@ def run(
     scene: Scene | Study,
     folder: str | Path | None = None,
     engine: str | Engine | None = None,
-    jobs: int = 1,
+    jobs: int | None = None,
     trackers: Sequence[Tracker] = (),
     check: bool = True,
 ) -> Result | dict[str, Result]:
@@ -58,8 +58,9 @@ def run(
     engine : str, engine or None
         A word, such as ``dae``, or an engine with its settings, such as
         ``ExudynTree(tree_tolerance=1e-10)``; None: the scene's.
-    jobs : int
-        Variants of a study at a time.
+    jobs : int or None
+        Runs at a time, of starts or of a study's variants; None: as many as there are cores.
+        No number depends on it.
     trackers : sequence of Tracker
         Told what happens.
     check : bool
@@ -78,10 +79,10 @@ def run(
     InputError
         Where the scene, or what stands in the folder, does not allow it.
     """
+    if jobs is not None and jobs < 1:
+        raise InputError(f"jobs = {jobs}: a number from 1 is expected")
     if isinstance(scene, Scene):
-        if jobs != 1:
-            raise InputError(f"jobs = {jobs}: a scene takes 1; more are for studies")
-        return run_scene(scene, folder, engine, trackers, check)
+        return run_scene(scene, folder, engine, trackers, check, jobs)
     if folder is None:
         raise InputError(f"the study {scene.name} needs a folder for its runs")
     variants = tuple(replace(v, scene=with_engine(v.scene, engine)) for v in scene.variants)

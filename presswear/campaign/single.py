@@ -1,12 +1,15 @@
 """One scene, run in memory or into a folder."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from presswear.campaign.campaign import run_campaign
 from presswear.campaign.checkpoint import Checkpoint
+from presswear.campaign.ensemble import most_runs
 from presswear.engines.settings import Engine
+from presswear.record.film import columns_of
 from presswear.record.soundness import Finding
 from presswear.record.tracker import Tracker
 from presswear.results.folder import ResultFolder
@@ -15,6 +18,7 @@ from presswear.results.result import Result, load
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
 from presswear.tools.errors import RunFailed
+from presswear.tools.workers import InProcess, Pool, Workers, cores, workers_for
 
 
 class _Kept(Tracker):
@@ -33,17 +37,20 @@ def run_scene(
     engine: str | Engine | None = None,
     trackers: Sequence[Tracker] = (),
     check: bool = True,
+    jobs: int | None = None,
 ) -> Result:
     """Run one scene, in memory or into a folder; see ``presswear.run``."""
     scene = with_engine(scene, engine)
     if folder is None:
         kept = _Kept()
-        status, message, finding = run_campaign(scene, (kept, *trackers))
+        with workers_of([scene], jobs, trackers) as workers:
+            status, message, finding = run_campaign(scene, (kept, *trackers), workers=workers)
         wall = sum(stage.wall_s for stage in kept.stages)
         result = Result(scene, tuple(kept.stages), status, message, provenance(), wall)
     else:
         store = ResultFolder(Path(folder), scene, resume=True)
-        finding = run_into(store, scene, trackers)
+        with workers_of([scene], jobs, trackers, store.interval) as workers:
+            finding = run_into(store, scene, trackers, workers)
         result = load(store.path)
         if finding is None and result.stages:
             finding = result.stages[-1].finding
@@ -52,13 +59,51 @@ def run_scene(
     return result
 
 
-def run_into(store: ResultFolder, scene: Scene, trackers: Sequence[Tracker] = ()) -> Finding | None:
+def workers_of(
+    scenes: Sequence[Scene],
+    jobs: int | None,
+    trackers: Sequence[Tracker] = (),
+    interval: float = math.inf,
+) -> InProcess | Pool:
+    """What does the runs of scenes, one scene after another.
+
+    Parameters
+    ----------
+    jobs : int or None
+        Runs at a time, at most; None: as many as there are cores.
+    interval : float
+        Between two checkpoints, s.
+    """
+    frames = max((own.frames for own in trackers), default=0)
+    linkages = [scene.linkage() for scene in scenes] if frames else []
+    room = max(
+        (frames * columns_of(len(own.bodies), len(own.clearances)) for own in linkages), default=0
+    )
+    count = min(jobs or cores(), max(most_runs(scene) for scene in scenes))
+    if any(own.hears_runs for own in trackers):
+        count = 1
+    engines = dict.fromkeys(scene.solver.room for scene in scenes)
+    return workers_for(count, (_SEGMENT, *engines), interval / _SHARES, room)
+
+
+_SEGMENT = "presswear.campaign.segment"
+_SHARES = 4.0
+"""Segments of a run between two checkpoints: so much of the interval a state may be old."""
+
+
+def run_into(
+    store: ResultFolder,
+    scene: Scene,
+    trackers: Sequence[Tracker] = (),
+    workers: Workers | None = None,
+) -> Finding | None:
     """Run a scene into its folder, or go on in it, to the end; returns what ended a failed run."""
     with store:
         if store.is_finished:
             return None
         begun = None if store.resumed is None else Checkpoint.restored(scene, *store.resumed)
-        status, message, finding = run_campaign(scene, (store, *trackers), begun)
+        workers = workers or InProcess(store.interval / _SHARES)
+        status, message, finding = run_campaign(scene, (store, *trackers), begun, workers)
         store.close(status, message)
     return finding
 

@@ -13,6 +13,7 @@ from presswear.commands.terminal import (
     folder_given,
     free_folder,
     go_on_with,
+    jobs_given,
     progress_bar,
     scene_given,
     seconds_given,
@@ -71,7 +72,7 @@ def add(commands: Any) -> None:
         "FILE.csv, measured ones, with a header such as joint,side,angle (deg),depth (um), side "
         "bearing or pin; other angles than the maps' own are resampled, the worn volume kept",
     )
-    run.add_argument("--jobs", default="1", metavar="N", help="of a study: runs at a time")
+    run.add_argument("--jobs", metavar="N", help="runs at a time (default: all cores)")
     run.add_argument(
         "--resume",
         action="store_true",
@@ -120,8 +121,7 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
 
         change = partial(_with_options, arguments=arguments)
         return studies.run(arguments, console, None if _is_plain(arguments) else change)
-    if arguments.jobs != "1":
-        raise InputError(f"--jobs is for studies: {', '.join(STUDIES)}")
+    jobs = jobs_given(arguments.jobs)
     interval = seconds_given("--checkpoint", arguments.checkpoint)
     if arguments.resume and arguments.out is None:
         raise InputError("--resume needs the folder to go on in: --out DIR")
@@ -141,7 +141,7 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
             console.print(remark, highlight=False, soft_wrap=True)
         if store.is_finished:
             console.print(f"the run in {folder} has come to its end before", highlight=False)
-        _run_into(arguments.scene, store, scene, window, console)
+        _run_into(arguments.scene, store, scene, jobs, window, console)
     from presswear.show.report import write_report
 
     result = load(folder)
@@ -172,10 +172,15 @@ def _stored_scene(arguments: argparse.Namespace) -> Scene:
 
 
 def _run_into(
-    given: str, store: "ResultFolder", scene: Scene, window: "Live | None", console: Console
+    given: str,
+    store: "ResultFolder",
+    scene: Scene,
+    jobs: int | None,
+    window: "Live | None",
+    console: Console,
 ) -> None:
     """Run a scene, given by a name or a file, into its folder, with progress on the terminal."""
-    from presswear.campaign.single import run_into
+    from presswear.campaign.single import run_into, workers_of
     from presswear.commands.running import Terminal
     from presswear.tools.compiled import told_of_compiling
 
@@ -183,8 +188,12 @@ def _run_into(
     try:
         with progress_bar(console) as bar:
             terminal = Terminal(bar, scene)
-            with told_of_compiling(terminal.compiling):
-                run_into(store, scene, [terminal, *([window] if window else [])])
+            trackers = [terminal, *([window] if window else [])]
+            with (
+                told_of_compiling(terminal.compiling),
+                workers_of([scene], jobs, trackers, store.interval) as workers,
+            ):
+                run_into(store, scene, trackers, workers)
     except InputError as error:
         raise InputError(f"{given}: {error}") from None
     except RunFailed as error:

@@ -84,9 +84,9 @@ def repeats_given(text: str) -> int:
     return count_given("--repeats", text, 1000)
 
 
-def jobs_given(text: str) -> int:
-    """Read the option ``--jobs``."""
-    return count_given("--jobs", text, 256)
+def jobs_given(text: str | None) -> int | None:
+    """Read the option ``--jobs``; None where it is not given."""
+    return None if text is None else count_given("--jobs", text, 256)
 
 
 def seconds_given(option: str, text: str) -> float:

@@ -86,10 +86,14 @@ class _Engine:
         """The same at a tolerance so many times smaller; None where it has none."""
         return None
 
+    @property
+    def room(self) -> str:
+        """The module that runs it."""
+        return f"presswear.engines.{self.word.replace('-', '_')}.engine"
+
     def simulate(self, linkage: "Linkage", start: "Start", plan: "Plan") -> "Run":
         """Run a linkage from a start; InputError where this engine cannot begin there."""
-        room = self.word.replace("-", "_")
-        prepare = import_module(f"presswear.engines.{room}.engine").prepare
+        prepare = import_module(self.room).prepare
         run: Run = import_module("presswear.engines.driver").simulate(
             prepare, linkage, start, self.resolved(), plan
         )

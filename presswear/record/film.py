@@ -37,7 +37,12 @@ SHUTTER = np.dtype(
 def empty_film(bodies: int, joints: int) -> Array:
     """Room for every frame that is kept, and one more, the frame being taken."""
     frames = FILM_CYCLES * FRAMES_PER_CYCLE + 1
-    return np.zeros((frames, 1 + 3 * bodies + FILM_JOINT_COUNT * joints))
+    return np.zeros((frames, columns_of(bodies, joints)))
+
+
+def columns_of(bodies: int, joints: int) -> int:
+    """Numbers in a frame."""
+    return 1 + 3 * bodies + FILM_JOINT_COUNT * joints
 
 
 def shutter_of(cycle: float) -> Records:

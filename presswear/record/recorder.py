@@ -184,13 +184,15 @@ class Recorder:
         rows = book.film[: int(book.shutter["frames"][0])]
         return Film.of(rows, book.memory.size)
 
-    @property
-    def last_frames(self) -> Film:
-        """Frames up to now: of a film that is full, the one that is taken and taken again."""
+    def last_frames(self, count: int) -> Array:
+        """Rows of so many frames up to now: of a film that is full, the one taken again and again.
+
+        ``Film.of`` makes frames of them.
+        """
         book = self.book
         frames = int(book.shutter["frames"][0])
-        first = frames if frames == len(book.film) - 1 else 0
-        return Film.of(book.film[first : max(frames, first + 1)], book.memory.size)
+        first = frames if frames == len(book.film) - 1 else max(frames - count, 0)
+        return book.film[first : max(frames, first + 1)]
 
     def episodes(self, k: int) -> Array:
         """Recorded contacts of joint ``k``, shape (n, 6), columns CONTACT_COLUMNS."""

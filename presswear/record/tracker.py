@@ -8,6 +8,7 @@ from presswear.linkage.elements import Linkage
 from presswear.tools.arrays import State
 
 if TYPE_CHECKING:
+    from presswear.record.film import Film
     from presswear.record.recorder import Recorder
 
 
@@ -27,8 +28,8 @@ class Progress:
         Where it stands, in a few words, or nothing.
     linkage : Linkage
         What runs, worn surfaces included.
-    recorder : Recorder
-        What its run has observed so far.
+    film : Film or None
+        Its last frames, of a run among several that is shown; None where no tracker wants some.
     """
 
     stage: int
@@ -36,15 +37,29 @@ class Progress:
     whole: float
     word: str
     linkage: Linkage
-    recorder: "Recorder"
+    film: "Film | None" = None
 
 
 class Tracker:
     """Told what happens; a tracker overrides what it wants to know.
 
-    An engine tells of one run: ``begun``, ``advanced`` and ``cycle``.  A campaign hands these
-    on from each of its runs, and tells ``progress``, ``checkpoint`` and ``stage`` besides.
+    An engine tells of one run: ``begun``, ``advanced`` and ``cycle``.  A campaign hands these on
+    from each of its runs, which it then keeps in this process, and tells ``progress``,
+    ``checkpoint`` and ``stage`` besides.
+
+    Attributes
+    ----------
+    frames : int
+        Frames of the film that ``progress`` is to bring.
     """
+
+    frames = 0
+
+    @property
+    def hears_runs(self) -> bool:
+        """True where it overrides something that an engine tells."""
+        told = ("begun", "advanced", "cycle")
+        return any(getattr(type(self), name) is not getattr(Tracker, name) for name in told)
 
     def begun(self, recorder: "Recorder") -> None:
         """Hear that a run begins to fill a recorder."""
@@ -66,7 +81,7 @@ class Tracker:
         """Hear how far a campaign has come, many times a second."""
 
     def checkpoint(self, checkpoint: Any, is_stage: bool) -> None:
-        """Hear where a campaign stands (``Checkpoint``): after each cycle, and after each stage."""
+        """Hear where a campaign stands (``Checkpoint``): now and then, and after each stage."""
 
     def stage(self, stage: Any) -> None:
         """Hear of a finished stage (``StageResult``), the wear after it included."""

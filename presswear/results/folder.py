@@ -15,7 +15,7 @@ from typing import Any, Protocol, Self
 
 import numpy as np
 
-from presswear.record.tracker import Tracker
+from presswear.record.tracker import Progress, Tracker
 from presswear.results.provenance import Provenance, provenance, provenance_differs
 from presswear.results.result import FILE, FINISHED, SCHEMA, read_document
 from presswear.results.stage import StageResult
@@ -64,6 +64,8 @@ class ResultFolder(Tracker):
         Lines for the person who started it.
     kept : str
         Up to where everything is kept, once it is given free.
+    interval : float
+        Time between two checkpoints within a stage, s.
     """
 
     def __init__(
@@ -91,7 +93,7 @@ class ResultFolder(Tracker):
         self.remarks: list[str] = []
         self.kept = "kept up to its end"
         self._scene = scene
-        self._interval = interval
+        self.interval = interval
         self._latest: Storable | None = None
         self._took = 0.0
         self._lock = FolderLock(path)
@@ -181,12 +183,16 @@ class ResultFolder(Tracker):
         self._document["stages"].append(stage.as_dict())
         self._write()
 
+    def progress(self, progress: Progress) -> None:
+        """See whether the folder is still there."""
+        self._check()
+
     def checkpoint(self, checkpoint: Storable, is_stage: bool) -> None:
         """Note where the run stands, and write it down at the end of a stage or when it is due."""
         self._latest = checkpoint
         self._check()
         waited = time.perf_counter() - self._saved
-        due = self._interval == 0.0 or waited >= max(self._interval, LEAST_WAIT * self._took)
+        due = self.interval == 0.0 or waited >= max(self.interval, LEAST_WAIT * self._took)
         if is_stage or due:
             self._save()
 

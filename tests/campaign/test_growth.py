@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 
@@ -11,8 +12,8 @@ import pytest
 from numpy.typing import NDArray
 
 from presswear.campaign.campaign import run_campaign, run_stage
-from presswear.campaign.ensemble import worn_out
 from presswear.campaign.growth import FIRST_PASS, Growth, error_of
+from presswear.campaign.segment import worn_out
 from presswear.campaign.single import run_scene
 from presswear.engines.base import Plan, Run, Start, recorder_of
 from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
@@ -31,6 +32,7 @@ from presswear.scene.scene import DRAWS, Scene
 from presswear.show.figures import drawings
 from presswear.show.report import notes, render
 from presswear.show.report.wear import growth as growth_table
+from presswear.tools.arrays import named, part
 
 Array = NDArray[np.float64]
 Law = Callable[[int, Array], Array]
@@ -69,7 +71,10 @@ class FakeEngine:
         recorder.book.record["now"] = plan.cycle * plan.cycles
         for tracker in plan.trackers:
             tracker.begun(recorder)
-        for cycle in range(plan.cycles):
+        if plan.resume is not None:
+            recorder.restore(part(plan.resume, "recorder"))
+        is_enough = False
+        for cycle in range(len(recorder.cycles), plan.cycles):
             plan.advanced((cycle + 0.5) * plan.cycle)
             if self.runs == self.stopped and cycle == 1:
                 raise KeyboardInterrupt
@@ -78,12 +83,15 @@ class FakeEngine:
             added = recorder.end_cycle()
             if plan.wear is not None:
                 recorder.wear(plan.wear(cycle + 1, added), start.position, start.velocity)
-            answers = [tracker.cycle(recorder, recorder.state) for tracker in plan.trackers]
-            if any(answers):
+            state = partial(named, "recorder", recorder.state())
+            is_enough = any(tracker.cycle(recorder, state) for tracker in plan.trackers)
+            if is_enough and cycle + 1 < plan.cycles:
                 break
+        else:
+            is_enough = False
         failed = self.runs == self.fails
         return Run(
-            "failed" if failed else "completed",
+            "failed" if failed else "enough" if is_enough else "completed",
             Finding("state", "the solver found no step", 0.1, "", "") if failed else None,
             recorder,
             start,

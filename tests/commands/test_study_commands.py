@@ -19,7 +19,7 @@ from presswear.campaign.study import is_finished, load_study, waiting
         (["run", "runaway", "--jobs", "0"], "--jobs 0: a whole number from 1 to 256"),
         (["run", "paper", "--jobs", "two"], "--jobs two: a whole number from 1 to 256"),
         (["run", "runaway", "--resume"], "--out"),
-        (["run", "wear-times", "--jobs", "2"], "for studies"),
+        (["run", "wear-times", "--jobs", "257"], "--jobs 257: a whole number from 1 to 256"),
         (["run", "wear-times", "--resume"], "--out"),
         (["run", "wear-times", "--checkpoint", "soon"], "--checkpoint soon: a number of seconds"),
         (["run", "runaway", "--checkpoint", "-1"], "--checkpoint -1: a number of seconds"),

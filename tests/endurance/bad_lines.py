@@ -66,7 +66,7 @@ run wear-times --set=contact=foundation --set=exponent=1.2
 run runaway --set=exponent=1.2
 run wear-times --wears=1 --set=wears=21
 run wear-times --set=friction=0.1 --set=friction=0.2
-run wear-times --jobs=2
+run wear-times --jobs=0
 run wear-times --resume
 run paper --resume
 precision ideal --quick

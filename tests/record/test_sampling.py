@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy import stats
 
 from presswear.record.sampling import (
     LEAST_SAMPLES,
@@ -171,3 +172,17 @@ def test_runs_that_differ_are_single_samples() -> None:
 def test_constant_groups_do_not_differ() -> None:
     assert not differ([np.ones(5), np.ones(5)])
     assert not differ([np.arange(5.0)])
+
+
+def test_quantiles_and_variances_are_those_of_scipy() -> None:
+    draw = np.random.default_rng(5)
+    for count in (2, 3, 8, 33, 200):
+        some = draw.normal(size=count)
+        low, high = stats.t.interval(0.95, count - 1, some.mean(), stats.sem(some))
+        assert half_width(some) == pytest.approx(0.5 * (high - low), rel=1e-12)
+    found = []
+    for shift in np.linspace(0.0, 2.0, 41):
+        groups = [draw.normal(shift * (k == 0), 1.0, 4 + 3 * k) for k in range(4)]
+        found.append(differ(groups))
+        assert found[-1] == (stats.f_oneway(*groups).pvalue < 0.01)
+    assert 0 < sum(found) < len(found)

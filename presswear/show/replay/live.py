@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.linkage.elements import Linkage
-from presswear.record.film import FILM_JOINT
+from presswear.record.film import FILM_JOINT, Film
 from presswear.record.tracker import Progress, Tracker
 from presswear.scene.scene import Scene
 from presswear.show.replay.picture import Picture
@@ -37,6 +37,8 @@ class Live(Tracker):
         Where no window can be opened.
     """
 
+    frames = PATH_FRAMES
+
     def __init__(self, scene: Scene, size: tuple[int, int]) -> None:
         check_display()
         self._scene = scene
@@ -50,27 +52,26 @@ class Live(Tracker):
     def progress(self, progress: Progress) -> None:
         """Show how a run stands, if the window is there and has shown what it was sent."""
         now = clock.perf_counter()
-        if not self._is_open or now - self._sent < _INTERVAL:
+        if not self._is_open or progress.film is None or now - self._sent < _INTERVAL:
             return
         try:
             while self._window.poll():
                 self._window.recv()
                 self._is_ready = True
             if self._is_ready:
-                self._send(progress)
+                self._send(progress, progress.film)
                 self._is_ready, self._sent = False, now
         except (EOFError, OSError):
             self._is_open = False
 
-    def _send(self, progress: Progress) -> None:
+    def _send(self, progress: Progress, film: Film) -> None:
         """Send the last frames of a run, and what runs where that is another."""
         if progress.linkage is not self._linkage:
             self._linkage = progress.linkage
             self._window.send(self._subject(progress.stage, progress.linkage))
-        film = progress.recorder.last_frames
         time = float(film.time[-1])
         peaks = film.joints[-_RECENT:, :, PEAK].max(axis=0)
-        instant = Instant(time, film.position[-PATH_FRAMES:], film.joints[-1], peaks)
+        instant = Instant(time, film.position, film.joints[-1], peaks)
         self._window.send((instant, time / self._scene.mechanism.period % 1.0))
 
     def _subject(self, stage: int, linkage: Linkage) -> Subject:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.campaign.campaign import run_stage
-from presswear.campaign.ensemble import linkage_on
+from presswear.campaign.segment import linkage_on
 from presswear.campaign.starts import start_of
 from presswear.engines.base import Plan
 from presswear.scene.scene import Scene

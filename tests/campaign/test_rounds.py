@@ -1,0 +1,225 @@
+"""Rounds of an ensemble: how far they go, and that no number depends on who runs them."""
+
+import os
+import signal
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+from endurance.sameness import folder_differences
+
+from presswear.campaign.campaign import run_stage
+from presswear.campaign.checkpoint import Checkpoint
+from presswear.campaign.ensemble import FEWEST, PART, Ensemble, dealt, first_round, next_round
+from presswear.campaign.segment import Segment, Task
+from presswear.campaign.single import run_into, run_scene, workers_of
+from presswear.record.sampling import STARTUP_CYCLES, MapBatches
+from presswear.record.tracker import Progress, Tracker
+from presswear.results.folder import ResultFolder
+from presswear.results.result import load
+from presswear.scene.catalog import wear_times
+from presswear.scene.scene import Scene
+from presswear.scene.settings import changed
+from presswear.tools.workers import InProcess, Job, Pool
+
+QUICK = {
+    "engine": "dae",
+    "integrator": "dopri5",
+    "integration_tolerance": "1e-6",
+    "speed": "60rad/s",
+    "angles": "90",
+}
+JUMP = changed(
+    replace(wear_times(), wears=1, starts=3, represented_cycles=1e5, most_cycles=9, tolerance=1.0),
+    QUICK,
+)
+"""All the cycles that may be, a wear in a jump, and rounds behind it, together and alone."""
+UNTIL_KNOWN = changed(replace(wear_times(), wears=0, starts=4, tolerance=0.06), QUICK)
+STEPS = replace(JUMP, extrapolation="steps", cycles=3, starts=2)
+
+SCENES = {"jump": JUMP, "until known": UNTIL_KNOWN, "steps": STEPS}
+
+
+def filed(cycles: int) -> MapBatches:
+    """Maps of so many cycles."""
+    maps = MapBatches((1, 2, 4))
+    for _ in range(cycles):
+        maps.add(np.ones((1, 2, 4)))
+    return maps
+
+
+def test_cycles_are_dealt_out_one_by_one() -> None:
+    assert dealt(22, 3) == (8, 7, 7)
+    assert dealt(24, 4) == (6, 6, 6, 6)
+    assert all(sum(dealt(total, 7)) == total for total in range(50))
+
+
+@pytest.mark.parametrize("starts", [1, 3, 4, 16, 40])
+def test_the_first_round_has_the_fewest_samples(starts: int) -> None:
+    until = first_round(Task(1000, 0.1), starts)
+    samples = [own - STARTUP_CYCLES for own in until]
+    assert sum(samples) == max(FEWEST, 3 * starts)
+    assert min(samples) >= 3
+    assert first_round(Task(4, 0.1), starts) == (4,) * starts
+    assert first_round(Task(50), starts) == (50,) * starts
+
+
+def test_a_round_takes_half_of_what_is_lacking() -> None:
+    """An error twice as large as asked lacks three times the samples."""
+    maps = [filed(6) for _ in range(4)]
+    until = next_round(Task(1000, 0.1), maps, 0.2)
+    assert until is not None
+    assert sum(until) == 24 + PART * 3 * 16
+    assert next_round(Task(1000, 0.1), maps, 0.1) is None
+    assert next_round(Task(1000, 0.1), maps, 0.1001) == (7, 6, 6, 6)
+    assert next_round(Task(7, 0.1), maps, 10.0) == (7, 7, 7, 7)
+    assert next_round(Task(6, 0.1), maps, 10.0) is None
+
+
+def finished(scene: Scene, jobs: int, path: Path) -> Path:
+    assert run_scene(scene, path, jobs=jobs).status == "completed"
+    return path
+
+
+@pytest.mark.parametrize("name", sorted(SCENES))
+def test_no_number_depends_on_the_processes(name: str, tmp_path: Path) -> None:
+    scene = SCENES[name]
+    one, two, three = (finished(scene, jobs, tmp_path / f"{jobs}") for jobs in (1, 2, 3))
+    assert folder_differences(one, two) == []
+    assert folder_differences(one, three) == []
+    if name == "until known":
+        (stage,) = load(one).stages
+        # More than one round, or nothing was decided.
+        assert stage.cycles > 4 * STARTUP_CYCLES + FEWEST
+        assert stage.status == "enough"
+
+
+class Reversed(InProcess):
+    """Does the last job first, so that all come to their ends in another order."""
+
+    def run(self, jobs: Mapping[int, Job], ended: Callable, told: Callable) -> None:  # type: ignore[type-arg]
+        waiting = dict(jobs)
+        while waiting:
+            key = max(waiting)
+            following = ended(key, waiting.pop(key)(partial(told, key)))
+            for other, job in following.items():
+                waiting.pop(other, None)
+                if job is not None:
+                    waiting[other] = job
+
+
+def told(ran: Ensemble) -> list[bytes]:
+    return [array.tobytes() for own in ran.recorders for _, array in sorted(own.state().items())]
+
+
+def test_no_number_depends_on_the_order() -> None:
+    first = run_stage(UNTIL_KNOWN, 0)[1]
+    # And on how often a run is handed over: here after each cycle.
+    second = run_stage(UNTIL_KNOWN, 0, workers=Reversed(lasts=0.0))[1]
+    assert told(first) == told(second)
+
+
+@pytest.mark.parametrize("workers", [InProcess(), InProcess(lasts=0.0), Reversed()])
+def test_a_failed_run_is_the_last(workers: InProcess, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever ran behind it, in order, is left out, and those before it run on."""
+    call = Segment.__call__
+
+    def failing(self: Segment, report: object) -> object:
+        reached = call(self, report)  # type: ignore[arg-type]
+        if self.start == 1 and reached.cycles >= 2:
+            return replace(reached, status="failed")
+        return reached
+
+    monkeypatch.setattr(Segment, "__call__", failing)
+    ran = run_stage(replace(UNTIL_KNOWN, cycles=3, starts=3), 0, workers=workers)[1]
+    assert [run.status for run in ran.runs] == ["completed", "failed"]
+    assert len(ran.recorders[0].cycles) == 3
+
+
+class Kills(Tracker):
+    """Kills a process of a pool after a few cycles."""
+
+    def __init__(self, pool: Pool) -> None:
+        self.pool, self.killed = pool, 0
+
+    def progress(self, progress: Progress) -> None:
+        if not self.killed and progress.part > 0.3:
+            assert self.pool._pool is not None
+            self.killed = next(iter(self.pool._pool._processes))
+            os.kill(self.killed, signal.SIGKILL)
+
+
+def test_a_killed_process_changes_nothing(tmp_path: Path) -> None:
+    scene = replace(UNTIL_KNOWN, cycles=8)
+    whole = finished(scene, 1, tmp_path / "whole")
+    store = ResultFolder(tmp_path / "killed", scene, 0.0)
+    with workers_of([scene], 2, interval=0.0) as workers:
+        assert isinstance(workers, Pool)
+        kills = Kills(workers)
+        run_into(store, scene, [kills], workers)
+    assert kills.killed
+    assert folder_differences(whole, store.path) == []
+
+
+class Stops(Tracker):
+    """Interrupts once so much of the whole is done."""
+
+    def __init__(self, part: float) -> None:
+        self.part = part
+
+    def progress(self, progress: Progress) -> None:
+        if progress.whole > self.part:
+            raise KeyboardInterrupt
+
+
+@pytest.mark.parametrize(("part", "jobs"), [(0.2, 2), (0.6, 3)])
+def test_what_is_stopped_in_many_goes_on_in_one(part: float, jobs: int, tmp_path: Path) -> None:
+    """No cycle is lost that any of the processes had finished."""
+    scene = replace(UNTIL_KNOWN, cycles=8)
+    path = tmp_path / "stopped"
+    with (
+        workers_of([scene], jobs) as workers,
+        pytest.raises(KeyboardInterrupt),
+    ):
+        run_into(ResultFolder(path, scene), scene, [Stops(part)], workers)
+    with ResultFolder(path, scene, resume=True) as folder:
+        assert folder.resumed is not None
+        at = Checkpoint.restored(scene, *folder.resumed)
+    begun = [own.cycles for own in at.partial.reached if own is not None]
+    assert sum(begun) / 32 > part - jobs / 32
+    run_into(ResultFolder(path, scene, resume=True), scene)
+    assert folder_differences(finished(scene, 1, tmp_path / "whole"), path) == []
+
+
+class Watches(Tracker):
+    """Wants frames, as a window does."""
+
+    frames = 60
+
+    def __init__(self) -> None:
+        self.told: list[Progress] = []
+
+    def progress(self, progress: Progress) -> None:
+        self.told.append(progress)
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_a_window_is_shown_frames_wherever_a_run_is(jobs: int) -> None:
+    watching = Watches()
+    scene = replace(UNTIL_KNOWN, cycles=6, starts=2)
+    with workers_of([scene], jobs, [watching]) as workers:
+        run_stage(scene, 0, trackers=[watching], workers=workers)
+    films = [progress.film for progress in watching.told if progress.film is not None]
+    assert films
+    bodies = len(watching.told[0].linkage.bodies)
+    for film in films:
+        assert film.position.shape[1] == 3 * bodies
+        assert 0 < len(film.time) <= 60
+        assert film.joints.shape[1:] == (2, 6)
+        assert np.isfinite(film.position).all()
+    assert any("of 2 starts" in progress.word for progress in watching.told)
+    parts = [progress.part for progress in watching.told]
+    assert parts == sorted(parts)
