@@ -1,8 +1,8 @@
 """Whether two result folders hold the same: everything but wall times and dates.
 
 Arrays are compared bit for bit, numbers of ``result.json`` as they are stored.  Left out are
-``wall_*`` and ``share_*`` (times that this machine took, and parts of them), ``started`` and
-``resumed`` (dates), and the digests of what holds those.
+``wall_*`` (times that this machine took), ``started`` and ``resumed`` (dates), and the digests of
+what holds those.
 """
 
 import json
@@ -15,7 +15,7 @@ import numpy as np
 from endurance.subject import check_result
 from presswear.tools.errors import InputError
 
-_TIMES = ("wall_", "share_")
+_TIMES = ("wall_",)
 _DATES = ("started", "resumed", "digest", "files")
 
 

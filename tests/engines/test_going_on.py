@@ -58,7 +58,7 @@ def told(run: Run) -> dict[str, Any]:
     diagnostics = {
         key: value
         for key, value in run.diagnostics.items()
-        if not key.startswith(("wall_", "share_"))
+        if not key.startswith("wall_")
     }
     arrays = {
         **run.recorder.state(),
