@@ -22,8 +22,8 @@ Array = NDArray[np.float64]
 Kind = Literal["state", "energy", "steps", "constraints", "penetration", "wear"]
 
 RESIDUAL = 3e-3
-"""Energy that does not add up, part of what the drives exchanged: below 1e-7 at the defaults,
-6e-6 at the coarsest steps that bodies and joints may take."""
+"""Energy that does not add up, part of what the drives exchanged: below 1e-7 at the tolerances of
+a trajectory, 6e-6 at the coarsest steps that bodies and joints may take, some 1e-5 for wear."""
 UNEXCHANGED = 1e-3
 """Part of the kinetic energy that counts as exchanged at least: in a moment hardly any is."""
 MADE = 1.0
@@ -146,7 +146,8 @@ def _energy(linkage: Linkage, now: Condition) -> Finding | None:
     if now.ledger.drive_exchange <= 0.0:
         return None
     kinetic = 0.5 * float(mass_of(linkage) @ now.velocity**2)
-    exchange = max(now.ledger.drive_exchange, UNEXCHANGED * kinetic)
+    # Where a weight falls from rest, what its fall turns into heat is all that is exchanged.
+    exchange = max(now.ledger.drive_exchange, now.ledger.dissipated, UNEXCHANGED * kinetic)
     if abs(residual) > RESIDUAL * exchange:
         what = (
             f"{residual:.3g} J do not add up, limit {RESIDUAL * exchange:.3g} J, "

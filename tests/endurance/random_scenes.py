@@ -46,6 +46,8 @@ _LEAST = 1e-9
 _CHANGE = 0.15
 """Standard deviation of the logarithm of a link's length."""
 _LENGTHS = ("length_", "side_b", "side_cd", "crank_length", "rod_length")
+_DRAWN_APART = (*_LENGTHS, "run_up")
+"""A cycle is run: that of a long run-up is hardly a motion."""
 
 
 def _spread(draw: Random, low: float, high: float) -> float:
@@ -136,7 +138,7 @@ def _mechanism(draw: Random) -> Press | SliderCrank:
         crank = SliderCrank()
         links = _links(draw, crank, scale)
         weights = _weights(draw, crank, (("rod_inertia", "rod_mass", links["rod_length"]),))
-        return SliderCrank(**(_drawn(draw, crank, _LENGTHS) | weights | links))
+        return SliderCrank(**(_drawn(draw, crank, _DRAWN_APART) | weights | links))
     press = Press(geometry=draw.choice(list(GEOMETRIES.values())))
     geometry = press.geometry
     moved = {"hx": scale * geometry.hx, "hy": scale * geometry.hy}
@@ -147,7 +149,7 @@ def _mechanism(draw: Random) -> Press | SliderCrank:
         ("inertia_4", "mass_4", placed.side_bd),
         ("inertia_5", "mass_5", links["length_5"]),
     )
-    values = _drawn(draw, press, _LENGTHS) | _weights(draw, press, turning) | links
+    values = _drawn(draw, press, _DRAWN_APART) | _weights(draw, press, turning) | links
     return Press(geometry=placed, **values)
 
 

@@ -56,7 +56,7 @@ Edit = Callable[[dict[str, Any]], object]
     ("edit", "says"),
     [
         (lambda d: d.update(schema=True), "schema True"),
-        (lambda d: d.update(schema=4), "schema 4; this version reads 3"),
+        (lambda d: d.update(schema=5), "schema 5; this version reads 4"),
         (lambda d: d["variants"][0].update(key="../../elsewhere"), "cannot name a variant's"),
         (lambda d: d["variants"][0].update(key=d["variants"][1]["key"]), "cannot name"),
         (lambda d: d["variants"][0].update(key=""), "cannot name"),

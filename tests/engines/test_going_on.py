@@ -56,9 +56,7 @@ CASES = {
 def told(run: Run) -> dict[str, Any]:
     """Everything of a run but wall times, ready to be compared bit for bit."""
     diagnostics = {
-        key: value
-        for key, value in run.diagnostics.items()
-        if not key.startswith("wall_")
+        key: value for key, value in run.diagnostics.items() if not key.startswith("wall_")
     }
     arrays = {
         **run.recorder.state(),
