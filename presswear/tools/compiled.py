@@ -38,6 +38,7 @@ from numpy.typing import NDArray
 from presswear.tools.errors import InputError
 from presswear.tools.linking import PartCompiler, WholeCompiler, kept_code
 from presswear.tools.own import OwnFunction
+from presswear.tools.workers import cores
 
 Array = NDArray[np.float64]
 F = TypeVar("F", bound=Callable[..., Any])
@@ -246,11 +247,10 @@ def compile_at_once(*asked: tuple[Any, ...]) -> None:
         A kernel and its arguments, as for ``specialised``.
     """
     new = [each for each in asked if not each[0].is_kept]
-    if len(new) < 2 or not hasattr(os, "fork") or len(os.sched_getaffinity(0)) < 2:
+    if len(new) < 2 or not hasattr(os, "fork") or cores() < 2:
         return
     with warnings.catch_warnings():
-        # Other threads of this process do nothing that the new one waits for.
-        warnings.simplefilter("ignore", DeprecationWarning)
+        warnings.simplefilter("ignore", DeprecationWarning)  # see below
         process = os.fork()
     if process == 0:
         try:
@@ -258,13 +258,18 @@ def compile_at_once(*asked: tuple[Any, ...]) -> None:
                 specialised(kernel, *arguments)
         finally:
             os._exit(0)
+    began, ended = clock.perf_counter(), 0
     try:
         specialised(*new[0])
-        os.waitpid(process, 0)
-    except BaseException:
-        os.kill(process, signal.SIGKILL)
-        os.waitpid(process, 0)
-        raise
+        # Where another thread held a lock, the new process waits for ever: not so this one.
+        latest = began + 3.0 * (clock.perf_counter() - began)
+        while not ended and clock.perf_counter() < latest:
+            ended = os.waitpid(process, os.WNOHANG)[0]
+            clock.sleep(0.01)
+    finally:
+        if not ended:
+            os.kill(process, signal.SIGKILL)
+            os.waitpid(process, 0)
 
 
 def _calling(typing: Any, address: Any, arguments: Any) -> Any:

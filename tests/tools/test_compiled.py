@@ -3,12 +3,15 @@
 import os
 import subprocess
 import sys
+import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from presswear.tools import compiled as module
 from presswear.tools.compiled import apart, compiled, specialised, told_of_compiling
 
 Array = NDArray[np.float64]
@@ -140,3 +143,23 @@ def test_a_first_start_compiles_few_kernels(tmp_path: Path, engine: str, most: i
     compiled, unused = map(int, _told(tmp_path, COUNTED % engine))
     assert 20 < compiled <= most
     assert unused == 0
+
+
+def test_a_process_that_hangs_beside_the_compiler_is_given_up(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """A fork of a process with threads may wait for ever for what one of them held."""
+    here, ended = os.getpid(), tmp_path / "ended"
+
+    def slow(kernel: object) -> None:
+        if os.getpid() != here:
+            time.sleep(2.0)
+            ended.touch()
+
+    monkeypatch.setattr(module, "specialised", slow)
+    monkeypatch.setattr(module, "cores", lambda: 2)
+    new = SimpleNamespace(is_kept=False)
+    module.compile_at_once((new,), (new,))
+    with pytest.raises(ChildProcessError):
+        os.waitpid(-1, os.WNOHANG)
+    assert not ended.exists()
