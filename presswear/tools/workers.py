@@ -370,9 +370,12 @@ def _undisturbed() -> Iterator[None]:
     """Begin processes that signals to a whole terminal do not reach, and no script's main module.
 
     They would run a script again that does not ask whether it is the main one.  Signals that are
-    held back here arrive behind it.
+    held back here arrive behind it.  They import from where this one does: the server of forks
+    would look into the working directory first.
     """
-    main = sys.modules["__main__"]
+    main, environment = sys.modules["__main__"], dict(os.environ)
+    os.environ["PYTHONPATH"] = os.pathsep.join(map(os.path.abspath, sys.path))
+    os.environ["PYTHONSAFEPATH"] = "1"
     held = {getattr(signal, name) for name in ("SIGINT", "SIGHUP") if hasattr(signal, name)}
     mask = getattr(signal, "pthread_sigmask", None)
     before = mask(signal.SIG_BLOCK, held) if mask else None
@@ -381,6 +384,10 @@ def _undisturbed() -> Iterator[None]:
         yield
     finally:
         sys.modules["__main__"] = main
+        for name in ("PYTHONPATH", "PYTHONSAFEPATH"):
+            os.environ.pop(name)
+            if name in environment:
+                os.environ[name] = environment[name]
         if mask:
             mask(signal.SIG_SETMASK, before)
 

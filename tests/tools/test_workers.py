@@ -2,6 +2,7 @@
 
 import math
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -300,3 +301,32 @@ def test_nobody_else_says_anything_when_all_are_interrupted(tmp_path: Path) -> N
 def doers() -> tuple[Workers, ...]:
     """Both kinds keep to the protocol, for the type checker."""
     return InProcess(), Pool(1)
+
+
+def test_processes_import_from_where_this_one_does(tmp_path: Path) -> None:
+    """Not from the working directory, where another version may lie."""
+    script, here = tmp_path / "scripts" / "script.py", tmp_path / "here"
+    root = Path(__file__).parents[2]
+    shutil.copytree(root / "presswear", here / "presswear")
+    script.parent.mkdir()
+    (script.parent / "jobs.py").write_text(
+        "from presswear.tools import workers\ndef where(report): return workers.__file__\n"
+    )
+    script.write_text(
+        "import jobs\n"
+        "from presswear.tools import workers\n"
+        "def ended(key, path):\n"
+        "    print(path == workers.__file__)\n"
+        "    return {}\n"
+        "with workers.Pool(2, ('presswear.tools.workers',)) as pool:\n"
+        "    pool.run({0: jobs.where}, ended, print)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, script],
+        cwd=here,
+        env={**os.environ, "PYTHONPATH": str(root)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.stdout == "True\n", done.stderr
