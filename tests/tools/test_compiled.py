@@ -149,17 +149,22 @@ def test_a_process_that_hangs_beside_the_compiler_is_given_up(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     """A fork of a process with threads may wait for ever for what one of them held."""
-    here, ended = os.getpid(), tmp_path / "ended"
+    here, ended, fork, forked = os.getpid(), tmp_path / "ended", os.fork, list[int]()
 
     def slow(kernel: object) -> None:
         if os.getpid() != here:
             time.sleep(2.0)
             ended.touch()
 
+    def noted() -> int:
+        forked.append(fork())
+        return forked[-1]
+
+    monkeypatch.setattr(os, "fork", noted)
     monkeypatch.setattr(module, "specialised", slow)
     monkeypatch.setattr(module, "cores", lambda: 2)
     new = SimpleNamespace(is_kept=False)
     module.compile_at_once((new,), (new,))
     with pytest.raises(ChildProcessError):
-        os.waitpid(-1, os.WNOHANG)
+        os.waitpid(forked[0], os.WNOHANG)
     assert not ended.exists()
