@@ -52,7 +52,7 @@ settings.timeIntegration.relativeTolerance = 0.0
 exu.config.printToConsole = False
 try:
     system.SolveDynamic(settings, solverType=exu.DynamicSolverType.DOPRI5)
-except Exception as error:
+except (exu.ExudynError, RuntimeError) as error:
     if calls > MOST:
         print(f"{MOST} evaluations without a way on, until they were stopped")
         sys.exit(0)
