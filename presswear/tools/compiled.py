@@ -91,15 +91,19 @@ _OPTIONS = {"error_model": "numpy", "_nrt": False, "no_cfunc_wrapper": True}
 class Kernel:
     """A compiled function: a part of those kernels that call it, a whole where Python does."""
 
-    def __init__(self, function: Callable[..., Any]) -> None:
+    def __init__(self, function: Callable[..., Any], is_inlined: bool = False) -> None:
         update_wrapper(self, function)
         self.py_func = function
         self.whole = _NUMBA.njit(pipeline_class=WholeCompiler, **_OPTIONS)(function)
         if _of_package(function) and _cache_is_usable():
             self.whole._cache = kept_code(function)
-        self._part = _NUMBA.njit(pipeline_class=PartCompiler, no_cpython_wrapper=True, **_OPTIONS)(
-            function
+        part = _NUMBA.njit(
+            pipeline_class=PartCompiler,
+            no_cpython_wrapper=True,
+            forceinline=is_inlined,
+            **_OPTIONS,
         )
+        self._part = part(function)
 
     def __call__(self, *arguments: Any) -> Any:
         """Run it, compiled or loaded if need be."""
@@ -127,6 +131,15 @@ def compiled(function: F) -> F:
     defined elsewhere is outside the digest and is compiled anew each time.
     """
     return cast(F, Kernel(function))
+
+
+def inlined(function: F) -> F:
+    """Compile a kernel that becomes part of each that calls it, however large.
+
+    For the few that every evaluation runs through: to hand over some dozens of arrays takes as
+    long as what they compute.
+    """
+    return cast(F, Kernel(function, is_inlined=True))
 
 
 def _of_package(function: Callable[..., Any]) -> bool:

@@ -44,6 +44,7 @@ def test_multipliers_solve_equation_18(joints: str) -> None:
     system = system_of(packed._replace(joints=packed.joints[:0]), constraints, 20.0, 20.0)
     rates(system, np.zeros(0), 0.1, y, out)
     np.testing.assert_allclose(out[18:36], exact[:18], rtol=1e-9, atol=1e-8)
+    assert system.held is not None
     np.testing.assert_allclose(system.held.multipliers, exact[18:], rtol=1e-9, atol=1e-9)
 
 

@@ -297,7 +297,7 @@ def side_by_side(scene: Scene, short: float, cycles: float, repeats: int, told: 
     press, long = numbers_of(scene), cycles * scene.mechanism.period
     starts, default = starts_of(scene, repeats), scene.numerics.tree.tolerance
     told("reference", 0.0)
-    precise = InHouse(integration_tolerance=REFERENCE)
+    precise = InHouse(integration_tolerance=REFERENCE, coordinates="all")
     references = [run_engine(scene, start, precise, short, recorded=True) for start in starts]
     by_start = [methods_of(scene, start, short) for start in starts]
     methods = by_start[0]
