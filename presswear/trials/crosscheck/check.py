@@ -209,7 +209,8 @@ def check_engines(scene: Scene, duration: float | None, told: Told) -> Crosschec
         # Far enough to hold the last of the touchdowns.
         until = min(1.001 * first[-1].time, horizon)
         second = replace(precise, integrator="dopri5", coordinates="fewest")
-        other = trace_of(runner.run("dae with dopri5, fewest coordinates", start, second, Plan(until, 1, 1)))
+        words = "dae with dopri5 in fewest coordinates"
+        other = trace_of(runner.run(words, start, second, Plan(until, 1, 1)))
         apart = float(touchdown_differences(first, other.touchdowns)[:, 0].max())
         words = f"first {len(first)} touches, dop853 to dopri5 in fewest coordinates"
         checks.append(Check(words, apart, INTEGRATOR_BOUND, "s"))
