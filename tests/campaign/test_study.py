@@ -19,9 +19,9 @@ from presswear.tools.errors import InputError
 
 def small(**settings: str) -> Study:
     """Two quick variants: one cycle each in the in-house solver, and one that fails at once."""
-    # On a single cycle of sixteen bins the next stage comes near to driving itself.
+    # With fewer bins a single cycle may leave surfaces on which the next stage drives itself.
     short = replace(wear_times(), wears=1, cycles=1, purpose="trajectory")
-    base = changed(short, {"engine": "dae", "angles": "16", **settings})
+    base = changed(short, {"engine": "dae", "angles": "360", **settings})
     stops = changed(base, {"integrator": "rk4-paper"})
     variants = (Variant("one", "the first", base), Variant("stops", "the paper's step", stops))
     return Study("small", "Two variants", "Which?", variants)
