@@ -7,11 +7,12 @@ happens to the others, and one that is stopped goes on from its checkpoint.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from presswear.campaign.single import run_into, workers_of
 from presswear.campaign.study import FILE, Study, Variant, waiting
-from presswear.record.tracker import Progress, Tracker
+from presswear.record.tracker import Progress, Tracker, tell_all
 from presswear.results.folder import INTERVAL, ResultFolder
 from presswear.results.provenance import provenance
 from presswear.scene.scene import Scene
@@ -111,21 +112,22 @@ def run_study(
     """
     left = waiting(study, folder, resume)
     lock = FolderLock(folder)
-
-    def tell(key: str, part: float, word: str) -> None:
-        for tracker in trackers:
-            tracker.variant(key, part, word)
-
     try:
         if not (folder / FILE).exists():
             write_json(folder / FILE, {**study.as_dict(), "provenance": provenance()})
         for variant in study.variants:
             if variant not in left:
-                tell(variant.key, 1.0, "")
+                _tell(trackers, variant.key, 1.0, "")
         if left:
-            _run_variants(left, folder, jobs, interval, tell)
+            _run_variants(left, folder, jobs, interval, trackers)
     finally:
         lock.release()
+
+
+def _tell(trackers: Sequence[Tracker], key: str, part: float, word: str) -> None:
+    """Tell how far a variant is."""
+    for tracker in trackers:
+        tracker.variant(key, part, word)
 
 
 def _run_variants(
@@ -133,7 +135,7 @@ def _run_variants(
     folder: Path,
     jobs: int | None,
     interval: float,
-    tell: Callable[[str, float, str], None],
+    trackers: Sequence[Tracker],
 ) -> None:
     """Run variants in so many processes; all of them end, with checkpoints, where one breaks."""
     # The longest first, so that no process is left with one when the others are done.
@@ -142,17 +144,17 @@ def _run_variants(
     keys = {variant.key for variant in left}
 
     def ended(index: int, outcome: None) -> dict[int, Job | None]:
-        tell(order[index].key, 1.0, "")
+        _tell(trackers, order[index].key, 1.0, "")
         return {k: job for k, job in work.items() if order[k].source == order[index].key}
 
     def told(index: int, part: float, word: str, rows: object) -> None:
-        tell(order[index].key, part, word)
+        _tell(trackers, order[index].key, part, word)
 
     most = jobs or cores()
-    is_wide = len(left) >= most
+    is_wide, lost = len(left) >= most, partial(tell_all, trackers)
     with (
-        workers_for(most if is_wide else 1, (__name__,)) as variants,
-        workers_of([v.scene for v in left], 1 if is_wide else most, (), interval) as starts,
+        workers_for(most if is_wide else 1, (__name__,), lost=lost) as variants,
+        workers_of([v.scene for v in left], 1 if is_wide else most, trackers, interval) as starts,
     ):
         shared = None if is_wide else starts
         work = {k: _Work(folder, variant, interval, shared) for k, variant in enumerate(order)}

@@ -33,6 +33,10 @@ class Board(Tracker):
         self._whole = bar.add_task(study.name, total=sum(own.extent for own in study.variants))
         self._lines: dict[str, TaskID] = {}
 
+    def remark(self, line: str) -> None:
+        """Print it."""
+        self._bar.console.print(line, highlight=False, soft_wrap=True)
+
     def variant(self, key: str, part: float, word: str) -> None:
         """Show how far a variant is; ends the study where a signal has come."""
         check_stopped()
