@@ -17,7 +17,7 @@ from presswear.results.folder import INTERVAL, ResultFolder
 from presswear.results.provenance import provenance
 from presswear.scene.scene import Scene
 from presswear.tools.documents import write_json
-from presswear.tools.errors import RunFailed
+from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.folders import FolderLock
 from presswear.tools.stopping import is_stopped
 from presswear.tools.workers import Job, Report, Workers, cores, workers_for
@@ -81,8 +81,7 @@ class _Work:
             path, scene = self.folder / variant.key, variant.scene_in(self.folder)
             if scene is not None:
                 run_variant(path, scene, self.interval, tell, self.workers)
-        # A variant may fail with any error of its process, and the user must learn which variant.
-        except Exception as error:
+        except (InputError, RunFailed, OSError) as error:
             if is_stopped():
                 raise KeyboardInterrupt from None
             raise RunFailed(f"variant {variant.key}: {type(error).__name__}: {error}") from error

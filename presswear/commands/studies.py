@@ -20,7 +20,7 @@ from presswear.record.tracker import Tracker
 from presswear.scene.scene import Scene
 from presswear.studies import STUDIES, make_study, write_report
 from presswear.tools.errors import InputError, RunFailed
-from presswear.tools.stopping import check_stopped
+from presswear.tools.stopping import check_stopped, is_stopped
 
 
 class Board(Tracker):
@@ -86,12 +86,14 @@ def run(
     try:
         with progress_bar(console) as bar:
             run_study(study, folder, jobs, arguments.resume, [Board(study, bar)], interval)
-    except KeyboardInterrupt:
+    except RunFailed as error:
+        raise RunFailed(f"{error}; {go_on}") from error
+    except BaseException as error:
+        if not isinstance(error, KeyboardInterrupt) and not is_stopped():
+            raise
         raise KeyboardInterrupt(
             f"interrupted; finished runs are kept, the others go on where they stood; {go_on}"
         ) from None
-    except RunFailed as error:
-        raise RunFailed(f"{error}; {go_on}") from error
     return report(folder, console)
 
 

@@ -2,7 +2,7 @@
 
 import os
 import signal
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -15,7 +15,7 @@ from presswear.campaign.campaign import run_stage
 from presswear.campaign.checkpoint import Checkpoint
 from presswear.campaign.ensemble import FEWEST, PART, Ensemble, dealt, first_round, next_round
 from presswear.campaign.resolution import StepErrors
-from presswear.campaign.segment import Segment, Task
+from presswear.campaign.segment import Reached, Segment, Task
 from presswear.campaign.single import run_into, run_scene, workers_of
 from presswear.record.sampling import STARTUP_CYCLES, MapBatches
 from presswear.record.tracker import Progress, Tracker
@@ -24,7 +24,7 @@ from presswear.results.result import load
 from presswear.scene.catalog import wear_times
 from presswear.scene.scene import Scene, stage_name
 from presswear.scene.settings import changed
-from presswear.tools.workers import InProcess, Job, Pool, Report
+from presswear.tools.workers import Array, Ended, InProcess, Job, Pool, Report, Told
 
 QUICK = {
     "engine": "dae",
@@ -109,12 +109,14 @@ def test_no_number_depends_on_the_processes(name: str, tmp_path: Path) -> None:
 class Reversed(InProcess):
     """Does the last job first, so that all come to their ends in another order."""
 
-    def run(self, jobs: Mapping[int, Job], ended: Callable, told: Callable) -> None:  # type: ignore[type-arg]
+    def run(self, jobs: Mapping[int, Job], ended: Ended, told: Told) -> None:
         waiting = dict(jobs)
         while waiting:
             key = max(waiting)
 
-            def report(done: float, word: str = "", rows: object = None, key: int = key) -> None:
+            def report(
+                done: float, word: str = "", rows: Array | None = None, key: int = key
+            ) -> None:
                 told(key, done, word, rows)
 
             following = ended(key, waiting.pop(key)(report))
@@ -140,8 +142,8 @@ def test_a_failed_run_is_the_last(workers: InProcess, monkeypatch: pytest.Monkey
     """Whatever ran behind it, in order, is left out, and those before it run on."""
     call = Segment.__call__
 
-    def failing(self: Segment, report: object) -> object:
-        reached = call(self, report)  # type: ignore[arg-type]
+    def failing(self: Segment, report: Report) -> Reached:
+        reached = call(self, report)
         if self.start == 1 and reached.cycles >= 2:
             return replace(reached, status="failed")
         return reached
