@@ -21,6 +21,8 @@ from presswear.scene.scene import Scene
 from presswear.tools.arrays import State
 from presswear.tools.workers import Report
 
+Array = NDArray[np.float64]
+
 PIECES = 100
 """Pieces of a cycle: between two touches of a joint lie some of them."""
 EACH = 4
@@ -32,22 +34,23 @@ SETTLING = 2
 WORTH = 50
 """Cycles of a stage that are enough for this to cost a twentieth of it at most."""
 
+_TOLD = {"dose": "step_error_of_dose", "force_max": "step_error_of_force"}
+"""Numbers of a piece that are compared, and the names of what changes them."""
+
 
 @dataclass
 class _Again(Tracker):
     """Runs pieces of a run again behind its back."""
 
-    run: Callable[[int, State], Recorder]
+    run: Callable[[int, State], Array]
     first: int
     last: int
-    finer: list[Recorder] = field(default_factory=list)
-    pieces: list[int] = field(default_factory=list)
+    finer: dict[int, Array] = field(default_factory=dict)
 
     def cycle(self, recorder: Recorder, state: Callable[[], State]) -> bool:
         done = len(recorder.cycles)
         if self.first <= done < self.last and (done - self.first) % EACH == 0:
-            self.pieces.append(done)
-            self.finer.append(self.run(done + 1, state()))
+            self.finer[done] = self.run(done, state())
         return False
 
 
@@ -65,7 +68,7 @@ class StepErrors:
     """
 
     scene: Scene
-    worn: NDArray[np.float64]
+    worn: Array
     start: int = -1
 
     def __call__(self, report: Report) -> dict[str, float]:
@@ -88,25 +91,30 @@ class StepErrors:
         first, last = PIECES * SETTLING, PIECES * (SETTLING + 1)
         plan = Plan(cycle / PIECES, last, 0, torques=False, run_up=scene.run_up)
 
-        def again(cycles: int, state: State) -> Recorder:
-            own = replace(plan, cycles=cycles, resume=state)
-            return finer.simulate(linkage, start, own).recorder
+        def told(recorder: Recorder, piece: int) -> Array:
+            """Numbers of a piece, of each joint; no number where it was not finished."""
+            if piece >= len(recorder.cycles):
+                return np.full((len(_TOLD), len(linkage.clearances)), np.nan)
+            joints = range(len(linkage.clearances))
+            return np.array([[recorder.each_cycle(n, k)[piece] for k in joints] for n in _TOLD])
+
+        def again(piece: int, state: State) -> Array:
+            own = replace(plan, cycles=piece + 1, resume=state)
+            return told(finer.simulate(linkage, start, own).recorder, piece)
 
         tracker = _Again(again, first, last)
         run = engine.simulate(linkage, start, replace(plan, trackers=(tracker, Telling(report))))
-        pairs = list(zip(tracker.pieces, tracker.finer, strict=True))
-        if run.status == "failed" or any(len(fine.cycles) <= piece for piece, fine in pairs):
+        usual = np.array([told(run.recorder, piece) for piece in tracker.finer])
+        fine = np.array(list(tracker.finer.values()))
+        if run.status == "failed" or np.isnan(fine).any():
             return {}
 
-        def change(name: str) -> float:
-            usual, fine = (
-                np.array([[own.each_cycle(name, k)[i] for k in joints] for i, own in each])
-                for each in ([(i, run.recorder) for i, _ in pairs], pairs)
-            )
+        def change(usual: Array, fine: Array) -> float:
             whole = usual.sum(axis=0)
             loaded = whole > 0.0
             changed = np.abs(fine.sum(axis=0) - whole)[loaded] / whole[loaded]
             return float(changed.max(initial=0.0))
 
-        joints = range(len(linkage.clearances))
-        return {"step_error_of_dose": change("dose"), "step_error_of_force": change("force_max")}
+        return {
+            name: change(usual[:, row], fine[:, row]) for row, name in enumerate(_TOLD.values())
+        }
