@@ -3,16 +3,13 @@
 import os
 import subprocess
 import sys
-import time
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from presswear.tools import compiled as module
 from presswear.tools.compiled import apart, compiled, specialised, told_of_compiling
 
 Array = NDArray[np.float64]
@@ -103,29 +100,6 @@ def _told(tmp_path: Path, script: str) -> list[str]:
     return ran.stdout.split()
 
 
-AT_ONCE = """
-import numpy as np
-from presswear.tools.compiled import all_finite, compile_at_once, copy_to, told_of_compiling
-x, heard = np.ones(3), []
-with told_of_compiling(heard.append):
-    compile_at_once((copy_to, x, x), (all_finite, x, x))
-    here = len(heard)
-    copy_to(x, x)
-    assert all_finite(x, x)
-for kernel in (copy_to, all_finite):
-    stats = kernel.whole.stats
-    print(sum(stats.cache_hits.values()), sum(stats.cache_misses.values()))
-print(here, len(heard))
-"""
-
-
-@pytest.mark.skipif(
-    not hasattr(os, "fork") or len(os.sched_getaffinity(0)) < 2, reason="needs two cores"
-)
-def test_the_second_kernel_is_compiled_by_another_process_and_loaded(tmp_path: Path) -> None:
-    assert _told(tmp_path, AT_ONCE) == ["0", "1", "1", "0", "2", "2"]
-
-
 COUNTED = """
 from numba.core import event
 import presswear as pw
@@ -149,28 +123,3 @@ def test_a_first_start_compiles_few_kernels(tmp_path: Path, engine: str, most: i
     compiled, unused = map(int, _told(tmp_path, COUNTED % engine))
     assert 20 < compiled <= most
     assert unused == 0
-
-
-def test_a_process_that_hangs_beside_the_compiler_is_given_up(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    """A fork of a process with threads may wait for ever for what one of them held."""
-    here, ended, fork, forked = os.getpid(), tmp_path / "ended", os.fork, list[int]()
-
-    def slow(kernel: object) -> None:
-        if os.getpid() != here:
-            time.sleep(2.0)
-            ended.touch()
-
-    def noted() -> int:
-        forked.append(fork())
-        return forked[-1]
-
-    monkeypatch.setattr(os, "fork", noted)
-    monkeypatch.setattr(module, "specialised", slow)
-    monkeypatch.setattr(module, "cores", lambda: 2)
-    new = SimpleNamespace(is_kept=False)
-    module.compile_at_once((new,), (new,))
-    with pytest.raises(ChildProcessError):
-        os.waitpid(forked[0], os.WNOHANG)
-    assert not ended.exists()
