@@ -15,7 +15,6 @@ from presswear.campaign.study import FILE, Study, Variant, waiting
 from presswear.record.tracker import Progress, Tracker, tell_all
 from presswear.results.folder import INTERVAL, ResultFolder
 from presswear.results.provenance import provenance
-from presswear.scene.scene import Scene
 from presswear.tools.documents import write_json
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.folders import FolderLock
@@ -31,25 +30,6 @@ class _Telling(Tracker):
 
     def progress(self, progress: Progress) -> None:
         self.told(progress.whole, progress.word)
-
-
-def run_variant(
-    path: Path,
-    scene: Scene,
-    interval: float,
-    told: Callable[[float, str], None],
-    workers: Workers | None = None,
-) -> None:
-    """Run a scene into a result folder, or go on in it; a run that fails is a result as well.
-
-    Parameters
-    ----------
-    interval : float
-        Between two checkpoints, s.
-    workers : Workers or None
-        Does the runs; None: this process.
-    """
-    run_into(ResultFolder(path, scene, interval, resume=True), scene, [_Telling(told)], workers)
 
 
 @dataclass(frozen=True)
@@ -80,7 +60,8 @@ class _Work:
         try:
             path, scene = self.folder / variant.key, variant.scene_in(self.folder)
             if scene is not None:
-                run_variant(path, scene, self.interval, tell, self.workers)
+                store = ResultFolder(path, scene, self.interval, resume=True)
+                run_into(store, scene, [_Telling(tell)], self.workers)
         except (InputError, RunFailed, OSError) as error:
             if is_stopped():
                 raise KeyboardInterrupt from None

@@ -12,6 +12,7 @@ from presswear.campaign.study import Study, is_study, load_study, unchanged, wai
 from presswear.commands.terminal import (
     free_folder,
     go_on_with,
+    goes_on,
     jobs_given,
     progress_bar,
     seconds_given,
@@ -19,8 +20,8 @@ from presswear.commands.terminal import (
 from presswear.record.tracker import Tracker
 from presswear.scene.scene import Scene
 from presswear.studies import STUDIES, make_study, write_report
-from presswear.tools.errors import InputError, RunFailed
-from presswear.tools.stopping import check_stopped, is_stopped
+from presswear.tools.errors import InputError
+from presswear.tools.stopping import check_stopped
 
 
 class Board(Tracker):
@@ -83,17 +84,9 @@ def run(
     folder = arguments.out or free_folder(study.name)
     go_on = go_on_with(study.name, folder)
     waiting(study, folder, arguments.resume)
-    try:
-        with progress_bar(console) as bar:
-            run_study(study, folder, jobs, arguments.resume, [Board(study, bar)], interval)
-    except RunFailed as error:
-        raise RunFailed(f"{error}; {go_on}") from error
-    except BaseException as error:
-        if not isinstance(error, KeyboardInterrupt) and not is_stopped():
-            raise
-        raise KeyboardInterrupt(
-            f"interrupted; finished runs are kept, the others go on where they stood; {go_on}"
-        ) from None
+    kept = "finished runs are kept, the others go on where they stood"
+    with goes_on(go_on, folder, lambda: kept), progress_bar(console) as bar:
+        run_study(study, folder, jobs, arguments.resume, [Board(study, bar)], interval)
     return report(folder, console)
 
 
