@@ -32,6 +32,8 @@ _KINK = 0.05
 """Change of a speed over a short step, part of the greatest speed, that is a jump."""
 _ANGLE_NOISE = 1e-9
 """Round-off of an angle near a place where its drive does not move its point, rad."""
+_TURNING = 4
+"""Steps of Newton's method to an extreme."""
 _HALVINGS = 14
 """How often an interval is halved before the linkage is said to stop in it."""
 
@@ -114,6 +116,19 @@ class IdealMotion:
             v = v * rate
         flat = (level.reshape(time.size, -1) for level in (q, v, a))
         return Motion(now, *flat)
+
+    def extremes(self, linkage: Linkage) -> tuple[float, float]:
+        """Lowest and highest place of what a linkage watches in a cycle, m."""
+        times = 2.0 * self.rows.linkage.run_up * self.period + self.times
+        place = self.at(times).watched(linkage)[:, 0]
+        found, step = [*place[[place.argmin(), place.argmax()]]], times[1] - times[0]
+        for time in times[[place.argmin(), place.argmax()]]:
+            # To where the speed is zero; what dwells is there already.
+            for _ in range(_TURNING):
+                at, speed, faster = self.at(time).watched(linkage)[0]
+                time -= np.clip(speed / faster, -step, step) if faster != 0.0 else 0.0
+                found.append(at)
+        return float(min(found)), float(max(found))
 
     def _ahead(self, nodes: int) -> Array:
         """Positions predicted at equal intervals of the cycle, shape (nodes + 1, bodies, 3)."""

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from presswear.physics.constraints import lever
 from presswear.physics.forces import note_forces
+from presswear.physics.loads import count_ways, way_out
 from presswear.physics.packed import Packed
 from presswear.physics.touchdown import settle
 from presswear.physics.wear import deposit_in_bin, deposit_over_arc
@@ -229,6 +230,9 @@ def observe(book: Book, t: float, h: float, q: Array, v: Array, a: Array) -> Non
             if row > 0:
                 change = abs(contact.normal - series[row - 1, column + NORMAL])
                 is_due = is_due or change > state.force_step * counts.peak_force
+    for k in range(count_ways(book.packed.loads)):
+        # Where the law of a load changes, which is settled behind this.
+        is_due = is_due or way_out(book.packed.loads, k, q, v, a)[0] > 0.0
     take_frame(book.film, book.shutter, book.contacts, t, q)
     if has_room and is_due:
         series[row, TIME] = t
