@@ -68,8 +68,8 @@ class Blanking:
 
     kind: ClassVar[str] = "blanking"
 
-    force: float = _force("force of the plateau", 300.0)
-    height: float = _height(3e-3)
+    force: float = _force("force of the plateau", 500.0)
+    height: float = _height(5e-3)
     thickness: float = _depth(1e-3, "thickness of the sheet")
     stiffness: float | None = quantity(
         None, "N/m", 1.0, 1e12, "chosen", "of the elastic rise; none given: force over rise"
@@ -128,9 +128,9 @@ class Drawing:
 
     kind: ClassVar[str] = "drawing"
 
-    force: float = _force("greatest force", 150.0)
-    height: float = _height(20e-3)
-    depth: float = _depth(15e-3, "punch travel over which the force rises and falls")
+    force: float = _force("greatest force", 300.0)
+    height: float = _height(10e-3)
+    depth: float = _depth(8e-3, "punch travel over which the force rises and falls")
     peak: float = quantity(0.35, "", 0.05, 0.95, "chosen", "part of the depth at its greatest")
     cushion: float = _cushion()
     bottom: Extreme = _extreme()

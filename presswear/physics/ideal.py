@@ -117,19 +117,6 @@ class IdealMotion:
         flat = (level.reshape(time.size, -1) for level in (q, v, a))
         return Motion(now, *flat)
 
-    def extremes(self, linkage: Linkage) -> tuple[float, float]:
-        """Lowest and highest place of what a linkage watches in a cycle, m."""
-        times = 2.0 * self.rows.linkage.run_up * self.period + self.times
-        place = self.at(times).watched(linkage)[:, 0]
-        found, step = [*place[[place.argmin(), place.argmax()]]], times[1] - times[0]
-        for time in times[[place.argmin(), place.argmax()]]:
-            # To where the speed is zero; what dwells is there already.
-            for _ in range(_TURNING):
-                at, speed, faster = self.at(time).watched(linkage)[0]
-                time -= np.clip(speed / faster, -step, step) if faster != 0.0 else 0.0
-                found.append(at)
-        return float(min(found)), float(max(found))
-
     def _ahead(self, nodes: int) -> Array:
         """Positions predicted at equal intervals of the cycle, shape (nodes + 1, bodies, 3)."""
         part = np.linspace(0.0, len(self.position) - 1, nodes + 1)
@@ -183,6 +170,22 @@ def ideal_motion(linkage: Linkage, period: float) -> IdealMotion:
         motion = _followed(rows, start, motion.times)
     _check(motion)
     return motion
+
+
+@lru_cache(maxsize=64)
+def extremes(linkage: Linkage, period: float) -> tuple[float, float]:
+    """Lowest and highest place, m, of what a linkage watches in a cycle of its ideal motion."""
+    ideal = ideal_motion(linkage, period)
+    times = linkage.run_up_time + ideal.times
+    place = ideal.at(times).watched(linkage)[:, 0]
+    step, found = times[1] - times[0], []
+    for time in times[[place.argmin(), place.argmax()]]:
+        # To where the speed is zero; what dwells is there already.
+        for _ in range(_TURNING):
+            at, speed, faster = ideal.at(time).watched(linkage)[0]
+            time += np.clip(-speed / faster, -step, step) if faster != 0.0 else 0.0
+            found.append(float(at))
+    return min(found), max(found)
 
 
 def _near(found: Array, expected: Array) -> bool:

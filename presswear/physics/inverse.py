@@ -1,12 +1,9 @@
 """Inverse dynamics: torques that the drives of an ideal mechanism need."""
 
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.typing import NDArray
 
 from presswear.linkage.elements import Linkage
-from presswear.linkage.motions import Drive
 from presswear.physics.applied import applied_forces, settle_modes
 from presswear.physics.ideal import IdealMotion
 from presswear.physics.loads import place_loads
@@ -48,9 +45,6 @@ def needed_torques(linkage: Linkage, ideal: IdealMotion, time: Array) -> Array:
 
 def check_drives(linkage: Linkage, ideal: IdealMotion) -> None:
     """InputError where a drive needs more torque than it gives, in the second cycle at speed."""
-    limited: Sequence[Drive] = [own for own in linkage.drives if own.torque_limit is not None]
-    if not limited:
-        return
     begin = linkage.run_up_time + ideal.period * np.array([0.0, 2.0])
     time = np.linspace(*begin, 2 * _INSTANTS + 1)
     torques = needed_torques(linkage, ideal, time)[_INSTANTS:]

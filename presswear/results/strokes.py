@@ -41,7 +41,6 @@ def strokes_of(scene: Scene, stage: StageResult) -> Strokes | None:
     if process is None:
         return None
     linkage, sense = scene.mechanism.linkage(), sense_of(process)
-    stroke = float(np.ptp(scene.ideal.extremes(linkage)))
     begun = scene.ideal.at(np.zeros(1)).watched(linkage)[0, 0]
     height = sense * (stage.displacement + begun - scene.bottom)
     rate, time = sense * stage.velocity, stage.time
@@ -62,7 +61,7 @@ def strokes_of(scene: Scene, stage: StageResult) -> Strokes | None:
     touched = passed(process.height, up=False)
     left = passed(process.height, up=True)
     broken = [] if process.fracture is None else passed(process.height - process.fracture, up=False)
-    turned = [own for own, _ in passed(0.5 * (process.height + stroke), up=True)]
+    turned = [own for own, _ in passed(0.5 * (process.height + scene.stroke), up=True)]
     edges = [-np.inf, *turned, np.inf]
     for begin, end in zip(edges[:-1], edges[1:], strict=True):
         own = [moment for moment in touched if begin < moment[0] < end]

@@ -19,8 +19,7 @@ from presswear.linkage.surface import SIDES, Surface
 from presswear.linkage.topology import branches_of
 from presswear.linkage.written import written
 from presswear.physics.following import followed, motion_of
-from presswear.physics.ideal import IdealMotion
-from presswear.physics.inverse import check_drives
+from presswear.physics.ideal import IdealMotion, extremes
 from presswear.scene.bearing import CONVENTIONS, Bearing, Conventions
 from presswear.scene.surfaces import settled
 from presswear.tools.arrays import Array
@@ -219,8 +218,14 @@ class Scene:
         if self.draws > 1 and not self.clearance_joints:
             raise InputError(f"starts = {self.starts}: without a clearance joint allowed is 1")
         check_pace(self.mechanism.linkage())
+        _ = self.ideal
         self._check_process()
-        check_drives(self._loaded, self.ideal)
+        loaded = self._loaded
+        if any(drive.torque_limit is not None for drive in loaded.drives):
+            # Imported where something is computed.
+            from presswear.physics.inverse import check_drives
+
+            check_drives(loaded, self.ideal)
         reason = branches_of(self.linkage()) if self.engine == ExudynTree.word else ""
         if isinstance(reason, str) and reason:
             others = ", ".join(name for name in ENGINES if name != ExudynTree.word)
@@ -234,8 +239,7 @@ class Scene:
         own = self.process
         if own is None:
             return
-        low, high = self.ideal.extremes(self.mechanism.linkage())
-        depth, stroke = own.curve[-1][0], high - low
+        depth, stroke = own.curve[-1][0], self.stroke
         if not depth <= own.height < stroke:
             raise InputError(
                 f"process.height = {own.height:g} m: over the {own.bottom} place of the "
@@ -317,10 +321,20 @@ class Scene:
         )
 
     @property
+    def _extremes(self) -> tuple[float, float]:
+        return extremes(followed(self.mechanism.linkage()), self.mechanism.period)
+
+    @property
+    def stroke(self) -> float:
+        """Way between the extremes of what is watched in the ideal motion, m."""
+        low, high = self._extremes
+        return high - low
+
+    @property
     def bottom(self) -> float:
         """Watched coordinate of bottom dead centre in the ideal motion, m."""
-        extremes = self.ideal.extremes(self.mechanism.linkage())
-        return extremes[self.process is not None and self.process.bottom == "highest"]
+        low, high = self._extremes
+        return high if self.process is not None and sense_of(self.process) < 0.0 else low
 
     @property
     def _loaded(self) -> Linkage:

@@ -81,14 +81,14 @@ def _settings(owner: Any, statuses: Mapping[str, str]) -> Iterator[Setting]:
             yield Setting(item.name, getattr(owner, item.name), words)
 
 
-def _of_kind(
-    name: str, value: Any, kinds: Kinds, statuses: Mapping[str, str]
-) -> Iterator[Setting]:
+def _of_kind(name: str, value: Any, kinds: Kinds, statuses: Mapping[str, str]) -> Iterator[Setting]:
     """The kind of a part that may be none, then its own values, ``NAME.KEY``."""
     yield Setting(name, _kind(value), kinds.choice)
     if value is not None:
         first = f"{name}."
-        own = {key.removeprefix(first): told for key, told in statuses.items() if key.startswith(first)}
+        own = {
+            key.removeprefix(first): told for key, told in statuses.items() if key.startswith(first)
+        }
         for setting in _settings(value, own):
             yield replace(setting, key=f"{first}{setting.key}")
 
@@ -207,7 +207,9 @@ def _made(name: str, value: Any, kinds: Kinds, settings: Mapping[str, Any]) -> A
     """A part that may be none, of the kind that is asked for, with its own fields changed."""
     kind, first = settings.get(name, _kind(value)), f"{name}."
     kinds.choice.check(name, kind)
-    own = {key.removeprefix(first): given for key, given in settings.items() if key.startswith(first)}
+    own = {
+        key.removeprefix(first): given for key, given in settings.items() if key.startswith(first)
+    }
     if kind == NONE:
         for key in own:
             raise InputError(

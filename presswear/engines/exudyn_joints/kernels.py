@@ -157,7 +157,8 @@ class Drives(NamedTuple):
     rates : ndarray, shape (JOINT_RATES joints,)
         Working space.
     held : Held or None
-        What holds the linkage, where a drive of Exudyn's turns unevenly; see ``hold``.
+        What holds the linkage, where a drive of Exudyn's turns unevenly or a load bends over
+        position; see ``hold``.
     """
 
     multiplier: Indices
@@ -173,7 +174,8 @@ def hold(frame: Frame, drives: Drives, held: Held | None, t: float) -> None:
 
     The trapezoidal rule holds them in velocities alone.  The angle that it makes of an uneven
     speed has an error of third order in each step; the acceleration swings about the right one
-    for ever, since Exudyn begins as if the drive turned evenly.
+    for ever, since Exudyn begins as if the drive turned evenly, and behind a step so short that
+    round-off of the velocities makes accelerations.
     """
     if held is None:
         return
