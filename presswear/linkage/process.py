@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal, get_args
 
-from presswear.linkage.loads import OverPosition
+from presswear.linkage.loads import OverPosition, Sense
 from presswear.tools.checked import checked
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import check_fields, choice, quantity
@@ -208,7 +208,7 @@ def laws_of(process: Process, contact: float) -> dict[str, OverPosition]:
     if isinstance(process, Coining):
         stop = ((0.0, 0.0), (DEEP, process.stiffness * DEEP))
         return {process.kind: OverPosition(table(stop), outside="hold", zero=contact)}
-    way = "against" if sense > 0.0 else "along"
+    way: Sense = "against" if sense > 0.0 else "along"
     laws = {process.kind: OverPosition(table(process.curve), way, zero=contact, release=True)}
     if process.cushion > 0.0:
         held = ((0.0, 0.0), (process.curve[1][0], process.cushion))

@@ -45,8 +45,8 @@ def needed_torques(linkage: Linkage, ideal: IdealMotion, time: Array) -> Array:
 
 def check_drives(linkage: Linkage, ideal: IdealMotion) -> None:
     """InputError where a drive needs more torque than it gives, in the second cycle at speed."""
-    begin = linkage.run_up_time + ideal.period * np.array([0.0, 2.0])
-    time = np.linspace(*begin, 2 * _INSTANTS + 1)
+    begin = linkage.run_up_time
+    time = np.linspace(begin, begin + 2.0 * ideal.period, 2 * _INSTANTS + 1)
     torques = needed_torques(linkage, ideal, time)[_INSTANTS:]
     for drive, own in zip(linkage.drives, torques.T, strict=True):
         place = int(np.abs(own).argmax())
@@ -54,5 +54,5 @@ def check_drives(linkage: Linkage, ideal: IdealMotion) -> None:
             raise InputError(
                 f"torque_limit of {drive.body} = {drive.torque_limit:g} N m: the ideal motion "
                 f"needs {abs(own[place]):.6g} N m, {1e3 * (time[place] - time[0]):.6g} ms into "
-                "its cycle"
+                "a cycle"
             )

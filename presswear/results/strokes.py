@@ -1,6 +1,7 @@
 """Strokes of a press on its work, from what a stage recorded."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,7 +64,7 @@ def strokes_of(scene: Scene, stage: StageResult) -> Strokes | None:
     broken = [] if process.fracture is None else passed(process.height - process.fracture, up=False)
     turned = [own for own, _ in passed(0.5 * (process.height + scene.stroke), up=True)]
     edges = [-np.inf, *turned, np.inf]
-    for begin, end in zip(edges[:-1], edges[1:], strict=True):
+    for begin, end in pairwise(edges):
         own = [moment for moment in touched if begin < moment[0] < end]
         if not own:
             continue

@@ -86,11 +86,13 @@ def _of_kind(name: str, value: Any, kinds: Kinds, statuses: Mapping[str, str]) -
     yield Setting(name, _kind(value), kinds.choice)
     if value is not None:
         first = f"{name}."
-        own = {
-            key.removeprefix(first): told for key, told in statuses.items() if key.startswith(first)
-        }
-        for setting in _settings(value, own):
+        for setting in _settings(value, _within(first, statuses)):
             yield replace(setting, key=f"{first}{setting.key}")
+
+
+def _within(first: str, values: Mapping[str, Any]) -> dict[str, Any]:
+    """The values whose keys begin in one way, by the rest of their keys."""
+    return {key.removeprefix(first): own for key, own in values.items() if key.startswith(first)}
 
 
 def _kind(value: Any) -> str:
@@ -207,9 +209,7 @@ def _made(name: str, value: Any, kinds: Kinds, settings: Mapping[str, Any]) -> A
     """A part that may be none, of the kind that is asked for, with its own fields changed."""
     kind, first = settings.get(name, _kind(value)), f"{name}."
     kinds.choice.check(name, kind)
-    own = {
-        key.removeprefix(first): given for key, given in settings.items() if key.startswith(first)
-    }
+    own = _within(first, settings)
     if kind == NONE:
         for key in own:
             raise InputError(
