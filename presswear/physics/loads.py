@@ -74,6 +74,7 @@ MODE = np.dtype(
         ("change", np.float64),  # of the acceleration, over the last step
         ("jump", np.float64),  # of the size on leaving that state, part of the greater one
         ("time", np.float64),  # of that state, s
+        ("changed", np.float64),  # time at which the mode has changed last, s
     ]
 )
 """What holds of a load through a step, and its motion at the start of it."""
@@ -267,6 +268,7 @@ def settle_loads(loads: Loads | None, t: float, q: Array, v: Array, a: Array) ->
     for k in range(loads.records.shape[0]):
         load = loads.records[k]
         mode = loads.modes[k]
+        changes_before = changes
         s, speed, faster = load_motion(load, q, v, a)
         before = load_size(load, nodes, mode, t, s, speed)
         if load.kind == TIME:
@@ -292,6 +294,8 @@ def settle_loads(loads: Loads | None, t: float, q: Array, v: Array, a: Array) ->
             place_mode(load, nodes, mode, s)  # a step went over many pieces
             open_gate(load, mode, speed)
         after = load_size(load, nodes, mode, t, s, speed)
+        if changes > changes_before:
+            mode.changed = t
         greater = max(abs(before), abs(after))
         mode.jump = abs(after - before) / greater if greater > 0.0 else 0.0
     return changes
@@ -358,6 +362,16 @@ def way_at_start(loads: Loads | None, k: int, change: float) -> tuple[float, flo
         mode.faster,
         change * mode.change,
     )
+
+
+@compiled
+def last_change(loads: Loads | None) -> float:
+    """Time at which the mode of any load has changed last, s."""
+    last = -math.inf
+    if loads is not None:
+        for k in range(loads.modes.shape[0]):
+            last = max(last, loads.modes[k].changed)
+    return last
 
 
 @compiled

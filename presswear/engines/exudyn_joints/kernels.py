@@ -271,10 +271,11 @@ def accept_joint_step(run: Bound, t: float) -> float:
         return math.nan
     settle_state(book, t, LEAST_STEPS)
     sum_step(book, power, given, t, h)
-    observe(book, t, h, frame.q, frame.v, frame.a)
-    following = next_step(book.packed, book.onset, book.memory, steps, book.contacts, frame.a)
     packed = book.packed
-    if settle_modes(packed, t, frame.q, frame.v, frame.a) > 0:
+    changes = settle_modes(packed, t, frame.q, frame.v, frame.a)
+    observe(book, t, h, frame.q, frame.v, frame.a)
+    following = next_step(packed, book.onset, book.memory, steps, book.contacts, frame.a)
+    if changes > 0:
         book.ledger[0].load_power = applied_forces(packed, t, frame.q, frame.v, drives.force)
         if greatest_jump(packed.loads) > JUMP:
             # The rule begins from accelerations that no longer hold.
