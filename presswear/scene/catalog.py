@@ -105,14 +105,14 @@ clearance_c = _named("clearance-c", "The press with clearance at C alone", clear
 # 500 N at 0.16 m/s, 300 N at 0.26 m/s: some 80 W at the punch, for links of 0.8 kg in all.
 press_blanking = _named(
     "press-blanking",
-    "The press cuts a sheet, with clearance at A and C, worn once",
+    "The press cuts a sheet: clearance at A and C, worn once",
     wear_times,
     process=Blanking(),
     wears=1,
 )
 press_drawing = _named(
     "press-drawing",
-    "The press draws a cup over a cushion, else as press-blanking",
+    "The press draws a cup over a cushion, worn once",
     press_blanking,
     process=Drawing(cushion=20.0),
 )

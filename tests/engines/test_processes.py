@@ -148,6 +148,35 @@ def test_energies_balance_with_clearances_and_moments_have_rows(name: str, engin
             assert height[row] == pytest.approx(place, abs=2e-11)
 
 
+@pytest.mark.parametrize("engine", ENGINES)
+def test_work_under_the_highest_place_is_worked_through_as_well(engine: str) -> None:
+    """Of a slider-crank, whose slider is farthest where it starts: closed form of the moments."""
+    crank = pw.SliderCrank(speed=30.0)
+    sheet = pw.Blanking(height=3e-3, bottom="highest", cushion=20.0)
+    scene = pw.Scene(crank, process=sheet, joints="none", wears=0, cycles=2, engine=engine)
+    result = pw.run(scene)
+    stage, strokes = result.stages[0], result.strokes(0)
+    assert strokes is not None
+    work = -float(stage.diagnostics["load_work_J"] or 0.0)
+    exchange = float(stage.diagnostics["drive_exchange_J"] or 0.0)
+    assert work == pytest.approx(2.0 * sheet.work, abs=1e-6 * exchange)
+
+    def angle(place: float) -> float:
+        """Crank angle at which the slider is at a place, by the law of cosines, rad."""
+        r, length = crank.crank_length, crank.rod_length
+        return float(np.arccos((r * r + place * place - length**2) / (2.0 * r * place)))
+
+    touched, broken = angle(0.167), angle(0.167 + sheet.fracture)
+    turn = 2.0 * np.pi
+    for found, expected in (
+        (strokes.contact, [turn - touched, 2.0 * turn - touched]),
+        (strokes.fracture, [turn - broken, 2.0 * turn - broken]),
+        (strokes.separation, [turn + touched, np.nan]),
+    ):
+        times = np.array(expected) / crank.speed
+        np.testing.assert_allclose(found[:, 0], times, atol=1e-7)
+
+
 def test_a_scene_without_a_process_has_no_strokes() -> None:
     scene = pw.scenes.ideal()
     stage: Any = None
