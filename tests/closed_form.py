@@ -210,6 +210,23 @@ def press_motion(press: Press, time: Array, rates: tuple[float, float] | None = 
     return _together(press.linkage(), time, joints, axes)
 
 
+def needed_by_virtual_work(press: Press, time: Array, upwards: Array) -> Array:
+    """Torques of cranks 2 and 7, all joints closed, shape (n, 2), N m.
+
+    Parameters
+    ----------
+    upwards : ndarray, shape (n,)
+        Force on the slider, N.
+    """
+    linkage, motion = press.linkage(), press_motion(press, time)
+    mass = np.array([[own.mass, own.mass, own.inertia] for own in linkage.bodies]).ravel()
+    force = -mass * motion.acceleration
+    force[:, 1::3] -= press.gravity * mass[1::3]
+    force[:, 3 * linkage.index("slider 6") + 1] += upwards
+    ways = [press_motion(press, time, rates).velocity for rates in ((1.0, 0.0), (0.0, 1.0))]
+    return -np.column_stack([_dot(force, way) for way in ways])
+
+
 def slider_crank_motion(mechanism: SliderCrank, time: Array) -> Motion:
     """Motion of the slider-crank with all joints closed."""
     o = Point.fixed(0.0, 0.0, time.size)

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from closed_form import press_motion
+from closed_form import needed_by_virtual_work, press_motion
 from scipy.optimize import brentq
 
 import presswear as pw
@@ -53,18 +53,6 @@ def force_on(process: Process, time: Array) -> Array:
     return np.asarray(np.interp(depth, places, forces, 0.0, 0.0) * (velocity < 0.0) + held)
 
 
-def needed(process: Process, time: Array) -> Array:
-    """Torques of cranks 2 and 7 by virtual work, shape (n, 2), N m."""
-    motion = press_motion(PRESS, time)
-    mass = np.array([[b.mass, b.mass, b.inertia] for b in LINKAGE.bodies]).ravel()
-    weight = np.zeros(mass.size)
-    weight[1::3] = -PRESS.gravity * mass[1::3]
-    force = weight - mass * motion.acceleration
-    force[:, 3 * LINKAGE.index("slider 6") + 1] += force_on(process, time)
-    ways = [press_motion(PRESS, time, rates).velocity for rates in ((1.0, 0.0), (0.0, 1.0))]
-    return -np.column_stack([(force * way).sum(axis=1) for way in ways])
-
-
 def ran(process: Process, engine: str) -> tuple[pw.StageResult, Strokes]:
     """Two cycles of the ideal press on its work."""
     scene = replace(pw.scenes.ideal(), process=process, engine=engine, drive_torque="on", cycles=2)
@@ -81,7 +69,7 @@ def test_the_ideal_press_works_as_closed_forms_say(process: Process, engine: str
     time = stage.time
     exact = slider(time)[:, 0] - slider(np.zeros(1))[0, 0]
     assert np.abs(stage.displacement - exact).max() < LARGE
-    torque = needed(process, time)
+    torque = needed_by_virtual_work(PRESS, time, force_on(process, time))
     depth = process.height - (slider(time)[:, 0] - BOTTOM)
     nodes = [place for place, _ in process.curve]
     # A step ends a little behind the node of a table, under the piece before it.
