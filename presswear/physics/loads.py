@@ -131,12 +131,20 @@ def load_size(load: Records, nodes: Array, mode: Records, t: float, s: float, v:
 
 
 @compiled
+def arm(load: Records, q: Array) -> tuple[float, float]:
+    """From the mass centre to the point at which a load acts, m."""
+    if load.x == 0.0 and load.y == 0.0:
+        return 0.0, 0.0
+    return lever(load.body, load.x, load.y, q)
+
+
+@compiled
 def load_motion(load: Records, q: Array, v: Array, a: Array) -> tuple[float, float, float]:
     """Position in the table, m or rad, speed and acceleration of what a load acts on."""
     b = load.body
     if load.turns:
         return q[b + 2] - load.zero, v[b + 2], a[b + 2]
-    rx, ry = lever(b, load.x, load.y, q)
+    rx, ry = arm(load, q)
     along = load.cosine
     across = load.sine
     spin = v[b + 2]
@@ -163,7 +171,7 @@ def load_forces(loads: Loads | None, t: float, q: Array, v: Array, force: Array)
         if load.turns:
             force[b + 2] += size
             continue
-        rx, ry = lever(b, load.x, load.y, q)
+        rx, ry = arm(load, q)
         fx = size * load.cosine
         fy = size * load.sine
         force[b] += fx
