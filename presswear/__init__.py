@@ -40,6 +40,9 @@ if TYPE_CHECKING:
     from presswear.linkage.motions import Follow as Follow
     from presswear.linkage.pieces import Rise as Rise
     from presswear.linkage.press import Press as Press
+    from presswear.linkage.process import Blanking as Blanking
+    from presswear.linkage.process import Coining as Coining
+    from presswear.linkage.process import Drawing as Drawing
     from presswear.linkage.slider_crank import SliderCrank as SliderCrank
     from presswear.linkage.surface import Surface as Surface
     from presswear.record.tracker import Progress as Progress
@@ -85,6 +88,7 @@ _ROOMS = {
     "linkage.materials": ("Materials",),
     "linkage.motions": ("Drive", "Follow", "Rise"),
     "linkage.press": ("Press",),
+    "linkage.process": ("Blanking", "Coining", "Drawing"),
     "linkage.slider_crank": ("SliderCrank",),
     "linkage.surface": ("Surface",),
     "record.tracker": ("Progress", "Tracker"),

@@ -180,13 +180,21 @@ def _together(
     return Motion(time, position, velocity, acceleration)
 
 
-def press_motion(press: Press, time: Array) -> Motion:
-    """Motion of the press with all joints closed."""
+def press_motion(press: Press, time: Array, rates: tuple[float, float] | None = None) -> Motion:
+    """Motion of the press with all joints closed.
+
+    Parameters
+    ----------
+    rates : tuple of (float, float) or None
+        Speeds of cranks 2 and 7, rad/s, in the places where they are at their own: velocities by
+        them are partial derivatives.
+    """
     geometry = press.geometry
+    rate_2, rate_7 = rates or (-press.speed, press.speed)
     o2 = Point.fixed(geometry.hx, geometry.hy, time.size)
     o7 = Point.fixed(0.0, 0.0, time.size)
-    a = crank(o2, -press.length_2, CRANK_2_START - press.speed * time, -press.speed)
-    d = crank(o7, press.length_7, CRANK_7_START + press.speed * time, press.speed)
+    a = crank(o2, -press.length_2, CRANK_2_START - press.speed * time, rate_2)
+    d = crank(o7, press.length_7, CRANK_7_START + press.speed * time, rate_7)
     b = dyad(d, a, geometry.side_bd, press.length_3, geometry.side_b)
     c = dyad(d, b, geometry.side_cd, geometry.side_bc, geometry.side_c)
     guide = Line((geometry.hx, 0.0), (0.0, 1.0))
@@ -200,6 +208,23 @@ def press_motion(press: Press, time: Array) -> Motion:
         "crank 7": ("O7", "D"),
     }
     return _together(press.linkage(), time, joints, axes)
+
+
+def needed_by_virtual_work(press: Press, time: Array, upwards: Array) -> Array:
+    """Torques of cranks 2 and 7, all joints closed, shape (n, 2), N m.
+
+    Parameters
+    ----------
+    upwards : ndarray, shape (n,)
+        Force on the slider, N.
+    """
+    linkage, motion = press.linkage(), press_motion(press, time)
+    mass = np.array([[own.mass, own.mass, own.inertia] for own in linkage.bodies]).ravel()
+    force = -mass * motion.acceleration
+    force[:, 1::3] -= press.gravity * mass[1::3]
+    force[:, 3 * linkage.index("slider 6") + 1] += upwards
+    ways = [press_motion(press, time, rates).velocity for rates in ((1.0, 0.0), (0.0, 1.0))]
+    return -np.column_stack([_dot(force, way) for way in ways])
 
 
 def slider_crank_motion(mechanism: SliderCrank, time: Array) -> Motion:

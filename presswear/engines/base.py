@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.linkage.elements import Linkage
+from presswear.linkage.loads import Force
 from presswear.physics.energy import SETTLED
 from presswear.physics.loads import place_loads
 from presswear.record.recorder import Recorder
@@ -142,6 +143,9 @@ def described(linkage: Linkage, model: str, prescribed: Iterable[str] = ()) -> s
     known = sorted(prescribed)
     if known:
         model = f"{model}, {listed(known)} prescribed"
+    named = [load.name for load in linkage.live_loads if isinstance(load, Force) and load.name]
+    if named:
+        model = f"{model}; forces: {', '.join(named)}"
     joints = linkage.clearances
     if not joints:
         return f"{model}; clearance: none"

@@ -77,7 +77,7 @@ TABLES: Mapping[str, Mapping[str, Kind]] = {
     },
     "drives": {
         "body": TEXT,
-        **_own(Drive, "speed", "angle", "frequency"),
+        **_own(Drive, "speed", "angle", "frequency", "torque_limit"),
         **_motion_of(ANGLE, "the angle"),
         "follow": Inner(
             {
@@ -125,6 +125,7 @@ def _law_keys(size: str, unit: str, over: str, place: str) -> dict[str, Kind]:
 FORCE: Mapping[str, Kind] = {
     "point": END,
     **_own(Force, "direction"),
+    "name": TEXT,
     **_law_keys("force", "N", "over_position", "m"),
 }
 MOMENT: Mapping[str, Kind] = {"body": TEXT, **_law_keys("moment", "N m", "over_angle", "rad")}

@@ -248,11 +248,14 @@ class Force:
     law : Law
         Its size along the direction, N.  The position of a table is that of the point along
         the direction, measured from the origin of the frame.
+    name : str
+        What it stands for, by which a run tells that it was modelled.
     """
 
     point: Attachment | str
     direction: Annotated[float, replace(ANGLE, text="direction of the force")]
     law: Law
+    name: str = ""
 
     def __post_init__(self) -> None:
         """InputError where a number is out of range."""

@@ -119,6 +119,12 @@ class Follow:
         return pieces_of(*cast(Any, (self.table, self.rises)))
 
 
+def torque_limit() -> Any:
+    """A dataclass field: greatest torque of a drive, N m; None: any."""
+    text = "greatest torque of a drive, which the ideal motion must not need; none given: any"
+    return quantity(None, "N m", 1e-6, 1e12, "chosen", text)
+
+
 @checked
 @dataclass(frozen=True)
 class Drive:
@@ -147,6 +153,8 @@ class Drive:
     follow : Follow or None
         What a point does, in place of what the body does; ``angle`` is the body's at the start,
         ``speed`` its mean speed.
+    torque_limit : float or None
+        Greatest torque that it gives, N m, which the ideal motion must not need; None: any.
     """
 
     body: str
@@ -159,6 +167,7 @@ class Drive:
     table: Numbers = ()
     rises: Sequence[Rise] = ()
     follow: Follow | None = None
+    torque_limit: float | None = torque_limit()
 
     def __post_init__(self) -> None:
         """InputError where a number is out of range, or what repeats has no frequency."""

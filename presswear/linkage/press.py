@@ -31,7 +31,7 @@ from presswear.linkage.mechanism import (
     length,
     mass,
 )
-from presswear.linkage.motions import Drive
+from presswear.linkage.motions import Drive, torque_limit
 from presswear.tools.checked import checked
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import check_fields, named_set, quantity
@@ -138,6 +138,7 @@ class Press(Mechanism):
         "crank speed w: crank 7 turns at +w, crank 2 at -w",
     )
     run_up: int = run_up()
+    torque_limit: float | None = torque_limit()
 
     @property
     def origin(self) -> str:
@@ -195,8 +196,8 @@ class Press(Mechanism):
                 Guide("guide", "slider 6", geometry.hx, 0.0, 0.5 * math.pi, angle=0.5 * math.pi),
             ),
             drives=(
-                Drive("crank 2", -self.speed, CRANK_2_START),
-                Drive("crank 7", self.speed, CRANK_7_START),
+                Drive("crank 2", -self.speed, CRANK_2_START, torque_limit=self.torque_limit),
+                Drive("crank 7", self.speed, CRANK_7_START, torque_limit=self.torque_limit),
             ),
             watch=Probe("slider 6", 0.5 * math.pi),
             guess=self.guess,

@@ -115,7 +115,7 @@ def _load(row: dict[str, Any], place: str) -> AnyLoad:
         given = " and ".join(laws) or "none"
         names = ", ".join(key for key in LAWS if key in known)
         raise InputError(f"{place}: one law is expected, of {names}; {given} is given")
-    where = {key: row.pop(key) for key in ("point", "direction", "body") if key in row}
+    where = {key: row.pop(key) for key in ("point", "direction", "body", "name") if key in row}
     law = laws[0] if laws else "force"
     for key in row:
         if key != law and key not in LAWS.get(law, ()):
@@ -123,7 +123,7 @@ def _load(row: dict[str, Any], place: str) -> AnyLoad:
     try:
         own = _law_of(law, row)
         if "point" in where:
-            return Force(where["point"], where.get("direction", 0.0), own)
+            return Force(where["point"], where.get("direction", 0.0), own, where.get("name", ""))
         return Moment(where["body"], own)
     except InputError as error:
         told = str(error).replace("over_position", law) if law == "over_angle" else str(error)

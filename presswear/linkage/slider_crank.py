@@ -28,7 +28,7 @@ from presswear.linkage.mechanism import (
     length,
     mass,
 )
-from presswear.linkage.motions import Drive
+from presswear.linkage.motions import Drive, torque_limit
 from presswear.tools.checked import checked
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import quantity
@@ -65,6 +65,7 @@ class SliderCrank(Mechanism):
         5000.0 * math.pi / 30.0, "rad/s", 1.0, 5000.0, LITERATURE, "crank speed, 5000 rpm"
     )
     run_up: int = run_up()
+    torque_limit: float | None = torque_limit()
 
     def __post_init__(self) -> None:
         """InputError where a quantity is out of range, or the crank cannot turn all around."""
@@ -107,7 +108,7 @@ class SliderCrank(Mechanism):
                 Revolute("B", rod_head, Attachment("slider", 0.0, 0.0)),
                 Guide("guide", "slider"),
             ),
-            drives=(Drive("crank", self.speed),),
+            drives=(Drive("crank", self.speed, torque_limit=self.torque_limit),),
             watch=Probe("slider", 0.0),
             guess={"rod": 0.0},
             gravity=self.gravity,

@@ -65,6 +65,9 @@ def written(linkage: Linkage) -> dict[str, Any]:
             "rises": [asdict(rise) for rise in law.rises],
         }
 
+    def limit(drive: Drive) -> dict[str, Any]:
+        return {} if drive.torque_limit is None else own(drive, "torque_limit")
+
     def follow(drive: Drive) -> dict[str, Any]:
         if drive.follow is None:
             return {}
@@ -87,7 +90,10 @@ def written(linkage: Linkage) -> dict[str, Any]:
         ],
         "guides": [own(guide, *TABLES["guides"]) for guide in linkage.guides],
         "drives": [
-            own(drive, "body", "speed", "angle", "frequency") | motion(drive) | follow(drive)
+            own(drive, "body", "speed", "angle", "frequency")
+            | limit(drive)
+            | motion(drive)
+            | follow(drive)
             for drive in linkage.drives
         ],
         "springs": [
@@ -112,7 +118,8 @@ def _load_written(load: AnyLoad, end: Callable[[Any], Any]) -> dict[str, Any]:
     if isinstance(load, Moment):
         return {"body": load.body, **_law_written(load.law, "moment", "over_angle")}
     law = _law_written(load.law, "force", "over_position")
-    return {"point": end(load.point), "direction": load.direction, **law}
+    name = {"name": load.name} if load.name else {}
+    return {"point": end(load.point), "direction": load.direction, **name, **law}
 
 
 def _law_written(law: Law, size: str, over: str) -> dict[str, Any]:

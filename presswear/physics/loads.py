@@ -74,6 +74,7 @@ MODE = np.dtype(
         ("change", np.float64),  # of the acceleration, over the last step
         ("jump", np.float64),  # of the size on leaving that state, part of the greater one
         ("time", np.float64),  # of that state, s
+        ("changed", np.float64),  # time at which the mode has changed last, s
     ]
 )
 """What holds of a load through a step, and its motion at the start of it."""
@@ -130,12 +131,20 @@ def load_size(load: Records, nodes: Array, mode: Records, t: float, s: float, v:
 
 
 @compiled
+def arm(load: Records, q: Array) -> tuple[float, float]:
+    """From the mass centre to the point at which a load acts, m."""
+    if load.x == 0.0 and load.y == 0.0:
+        return 0.0, 0.0
+    return lever(load.body, load.x, load.y, q)
+
+
+@compiled
 def load_motion(load: Records, q: Array, v: Array, a: Array) -> tuple[float, float, float]:
     """Position in the table, m or rad, speed and acceleration of what a load acts on."""
     b = load.body
     if load.turns:
         return q[b + 2] - load.zero, v[b + 2], a[b + 2]
-    rx, ry = lever(b, load.x, load.y, q)
+    rx, ry = arm(load, q)
     along = load.cosine
     across = load.sine
     spin = v[b + 2]
@@ -162,7 +171,7 @@ def load_forces(loads: Loads | None, t: float, q: Array, v: Array, force: Array)
         if load.turns:
             force[b + 2] += size
             continue
-        rx, ry = lever(b, load.x, load.y, q)
+        rx, ry = arm(load, q)
         fx = size * load.cosine
         fy = size * load.sine
         force[b] += fx
@@ -267,6 +276,7 @@ def settle_loads(loads: Loads | None, t: float, q: Array, v: Array, a: Array) ->
     for k in range(loads.records.shape[0]):
         load = loads.records[k]
         mode = loads.modes[k]
+        changes_before = changes
         s, speed, faster = load_motion(load, q, v, a)
         before = load_size(load, nodes, mode, t, s, speed)
         if load.kind == TIME:
@@ -292,6 +302,8 @@ def settle_loads(loads: Loads | None, t: float, q: Array, v: Array, a: Array) ->
             place_mode(load, nodes, mode, s)  # a step went over many pieces
             open_gate(load, mode, speed)
         after = load_size(load, nodes, mode, t, s, speed)
+        if changes > changes_before:
+            mode.changed = t
         greater = max(abs(before), abs(after))
         mode.jump = abs(after - before) / greater if greater > 0.0 else 0.0
     return changes
@@ -358,6 +370,16 @@ def way_at_start(loads: Loads | None, k: int, change: float) -> tuple[float, flo
         mode.faster,
         change * mode.change,
     )
+
+
+@compiled
+def last_change(loads: Loads | None) -> float:
+    """Time at which the mode of any load has changed last, s."""
+    last = -math.inf
+    if loads is not None:
+        for k in range(loads.modes.shape[0]):
+            last = max(last, loads.modes[k].changed)
+    return last
 
 
 @compiled

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from presswear.physics.constraints import lever
 from presswear.physics.forces import note_forces
+from presswear.physics.loads import last_change
 from presswear.physics.packed import Packed
 from presswear.physics.touchdown import settle
 from presswear.physics.wear import deposit_in_bin, deposit_over_arc
@@ -185,7 +186,7 @@ def watched(state: Records, q: Array, v: Array, a: Array) -> tuple[float, float,
 def observe(book: Book, t: float, h: float, q: Array, v: Array, a: Array) -> None:
     """Account for one accepted step of length ``h``, s, that ended in the given state.
 
-    The state's contacts are in the book, settled.
+    The state's contacts and loads are in the book, settled.
     """
     memory, tally, series = book.memory, book.tally, book.series
     cycle = book.cycle
@@ -229,6 +230,7 @@ def observe(book: Book, t: float, h: float, q: Array, v: Array, a: Array) -> Non
             if row > 0:
                 change = abs(contact.normal - series[row - 1, column + NORMAL])
                 is_due = is_due or change > state.force_step * counts.peak_force
+    is_due = is_due or last_change(book.packed.loads) == t
     take_frame(book.film, book.shutter, book.contacts, t, q)
     if has_room and is_due:
         series[row, TIME] = t

@@ -23,6 +23,7 @@ from presswear.results.stored import (
     files_of,
     stored_result,
 )
+from presswear.results.strokes import Strokes, strokes_of
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import read_numbers
 from presswear.tools.checked import checked
@@ -86,6 +87,10 @@ class Result:
         near = f"; did you mean {min(held, key=lambda own: abs(own - index))}?" if held else ""
         where = self.path or self.scene.name
         raise InputError(f"{where} has no stage {index}; it has {told}{near}")
+
+    def strokes(self, index: int) -> Strokes | None:
+        """The recorded strokes of a stage on the work; None where the scene has no process."""
+        return strokes_of(self.scene, self.stage(index))
 
     @property
     def grew_in_steps(self) -> bool:

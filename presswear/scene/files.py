@@ -19,7 +19,7 @@ from presswear.tools.errors import InputError, unknown
 from presswear.tools.files import read_checked
 
 SUFFIX = ".toml"
-_KEYS = ("title", "mechanism", "settings", "surfaces")
+_KEYS = ("title", "mechanism", "process", "settings", "surfaces")
 _MOST_BYTES = 2**20
 
 
@@ -67,6 +67,8 @@ def scene_from(file: Path) -> Scene:
                 raise unknown("key", key, _KEYS)
         mechanism = _mechanism(data.get("mechanism"), file.parent)
         settings = _settings(data.get("settings", {}), file.parent)
+        if "process" in data:
+            settings |= _process(data["process"])
         title = data.get("title", f"The linkage of {file.name}")
         # Without a word on it, nothing wears.
         plain = Scene(mechanism, file.stem, title, wears=0)
@@ -94,6 +96,14 @@ def _mechanism(given: Any, folder: Path) -> OneMechanism:
     if not isinstance(given, Mapping):
         raise InputError("mechanism: the name of one or a table [mechanism] is needed")
     return read(given, "mechanism", units=True, folder=folder)
+
+
+def _process(given: Any) -> dict[str, str]:
+    """The table of a process, its kind among its keys, as settings."""
+    if not isinstance(given, Mapping) or "kind" not in given:
+        raise InputError(f"process = {given!r}: a table with a kind is expected")
+    values = {f"process.{key}": value for key, value in given.items() if key != "kind"}
+    return _settings({"process": given["kind"], **values}, Path())
 
 
 def _settings(given: Any, folder: Path) -> dict[str, str]:

@@ -7,18 +7,19 @@ from typing import Any, cast
 import numpy as np
 
 from presswear.engines.settings import USUAL, Engine, ExudynJoints, ExudynTree, InHouse, Purpose
-from presswear.linkage.elements import Linkage
+from presswear.linkage.elements import Attachment, Linkage
 from presswear.linkage.laws import DAMPINGS
-from presswear.linkage.loads import LOAD_PARAMETERS, Load
+from presswear.linkage.loads import LOAD_PARAMETERS, Force, Load
 from presswear.linkage.pace import check_pace
 from presswear.linkage.press import Press
+from presswear.linkage.process import PROCESSES, Process, laws_of, sense_of
 from presswear.linkage.reading import read
 from presswear.linkage.slider_crank import SliderCrank
 from presswear.linkage.surface import SIDES, Surface
 from presswear.linkage.topology import branches_of
 from presswear.linkage.written import written
 from presswear.physics.following import followed, motion_of
-from presswear.physics.ideal import IdealMotion
+from presswear.physics.ideal import IdealMotion, extremes
 from presswear.scene.bearing import CONVENTIONS, Bearing, Conventions
 from presswear.scene.surfaces import settled
 from presswear.tools.arrays import Array
@@ -26,7 +27,15 @@ from presswear.tools.checked import checked
 from presswear.tools.documents import typed
 from presswear.tools.errors import InputError, shown, unknown
 from presswear.tools.own import OwnFunction
-from presswear.tools.quantities import Choice, check_fields, choice, count, named_set, quantity
+from presswear.tools.quantities import (
+    Choice,
+    check_fields,
+    choice,
+    count,
+    named_set,
+    one_of,
+    quantity,
+)
 
 OneMechanism = Press | SliderCrank | Linkage
 MECHANISMS: dict[str, type[Press | SliderCrank]] = {
@@ -101,6 +110,8 @@ class Scene:
         angle, rad, and depth, m, shape (n, 2).  Where its angles are not those of the joint's own
         bins, each bin takes the mean of the monotone cubic through the points, which keeps the
         worn volume.
+    process : Blanking, Drawing, Coining or None
+        What the point that is watched presses on, along the direction in which it is watched.
     statuses : mapping of str to str
         Where values come from, by key, where it is not what their fields say.
     """
@@ -169,6 +180,7 @@ class Scene:
     )
     seed: int = count(0, 0, 100_000, "chosen", "draws the starts anew, for an independent run")
     surfaces: Mapping[str, tuple[Any, Any]] | Any = field(default_factory=dict, hash=False)
+    process: Process | None = one_of(PROCESSES, "what the point that is watched presses on")
     statuses: Mapping[str, str] = field(default_factory=dict, hash=False)
 
     def __post_init__(self) -> None:
@@ -207,12 +219,32 @@ class Scene:
             raise InputError(f"starts = {self.starts}: without a clearance joint allowed is 1")
         check_pace(self.mechanism.linkage())
         _ = self.ideal
+        self._check_process()
+        loaded = self._loaded
+        if any(drive.torque_limit is not None for drive in loaded.drives):
+            # Imported where something is computed.
+            from presswear.physics.inverse import check_drives
+
+            check_drives(loaded, self.ideal)
         reason = branches_of(self.linkage()) if self.engine == ExudynTree.word else ""
         if isinstance(reason, str) and reason:
             others = ", ".join(name for name in ENGINES if name != ExudynTree.word)
             raise InputError(
                 f"engine = {ExudynTree.word!r}: a linkage without free loops is needed, but "
                 f"{reason}; allowed here is one of {others}"
+            )
+
+    def _check_process(self) -> None:
+        """InputError where the work is not reached, or not worked through."""
+        own = self.process
+        if own is None:
+            return
+        depth, stroke = own.curve[-1][0], self.stroke
+        if not depth <= own.height < stroke:
+            raise InputError(
+                f"process.height = {own.height:g} m: over the {own.bottom} place of the "
+                f"{self.watched} allowed is {depth:g} m, to work it through, to below "
+                f"{stroke:.6g} m, its stroke"
             )
 
     def _open(self, bearings: Mapping[str, Any]) -> None:
@@ -280,13 +312,41 @@ class Scene:
 
         Joints that it does not name have the surfaces that the scene begins on.
         """
-        ideal = followed(self.mechanism.linkage())
+        ideal = self._loaded
         surfaces = dict.fromkeys(self.clearance_joints, (Surface(), Surface()))
         surfaces |= {**self.surfaces, **(worn or {})}
         joints = (joint for joint in ideal.revolutes if joint.name in self.clearance_joints)
         return ideal.opened(
             tuple(self.bearing(j.name).joint(j, self.conventions, surfaces[j.name]) for j in joints)
         )
+
+    @property
+    def _extremes(self) -> tuple[float, float]:
+        return extremes(followed(self.mechanism.linkage()), self.mechanism.period)
+
+    @property
+    def stroke(self) -> float:
+        """Way between the extremes of what is watched in the ideal motion, m."""
+        low, high = self._extremes
+        return high - low
+
+    @property
+    def bottom(self) -> float:
+        """Watched coordinate of bottom dead centre in the ideal motion, m."""
+        low, high = self._extremes
+        return high if self.process is not None and sense_of(self.process) < 0.0 else low
+
+    @property
+    def _loaded(self) -> Linkage:
+        """The ideal linkage under the forces of the process."""
+        ideal = followed(self.mechanism.linkage())
+        if self.process is None:
+            return ideal
+        probe = ideal.probe
+        point = Attachment(probe.body, probe.x, probe.y)
+        laws = laws_of(self.process, self.bottom + sense_of(self.process) * self.process.height)
+        forces = (Force(point, probe.direction, law, name) for name, law in laws.items())
+        return replace(ideal, loads=(*ideal.loads, *forces))
 
     @property
     def solver(self) -> Engine:
@@ -345,7 +405,7 @@ class Scene:
         """What is computed as plain data; how finely, by what and how often is left out."""
         names = (
             *("mechanism", "bearings", "apart", "conventions"),
-            *("extrapolation", "represented_cycles", "surfaces"),
+            *("extrapolation", "represented_cycles", "surfaces", "process"),
         )
         return {name: value for name, value in self.as_dict().items() if name in names}
 
@@ -357,8 +417,9 @@ class Scene:
             name: {side: own.depth.tolist() for side, own in zip(SIDES, pair, strict=True)}
             for name, pair in self.surfaces.items()
         }
-        plain = asdict(self)
-        return plain | {"mechanism": {"kind": mechanism.kind, **own}, "surfaces": surfaces}
+        plain = asdict(self) | {"mechanism": {"kind": mechanism.kind, **own}, "surfaces": surfaces}
+        process = self.process
+        return plain | {"process": process and {"kind": process.kind, **asdict(process)}}
 
     @staticmethod
     def from_dict(data: Mapping[str, Any]) -> "Scene":
@@ -386,6 +447,7 @@ class Scene:
                     name: tuple(own[side] for side in SIDES)
                     for name, own in plain.pop("surfaces").items()
                 },
+                process=_process(plain.pop("process")),
                 **plain,
             )
             lacking = next(_lacking(scene.as_dict(), data), None)
@@ -399,6 +461,16 @@ class Scene:
             raise
         except (AttributeError, KeyError, TypeError, ValueError, OverflowError) as error:
             raise InputError(f"this is not a stored scene: {error}") from None
+
+
+def _process(stored: Mapping[str, Any] | None) -> Process | None:
+    """The process from its fields and its kind as plain data."""
+    if stored is None:
+        return None
+    values = dict(stored)
+    kind = values.pop("kind")
+    Choice(tuple(PROCESSES), "").check("kind of process", kind)
+    return PROCESSES[kind](**values)
 
 
 def _numerics(stored: Mapping[str, Any]) -> Numerics:

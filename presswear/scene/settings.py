@@ -14,9 +14,12 @@ from presswear.tools.errors import InputError, unknown
 from presswear.tools.files import digest
 from presswear.tools.own import OwnFunction, is_function
 from presswear.tools.quantities import (
+    NONE,
     Choice,
+    Kinds,
     Meaning,
     choice_of,
+    kinds_of,
     meaning_of,
     parse_quantity,
     sets_of,
@@ -62,10 +65,12 @@ def _settings(owner: Any, statuses: Mapping[str, str]) -> Iterator[Setting]:
     """The parts of an owner first, then its own values."""
     for item in fields(owner):
         value = getattr(owner, item.name)
-        sets = sets_of(item)
+        sets, kinds = sets_of(item), kinds_of(item)
         if sets is not None:
             yield Setting(item.name, value.name, sets.choice)
-        if is_dataclass(value):
+        if kinds is not None:
+            yield from _of_kind(item.name, value, kinds, statuses)
+        elif is_dataclass(value):
             yield from _settings(value, statuses)
     for item in fields(owner):
         meaning, words = meaning_of(item), choice_of(item, owner)
@@ -74,6 +79,24 @@ def _settings(owner: Any, statuses: Mapping[str, str]) -> Iterator[Setting]:
             yield Setting(item.name, getattr(owner, item.name), replace(meaning, status=status))
         elif words is not None:
             yield Setting(item.name, getattr(owner, item.name), words)
+
+
+def _of_kind(name: str, value: Any, kinds: Kinds, statuses: Mapping[str, str]) -> Iterator[Setting]:
+    """The kind of a part that may be none, then its own values, ``NAME.KEY``."""
+    yield Setting(name, _kind(value), kinds.choice)
+    if value is not None:
+        first = f"{name}."
+        for setting in _settings(value, _within(first, statuses)):
+            yield replace(setting, key=f"{first}{setting.key}")
+
+
+def _within(first: str, values: Mapping[str, Any]) -> dict[str, Any]:
+    """The values whose keys begin in one way, by the rest of their keys."""
+    return {key.removeprefix(first): own for key, own in values.items() if key.startswith(first)}
+
+
+def _kind(value: Any) -> str:
+    return NONE if value is None else str(value.kind)
 
 
 def differences(first: Any, second: Any, key: str = "") -> list[tuple[str, Any, Any]]:
@@ -113,26 +136,27 @@ def changed(scene: Scene, settings: Mapping[str, Any]) -> Scene:
         For a key that is none, or a value that does not fit.
     """
     known = {setting.key for setting in settings_of(scene) if "." not in setting.key}
+    parts = {item.name for item in fields(scene) if kinds_of(item) is not None}
     of_one = {setting.key for setting in _settings(scene.bearings, {})}
     apart: dict[str, dict[str, Any]] = {name: {} for name in scene.apart}
     for key, value in settings.items():
         joint, dot, own = key.rpartition(".")
         if not dot and key not in known:
             raise unknown("key", key, sorted(known))
-        if dot:
+        if dot and joint not in parts:
             if joint not in scene.mechanism.openable:
                 raise unknown(f"joint in {key}", joint, scene.mechanism.openable)
             if own not in of_one:
                 raise unknown(f"key of a joint in {key}", own, sorted(of_one))
             apart.setdefault(joint, {})[own] = value
     statuses = {**scene.statuses, **dict.fromkeys(settings, SET)}
-    common = {key: value for key, value in settings.items() if "." not in key}
+    common = {key: value for key, value in settings.items() if key.rpartition(".")[0] not in apart}
     bearings = {name: _with(scene.bearing(name), common | own, name) for name, own in apart.items()}
     # Put together at once: a new mechanism may have other joints.
     found = replace(scene, statuses=statuses, apart=bearings, **_updates(scene, common))
     for key in settings:
         joint = key.rpartition(".")[0]
-        if joint and joint not in found.clearance_joints:
+        if joint in apart and joint not in found.clearance_joints:
             raise InputError(f"{key}: joint {joint} has no clearance; joints = {found.joints}")
     return found
 
@@ -165,8 +189,10 @@ def _updates(owner: Any, settings: Mapping[str, Any]) -> dict[str, Any]:
     updates: dict[str, Any] = {}
     for item in fields(owner):
         value, is_given = getattr(owner, item.name), item.name in settings
-        words, meaning = choice_of(item, owner), meaning_of(item)
-        if words is not None:
+        words, meaning, kinds = choice_of(item, owner), meaning_of(item), kinds_of(item)
+        if kinds is not None:
+            updates[item.name] = _made(item.name, value, kinds, settings)
+        elif words is not None:
             # First: a law of one's own is data, but no part with settings of its own.
             if is_given:
                 updates[item.name] = words.read(item.name, settings[item.name])
@@ -177,6 +203,28 @@ def _updates(owner: Any, settings: Mapping[str, Any]) -> dict[str, Any]:
             is_text = isinstance(given, str)
             updates[item.name] = parse_quantity(item.name, given, meaning) if is_text else given
     return updates
+
+
+def _made(name: str, value: Any, kinds: Kinds, settings: Mapping[str, Any]) -> Any:
+    """A part that may be none, of the kind that is asked for, with its own fields changed."""
+    kind, first = settings.get(name, _kind(value)), f"{name}."
+    kinds.choice.check(name, kind)
+    own = _within(first, settings)
+    if kind == NONE:
+        for key in own:
+            raise InputError(
+                f"{name}.{key}: {name} = {NONE}; with it goes {name} = {', '.join(kinds.kinds)}"
+            )
+        return None
+    part = value if kind == _kind(value) else kinds.kinds[kind]()
+    known = [item.name for item in fields(part)]
+    for key in own:
+        if key not in known:
+            raise unknown(f"key of {kind} in {name}.{key}", key, known)
+    try:
+        return replace(part, **_updates(part, own))
+    except InputError as error:
+        raise InputError(f"{name}.{error}") from None
 
 
 def _part(item: Field[Any], value: Any, settings: Mapping[str, Any]) -> Any:

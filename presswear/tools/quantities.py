@@ -26,6 +26,7 @@ _UNITS: dict[str, tuple[str, dict[str, float]]] = {
     "m/s": ("1mm/s", {"m/s": 1.0, "mm/s": 1e-3}),
     "m/s^2": ("9.81m/s^2", {"m/s^2": 1.0, "m/s2": 1.0}),
     "s": ("1ms", {"s": 1.0, "ms": 1e-3, "us": 1e-6}),
+    "N/m": ("1e6N/m", {"N/m": 1.0, "N/mm": 1e3, "kN/mm": 1e6}),
     "N/m^n": ("1e10N/m^1.5", dict.fromkeys(("N/m^n", "N/m^1.5", "N/m1.5", "N/m"), 1.0)),
     "N": ("500N", {"N": 1.0, "kN": 1e3, "MN": 1e6}),
     "N m": ("20N m", {"N m": 1.0, "Nm": 1.0, "kN m": 1e3, "kNm": 1e3}),
@@ -226,6 +227,33 @@ def sets_of(item: Field[Any]) -> NamedSets | None:
     """The sets of a field made by ``named_set``; None for any other field."""
     found = item.metadata.get("sets")
     return found if isinstance(found, NamedSets) else None
+
+
+@dataclass(frozen=True)
+class Kinds:
+    """Data classes of which one may be taken by its ``kind``, and its fields set one by one."""
+
+    kinds: Mapping[str, Any]
+    text: str
+
+    @property
+    def choice(self) -> Choice:
+        """The kinds, and none of them, as a choice."""
+        return Choice((NONE, *self.kinds), self.text)
+
+
+NONE = "none"
+
+
+def one_of(kinds: Mapping[str, Any], text: str) -> Any:
+    """A dataclass field that holds an instance of one of some data classes, or None."""
+    return field(default=None, metadata={"kinds": Kinds(kinds, text)})
+
+
+def kinds_of(item: Field[Any]) -> Kinds | None:
+    """The kinds of a field made by ``one_of``; None for any other field."""
+    found = item.metadata.get("kinds")
+    return found if isinstance(found, Kinds) else None
 
 
 def check_fields(owner: Any) -> None:

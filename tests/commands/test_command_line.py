@@ -127,6 +127,8 @@ def test_list_names_the_scenes(capsys: pytest.CaptureFixture[str]) -> None:
         "speed-8pi",
         "clearance-a",
         "clearance-c",
+        "press-blanking",
+        "press-drawing",
         "slider-crank",
         "paper",
         "runaway",

@@ -152,7 +152,7 @@ def test_every_value_of_the_slider_crank_says_where_it_comes_from() -> None:
     for item in fields(SliderCrank):
         meaning = meaning_of(item)
         assert meaning is not None, item.name
-        own = {"gravity": "assumed", "run_up": "chosen"}
+        own = {"gravity": "assumed", "run_up": "chosen", "torque_limit": "chosen"}
         expected = own.get(item.name, "literature, from memory")
         assert meaning.status == expected
 

@@ -60,7 +60,7 @@ LIVELY = replace(
     loads=[
         Load("coupler", y=-3.0),
         Force("rocker.head", 0.3, 5.0),
-        Force("rocker", 0.3, TABLE),
+        Force("rocker", 0.3, TABLE, "brake"),
         Force(Attachment("rocker", 0.01, 0.02), -1.0, OverTime([(0.0, 1.0), (0.1, 5.0)])),
         Force("rocker.head", 0.3, OverTime([(0.0, 1.0), (0.1, 5.0)], 0.0)),
         Force("rocker.head", 0.3, Harmonics(0.1, 30.0, [(1.0, 2.0)])),
@@ -69,6 +69,7 @@ LIVELY = replace(
         Moment("crank", Harmonics(1.0)),
         Moment("crank", brake),
     ],
+    drives=[replace(FOUR_BAR.drives[0], torque_limit=4.0)],
     name="lively",
 )
 EVERY = [

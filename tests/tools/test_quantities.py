@@ -240,9 +240,9 @@ def test_check_fields_names_the_field() -> None:
 
 
 def test_a_unit_that_nothing_else_has_is_known_by_itself() -> None:
-    force = Meaning("N/m", 0.0, 1e9, "chosen", "stiffness")
-    assert parse_quantity("stiffness", "3e4 N/m", force) == 3e4
-    with pytest.raises(InputError, match="unknown unit 'kN/m'; known are N/m"):
-        parse_quantity("stiffness", "3 kN/m", force)
-    with pytest.raises(InputError, match="for instance stiffness='1N/m'"):
+    force = Meaning("N m/rad", 0.0, 1e9, "chosen", "stiffness")
+    assert parse_quantity("stiffness", "3e4 N m/rad", force) == 3e4
+    with pytest.raises(InputError, match="unknown unit 'N/m'; known are N m/rad"):
+        parse_quantity("stiffness", "3 N/m", force)
+    with pytest.raises(InputError, match="for instance stiffness='1N m/rad'"):
         parse_quantity("stiffness", "3", force)

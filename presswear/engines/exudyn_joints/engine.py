@@ -29,6 +29,7 @@ from presswear.engines.exudyn_joints.kernels import (
 from presswear.engines.exudyn_joints.model import SOLVED, JointsModel, assemble, left_out
 from presswear.engines.settings import ExudynJoints
 from presswear.linkage.elements import Linkage
+from presswear.linkage.loads import OverPosition
 from presswear.physics.constraints import constraints_of
 from presswear.physics.energy import Ledger, stored_energy
 from presswear.physics.forces import JOINT_RATES
@@ -73,10 +74,12 @@ def pack_steps(accuracy: ExudynJoints, cycle: float) -> Records:
 
 
 def _drives(model: JointsModel, linkage: Linkage, mass: Array) -> Drives:
-    """Where the torques of the drives come from, and what holds uneven ones."""
+    """Where the torques of the drives come from, and what holds the linkage where needed."""
     number = model.system.systemData.GetObjectLTGAE
     own = [drive for drive in linkage.drives if drive.name in model.joints]
     are_steady = all(is_steady(linkage, drive) for drive in own)
+    # Behind the short step to a bend in a load the accelerations would swing about the right ones.
+    bends = any(isinstance(load.law, OverPosition) for load in linkage.live_loads)
     count = 3 * len(linkage.bodies)
     return Drives(
         multiplier=np.array(
@@ -89,7 +92,7 @@ def _drives(model: JointsModel, linkage: Linkage, mass: Array) -> Drives:
         multipliers=model.solved[3],
         force=np.zeros(count),
         rates=np.zeros(JOINT_RATES * len(linkage.clearances)),
-        held=None if are_steady else held_by(constraints_of(linkage), mass),
+        held=None if are_steady and not bends else held_by(constraints_of(linkage), mass),
     )
 
 
@@ -167,5 +170,5 @@ def prepare(
         diagnostics,
         REMEDY,
         constraints_of(linkage),
-        model.container.Reset,
+        close=model.container.Reset,
     )

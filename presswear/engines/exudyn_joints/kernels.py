@@ -157,7 +157,8 @@ class Drives(NamedTuple):
     rates : ndarray, shape (JOINT_RATES joints,)
         Working space.
     held : Held or None
-        What holds the linkage, where a drive of Exudyn's turns unevenly; see ``hold``.
+        What holds the linkage, where a drive of Exudyn's turns unevenly or a load bends over
+        position; see ``hold``.
     """
 
     multiplier: Indices
@@ -173,7 +174,8 @@ def hold(frame: Frame, drives: Drives, held: Held | None, t: float) -> None:
 
     The trapezoidal rule holds them in velocities alone.  The angle that it makes of an uneven
     speed has an error of third order in each step; the acceleration swings about the right one
-    for ever, since Exudyn begins as if the drive turned evenly.
+    for ever, since Exudyn begins as if the drive turned evenly, and behind a step so short that
+    round-off of the velocities makes accelerations.
     """
     if held is None:
         return
@@ -269,10 +271,11 @@ def accept_joint_step(run: Bound, t: float) -> float:
         return math.nan
     settle_state(book, t, LEAST_STEPS)
     sum_step(book, power, given, t, h)
-    observe(book, t, h, frame.q, frame.v, frame.a)
-    following = next_step(book.packed, book.onset, book.memory, steps, book.contacts, frame.a)
     packed = book.packed
-    if settle_modes(packed, t, frame.q, frame.v, frame.a) > 0:
+    changes = settle_modes(packed, t, frame.q, frame.v, frame.a)
+    observe(book, t, h, frame.q, frame.v, frame.a)
+    following = next_step(packed, book.onset, book.memory, steps, book.contacts, frame.a)
+    if changes > 0:
         book.ledger[0].load_power = applied_forces(packed, t, frame.q, frame.v, drives.force)
         if greatest_jump(packed.loads) > JUMP:
             # The rule begins from accelerations that no longer hold.

@@ -393,6 +393,6 @@ def accept_tree_step(run: Bound, t: float) -> float:
     ledger.drive_power = power
     q, v, a, _, _ = system.state
     events = settle_state(book, t, LEAST_STEPS)
-    observe(book, t, h, q, v, a)
     events += settle_modes(book.packed, t, q, v, a)
+    observe(book, t, h, q, v, a)
     return next_tree_step(book, system, t, h, events)

@@ -1,0 +1,81 @@
+"""Strokes of a press on its work, from what a stage recorded."""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.linkage.process import sense_of
+from presswear.physics.touchdown import crossing, hermite
+from presswear.results.stage import StageResult
+from presswear.scene.scene import Scene
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Strokes:
+    """Moments of the recorded strokes on the work; see ``strokes_of``.
+
+    Attributes
+    ----------
+    contact, fracture, separation : ndarray, shape (strokes, 2)
+        Time, s, and height over the ideal bottom dead centre, m, at which what is watched comes
+        to the work, at which that breaks, and at which it leaves the height of the work again;
+        not a number where there is none.
+    """
+
+    contact: Array
+    fracture: Array
+    separation: Array
+
+
+def strokes_of(scene: Scene, stage: StageResult) -> Strokes | None:
+    """The strokes of a stage's first start on the work; None where the scene has no process.
+
+    A stroke begins with the first contact after what is watched was half way up between the
+    work and the other end of the ideal stroke.  Engines end a step, and write a row, at each of
+    the moments.
+    """
+    process = scene.process
+    if process is None:
+        return None
+    linkage, sense = scene.mechanism.linkage(), sense_of(process)
+    begun = scene.ideal.at(np.zeros(1)).watched(linkage)[0, 0]
+    height = sense * (stage.displacement + begun - scene.bottom)
+    rate, time = sense * stage.velocity, stage.time
+
+    def passed(level: float, up: bool) -> list[tuple[float, float]]:
+        """Moments at which the height passes a level, and its height then."""
+        sign = 1.0 if up else -1.0
+        off = sign * (height - level)
+        found = []
+        for k in np.flatnonzero((off[:-1] < 0.0) & (off[1:] >= 0.0)):
+            h = time[k + 1] - time[k]
+            own = off[k], sign * rate[k], off[k + 1], sign * rate[k + 1], h
+            part = min(crossing(*own), 1.0)
+            found.append((time[k] + part * h, level + sign * hermite(*own, part)[0]))
+        return found
+
+    rows = []
+    touched = passed(process.height, up=False)
+    left = passed(process.height, up=True)
+    broken = [] if process.fracture is None else passed(process.height - process.fracture, up=False)
+    turned = [own for own, _ in passed(0.5 * (process.height + scene.stroke), up=True)]
+    edges = [-np.inf, *turned, np.inf]
+    for begin, end in pairwise(edges):
+        own = [moment for moment in touched if begin < moment[0] < end]
+        if not own:
+            continue
+        first = own[0]
+        none = np.nan, np.nan
+        rows.append(
+            (
+                first,
+                next((m for m in broken if first[0] < m[0] < end), none),
+                next((m for m in reversed(left) if first[0] < m[0] < end), none),
+            )
+        )
+    moments = np.array(rows).reshape(-1, 3, 2)
+    return Strokes(*moments.transpose(1, 0, 2))

@@ -1,0 +1,178 @@
+"""Process forces in runs: motion, torque, work and moments against closed forms, and balances."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from closed_form import needed_by_virtual_work, press_motion
+from scipy.optimize import brentq
+
+import presswear as pw
+from presswear.campaign.starts import start_of
+from presswear.engines.base import Plan
+from presswear.linkage.process import Process
+from presswear.results.strokes import Strokes, strokes_of
+from presswear.tools.arrays import Array
+
+PRESS = pw.Press()
+PERIOD = PRESS.period
+LINKAGE = PRESS.linkage()
+PROCESSES: list[Process] = [
+    pw.Blanking(cushion=30.0),
+    pw.Drawing(),
+    pw.Coining(stiffness=2e5, height=1e-3),
+]
+ENGINES = "dae", "exudyn-joints"
+LARGE = 1e-8
+"""Of a place and a step behind an event, m."""
+
+
+def slider(time: Array) -> Array:
+    """Place, velocity and acceleration of the slider in closed form, shape (n, 3)."""
+    return press_motion(PRESS, np.atleast_1d(time)).watched(LINKAGE)
+
+
+def turning(begin: float, end: float) -> float:
+    """Time between two others at which the slider stands still, s."""
+    return float(brentq(lambda time: slider(time)[0, 1], begin, end, xtol=1e-15))
+
+
+LOWEST = turning(0.04, 0.08)
+BOTTOM = float(slider(np.array(LOWEST))[0, 0])
+
+
+def force_on(process: Process, time: Array) -> Array:
+    """Upwards force of the work, N: of a table, on the way in alone where it breaks or flows."""
+    place, velocity, _ = slider(time).T
+    depth = process.height - (place - BOTTOM)
+    if isinstance(process, pw.Coining):
+        return process.stiffness * np.maximum(depth, 0.0)
+    places, forces = np.array(process.curve).T
+    held = process.cushion * np.clip(depth / places[1], 0.0, 1.0)
+    return np.asarray(np.interp(depth, places, forces, 0.0, 0.0) * (velocity < 0.0) + held)
+
+
+def ran(process: Process, engine: str) -> tuple[pw.StageResult, Strokes]:
+    """Two cycles of the ideal press on its work."""
+    scene = replace(pw.scenes.ideal(), process=process, engine=engine, drive_torque="on", cycles=2)
+    result = pw.run(scene)
+    strokes = result.strokes(0)
+    assert strokes is not None
+    return result.stages[0], strokes
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("process", PROCESSES, ids=lambda own: own.kind)
+def test_the_ideal_press_works_as_closed_forms_say(process: Process, engine: str) -> None:
+    stage, strokes = ran(process, engine)
+    time = stage.time
+    exact = slider(time)[:, 0] - slider(np.zeros(1))[0, 0]
+    assert np.abs(stage.displacement - exact).max() < LARGE
+    torque = needed_by_virtual_work(PRESS, time, force_on(process, time))
+    depth = process.height - (slider(time)[:, 0] - BOTTOM)
+    nodes = [place for place, _ in process.curve]
+    # A step ends a little behind the node of a table, under the piece before it.
+    smooth = np.abs(np.subtract.outer(depth, nodes)).min(axis=1) > LARGE
+    assert np.count_nonzero(~smooth) <= 4 * len(nodes)
+    off = np.abs(stage.arrays["drive_torque"] - torque)[smooth]
+    assert off.max() < 1e-6 * np.abs(torque).max()
+    exchange = float(stage.diagnostics["drive_exchange_J"] or 0.0)
+    work = -float(stage.diagnostics["load_work_J"] or 0.0)
+    assert work == pytest.approx(2.0 * process.work, abs=1e-6 * exchange)
+    assert abs(float(stage.diagnostics["energy_residual_J"] or 0.0)) < 1e-6 * exchange
+    check_moments(process, stage, strokes)
+
+
+def check_moments(process: Process, stage: pw.StageResult, strokes: Strokes) -> None:
+    """Moments of strokes as closed forms have them, and a row at each."""
+
+    def passes(height: float, begin: float, end: float) -> float:
+        def off(time: float) -> float:
+            return float(slider(np.array(time))[0, 0]) - BOTTOM - height
+
+        return float(brentq(off, begin, end, xtol=1e-15))
+
+    top = turning(0.25, 0.45)
+    down = passes(process.height, top - PERIOD, LOWEST)
+    up = passes(process.height, LOWEST, top)
+    # The run begins behind the contact of the work that is thicker.
+    first = 0 if down > 0.0 else 1
+    expected: dict[str, float] = {"contact": down, "separation": up}
+    if process.fracture is not None:
+        expected["fracture"] = passes(process.height - process.fracture, top - PERIOD, LOWEST)
+    for name in ("contact", "fracture", "separation"):
+        found = getattr(strokes, name)
+        if name not in expected:
+            assert np.isnan(found).all()
+            continue
+        times = [t for k in range(first, 4) if (t := expected[name] + k * PERIOD) < stage.time[-1]]
+        assert found[: len(times), 0] == pytest.approx(times, abs=1e-7)
+        assert np.isnan(found[len(times) :]).all()
+        height = process.height - (process.fracture or 0.0) * (name == "fracture")
+        assert found[: len(times), 1] == pytest.approx(height, abs=1e-12)
+        for moment in found[: len(times), 0]:
+            assert np.abs(stage.time - moment).min() < 1e-7
+
+
+@pytest.mark.parametrize("engine", ["dae", "exudyn-tree"])
+@pytest.mark.parametrize("name", ["press_blanking", "press_drawing"])
+def test_energies_balance_with_clearances_and_moments_have_rows(name: str, engine: str) -> None:
+    scene: Any = replace(getattr(pw.scenes, name)(), engine=engine, wears=0, starts=1, cycles=2)
+    result = pw.run(scene)
+    stage, strokes = result.stages[0], result.strokes(0)
+    assert strokes is not None
+    exchange = float(stage.diagnostics["drive_exchange_J"] or 0.0)
+    assert abs(float(stage.diagnostics["energy_residual_J"] or 0.0)) < 1e-6 * exchange
+    # What is loose in its joints bounces on the work: a little less or more than once through.
+    work = -float(stage.diagnostics["load_work_J"] or 0.0)
+    assert work == pytest.approx(2.0 * scene.process.work, rel=0.02)
+    assert len(strokes.contact) == 2
+    assert f"forces: {scene.process.kind}" in str(stage.diagnostics["model"])
+    height = stage.displacement + slider(np.zeros(1))[0, 0] - BOTTOM
+    for moment, place in [*strokes.contact, *strokes.fracture]:
+        if not np.isnan(moment):
+            row = int(np.abs(stage.time - moment).argmin())
+            assert height[row] == pytest.approx(place, abs=2e-11)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_work_under_the_highest_place_is_worked_through_as_well(engine: str) -> None:
+    """Of a slider-crank, whose slider is farthest where it starts: closed form of the moments."""
+    crank = pw.SliderCrank(speed=30.0)
+    sheet = pw.Blanking(height=3e-3, bottom="highest", cushion=20.0)
+    scene = pw.Scene(crank, process=sheet, joints="none", wears=0, cycles=2, engine=engine)
+    result = pw.run(scene)
+    stage, strokes = result.stages[0], result.strokes(0)
+    assert strokes is not None
+    work = -float(stage.diagnostics["load_work_J"] or 0.0)
+    exchange = float(stage.diagnostics["drive_exchange_J"] or 0.0)
+    assert work == pytest.approx(2.0 * sheet.work, abs=1e-6 * exchange)
+
+    def angle(place: float) -> float:
+        """Crank angle at which the slider is at a place, by the law of cosines, rad."""
+        r, length = crank.crank_length, crank.rod_length
+        return float(np.arccos((r * r + place * place - length**2) / (2.0 * r * place)))
+
+    touched, broken = angle(0.167), angle(0.167 + sheet.fracture)
+    turn = 2.0 * np.pi
+    for found, expected in (
+        (strokes.contact, [turn - touched, 2.0 * turn - touched]),
+        (strokes.fracture, [turn - broken, 2.0 * turn - broken]),
+        (strokes.separation, [turn + touched, np.nan]),
+    ):
+        times = np.array(expected) / crank.speed
+        np.testing.assert_allclose(found[:, 0], times, atol=1e-7)
+
+
+def test_a_scene_without_a_process_has_no_strokes() -> None:
+    scene = pw.scenes.ideal()
+    stage: Any = None
+    assert strokes_of(scene, stage) is None
+
+
+def test_the_implicit_engine_goes_on_where_surfaces_wear() -> None:
+    """What is freed at the end of a run is not freed when the surfaces change."""
+    scene = replace(pw.scenes.clearance_a(), engine="exudyn-joints")
+    plan = Plan(1e-4, 3, wear=lambda cycles, added: np.zeros_like(added))
+    assert scene.solver.simulate(scene.linkage(), start_of(scene), plan).status == "completed"

@@ -1,0 +1,122 @@
+"""Process forces as data: their curves, the work under them, and what is refused."""
+
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.integrate import quad
+
+from presswear.linkage.process import (
+    PROCESSES,
+    Blanking,
+    Coining,
+    Drawing,
+    Process,
+    laws_of,
+    sense_of,
+)
+from presswear.tools.errors import InputError
+
+sizes = st.floats(1.0, 1e7)
+depths = st.floats(1e-5, 0.1)
+blanks = st.builds(
+    Blanking,
+    force=sizes,
+    thickness=depths,
+    rise=depths,
+    plateau=st.floats(0.01, 1.0),
+    snap=depths,
+    cushion=st.floats(0.0, 1e5),
+    bottom=st.sampled_from(["lowest", "highest"]),
+)
+cups = st.builds(
+    Drawing,
+    force=sizes,
+    depth=depths,
+    peak=st.floats(0.05, 0.95),
+    cushion=st.floats(0.0, 1e5),
+    bottom=st.sampled_from(["lowest", "highest"]),
+)
+
+
+@given(st.one_of(blanks, cups))
+def test_work_is_the_integral_of_a_continuous_force(process: Process) -> None:
+    """Steep only where a sheet snaps through; the law pushes against the way in by as much."""
+    places, forces = np.array(process.curve).T
+    assert forces[0] == forces[-1] == 0.0
+    assert forces.max() == pytest.approx(process.force)  # type: ignore[union-attr]
+    law = laws_of(process, 0.2)[process.kind]
+    sense = sense_of(process)
+
+    def size(depth: float) -> float:
+        return sense * float(np.interp(-sense * depth, *np.array(law.table).T))
+
+    work = sum(quad(size, *piece)[0] for piece in pairwise(places))
+    assert process.work == pytest.approx(work, rel=1e-9)
+    gap = 1e-9 * places[-1]
+    steepest = np.abs(np.diff(forces) / np.diff(places)).max()
+    for place in places:
+        assert abs(size(place + gap) - size(place - gap)) <= 2.001 * steepest * gap
+    assert law.release
+    assert law.zero == 0.2
+
+
+@given(blanks)
+def test_a_sheet_breaks_where_its_plateau_ends(sheet: Blanking) -> None:
+    places, forces = np.array(sheet.curve).T
+    assert np.interp(sheet.fracture, places, forces) == sheet.force
+    assert sheet.fracture - places[1] == pytest.approx(sheet.plateau * sheet.thickness)
+    assert places[-1] - sheet.fracture == pytest.approx(sheet.snap)
+
+
+@given(cups)
+def test_a_drawing_force_lies_on_half_cosines(cup: Drawing) -> None:
+    peak = cup.peak * cup.depth
+    for depth, force in cup.curve:
+        part = depth / peak if depth <= peak else (cup.depth - depth) / (cup.depth - peak)
+        assert force == pytest.approx(
+            cup.force * np.sin(0.5 * np.pi * part) ** 2, abs=1e-9 * cup.force
+        )
+
+
+def test_a_stiffness_gives_the_rise() -> None:
+    assert Blanking(force=400.0, stiffness=2e6).curve[1] == (2e-4, 400.0)
+
+
+@pytest.mark.parametrize("bottom", ["lowest", "highest"])
+def test_a_cushion_and_a_stop_push_both_ways(bottom: Any) -> None:
+    held = laws_of(Drawing(cushion=20.0, bottom=bottom), 0.1)["cushion"]
+    stop = laws_of(Coining(stiffness=1e5, bottom=bottom), 0.1)["coining"]
+    away = 1.0 if bottom == "lowest" else -1.0
+    for law, size in ((held, 20.0), (stop, 1e5 * 5e-3)):
+        assert law.sense == "both"
+        assert not law.release
+        assert law.outside == "hold"
+        assert np.interp(-away * 5e-3, *np.array(law.table).T) == pytest.approx(away * size)
+        assert np.interp(away * 1e-9, *np.array(law.table).T) == 0.0
+
+
+@pytest.mark.parametrize(
+    ("kind", "values", "says"),
+    [
+        (Blanking, {"force": 0.0}, r"force = 0 N: allowed is 0\.001 to 1e\+09 N"),
+        (Blanking, {"stiffness": 1e12}, r"with force = 500 N allowed is 50 to 5e\+08 N/m"),
+        (Blanking, {"plateau": 0.0}, r"plateau = 0\.0: allowed is above 0 up to 1"),
+        (Blanking, {"forse": 1.0}, "unknown argument of Blanking 'forse'; did you mean force"),
+        (Drawing, {"peak": 1.0}, r"peak = 1: allowed is 0\.05 to 0\.95"),
+        (Drawing, {"bottom": "low"}, "bottom = 'low': allowed is one of lowest, highest"),
+        (Coining, {"stiffness": "stiff"}, "stiffness = 'stiff': a number is expected"),
+        (Coining, {"height": -1e-3}, r"height = -0\.001 m: allowed is 1e-06 to 10 m"),
+    ],
+)
+def test_what_is_no_process_is_refused(kind: Any, values: dict[str, Any], says: str) -> None:
+    with pytest.raises(InputError, match=says) as refusal:
+        kind(**values)
+    assert len(str(refusal.value).splitlines()) == 1
+
+
+def test_processes_stand_under_their_kinds() -> None:
+    assert list(PROCESSES) == ["blanking", "drawing", "coining"]
