@@ -26,22 +26,21 @@ def bottom_statistics(
     recorders, alone : sequence of Recorder
         As in ``stage_statistics``.
     """
-    ideal, period = bottom_of(scene.ideal), scene.mechanism.period
+    ideal = bottom_of(scene.ideal)
     if ideal is None:
         return {}
-    # A stroke whose bottom lies before the start is none.
-    first = 1 if ideal.time < 0.0 else 0
-    ran, alone = ([own for own in some if len(own.cycles) > first] for some in (recorders, alone))
+    ran, alone = (
+        [own for own in some if len(own.cycles) > ideal.first] for some in (recorders, alone)
+    )
     if not ran:
         return {}
-    turn = 2.0 * math.pi / period
+    turn = 2.0 * math.pi / ideal.period
 
     def heights(own: Recorder) -> Array:
         return own.each_cycle("bottom_height")
 
     def delays(own: Recorder) -> Array:
-        after = own.each_cycle("bottom_time") - scene.run_up - ideal.time
-        return after - period * (after / period).round()
+        return ideal.delay(own.each_cycle("bottom_time"))
 
     mean = mean_of(ran, alone)
     settled = [after_startup(heights(own)) for own in ran]

@@ -3,11 +3,15 @@
 A linkage whose tool works upwards watches the opposite direction.
 """
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from presswear.physics.ideal import IdealMotion, Motion
+
+Array = NDArray[np.float64]
 
 _STEPS = 60
 """Most steps of Newton's method, or halvings, between two nodes."""
@@ -29,12 +33,32 @@ class Bottom:
     window : tuple of float
         Times at which the lower half of the stroke begins and ends, s, as ``time`` is counted:
         no bottom dead centre falls between two windows, whatever a clearance does to it.
+    period, run_up : float
+        Of a cycle, and before the first, s.
     """
 
     time: float
     height: float
     stroke: float
     window: tuple[float, float]
+    period: float
+    run_up: float
+
+    @property
+    def first(self) -> int:
+        """Cycle in which the first whole stroke ends."""
+        return 1 if self.time < 0.0 else 0
+
+    def delay(self, time: Array) -> Array:
+        """How much later than the ideal bottom dead centre next to it an instant is, s.
+
+        Parameters
+        ----------
+        time : ndarray, shape (n,)
+            Since the start, s.
+        """
+        late = time - self.run_up - self.time
+        return np.asarray(late - self.period * np.round(late / self.period))
 
 
 def bottom_of(ideal: IdealMotion) -> Bottom | None:
@@ -77,6 +101,6 @@ def bottom_of(ideal: IdealMotion) -> Bottom | None:
     above = np.flatnonzero(np.roll(height, -lowest) > half)
     end = (lowest + int(above[0])) * step
     # The stroke is filed in the cycle in which its window ends.
-    back = period * np.ceil(end / period - 1.0)
-    window = (lowest + int(above[-1]) - nodes) * step - back, end - back
-    return Bottom(time - float(back), moved(time)[0], stroke, (float(window[0]), float(window[1])))
+    back = period * math.ceil(end / period - 1.0)
+    begin = (lowest + int(above[-1]) - nodes) * step
+    return Bottom(time - back, moved(time)[0], stroke, (begin - back, end - back), period, started)
