@@ -36,14 +36,16 @@ LEAST_PULL, PULL_OVER_WEIGHT = 100.0, 10.0
 _FORCE = Meaning("N", -1e9, 1e9, "", "on the watched point along its direction")
 _SIZE = Meaning("N", 0.0, 1e9, "", "on the watched point, either way", open_low=True)
 
-BALANCED = 1e-8
-"""Part of the forces that may be left at rest: heights are then off by less than round-off."""
+BALANCED = 1e-11
+"""Part of the forces that may be left at rest: of a penetration as much."""
 _STEPS = 2000
 """Most steps."""
 _FIRST = 1e-6
 """First step, s^2: against a unit drag a mass moves by its acceleration times that."""
 _STRIDE = 0.25
-"""Longest way of a pin in a step, part of the least clearance."""
+"""Longest way of a pin in a step, part of its clearance, or of how far it is out of the middle."""
+_NEAR = 0.1
+"""Part of that from which on the next step is chosen by it."""
 _WORSE = 2.0
 """Growth of what is not balanced by which a step is refused."""
 _LONGER, _SHORTER = 8.0, 0.2
@@ -144,6 +146,13 @@ class _Held:
             columns.append((behind - ahead) / (2.0 * float(np.linalg.norm(step))))
         return np.column_stack(columns)
 
+    def is_still(self, basis: Array, stiffness: Array, left: Array) -> bool:
+        """True where a step of Newton's method would be round-off, and balance what is left."""
+        way = np.linalg.lstsq(stiffness, left, rcond=1e-12)[0]
+        far = float(np.abs(basis @ way / self.scale).max())
+        rest = float(np.linalg.norm(left - stiffness @ way))
+        return far <= ROUND_OFF * self._size and rest <= 0.5 * float(np.linalg.norm(left))
+
     def pins(self) -> Array:
         """Pin centres from bearing centres as they were noted last, shape (joints, 2), m."""
         names = ("eccentricity_x", "eccentricity_y")
@@ -177,26 +186,30 @@ def equilibrium(linkage: Linkage, time: float, force: float = 0.0) -> Equilibriu
     basis = held.free(q)
     if not basis.size:
         return Equilibrium(q, held.height(q), held.contacts)
-    stride = _STRIDE * min(own.clearance for own in linkage.clearances)
+    clearance = np.array([own.clearance for own in linkage.clearances])
     left, before = held.unbalanced(q, basis), held.pins()
     stiffness = held.stiffness(q, basis)
     step = _FIRST
     for _ in range(_STEPS):
         off = float(np.linalg.norm(left))
-        if off <= BALANCED * float(np.linalg.norm(held.given(q))):
+        if off <= BALANCED * float(np.linalg.norm(held.given(q))) or held.is_still(
+            basis, stiffness, left
+        ):
             held.unbalanced(q, basis)
             return Equilibrium(q, held.height(q), held.contacts)
         way = np.linalg.solve(np.eye(left.size) / step + stiffness, left)
         there = held.moved(q, basis @ way)
         found = held.unbalanced(there, basis)
-        far = float(np.abs(held.pins() - before).max())
-        if far > stride or not float(np.linalg.norm(found)) < _WORSE * off:
-            step *= _SHORTER
+        allowed = _STRIDE * np.maximum(clearance, np.hypot(*before.T))
+        part = float((np.hypot(*(held.pins() - before).T) / allowed).max())
+        if part > 1.0 or not float(np.linalg.norm(found)) < _WORSE * off:
+            step *= 0.9 / part if part > 1.0 else _SHORTER
             continue
         q, before = there, held.pins()
         basis = held.free(q)
         left, stiffness = held.unbalanced(q, basis), held.stiffness(q, basis)
-        step *= _LONGER
+        # Where steps are short, ways are as long as they are.
+        step *= min(_LONGER, max(0.9 / part, 1.0)) if part > _NEAR else _LONGER
     raise RunFailed(
         f"{linkage.name} does not come to rest under {force:g} N: {off:.3g} of its forces are "
         f"left after {_STEPS} steps"

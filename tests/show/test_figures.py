@@ -66,7 +66,9 @@ def _stage(scene: Scene, index: int, status: Any, message: str) -> StageResult:
         "slider": scene.ideal_slider(time) * (1.0 + 0.01 * (index + 1)),
         "angle": angle,
         "cycles": np.zeros((2, len(CYCLE_FIXED) + len(CYCLE_JOINT) * len(scene.clearance_joints))),
+        "cycle_start": np.zeros(2),
     }
+    arrays["cycles"][:, CYCLE_FIXED.index("bottom_height")] = -0.5878, -0.5879
     if scene.drive_torque == "on":
         arrays["drive_torque"] = np.column_stack([np.cos(40.0 * time), 1.0 + 0.0 * time])
     joints = {}
@@ -99,6 +101,19 @@ def _stage(scene: Scene, index: int, status: Any, message: str) -> StageResult:
         "velocity_max_per_cycle_m_s": each,
         "acceleration_max_per_cycle_m_s2": each,
     }
+    bdc = {
+        "strokes": 2,
+        "height_per_cycle_m": {"mean": -0.58785, "half_width": 2e-5, "cycles": 2},
+        "error_per_cycle_m": {"mean": -(7.6 + index) * 1e-4, "half_width": 3e-5, "cycles": 2},
+        "delay_per_cycle_s": {"mean": -3e-3, "half_width": None, "cycles": 2},
+        "delay_per_cycle_rad": {"mean": -0.0314159, "half_width": 0.0174533, "cycles": 2},
+        "standard_deviation_m": 4e-5,
+        "standard_deviation_interval_m": [3e-5, 6e-5],
+        "range_m": 1e-4,
+        "range_interval_m": None,
+        "range_strokes": 2,
+        "range_of_all_m": 1e-4,
+    }
     return StageResult(
         index,
         status,
@@ -109,7 +124,7 @@ def _stage(scene: Scene, index: int, status: Any, message: str) -> StageResult:
         simulated_s=float(time[-1]),
         wall_s=1.0,
         diagnostics={"model": "6 bodies, 2 drives", "steps": 4000},
-        statistics={"cycles": 2, "slider": slider, "joints": joints},
+        statistics={"cycles": 2, "slider": slider, "bdc": bdc, "joints": joints},
         arrays=arrays,
         joint_names=scene.clearance_joints,
     )
@@ -127,7 +142,8 @@ ONE = replace(BOTH, joints="C")
 BODY = replace(BOTH, conventions=CONVENTIONS["refined"])
 BODY_A = replace(BODY, joints="A")
 IDEAL = replace(BOTH, joints="none", wears=0)
-MOTION = ["response.png", "contact-force.png", "centre-trajectory.png"]
+BOTTOM = "bottom-dead-centre.png"
+MOTION = ["response.png", BOTTOM, "contact-force.png", "centre-trajectory.png"]
 
 
 @pytest.mark.parametrize(
@@ -296,7 +312,7 @@ def test_plot_gives_the_axes_of_every_figure_in_memory() -> None:
     counts = {name: len(result.plot(name)) for name in NAMES}
     assert counts.pop("mechanism") == 1
     torque = {"drives": 4}
-    motion = {"response": 7, "force": 6, "path": 6}
+    motion = {"response": 7, "bottom": 3, "force": 6, "path": 6}
     assert counts == {"wear": 2, "growth": 2, "surfaces": 6, **motion, **torque}
     assert len(result.plot()) == 1 + sum(counts.values())
     assert len(result.plot("path", "wear")) == counts["path"] + counts["wear"]
