@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from presswear.physics.bottom import bottom_of
 from presswear.physics.ideal import ideal_motion
 
 
-def bar(speed: float = 10.0, angle: float = 0.0, **changes: float) -> Linkage:
+def bar(speed: float = 10.0, angle: float = 0.0, **changes: Any) -> Linkage:
     """A bar that turns about its tail; its head is watched upright."""
     return Linkage(
         bodies=[Bar("bar", length=0.2, mass=1.0)],

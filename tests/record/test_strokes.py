@@ -1,6 +1,7 @@
 """The lowest place inside a step, and one bottom a stroke, wherever cycles end."""
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -74,7 +75,7 @@ def recorded(bottom: float, stroke: tuple[float, float], cycles: int, seed: int)
     for cycle in range(cycles):
         times = np.sort(draw.uniform(0.0, 1.0, 200))
         times = PERIOD * (cycle + np.concatenate([[0.0], times, [1.0]]))
-        for before, time in zip(times[:-1], times[1:], strict=True):
+        for before, time in pairwise(times):
             note_bottom(state, recorder.book.cycle, time, time - before, swing(float(time), bottom))
         recorder.end_cycle()
     return recorder.cycles[:, [BOTTOM_HEIGHT, BOTTOM_TIME]]
@@ -110,7 +111,7 @@ def test_a_run_that_goes_on_keeps_the_stroke_that_it_was_in() -> None:
     one = recorder_of(scene.linkage(), start_of(scene), plan)
     other: Recorder | None = None
     times = np.linspace(0.0, 4.0 * PERIOD, 401)
-    for number, (before, time) in enumerate(zip(times[:-1], times[1:], strict=True), start=1):
+    for number, (before, time) in enumerate(pairwise(times), start=1):
         for own in (one, other):
             if own is not None:
                 now = swing(float(time), 0.1)

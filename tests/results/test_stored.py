@@ -76,7 +76,16 @@ def test_nothing_of_another_kind_is_read(document: dict[str, Any]) -> None:
     assert read == []
 
 
-OPEN = {"conventions", "packages", "resumed", "diagnostics", "slider", "bdc", "joints", "wear_error"}
+OPEN = {
+    "conventions",
+    "packages",
+    "resumed",
+    "diagnostics",
+    "slider",
+    "bdc",
+    "joints",
+    "wear_error",
+}
 OPEN |= {"energy_made_per_cycle_J"}
 """Parts that hold what there is, each under its name."""
 

@@ -36,7 +36,7 @@ from presswear.tools.errors import InputError
 from presswear.tools.numbers import given, readable, whole, with_interval
 
 BINS = 72
-UNIT = re.compile(r"\((m|mm|µm|nm|s|N|m/s|m/s²|N m|W|degrees)\)")
+UNIT = re.compile(r"\((m|mm|µm|nm|s|N|m/s|m/s²|N m|W|degrees|strokes)\)")
 
 
 def made_up(scene: Scene, stages: int, status: str = "completed", message: str = "") -> Result:
@@ -259,6 +259,19 @@ def test_the_largest_of_a_panel_is_that_of_its_cycles(figure: str, column: str, 
     cycles[:, (*CYCLE_FIXED, *CYCLE_JOINT).index(column)] = 2000.0, 3000.0
     words = [text.get_text() for axes in sheet_of(figure, result).axes for text in axes.texts]
     assert f"largest 3\u202f000 {unit}" in words[0]
+
+
+def test_bottoms_are_drawn_stroke_by_stroke_over_the_ideal() -> None:
+    """Heights less the ideal one, which is that of the closed form of the press."""
+    axes = sheet_of("bottom", made_up(BOTH, 2)).axes
+    assert len(axes) == 2
+    line = np.asarray(axes[1].get_lines()[0].get_xydata())
+    assert line[:, 0].tolist() == [1.0, 2.0]
+    assert line[:, 1] == pytest.approx([-712.3459, -812.3459], abs=1e-3)
+    assert axes[0].get_ylabel().endswith("less ideal (µm)")
+    assert list(drawings(made_up(IDEAL, 1), ["mechanism"]))
+    with pytest.raises(InputError, match="nothing to draw as 'bottom'"):
+        list(drawings(made_up(IDEAL, 1), ["bottom"]))
 
 
 def test_unworn_surfaces_are_not_called_worn() -> None:

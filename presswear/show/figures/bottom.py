@@ -21,7 +21,9 @@ from presswear.show.figures.style import (
 def bottom_dead_centre(result: Result, stages: Stages) -> list[Drawing]:
     """Height of bottom dead centre over the ideal in each stroke, a panel for each stage."""
     scene = result.scene
-    shown = [stage for stage in shown_stages(result, stages) if "error_per_cycle_m" in stage.data.bdc]
+    shown = [
+        stage for stage in shown_stages(result, stages) if "error_per_cycle_m" in stage.data.bdc
+    ]
     if not shown or not scene.clearance_joints:
         return []
     strokes = [strokes_of(scene, stage.data) for stage in shown]
@@ -40,7 +42,7 @@ def bottom_dead_centre(result: Result, stages: Stages) -> list[Drawing]:
         axes.axvspan(0.5, STARTUP_CYCLES + 0.5, color=MUTED, alpha=0.12, linewidth=0.0)
         axes.set_xlim(0.5, max(float(number[-1]) for number, _ in starts if number.size) + 0.5)
         axes.xaxis.set_major_locator(MaxNLocator(6, integer=True))
-        axes.set_xlabel("stroke (number)")
+        axes.set_xlabel("since the start (strokes)")
     panels[0].set_ylabel(f"lowest place of the {scene.watched}\nless ideal ({unit})")
     legend(sheet, [stage.pen for stage in shown], "outside upper center")
     caption = (
