@@ -33,8 +33,8 @@ class Bottom:
     window : tuple of float
         Times at which the lower half of the stroke begins and ends, s, as ``time`` is counted:
         no bottom dead centre falls between two windows, whatever a clearance does to it.
-    period, run_up : float
-        Of a cycle, and before the first, s.
+    period : float
+        Of a cycle, s.
     """
 
     time: float
@@ -42,7 +42,6 @@ class Bottom:
     stroke: float
     window: tuple[float, float]
     period: float
-    run_up: float
 
     @property
     def first(self) -> int:
@@ -57,7 +56,8 @@ class Bottom:
         time : ndarray, shape (n,)
             Since the start, s.
         """
-        late = time - self.run_up - self.time
+        # A run-up takes whole cycles.
+        late = time - self.time
         return np.asarray(late - self.period * np.round(late / self.period))
 
 
@@ -103,4 +103,4 @@ def bottom_of(ideal: IdealMotion) -> Bottom | None:
     # The stroke is filed in the cycle in which its window ends.
     back = period * math.ceil(end / period - 1.0)
     begin = (lowest + int(above[-1]) - nodes) * step
-    return Bottom(time - back, moved(time)[0], stroke, (begin - back, end - back), period, started)
+    return Bottom(time - back, moved(time)[0], stroke, (begin - back, end - back), period)

@@ -102,7 +102,7 @@ def test_ideal_press_is_accurate_and_repeats_itself(geometry: str) -> None:
 
 def test_stages_keep_them_in_memory_and_on_disk(tmp_path: Path) -> None:
     scene = wear_times(cycles=5, wears=1, starts=2, engine="dae")
-    held, stored = run_scene(scene), run_scene(scene, tmp_path / "run")
+    held, stored = (run_scene(scene, folder, jobs=1) for folder in (None, tmp_path / "run"))
     for one, other in zip(held.stages, stored.stages, strict=True):
         assert one.bdc == other.bdc
         assert one.bdc["strokes"] == 6

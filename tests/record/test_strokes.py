@@ -73,7 +73,7 @@ def recorded(bottom: float, stroke: tuple[float, float], cycles: int, seed: int)
     state, draw = recorder.book.record[0], np.random.default_rng(seed)
     note_bottom(state, recorder.book.cycle, 0.0, 0.0, swing(0.0, bottom))
     for cycle in range(cycles):
-        times = np.sort(draw.uniform(0.0, 1.0, 200))
+        times = (np.arange(100) + draw.uniform(0.0, 1.0, 100)) / 100.0
         times = PERIOD * (cycle + np.concatenate([[0.0], times, [1.0]]))
         for before, time in pairwise(times):
             note_bottom(state, recorder.book.cycle, time, time - before, swing(float(time), bottom))
