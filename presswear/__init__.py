@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from presswear.linkage.materials import Materials as Materials
     from presswear.linkage.motions import Drive as Drive
     from presswear.linkage.motions import Follow as Follow
-    from presswear.linkage.motions import Rise as Rise
+    from presswear.linkage.pieces import Rise as Rise
     from presswear.linkage.press import Press as Press
     from presswear.linkage.slider_crank import SliderCrank as SliderCrank
     from presswear.linkage.surface import Surface as Surface

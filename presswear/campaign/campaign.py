@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.campaign.checkpoint import Checkpoint
-from presswear.campaign.ensemble import NOTHING, Ensemble, Partial, run_ensemble
+from presswear.campaign.ensemble import NOTHING, Ensemble, Partial, Runner
 from presswear.campaign.growth import (
     FIRST_PASS,
     Growth,
@@ -19,9 +19,8 @@ from presswear.campaign.growth import (
     share_of,
 )
 from presswear.campaign.progress import Forecast
-from presswear.campaign.resolution import WORTH, step_errors
-from presswear.campaign.segment import Task, linkage_on, worn_out
-from presswear.campaign.stage import stage_of, without_wear
+from presswear.campaign.segment import Task, worn_out
+from presswear.campaign.stage import judged, stage_of, without_wear
 from presswear.linkage.elements import ClearanceJoint
 from presswear.physics.wear import map_shape
 from presswear.record.sampling import STARTUP_CYCLES
@@ -102,8 +101,9 @@ def run_stage(
     """
     forecast = Forecast(replace(scene, wears=index), trackers)
     forecast.begin(index)
+    runner = Runner(scene, forecast, workers or InProcess())
     worn = begun_on(scene) if worn is None else worn
-    ran = run_ensemble(scene, worn, stage_task(scene, index), forecast, workers or InProcess())
+    ran = judged(runner, runner.run(worn, stage_task(scene, index)))
     stage = without_wear(scene, index, ran)
     for tracker in trackers:
         tracker.stage(stage)
@@ -111,12 +111,10 @@ def run_stage(
 
 
 def growths(
-    scene: Scene,
+    runner: Runner,
     index: int,
     ran: Ensemble,
     growth: Growth | None,
-    forecast: Forecast,
-    workers: Workers,
     begun: Partial,
     keep: Callable[[Growth | None, Partial], None],
 ) -> Iterator[tuple[Growth | None, Finding | None]]:
@@ -131,7 +129,8 @@ def growths(
     keep : callable
         Told now and then where those runs stand.
     """
-    joints, represented = ran.linkage.clearances, scene.represented_cycles
+    scene, joints = runner.scene, ran.linkage.clearances
+    represented = scene.represented_cycles
     if not scene.wears_in_steps:
         found = jump(ran, represented)
         yield found, _gone(joints, found.worn, f"after stage {index}", ran.time)
@@ -140,8 +139,8 @@ def growths(
         task = pass_task(scene, index, growth)
         if task is None:
             return
-        forecast.expect(2.0 * task.cycles if growth is None else 0.0)
-        worn = run_ensemble(scene, ran.worn, task, forecast, workers, begun, partial(keep, growth))
+        runner.forecast.expect(2.0 * task.cycles if growth is None else 0.0)
+        worn = runner.run(ran.worn, task, begun, partial(keep, growth))
         begun = NOTHING
         finding = worn.finding
         if finding:
@@ -202,9 +201,9 @@ def run_campaign(
     workers : Workers or None
         Does the runs; None: this process.
     """
-    workers = workers or InProcess()
     scene.check_own_laws()
     forecast = Forecast(scene, trackers)
+    runner = Runner(scene, forecast, workers or InProcess())
     at = Checkpoint(worn=begun_on(scene)) if begun is None else begun
     forecast.restore(at.forecast)
 
@@ -214,8 +213,7 @@ def run_campaign(
 
     wanting: list[str] = []
 
-    def finish(stage: StageResult, steps: dict[str, float]) -> None:
-        stage = replace(stage, statistics={**stage.statistics, **steps})
+    def finish(stage: StageResult) -> None:
         wanting.extend(unknown_wear(scene, stage))
         for tracker in trackers:
             tracker.stage(stage)
@@ -238,29 +236,25 @@ def run_campaign(
         is_last = index == scene.wears
         if scene.wears_in_steps and not is_last:
             forecast.expect(3.0 * (scene.cycles or FIRST_PASS))
-        ran = at.ran or run_ensemble(
-            scene, worn, task, forecast, workers, at.partial, partial(keep, None, None)
+        ran = at.ran or judged(
+            runner, runner.run(worn, task, at.partial, partial(keep, None, None))
         )
-        steps: dict[str, float] = {}
-        if not ran.failure and ran.cycles >= WORTH:
-            steps = step_errors(scene, linkage_on(scene, ran.worn[0]))
         if ran.failure or is_last:
-            finish(without_wear(scene, index, ran), steps)
+            finish(without_wear(scene, index, ran))
             if ran.failure:
                 return "failed", f"stage {index}: {ran.failure}", ran.finding
             break
         growth, finding = at.growth, None
         # What has run in part is of the stage itself before its wear has begun.
         running = NOTHING if at.ran is None else at.partial
+        keep(ran, growth, running)
         try:
-            passes = growths(
-                scene, index, ran, growth, forecast, workers, running, partial(keep, ran)
-            )
+            passes = growths(runner, index, ran, growth, running, partial(keep, ran))
             for reached in passes:
                 growth, finding = reached
         finally:
             # The stage ran to its end, even where somebody stops the wear after it.
-            finish(stage_of(scene, index, ran, growth, finding), steps)
+            finish(stage_of(scene, index, ran, growth, finding))
         if finding:
             return "failed", finding.words, finding
         assert growth is not None, "a wear without a finding has a pass"

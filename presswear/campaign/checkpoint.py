@@ -12,7 +12,7 @@ from presswear.campaign.growth import Growth
 from presswear.campaign.segment import Reached, Task, restored, stored
 from presswear.results.stage import WearStep
 from presswear.scene.scene import Scene
-from presswear.tools.arrays import State
+from presswear.tools.arrays import State, named, part
 
 Array = NDArray[np.float64]
 Document = Mapping[str, Any]
@@ -72,7 +72,9 @@ class Checkpoint:
             runs = [
                 stored(f"ran/{k}", Reached.of(run), arrays) for k, run in enumerate(self.ran.runs)
             ]
-            document["ran"] = {"runs": runs, "wall": self.ran.wall}
+            errors = dict(self.ran.step_errors)
+            document["ran"] = {"runs": runs, "wall": self.ran.wall, "step_errors": errors}
+            arrays |= named("deviations", self.ran.deviations)
         if self.growth is not None:
             growth = self.growth
             arrays |= {"growth/worn": growth.worn, "growth/added": growth.added}
@@ -91,7 +93,9 @@ class Checkpoint:
                 restored(f"ran/{k}", own, arrays).run(scene, Task(1), worn[k])
                 for k, own in enumerate(document["ran"]["runs"])
             )
-            ran = Ensemble(scene.linkage(), worn, runs, scene.draws, document["ran"]["wall"])
+            told, far = document["ran"], part(arrays, "deviations")
+            linkage, errors = scene.linkage(), told["step_errors"]
+            ran = Ensemble(linkage, worn, runs, scene.draws, told["wall"], errors, far)
         if "growth" in document:
             growth = Growth(
                 arrays["growth/worn"],

@@ -1,13 +1,16 @@
 """How far a motion with clearance is from the ideal one, cycle by cycle of what was recorded."""
 
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.campaign.ensemble import Ensemble
+from presswear.record.recorder import Recorder
 from presswear.scene.scene import Scene
+from presswear.tools.workers import Report
 
 Array = NDArray[np.float64]
 
@@ -15,8 +18,51 @@ COLUMNS = ("displacement_off", "velocity_off", "lag", "stroke")
 """Columns of ``deviation``: root mean square distances, m and m/s; delay, s; stroke, m."""
 
 
-def deviations(scene: Scene, ensemble: Ensemble) -> dict[str, Array]:
+@dataclass(frozen=True)
+class Deviation:
+    """How far one run is from the ideal motion, as a job.
+
+    Attributes
+    ----------
+    scene : Scene
+    slider : ndarray, shape (3, n)
+        Time, s, displacement, m, and velocity, m/s, as recorded.
+    flight : ndarray, shape (joints, n)
+        1 where a joint is out of contact, else 0.
+    """
+
+    scene: Scene
+    slider: Array
+    flight: Array
+
+    @staticmethod
+    def of(scene: Scene, recorder: Recorder) -> "Deviation":
+        """Take what a run has recorded."""
+        slider = [recorder.series(name) for name in ("time", "displacement", "velocity")]
+        joints = range(recorder.book.memory.size)
+        flight = [recorder.series("penetration", k) <= 0.0 for k in joints]
+        return Deviation(scene, np.array(slider), np.array(flight, dtype=np.float64))
+
+    def __call__(self, report: Report) -> Array:
+        """Give a row for each cycle: COLUMNS, and of each joint the part of time out of contact."""
+        time, moved, speed = self.slider
+        found: list[list[float]] = []
+        for rows in whole_cycles(time - self.scene.run_up, self.scene.mechanism.period):
+            report(len(found))
+            own = slider_deviation(self.scene, time[rows], moved[rows], speed[rows])
+            found.append(own + [mean_over_time(time[rows], each[rows]) for each in self.flight])
+        return np.array(found).reshape(len(found), len(COLUMNS) + len(self.flight))
+
+
+def deviations(joints: Sequence[str], starts: Sequence[Array]) -> dict[str, Array]:
     """Arrays of a stage, a row for each recorded cycle of each start.
+
+    Parameters
+    ----------
+    joints : sequence of str
+        Names of the clearance joints.
+    starts : sequence of ndarray
+        What ``Deviation`` gave of each start.
 
     Returns
     -------
@@ -24,23 +70,12 @@ def deviations(scene: Scene, ensemble: Ensemble) -> dict[str, Array]:
         ``deviation_start`` (n,): the start that a row is of; ``deviation`` (n, 4): see COLUMNS;
         ``J_flight`` (n,) of each clearance joint J: part of the time out of contact.
     """
-    period = scene.mechanism.period
-    starts: list[int] = []
-    slider: list[list[float]] = []
-    flight: dict[str, list[float]] = {joint.name: [] for joint in ensemble.linkage.clearances}
-    for index, recorder in enumerate(ensemble.recorders):
-        time = recorder.series("time")
-        moved, speed = recorder.series("displacement"), recorder.series("velocity")
-        for rows in whole_cycles(time - scene.run_up, period):
-            starts.append(index)
-            slider.append(slider_deviation(scene, time[rows], moved[rows], speed[rows]))
-            for k, own in enumerate(flight.values()):
-                is_open = recorder.series("penetration", k)[rows] <= 0.0
-                own.append(mean_over_time(time[rows], is_open.astype(float)))
+    rows = np.concatenate(starts)
+    flights = rows[:, len(COLUMNS) :].T
     return {
-        "deviation_start": np.array(starts, dtype=np.float64),
-        "deviation": np.array(slider).reshape(-1, len(COLUMNS)),
-        **{f"{name}_flight": np.array(own) for name, own in flight.items()},
+        "deviation_start": np.repeat(np.arange(float(len(starts))), list(map(len, starts))),
+        "deviation": rows[:, : len(COLUMNS)].copy(),
+        **{f"{name}_flight": own.copy() for name, own in zip(joints, flights, strict=True)},
     }
 
 

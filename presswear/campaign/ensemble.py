@@ -19,8 +19,8 @@ looks; one start after another, each ending when it has done its part, 46.2 cycl
 
 import math
 import time as clock
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,6 +70,10 @@ class Ensemble:
         Runs of a set.
     wall : float
         s.
+    step_errors : mapping
+        What finer steps would change; see ``StepErrors``.
+    deviations : mapping
+        How far the motion is from the ideal one; see ``deviations``.
     """
 
     linkage: Linkage
@@ -77,6 +81,8 @@ class Ensemble:
     runs: tuple[Run, ...]
     starts: int
     wall: float
+    step_errors: Mapping[str, float] = field(default_factory=dict)
+    deviations: Mapping[str, Array] = field(default_factory=dict)
 
     @property
     def together(self) -> "Ensemble":
@@ -182,40 +188,54 @@ NOTHING = Partial()
 """An ensemble of which nothing has run."""
 
 
-def run_ensemble(
-    scene: Scene,
-    worn: Array,
-    task: Task,
-    forecast: Forecast,
-    workers: Workers,
-    begun: Partial = NOTHING,
-    keep: Callable[[Partial], None] = lambda partial: None,
-) -> Ensemble:
-    """Run the linkage from every start on its surfaces, in one set or two.
+@dataclass(frozen=True)
+class Runner:
+    """Runs the linkage of a scene from every start.
 
-    A run that fails ends the rounds of its set, and all that stands behind it in order.
-
-    Parameters
+    Attributes
     ----------
-    worn : ndarray, shape (runs, joints, 2, m)
-        Depth of the surfaces of each run, m.
+    scene : Scene
+    forecast : Forecast
+        Told how far it is.
     workers : Workers
         Does the runs.
-    begun : Partial
-        What has run already.
-    keep : callable
-        Told what has run, whenever some more has.
     """
-    rounds = _Rounds(scene, worn, task, forecast, workers.lasts, begun, keep)
-    workers.run(rounds.segments(range(len(worn))), rounds.ended, rounds.told)
-    runs = tuple(
-        reached.run(scene, task, own)
-        for reached, own in zip(rounds.reached[: rounds.last + 1], worn, strict=False)
-        if reached is not None
-    )
-    ran = Ensemble(scene.linkage(), worn, runs, scene.draws, rounds.wall)
-    forecast.done += ran.cycles / scene.draws
-    return ran
+
+    scene: Scene
+    forecast: Forecast
+    workers: Workers
+
+    def run(
+        self,
+        worn: Array,
+        task: Task,
+        begun: Partial = NOTHING,
+        keep: Callable[[Partial], None] = lambda partial: None,
+    ) -> Ensemble:
+        """Run every start on its surfaces, in one set or two.
+
+        A run that fails ends the rounds of its set, and all that stands behind it in order.
+
+        Parameters
+        ----------
+        worn : ndarray, shape (runs, joints, 2, m)
+            Depth of the surfaces of each run, m.
+        begun : Partial
+            What has run already.
+        keep : callable
+            Told what has run, whenever some more has.
+        """
+        scene = self.scene
+        rounds = _Rounds(self, worn, task, begun, keep)
+        self.workers.run(rounds.segments(range(len(worn))), rounds.ended, rounds.told)
+        runs = tuple(
+            reached.run(scene, task, own)
+            for reached, own in zip(rounds.reached[: rounds.last + 1], worn, strict=False)
+            if reached is not None
+        )
+        ran = Ensemble(scene.linkage(), worn, runs, scene.draws, rounds.wall)
+        self.forecast.done += ran.cycles / scene.draws
+        return ran
 
 
 def most_runs(scene: Scene) -> int:
@@ -267,16 +287,14 @@ class _Rounds:
 
     def __init__(
         self,
-        scene: Scene,
+        runner: Runner,
         worn: Array,
         task: Task,
-        forecast: Forecast,
-        lasts: float,
         begun: Partial,
         keep: Callable[[Partial], None],
     ) -> None:
-        self._scene, self._worn, self._task = scene, worn, task
-        self._forecast, self._lasts, self._keep = forecast, lasts, keep
+        scene = runner.scene
+        self._runner, self._worn, self._task, self._keep = runner, worn, task, keep
         self._linkages = [linkage_on(scene, own) for own in worn]
         self._began = clock.perf_counter() - begun.wall
         self._size = scene.draws
@@ -313,15 +331,15 @@ class _Rounds:
             reached = self.reached[index]
             if index <= self.last and not self._is_over(index):
                 found[index] = Segment(
-                    self._scene,
+                    self._runner.scene,
                     self._task,
                     self._worn[index],
                     index + self._size * self._task.number,
                     self._until[index],
                     None if reached is None else reached.state,
-                    self._lasts,
-                    self._forecast.frames,
-                    self._forecast.near,
+                    self._runner.workers.lasts,
+                    self._runner.forecast.frames,
+                    self._runner.forecast.near,
                 )
         return found
 
@@ -373,7 +391,7 @@ class _Rounds:
         # A window shows one of them.
         if rows is not None and all(map(self._is_over, range(index))):
             film = Film.of(rows, len(self._linkages[index].clearances))
-        self._forecast.tell(
+        self._runner.forecast.tell(
             float(np.minimum(self._done, needed).sum()) / size,
             float(needed.sum()) / size,
             ", ".join(parts),

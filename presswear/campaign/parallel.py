@@ -7,16 +7,16 @@ happens to the others, and one that is stopped goes on from its checkpoint.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from presswear.campaign.single import run_into, workers_of
 from presswear.campaign.study import FILE, Study, Variant, waiting
-from presswear.record.tracker import Progress, Tracker
+from presswear.record.tracker import Progress, Tracker, tell_all
 from presswear.results.folder import INTERVAL, ResultFolder
 from presswear.results.provenance import provenance
-from presswear.scene.scene import Scene
 from presswear.tools.documents import write_json
-from presswear.tools.errors import RunFailed
+from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.folders import FolderLock
 from presswear.tools.stopping import is_stopped
 from presswear.tools.workers import Job, Report, Workers, cores, workers_for
@@ -30,25 +30,6 @@ class _Telling(Tracker):
 
     def progress(self, progress: Progress) -> None:
         self.told(progress.whole, progress.word)
-
-
-def run_variant(
-    path: Path,
-    scene: Scene,
-    interval: float,
-    told: Callable[[float, str], None],
-    workers: Workers | None = None,
-) -> None:
-    """Run a scene into a result folder, or go on in it; a run that fails is a result as well.
-
-    Parameters
-    ----------
-    interval : float
-        Between two checkpoints, s.
-    workers : Workers or None
-        Does the runs; None: this process.
-    """
-    run_into(ResultFolder(path, scene, interval, resume=True), scene, [_Telling(told)], workers)
 
 
 @dataclass(frozen=True)
@@ -79,9 +60,9 @@ class _Work:
         try:
             path, scene = self.folder / variant.key, variant.scene_in(self.folder)
             if scene is not None:
-                run_variant(path, scene, self.interval, tell, self.workers)
-        # A variant may fail with any error of its process, and the user must learn which variant.
-        except Exception as error:
+                store = ResultFolder(path, scene, self.interval, resume=True)
+                run_into(store, scene, [_Telling(tell)], self.workers)
+        except (InputError, RunFailed, OSError) as error:
             if is_stopped():
                 raise KeyboardInterrupt from None
             raise RunFailed(f"variant {variant.key}: {type(error).__name__}: {error}") from error
@@ -111,21 +92,22 @@ def run_study(
     """
     left = waiting(study, folder, resume)
     lock = FolderLock(folder)
-
-    def tell(key: str, part: float, word: str) -> None:
-        for tracker in trackers:
-            tracker.variant(key, part, word)
-
     try:
         if not (folder / FILE).exists():
             write_json(folder / FILE, {**study.as_dict(), "provenance": provenance()})
         for variant in study.variants:
             if variant not in left:
-                tell(variant.key, 1.0, "")
+                _tell(trackers, variant.key, 1.0, "")
         if left:
-            _run_variants(left, folder, jobs, interval, tell)
+            _run_variants(left, folder, jobs, interval, trackers)
     finally:
         lock.release()
+
+
+def _tell(trackers: Sequence[Tracker], key: str, part: float, word: str) -> None:
+    """Tell how far a variant is."""
+    for tracker in trackers:
+        tracker.variant(key, part, word)
 
 
 def _run_variants(
@@ -133,7 +115,7 @@ def _run_variants(
     folder: Path,
     jobs: int | None,
     interval: float,
-    tell: Callable[[str, float, str], None],
+    trackers: Sequence[Tracker],
 ) -> None:
     """Run variants in so many processes; all of them end, with checkpoints, where one breaks."""
     # The longest first, so that no process is left with one when the others are done.
@@ -142,17 +124,17 @@ def _run_variants(
     keys = {variant.key for variant in left}
 
     def ended(index: int, outcome: None) -> dict[int, Job | None]:
-        tell(order[index].key, 1.0, "")
+        _tell(trackers, order[index].key, 1.0, "")
         return {k: job for k, job in work.items() if order[k].source == order[index].key}
 
     def told(index: int, part: float, word: str, rows: object) -> None:
-        tell(order[index].key, part, word)
+        _tell(trackers, order[index].key, part, word)
 
     most = jobs or cores()
-    is_wide = len(left) >= most
+    is_wide, lost = len(left) >= most, partial(tell_all, trackers)
     with (
-        workers_for(most if is_wide else 1, (__name__,)) as variants,
-        workers_of([v.scene for v in left], 1 if is_wide else most, (), interval) as starts,
+        workers_for(most if is_wide else 1, (__name__,), lost=lost) as variants,
+        workers_of([v.scene for v in left], 1 if is_wide else most, trackers, interval) as starts,
     ):
         shared = None if is_wide else starts
         work = {k: _Work(folder, variant, interval, shared) for k, variant in enumerate(order)}

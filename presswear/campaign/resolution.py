@@ -10,14 +10,18 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
+from presswear.campaign.segment import linkage_on
 from presswear.campaign.starts import start_of
 from presswear.engines.base import Plan
-from presswear.linkage.elements import Linkage
 from presswear.record.recorder import Recorder
-from presswear.record.tracker import Tracker
+from presswear.record.tracker import Telling, Tracker
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import State
+from presswear.tools.workers import Report
+
+Array = NDArray[np.float64]
 
 PIECES = 100
 """Pieces of a cycle: between two touches of a joint lie some of them."""
@@ -30,68 +34,87 @@ SETTLING = 2
 WORTH = 50
 """Cycles of a stage that are enough for this to cost a twentieth of it at most."""
 
+_TOLD = {"dose": "step_error_of_dose", "force_max": "step_error_of_force"}
+"""Numbers of a piece that are compared, and the names of what changes them."""
+
 
 @dataclass
 class _Again(Tracker):
     """Runs pieces of a run again behind its back."""
 
-    run: Callable[[int, State], Recorder]
+    run: Callable[[int, State], Array]
     first: int
     last: int
-    finer: list[Recorder] = field(default_factory=list)
-    pieces: list[int] = field(default_factory=list)
+    finer: dict[int, Array] = field(default_factory=dict)
 
     def cycle(self, recorder: Recorder, state: Callable[[], State]) -> bool:
         done = len(recorder.cycles)
         if self.first <= done < self.last and (done - self.first) % EACH == 0:
-            self.pieces.append(done)
-            self.finer.append(self.run(done + 1, state()))
+            self.finer[done] = self.run(done, state())
         return False
 
 
-def step_errors(scene: Scene, linkage: Linkage, number: int = -1) -> dict[str, float]:
-    """Run a cycle of a linkage, and pieces of it again with finer steps.
+@dataclass(frozen=True)
+class StepErrors:
+    """What finer steps would change on some surfaces, as a job.
 
-    Parameters
+    Attributes
     ----------
-    number : int
-        Of the start; those of stages are not negative.
-
-    Returns
-    -------
-    dict of str to float
-        Part by which finer steps change the force times slip that wears a joint, and the
-        greatest forces of the pieces: the most of all joints, under their names among the
-        statistics of a stage.  Empty where the engine has no tolerance or a run failed.
+    scene : Scene
+    worn : ndarray, shape (joints, 2, m)
+        Depth of the surfaces, m.
+    start : int
+        Of several; those of stages are not negative.
     """
-    cycle = scene.mechanism.period
-    engine = scene.solver.over(cycle)
-    finer = engine.finer(FINER)
-    if finer is None or not linkage.clearances:
-        return {}
-    start = start_of(scene, number)
-    first, last = PIECES * SETTLING, PIECES * (SETTLING + 1)
-    plan = Plan(cycle / PIECES, last, 0, torques=False, run_up=scene.run_up)
 
-    def again(cycles: int, state: State) -> Recorder:
-        own = replace(plan, cycles=cycles, resume=state)
-        return finer.simulate(linkage, start, own).recorder
+    scene: Scene
+    worn: Array
+    start: int = -1
 
-    tracker = _Again(again, first, last)
-    run = engine.simulate(linkage, start, replace(plan, trackers=(tracker,)))
-    pairs = list(zip(tracker.pieces, tracker.finer, strict=True))
-    if run.status == "failed" or any(len(fine.cycles) <= piece for piece, fine in pairs):
-        return {}
+    def __call__(self, report: Report) -> dict[str, float]:
+        """Run a cycle, and pieces of it again with finer steps.
 
-    def change(name: str) -> float:
-        usual, fine = (
-            np.array([[own.each_cycle(name, k)[i] for k in joints] for i, own in each])
-            for each in ([(i, run.recorder) for i, _ in pairs], pairs)
-        )
-        whole = usual.sum(axis=0)
-        loaded = whole > 0.0
-        changed = np.abs(fine.sum(axis=0) - whole)[loaded] / whole[loaded]
-        return float(changed.max(initial=0.0))
+        Returns
+        -------
+        dict of str to float
+            Part by which finer steps change the force times slip that wears a joint, and the
+            greatest forces of the pieces: the most of all joints, under their names among the
+            statistics of a stage.  Empty where the engine has no tolerance or a run failed.
+        """
+        scene, linkage = self.scene, linkage_on(self.scene, self.worn)
+        cycle = scene.mechanism.period
+        engine = scene.solver.over(cycle)
+        finer = engine.finer(FINER)
+        if finer is None or not linkage.clearances:
+            return {}
+        start = start_of(scene, self.start)
+        first, last = PIECES * SETTLING, PIECES * (SETTLING + 1)
+        plan = Plan(cycle / PIECES, last, 0, torques=False, run_up=scene.run_up)
 
-    joints = range(len(linkage.clearances))
-    return {"step_error_of_dose": change("dose"), "step_error_of_force": change("force_max")}
+        def told(recorder: Recorder, piece: int) -> Array:
+            """Numbers of a piece, of each joint; no number where it was not finished."""
+            if piece >= len(recorder.cycles):
+                return np.full((len(_TOLD), len(linkage.clearances)), np.nan)
+            joints = range(len(linkage.clearances))
+            return np.array([[recorder.each_cycle(n, k)[piece] for k in joints] for n in _TOLD])
+
+        def again(piece: int, state: State) -> Array:
+            own = replace(plan, cycles=piece + 1, resume=state)
+            return told(finer.simulate(linkage, start, own).recorder, piece)
+
+        tracker = _Again(again, first, last)
+        run = engine.simulate(linkage, start, replace(plan, trackers=(tracker, Telling(report))))
+        usual = np.array([told(run.recorder, piece) for piece in tracker.finer])
+        fine = np.array(list(tracker.finer.values()))
+        if run.status == "failed" or np.isnan(fine).any():
+            return {}
+
+        def change(usual: Array, fine: Array) -> float:
+            whole = usual.sum(axis=0)
+            loaded = whole > 0.0
+            changed = np.abs(fine.sum(axis=0) - whole)[loaded] / whole[loaded]
+            return float(changed.max(initial=0.0))
+
+        return {
+            name: change(usual[:, row], fine[:, row]) for row, name in enumerate(_TOLD.values())
+        }

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from presswear.campaign.campaign import run_campaign
@@ -11,7 +12,7 @@ from presswear.campaign.ensemble import most_runs
 from presswear.engines.settings import Engine
 from presswear.record.film import columns_of
 from presswear.record.soundness import Finding
-from presswear.record.tracker import Tracker
+from presswear.record.tracker import Tracker, tell_all
 from presswear.results.folder import ResultFolder
 from presswear.results.provenance import provenance
 from presswear.results.result import Result, load
@@ -83,7 +84,9 @@ def workers_of(
     if any(own.hears_runs for own in trackers):
         count = 1
     engines = dict.fromkeys(scene.solver.room for scene in scenes)
-    return workers_for(count, (_SEGMENT, *engines), interval / _SHARES, room)
+    return workers_for(
+        count, (_SEGMENT, *engines), interval / _SHARES, room, partial(tell_all, trackers)
+    )
 
 
 _SEGMENT = "presswear.campaign.segment"

@@ -1,22 +1,36 @@
 """A stage that ran, as results keep it."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from presswear.campaign.bottom import bottom_statistics
-from presswear.campaign.deviation import deviations
-from presswear.campaign.ensemble import Ensemble
+from presswear.campaign.deviation import Deviation, deviations
+from presswear.campaign.ensemble import Ensemble, Runner
 from presswear.campaign.growth import Growth, error_of
+from presswear.campaign.resolution import WORTH, StepErrors
 from presswear.campaign.statistics import Wear, stage_statistics
 from presswear.linkage.surface import bin_centres
 from presswear.record.sampling import map_errors
 from presswear.record.soundness import Finding
 from presswear.results.stage import SIDES, StageResult, angle_names
 from presswear.scene.scene import Scene
+from presswear.tools.workers import outcomes
 
 Array = NDArray[np.float64]
+
+
+def judged(runner: Runner, ran: Ensemble) -> Ensemble:
+    """The runs of a stage with what takes long to be said of them, done beside each other."""
+    scene, names = runner.scene, [joint.name for joint in ran.linkage.clearances]
+    is_worth = not ran.failure and ran.cycles >= WORTH
+    steps = [StepErrors(scene, ran.worn[0])] if is_worth else []
+    off = [Deviation.of(scene, recorder) for recorder in ran.recorders]
+    found = outcomes(runner.workers, [*steps, *off])
+    errors = found.pop(0) if is_worth else {}
+    return replace(ran, step_errors=errors, deviations=deviations(names, found))
 
 
 def stage_of(
@@ -65,6 +79,7 @@ def stage_of(
         error = error_of(joints, growth)
     if joints and math.isfinite(error):
         statistics["wear_error"] = error
+    statistics |= ran.step_errors
     diagnostics = ran.diagnostics()
     statistics["energy_residual_J"] = diagnostics["energy_residual_J"]
     statistics["energy_exchanged_J"] = diagnostics["drive_exchange_J"]
@@ -86,7 +101,7 @@ def stage_of(
         wall_s=ran.wall,
         diagnostics=diagnostics,
         statistics=statistics,
-        arrays=_arrays(scene, ran, added, batches, weights),
+        arrays=_arrays(ran, added, batches, weights),
         joint_names=tuple(joint.name for joint in ran.linkage.clearances),
         read_film=lambda: film,
     )
@@ -97,9 +112,7 @@ def without_wear(scene: Scene, index: int, ran: Ensemble) -> StageResult:
     return stage_of(scene, index, ran, None, ran.finding)
 
 
-def _arrays(
-    scene: Scene, ran: Ensemble, added: Array, batches: Array, weights: Array
-) -> dict[str, Array]:
+def _arrays(ran: Ensemble, added: Array, batches: Array, weights: Array) -> dict[str, Array]:
     """The arrays of one stage under their contracted names; SI units.
 
     Series, contacts and torques are those of the first run; behind the starts of the first set
@@ -138,5 +151,4 @@ def _arrays(
     arrays["cycle_start"] = np.repeat(
         np.arange(float(len(starts))), [len(own.cycles) for own in starts]
     )
-    arrays |= deviations(scene, ran)
-    return arrays
+    return {**arrays, **ran.deviations}

@@ -13,6 +13,7 @@ from presswear.commands.terminal import (
     folder_given,
     free_folder,
     go_on_with,
+    goes_on,
     jobs_given,
     progress_bar,
     scene_given,
@@ -26,7 +27,6 @@ from presswear.scene.settings import begun_on, changed
 from presswear.studies import STUDIES
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.folders import check_folder
-from presswear.tools.stopping import is_stopped
 
 if TYPE_CHECKING:
     from presswear.results.folder import ResultFolder
@@ -186,7 +186,7 @@ def _run_into(
 
     go_on = go_on_with(scene.name, store.path)
     try:
-        with progress_bar(console) as bar:
+        with goes_on(go_on, store.path, lambda: store.kept), progress_bar(console) as bar:
             terminal = Terminal(bar, scene)
             trackers = [terminal, *([window] if window else [])]
             with (
@@ -196,13 +196,6 @@ def _run_into(
                 run_into(store, scene, trackers, workers)
     except InputError as error:
         raise InputError(f"{given}: {error}") from None
-    except RunFailed as error:
-        hint = f"; {go_on}" if store.path.exists() else ""
-        raise RunFailed(f"{error}{hint}") from error
-    except BaseException as error:
-        if not isinstance(error, KeyboardInterrupt) and not is_stopped():
-            raise
-        raise KeyboardInterrupt(f"interrupted; {store.kept}; {go_on}") from None
 
 
 def _window(arguments: argparse.Namespace, scene: Scene) -> "AbstractContextManager[Live | None]":

@@ -30,6 +30,10 @@ class Terminal(Tracker):
         description = word if is_wear else f"{name}: {word}" if word else name
         self._bar.update(self._task, description=description, completed=progress.whole)
 
+    def remark(self, line: str) -> None:
+        """Print it."""
+        self._bar.console.print(line, highlight=False, soft_wrap=True)
+
     def stage(self, stage: StageResult) -> None:
         """Tell what was modelled, and what came out."""
         told = stage.diagnostics

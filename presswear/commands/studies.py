@@ -12,6 +12,7 @@ from presswear.campaign.study import Study, is_study, load_study, unchanged, wai
 from presswear.commands.terminal import (
     free_folder,
     go_on_with,
+    goes_on,
     jobs_given,
     progress_bar,
     seconds_given,
@@ -19,7 +20,7 @@ from presswear.commands.terminal import (
 from presswear.record.tracker import Tracker
 from presswear.scene.scene import Scene
 from presswear.studies import STUDIES, make_study, write_report
-from presswear.tools.errors import InputError, RunFailed
+from presswear.tools.errors import InputError
 from presswear.tools.stopping import check_stopped
 
 
@@ -32,6 +33,10 @@ class Board(Tracker):
         self._parts = dict.fromkeys(self._variants, 0.0)
         self._whole = bar.add_task(study.name, total=sum(own.extent for own in study.variants))
         self._lines: dict[str, TaskID] = {}
+
+    def remark(self, line: str) -> None:
+        """Print it."""
+        self._bar.console.print(line, highlight=False, soft_wrap=True)
 
     def variant(self, key: str, part: float, word: str) -> None:
         """Show how far a variant is; ends the study where a signal has come."""
@@ -79,15 +84,9 @@ def run(
     folder = arguments.out or free_folder(study.name)
     go_on = go_on_with(study.name, folder)
     waiting(study, folder, arguments.resume)
-    try:
-        with progress_bar(console) as bar:
-            run_study(study, folder, jobs, arguments.resume, [Board(study, bar)], interval)
-    except KeyboardInterrupt:
-        raise KeyboardInterrupt(
-            f"interrupted; finished runs are kept, the others go on where they stood; {go_on}"
-        ) from None
-    except RunFailed as error:
-        raise RunFailed(f"{error}; {go_on}") from error
+    kept = "finished runs are kept, the others go on where they stood"
+    with goes_on(go_on, folder, lambda: kept), progress_bar(console) as bar:
+        run_study(study, folder, jobs, arguments.resume, [Board(study, bar)], interval)
     return report(folder, console)
 
 

@@ -3,7 +3,8 @@
 import math
 import shlex
 from argparse import ArgumentTypeError
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,9 +25,10 @@ from presswear.scene.catalog import scene_named
 from presswear.scene.files import SUFFIX, scene_from
 from presswear.scene.scene import Scene
 from presswear.studies import STUDIES
-from presswear.tools.errors import InputError
+from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.folders import check_folder
 from presswear.tools.quantities import Meaning, parse_quantity
+from presswear.tools.stopping import is_stopped
 
 if TYPE_CHECKING:
     from presswear.results.result import Result
@@ -196,6 +198,25 @@ def finished_part(path: Path, console: Console) -> "Result":
     if words:
         console.print(f"{words}: what follows is of these", highlight=False, soft_wrap=True)
     return result
+
+
+@contextmanager
+def goes_on(go_on: str, folder: Path, kept: Callable[[], str]) -> Iterator[None]:
+    """Name the command that goes on with what is stopped or fails inside.
+
+    Parameters
+    ----------
+    kept : callable
+        Tells what is kept.
+    """
+    try:
+        yield
+    except RunFailed as error:
+        raise RunFailed(f"{error}; {go_on}" if folder.exists() else f"{error}") from error
+    except BaseException as error:
+        if not isinstance(error, KeyboardInterrupt) and not is_stopped():
+            raise
+        raise KeyboardInterrupt(f"interrupted; {kept()}; {go_on}") from None
 
 
 def go_on_with(name: str, folder: Path) -> str:

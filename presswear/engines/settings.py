@@ -196,7 +196,7 @@ class ExudynJoints(_Engine):
 @checked
 @dataclass(frozen=True)
 class InHouse(_Engine):
-    """Lagrange multipliers in Cartesian coordinates, with touches located.
+    """The solver of this house, with touches located: an open tree, or Lagrange multipliers.
 
     Attributes
     ----------
@@ -208,6 +208,10 @@ class InHouse(_Engine):
         1 m/s + |v| in velocities.  None: by the purpose.
     equal_step : float
         Of ``rk4``, s.
+    coordinates : {"auto", "fewest", "all"}
+        Those of the open tree, where clearance cuts every loop that has a freedom; or all, with
+        Lagrange multipliers, as everywhere else.  ``auto``: all for the paper's steps and with
+        ``projection``, else the fewest.
     projection : {"off", "on"}
         Whether each accepted state is moved onto the constraints.
     alpha, beta : float
@@ -232,6 +236,12 @@ class InHouse(_Engine):
         "given: by the purpose",
     )
     equal_step: float = quantity(1e-5, "s", 1e-9, 1e-2, "chosen", "of dae with rk4: its step")
+    coordinates: str = choice(
+        "auto",
+        ("auto", "fewest", "all"),
+        "of dae: fewest are those of the open tree, where there is one; all, with Lagrange "
+        "multipliers; auto: all for rk4-paper and with projection, else fewest",
+    )
     projection: str = choice(
         "off", ("off", "on"), "of dae: whether each state is moved onto the constraints"
     )
@@ -258,6 +268,13 @@ class InHouse(_Engine):
         """The same at a tolerance so many times smaller; None where steps are equal."""
         finer = self.tolerance / factor
         return None if self.has_equal_steps else replace(self, integration_tolerance=finer)
+
+    @property
+    def takes_all_coordinates(self) -> bool:
+        """True where constraints are kept by multipliers, whatever the linkage."""
+        if self.coordinates == "auto":
+            return self.integrator == "rk4-paper" or self.projection == "on"
+        return self.coordinates == "all"
 
     @property
     def has_equal_steps(self) -> bool:

@@ -122,9 +122,10 @@ def delivered_restitution(damping: float) -> float:
     highest = min(1.0, (1.0 - 1e-15) / damping)
     if excess(highest) > 0.0:
         return highest
-    from scipy.optimize import brentq  # slow to import
-
-    return float(brentq(excess, 0.0, highest, xtol=1e-15, rtol=1e-14))
+    lowest = 0.0
+    while lowest < (middle := 0.5 * (lowest + highest)) < highest:
+        lowest, highest = (middle, highest) if excess(middle) > 0.0 else (lowest, middle)
+    return lowest
 
 
 def greatest_penetration(

@@ -45,7 +45,8 @@ from presswear.linkage.loads import (
     OverTime,
     Spring,
 )
-from presswear.linkage.motions import Drive, Follow, Rise
+from presswear.linkage.motions import Drive, Follow
+from presswear.linkage.pieces import Rise
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.own import OwnFunction
 from presswear.tools.quantities import Meaning, parse_quantity

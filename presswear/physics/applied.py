@@ -6,12 +6,12 @@ from numpy.typing import NDArray
 from presswear.physics.loads import load_forces, settle_loads
 from presswear.physics.packed import Packed
 from presswear.physics.springs import spring_forces
-from presswear.tools.compiled import compiled, copy_to
+from presswear.tools.compiled import compiled, copy_to, inlined
 
 Array = NDArray[np.float64]
 
 
-@compiled
+@inlined
 def applied_forces(packed: Packed, t: float, q: Array, v: Array, force: Array) -> float:
     """Fill the generalized forces, shape (3 bodies,), before those of contacts.
 

@@ -16,7 +16,7 @@ from presswear.physics.laws import elastic_of
 from presswear.physics.overlap import Bed
 from presswear.physics.packed import JOINT, Packed
 from presswear.physics.surface import BEARING, PIN, SLOPE, curvature, profile
-from presswear.tools.compiled import Records, apart, compiled
+from presswear.tools.compiled import Records, apart, compiled, inlined
 
 Array = NDArray[np.float64]
 
@@ -72,15 +72,25 @@ class Pose(NamedTuple):
     spin: float
 
 
-@compiled
-def joint_end(body: int, local_x: float, local_y: float, q: Array, v: Array) -> Pose:
-    """Place and motion of a point of a body; a body of -1 is the frame."""
+@inlined
+def joint_end(
+    body: int, local_x: float, local_y: float, q: Array, v: Array, axes: Array | None = None
+) -> Pose:
+    """Place and motion of a point of a body; a body of -1 is the frame.
+
+    Parameters
+    ----------
+    axes : ndarray, shape (3 bodies,), or None
+        Cosine and sine of each body's angle, see ``place_links``, where they are known.
+    """
     if body < 0:
         return Pose(local_x, local_y, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     angle = q[body + 2]
     spin = v[body + 2]
-    cosine = math.cos(angle)
-    sine = math.sin(angle)
+    if axes is None:
+        cosine, sine = math.cos(angle), math.sin(angle)
+    else:
+        cosine, sine = axes[body], axes[body + 1]
     lever_x = cosine * local_x - sine * local_y
     lever_y = sine * local_x + cosine * local_y
     return Pose(
@@ -101,25 +111,31 @@ def direction_of(contact: Records) -> float:
     return math.atan2(contact.eccentricity_y, contact.eccentricity_x)
 
 
-@compiled
-def note_contacts(packed: Packed, contacts: Records, q: Array, v: Array) -> None:
+@inlined
+def note_contacts(
+    packed: Packed, contacts: Records, q: Array, v: Array, axes: Array | None = None
+) -> None:
     """Fill the contacts of all joints in a state but for their forces.
 
     Parameters
     ----------
     contacts : records of CONTACT, shape (joints,)
     q, v : ndarray, shape (3 bodies,)
+    axes : ndarray or None
+        See ``joint_end``.
     """
     for k in range(contacts.shape[0]):
-        note_contact(packed, k, q, v, contacts[k])
+        note_contact(packed, k, q, v, contacts[k], axes)
 
 
-@compiled
-def note_contact(packed: Packed, k: int, q: Array, v: Array, contact: Records) -> None:
+@inlined
+def note_contact(
+    packed: Packed, k: int, q: Array, v: Array, contact: Records, axes: Array | None = None
+) -> None:
     """Fill the contact of joint ``k`` in a state but for its forces; see ``note_forces``."""
     joint = packed.joints[k]
-    bearing = joint_end(joint.bearing_body, joint.bearing_x, joint.bearing_y, q, v)
-    pin = joint_end(joint.pin_body, joint.pin_x, joint.pin_y, q, v)
+    bearing = joint_end(joint.bearing_body, joint.bearing_x, joint.bearing_y, q, v, axes)
+    pin = joint_end(joint.pin_body, joint.pin_x, joint.pin_y, q, v, axes)
     ex = pin.x - bearing.x
     ey = pin.y - bearing.y
     vx = pin.vx - bearing.vx
@@ -153,7 +169,7 @@ def note_contact(packed: Packed, k: int, q: Array, v: Array, contact: Records) -
     )
 
 
-@compiled
+@inlined
 def note_radial(joint: Records, surfaces: Array, contact: Records) -> None:
     """Fill in the contact of the pin with the point of the surface that faces it.
 

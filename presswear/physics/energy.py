@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from presswear.physics.packed import Packed
 from presswear.physics.springs import spring_energy
-from presswear.tools.compiled import Records, compiled
+from presswear.tools.compiled import Records, inlined
 
 Array = NDArray[np.float64]
 
@@ -37,7 +37,7 @@ LEDGER = np.dtype(
 """Sums that an engine keeps step by step, and the powers they went on from."""
 
 
-@compiled
+@inlined
 def loss_powers(contact: Records, normal: float, tangential: float) -> tuple[float, float, float]:
     """Power lost in a contact and in its friction, and power that the normal law makes, W."""
     if contact.penetration <= 0.0:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from presswear.linkage.elements import Linkage
 from presswear.linkage.mechanism import Mechanism
-from presswear.linkage.motions import LEAST_PIECE, MOST_PIECES
+from presswear.linkage.pieces import LEAST_PIECE, MOST_PIECES
 from presswear.physics.assembly import ROUND_OFF, closed
 from presswear.physics.ideal import IdealMotion, ideal_motion
 from presswear.physics.rows import Rows

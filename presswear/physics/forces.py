@@ -18,7 +18,7 @@ from presswear.physics.laws import (
     normal_force,
 )
 from presswear.physics.wear import dose_rates
-from presswear.tools.compiled import Records, compiled
+from presswear.tools.compiled import Records, inlined
 
 Array = NDArray[np.float64]
 
@@ -43,7 +43,7 @@ class JointLoad(NamedTuple):
     bearing_moment: float
 
 
-@compiled
+@inlined
 def contact_forces(joint: Records, onset_speed: float, contact: Records) -> tuple[float, float]:
     """Normal and tangential force of the contact, N; zero when open.
 
@@ -73,7 +73,7 @@ def contact_forces(joint: Records, onset_speed: float, contact: Records) -> tupl
     return normal, tangential
 
 
-@compiled
+@inlined
 def note_forces(joints: Records, onset: Array, contacts: Records) -> None:
     """Fill in the forces of contacts, once ``onset`` is that of their state."""
     for k in range(joints.shape[0]):
@@ -81,7 +81,7 @@ def note_forces(joints: Records, onset: Array, contacts: Records) -> None:
         contact.normal, contact.tangential = contact_forces(joints[k], onset[k], contact)
 
 
-@compiled
+@inlined
 def load_of(joint: Records, onset_speed: float, contact: Records) -> JointLoad:
     """Forces of a contact and their moments; ``onset_speed`` as in ``contact_forces``."""
     normal, tangential = contact_forces(joint, onset_speed, contact)
@@ -105,7 +105,7 @@ def load_of(joint: Records, onset_speed: float, contact: Records) -> JointLoad:
     return JointLoad(normal, tangential, fx, fy, pin_moment, bearing_moment)
 
 
-@compiled
+@inlined
 def add_contacts(
     joints: Records, onset: Array, contacts: Records, force: Array, rates: Array
 ) -> None:

@@ -28,7 +28,7 @@ from presswear.physics.overlap import (
     turned,
 )
 from presswear.physics.surface import BEARING, CUBE, LEAST, PIN, SLOPE, SQUARE, profile
-from presswear.tools.compiled import compiled
+from presswear.tools.compiled import compiled, inlined
 
 Array = NDArray[np.float64]
 
@@ -36,7 +36,7 @@ LONGEST_SEGMENT = 0.1
 """rad."""
 
 
-@compiled
+@inlined
 def cubic_about(surfaces: Array, row: int, k: int, x: float) -> tuple[float, float, float, float]:
     """Coefficients of piece ``k`` of a map about a place x behind its first node, rad."""
     c1 = surfaces[row + SLOPE, k]
@@ -51,7 +51,7 @@ def cubic_about(surfaces: Array, row: int, k: int, x: float) -> tuple[float, flo
     )
 
 
-@compiled
+@inlined
 def segment_of(
     surfaces: Array,
     eccentricity: float,
@@ -84,7 +84,7 @@ def segment_of(
     )
 
 
-@compiled
+@inlined
 def cell_of(angle: float, count: int, shift: float) -> tuple[int, float]:
     """Cell of a grid of so many around the turn that holds an angle, and the way into it, rad.
 
@@ -97,16 +97,16 @@ def cell_of(angle: float, count: int, shift: float) -> tuple[int, float]:
     return cell % count, min(max((position - cell) * width, 0.0), width)
 
 
-@compiled
-def onward(cell: int, x: float, length: float, count: int) -> tuple[int, float]:
+@inlined
+def onward(cell: int, x: float, length: float, width: float, count: int) -> tuple[int, float]:
     """The cell and the way into it a length further on, which ends in the cell or with it."""
     x += length
-    if x >= 2.0 * math.pi / count * (1.0 - 1e-14):
+    if x >= width * (1.0 - 1e-14):
         return (cell + 1 if cell + 1 < count else 0), 0.0
     return cell, x
 
 
-@compiled
+@inlined
 def reach_of(eccentricity: float, clearance: float, least_depth: float, here: float) -> float:
     """Angle from the direction of e within which the overlap is greatest, and above zero, rad.
 
@@ -120,7 +120,7 @@ def reach_of(eccentricity: float, clearance: float, least_depth: float, here: fl
     return min(2.0 * math.asin(sine) + 1e-9, math.pi)
 
 
-@compiled
+@inlined
 def bound_of(
     surfaces: Array,
     eccentricity: float,
@@ -178,8 +178,8 @@ def press(
             )
             bed = press_segment(segment, middle, half, bed)
         left += length
-        b, b_x = onward(b, b_x, length, count)
-        p, p_x = onward(p, p_x, length, count)
+        b, b_x = onward(b, b_x, length, width, count)
+        p, p_x = onward(p, p_x, length, width, count)
     return bed
 
 
@@ -231,10 +231,10 @@ def spread(
                 shares[1, p_bin] += share
                 total += share
         left += length
-        b, b_x = onward(b, b_x, length, count)
-        p, p_x = onward(p, p_x, length, count)
-        b_bin, b_way = onward(b_bin, b_way, length, bins)
-        p_bin, p_way = onward(p_bin, p_way, length, bins)
+        b, b_x = onward(b, b_x, length, width, count)
+        p, p_x = onward(p, p_x, length, width, count)
+        b_bin, b_way = onward(b_bin, b_way, length, bin_width, bins)
+        p_bin, p_way = onward(p_bin, p_way, length, bin_width, bins)
     return total
 
 

@@ -16,7 +16,7 @@ from presswear.linkage.laws import (
     FrictionLaw,
     NormalLaw,
 )
-from presswear.tools.compiled import Records, address_of, call, compiled, own_kernel
+from presswear.tools.compiled import Records, address_of, call, compiled, inlined, own_kernel
 from presswear.tools.own import OwnFunction
 
 INLINE = 0
@@ -63,7 +63,7 @@ where a pin grazes; below this speed the kinetic energy of a gram is 5e-16 J.
 """
 
 
-@compiled
+@inlined
 def elastic_force(penetration: float, stiffness: float, exponent: float) -> float:
     """Elastic contact force K delta^n, N; zero when open."""
     if penetration <= 0.0:
@@ -74,7 +74,7 @@ def elastic_force(penetration: float, stiffness: float, exponent: float) -> floa
     return stiffness * penetration**exponent
 
 
-@compiled
+@inlined
 def damped_force(elastic: float, rate: float, onset_speed: float, damping: float) -> float:
     """Elastic force with its damping, N (equation 8); never adhesive."""
     force = elastic * (1.0 + damping * rate / onset_speed)
@@ -127,7 +127,7 @@ def kelvin_voigt_force(
     return max(elastic + damping * rate, 0.0)
 
 
-@compiled
+@inlined
 def elastic_of(law: Records, penetration: float) -> tuple[float, float]:
     """Elastic force, N, and its energy, J, at a penetration, m, by a record of NORMAL."""
     if law.elastic == INLINE:
@@ -144,7 +144,7 @@ def elastic_of(law: Records, penetration: float) -> tuple[float, float]:
     return call(law.elastic, (penetration, *rest)), energy * penetration
 
 
-@compiled
+@inlined
 def normal_force(
     law: Records, elastic: float, penetration: float, rate: float, onset_speed: float
 ) -> float:
@@ -166,7 +166,7 @@ def normal_force(
     return call(law.damped, (elastic, penetration, rate, onset_speed, *rest))
 
 
-@compiled
+@inlined
 def friction_ramp(speed: float, lower: float, upper: float) -> float:
     """Dynamic correction c_d in 0 .. 1 (equation 9) for a sliding speed, m/s."""
     magnitude = abs(speed)
@@ -194,7 +194,7 @@ def threlfall_friction(
     return -math.copysign(coefficient * part * normal, sliding)
 
 
-@compiled
+@inlined
 def friction_force(sliding: float, normal: float, law: Records) -> float:
     """Friction force along t, N: by default -c_f c_d F_n sign(v_t) (equation 9).
 

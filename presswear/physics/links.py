@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from presswear.linkage.elements import GROUND, Guide, Linkage
 from presswear.linkage.topology import Branch
-from presswear.tools.compiled import Records, compiled
+from presswear.tools.compiled import Records, inlined
 
 Array = NDArray[np.float64]
 
@@ -32,7 +32,10 @@ LINK = np.dtype(
         ("cosine", np.float64),  # of the guide's direction
         ("sine", np.float64),
         ("angle", np.float64),  # of a sliding body, rad
+        ("axis_x", np.float64),  # cosine and sine of that
+        ("axis_y", np.float64),
         ("mass", np.float64),
+        ("inertia", np.float64),  # kg m^2
     ]
 )
 """A body of a tree as the kernels see it; parents come before children."""
@@ -45,7 +48,7 @@ CARRIED = 4
 """Transport velocity and acceleration of a branch: v_x, v_y, a_x, a_y of its hinge."""
 
 
-@compiled
+@inlined
 def arm(x: float, y: float, axes: Array, body: int) -> tuple[float, float]:
     """A vector of the frame of the body whose x is ``q[body]``, in global directions."""
     cosine = axes[body]
@@ -53,7 +56,7 @@ def arm(x: float, y: float, axes: Array, body: int) -> tuple[float, float]:
     return cosine * x - sine * y, sine * x + cosine * y
 
 
-@compiled
+@inlined
 def place_links(links: Records, x: Array, u: Array, q: Array, v: Array, axes: Array) -> None:
     """Fill coordinates and rates of the bodies of a tree from those of the tree.
 
@@ -78,8 +81,8 @@ def place_links(links: Records, x: Array, u: Array, q: Array, v: Array, axes: Ar
             v[b] = u[c] * link.cosine
             v[b + 1] = u[c] * link.sine
             v[b + 2] = 0.0
-            axes[b] = math.cos(link.angle)
-            axes[b + 1] = math.sin(link.angle)
+            axes[b] = link.axis_x
+            axes[b + 1] = link.axis_y
             continue
         p = link.before
         jx, jy, jvx, jvy, angle, spin = link.before_x, link.before_y, 0.0, 0.0, 0.0, 0.0
@@ -108,7 +111,7 @@ def place_links(links: Records, x: Array, u: Array, q: Array, v: Array, axes: Ar
         v[b + 2] = spin
 
 
-@compiled
+@inlined
 def accelerate_links(links: Records, u_t: Array, v: Array, axes: Array, a: Array) -> None:
     """Fill the accelerations of a tree; those of prescribed bodies must be there already."""
     for i in range(links.shape[0]):
@@ -140,7 +143,7 @@ def accelerate_links(links: Records, u_t: Array, v: Array, axes: Array, a: Array
         a[b + 2] = spin_t
 
 
-@compiled
+@inlined
 def carry_branches(links: Records, v: Array, a: Array, axes: Array, carried: Array) -> None:
     """Fill velocity and acceleration of what each branch hangs from, shape (links, CARRIED)."""
     for i in range(links.shape[0]):
@@ -160,7 +163,7 @@ def carry_branches(links: Records, v: Array, a: Array, axes: Array, carried: Arr
         carried[i, 3] = a[p + 1] + faster * rx - spin * spin * ry
 
 
-@compiled
+@inlined
 def gather_forces(links: Records, q: Array, axes: Array, force: Array, out: Array) -> None:
     """Turn forces on the bodies into forces on the coordinates of the tree, J^T f.
 
@@ -208,11 +211,13 @@ def pack_links(linkage: Linkage, branches: Sequence[Branch]) -> Records:
         link["before"] = -1 if before.body == GROUND else 3 * linkage.index(before.body)
         link["before_x"], link["before_y"] = before.x, before.y
         link["own_x"], link["own_y"] = own.x, own.y
-        link["mass"] = linkage.bodies[linkage.index(own.body)].mass
+        body = linkage.bodies[linkage.index(own.body)]
+        link["mass"], link["inertia"] = body.mass, body.inertia
         if isinstance(joint, Guide):
             link["kind"] = GUIDED
             link["cosine"], link["sine"] = math.cos(joint.direction), math.sin(joint.direction)
             link["angle"] = joint.angle
+            link["axis_x"], link["axis_y"] = math.cos(joint.angle), math.sin(joint.angle)
         link["place"] = place
         place += COORDINATES[link["kind"]]
     return links

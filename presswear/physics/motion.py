@@ -5,8 +5,9 @@ import math
 import numpy as np
 
 from presswear.linkage.elements import Linkage
-from presswear.linkage.motions import DEGREE, MOST_HARMONICS, MOST_PIECES, Drive
-from presswear.tools.compiled import Records, apart, compiled
+from presswear.linkage.motions import MOST_HARMONICS, Drive
+from presswear.linkage.pieces import DEGREE, MOST_PIECES
+from presswear.tools.compiled import Records, apart, compiled, inlined
 
 MOTION = np.dtype(
     [
@@ -110,7 +111,7 @@ def uneven_motion(drive: Records, t: float) -> tuple[float, float, float]:
     return turned, speed, faster
 
 
-@compiled
+@inlined
 def drive_motion(drive: Records, t: float) -> tuple[float, float, float]:
     """Angle turned since t = 0, rad, speed, rad/s, and acceleration, rad/s^2, of a drive."""
     if drive.count + drive.pieces > 0 or drive.run_up > 0.0:

@@ -9,7 +9,7 @@ its square.
 import math
 from typing import NamedTuple
 
-from presswear.tools.compiled import compiled
+from presswear.tools.compiled import compiled, inlined
 
 ABSCISSAE = (0.8611363115940526, 0.3399810435848563)
 WEIGHTS = (0.3478548451374538, 0.6521451548625461)
@@ -77,7 +77,7 @@ class Segment(NamedTuple):
     sine: float
 
 
-@compiled
+@inlined
 def turned(x: float) -> tuple[float, float]:
     """Cosine and sine; series to round-off where they are quicker."""
     if abs(x) > 0.5:
@@ -88,13 +88,13 @@ def turned(x: float) -> tuple[float, float]:
     return cosine, sine
 
 
-@compiled
+@inlined
 def value_at(g: Segment, x: float) -> float:
     """Overlap at a place of a segment, m."""
     return g.a0 + x * (g.a1 + x * (g.a2 + x * (g.a3 + x * (g.a4 + x * (g.a5 + x * g.a6)))))
 
 
-@compiled
+@inlined
 def slope_at(g: Segment, x: float) -> float:
     """Derivative of the overlap at a place of a segment, m/rad."""
     return g.a1 + x * (
@@ -102,7 +102,7 @@ def slope_at(g: Segment, x: float) -> float:
     )
 
 
-@compiled
+@inlined
 def bend_at(g: Segment, x: float) -> float:
     """Second derivative of the overlap at a place of a segment, m/rad^2."""
     return 2.0 * g.a2 + x * (6.0 * g.a3 + x * (12.0 * g.a4 + x * (20.0 * g.a5 + x * 30.0 * g.a6)))
@@ -131,13 +131,13 @@ def root_between(
     return x
 
 
-@compiled
+@inlined
 def mean_of(g: Segment, y: float) -> float:
     """Mean overlap of a segment, m, from the square of half its length, rad^2."""
     return g.a0 + y * (g.a2 * THIRD + y * (g.a4 * FIFTH + y * g.a6 * SEVENTH))
 
 
-@compiled
+@inlined
 def add_whole(g: Segment, half: float, bed: Bed) -> Bed:
     """The bed with all of a segment, integrated in closed form."""
     y = half * half
@@ -155,7 +155,7 @@ def add_whole(g: Segment, half: float, bed: Bed) -> Bed:
     return with_moments(g, 2.0 * half, m0, m1, m2, m3, m4, square, bed)
 
 
-@compiled
+@inlined
 def with_moments(
     g: Segment,
     scale: float,
@@ -205,7 +205,7 @@ def add_pressed(g: Segment, low: float, high: float, bed: Bed) -> Bed:
     return with_moments(g, half, m0, m1, m2, m3, m4, square, bed)
 
 
-@compiled
+@inlined
 def inflection(g: Segment, half: float) -> float:
     """Inflection of the overlap in a segment, or its end where there is none.
 
@@ -224,7 +224,7 @@ def inflection(g: Segment, half: float) -> float:
     return x
 
 
-@compiled
+@inlined
 def extremum(g: Segment, low: float, high: float) -> float:
     """Extremum of the overlap between two places with a monotone slope, or the second place."""
     if high <= low:
@@ -250,13 +250,30 @@ def add_monotone(
     return add_pressed(g, low, high, bed)
 
 
+@inlined
+def with_peak(bed: Bed, overlap: float, place: float) -> Bed:
+    """The bed with an overlap at a place, where it is the greatest so far."""
+    if overlap <= bed.overlap:
+        return bed
+    return Bed(overlap, place, bed.along, bed.across, bed.slope, bed.square, bed.area)
+
+
 @compiled
 def press_segment(g: Segment, middle: float, half: float, bed: Bed) -> Bed:
     """The bed with a segment added: its greatest overlap and its pressed parts.
 
-    Between its ends, its inflection and the extremes to both sides of that the overlap
-    is monotone.
+    Most are monotone, as their coefficients tell.  Else the overlap is so between the ends, the
+    inflection and the extremes to both sides of that.
     """
+    bend = 4.0 * abs(g.a4) + half * (5.0 * abs(g.a5) + half * 6.0 * abs(g.a6))
+    bend = half * (2.0 * abs(g.a2) + half * (3.0 * abs(g.a3) + half * bend))
+    if abs(g.a1) > bend:
+        start, end = value_at(g, -half), value_at(g, half)
+        bed = with_peak(bed, start, middle - half)
+        bed = with_peak(bed, end, middle + half)
+        if min(start, end) >= 0.0:
+            return add_whole(g, half, bed)
+        return add_monotone(g, -half, half, start, end, bed)
     turn = inflection(g, half)
     first = extremum(g, -half, turn)
     second = extremum(g, turn, half)
@@ -265,16 +282,10 @@ def press_segment(g: Segment, middle: float, half: float, bed: Bed) -> Bed:
     at_turn = at_first if first == turn else value_at(g, turn)
     at_second = at_turn if second == turn else value_at(g, second)
     end = at_second if second == half else value_at(g, half)
-    overlap, place = bed.overlap, bed.place
-    if start > overlap:
-        overlap, place = start, middle - half
-    if at_first > overlap:
-        overlap, place = at_first, middle + first
-    if at_second > overlap:
-        overlap, place = at_second, middle + second
-    if end > overlap:
-        overlap, place = end, middle + half
-    bed = Bed(overlap, place, bed.along, bed.across, bed.slope, bed.square, bed.area)
+    bed = with_peak(bed, start, middle - half)
+    bed = with_peak(bed, at_first, middle + first)
+    bed = with_peak(bed, at_second, middle + second)
+    bed = with_peak(bed, end, middle + half)
     if min(min(start, at_first), min(at_second, end)) >= 0.0:
         return add_whole(g, half, bed)
     bed = add_monotone(g, -half, first, start, at_first, bed)

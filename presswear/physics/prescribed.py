@@ -17,7 +17,7 @@ from presswear.linkage.elements import GROUND, Linkage
 from presswear.linkage.topology import chain_of
 from presswear.physics.links import GUIDED, LINK, arm, pack_links
 from presswear.physics.motion import MOTION, drive_motion, pack_motion
-from presswear.tools.compiled import Records, apart, compiled
+from presswear.tools.compiled import Records, apart, compiled, inlined
 
 Array = NDArray[np.float64]
 
@@ -27,10 +27,10 @@ PART = np.dtype(
         ("below", np.int64),  # part that it hangs from; -1 for the frame
         ("drive", np.int64),  # place of its drive among the linkage's; -1 for none
         ("motion", MOTION),  # of that drive
-        ("inertia", np.float64),  # kg m^2; what hangs from the frame: about its hinge, and no mass
     ]
 )
-"""A prescribed body as the kernels see it."""
+"""A prescribed body as the kernels see it; one hinged to the frame has its inertia about the hinge,
+and no mass."""
 
 CLOSING = np.dtype(
     [
@@ -94,7 +94,7 @@ def begin_motion(prescribed: Prescribed, t: float, q: Array) -> None:
             work[PLACE, i] = q[b + 2]
 
 
-@compiled
+@inlined
 def place_prescribed(
     prescribed: Prescribed, t: float, q: Array, v: Array, a: Array, axes: Array
 ) -> None:
@@ -137,7 +137,7 @@ def place_prescribed(
         work[PLACE, i] = q[parts[i].body] = math.nan
 
 
-@compiled
+@inlined
 def _place(parts: Records, work: Array, q: Array, v: Array, a: Array, axes: Array) -> None:
     """Fill coordinates, rates and accelerations of all parts from those of the chain."""
     for i in range(parts.shape[0]):
@@ -145,7 +145,7 @@ def _place(parts: Records, work: Array, q: Array, v: Array, a: Array, axes: Arra
         b = part.body
         x, spin, faster = work[PLACE, i], work[RATE, i], work[FASTER, i]
         if part.kind == GUIDED:
-            axes[b], axes[b + 1] = math.cos(part.angle), math.sin(part.angle)
+            axes[b], axes[b + 1] = part.axis_x, part.axis_y
             q[b] = part.before_x + x * part.cosine
             q[b + 1] = part.before_y + x * part.sine
             v[b], v[b + 1] = spin * part.cosine, spin * part.sine
@@ -313,7 +313,7 @@ def _with_turned(prescribed: Prescribed, i: int, needed: float) -> float:
     return needed
 
 
-@compiled
+@inlined
 def drive_torques(
     prescribed: Prescribed, q: Array, axes: Array, force: Array, torque: Array
 ) -> None:
@@ -355,7 +355,7 @@ def drive_torques(
         torque[parts[i].drive] = -needed
 
 
-@compiled
+@inlined
 def forced_power(prescribed: Prescribed, v: Array, a: Array, force: Array) -> float:
     """Power, W, of the generalized forces on the prescribed bodies, less what speeds them up."""
     power = 0.0
@@ -370,7 +370,7 @@ def forced_power(prescribed: Prescribed, v: Array, a: Array, force: Array) -> fl
     return power
 
 
-@compiled
+@inlined
 def subtract_inertia(prescribed: Prescribed, a: Array, force: Array) -> None:
     """Take from generalized forces on the prescribed bodies what speeds these up."""
     for i in range(prescribed.parts.shape[0]):
@@ -398,10 +398,8 @@ def pack_prescribed(linkage: Linkage, bodies: frozenset[str]) -> Prescribed:
             own["drive"] = number
             pack_motion(linkage, drive, own["motion"])
     for part, branch in zip(parts, branches, strict=True):
-        body = linkage.bodies[linkage.index(branch.own.body)]
-        part["inertia"] = body.inertia
         if part["before"] < 0 and part["kind"] != GUIDED:
-            part["inertia"] += body.mass * (branch.own.x**2 + branch.own.y**2)
+            part["inertia"] += part["mass"] * (branch.own.x**2 + branch.own.y**2)
             part["mass"] = 0.0
     closings = np.zeros(len(pins), CLOSING)
     for closing, pin in zip(closings, pins, strict=True):

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.physics.laws import bristle_after, bristle_rate
-from presswear.tools.compiled import Records, compiled
+from presswear.tools.compiled import Records, compiled, inlined
 
 Array = NDArray[np.float64]
 
@@ -167,7 +167,7 @@ def separate(
         tally.rows += 1
 
 
-@compiled
+@inlined
 def remember(last: Records, joint: Records, contact: Records, t: float) -> None:
     """Keep what the next step needs of an accepted state."""
     turns = joint.map_turns

@@ -18,7 +18,7 @@ from presswear.physics.contact import CONTACT, direction_of
 from presswear.physics.foundation import spread
 from presswear.physics.packed import JOINT
 from presswear.physics.surface import ROWS, bin_of
-from presswear.tools.compiled import Records, apart, compiled
+from presswear.tools.compiled import Records, apart, compiled, inlined
 
 Array = NDArray[np.float64]
 
@@ -26,7 +26,7 @@ ROUND = np.zeros((ROWS, 1))
 """Surfaces without wear, as a map of one bin."""
 
 
-@compiled
+@inlined
 def slip_speed(by_angle: bool, pin_radius: float, contact: Records) -> float:
     """Rate of slip ds/dt, m/s: (R_j + delta) |phi_dot| (equation 24) or |v_t|."""
     if by_angle:
@@ -34,7 +34,7 @@ def slip_speed(by_angle: bool, pin_radius: float, contact: Records) -> float:
     return abs(contact.sliding)
 
 
-@compiled
+@inlined
 def contact_area(
     penetration: float,
     eccentricity: float,
@@ -57,7 +57,7 @@ def contact_area(
     return 2.0 * width * bearing_radius * sine
 
 
-@compiled
+@inlined
 def dose_rates(joint: Records, contact: Records, normal: float) -> tuple[float, float]:
     """Rates of the two doses of wear: F_n ds/dt, W, and p ds/dt, W/m^2, with p = F_n / A.
 

@@ -16,7 +16,7 @@ from presswear.physics.packed import Packed
 from presswear.physics.touchdown import settle
 from presswear.physics.wear import deposit_in_bin, deposit_over_arc
 from presswear.record.film import take_frame
-from presswear.tools.compiled import Records, compiled
+from presswear.tools.compiled import Records, compiled, inlined
 
 Array = NDArray[np.float64]
 
@@ -176,7 +176,7 @@ def settle_state(book: Book, t: float, needed: int) -> int:
     return events
 
 
-@compiled
+@inlined
 def watched(state: Records, q: Array, v: Array, a: Array) -> tuple[float, float, float]:
     """Place, m, velocity and acceleration of the watched point along its direction."""
     i = state.probe
@@ -276,7 +276,7 @@ def note_bottom(
     state.place, state.velocity, state.acceleration = now
 
 
-@compiled
+@inlined
 def observe(book: Book, t: float, h: float, q: Array, v: Array, a: Array) -> None:
     """Account for one accepted step of length ``h``, s, that ended in the given state.
 

@@ -1,6 +1,6 @@
 """Trackers: objects that are told what happens while something runs."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -45,7 +45,7 @@ class Tracker:
 
     An engine tells of one run: ``begun``, ``advanced`` and ``cycle``.  A campaign hands these on
     from each of its runs, which it then keeps in this process, and tells ``progress``,
-    ``checkpoint`` and ``stage`` besides.
+    ``checkpoint``, ``stage`` and ``remark`` besides.
 
     Attributes
     ----------
@@ -86,8 +86,17 @@ class Tracker:
     def stage(self, stage: Any) -> None:
         """Hear of a finished stage (``StageResult``), the wear after it included."""
 
+    def remark(self, line: str) -> None:
+        """Hear a line for the person who waits, such as that a process was lost."""
+
     def variant(self, key: str, part: float, word: str) -> None:
         """Hear which part of a variant of a study is done, 0 .. 1, and where it stands."""
+
+
+def tell_all(trackers: Iterable[Tracker], line: str) -> None:
+    """Tell trackers a remark."""
+    for tracker in trackers:
+        tracker.remark(line)
 
 
 @dataclass

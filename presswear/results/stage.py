@@ -61,7 +61,7 @@ class WearStep:
     factor: float
     largest_change_of_clearance: float
     deepest_m: Mapping[str, Mapping[str, float]]
-    force_max_N: Mapping[str, float]  # noqa: N815
+    force_max_N: Mapping[str, float]  # noqa: N815 - N is the unit
     wall_s: float
 
 

@@ -95,7 +95,8 @@ def read_arrays(file: Path, expected: str | None = None) -> dict[str, NDArray[An
                 with archive.open(member) as stream:
                     found[member.filename.removesuffix(".npy")] = _array(stream, member.file_size)
             return found
-    # Damage shows as a dozen kinds of errors of zipfile, zlib, tokenize and numpy.
+    # A damaged file, or one made to harm, shows as a dozen kinds of errors, none of them promised:
+    # of zipfile, zlib, struct, tokenize, ast and numpy, which evaluates a header as a literal.
     except Exception as error:
         raise InputError(f"{file} cannot be read: {error}") from None
 

@@ -14,11 +14,9 @@ import ctypes
 import hashlib
 import inspect
 import os
-import signal
 import tempfile
 import threading
 import time as clock
-import warnings
 from _thread import interrupt_main
 from collections.abc import Callable
 from contextlib import AbstractContextManager
@@ -38,7 +36,6 @@ from numpy.typing import NDArray
 from presswear.tools.errors import InputError
 from presswear.tools.linking import PartCompiler, WholeCompiler, kept_code
 from presswear.tools.own import OwnFunction
-from presswear.tools.workers import cores
 
 Array = NDArray[np.float64]
 F = TypeVar("F", bound=Callable[..., Any])
@@ -91,25 +88,23 @@ _OPTIONS = {"error_model": "numpy", "_nrt": False, "no_cfunc_wrapper": True}
 class Kernel:
     """A compiled function: a part of those kernels that call it, a whole where Python does."""
 
-    def __init__(self, function: Callable[..., Any]) -> None:
+    def __init__(self, function: Callable[..., Any], is_inlined: bool = False) -> None:
         update_wrapper(self, function)
         self.py_func = function
         self.whole = _NUMBA.njit(pipeline_class=WholeCompiler, **_OPTIONS)(function)
         if _of_package(function) and _cache_is_usable():
             self.whole._cache = kept_code(function)
-        self._part = _NUMBA.njit(pipeline_class=PartCompiler, no_cpython_wrapper=True, **_OPTIONS)(
-            function
+        part = _NUMBA.njit(
+            pipeline_class=PartCompiler,
+            no_cpython_wrapper=True,
+            forceinline=is_inlined,
+            **_OPTIONS,
         )
+        self._part = part(function)
 
     def __call__(self, *arguments: Any) -> Any:
         """Run it, compiled or loaded if need be."""
         return self.whole(*arguments)
-
-    @property
-    def is_kept(self) -> bool:
-        """True where some of its machine code is kept."""
-        folder = self.whole.stats.cache_path
-        return folder is None or any(Path(folder).glob(f"*.{self.py_func.__qualname__}-*.nbi"))
 
     @property
     def _numba_type_(self) -> Any:
@@ -127,6 +122,15 @@ def compiled(function: F) -> F:
     defined elsewhere is outside the digest and is compiled anew each time.
     """
     return cast(F, Kernel(function))
+
+
+def inlined(function: F) -> F:
+    """Compile a kernel that becomes part of each that calls it, however large.
+
+    For the few that every evaluation runs through: to hand over some dozens of arrays takes as
+    long as what they compute.
+    """
+    return cast(F, Kernel(function, is_inlined=True))
 
 
 def _of_package(function: Callable[..., Any]) -> bool:
@@ -235,43 +239,6 @@ def specialised(kernel: F, *arguments: Any) -> F:
     return cast(F, dispatcher.overloads[types].entry_point)
 
 
-def compile_at_once(*asked: tuple[Any, ...]) -> None:
-    """Compile kernels where no code of them is kept, the first here, the others beside it.
-
-    They are compiled in a process of their own where there is a core for it; whoever asks for
-    them behind this loads what it kept.
-
-    Parameters
-    ----------
-    asked : tuple
-        A kernel and its arguments, as for ``specialised``.
-    """
-    new = [each for each in asked if not each[0].is_kept]
-    if len(new) < 2 or not hasattr(os, "fork") or cores() < 2:
-        return
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", DeprecationWarning)  # see below
-        process = os.fork()
-    if process == 0:
-        try:
-            for kernel, *arguments in new[1:]:
-                specialised(kernel, *arguments)
-        finally:
-            os._exit(0)
-    began, ended = clock.perf_counter(), 0
-    try:
-        specialised(*new[0])
-        # Where another thread held a lock, the new process waits for ever: not so this one.
-        latest = began + 3.0 * (clock.perf_counter() - began)
-        while not ended and clock.perf_counter() < latest:
-            ended = os.waitpid(process, os.WNOHANG)[0]
-            clock.sleep(0.01)
-    finally:
-        if not ended:
-            os.kill(process, signal.SIGKILL)
-            os.waitpid(process, 0)
-
-
 def _calling(typing: Any, address: Any, arguments: Any) -> Any:
     """Call a function of numbers that gives a number by its address, with a tuple of them."""
 
@@ -310,25 +277,19 @@ class _Listener(event.Listener):
 
     def __init__(self, told: Callable[[float], None]) -> None:
         self._told, self._depth, self._began = told, 0, 0.0
-        self._process = os.getpid()
 
     def on_start(self, event: Any) -> None:
         """Hear that it begins."""
         if self._depth == 0:
             self._began = clock.perf_counter()
-            self._tell(0.0)
+            self._told(0.0)
         self._depth += 1
 
     def on_end(self, event: Any) -> None:
         """Hear that it is done."""
         self._depth -= 1
         if self._depth == 0:
-            self._tell(clock.perf_counter() - self._began)
-
-    def _tell(self, seconds: float) -> None:
-        # What a process compiles for this one nobody watches, and locks are not to be waited for.
-        if os.getpid() == self._process:
-            self._told(seconds)
+            self._told(clock.perf_counter() - self._began)
 
 
 def told_of_compiling(told: Callable[[float], None]) -> AbstractContextManager[Any]:

@@ -51,6 +51,7 @@ Ended = Callable[[int, Any], Mapping[int, Job | None]]
 None for a key whose job is not wanted any more, whether it runs or waits."""
 Told = Callable[[int, float, str, Array | None], None]
 """Hears by its key what a job has told."""
+Lost = Callable[[str], None]
 
 
 class Stopped(KeyboardInterrupt):
@@ -80,6 +81,18 @@ class Workers(Protocol):
 
     def run(self, jobs: Mapping[int, Job], ended: Ended, told: Told) -> None:
         """Do jobs, and those that come of them; interrupted, ``ended`` hears what there is."""
+
+
+def outcomes(workers: Workers, jobs: Sequence[Job]) -> list[Any]:
+    """Do jobs that nothing comes of; what they gave, in their order."""
+    found: dict[int, Any] = {}
+
+    def ended(key: int, outcome: Any) -> Mapping[int, Job | None]:
+        found[key] = outcome
+        return {}
+
+    workers.run(dict(enumerate(jobs)), ended, lambda key, done, word, rows: None)
+    return [found[key] for key in range(len(jobs))]
 
 
 def cores() -> int:
@@ -197,7 +210,12 @@ class Pool:
     """
 
     def __init__(
-        self, count: int, imports: Sequence[str] = (), lasts: float = math.inf, room: int = 0
+        self,
+        count: int,
+        imports: Sequence[str] = (),
+        lasts: float = math.inf,
+        room: int = 0,
+        lost: Lost = lambda line: None,
     ) -> None:
         """Know what processes are to be; they begin with the first job.
 
@@ -208,8 +226,10 @@ class Pool:
             Modules that jobs need.
         room : int
             Most numbers in rows that a job shows; 0: none are.
+        lost : callable
+            Told in a line where a process was killed and is replaced.
         """
-        self.lasts = lasts
+        self.lasts, self._lost = lasts, lost
         self._count, self._imports, self._room = count, tuple(imports), room
         self._is_again = False
         self._pool: ProcessPoolExecutor | None = None
@@ -329,6 +349,10 @@ class Pool:
                 "worker processes were ended from outside again and again, as a system does that "
                 "is out of memory"
             )
+        self._lost(
+            "a worker process was ended from outside, as a system does that is out of memory: what "
+            f"was at work is done again, {self._count} at a time"
+        )
 
     def _collect(
         self,
@@ -348,12 +372,16 @@ class Pool:
 
 
 def workers_for(
-    count: int, imports: Sequence[str] = (), lasts: float = math.inf, room: int = 0
+    count: int,
+    imports: Sequence[str] = (),
+    lasts: float = math.inf,
+    room: int = 0,
+    lost: Lost = lambda line: None,
 ) -> InProcess | Pool:
     """The cheapest that can do so many jobs at once; see ``Pool``."""
     # A process that is to end with its own parent may have no children.
     is_alone = count <= 1 or multiprocessing.current_process().daemon
-    return InProcess(lasts) if is_alone else Pool(count, imports, lasts, room)
+    return InProcess(lasts) if is_alone else Pool(count, imports, lasts, room, lost)
 
 
 def _context(imports: Sequence[str]) -> Any:

@@ -5,9 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from presswear.campaign.campaign import run_campaign, run_stage
-from presswear.campaign.deviation import COLUMNS, deviations, whole_cycles
+from presswear.campaign.deviation import COLUMNS, Deviation, whole_cycles
 from presswear.campaign.ensemble import FEWEST, Ensemble
 from presswear.campaign.starts import APART, start_of
 from presswear.record.sampling import STARTUP_CYCLES
@@ -121,19 +122,19 @@ def test_starts_need_a_clearance_joint() -> None:
         changed(ideal(), {"starts": "2"})
 
 
-def delayed(scene: Scene, delay: float) -> Ensemble:
-    """An ensemble whose recorded slider follows the ideal one late."""
+def delayed(scene: Scene, delay: float) -> NDArray[np.float64]:
+    """How far a run is off whose recorded slider follows the ideal one late."""
     ensemble = run_stage(replace(scene, cycles=2), 0)[1]
     rows = ensemble.recorders[0].rows
     rows[:, 1:4] = scene.ideal_slider(rows[:, 0] - delay)
-    return ensemble
+    return Deviation.of(scene, ensemble.recorders[0])(lambda *_: None)
 
 
 def test_a_late_slider_lags_by_its_delay() -> None:
     late = 1e-4
-    found = deviations(QUICK, delayed(QUICK, late))["deviation"]
+    found = delayed(QUICK, late)
     assert found[:, COLUMNS.index("lag")] == pytest.approx(late, rel=2e-3)
-    exact = deviations(QUICK, delayed(QUICK, 0.0))["deviation"]
+    exact = delayed(QUICK, 0.0)
     assert np.abs(exact[:, :3]).max() < 1e-12
     ideal_stroke = np.ptp(QUICK.ideal_slider(np.linspace(0.0, QUICK.mechanism.period, 4001))[:, 0])
     assert exact[:, COLUMNS.index("stroke")] == pytest.approx(ideal_stroke, rel=1e-5)

@@ -2,41 +2,32 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from functools import partial
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
+from fake_engine import FakeEngine, Seen, use
 from numpy.typing import NDArray
 
 from presswear.campaign.campaign import run_campaign, run_stage
 from presswear.campaign.growth import FIRST_PASS, Growth, error_of
 from presswear.campaign.segment import worn_out
 from presswear.campaign.single import run_scene
-from presswear.engines.base import Plan, Run, Start, recorder_of
-from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
-from presswear.linkage.elements import Linkage
 from presswear.linkage.surface import bin_centres
 from presswear.physics.wear import worn_volume
-from presswear.record.recorder import Recorder
 from presswear.record.sampling import MapBatches, half_width, mean_map
-from presswear.record.soundness import Finding
-from presswear.record.tracker import Progress, Tracker
 from presswear.results.result import load
-from presswear.results.stage import SIDES, JointResult, StageResult
+from presswear.results.stage import SIDES, JointResult
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import wear_times
 from presswear.scene.scene import DRAWS, Scene
 from presswear.show.figures import drawings
 from presswear.show.report import notes, render
 from presswear.show.report.wear import growth as growth_table
-from presswear.tools.arrays import named, part
 
 Array = NDArray[np.float64]
-Law = Callable[[int, Array], Array]
-"""Number of the run, and depth of the surfaces, shape (joints, 2, m): depth of one cycle, m."""
 
 CLEARANCE = 0.8e-3
 CYCLES = 6
@@ -56,55 +47,6 @@ SHAPE = np.stack([np.exp(np.cos(bin_centres(360)) - 1.0), 0.3 + 0.2 * np.sin(bin
 """Of wear over bearing and pin; its largest value is that of the bearing, near 1."""
 
 
-@dataclass
-class FakeEngine:
-    """Wears as a law says; runs are numbered from 1, and one of them may go wrong."""
-
-    law: Law
-    fails: int = 0
-    stopped: int = 0
-    runs: int = 0
-
-    def __call__(self, linkage: Linkage, start: Start, plan: Plan) -> Run:
-        self.runs += 1
-        recorder = recorder_of(linkage, start, plan)
-        recorder.book.record["now"] = plan.cycle * plan.cycles
-        for tracker in plan.trackers:
-            tracker.begun(recorder)
-        if plan.resume is not None:
-            recorder.restore(part(plan.resume, "recorder"))
-        is_enough = False
-        for cycle in range(len(recorder.cycles), plan.cycles):
-            plan.advanced((cycle + 0.5) * plan.cycle)
-            if self.runs == self.stopped and cycle == 1:
-                raise KeyboardInterrupt
-            recorder.book.cycle[:] = 100.0 * self.runs
-            recorder.book.depth[...] = self.law(self.runs, depth_of(recorder, linkage))
-            added = recorder.end_cycle()
-            if plan.wear is not None:
-                recorder.wear(plan.wear(cycle + 1, added), start.position, start.velocity)
-            state = partial(named, "recorder", recorder.state())
-            is_enough = any(tracker.cycle(recorder, state) for tracker in plan.trackers)
-            if is_enough and cycle + 1 < plan.cycles:
-                break
-        else:
-            is_enough = False
-        failed = self.runs == self.fails
-        return Run(
-            "failed" if failed else "enough" if is_enough else "completed",
-            Finding("state", "the solver found no step", 0.1, "", "") if failed else None,
-            recorder,
-            start,
-            plan.cycle * plan.cycles,
-            {"model": "none", "energy_residual_J": 0.0, "drive_exchange_J": 0.0, "steps": 1},
-        )
-
-
-def depth_of(recorder: Recorder, linkage: Linkage) -> Array:
-    worn = recorder.worn
-    return worn if worn.size else np.zeros((len(linkage.clearances), 2, 360))
-
-
 def constant(run: int, depth: Array) -> Array:
     return np.stack([RATE * SHAPE, 0.4 * RATE * SHAPE])
 
@@ -119,34 +61,9 @@ def exponential(run: int, depth: Array) -> Array:
     return RATE * SHAPE + depth / REPRESENTED
 
 
-class Seen(Tracker):
-    """Everything that a tracker was told."""
-
-    def __init__(self) -> None:
-        self.stages: list[StageResult] = []
-        self.told: list[Progress] = []
-        self.status = self.message = ""
-
-    def progress(self, progress: Progress) -> None:
-        self.told.append(progress)
-
-    def stage(self, stage: StageResult) -> None:
-        self.stages.append(stage)
-
-    @property
-    def wholes(self) -> list[float]:
-        return [progress.whole for progress in self.told]
-
-
 def both(joint: JointResult, of: Callable[[str], Array]) -> Array:
     """Bearing and pin, shape (2, m), m."""
     return np.stack([of(side) for side in SIDES])
-
-
-def use(engine: FakeEngine, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let a fake engine run in place of any."""
-    for kind in (ExudynTree, ExudynJoints, InHouse):
-        monkeypatch.setattr(kind, "simulate", lambda self, *given: engine(*given))
 
 
 Campaign = Callable[[Scene, FakeEngine], Seen]

@@ -5,7 +5,8 @@ from dataclasses import replace
 import pytest
 
 from presswear.campaign import resolution
-from presswear.campaign.resolution import step_errors
+from presswear.campaign.campaign import begun_on
+from presswear.campaign.resolution import StepErrors
 from presswear.campaign.run import run
 from presswear.scene.catalog import wear_times
 from presswear.scene.scene import Scene
@@ -17,6 +18,11 @@ def scene_of(engine: str, tolerance: float) -> Scene:
     return changed(replace(wear_times(), wears=0), {"engine": engine, key: str(tolerance)})
 
 
+def step_errors(scene: Scene, start: int = -1) -> dict[str, float]:
+    """Of the surfaces that it begins on."""
+    return StepErrors(scene, begun_on(scene)[0], start)(lambda *_: None)
+
+
 @pytest.mark.parametrize("engine", ["dae", "exudyn-tree"])
 def test_pieces_that_are_run_again_as_they_were_are_what_they_were(
     monkeypatch: pytest.MonkeyPatch, engine: str
@@ -24,7 +30,7 @@ def test_pieces_that_are_run_again_as_they_were_are_what_they_were(
     """Bit for bit: each begins in the state of the run itself."""
     monkeypatch.setattr(resolution, "FINER", 1.0)
     scene = scene_of(engine, 1e-5)
-    assert step_errors(scene, scene.linkage()) == {
+    assert step_errors(scene) == {
         "step_error_of_dose": 0.0,
         "step_error_of_force": 0.0,
     }
@@ -32,7 +38,7 @@ def test_pieces_that_are_run_again_as_they_were_are_what_they_were(
 
 def test_the_error_falls_with_the_tolerance() -> None:
     coarse, fine = (
-        [step_errors(scene, scene.linkage(), start)["step_error_of_dose"] for start in (-1, -2)]
+        [step_errors(scene, start)["step_error_of_dose"] for start in (-1, -2)]
         for scene in (scene_of("exudyn-tree", 1e-4), scene_of("exudyn-tree", 1e-8))
     )
     assert min(coarse) > 10.0 * max(fine) > 0.0
@@ -40,9 +46,9 @@ def test_the_error_falls_with_the_tolerance() -> None:
 
 def test_equal_steps_and_closed_joints_have_none() -> None:
     scene = changed(wear_times(), {"engine": "dae", "integrator": "rk4"})
-    assert step_errors(scene, scene.linkage()) == {}
+    assert step_errors(scene) == {}
     scene = replace(wear_times(), joints="none", wears=0)
-    assert step_errors(scene, scene.linkage()) == {}
+    assert step_errors(scene) == {}
 
 
 def test_a_stage_of_many_cycles_tells_it_beside_what_is_known_of_its_wear() -> None:

@@ -2,28 +2,29 @@
 
 import os
 import signal
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 from endurance.sameness import folder_differences
 
+from presswear.campaign import stage
 from presswear.campaign.campaign import run_stage
 from presswear.campaign.checkpoint import Checkpoint
 from presswear.campaign.ensemble import FEWEST, PART, Ensemble, dealt, first_round, next_round
-from presswear.campaign.segment import Segment, Task
+from presswear.campaign.resolution import StepErrors
+from presswear.campaign.segment import Reached, Segment, Task
 from presswear.campaign.single import run_into, run_scene, workers_of
 from presswear.record.sampling import STARTUP_CYCLES, MapBatches
 from presswear.record.tracker import Progress, Tracker
 from presswear.results.folder import ResultFolder
 from presswear.results.result import load
 from presswear.scene.catalog import wear_times
-from presswear.scene.scene import Scene
+from presswear.scene.scene import Scene, stage_name
 from presswear.scene.settings import changed
-from presswear.tools.workers import InProcess, Job, Pool
+from presswear.tools.workers import Array, Ended, InProcess, Job, Pool, Report, Told
 
 QUICK = {
     "engine": "dae",
@@ -84,27 +85,41 @@ def finished(scene: Scene, jobs: int, path: Path) -> Path:
     return path
 
 
+@pytest.fixture
+def each_is_examined(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Stages of few cycles tell what finer steps would change as well."""
+    monkeypatch.setattr(stage, "WORTH", 1)
+
+
+@pytest.mark.usefixtures("each_is_examined")
 @pytest.mark.parametrize("name", sorted(SCENES))
 def test_no_number_depends_on_the_processes(name: str, tmp_path: Path) -> None:
     scene = SCENES[name]
     one, two, three = (finished(scene, jobs, tmp_path / f"{jobs}") for jobs in (1, 2, 3))
     assert folder_differences(one, two) == []
     assert folder_differences(one, three) == []
+    assert all(own.statistics["step_error_of_dose"] > 0.0 for own in load(one).stages)
     if name == "until known":
-        (stage,) = load(one).stages
+        (only,) = load(one).stages
         # More than one round, or nothing was decided.
-        assert stage.cycles > 4 * STARTUP_CYCLES + FEWEST
-        assert stage.status == "enough"
+        assert only.cycles > 4 * STARTUP_CYCLES + FEWEST
+        assert only.status == "enough"
 
 
 class Reversed(InProcess):
     """Does the last job first, so that all come to their ends in another order."""
 
-    def run(self, jobs: Mapping[int, Job], ended: Callable, told: Callable) -> None:  # type: ignore[type-arg]
+    def run(self, jobs: Mapping[int, Job], ended: Ended, told: Told) -> None:
         waiting = dict(jobs)
         while waiting:
             key = max(waiting)
-            following = ended(key, waiting.pop(key)(partial(told, key)))
+
+            def report(
+                done: float, word: str = "", rows: Array | None = None, key: int = key
+            ) -> None:
+                told(key, done, word, rows)
+
+            following = ended(key, waiting.pop(key)(report))
             for other, job in following.items():
                 waiting.pop(other, None)
                 if job is not None:
@@ -127,8 +142,8 @@ def test_a_failed_run_is_the_last(workers: InProcess, monkeypatch: pytest.Monkey
     """Whatever ran behind it, in order, is left out, and those before it run on."""
     call = Segment.__call__
 
-    def failing(self: Segment, report: object) -> object:
-        reached = call(self, report)  # type: ignore[arg-type]
+    def failing(self: Segment, report: Report) -> Reached:
+        reached = call(self, report)
         if self.start == 1 and reached.cycles >= 2:
             return replace(reached, status="failed")
         return reached
@@ -144,6 +159,10 @@ class Kills(Tracker):
 
     def __init__(self, pool: Pool) -> None:
         self.pool, self.killed = pool, 0
+        self.heard: list[str] = []
+
+    def remark(self, line: str) -> None:
+        self.heard.append(line)
 
     def progress(self, progress: Progress) -> None:
         if not self.killed and progress.part > 0.3:
@@ -156,11 +175,14 @@ def test_a_killed_process_changes_nothing(tmp_path: Path) -> None:
     scene = replace(UNTIL_KNOWN, cycles=8)
     whole = finished(scene, 1, tmp_path / "whole")
     store = ResultFolder(tmp_path / "killed", scene, 0.0)
-    with workers_of([scene], 2, interval=0.0) as workers:
+    trackers: list[Tracker] = []
+    with workers_of([scene], 2, trackers, interval=0.0) as workers:
         assert isinstance(workers, Pool)
         kills = Kills(workers)
-        run_into(store, scene, [kills], workers)
+        trackers.append(kills)
+        run_into(store, scene, trackers, workers)
     assert kills.killed
+    assert len(kills.heard) == 1
     assert folder_differences(whole, store.path) == []
 
 
@@ -192,6 +214,35 @@ def test_what_is_stopped_in_many_goes_on_in_one(part: float, jobs: int, tmp_path
     assert sum(begun) / 32 > part - jobs / 32
     run_into(ResultFolder(path, scene, resume=True), scene)
     assert folder_differences(finished(scene, 1, tmp_path / "whole"), path) == []
+
+
+class StopsInWear(Tracker):
+    """Interrupts the wear behind the first stage."""
+
+    def progress(self, progress: Progress) -> None:
+        if progress.word.startswith(stage_name(1)):
+            raise KeyboardInterrupt
+
+
+@pytest.mark.usefixtures("each_is_examined")
+def test_a_wear_that_is_gone_on_with_examines_its_stage_no_more(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole, path = finished(STEPS, 1, tmp_path / "whole"), tmp_path / "stopped"
+    worn: list[float] = []
+    call = StepErrors.__call__
+
+    def noting(self: StepErrors, report: Report) -> dict[str, float]:
+        worn.append(float(self.worn.max()))
+        return call(self, report)
+
+    monkeypatch.setattr(StepErrors, "__call__", noting)
+    with pytest.raises(KeyboardInterrupt):
+        run_into(ResultFolder(path, STEPS), STEPS, [StopsInWear()])
+    run_into(ResultFolder(path, STEPS, resume=True), STEPS)
+    assert folder_differences(whole, path) == []
+    first, second = worn
+    assert second > first == 0.0
 
 
 class Watches(Tracker):

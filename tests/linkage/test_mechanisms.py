@@ -332,17 +332,17 @@ def test_a_gap_between_two_samples_is_found(name: str, open_at: float) -> None:
 def test_the_slider_moves_as_in_the_textbook() -> None:
     """x = r cos a + sqrt(l^2 - r^2 sin^2 a), written out here on its own."""
     motion = _cycle(CRANK, 3601)
-    r, l, turn = 0.05, 0.12, CRANK.speed * motion.time  # noqa: E741
-    expected = r * np.cos(turn) + np.sqrt(l**2 - (r * np.sin(turn)) ** 2)
+    r, rod, turn = 0.05, 0.12, CRANK.speed * motion.time
+    expected = r * np.cos(turn) + np.sqrt(rod**2 - (r * np.sin(turn)) ** 2)
     np.testing.assert_allclose(motion.position[:, SLIDER], expected, atol=1e-15)
     start = [0.025, 0, 0, 0.11, 0, 0, 0.17, 0, 0]
     np.testing.assert_allclose(motion.position[0], start, atol=1e-16)
-    # At the ends the acceleration is r w^2 (1 + r / l) and r w^2 (1 - r / l).
+    # At the ends the acceleration is r w^2 (1 + r / rod) and r w^2 (1 - r / rod).
     outer, inner = motion.acceleration[[0, 1800], SLIDER] / (r * CRANK.speed**2)
-    assert outer == pytest.approx(-(1.0 + r / l), rel=1e-12)
-    assert inner == pytest.approx(1.0 - r / l, rel=1e-9)
+    assert outer == pytest.approx(-(1.0 + r / rod), rel=1e-12)
+    assert inner == pytest.approx(1.0 - r / rod, rel=1e-9)
     swing = motion.position[:, ROD + 2]
-    assert (swing.max(), swing.min()) == pytest.approx((math.asin(r / l), -math.asin(r / l)))
+    assert (swing.max(), swing.min()) == pytest.approx((math.asin(r / rod), -math.asin(r / rod)))
 
 
 def test_the_slider_crank_is_the_one_of_the_literature() -> None:

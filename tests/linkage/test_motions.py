@@ -13,15 +13,8 @@ from numpy.typing import NDArray
 from scipy.interpolate import BPoly, CubicSpline
 
 from presswear.linkage.four_bar import FOUR_BAR
-from presswear.linkage.motions import (
-    MOST_PIECES,
-    RISES,
-    Drive,
-    Follow,
-    Rise,
-    pieces_of,
-    run_up_motion,
-)
+from presswear.linkage.motions import Drive, Follow, run_up_motion
+from presswear.linkage.pieces import MOST_PIECES, RISES, Rise, pieces_of
 from presswear.tools.errors import InputError
 
 Array = NDArray[np.float64]

@@ -31,7 +31,8 @@ from presswear.linkage.loads import (
     OverTime,
     Spring,
 )
-from presswear.linkage.motions import RISES, Drive, Follow, Rise
+from presswear.linkage.motions import Drive, Follow
+from presswear.linkage.pieces import RISES, Rise
 from presswear.linkage.press import GEOMETRIES, Press
 from presswear.linkage.reading import read
 from presswear.linkage.slider_crank import SliderCrank

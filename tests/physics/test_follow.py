@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from presswear.linkage.elements import Linkage
-from presswear.linkage.motions import RISES, Drive, Follow, Rise
+from presswear.linkage.motions import Drive, Follow
+from presswear.linkage.pieces import RISES, Rise
 from presswear.linkage.press import Press
 from presswear.linkage.slider_crank import SliderCrank
 from presswear.linkage.written import written

@@ -16,7 +16,8 @@ from presswear.engines.base import Plan, Run
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.elements import Linkage
 from presswear.linkage.four_bar import FOUR_BAR
-from presswear.linkage.motions import RISES, Drive, Rise, run_up_motion
+from presswear.linkage.motions import Drive, run_up_motion
+from presswear.linkage.pieces import RISES, Rise
 from presswear.linkage.reading import read
 from presswear.linkage.slider_crank import SliderCrank
 from presswear.linkage.written import toml_of, written

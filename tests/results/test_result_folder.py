@@ -388,7 +388,7 @@ def test_maps_of_different_bins_are_stored_and_shown(whole: Path) -> None:
         assert numbers["wear_volume_m3"] == pytest.approx(volume, rel=1e-12)
     drawn = {drawing.file: drawing.sheet for drawing in drawings(result)}
     ends = [
-        {int(line.get_xdata().size) for line in axes.get_lines()}  # type: ignore[union-attr]
+        {np.size(line.get_xdata()) for line in axes.get_lines()}
         for axes in drawn["wear-depth.png"].axes
     ]
     assert len(set(map(max, ends))) == 2

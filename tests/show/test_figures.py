@@ -19,7 +19,8 @@ from presswear.engines.base import Status
 from presswear.linkage.elements import Bar, Pin
 from presswear.linkage.four_bar import FOUR_BAR
 from presswear.linkage.loads import AnyLoad, Force, Harmonics, Load, Moment, Spring
-from presswear.linkage.motions import Drive, Rise
+from presswear.linkage.motions import Drive
+from presswear.linkage.pieces import Rise
 from presswear.linkage.surface import bin_centres
 from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
 from presswear.results.result import Result

@@ -95,11 +95,12 @@ def test_what_does_not_fit_is_named(arguments: dict[str, Any], says: str) -> Non
 def test_functions_are_checked_as_classes_are() -> None:
     part = Part("a", 1)
     assert joined([part, part]) == 2
+    untyped: Any = joined
     with pytest.raises(InputError, match=r"parts\[1\] = 3: a Part is expected"):
-        joined([part, 3])  # type: ignore[list-item]
+        untyped([part, 3])
     with pytest.raises(InputError, match="whole = 1: a True or False is expected"):
-        joined([part], whole=1)  # type: ignore[arg-type]
+        untyped([part], whole=1)
     with pytest.raises(InputError, match="ideal: too many positional arguments"):
         ideal(3)
     with pytest.raises(InputError, match="joined: too many positional arguments"):
-        joined([part], True, 3)  # type: ignore[call-arg]
+        untyped([part], True, 3)

@@ -3,15 +3,13 @@
 import os
 import subprocess
 import sys
-import time
 from pathlib import Path
-from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from presswear.tools import compiled as module
 from presswear.tools.compiled import apart, compiled, specialised, told_of_compiling
 
 Array = NDArray[np.float64]
@@ -37,10 +35,15 @@ def _both(x: float) -> float:
     return _left(x) + _right(x) + _leaf(-x)
 
 
+def signatures(kernel: Any) -> list[Any]:
+    """Types of arguments that a kernel was compiled for as a whole."""
+    return list(kernel.whole.overloads)
+
+
 def test_a_kernel_takes_all_that_it_calls_with_it_and_none_of_it_is_compiled_alone() -> None:
     assert _both(3.0) == 2.0 * 10.0 + (10.0 - 3.0) + 10.0
     for part in (_leaf, _left, _right):
-        assert not part.whole.overloads  # type: ignore[attr-defined]
+        assert not signatures(part)
     assert _left(3.0) == 20.0
 
 
@@ -48,9 +51,9 @@ PAIR = np.dtype([("one", np.float64), ("other", np.int64)])
 
 
 @apart((0.0, 0), PAIR, 1, 0)
-def _rare(pair: np.void, numbers: Array, x: float) -> tuple[float, int]:
-    pair.other += 1  # type: ignore[attr-defined]
-    return pair.one * x + numbers[numbers.shape[0] - 1], numbers.shape[0]  # type: ignore[attr-defined]
+def _rare(pair: Any, numbers: Array, x: float) -> tuple[float, int]:
+    pair.other += 1
+    return pair.one * x + numbers[numbers.shape[0] - 1], numbers.shape[0]
 
 
 @compiled
@@ -67,10 +70,10 @@ def test_a_kernel_apart_is_compiled_when_it_is_called_first() -> None:
     pairs, numbers = np.zeros(2, PAIR), np.arange(6.0).reshape(3, 2)
     pairs["one"] = 10.0, 100.0
     assert _seldom(pairs, numbers, -1.0) == 0.0
-    assert not _rare.whole.overloads  # type: ignore[attr-defined]
+    assert not signatures(_rare)
     # Columns have gaps, whole arrays none.
     assert _seldom(pairs, numbers, 2.0) == 3.0 * (20.0 + 4.0) + 3.0 * (200.0 + 5.0)
-    assert len(_rare.whole.overloads) == 1  # type: ignore[attr-defined]
+    assert len(signatures(_rare)) == 1
     assert pairs["other"].tolist() == [1, 1]
 
 
@@ -97,29 +100,6 @@ def _told(tmp_path: Path, script: str) -> list[str]:
     return ran.stdout.split()
 
 
-AT_ONCE = """
-import numpy as np
-from presswear.tools.compiled import all_finite, compile_at_once, copy_to, told_of_compiling
-x, heard = np.ones(3), []
-with told_of_compiling(heard.append):
-    compile_at_once((copy_to, x, x), (all_finite, x, x))
-    here = len(heard)
-    copy_to(x, x)
-    assert all_finite(x, x)
-for kernel in (copy_to, all_finite):
-    stats = kernel.whole.stats
-    print(sum(stats.cache_hits.values()), sum(stats.cache_misses.values()))
-print(here, len(heard))
-"""
-
-
-@pytest.mark.skipif(
-    not hasattr(os, "fork") or len(os.sched_getaffinity(0)) < 2, reason="needs two cores"
-)
-def test_the_second_kernel_is_compiled_by_another_process_and_loaded(tmp_path: Path) -> None:
-    assert _told(tmp_path, AT_ONCE) == ["0", "1", "1", "0", "2", "2"]
-
-
 COUNTED = """
 from numba.core import event
 import presswear as pw
@@ -143,28 +123,3 @@ def test_a_first_start_compiles_few_kernels(tmp_path: Path, engine: str, most: i
     compiled, unused = map(int, _told(tmp_path, COUNTED % engine))
     assert 20 < compiled <= most
     assert unused == 0
-
-
-def test_a_process_that_hangs_beside_the_compiler_is_given_up(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    """A fork of a process with threads may wait for ever for what one of them held."""
-    here, ended, fork, forked = os.getpid(), tmp_path / "ended", os.fork, list[int]()
-
-    def slow(kernel: object) -> None:
-        if os.getpid() != here:
-            time.sleep(2.0)
-            ended.touch()
-
-    def noted() -> int:
-        forked.append(fork())
-        return forked[-1]
-
-    monkeypatch.setattr(os, "fork", noted)
-    monkeypatch.setattr(module, "specialised", slow)
-    monkeypatch.setattr(module, "cores", lambda: 2)
-    new = SimpleNamespace(is_kept=False)
-    module.compile_at_once((new,), (new,))
-    with pytest.raises(ChildProcessError):
-        os.waitpid(forked[0], os.WNOHANG)
-    assert not ended.exists()

@@ -181,9 +181,12 @@ def test_a_killed_process_is_replaced(number: int, tmp_path: Path) -> None:
         came[key] = outcome
         return {}
 
-    with Pool(2) as each:
+    lines: list[str] = []
+    with workers_for(2, lost=lines.append) as each:
         each.run({number: Dies(tmp_path / "died"), 1 - number: Waits(0.2)}, ended, nothing)
     assert came == {number: "done", 1 - number: 0}
+    (line,) = lines
+    assert "2 at a time" in line
 
 
 def test_processes_that_are_killed_again_and_again_end_the_run() -> None:

@@ -5,14 +5,17 @@ import time as clock
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.engines.base import Plan, Start, described
+from presswear.engines.base import Plan, Start, described, listed
 from presswear.engines.dae.dynamics import (
     DRIVE_INTEGRALS,
     JOINT_INTEGRALS,
+    System,
+    place,
     system_of,
+    tree_system_of,
 )
+from presswear.engines.dae.events import CONTROL
 from presswear.engines.dae.march import (
-    CONTROL,
     DONE,
     RUNNING,
     STUCK,
@@ -24,9 +27,11 @@ from presswear.engines.dormand_prince import DOP853, DOPRI5
 from presswear.engines.driver import Simulation
 from presswear.engines.settings import InHouse
 from presswear.linkage.elements import Linkage
+from presswear.linkage.topology import prescribed_of
 from presswear.physics.constraints import Constraints, constraints_of
 from presswear.physics.energy import MADE_REMEDY, Ledger, made_energy, stored_energy
 from presswear.physics.forces import CONTACT_LOSS, FRICTION_LOSS, MADE
+from presswear.physics.tree import Tree, tree_of
 from presswear.record.recorder import Recorder
 from presswear.record.soundness import Finding
 from presswear.tools.errors import InputError
@@ -76,11 +81,11 @@ def dependent_joint(jacobian: Array, names: tuple[str, ...], least: float) -> st
     return None
 
 
-def _problem(state: int, time: float, constraints: Constraints, y: Array, n: int) -> Finding:
+def _problem(state: int, constraints: Constraints, time: float, q: Array, v: Array) -> Finding:
     """The finding on a march that ended in a status, with the joint near which it did."""
     if state != STUCK:
         return Finding("state", "the state is no longer finite", time, "", REMEDY)
-    jacobian = constraints.evaluate(time, y[:n], y[n : 2 * n])[3]
+    jacobian = constraints.evaluate(time, q, v)[3]
     singular = dependent_joint(jacobian, constraints.names, 1e-2)
     if singular:
         what, remedy = "the step vanished near a singular position", "other lengths of the links"
@@ -98,12 +103,18 @@ def prepare(
     constraints = constraints_of(linkage)
     check_start(constraints, start)
     book = recorder.book
-    system = system_of(book.packed, constraints, settings.alpha, settings.beta)
-    n = start.position.size
+    tree = None if settings.takes_all_coordinates else tree_of(linkage)
+    if isinstance(tree, Tree):
+        system = tree_system_of(book.packed, tree, start.position)
+        x, u = tree.coordinates(start.position, start.velocity)
+    else:
+        system = system_of(book.packed, constraints, settings.alpha, settings.beta)
+        x, u = start.position, start.velocity
+    n = system.size
     joints_end = 2 * n + DRIVE_INTEGRALS + JOINT_INTEGRALS * len(linkage.clearances)
     size = joints_end + system.has_work
     y = np.zeros(size)
-    y[:n], y[n : 2 * n] = start.position, start.velocity
+    y[:n], y[n : 2 * n] = x, u
     motion = Integration(y, np.zeros(size), np.zeros((DOP853.b.size + 1, size)), np.ones(2 * n))
     control = np.zeros(1, CONTROL)
     fixed = settings.has_equal_steps
@@ -125,8 +136,13 @@ def prepare(
     march(0.0, 1)  # accounts for the start; compiles, or loads what was compiled
     ready = clock.perf_counter()
 
+    def state() -> tuple[float, Array, Array]:
+        time = float(control["time"][0])
+        place(system, time, y)
+        return time, system.state[0].copy(), system.state[1].copy()
+
     def stored() -> float:
-        return stored_energy(book.packed, book.memory["energy"], y[:n], y[n : 2 * n])
+        return stored_energy(book.packed, book.memory["energy"], *state()[1:])
 
     energy_before = stored()
     sums = {"solve": 0.0}
@@ -145,7 +161,7 @@ def prepare(
             if made:
                 return Finding("energy", made, time, "", MADE_REMEDY)
         sums["solve"] += clock.perf_counter() - began
-        return None if status == DONE else _problem(status, time, constraints, y, n)
+        return None if status == DONE else _problem(status, constraints, *state())
 
     def ledger() -> Ledger:
         losses = y[2 * n + DRIVE_INTEGRALS : joints_end].reshape(-1, JOINT_INTEGRALS).sum(axis=0)
@@ -157,10 +173,8 @@ def prepare(
         )
 
     def diagnostics() -> dict[str, float | int | str]:
-        words = f"{len(linkage.bodies)} bodies, {constraints.rows} constraints"
         return {
-            "model": described(linkage, words),
-            "solver": f"in-house, Lagrange multipliers, {_solver_words(settings)}",
+            **_words(linkage, tree, constraints, settings),
             "steps": int(control["steps"][0]),
             "steps_sent_back": int(control["rejected"][0]),
             "events": int(control["events"][0]),
@@ -173,23 +187,42 @@ def prepare(
 
     return Simulation(
         advance,
-        lambda: (float(control["time"][0]), y[:n].copy(), y[n : 2 * n].copy()),
+        state,
         ledger,
-        {"y": y, "slope": motion.slopes[0], "control": control},
+        {"y": y, "slope": motion.slopes[0], "control": control, **_kept(system)},
         sums,
         diagnostics,
         REMEDY,
-        constraints,
+        None if isinstance(tree, Tree) else constraints,
         worn=worn,
     )
 
 
-def _solver_words(settings: InHouse) -> str:
+def _kept(system: System) -> dict[str, Array]:
+    """What a tree remembers of its last motion."""
+    return {} if system.hung is None else {"prescribed": system.hung.prescribed.work}
+
+
+def _words(
+    linkage: Linkage, tree: Tree | str | None, constraints: Constraints, settings: InHouse
+) -> dict[str, str]:
+    """Sentences on the model that was built and on its solver."""
     if settings.has_equal_steps:
         words = f"RK4 at equal steps of {settings.step:g} s"
     else:
         words = (
             f"{settings.integrator.upper()} at tolerance {settings.tolerance:g}, touches located"
         )
+    if isinstance(tree, Tree):
+        model = f"open tree of {tree.size} coordinates ({listed(tree.names)})"
+        return {
+            "model": described(linkage, model, prescribed_of(linkage)),
+            "solver": f"in-house, {words}",
+        }
+    model = f"{len(linkage.bodies)} bodies, {constraints.rows} constraints"
     held = ", projected" if settings.projection == "on" else ""
-    return f"{words}, Baumgarte {settings.alpha:g}/{settings.beta:g}{held}"
+    return {
+        "model": described(linkage, model),
+        "solver": f"in-house, Lagrange multipliers, {words}, "
+        f"Baumgarte {settings.alpha:g}/{settings.beta:g}{held}",
+    }

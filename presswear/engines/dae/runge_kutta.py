@@ -9,9 +9,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.engines.dae.dynamics import System, bristle_place, rates
+from presswear.engines.dae.dynamics import System, bristle_place, evaluate, rates
 from presswear.engines.dormand_prince import Tableau
-from presswear.tools.compiled import compiled, copy_to
+from presswear.tools.compiled import compiled, inlined
 
 Array = NDArray[np.float64]
 
@@ -51,7 +51,7 @@ def classical_step(system: System, onset: Array, motion: Integration, t: float, 
         )
 
 
-@compiled
+@inlined
 def errors_of(tableau: Tableau, slopes: Array, i: int) -> tuple[float, float]:
     """Both estimates of the error of a component, over the length of the step."""
     one = 0.0
@@ -76,23 +76,21 @@ def embedded_step(
     ``slopes[stages]`` holds dy/dt at the end afterwards.
     """
     y, new, slopes, scale = motion
-    size = y.shape[0]
     stages = tableau.b.shape[0]
-    for stage in range(1, stages):
-        copy_to(new, y)
+    for stage in range(1, stages + 1):
+        is_last = stage == stages
+        weights = tableau.b if is_last else tableau.a[stage]
+        # Slopes do not depend on the integrals, but for those of bristles.
+        size = y.shape[0] if is_last else system.felt
+        for i in range(size):
+            new[i] = y[i]
         for j in range(stage):
-            factor = h * tableau.a[stage, j]
+            factor = h * weights[j]
             if factor != 0.0:
                 for i in range(size):
                     new[i] += factor * slopes[j, i]
-        rates(system, onset, t + tableau.c[stage] * h, new, slopes[stage])
-    copy_to(new, y)
-    for j in range(stages):
-        factor = h * tableau.b[j]
-        if factor != 0.0:
-            for i in range(size):
-                new[i] += factor * slopes[j, i]
-    rates(system, onset, t + h, new, slopes[stages])
+        part = 1.0 if is_last else tableau.c[stage]
+        evaluate(system, onset, t + part * h, new, slopes[stage])
     first = 0.0
     second = 0.0
     count = scale.shape[0]

@@ -48,7 +48,7 @@ from presswear.record.observe import Book
 from presswear.record.recorder import Recorder
 from presswear.record.soundness import Finding
 from presswear.tools.bound import Bound, bind
-from presswear.tools.compiled import compile_at_once, specialised
+from presswear.tools.compiled import specialised
 from presswear.tools.errors import InputError
 from presswear.tools.exudyn import exudyn_module
 
@@ -250,11 +250,6 @@ def _warm_up(tree: Tree, linkage: Linkage, start: Start) -> None:
     x = np.zeros(tree.size)
     run = Bound()
     run.arguments = system, book, x, x, x, x
-    asked = (
-        (accept_tree_step, run, 0.0),
-        (stage_forces, run, 0.0),
-        (hinge_power_integral, system),
-    )
-    compile_at_once(*asked)
-    for kernel, *arguments in asked:
-        specialised(kernel, *arguments)
+    specialised(accept_tree_step, run, 0.0)
+    specialised(stage_forces, run, 0.0)
+    specialised(hinge_power_integral, system)

@@ -139,7 +139,7 @@ def stage_forces(run: Bound, t: float) -> int:
     pace.evaluations += 1
     # The first stage is in the state that the last step ended in.
     if stage > 0 or t != pace.noted:
-        note_contacts(packed, contacts, q, v)
+        note_contacts(packed, contacts, q, v, axes)
         pace.noted = t
     add_contacts(packed.joints, system.expected, contacts, force, row[1:])
     carry_branches(system.links, v, a, axes, system.carried)
@@ -172,7 +172,7 @@ def stage_bristles(run: Bound, t: float) -> None:
     q, v, a, _, axes = system.state
     place_prescribed(system.prescribed, t, q, v, a, axes)
     place_links(system.links, x, u, q, v, axes)
-    note_contacts(packed, contacts, q, v)
+    note_contacts(packed, contacts, q, v, axes)
     for k in range(contacts.shape[0]):
         law = packed.joints[k].friction
         out[k] = 0.0
@@ -333,7 +333,7 @@ def tree_state(system: TreeSystem, book: Book, t: float, x: Array, u: Array, u_t
     applied_forces(book.packed, t, q, v, force)
     rates = system.stages[0, 1:]
     if t != system.pace[0].noted:
-        note_contacts(book.packed, book.contacts, q, v)
+        note_contacts(book.packed, book.contacts, q, v, axes)
         system.pace[0].noted = t
     add_contacts(book.packed.joints, system.expected, book.contacts, force, rates)
     for c in range(force.shape[0]):

@@ -200,6 +200,10 @@ def methods_of(
     def engine(make: Callable[[float], Engine]) -> Runs:
         return lambda value, end: run_engine(scene, start, make(value), end, end <= recorded)
 
+    def in_house(order: Integrator) -> Runs:
+        dae = replace(own.dae, integrator=order)
+        return engine(lambda value: replace(dae, integration_tolerance=value))
+
     def joints(value: float) -> Engine:
         found = joints_over_impacts((round(value),), own, period)
         return next(method.engine for method in found if method.value == round(value))
@@ -213,9 +217,7 @@ def methods_of(
     }
     orders: tuple[Integrator, ...] = ("dopri5", "dop853")
     for order in orders:
-        dae = partial(replace, own.dae, integrator=order)
-        runs = engine(lambda value, dae=dae: dae(integration_tolerance=value))  # type: ignore[misc]
-        found[f"{IN_HOUSE}{order.upper()}"] = (1e-3, *TOLERANCES), runs
+        found[f"{IN_HOUSE}{order.upper()}"] = (1e-3, *TOLERANCES), in_house(order)
     found["exudyn-joints"] = COUNTS, engine(joints)
     found[HAND] = STEPS, partial(run_by_hand, press, at_start)
     for code, fine in METHODS.items():
@@ -297,7 +299,7 @@ def side_by_side(scene: Scene, short: float, cycles: float, repeats: int, told: 
     press, long = numbers_of(scene), cycles * scene.mechanism.period
     starts, default = starts_of(scene, repeats), scene.numerics.tree.tolerance
     told("reference", 0.0)
-    precise = InHouse(integration_tolerance=REFERENCE)
+    precise = InHouse(integration_tolerance=REFERENCE, coordinates="all")
     references = [run_engine(scene, start, precise, short, recorded=True) for start in starts]
     by_start = [methods_of(scene, start, short) for start in starts]
     methods = by_start[0]

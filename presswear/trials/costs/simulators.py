@@ -154,7 +154,7 @@ def drake(press: Records, start: Array, end: float, tolerance: float, longest: f
     order = [plant.GetJointByName(name).velocity_start() for name in JOINTS]
     forces, state = np.zeros(5), np.zeros(10)
 
-    class Pushes(LeafSystem):  # type: ignore[misc]
+    class Pushes(LeafSystem):  # type: ignore[misc]  # Drake may not be installed: its class is unknown
         def __init__(self) -> None:
             super().__init__()
             self.state = self.DeclareVectorInputPort("state", 10)

@@ -12,7 +12,7 @@ SHORT = PrecisionExtent(
         impact_steps=(25, 50, 100),
         fixed_steps=(1e-5,),
         contact_steps=(2e-5, 1e-5),
-        tolerances=(1e-5, 1e-7),
+        tolerances=(1e-6, 1e-9),
         tree_tolerances=(1e-5, 1e-7),
     ),
     longest=0.025,

@@ -1,0 +1,290 @@
+"""Events of a trial step: touchdowns, separations and changes of the laws of loads, located.
+
+A step that holds one is repeated until it ends there, so that no step ever crosses a change
+of law.
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.engines.dae.dynamics import System, accelerate, place
+from presswear.engines.dae.runge_kutta import Integration, classical_step, embedded_step
+from presswear.engines.dormand_prince import Tableau
+from presswear.physics.loads import Loads, count_ways, way_out
+from presswear.physics.touchdown import crossing, separate, touch_down
+from presswear.record.observe import Book
+from presswear.tools.compiled import Records, compiled
+
+Array = NDArray[np.float64]
+
+CONTROL = np.dtype(
+    [
+        ("time", np.float64),
+        ("step", np.float64),  # next, s
+        ("due", np.float64),  # time at which an equal step that was cut is to end, s; or 0
+        ("longest", np.float64),  # s
+        ("shortest", np.float64),  # s
+        ("tolerance", np.float64),
+        ("projected", np.bool_),
+        ("begun", np.bool_),  # the start is accounted for
+        ("known", np.bool_),  # ... and the slopes of the state are
+        ("steps", np.int64),
+        ("rejected", np.int64),
+        ("events", np.int64),
+        ("evaluations", np.int64),  # of the accelerations
+        ("position_error", np.float64),  # greatest |Phi|
+        ("velocity_error", np.float64),  # greatest |dPhi/dt|
+    ]
+)
+"""State of an integration."""
+
+NEWTON_STEPS = 60
+"""Most repetitions that locate an event; four do, halving helps where Newton strays."""
+EVENT_DEPTH = 1e-17
+"""Penetration at which an event is located, m."""
+FOUND_DEPTH = 1e-12
+"""Penetration up to which a place that round-off keeps from it is one, m."""
+CLASSICAL_STAGES = 4
+"""Evaluations in a step of the classical method."""
+BEHIND = 1e-13
+"""A step that ends on a change of a load's law goes so far behind it, m, rad, m/s or rad/s."""
+FOUND_BEHIND = 1e-9
+"""... and so far where round-off keeps it from ending sooner."""
+
+
+@compiled
+def event_value(
+    system: System, book: Book, k: int, t: float, y: Array, slope: Array
+) -> tuple[float, float]:
+    """Switching function of event ``k`` in a state, and its rate.
+
+    Events are those of the joints, for which slopes were evaluated last in that state, then the
+    ways out of the modes of the loads.
+    """
+    joints = system.contacts.shape[0]
+    if k < joints:
+        depth, rate = system.contacts[k].penetration, system.contacts[k].rate
+        return (-depth, -rate) if book.onset[k] > 0.0 else (depth, rate)
+    place(system, t, y)
+    accelerate(system, slope)
+    q, v, a, _, _ = system.state
+    return way_out(system.packed.loads, k - joints, q, v, a)
+
+
+@compiled
+def event_count(system: System) -> int:
+    """Number of events that are looked for."""
+    return system.contacts.shape[0] + count_ways(system.packed.loads)
+
+
+@compiled
+def first_change(
+    loads: Loads | None,
+    system: System,
+    book: Book,
+    motion: Integration,
+    last: int,
+    t: float,
+    h: float,
+    apart: int,
+) -> tuple[int, float]:
+    """Change of a load's law that comes first in a trial step, and at which part; or -1.
+
+    Parameters
+    ----------
+    last : int
+        Which of the slopes is that at the end of the trial step.
+    apart : int
+        Event that is not looked at.
+    """
+    found = -1
+    part = 2.0
+    if loads is None:
+        return found, part
+    for k in range(system.contacts.shape[0], event_count(system)):
+        value, rate = event_value(system, book, k, t + h, motion.trial, motion.slopes[last])
+        if k == apart or value == -math.inf:
+            continue
+        start, first_rate = event_value(system, book, k, t, motion.y, motion.slopes[0])
+        # What goes no further behind is round-off, or comes with that on which the step ends.
+        reach = 2.0 * BEHIND
+        s = crossing(min(start, 0.0) - reach, first_rate, value - reach, rate, h)
+        if s < part and (s * h > 1e-14 or first_rate > 0.0):
+            found, part = k, s
+    return found, part
+
+
+@compiled
+def first_event(
+    system: System,
+    book: Book,
+    motion: Integration,
+    last: int,
+    t: float,
+    h: float,
+    apart: int,
+    joints: int,
+) -> tuple[int, float]:
+    """Joint that touches down or separates first in a trial step, and at which part; or -1.
+
+    Slopes were last evaluated at the end of the step.
+
+    Where a load's law changes sooner, it is that event; see ``first_change``.
+
+    Parameters
+    ----------
+    joints : int
+        Number of joints that are looked at.
+    """
+    found = -1
+    part = 2.0
+    for k in range(joints):
+        if k == apart:
+            continue
+        memory = book.memory[k]
+        depth, rate = system.contacts[k].penetration, system.contacts[k].rate
+        sign = -1.0 if book.onset[k] > 0.0 else 1.0
+        start = min(sign * memory.penetration, 0.0)
+        s = crossing(start, sign * memory.rate, sign * depth, sign * rate, h)
+        # A state that was just placed on an event moves away from it and does not repeat it.
+        if s < part and (s * h > 1e-14 or sign * memory.rate > 0.0):
+            found, part = k, s
+    k, s = first_change(system.packed.loads, system, book, motion, last, t, h, apart)
+    return (k, s) if s < part else (found, part)
+
+
+@compiled
+def trial_step(
+    system: System,
+    tableau: Tableau | None,
+    book: Book,
+    control: Records,
+    motion: Integration,
+    t: float,
+    h: float,
+) -> float:
+    """Make one trial step, without a tableau a classical one; returns its error, 1 is allowed."""
+    # The compiler leaves out the branch that is not taken.
+    if tableau is None:
+        control[0].evaluations += CLASSICAL_STAGES
+        classical_step(system, book.onset, motion, t, h)
+        return 0.0
+    control[0].evaluations += tableau.b.shape[0]
+    return embedded_step(system, tableau, book.onset, motion, t, h)
+
+
+@compiled
+def locate(
+    system: System,
+    tableau: Tableau | None,
+    book: Book,
+    control: Records,
+    motion: Integration,
+    t: float,
+    k: int,
+    h: float,
+    part: float,
+) -> tuple[float, bool]:
+    """Find the length of the step that ends on event ``k``, if any.
+
+    A joint then has zero penetration, a load is just behind the change of its law.
+
+    Newton's method, held between the ends of a step of length ``h``: where the surface is
+    steep it would stray to lengths whose error nobody has looked at.
+
+    Parameters
+    ----------
+    part : float
+        Part of the step to look at first.
+    """
+    aim, near, found = 0.0, EVENT_DEPTH, FOUND_DEPTH
+    if k >= system.contacts.shape[0]:
+        aim, near, found = BEHIND, 0.5 * BEHIND, FOUND_BEHIND
+    end = motion.slopes[last_slope(tableau)]
+    low, high = 0.0, h
+    length = part * h
+    is_last = False
+    for _ in range(NEWTON_STEPS):
+        trial_step(system, tableau, book, control, motion, t, length)
+        value, rate = event_value(system, book, k, t + length, motion.trial, end)
+        value -= aim
+        if abs(value) <= near or is_last:
+            break
+        if value > 0.0:
+            high = length
+        else:
+            low = length
+        following = length - value / rate if rate != 0.0 else -1.0
+        if not low < following < high:
+            following = 0.5 * (low + high)
+        if abs(following - length) <= 1e-15:
+            if aim == 0.0 or value > 0.0:
+                break
+            # Round-off keeps it from ending just behind: the nearest that is behind.
+            following, is_last = high, True
+        length = following
+    if aim > 0.0:
+        return length, -near <= value <= found
+    return length, abs(value) <= found
+
+
+@compiled
+def last_slope(tableau: Tableau | None) -> int:
+    """Which of the slopes of a step is that at its end."""
+    if tableau is None:
+        return CLASSICAL_STAGES - 1
+    return tableau.b.shape[0]
+
+
+@compiled
+def end_on_event(
+    system: System,
+    tableau: Tableau | None,
+    book: Book,
+    control: Records,
+    motion: Integration,
+    t: float,
+    h: float,
+    k: int,
+    part: float,
+    joints: int,
+) -> tuple[int, float, bool]:
+    """Find the step that ends on the first event of a trial step of length ``h``.
+
+    Parameters
+    ----------
+    k, part, joints : int, float, int
+        The event as ``first_event`` tells it, and the joints that are looked at.
+
+    Returns
+    -------
+    tuple
+        The event, the length of the step, s, and whether it is there.
+    """
+    located, found, earlier = h, True, k
+    # The cubics may see events of two joints in the wrong order.
+    for _ in range(1 + event_count(system)):
+        if earlier < 0:
+            break
+        k = earlier
+        located, found = locate(system, tableau, book, control, motion, t, k, located, part)
+        if not found:
+            break
+        last = last_slope(tableau)
+        earlier, part = first_event(system, book, motion, last, t, located, k, joints)
+    return k, located, found
+
+
+@compiled
+def switch(system: System, book: Book, k: int, t: float) -> float:
+    """Open or close joint ``k`` in the state on its event; returns its closing speed, m/s."""
+    rate = system.contacts[k].rate
+    if book.onset[k] > 0.0:
+        separate(book.memory[k], book.tally[k], book.past[k], book.onset[k], t, rate, 0)
+        book.onset[k] = 0.0
+    else:
+        book.onset[k] = max(rate, 1e-300)
+        touch_down(book.memory[k], t, False)
+    return rate
