@@ -115,8 +115,8 @@ class Recorder:
             Time before the first cycle, s.
         stroke : (float, float) or None
             Times, since the beginning of a cycle, between which the bottom of the stroke is
-            sought that is filed in that cycle, s; the first may lie before it.  None: those of
-            the cycle.
+            sought that is filed in that cycle, s; the first may lie before it, the second lies
+            in it, behind its beginning.  None: those of the cycle.
         """
         count = len(linkage.clearances)
         tally = np.zeros(count, TALLY)
