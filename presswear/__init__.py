@@ -45,6 +45,8 @@ if TYPE_CHECKING:
     from presswear.linkage.process import Drawing as Drawing
     from presswear.linkage.slider_crank import SliderCrank as SliderCrank
     from presswear.linkage.surface import Surface as Surface
+    from presswear.physics.statics import deflection as deflection
+    from presswear.physics.statics import total_clearance as total_clearance
     from presswear.record.tracker import Progress as Progress
     from presswear.record.tracker import Tracker as Tracker
     from presswear.results.result import Result as Result
@@ -91,6 +93,7 @@ _ROOMS = {
     "linkage.process": ("Blanking", "Coining", "Drawing"),
     "linkage.slider_crank": ("SliderCrank",),
     "linkage.surface": ("Surface",),
+    "physics.statics": ("deflection", "total_clearance"),
     "record.tracker": ("Progress", "Tracker"),
     "results.result": ("Result", "load"),
     "results.stage": ("JointResult", "StageResult"),
