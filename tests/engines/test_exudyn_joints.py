@@ -19,8 +19,8 @@ from presswear.linkage.laws import (
     greatest_penetration,
     lankarani_nikravesh_damping,
 )
-from presswear.scene.bearing import CONVENTIONS
 from presswear.record.observe import CYCLE_FIXED_COUNT, CYCLE_JOINT_COUNT, WORK_DOSE
+from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import ideal, wear_times
 
 
