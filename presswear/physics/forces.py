@@ -124,7 +124,9 @@ def add_contacts(
         base = JOINT_RATES * k
         contact = contacts[k]
         load = load_of(joint, onset[k], contact)
-        lost, rubbed, made = loss_powers(contact, load.normal, load.tangential)
+        lost = rubbed = made = 0.0
+        if onset[k] >= 0.0:
+            lost, rubbed, made = loss_powers(contact, load.normal, load.tangential)
         work, pressure = dose_rates(joint, contact, load.normal)
         rates[base + CONTACT_LOSS] = lost
         rates[base + FRICTION_LOSS] = rubbed
