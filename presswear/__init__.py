@@ -48,6 +48,8 @@ if TYPE_CHECKING:
     from presswear.linkage.servo import Pendulum as Pendulum
     from presswear.linkage.slider_crank import SliderCrank as SliderCrank
     from presswear.linkage.surface import Surface as Surface
+    from presswear.physics.statics import deflection as deflection
+    from presswear.physics.statics import total_clearance as total_clearance
     from presswear.record.tracker import Progress as Progress
     from presswear.record.tracker import Tracker as Tracker
     from presswear.results.result import Result as Result
@@ -95,6 +97,7 @@ _ROOMS = {
     "linkage.servo": ("Dwell", "Forming", "Pendulum"),
     "linkage.slider_crank": ("SliderCrank",),
     "linkage.surface": ("Surface",),
+    "physics.statics": ("deflection", "total_clearance"),
     "record.tracker": ("Progress", "Tracker"),
     "results.result": ("Result", "load"),
     "results.stage": ("JointResult", "StageResult"),

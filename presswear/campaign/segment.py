@@ -17,6 +17,7 @@ from presswear.campaign.starts import start_of
 from presswear.engines.base import Plan, Run, Start, Status, recorder_of
 from presswear.linkage.elements import ClearanceJoint, Linkage
 from presswear.linkage.surface import Surface
+from presswear.physics.bottom import bottom_of
 from presswear.record.recorder import Recorder
 from presswear.record.sampling import MapBatches
 from presswear.record.soundness import Finding
@@ -128,6 +129,7 @@ def plan_of(scene: Scene, task: Task) -> Plan:
     """The plan of each run of a task, without trackers."""
     # Only what a stage is judged by has its series kept.
     recorded = Plan.recorded_cycles if task.wear is None else 1
+    bottom = bottom_of(scene.ideal)
     return Plan(
         scene.mechanism.period,
         task.cycles,
@@ -135,6 +137,7 @@ def plan_of(scene: Scene, task: Task) -> Plan:
         torques=scene.drive_torque == "on",
         wear=task.wear,
         run_up=scene.run_up,
+        stroke=None if bottom is None else bottom.window,
     )
 
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.campaign.bottom import bottom_statistics
 from presswear.campaign.deviation import Deviation, deviations
 from presswear.campaign.ensemble import Ensemble, Runner
 from presswear.campaign.growth import Growth, error_of
@@ -63,12 +64,15 @@ def stage_of(
         batches, weights = batches[:0], weights[:0]
     if growth is not None and growth.coarser is not None:
         coarser = growth.coarser.mean(axis=0)
+    single = alone.recorders if index > 0 else ()
     statistics = stage_statistics(
         ran.linkage,
         together.recorders,
         Wear(added, batches, weights, coarser, by_start, is_frozen),
-        alone=alone.recorders if index > 0 else (),
+        alone=single,
     )
+    if bottom := bottom_statistics(scene, together.recorders, single):
+        statistics["bdc"] = bottom
     joints = ran.linkage.clearances
     error = float(errors.max(initial=0.0))
     if growth is not None and is_in_steps:

@@ -84,7 +84,7 @@ def joint_statistics(
     """Numbers of one clearance joint; see ``stage_statistics``."""
     wear = wear.at(k, joint.bins)
     added, maps, weights = wear.added, wear.maps, wear.weights
-    mean, volume = _mean_of(recorders, alone), worn_volume(joint, added)
+    mean, volume = mean_of(recorders, alone), worn_volume(joint, added)
     force = [recorder.each_cycle("force_max", k) for recorder in recorders]
     tallies = np.array([recorder.book.tally[k] for recorder in recorders])
     contacts = int(tallies["contacts"].sum())
@@ -134,8 +134,14 @@ def joint_statistics(
     return numbers
 
 
-def _mean_of(recorders: Recorders, alone: Recorders) -> Callable[..., dict[str, Any]]:
-    """What gives the mean of something that recorders have of each cycle, with its interval."""
+def mean_of(recorders: Recorders, alone: Recorders) -> Callable[..., dict[str, Any]]:
+    """What gives the mean of something that recorders have of each cycle, with its interval.
+
+    Parameters
+    ----------
+    recorders, alone : sequence of Recorder
+        As in ``stage_statistics``.
+    """
 
     def mean(each: Callable[[Recorder], Array]) -> dict[str, Any]:
         return asdict(pooled([each(own) for own in recorders], [each(own) for own in alone])[0])
@@ -159,7 +165,7 @@ def stage_statistics(
     ran, alone = ([own for own in some if len(own.cycles)] for some in (recorders, alone))
     if not ran:
         return {"cycles": 0}
-    mean = _mean_of(ran, alone)
+    mean = mean_of(ran, alone)
     displacement, slowest, fastest, acceleration = (
         [recorder.each_cycle(name) for recorder in ran]
         for name in ("displacement_max", "velocity_min", "velocity_max", "acceleration_max")

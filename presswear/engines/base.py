@@ -53,6 +53,8 @@ class Plan:
         State to go on from, of a run with the same linkage, start, engine and plan.
     run_up : float
         Time before the first cycle, s: what it brings is in the series, and in no cycle.
+    stroke : (float, float) or None
+        Times between which the bottom of a stroke is sought; see ``Recorder.of``.
     """
 
     cycle: float
@@ -63,6 +65,7 @@ class Plan:
     wear: Callable[[int, Array], Array] | None = None
     resume: State | None = None
     run_up: float = 0.0
+    stroke: tuple[float, float] | None = None
 
     @property
     def duration(self) -> float:
@@ -123,6 +126,7 @@ def recorder_of(linkage: Linkage, start: Start, plan: Plan) -> Recorder:
         torques=plan.torques,
         wearing=plan.wear is not None,
         run_up=plan.run_up,
+        stroke=plan.stroke,
     )
     loads = recorder.book.packed.loads
     if loads is not None:

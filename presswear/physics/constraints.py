@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from presswear.linkage.elements import GROUND, Attachment, Linkage
 from presswear.physics.motion import drive_motion, motions_of
-from presswear.tools.compiled import Records, compiled
+from presswear.tools.compiled import Records, compiled, inlined
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -39,7 +39,7 @@ CONSTRAINT = np.dtype(
 """A constraint as the kernels see it."""
 
 
-@compiled
+@inlined
 def lever(body: int, x: float, y: float, q: Array) -> tuple[float, float]:
     """A point of a body relative to its mass centre, in global directions, m."""
     if body < 0:

@@ -22,7 +22,7 @@ from presswear.linkage.loads import (
     Table,
 )
 from presswear.physics.constraints import lever
-from presswear.tools.compiled import Records, address_of, call, compiled, own_kernel
+from presswear.tools.compiled import Records, address_of, call, compiled, inlined, own_kernel
 from presswear.tools.own import OwnFunction
 
 Array = NDArray[np.float64]
@@ -99,7 +99,7 @@ class Loads(NamedTuple):
     modes: Records
 
 
-@compiled
+@inlined
 def load_size(load: Records, nodes: Array, mode: Records, t: float, s: float, v: float) -> float:
     """Size of a load, N or N m, in its present mode, at a position and speed."""
     if load.kind == SERIES:
@@ -138,7 +138,7 @@ def arm(load: Records, q: Array) -> tuple[float, float]:
     return lever(load.body, load.x, load.y, q)
 
 
-@compiled
+@inlined
 def load_motion(load: Records, q: Array, v: Array, a: Array) -> tuple[float, float, float]:
     """Position in the table, m or rad, speed and acceleration of what a load acts on."""
     b = load.body
@@ -156,7 +156,7 @@ def load_motion(load: Records, q: Array, v: Array, a: Array) -> tuple[float, flo
     return place, speed, faster
 
 
-@compiled
+@inlined
 def load_forces(loads: Loads | None, t: float, q: Array, v: Array, force: Array) -> float:
     """Add the loads to the generalized forces; returns their power, W."""
     if loads is None:

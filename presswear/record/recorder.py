@@ -46,6 +46,9 @@ from presswear.tools.arrays import State, named, part
 
 Array = NDArray[np.float64]
 
+STROKE_NOISE = 1e-9
+"""Part of a cycle by which a stroke ends earlier than it is told."""
+
 _SMALL = (
     "contacts",
     "onset",
@@ -93,6 +96,7 @@ class Recorder:
         torques: bool = True,
         wearing: bool = False,
         run_up: float = 0.0,
+        stroke: tuple[float, float] | None = None,
     ) -> "Recorder":
         """An empty recorder for a linkage that starts in a position.
 
@@ -109,6 +113,10 @@ class Recorder:
             Whether the surfaces wear while the linkage runs; see ``wear``.
         run_up : float
             Time before the first cycle, s.
+        stroke : (float, float) or None
+            Times, since the beginning of a cycle, between which the bottom of the stroke is
+            sought that is filed in that cycle, s; the first may lie before it, the second lies
+            in it, behind its beginning.  None: those of the cycle.
         """
         count = len(linkage.clearances)
         tally = np.zeros(count, TALLY)
@@ -122,6 +130,13 @@ class Recorder:
         record["probe_sin"] = math.sin(linkage.probe.direction)
         record["probe_x"], record["probe_y"] = linkage.probe.x, linkage.probe.y
         record["start"] = watched(record[0], position, position, position)[0]
+        begin, end = stroke or (0.0, cycle)
+        record["velocity"] = record["bottom"] = math.inf
+        record["period"], record["stroke_length"] = cycle, end - begin
+        # A cycle may end a rounding before its time.
+        record["stroke_end"] = run_up + end - STROKE_NOISE * cycle
+        # What is observed at the very start lies in the first stroke too.
+        record["stroke_begin"] = run_up + max(begin, 0.0) - STROKE_NOISE * cycle
         rows = recorded_cycles + math.ceil(run_up / cycle)
         rows *= ROWS_AT_MOST if count else 2 * ROWS_AT_LEAST
         columns = SERIES_FIXED + SERIES_JOINT * count + len(linkage.drives) * torques

@@ -27,6 +27,8 @@ LEAST_SAMPLES = 3
 MOST_BATCHES = 32
 """When there would be more batches, neighbours become one."""
 LEVEL = 0.95
+RANGE_STROKES = 10
+"""Successive strokes over which the range of something is told."""
 RESAMPLES = 1000
 """Draws of a bootstrap: an end of an interval scatters by about 5 % of its width."""
 
@@ -359,8 +361,79 @@ def pooled(runs: Sequence[Array], alone: Sequence[Array] = ()) -> tuple[Estimate
         half = math.hypot(half_width(means) or 0.0, mean - float(means.mean()))
         return Estimate(mean, half, everything.size), True
     apart = differ(samples)
-    parts = [some.mean(keepdims=True) if apart else batched(some) for some in samples]
-    return Estimate(mean, half_width(np.concatenate(parts)), everything.size), apart
+    return Estimate(mean, half_width(_parts(samples, apart)), everything.size), apart
+
+
+def _parts(samples: Sequence[Array], apart: bool) -> Array:
+    """Independent parts of several runs: their batches, or their means where they differ."""
+    return np.concatenate(
+        [some.mean(keepdims=True) if apart else batched(some) for some in samples]
+    )
+
+
+def spread(runs: Sequence[Array]) -> Interval | None:
+    """Standard deviation of cycles about the mean of their own run; None where none is left.
+
+    Runs may have surfaces of their own: how far their means are apart is no matter of how one
+    repeats itself.  The interval is Student's of the logarithm of the variance by the jackknife
+    over batches of neighbours (Miller, The jackknife - a review, Biometrika 61, 1, 1974), which
+    holds where samples are not normal, and those of one batch hang together.
+
+    Parameters
+    ----------
+    runs : sequence of ndarray, shape (cycles,)
+        Start-up included.
+    """
+    samples = [after_startup(rows) for rows in runs]
+    centred = [some - some.mean() for some in samples if some.size > 1]
+    if not centred:
+        return None
+    free = sum(own.size - 1 for own in centred)
+    squares = sum(float(own @ own) for own in centred)
+    value = math.sqrt(squares / free)
+    without = []
+    for own in centred:
+        for part in np.array_split(own, min(own.size, MOST_BATCHES)):
+            # Those that stay have another mean: the sum of all is zero.
+            lost = float(part @ part) + float(part.sum()) ** 2 / (own.size - part.size)
+            without.append((squares - lost) / max(free - part.size, 1))
+    left_out = np.array(without)
+    groups = left_out.size
+    if groups < LEAST_SAMPLES or not np.all(left_out > 0.0):
+        return Interval(value, None, None)
+    pseudo = 2.0 * groups * math.log(value) - (groups - 1) * np.log(left_out)
+    centre, half = float(pseudo.mean()), half_width(pseudo)
+    assert half is not None, "there are several groups"
+    return Interval(value, math.exp(0.5 * (centre - half)), math.exp(0.5 * (centre + half)))
+
+
+def mean_range(runs: Sequence[Array], most: int = RANGE_STROKES) -> tuple[Interval | None, int]:
+    """Mean range over so many successive cycles of a run, and how many they are.
+
+    The range of a sample grows with its size, so that only those of one size compare: each run
+    is cut into pieces of ``most`` cycles, or of as many as the shortest run has.  Their ranges are
+    samples as those of ``pooled`` are.
+
+    Parameters
+    ----------
+    runs : sequence of ndarray, shape (cycles,)
+        Start-up included.
+    """
+    samples = [after_startup(rows) for rows in runs]
+    count = min([most, *(some.size for some in samples)])
+    if count < 2:
+        return None, count
+    ranges = []
+    for some in samples:
+        pieces = some.size // count
+        # What does not fill a piece is left out, at the start.
+        whole = some[some.size - pieces * count :].reshape(pieces, count)
+        ranges.append(np.ptp(whole, axis=1))
+    mean = float(np.concatenate(ranges).mean())
+    half = half_width(_parts(ranges, differ(ranges)))
+    if half is None:
+        return Interval(mean, None, None), count
+    return Interval(mean, max(mean - half, 0.0), mean + half), count
 
 
 def differ(samples: Sequence[Array]) -> bool:

@@ -218,6 +218,14 @@ class StageResult:
         return int(self.statistics["cycles"])
 
     @property
+    def bdc(self) -> Mapping[str, Any]:
+        """Numbers of bottom dead centre, the watched coordinate's lowest place in a stroke.
+
+        SI units, by name; none where nothing moves or no stroke is whole.
+        """
+        return self.statistics.get("bdc", {})
+
+    @property
     def time(self) -> Array:
         """Times of the recorded series, shape (n,), s."""
         return self.arrays["time"]

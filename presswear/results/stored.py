@@ -43,6 +43,7 @@ class StoredStatistics(TypedDict):
 
     cycles: int
     slider: NotRequired[dict[str, Any]]
+    bdc: NotRequired[dict[str, Any]]
     joints: NotRequired[dict[str, dict[str, Any]]]
     energy_residual_J: Number
     energy_exchanged_J: Number
@@ -110,7 +111,8 @@ def stored_result(document: Any, file: Path) -> StoredResult:
             raise InputError(f"{where}.index is {stage.index}; {place} is expected")
         files |= {*files_of(place)}
         own = typed(stage.statistics, StoredStatistics, f"{where}.statistics")
-        for owner, numbers in {"slider": own.get("slider", {}), **own.get("joints", {})}.items():
+        owners = {"slider": own.get("slider", {}), "bdc": own.get("bdc", {})}
+        for owner, numbers in {**owners, **own.get("joints", {})}.items():
             for name, value in numbers.items():
                 typed(value, kind_of(name), f"{where}.statistics, {owner}, {name}")
     for name in sorted(files ^ found.files.keys()):

@@ -1,6 +1,7 @@
 """Cycles as samples: means, batches, wear maps, bootstrap intervals and what they cover."""
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from presswear.record.sampling import (
     LEAST_SAMPLES,
     MOST_BATCHES,
     STARTUP_CYCLES,
+    Interval,
     MapBatches,
     after_startup,
     batched,
@@ -21,10 +23,13 @@ from presswear.record.sampling import (
     map_batches,
     map_errors,
     mean_map,
+    mean_range,
     peak_of,
     pooled,
     resampled,
+    spread,
 )
+from presswear.tools.arrays import Array
 
 
 def test_interval_of_a_mean_over_cycles() -> None:
@@ -62,6 +67,109 @@ def test_batches_see_what_neighbours_share() -> None:
             inside[name] += abs(series.mean()) <= half
     assert inside["plain"] / draws < 0.7
     assert inside["batched"] / draws > 0.9
+
+
+def autoregressive(generator: np.random.Generator, phi: float, runs: int, count: int) -> Array:
+    """Stationary series of unit variance, shape (runs, count)."""
+    series = generator.normal(size=(runs, count))
+    for i in range(1, count):
+        series[:, i] = phi * series[:, i - 1] + math.sqrt(1.0 - phi * phi) * series[:, i]
+    return series
+
+
+def as_it_is(series: Array) -> Array:
+    return series
+
+
+def skewed(series: Array) -> Array:
+    """Normal numbers made those of a gamma distribution of shape 2, of unit variance."""
+    found: Array = stats.gamma.ppf(stats.norm.cdf(series), 2.0) / math.sqrt(2.0)
+    return found
+
+
+@pytest.mark.parametrize(
+    ("phi", "runs", "count", "shape", "far"),
+    [
+        (0.0, 4, 5, as_it_is, 0.0),
+        (0.0, 4, 14, as_it_is, 3.0),
+        (0.0, 4, 50, skewed, 0.0),
+        (0.5, 4, 80, as_it_is, 3.0),
+        (0.8, 1, 1600, as_it_is, 0.0),
+    ],
+)
+def test_intervals_of_scatter_cover_it(
+    phi: float, runs: int, count: int, shape: Callable[[Array], Array], far: float
+) -> None:
+    """Standard deviation and range of samples that hang together, of runs far apart."""
+    generator = np.random.default_rng(11)
+    size = min(10, count - STARTUP_CYCLES)
+    long = shape(autoregressive(generator, phi, 2000, 20 // size * size))
+    truth = float(np.ptp(long.reshape(-1, size), axis=1).mean())
+    draws, deviations, ranges, plain = 300, 0, 0, 0
+    for _ in range(draws):
+        series = shape(autoregressive(generator, phi, runs, count))
+        series += far * np.arange(runs)[:, np.newaxis]
+        found = spread(list(series))
+        assert found is not None
+        assert found.low is not None
+        assert found.high is not None
+        assert found.low < found.value < found.high
+        deviations += found.low <= 1.0 <= found.high
+        span, told = mean_range(list(series))
+        assert told == size
+        assert span is not None
+        assert span.low is not None
+        assert span.high is not None
+        ranges += span.low <= truth <= span.high
+        free = runs * (count - STARTUP_CYCLES - 1)
+        ends = found.value * np.sqrt(free / stats.chi2.ppf([0.975, 0.025], free))
+        plain += ends[0] <= 1.0 <= ends[1]
+    assert 0.89 < deviations / draws < 0.99
+    assert 0.89 < ranges / draws < 0.99
+    if phi > 0.7 or shape is skewed:
+        assert plain / draws < 0.85
+
+
+def test_scatter_is_that_of_each_run_about_its_own_mean() -> None:
+    first, second = np.array([9.0, 9.0, 1.0, 3.0, 2.0]), np.array([9.0, 9.0, 14.0, 10.0, 12.0])
+    found = spread([first, second])
+    assert found is not None
+    assert found.value == pytest.approx(math.sqrt((2.0 + 8.0) / 4.0))
+    # By hand: each sample left out once, with the mean of those that stay.
+    logs = []
+    for run, other in ((first[2:], second[2:]), (second[2:], first[2:])):
+        for k in range(3):
+            squares = np.delete(run, k).var() * 2 + other.var() * 3
+            logs.append(math.log(squares / 3.0))
+    pseudo = 6.0 * math.log(2.5) - 5.0 * np.array(logs)
+    low, high = stats.t.interval(0.95, 5, pseudo.mean(), stats.sem(pseudo))
+    assert found.low == pytest.approx(math.exp(0.5 * low))
+    assert found.high == pytest.approx(math.exp(0.5 * high))
+
+
+def test_range_is_over_as_many_as_the_shortest_run_has() -> None:
+    generator = np.random.default_rng(2)
+    runs = [generator.normal(size=count + STARTUP_CYCLES) for count in (4, 9)]
+    span, size = mean_range(runs)
+    assert size == 4
+    parts = [runs[0][2:], runs[1][3:7], runs[1][7:]]
+    assert span is not None
+    assert span.value == pytest.approx(np.mean([np.ptp(own) for own in parts]))
+
+
+def test_too_few_samples_have_no_scatter_and_no_interval() -> None:
+    assert spread([np.array([1.0])]) is None
+    assert mean_range([np.array([1.0, 2.0, 3.0])]) == (None, 1)
+    # Two cycles behind the start-up: one degree of freedom.
+    few = spread([np.array([0.0, 0.0, 1.0, 2.0])])
+    assert few is not None
+    assert (few.low, few.high) == (None, None)
+    assert few.value == pytest.approx(math.sqrt(0.5))
+    still = spread([np.ones(8)])
+    assert still is not None
+    assert (still.value, still.low) == (0.0, None)
+    span, size = mean_range([np.array([0.0, 0.0, 1.0, 2.0])])
+    assert (span, size) == (Interval(1.0, None, None), 2)
 
 
 @given(st.integers(1, 200), st.integers(0, 2**31))

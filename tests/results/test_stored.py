@@ -76,7 +76,16 @@ def test_nothing_of_another_kind_is_read(document: dict[str, Any]) -> None:
     assert read == []
 
 
-OPEN = {"conventions", "packages", "resumed", "diagnostics", "slider", "joints", "wear_error"}
+OPEN = {
+    "conventions",
+    "packages",
+    "resumed",
+    "diagnostics",
+    "slider",
+    "bdc",
+    "joints",
+    "wear_error",
+}
 OPEN |= {"energy_made_per_cycle_J"}
 """Parts that hold what there is, each under its name."""
 
@@ -193,7 +202,7 @@ STAGE = {
     "drive_torque": np.zeros((ROWS, 1)),
     "angle": bin_centres(BINS),
     "wear_batch_cycles": np.ones(2),
-    "cycles": np.zeros((3, 9)),
+    "cycles": np.zeros((3, 11)),
     "cycle_start": np.zeros(3),
     "deviation": np.zeros((4, 4)),
     "deviation_start": np.zeros(4),
@@ -236,7 +245,7 @@ def test_arrays_that_are_missing_or_misshapen_are_named(name: str) -> None:
     ("name", "value", "says"),
     [
         ("slider", np.zeros((3, 3)), r"slider has the shape \(3, 3\); \(5, 3\) is expected"),
-        ("cycles", np.zeros((3, 8)), r"cycles has the shape \(3, 8\); \(3, 9\) is expected"),
+        ("cycles", np.zeros((3, 8)), r"cycles has the shape \(3, 8\); \(3, 11\) is expected"),
         ("time", -STAGE["time"], "time goes backwards"),
         ("time", STAGE["time"] - 1.0, "time goes backwards"),
         ("angle", np.zeros(BINS), "angle does not hold the middles of 36 bins"),

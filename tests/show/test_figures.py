@@ -37,7 +37,7 @@ from presswear.tools.errors import InputError
 from presswear.tools.numbers import given, readable, whole, with_interval
 
 BINS = 72
-UNIT = re.compile(r"\((m|mm|µm|nm|s|N|m/s|m/s²|N m|W|degrees)\)")
+UNIT = re.compile(r"\((m|mm|µm|nm|s|N|m/s|m/s²|N m|W|degrees|strokes)\)")
 
 
 def made_up(scene: Scene, stages: int, status: str = "completed", message: str = "") -> Result:
@@ -67,7 +67,9 @@ def _stage(scene: Scene, index: int, status: Any, message: str) -> StageResult:
         "slider": scene.ideal_slider(time) * (1.0 + 0.01 * (index + 1)),
         "angle": angle,
         "cycles": np.zeros((2, len(CYCLE_FIXED) + len(CYCLE_JOINT) * len(scene.clearance_joints))),
+        "cycle_start": np.zeros(2),
     }
+    arrays["cycles"][:, CYCLE_FIXED.index("bottom_height")] = -0.5878, -0.5879
     if scene.drive_torque == "on":
         arrays["drive_torque"] = np.column_stack([np.cos(40.0 * time), 1.0 + 0.0 * time])
     joints = {}
@@ -100,6 +102,19 @@ def _stage(scene: Scene, index: int, status: Any, message: str) -> StageResult:
         "velocity_max_per_cycle_m_s": each,
         "acceleration_max_per_cycle_m_s2": each,
     }
+    bdc = {
+        "strokes": 2,
+        "height_per_cycle_m": {"mean": -0.58785, "half_width": 2e-5, "cycles": 2},
+        "error_per_cycle_m": {"mean": -(7.6 + index) * 1e-4, "half_width": 3e-5, "cycles": 2},
+        "delay_per_cycle_s": {"mean": -3e-3, "half_width": None, "cycles": 2},
+        "delay_per_cycle_rad": {"mean": -0.0314159, "half_width": 0.0174533, "cycles": 2},
+        "standard_deviation_m": 4e-5,
+        "standard_deviation_interval_m": [3e-5, 6e-5],
+        "range_m": 1e-4,
+        "range_interval_m": None,
+        "range_strokes": 2,
+        "range_of_all_m": 1e-4,
+    }
     return StageResult(
         index,
         status,
@@ -110,7 +125,7 @@ def _stage(scene: Scene, index: int, status: Any, message: str) -> StageResult:
         simulated_s=float(time[-1]),
         wall_s=1.0,
         diagnostics={"model": "6 bodies, 2 drives", "steps": 4000},
-        statistics={"cycles": 2, "slider": slider, "joints": joints},
+        statistics={"cycles": 2, "slider": slider, "bdc": bdc, "joints": joints},
         arrays=arrays,
         joint_names=scene.clearance_joints,
     )
@@ -128,7 +143,8 @@ ONE = replace(BOTH, joints="C")
 BODY = replace(BOTH, conventions=CONVENTIONS["refined"])
 BODY_A = replace(BODY, joints="A")
 IDEAL = replace(BOTH, joints="none", wears=0)
-MOTION = ["response.png", "contact-force.png", "centre-trajectory.png"]
+BOTTOM = "bottom-dead-centre.png"
+MOTION = ["response.png", BOTTOM, "contact-force.png", "centre-trajectory.png"]
 
 
 @pytest.mark.parametrize(
@@ -246,6 +262,19 @@ def test_the_largest_of_a_panel_is_that_of_its_cycles(figure: str, column: str, 
     assert f"largest 3\u202f000 {unit}" in words[0]
 
 
+def test_bottoms_are_drawn_stroke_by_stroke_over_the_ideal() -> None:
+    """Heights less the ideal one, which is that of the closed form of the press."""
+    axes = sheet_of("bottom", made_up(BOTH, 2)).axes
+    assert len(axes) == 2
+    line = np.asarray(axes[1].get_lines()[0].get_xydata())
+    assert line[:, 0].tolist() == [1.0, 2.0]
+    assert line[:, 1] == pytest.approx([-712.3459, -812.3459], abs=1e-3)
+    assert axes[0].get_ylabel().endswith("less ideal (µm)")
+    assert list(drawings(made_up(IDEAL, 1), ["mechanism"]))
+    with pytest.raises(InputError, match="nothing to draw as 'bottom'"):
+        list(drawings(made_up(IDEAL, 1), ["bottom"]))
+
+
 def test_unworn_surfaces_are_not_called_worn() -> None:
     """What the path's caption says of surfaces that turn is of worn ones only."""
     unworn, worn = (next(drawings(made_up(BODY, stages), ["path"])).caption for stages in (1, 2))
@@ -297,7 +326,7 @@ def test_plot_gives_the_axes_of_every_figure_in_memory() -> None:
     counts = {name: len(result.plot(name)) for name in NAMES}
     assert counts.pop("mechanism") == 1
     torque = {"drives": 4}
-    motion = {"response": 7, "force": 6, "path": 6}
+    motion = {"response": 7, "bottom": 3, "force": 6, "path": 6}
     assert counts == {"wear": 2, "growth": 2, "surfaces": 6, **motion, **torque}
     assert len(result.plot()) == 1 + sum(counts.values())
     assert len(result.plot("path", "wear")) == counts["path"] + counts["wear"]

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from test_figures import BODY, BOTH, IDEAL, ONE, altered, made_up
 
+from presswear.physics.statics import total_clearance
 from presswear.results.result import Result
 from presswear.scene.bearing import CONVENTIONS, Conventions
 from presswear.scene.catalog import slider_crank
@@ -63,10 +64,30 @@ def test_one_file_without_references(tmp_path: Path) -> None:
     assert path == tmp_path / "report.html"
     text = path.read_text()
     page = Page(text)
-    assert len(page.links) == len(list((tmp_path / "figures").iterdir())) == 6
+    assert len(page.links) == len(list((tmp_path / "figures").iterdir())) == 7
     assert all(link.startswith("data:image/png;base64,") for link in page.links)
     own = re.sub(r"data:image/png;base64,[A-Za-z0-9+/=]+", "", text)
     assert not re.search(r"http|url\(|@import|<script|<link", own)
+
+
+def test_bottom_dead_centre_has_a_table() -> None:
+    page = page_of(made_up(ONE, 2))
+    assert page.row("height over the ideal (µm)")[1:] == ["−760\u00a0± 30", "−860\u00a0± 30"]
+    assert page.row("the same less that of the first stage (µm)")[1:] == ["–", "−100\u00a0± 42"]
+    assert page.row("standard deviation of the height (µm)")[1] == "40.0 (30.0 to 60.0)"
+    assert page.row("mean range of successive strokes (µm)")[1] == "100"
+    assert page.row("later than the ideal (ms)")[1] == "−3.00 (too few cycles)"
+    assert page.row("the same as crank angle (degrees)")[1] == "−1.8\u00a0± 1.0"
+    clearance = page.row("total clearance, pulled by 100 N up and down (µm)")[1:]
+    stages = [replace(ONE, surfaces=stage.surfaces) for stage in made_up(ONE, 2).stages]
+    found = [1e6 * total_clearance(scene.linkage()) for scene in stages]
+    assert [float(text.replace("\u202f", "")) for text in clearance] == pytest.approx(
+        found, rel=1e-3
+    )
+    assert found[1] > found[0]
+    rigid = page_of(made_up(IDEAL, 1))
+    assert rigid.row("height over the ideal (µm)")
+    assert "total clearance" not in rigid.text
 
 
 def test_hostile_title_is_text() -> None:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from presswear.engines.dae.dynamics import System, accelerate, place
 from presswear.engines.dae.runge_kutta import Integration, classical_step, embedded_step
 from presswear.engines.dormand_prince import Tableau
-from presswear.physics.loads import Loads, count_ways, way_out
+from presswear.physics.loads import Loads, count_ways, way_at_start, way_out
 from presswear.physics.touchdown import crossing, separate, touch_down
 from presswear.record.observe import Book
 from presswear.tools.compiled import Records, compiled
@@ -103,11 +103,15 @@ def first_change(
     part = 2.0
     if loads is None:
         return found, part
-    for k in range(system.contacts.shape[0], event_count(system)):
-        value, rate = event_value(system, book, k, t + h, motion.trial, motion.slopes[last])
+    place(system, t + h, motion.trial)
+    accelerate(system, motion.slopes[last])
+    q, v, a, _, _ = system.state
+    joints = system.contacts.shape[0]
+    for k in range(joints, event_count(system)):
+        value, rate = way_out(loads, k - joints, q, v, a)
         if k == apart or value == -math.inf:
             continue
-        start, first_rate = event_value(system, book, k, t, motion.y, motion.slopes[0])
+        start, first_rate, _, _ = way_at_start(loads, k - joints, 0.0)
         # What goes no further behind is round-off, or comes with that on which the step ends.
         reach = 2.0 * BEHIND
         s = crossing(min(start, 0.0) - reach, first_rate, value - reach, rate, h)

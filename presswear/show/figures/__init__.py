@@ -9,6 +9,7 @@ from typing import BinaryIO
 import matplotlib
 
 from presswear.results.result import Result
+from presswear.show.figures.bottom import bottom_dead_centre
 from presswear.show.figures.drives import drive_work
 from presswear.show.figures.mechanism import mechanism
 from presswear.show.figures.motion import centre_trajectory, contact_force, response
@@ -33,6 +34,7 @@ NAMES: dict[str, Callable[[Result, Stages], list[Drawing]]] = {
     "growth": wear_growth,
     "surfaces": worn_surfaces,
     "response": response,
+    "bottom": bottom_dead_centre,
     "force": contact_force,
     "path": centre_trajectory,
     "drives": drive_work,

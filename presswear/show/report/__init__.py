@@ -11,6 +11,7 @@ from presswear.scene.scene import Scene
 from presswear.scene.settings import SET, settings_of
 from presswear.show.figures import drawings
 from presswear.show.figures.style import stage_names
+from presswear.show.report.bottom import bottom
 from presswear.show.report.drives import of_drives
 from presswear.show.report.origin import (
     convention_set,
@@ -64,6 +65,7 @@ def render(result: Result, figures: list[Illustration]) -> str:
         style=result.status if result.status in FINISHED else "unfinished",
         modelled=modelled(result),
         key_numbers=key_numbers(result),
+        bottom=bottom(result),
         endings=endings(result),
         growth=growth(result),
         figures=figures,

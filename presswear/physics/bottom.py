@@ -1,0 +1,121 @@
+"""Bottom dead centre: where the watched coordinate of an ideal motion is lowest.
+
+A linkage whose tool works upwards watches the opposite direction.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.physics.ideal import IdealMotion, Motion
+
+Array = NDArray[np.float64]
+
+_STEPS = 60
+"""Most steps of Newton's method, or halvings, between two nodes."""
+
+
+@dataclass(frozen=True)
+class Bottom:
+    """Bottom dead centre of an ideal motion.
+
+    Attributes
+    ----------
+    time : float
+        Since the beginning of the cycle in which the stroke ends, s; below zero where it lies in
+        the cycle before.
+    height : float
+        Of the watched coordinate there, m, in the axes of the frame.
+    stroke : float
+        Between its lowest and highest place, m.
+    window : tuple of float
+        Times at which the lower half of the stroke begins and ends, s, as ``time`` is counted:
+        no bottom dead centre falls between two windows, whatever a clearance does to it.
+    period : float
+        Of a cycle, s.
+    """
+
+    time: float
+    height: float
+    stroke: float
+    window: tuple[float, float]
+    period: float
+
+    @property
+    def first(self) -> int:
+        """Cycle in which the first whole stroke ends."""
+        return 1 if self.time < 0.0 else 0
+
+    def delay(self, time: Array) -> Array:
+        """How much later than the ideal bottom dead centre next to it an instant is, s.
+
+        Parameters
+        ----------
+        time : ndarray, shape (n,)
+            Since the start, s.
+        """
+        # A run-up takes whole cycles.
+        late = time - self.time
+        return np.asarray(late - self.period * np.round(late / self.period))
+
+
+@lru_cache(maxsize=64)
+def bottom_of(ideal: IdealMotion) -> Bottom | None:
+    """The bottom dead centre of an ideal motion; None where the watched coordinate stands.
+
+    Of several bottoms in a cycle the lowest, and of those that are alike the first.
+    """
+    linkage, period = ideal.rows.linkage, ideal.period
+    nodes = len(ideal.position) - 1
+    levels = (ideal.position, ideal.velocity, ideal.acceleration)
+    flat = (level.reshape(nodes + 1, -1)[:nodes] for level in levels)
+    place = Motion(ideal.times[:nodes], *flat).watched(linkage)[:, 0]
+    if float(np.ptp(place)) < 1e-9 * ideal.rows.size:
+        return None
+    time, height = _turning(ideal, place, 1.0)
+    stroke = -_turning(ideal, -place, -1.0)[1] - height
+    step = period / nodes
+    lowest = round(time / step)
+    above = np.flatnonzero(np.roll(place, -lowest) > place.min() + 0.5 * float(np.ptp(place)))
+    end = (lowest + int(above[0])) * step
+    # The stroke is filed in the cycle in which its window ends.
+    back = period * math.ceil(end / period - 1.0)
+    begin = (lowest + int(above[-1]) - nodes) * step
+    return Bottom(time - back, height, stroke, (begin - back, end - back), period)
+
+
+def _turning(ideal: IdealMotion, place: Array, sign: float) -> tuple[float, float]:
+    """Time, s, and place, m, at which a coordinate is lowest, from its places at the nodes.
+
+    Parameters
+    ----------
+    sign : float
+        With which the watched coordinate is taken, 1 or -1.
+    """
+    linkage, period = ideal.rows.linkage, ideal.period
+    started = linkage.run_up_time
+    step = period / len(place)
+    lowest = int((place < place.min() + 1e-12 * ideal.rows.size).argmax())
+    low, high = (lowest - 1) * step, (lowest + 1) * step
+    time = lowest * step
+
+    def moved(time: float) -> tuple[float, float, float]:
+        # Behind a run-up, and a cycle on: a time may lie before the first.
+        found = sign * ideal.at(np.array([started + period + time])).watched(linkage)[0]
+        return float(found[0]), float(found[1]), float(found[2])
+
+    for _ in range(_STEPS):
+        _, speed, faster = moved(time)
+        if speed < 0.0:
+            low = time
+        else:
+            high = time
+        nearer = time - speed / faster if faster > 0.0 else low
+        nearer = nearer if low < nearer < high else 0.5 * (low + high)
+        if abs(nearer - time) < 1e-15 * period:
+            break
+        time = nearer
+    return time, moved(time)[0]

@@ -1,0 +1,53 @@
+"""Figure of bottom dead centre, stroke by stroke."""
+
+import numpy as np
+from matplotlib.ticker import MaxNLocator
+
+from presswear.record.sampling import STARTUP_CYCLES
+from presswear.results.bottom import strokes_of
+from presswear.results.result import Result
+from presswear.show.figures.style import (
+    MUTED,
+    WIDTH,
+    Drawing,
+    Sheet,
+    Stages,
+    legend,
+    length_scale,
+    shown_stages,
+)
+
+
+def bottom_dead_centre(result: Result, stages: Stages) -> list[Drawing]:
+    """Height of bottom dead centre over the ideal in each stroke, a panel for each stage."""
+    scene = result.scene
+    shown = [
+        stage for stage in shown_stages(result, stages) if "error_per_cycle_m" in stage.data.bdc
+    ]
+    if not shown or not scene.clearance_joints:
+        return []
+    strokes = [strokes_of(scene, stage.data) for stage in shown]
+    factor, unit = length_scale(
+        max(float(np.abs(rows).max(initial=0.0)) for starts in strokes for _, rows in starts)
+    )
+    sheet = Sheet(figsize=(WIDTH, 2.6), layout="constrained")
+    panels = sheet.subplots(1, len(shown), squeeze=False, sharey=True)[0]
+    for axes, stage, starts in zip(panels, shown, strokes, strict=True):
+        for number, rows in starts:
+            stage.pen.draw(axes, number, factor * rows, linewidth=0.7, marker=".", markersize=3.0)
+        mean = stage.data.bdc["error_per_cycle_m"]
+        half = mean["half_width"] or 0.0
+        ends = (factor * (mean["mean"] + sign * half) for sign in (-1.0, 1.0))
+        axes.axhspan(*ends, color=stage.pen.colour, alpha=0.2, linewidth=0.0)
+        axes.axvspan(0.5, STARTUP_CYCLES + 0.5, color=MUTED, alpha=0.12, linewidth=0.0)
+        axes.set_xlim(0.5, max(float(number[-1]) for number, _ in starts if number.size) + 0.5)
+        axes.xaxis.set_major_locator(MaxNLocator(6, integer=True))
+        axes.set_xlabel("since the start (strokes)")
+    panels[0].set_ylabel(f"lowest place of the {scene.watched}\nless ideal ({unit})")
+    legend(sheet, [stage.pen for stage in shown], "outside upper center")
+    caption = (
+        f"Bottom dead centre of the {scene.watched} over the ideal one, stroke by stroke, a line "
+        "a start. The band is the mean of the settled strokes with its 95 % interval; grey ones "
+        "are left out."
+    )
+    return [Drawing("bottom-dead-centre.png", "Bottom dead centre", caption, sheet)]

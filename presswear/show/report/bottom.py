@@ -1,0 +1,98 @@
+"""Rows of the report on bottom dead centre: accuracy, repeatability, clearance under a load."""
+
+import math
+from collections.abc import Callable
+from functools import cache
+
+from presswear.physics.statics import heights_at_bottom, pull_of
+from presswear.results.bottom import rise
+from presswear.results.result import Result
+from presswear.results.stage import StageResult
+from presswear.show.report.parts import MICRONS, MILLI, Rows, Table, Text, scaled, stage_table
+from presswear.tools.errors import RunFailed
+from presswear.tools.numbers import given, readable, whole, with_interval
+
+_DEGREES = 180.0 / math.pi
+
+
+def bottom(result: Result) -> Table | None:
+    """Accuracy and repeatability at bottom dead centre; None where nothing has moved."""
+    if not any(stage.bdc for stage in result.stages):
+        return None
+    rows: Rows[StageResult] = {
+        "height over the ideal (µm)": _mean("error_per_cycle_m", MICRONS),
+        "the same less that of the first stage (µm)": lambda stage: _risen(result, stage),
+        "standard deviation of the height (µm)": _between("standard_deviation", "m", MICRONS),
+        "mean range of successive strokes (µm)": _between("range", "m", MICRONS),
+        "strokes in each such range": lambda stage: whole(stage.bdc.get("range_strokes")),
+        "range of all strokes (µm)": lambda stage: readable(
+            scaled(stage.bdc.get("range_of_all_m"), MICRONS)
+        ),
+        "later than the ideal (ms)": _mean("delay_per_cycle_s", MILLI),
+        f"the same as {result.scene.mechanism.linkage().phase} (degrees)": _mean(
+            "delay_per_cycle_rad", _DEGREES
+        ),
+        "standard deviation of the time (ms)": _between("delay_standard_deviation", "s", MILLI),
+        "settled strokes": lambda stage: whole(stage.bdc.get("strokes")),
+    }
+    groups = {"": rows}
+    if result.scene.clearance_joints:
+        groups["At rest there, crank held"] = _under_load(result)
+    return stage_table(result, "bottom dead centre", groups)
+
+
+def _mean(name: str, factor: float) -> Text:
+    def text(stage: StageResult) -> str:
+        found = stage.bdc.get(name, {})
+        return with_interval(*(scaled(found.get(part), factor) for part in ("mean", "half_width")))
+
+    return text
+
+
+def _between(name: str, unit: str, factor: float) -> Text:
+    """A number with both ends of its interval, which is not symmetric."""
+
+    def text(stage: StageResult) -> str:
+        value = readable(scaled(stage.bdc.get(f"{name}_{unit}"), factor))
+        ends = stage.bdc.get(f"{name}_interval_{unit}")
+        if ends is None:
+            return value
+        low, high = (readable(factor * end) for end in ends)
+        return f"{value} ({low} to {high})"
+
+    return text
+
+
+def _risen(result: Result, stage: StageResult) -> str:
+    first = result.stages[0]
+    found = None if stage is first else rise(stage, first)
+    if found is None:
+        return "–"
+    half = None if found.high is None else MICRONS * (found.high - found.value)
+    return with_interval(MICRONS * found.value, half)
+
+
+def _under_load(result: Result) -> Rows[StageResult]:
+    """Heights under a static force either way and by weight alone, on each stage's surfaces."""
+    scene = result.scene
+    pull = pull_of(scene.linkage())
+
+    @cache
+    def heights(index: int) -> tuple[float, ...]:
+        own = scene.linkage(result.stage(index).surfaces)
+        try:
+            return tuple(map(float, heights_at_bottom(own, (pull, -pull, 0.0))))
+        except RunFailed:
+            return ()
+
+    def between(one: int, other: int) -> Callable[[StageResult], str]:
+        def text(stage: StageResult) -> str:
+            found = heights(stage.index)
+            return readable(MICRONS * (found[one] - found[other]), 4) if found else "–"
+
+        return text
+
+    return {
+        f"total clearance, pulled by {given(pull)} N up and down (µm)": between(0, 1),
+        f"rise from rest under {given(pull)} N (µm)": between(0, 2),
+    }

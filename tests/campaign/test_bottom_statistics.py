@@ -1,0 +1,132 @@
+"""Statistics of bottom dead centre: of made-up strokes, of the ideal press, and as kept."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+import pytest
+
+from presswear.campaign.bottom import bottom_statistics
+from presswear.campaign.single import run_scene
+from presswear.linkage.elements import Bar, Linkage, Pin
+from presswear.linkage.motions import Drive
+from presswear.linkage.press import GEOMETRIES, Press
+from presswear.physics.bottom import bottom_of
+from presswear.record.sampling import STARTUP_CYCLES, pooled
+from presswear.results.bottom import rise, strokes_of
+from presswear.scene.catalog import clearance_c, ideal, wear_times
+from presswear.scene.scene import Scene
+from presswear.tools.arrays import Array
+
+
+@dataclass
+class Strokes:
+    """What is asked of a recorder."""
+
+    height: Array
+    time: Array
+
+    @property
+    def cycles(self) -> Array:
+        return self.height[:, np.newaxis]
+
+    def each_cycle(self, name: str) -> Array:
+        found: Array = getattr(self, name.removeprefix("bottom_"))
+        return found
+
+
+def made(scene: Scene, count: int, seed: int, off: float = 0.0) -> Any:
+    """Strokes about 0.7 mm too low, 2 ms early."""
+    draw, bottom = np.random.default_rng(seed), bottom_of(scene.ideal)
+    assert bottom is not None
+    height = bottom.height - 7e-4 + off + 4e-5 * draw.normal(size=count)
+    time = bottom.time - 2e-3 + 1e-3 * draw.normal(size=count)
+    time += scene.run_up + scene.mechanism.period * np.arange(count)
+    return cast(Any, Strokes(height, time))
+
+
+def test_made_up_strokes_give_their_numbers_back() -> None:
+    scene = wear_times()
+    runs = [made(scene, 12, seed) for seed in range(4)]
+    found = bottom_statistics(scene, runs)
+    bottom = bottom_of(scene.ideal)
+    assert bottom is not None
+    settled = np.array([own.height[STARTUP_CYCLES:] for own in runs])
+    assert found["strokes"] == settled.size == 40
+    expected = pooled([own.height - bottom.height for own in runs])[0]
+    error = found["error_per_cycle_m"]
+    assert error["mean"] == pytest.approx(expected.mean, rel=1e-9)
+    assert error["half_width"] == pytest.approx(expected.half_width, rel=1e-9)
+    assert error["mean"] == pytest.approx(-7e-4, abs=3e-5)
+    assert found["height_per_cycle_m"]["mean"] == pytest.approx(settled.mean(), rel=1e-12)
+    deviation = settled.std(axis=1, ddof=1)
+    assert found["standard_deviation_m"] == pytest.approx(np.sqrt(np.mean(deviation**2)))
+    low, high = found["standard_deviation_interval_m"]
+    assert low < 4e-5 < high
+    assert found["range_strokes"] == 10
+    assert found["range_m"] == pytest.approx(np.ptp(settled, axis=1).mean())
+    assert found["range_of_all_m"] == pytest.approx(np.ptp(settled))
+    assert found["delay_per_cycle_s"]["mean"] == pytest.approx(-2e-3, abs=5e-4)
+    turn = found["delay_per_cycle_rad"]["mean"] / found["delay_per_cycle_s"]["mean"]
+    assert turn == pytest.approx(2.0 * np.pi / scene.mechanism.period)
+    assert found["delay_standard_deviation_s"] == pytest.approx(1e-3, rel=0.4)
+
+
+def test_starts_on_surfaces_of_their_own_widen_the_mean_and_not_the_scatter() -> None:
+    """How far machines are apart is no matter of how one of them repeats itself."""
+    scene = wear_times()
+    apart = [made(scene, 12, seed, 3e-4 * seed) for seed in range(4)]
+    together = [made(scene, 12, seed) for seed in range(4)]
+    alike, own = bottom_statistics(scene, together), bottom_statistics(scene, together, apart)
+    assert own["error_per_cycle_m"]["half_width"] > 5.0 * alike["error_per_cycle_m"]["half_width"]
+    far = bottom_statistics(scene, apart)
+    assert far["standard_deviation_m"] == pytest.approx(alike["standard_deviation_m"], rel=1e-9)
+
+
+@pytest.mark.parametrize("geometry", ["standard", "swapped"])
+def test_ideal_press_is_accurate_and_repeats_itself(geometry: str) -> None:
+    """Of the swapped one the first bottom lies before the start: of a cycle there is no stroke."""
+    scene = replace(ideal(), mechanism=Press(geometry=GEOMETRIES[geometry]), engine="dae", cycles=4)
+    stage = run_scene(scene).stages[0]
+    assert stage.bdc["strokes"] == 2
+    assert abs(stage.bdc["error_per_cycle_m"]["mean"]) < 1e-12
+    assert stage.bdc["range_of_all_m"] < 1e-12
+    assert abs(stage.bdc["delay_per_cycle_s"]["mean"]) < 1e-10
+    (strokes,) = strokes_of(scene, stage)
+    assert strokes[0].tolist() == ([1, 2, 3, 4] if geometry == "standard" else [2, 3, 4])
+    assert np.abs(strokes[1]).max() < 1e-12
+    alone = run_scene(replace(scene, cycles=1)).stages[0]
+    assert bool(alone.bdc) == (geometry == "standard")
+
+
+def test_stages_keep_them_in_memory_and_on_disk(tmp_path: Path) -> None:
+    scene = clearance_c(cycles=4, wears=1, starts=2, engine="dae")
+    held, stored = (run_scene(scene, folder, jobs=1) for folder in (None, tmp_path / "run"))
+    for one, other in zip(held.stages, stored.stages, strict=True):
+        assert one.bdc == other.bdc
+        assert one.bdc["strokes"] == 4
+    unworn, worn = stored.stages
+    found = rise(worn, unworn)
+    assert found is not None
+    means = [own.bdc["error_per_cycle_m"] for own in (worn, unworn)]
+    assert found.value == means[0]["mean"] - means[1]["mean"]
+    assert found.high is not None
+    half = np.hypot(*(own["half_width"] for own in means))
+    assert found.high - found.value == pytest.approx(half)
+    assert rise(worn, worn) is not None
+    numbers = [rows for _, rows in strokes_of(scene, unworn)]
+    settled = np.concatenate([rows[STARTUP_CYCLES:] for rows in numbers])
+    assert settled.mean() == pytest.approx(means[1]["mean"], rel=1e-9)
+
+
+def test_what_stands_has_no_bottom() -> None:
+    linkage = Linkage(
+        bodies=[Bar("bar", length=0.2, mass=1.0)],
+        joints=[Pin("O", (0.0, 0.0), "bar.centre")],
+        drives=[Drive("bar", speed=5.0)],
+    )
+    stage = run_scene(Scene(mechanism=linkage, wears=0, cycles=2, engine="dae")).stages[0]
+    assert stage.bdc == {}
+    assert rise(stage, stage) is None
+    assert strokes_of(Scene(mechanism=linkage, wears=0), stage) == []

@@ -1,0 +1,104 @@
+"""Bottom dead centre of ideal motions, against closed forms."""
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from closed_form import press_motion, slider_crank_motion
+from scipy.optimize import brentq
+
+from presswear.linkage.elements import Bar, Linkage, Pin, Probe
+from presswear.linkage.motions import Drive
+from presswear.linkage.press import GEOMETRIES, Press
+from presswear.linkage.slider_crank import SliderCrank
+from presswear.physics.bottom import bottom_of
+from presswear.physics.ideal import ideal_motion
+
+
+def bar(speed: float = 10.0, angle: float = 0.0, **changes: Any) -> Linkage:
+    """A bar that turns about its tail; its head is watched upright."""
+    return Linkage(
+        bodies=[Bar("bar", length=0.2, mass=1.0)],
+        joints=[Pin("O", (0.0, 0.0), "bar.tail")],
+        drives=[Drive("bar", speed=speed, angle=angle)],
+        watch=Probe("bar", 0.5 * math.pi, x=0.1),
+        **changes,
+    )
+
+
+@pytest.mark.parametrize("geometry", list(GEOMETRIES))
+def test_press_is_lowest_where_the_closed_form_stands(geometry: str) -> None:
+    press = Press(geometry=GEOMETRIES[geometry])
+    linkage = press.linkage()
+    found = bottom_of(ideal_motion(linkage, press.period))
+    assert found is not None
+
+    def level(time: float, which: int) -> float:
+        return float(press_motion(press, np.array([time])).watched(linkage)[0, which])
+
+    time = brentq(level, found.time - 0.02, found.time + 0.02, args=(1,), xtol=1e-16)
+    assert found.time == pytest.approx(time, abs=1e-14)
+    assert found.height == pytest.approx(level(time, 0), abs=1e-15)
+    everywhere = np.linspace(0.0, press.period, 20_001)
+    height, speed, _ = press_motion(press, everywhere).watched(linkage).T
+    assert found.height <= height.min() + 1e-15
+    assert found.stroke == pytest.approx(float(np.ptp(height)), rel=1e-5)
+    begin, end = found.window
+    assert begin < found.time < end <= press.period
+    # The window is the lower half of the stroke, to within a node of 1440.
+    half = height.min() + 0.5 * np.ptp(height)
+    for edge in (begin, end):
+        assert abs(level(edge, 0) - half) < np.abs(speed).max() * press.period / 1440
+
+
+def test_slider_crank_is_lowest_where_crank_and_rod_are_in_line() -> None:
+    mechanism = SliderCrank()
+    found = bottom_of(ideal_motion(mechanism.linkage(), mechanism.period))
+    assert found is not None
+    assert found.time == pytest.approx(0.5 * mechanism.period, rel=1e-12)
+    assert found.height == pytest.approx(mechanism.rod_length - mechanism.crank_length, abs=1e-15)
+    motion = slider_crank_motion(mechanism, np.array([found.time]))
+    assert motion.watched(mechanism.linkage())[0, 0] == pytest.approx(found.height, abs=1e-15)
+
+
+def test_the_other_end_is_watched_in_the_opposite_direction() -> None:
+    """Its bottom falls on the boundary of two cycles: the window lies on both sides of it."""
+    mechanism = SliderCrank()
+    linkage = replace(mechanism.linkage(), watch=Probe("slider", math.pi))
+    found = bottom_of(ideal_motion(linkage, mechanism.period))
+    assert found is not None
+    assert found.height == pytest.approx(-mechanism.rod_length - mechanism.crank_length, abs=1e-15)
+    assert found.time == pytest.approx(0.0, abs=1e-12 * mechanism.period)
+    assert found.window[0] < -0.1 * mechanism.period
+    assert found.window[1] > 0.1 * mechanism.period
+
+
+@pytest.mark.parametrize(("angle", "place"), [(0.0, 0.75), (0.4, 0.75 - 0.4 / math.tau)])
+@pytest.mark.parametrize("run_up", [0, 2])
+def test_bar_is_lowest_at_three_quarters(angle: float, place: float, run_up: int) -> None:
+    linkage = bar(angle=angle, run_up=run_up)
+    found = bottom_of(ideal_motion(linkage, linkage.period))
+    assert found is not None
+    back = 1.0 if place + 0.25 > 1.0 else 0.0
+    assert found.time == pytest.approx((place - back) * linkage.period, abs=1e-13)
+    assert found.height == pytest.approx(-0.2, abs=1e-15)
+    assert found.first == int(back)
+    late = found.delay(linkage.run_up_time + linkage.period * np.array([place, 7.0 + place, 0.9]))
+    assert late[:2] == pytest.approx(0.0, abs=1e-13)
+    assert late[2] == pytest.approx((0.9 - place) * linkage.period, abs=1e-13)
+
+
+def test_of_two_turns_in_a_cycle_the_first_counts() -> None:
+    linkage = bar(cycle=2.0 * math.tau / 10.0)
+    found = bottom_of(ideal_motion(linkage, linkage.period))
+    assert found is not None
+    assert found.time == pytest.approx(0.75 * math.tau / 10.0, abs=1e-12)
+    begin, end = found.window
+    assert end - begin == pytest.approx(0.5 * math.tau / 10.0, rel=0.02)
+
+
+def test_what_stands_has_none() -> None:
+    linkage = replace(bar(), watch=Probe("bar", 0.5 * math.pi, x=-0.1))
+    assert bottom_of(ideal_motion(linkage, linkage.period)) is None

@@ -1,0 +1,192 @@
+"""Linkages at rest under a load: closed forms, the engine run to rest, and what is refused."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from closed_form import press_motion
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import presswear as pw
+from presswear.campaign.starts import start_of
+from presswear.engines.base import Plan
+from presswear.linkage.elements import ClearanceJoint, Linkage
+from presswear.linkage.press import GEOMETRIES
+from presswear.physics.bottom import bottom_of
+from presswear.physics.statics import LEAST_PULL, equilibrium, heights_at_bottom, pull_of
+from presswear.tools.arrays import Array
+
+LIGHT = pw.Scene(pw.SliderCrank(gravity=0.0), joints="AB", wears=0)
+
+
+def play(joint: ClearanceJoint, force: float, worn: float = 0.0) -> float:
+    """How far a pin is out of the middle under a force: its clearance and what the law gives."""
+    law = joint.normal
+    return joint.clearance + worn + (abs(force) / law.stiffness) ** (1.0 / law.exponent)
+
+
+@settings(max_examples=20, deadline=None)
+@given(
+    st.floats(1.0, 1e5),
+    st.floats(1e-5, 1e-3),
+    st.floats(1e-5, 1e-3),
+    st.sampled_from([1.5, 1.0, 2.2]),
+)
+def test_slider_crank_in_line_has_the_play_of_its_joints(
+    force: float, first: float, second: float, exponent: float
+) -> None:
+    """At bottom dead centre crank and rod are in line with the pull: both plays, twice."""
+    bearings = {
+        name: pw.Bearing(clearance=clearance, exponent=exponent)
+        for name, clearance in (("A", first), ("B", second))
+    }
+    linkage = replace(LIGHT, bearings=bearings).linkage()
+    expected = 2.0 * sum(play(joint, force) for joint in linkage.clearances)
+    assert pw.total_clearance(linkage, force) == pytest.approx(expected, abs=1e-13)
+
+
+@pytest.mark.parametrize("geometry", list(GEOMETRIES))
+@pytest.mark.parametrize("force", [20.0, 1000.0, -1000.0])
+def test_press_stands_as_one_with_longer_and_shorter_rods(geometry: str, force: float) -> None:
+    """Pins go to the end of their clearance along rods 3 and 5, which bear two forces each.
+
+    A rod that is pulled is longer by its play, one that is pressed shorter; the forces in them
+    are the pull times the change of height with their lengths (virtual work).
+    """
+    press = pw.Press(geometry=GEOMETRIES[geometry], gravity=0.0)
+    scene = replace(pw.scenes.wear_times(), mechanism=press)
+    linkage, bottom = scene.linkage(), bottom_of(scene.ideal)
+    assert bottom is not None
+    time = np.array([bottom.time])
+
+    def height(longer: Array) -> float:
+        rods = {"length_3": press.length_3 + longer[0], "length_5": press.length_5 + longer[1]}
+        own = replace(press, **rods)
+        return float(press_motion(own, time).watched(linkage)[0, 0])
+
+    longer, way = np.zeros(2), 1e-6
+    for _ in range(20):
+        ahead, behind = (
+            np.array([height(longer + sign * way * own) for own in np.eye(2)])
+            for sign in (1.0, -1.0)
+        )
+        bears = force * (ahead - behind) / (2.0 * way)
+        plays = [play(*own) for own in zip(linkage.clearances, bears, strict=True)]
+        longer = np.copysign(plays, bears)
+    found = equilibrium(linkage, press.period + bottom.time, force)
+    assert found.height == pytest.approx(height(longer), abs=1e-12)
+    assert found.contacts["normal"] == pytest.approx(np.abs(bears), rel=1e-6)
+    assert heights_at_bottom(linkage, [force])[0] == pytest.approx(found.height, abs=1e-15)
+
+
+@pytest.mark.parametrize("conventions", ["paper", "refined"])
+def test_evenly_worn_surfaces_are_a_larger_clearance(conventions: str) -> None:
+    """Closed form of a radial contact; a foundation bears what the law of the round joint does.
+
+    It does so to some part of the penetration over the clearance.
+    """
+    scene = replace(LIGHT, conventions=pw.scenes.wear_times(conventions=conventions).conventions)
+    worn = {"A": (np.full(360, 3e-5), None), "B": (np.full(360, 1e-5), np.full(360, 2e-5))}
+    linkage, force = replace(scene, surfaces=worn).linkage(), 50.0
+    expected = 2.0 * sum(play(joint, force, 3e-5) for joint in linkage.clearances)
+    springs = expected - 2.0 * sum(joint.clearance + 3e-5 for joint in linkage.clearances)
+    allowed = 1e-14 if conventions == "paper" else 0.03 * springs
+    found = pw.total_clearance(linkage, force)
+    assert found == pytest.approx(expected, abs=allowed)
+    assert found > pw.total_clearance(scene.linkage(), force) + 1.1e-4
+
+
+def held(force: float, angle: float) -> Linkage:
+    """A slider-crank whose crank stands, damped and loaded."""
+    dampers = {"rod.tail": (0.0, -0.5), "rod.centre": (0.5, 0.1), "rod.head": (0.1, 0.5)}
+    dampers["slider.centre"] = 0.5, 0.0
+    return Linkage(
+        bodies=[
+            pw.Bar("crank", length=0.05, mass=0.3),
+            pw.Bar("rod", length=0.12, mass=0.21),
+            pw.Body("slider", mass=0.14, inertia=1.0),
+        ],
+        joints=[
+            pw.Pin("O", (0.0, 0.0), "crank.tail"),
+            pw.Pin("A", "crank.head", "rod.tail"),
+            pw.Pin("B", "rod.head", "slider.centre"),
+            pw.Guide("guide", "slider"),
+        ],
+        drives=[pw.Drive("crank", speed=0.0, angle=angle)],
+        watch="slider.centre",
+        guess={"rod": -math.asin(0.05 * math.sin(angle) / 0.12)},
+        cycle=0.05,
+        loads=[pw.Load("slider", x=force)],
+        springs=[
+            pw.Spring(f"{k}", point, place, stiffness=0.0, damping=60.0, length=0.1)
+            for k, (point, place) in enumerate(dampers.items())
+        ],
+    )
+
+
+@pytest.mark.parametrize(("conventions", "force"), [("paper", 50.0), ("refined", -50.0)])
+def test_engine_that_runs_to_rest_stands_there(conventions: str, force: float) -> None:
+    """On uneven surfaces, with weight: every body is where the damped motion ends."""
+    angle = np.radians(np.arange(360) + 0.5)
+    worn = 2e-5 * (1.0 + np.cos(angle - 0.3)), 1e-5 * (1.0 + np.sin(2.0 * angle))
+    bearing = pw.Bearing(clearance=1e-4, friction=0.0)
+    scene = pw.Scene(
+        held(force, 2.0),
+        bearings={"A": bearing, "B": bearing},
+        surfaces={"A": worn, "B": worn[::-1]},
+        conventions=pw.scenes.wear_times(conventions=conventions).conventions,
+        engine="dae",
+        purpose="trajectory",
+        wears=0,
+    )
+    linkage = scene.linkage()
+    found = equilibrium(linkage, 0.0)
+    run = scene.solver.over(0.05).simulate(linkage, start_of(scene), Plan(0.05, 8))
+    assert run.status == "completed"
+    assert np.abs(run.end.velocity).max() < 1e-8
+    np.testing.assert_allclose(found.position, run.end.position, rtol=0.0, atol=1e-11)
+    # The load is as good as a pull at the slider.
+    pulled = equilibrium(replace(linkage, loads=()), 0.0, force)
+    np.testing.assert_allclose(pulled.position, found.position, rtol=0.0, atol=1e-12)
+
+
+def test_weight_acts_and_loads_with_a_law_do_not() -> None:
+    linkage = pw.scenes.wear_times().linkage()
+    hanging = heights_at_bottom(linkage, [0.0])[0]
+    down, up = heights_at_bottom(linkage, [-100.0, 100.0])
+    assert down < hanging < up
+    assert hanging - down < 1e-4 < up - hanging
+    assert pw.deflection(linkage, 100.0) == up - hanging
+    assert pw.deflection(linkage, 100.0, idle=-100.0) == up - down
+    assert pw.total_clearance(linkage) == pw.total_clearance(linkage, LEAST_PULL) == up - down
+    law = pw.OverTime([(0.0, -500.0), (0.1, -500.0)])
+    pressed = replace(linkage, loads=[pw.Force("slider 6.centre", direction=1.57, law=law)])
+    assert heights_at_bottom(pressed, [0.0])[0] == hanging
+    heavy = replace(
+        linkage, bodies=[replace(body, mass=1e3 * body.mass) for body in linkage.bodies]
+    )
+    assert pull_of(linkage) == LEAST_PULL
+    assert pull_of(heavy) == pytest.approx(1e4 * 9.81 * sum(own.mass for own in linkage.bodies))
+
+
+def test_what_has_no_play_has_none() -> None:
+    linkage = pw.Press().linkage()
+    assert pw.total_clearance(linkage) == 0.0
+    assert pw.deflection(linkage, 500.0) == 0.0
+
+
+def test_what_is_refused() -> None:
+    linkage = LIGHT.linkage()
+    for force in (0.0, -1.0, 1e12):
+        with pytest.raises(pw.InputError, match=r"force = .* allowed is above 0 up to 1e\+09 N"):
+            pw.total_clearance(linkage, force)
+    with pytest.raises(pw.InputError, match="force = nan: a finite number is expected"):
+        pw.total_clearance(linkage, math.nan)
+    with pytest.raises(pw.InputError, match="idle = inf"):
+        pw.deflection(linkage, 1.0, math.inf)
+    with pytest.raises(pw.InputError, match="did you mean force"):
+        pw.total_clearance(linkage, forc=1.0)  # type: ignore[call-arg]
+    with pytest.raises(pw.InputError, match="no bottom dead centre: what it watches stands still"):
+        pw.total_clearance(replace(held(1.0, 2.0), loads=()))
