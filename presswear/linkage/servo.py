@@ -1,8 +1,8 @@
 """What a servo does with a crank of a press while the other crank turns evenly, as data.
 
-Crank 7 swings between its dead points, in which it does not move the slider.  Where crank 2 is, the
-slider may be anywhere between the two heights that belong to them; a crank that turns all around
-passes both dead points in each turn and has no choice of the height there.
+Crank 7 swings between two of its dead points, in which it does not move the slider: wherever crank
+2 is, the slider may be at any height between those of the two.  A crank that turns all around
+passes its dead points in each turn and has no choice of the height there.
 """
 
 import math

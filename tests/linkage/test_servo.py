@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from closed_form import press_motion
-from hypothesis import given, settings
+from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
 import presswear as pw
@@ -34,31 +34,42 @@ def heights() -> np.ndarray[Any, np.dtype[np.float64]]:
     return np.array(rows)
 
 
-def test_what_the_slider_can_reach_is_between_two_dead_points_of_crank_7() -> None:
-    """As the README says it: any two crank angles close, and crank 7 has one swing of no return."""
+def test_any_two_crank_angles_close_and_heights_lie_between_dead_points() -> None:
+    """The numbers of the README: heights of the lowest and the highest dead point of crank 7."""
     found = heights()
     assert np.isfinite(found).all()
     low, high = found.min(axis=1), found.max(axis=1)
     assert (low.min(), high.max()) == pytest.approx((-0.6502, -0.4800), abs=1e-4)
     assert (low.max(), high.min()) == pytest.approx((-0.5859, -0.5093), abs=1e-4)
-    # Crank 7 has two dead points, wherever crank 2 is.
     rises = np.diff(found, axis=1, append=found[:, :1]) > 0.0
-    assert (np.count_nonzero(rises != np.roll(rises, 1, axis=1), axis=1) == 2).all()
+    dead = np.count_nonzero(rises != np.roll(rises, 1, axis=1), axis=1)
+    assert set(dead) == {2, 4}
+    # In degrees that crank 2 has turned.
+    four = 2.0 * np.flatnonzero(dead == 4)
+    assert (four.min(), four.max()) == pytest.approx((218.0, 299.0), abs=2.0)
+    assert len(four) == pytest.approx(82 / 2, abs=2)
 
 
-def test_a_swing_within_the_dead_points_has_one_slider_for_each_angle() -> None:
-    turns = np.radians(np.arange(-75.0, 106.0, 5.0))
-    for turn in np.linspace(0.0, TURN, 24):
+@pytest.mark.parametrize(
+    ("begin", "end", "last"), [(0.0, 360.0, 15.0), (0.0, 217.0, 112.0), (300.0, 360.0, 109.0)]
+)
+def test_a_swing_without_a_dead_point(begin: float, end: float, last: float) -> None:
+    """From -77 deg to 15 deg wherever crank 2 is, and farther up where there are two of them."""
+    turns = np.radians(np.arange(-77.0, last, 1.0))
+    for turn in np.radians(np.linspace(begin, end, 30)):
         time = np.full(turns.size, turn / W)
         motion = press_motion(pw.Press(), time, None, (turns, 0.0, 0.0))
         assert (np.diff(motion.watched(pw.Press().linkage())[:, 0]) > 0.0).all()
 
 
-@settings(max_examples=15, deadline=None)
+SOME = settings(max_examples=8, deadline=None, phases=[Phase.explicit, Phase.generate])
+
+
+@SOME
 @given(
-    st.floats(0.02, 0.2),
-    st.floats(0.03, 0.09),
-    st.floats(100.0, 140.0),
+    st.floats(0.02, 0.12),
+    st.floats(0.075, 0.09),
+    st.floats(115.0, 125.0),
     st.sampled_from(["cycloidal", "modified-sine", "3-4-5"]),
 )
 def test_the_slider_dwells_for_its_part_of_the_cycle(
@@ -78,16 +89,12 @@ def test_the_slider_dwells_for_its_part_of_the_cycle(
     assert np.ptp(crank) < math.pi
 
 
-@settings(max_examples=15, deadline=None)
+@SOME
 @given(st.floats(0.035, 0.12), st.floats(4e-3, 7e-3), st.floats(0.3e-3, 1e-3))
 def test_the_speed_is_constant_in_the_work(speed: float, height: float, end: float) -> None:
     forming = pw.Forming(speed=speed, height=height, end=end)
     press = pw.Press(servo=forming)
-    try:
-        ideal = motion_of(press)
-    except InputError as refusal:
-        assert len(str(refusal).splitlines()) == 1
-        return
+    ideal = motion_of(press)
     slowing = forming.bottom / W - 2.0 * end / speed
     time = slowing - (height - end) / speed * np.linspace(0.0, 1.0, 101)
     place, velocity, _ = ideal.at(time).watched(press.linkage()).T
@@ -159,7 +166,7 @@ def test_one_servo_from_python_settings_and_files(tmp_path: Path) -> None:
         ),
         (
             lambda: changed(pw.scenes.slider_crank(), {"servo": "dwell"}),
-            "key 'servo': known are",
+            "unknown key 'servo'; known are",
         ),
         (lambda: pw.Press(servo="dwell"), "servo = 'dwell': a Dwell, Forming, "),  # type: ignore[arg-type]
     ],
@@ -179,7 +186,9 @@ def test_stored_scenes_with_a_damaged_servo_are_refused() -> None:
 
 
 def test_the_torque_of_a_servo_is_limited_as_well() -> None:
-    with pytest.raises(InputError, match="torque_limit of crank . = 5 N m: the ideal motion needs"):
+    with pytest.raises(
+        InputError, match=r"torque_limit of crank \d = 5 N m: the ideal motion needs"
+    ):
         pw.Scene(pw.Press(servo=pw.Dwell(), torque_limit=5.0), process=pw.Blanking())
 
 
