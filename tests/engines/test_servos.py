@@ -62,9 +62,8 @@ def moved(servo: Servo, time: Array) -> tuple[Array, Turning]:
         )
         turning = servo.middle + swing[0], swing[1], swing[2]
         return press_motion(press, time, None, turning).watched(press.linkage()), turning
-    law = dwelling if isinstance(servo, pw.Dwell) else forming
-    own = np.append(0.0, time)
-    slider = law(servo, W * own - servo.bottom)  # type: ignore[operator]
+    phase = W * np.append(0.0, time) - servo.bottom
+    slider = dwelling(servo, phase) if isinstance(servo, pw.Dwell) else forming(servo, phase)
     still = np.zeros(1)
     begun = press_motion(press, still, None, (still + servo.angle, still, still))
     slider[:, 0] += begun.watched(press.linkage())[0, 0] - slider[0, 0]
