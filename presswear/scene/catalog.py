@@ -120,19 +120,19 @@ press_drawing = _named(
 
 press_servo_dwell = _named(
     "press-servo-dwell",
-    "The press cuts while motor 2 turns; servo 7 lets the slider dwell at the bottom",
+    "press-blanking with a dwell, by servo 7",
     press_blanking,
     mechanism=Press(servo=Dwell()),
 )
 press_servo_forming = _named(
     "press-servo-forming",
-    "Servo 7 gives the slider a constant speed in the work, else as press-servo-dwell",
+    "press-blanking at a constant speed",
     press_blanking,
     mechanism=Press(servo=Forming()),
 )
 press_pendulum = _named(
     "press-pendulum",
-    "Crank 7 swings instead of turning, else as press-servo-dwell",
+    "press-blanking while crank 7 swings",
     press_blanking,
     mechanism=Press(servo=Pendulum()),
 )
