@@ -43,6 +43,9 @@ if TYPE_CHECKING:
     from presswear.linkage.process import Blanking as Blanking
     from presswear.linkage.process import Coining as Coining
     from presswear.linkage.process import Drawing as Drawing
+    from presswear.linkage.servo import Dwell as Dwell
+    from presswear.linkage.servo import Forming as Forming
+    from presswear.linkage.servo import Pendulum as Pendulum
     from presswear.linkage.slider_crank import SliderCrank as SliderCrank
     from presswear.linkage.surface import Surface as Surface
     from presswear.physics.statics import deflection as deflection
@@ -91,6 +94,7 @@ _ROOMS = {
     "linkage.motions": ("Drive", "Follow", "Rise"),
     "linkage.press": ("Press",),
     "linkage.process": ("Blanking", "Coining", "Drawing"),
+    "linkage.servo": ("Dwell", "Forming", "Pendulum"),
     "linkage.slider_crank": ("SliderCrank",),
     "linkage.surface": ("Surface",),
     "physics.statics": ("deflection", "total_clearance"),

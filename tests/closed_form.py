@@ -54,10 +54,15 @@ def _dot(a: Array, b: Array) -> Array:
     return np.asarray(np.sum(a * b, axis=1))
 
 
-def crank(centre: Point, length: float, angle: Array, speed: float) -> Point:
-    """Tip of a crank turning at constant speed about a fixed point."""
-    arm = length * _direction(angle)
-    return Point(centre.position + arm, speed * _left(arm), -(speed**2) * arm)
+Turning = tuple[Array, Array | float, Array | float]
+"""Angle of a crank, rad, its speed and its acceleration."""
+
+
+def crank(centre: Point, length: float, turning: Turning) -> Point:
+    """Tip of a crank that turns about a fixed point."""
+    angle, speed, faster = (np.broadcast_to(own, turning[0].shape)[:, None] for own in turning)
+    arm = length * _direction(angle[:, 0])
+    return Point(centre.position + arm, speed * _left(arm), faster * _left(arm) - speed**2 * arm)
 
 
 def dyad(p: Point, q: Point, from_p: float, from_q: float, side: float) -> Point:
@@ -150,7 +155,11 @@ def bar_state(own: Attachment, tail: Point, head: Point) -> BodyState:
 
 
 def _together(
-    linkage: Linkage, time: Array, joints: dict[str, Point], axes: dict[str, tuple[str, str]]
+    linkage: Linkage,
+    time: Array,
+    joints: dict[str, Point],
+    axes: dict[str, tuple[str, str]],
+    driven: dict[str, Array],
 ) -> Motion:
     """Put the motions of single bodies together in the order of a linkage.
 
@@ -158,6 +167,8 @@ def _together(
     ----------
     axes : dict
         Joints by name of the body that its x axis points from and to; none of bodies on guides.
+    driven : dict
+        Angles of the driven bodies, rad.
     """
     ends = {
         (end.body, joint.name): end
@@ -175,12 +186,17 @@ def _together(
         np.hstack([states[body.name][level] for body in linkage.bodies]) for level in range(3)
     )
     position[:, 2::3] = np.unwrap(position[:, 2::3], axis=0)
-    for drive in linkage.drives:
-        position[:, 3 * linkage.index(drive.body) + 2] = drive.angle + drive.speed * time
+    for body, angle in driven.items():
+        position[:, 3 * linkage.index(body) + 2] = angle
     return Motion(time, position, velocity, acceleration)
 
 
-def press_motion(press: Press, time: Array, rates: tuple[float, float] | None = None) -> Motion:
+def press_motion(
+    press: Press,
+    time: Array,
+    rates: tuple[float, float] | None = None,
+    turning_7: Turning | None = None,
+) -> Motion:
     """Motion of the press with all joints closed.
 
     Parameters
@@ -188,13 +204,19 @@ def press_motion(press: Press, time: Array, rates: tuple[float, float] | None = 
     rates : tuple of (float, float) or None
         Speeds of cranks 2 and 7, rad/s, in the places where they are at their own: velocities by
         them are partial derivatives.
+    turning_7 : tuple or None
+        What crank 7 does, each shape (n,); None: it turns evenly.
     """
     geometry = press.geometry
-    rate_2, rate_7 = rates or (-press.speed, press.speed)
+    turn = press.speed * time
+    turning_2: Turning = (CRANK_2_START - turn, -press.speed, 0.0)
+    turning_7 = turning_7 or (CRANK_7_START + turn, press.speed, 0.0)
+    if rates is not None:
+        turning_2, turning_7 = (turning_2[0], rates[0], 0.0), (turning_7[0], rates[1], 0.0)
     o2 = Point.fixed(geometry.hx, geometry.hy, time.size)
     o7 = Point.fixed(0.0, 0.0, time.size)
-    a = crank(o2, -press.length_2, CRANK_2_START - press.speed * time, rate_2)
-    d = crank(o7, press.length_7, CRANK_7_START + press.speed * time, rate_7)
+    a = crank(o2, -press.length_2, turning_2)
+    d = crank(o7, press.length_7, turning_7)
     b = dyad(d, a, geometry.side_bd, press.length_3, geometry.side_b)
     c = dyad(d, b, geometry.side_cd, geometry.side_bc, geometry.side_c)
     guide = Line((geometry.hx, 0.0), (0.0, 1.0))
@@ -207,30 +229,62 @@ def press_motion(press: Press, time: Array, rates: tuple[float, float] | None = 
         "rod 5": ("E", "C"),
         "crank 7": ("O7", "D"),
     }
-    return _together(press.linkage(), time, joints, axes)
+    driven = {"crank 2": turning_2[0], "crank 7": turning_7[0]}
+    return _together(press.linkage(), time, joints, axes, driven)
 
 
-def needed_by_virtual_work(press: Press, time: Array, upwards: Array) -> Array:
+def servo_turning(press: Press, time: Array, slider: Array, guess: float) -> Turning:
+    """What crank 7 does that gives the slider a motion while crank 2 turns evenly.
+
+    Parameters
+    ----------
+    slider : ndarray, shape (n, 3)
+        Place, m, velocity and acceleration.
+    guess : float
+        Angle of crank 7, rad, with no dead point between it and the motion.
+    """
+    linkage, angle, still = press.linkage(), np.full(time.size, guess), np.zeros(time.size)
+
+    def moved(rates: tuple[float, float]) -> Array:
+        return press_motion(press, time, rates, (angle, still, still)).watched(linkage)
+
+    for _ in range(30):
+        place, influence, _ = moved((0.0, 1.0)).T
+        angle = angle - np.clip((place - slider[:, 0]) / influence, -0.2, 0.2)
+    influence, driven = moved((0.0, 1.0))[:, 1], moved((-press.speed, 0.0))[:, 1]
+    speed = (slider[:, 1] - driven) / influence
+    bare = press_motion(press, time, None, (angle, speed, still)).watched(linkage)[:, 2]
+    return angle, speed, (slider[:, 2] - bare) / influence
+
+
+def needed_by_virtual_work(
+    press: Press, time: Array, upwards: Array, turning_7: Turning | None = None
+) -> Array:
     """Torques of cranks 2 and 7, all joints closed, shape (n, 2), N m.
 
     Parameters
     ----------
     upwards : ndarray, shape (n,)
         Force on the slider, N.
+    turning_7 : tuple or None
+        What crank 7 does; None: it turns evenly.
     """
-    linkage, motion = press.linkage(), press_motion(press, time)
+    linkage, motion = press.linkage(), press_motion(press, time, None, turning_7)
     mass = np.array([[own.mass, own.mass, own.inertia] for own in linkage.bodies]).ravel()
     force = -mass * motion.acceleration
     force[:, 1::3] -= press.gravity * mass[1::3]
     force[:, 3 * linkage.index("slider 6") + 1] += upwards
-    ways = [press_motion(press, time, rates).velocity for rates in ((1.0, 0.0), (0.0, 1.0))]
+    ways = [
+        press_motion(press, time, rates, turning_7).velocity for rates in ((1.0, 0.0), (0.0, 1.0))
+    ]
     return -np.column_stack([_dot(force, way) for way in ways])
 
 
 def slider_crank_motion(mechanism: SliderCrank, time: Array) -> Motion:
     """Motion of the slider-crank with all joints closed."""
     o = Point.fixed(0.0, 0.0, time.size)
-    a = crank(o, mechanism.crank_length, mechanism.speed * time, mechanism.speed)
+    turn = mechanism.speed * time
+    a = crank(o, mechanism.crank_length, (turn, mechanism.speed, 0.0))
     b = slide(a, mechanism.rod_length, Line((0.0, 0.0), (1.0, 0.0)), 1.0)
     axes = {"crank": ("O", "A"), "rod": ("A", "B")}
-    return _together(mechanism.linkage(), time, {"O": o, "A": a, "B": b}, axes)
+    return _together(mechanism.linkage(), time, {"O": o, "A": a, "B": b}, axes, {"crank": turn})

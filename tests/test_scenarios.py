@@ -26,6 +26,13 @@ def test_a_script_runs(
     assert "failed" not in said
 
 
+def test_servos_stand_beside_plain_blanking(capsys: pytest.CaptureFixture[str]) -> None:
+    runpy.run_path(str(SCENARIOS / "servo.py"))["main"](cycles=1, starts=1)
+    said = capsys.readouterr().out
+    assert said.count("ideal: stroke") == 4
+    assert said.count("A dose_per_cycle_Nm") == 4
+
+
 def test_scripts_are_short() -> None:
     for script in SCENARIOS.glob("*.py"):
         code = [line for line in script.read_text().splitlines() if line.strip()]

@@ -8,7 +8,7 @@ each value says whether it is the paper's, chosen or assumed.
 import cmath
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Self
 
@@ -32,9 +32,10 @@ from presswear.linkage.mechanism import (
     mass,
 )
 from presswear.linkage.motions import Drive, torque_limit
+from presswear.linkage.servo import SERVOS, Servo
 from presswear.tools.checked import checked
 from presswear.tools.errors import InputError
-from presswear.tools.quantities import check_fields, named_set, quantity
+from presswear.tools.quantities import check_fields, named_set, of_kind, one_of, quantity
 
 CRANK_2_START = math.radians(-119.27)
 CRANK_7_START = math.radians(-51.18)
@@ -139,6 +140,9 @@ class Press(Mechanism):
     )
     run_up: int = run_up()
     torque_limit: float | None = torque_limit()
+    servo: Servo | None = one_of(
+        SERVOS, "what crank 7 does while crank 2 turns evenly; none: it turns evenly as well"
+    )
 
     @property
     def origin(self) -> str:
@@ -151,7 +155,8 @@ class Press(Mechanism):
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Self:
         """A press from its fields as plain data."""
-        return cls(**{**data, "geometry": Geometry(**data["geometry"])})
+        geometry = Geometry(**data["geometry"])
+        return cls(**{**data, "geometry": geometry, "servo": of_kind(SERVOS, data["servo"])})
 
     def plate_corners(self) -> dict[str, Attachment]:
         """B, C, D in the plate's frame: origin at the centroid, x axis along D to B."""
@@ -197,7 +202,7 @@ class Press(Mechanism):
             ),
             drives=(
                 Drive("crank 2", -self.speed, CRANK_2_START, torque_limit=self.torque_limit),
-                Drive("crank 7", self.speed, CRANK_7_START, torque_limit=self.torque_limit),
+                replace(self._drive_7, torque_limit=self.torque_limit),
             ),
             watch=Probe("slider 6", 0.5 * math.pi),
             guess=self.guess,
@@ -206,11 +211,17 @@ class Press(Mechanism):
         )
 
     @property
+    def _drive_7(self) -> Drive:
+        if self.servo is None:
+            return Drive("crank 7", self.speed, CRANK_7_START)
+        return self.servo.drive("crank 7", self.speed, "slider 6.centre")
+
+    @property
     def guess(self) -> Mapping[str, float]:
         """Angles of the rods and the plate at the start, rad, from circles that meet."""
         geometry = self.geometry
         a = complex(geometry.hx, geometry.hy) - cmath.rect(self.length_2, CRANK_2_START)
-        d = cmath.rect(self.length_7, CRANK_7_START)
+        d = cmath.rect(self.length_7, self._drive_7.angle)
         b = _meeting(d, a, geometry.side_bd, self.length_3, geometry.side_b)
         c = _meeting(d, b, geometry.side_cd, geometry.side_bc, geometry.side_c)
         across = c.real - geometry.hx

@@ -131,8 +131,10 @@ def break_after(drive: Records, t: float) -> float:
         return found
     followed = run_up_motion(duration, t)[0] if duration > 0.0 else t
     phase = drive.base * followed
-    begun = _TURN * math.floor(phase / _TURN)
-    ahead = phase - begun + _NEAR * (1.0 + phase)
+    near = _NEAR * (1.0 + phase)
+    # A phase that is short of a whole turn by round-off belongs to the next.
+    begun = _TURN * math.floor((phase + near) / _TURN)
+    ahead = phase - begun + near
     i = place_of(drive, ahead) + 1
     ahead = drive.start[i] if i < drive.pieces else _TURN + drive.start[0]
     followed = (begun + ahead) / drive.base

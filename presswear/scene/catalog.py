@@ -8,6 +8,7 @@ from typing import Any
 from presswear.linkage.materials import Materials
 from presswear.linkage.press import Press
 from presswear.linkage.process import Blanking, Drawing
+from presswear.linkage.servo import Dwell, Forming, Pendulum
 from presswear.linkage.slider_crank import LITERATURE, SliderCrank
 from presswear.scene.bearing import CONVENTIONS, Bearing
 from presswear.scene.scene import Scene
@@ -115,6 +116,25 @@ press_drawing = _named(
     "The press draws a cup over a cushion, worn once",
     press_blanking,
     process=Drawing(cushion=20.0),
+)
+
+press_servo_dwell = _named(
+    "press-servo-dwell",
+    "press-blanking with a dwell, by servo 7",
+    press_blanking,
+    mechanism=Press(servo=Dwell()),
+)
+press_servo_forming = _named(
+    "press-servo-forming",
+    "press-blanking at a constant speed",
+    press_blanking,
+    mechanism=Press(servo=Forming()),
+)
+press_pendulum = _named(
+    "press-pendulum",
+    "press-blanking while crank 7 swings",
+    press_blanking,
+    mechanism=Press(servo=Pendulum()),
 )
 
 _KNOWN = ("bearing_radius", "clearance", "youngs_modulus", "poisson_ratio", "restitution")

@@ -19,7 +19,8 @@ from presswear.tools.errors import InputError, unknown
 from presswear.tools.files import read_checked
 
 SUFFIX = ".toml"
-_KEYS = ("title", "mechanism", "process", "settings", "surfaces")
+_PARTS = "process", "servo"
+_KEYS = ("title", "mechanism", *_PARTS, "settings", "surfaces")
 _MOST_BYTES = 2**20
 
 
@@ -67,8 +68,8 @@ def scene_from(file: Path) -> Scene:
                 raise unknown("key", key, _KEYS)
         mechanism = _mechanism(data.get("mechanism"), file.parent)
         settings = _settings(data.get("settings", {}), file.parent)
-        if "process" in data:
-            settings |= _process(data["process"])
+        for name in data.keys() & set(_PARTS):
+            settings |= _part(name, data[name])
         title = data.get("title", f"The linkage of {file.name}")
         # Without a word on it, nothing wears.
         plain = Scene(mechanism, file.stem, title, wears=0)
@@ -98,12 +99,12 @@ def _mechanism(given: Any, folder: Path) -> OneMechanism:
     return read(given, "mechanism", units=True, folder=folder)
 
 
-def _process(given: Any) -> dict[str, str]:
-    """The table of a process, its kind among its keys, as settings."""
+def _part(name: str, given: Any) -> dict[str, str]:
+    """The table of a part, its kind among its keys, as settings."""
     if not isinstance(given, Mapping) or "kind" not in given:
-        raise InputError(f"process = {given!r}: a table with a kind is expected")
-    values = {f"process.{key}": value for key, value in given.items() if key != "kind"}
-    return _settings({"process": given["kind"], **values}, Path())
+        raise InputError(f"{name} = {given!r}: a table with a kind is expected")
+    values = {f"{name}.{key}": value for key, value in given.items() if key != "kind"}
+    return _settings({name: given["kind"], **values}, Path())
 
 
 def _settings(given: Any, folder: Path) -> dict[str, str]:

@@ -34,7 +34,9 @@ from presswear.tools.quantities import (
     choice,
     count,
     named_set,
+    of_kind,
     one_of,
+    plain_of,
     quantity,
 )
 
@@ -430,14 +432,15 @@ class Scene:
     def as_dict(self) -> dict[str, Any]:
         """The scene as plain data, SI units, radians; its mechanism says of which kind it is."""
         mechanism = self.mechanism
-        own = written(mechanism) if isinstance(mechanism, Linkage) else asdict(mechanism)
+        own = written(mechanism) if isinstance(mechanism, Linkage) else plain_of(mechanism)
         surfaces = {
             name: {side: own.depth.tolist() for side, own in zip(SIDES, pair, strict=True)}
             for name, pair in self.surfaces.items()
         }
-        plain = asdict(self) | {"mechanism": {"kind": mechanism.kind, **own}, "surfaces": surfaces}
-        process = self.process
-        return plain | {"process": process and {"kind": process.kind, **asdict(process)}}
+        return plain_of(self) | {
+            "mechanism": {"kind": mechanism.kind, **own},
+            "surfaces": surfaces,
+        }
 
     @staticmethod
     def from_dict(data: Mapping[str, Any]) -> "Scene":
@@ -465,30 +468,19 @@ class Scene:
                     name: tuple(own[side] for side in SIDES)
                     for name, own in plain.pop("surfaces").items()
                 },
-                process=_process(plain.pop("process")),
+                process=of_kind(PROCESSES, plain.pop("process")),
                 **plain,
             )
             lacking = next(_lacking(scene.as_dict(), data), None)
             if lacking is not None:
                 raise InputError(f"this is no whole scene: {lacking!r} is missing")
             # What no person can set has no range of its own.
-            for part in ("numerics",) if is_own else ("mechanism", "numerics"):
-                typed(data[part], type(getattr(scene, part)), f"this is no stored scene: {part}")
+            typed(data["numerics"], Numerics, "this is no stored scene: numerics")
             return scene
         except InputError:
             raise
         except (AttributeError, KeyError, TypeError, ValueError, OverflowError) as error:
             raise InputError(f"this is not a stored scene: {error}") from None
-
-
-def _process(stored: Mapping[str, Any] | None) -> Process | None:
-    """The process from its fields and its kind as plain data."""
-    if stored is None:
-        return None
-    values = dict(stored)
-    kind = values.pop("kind")
-    Choice(tuple(PROCESSES), "").check("kind of process", kind)
-    return PROCESSES[kind](**values)
 
 
 def _numerics(stored: Mapping[str, Any]) -> Numerics:

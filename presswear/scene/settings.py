@@ -136,7 +136,8 @@ def changed(scene: Scene, settings: Mapping[str, Any]) -> Scene:
         For a key that is none, or a value that does not fit.
     """
     known = {setting.key for setting in settings_of(scene) if "." not in setting.key}
-    parts = {item.name for item in fields(scene) if kinds_of(item) is not None}
+    owners = (scene, scene.mechanism)
+    parts = {own.name for part in owners for own in fields(part) if kinds_of(own) is not None}
     of_one = {setting.key for setting in _settings(scene.bearings, {})}
     apart: dict[str, dict[str, Any]] = {name: {} for name in scene.apart}
     for key, value in settings.items():

@@ -9,7 +9,7 @@ import math
 import re
 import sys
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import Field, dataclass, field, fields
+from dataclasses import Field, asdict, dataclass, field, fields
 from typing import Any
 
 from presswear.tools.errors import InputError, nearest, shown
@@ -254,6 +254,26 @@ def kinds_of(item: Field[Any]) -> Kinds | None:
     """The kinds of a field made by ``one_of``; None for any other field."""
     found = item.metadata.get("kinds")
     return found if isinstance(found, Kinds) else None
+
+
+def of_kind(kinds: Mapping[str, Any], stored: Mapping[str, Any] | None) -> Any:
+    """One of some data classes from its kind and its fields as plain data, or None."""
+    if stored is None:
+        return None
+    values = dict(stored)
+    kind = values.pop("kind")
+    Choice(tuple(kinds), "").check("kind", kind)
+    return kinds[kind](**values)
+
+
+def plain_of(owner: Any) -> dict[str, Any]:
+    """A data class as plain data; what is one of some kinds says which."""
+    found = asdict(owner)
+    for item in fields(owner):
+        value = getattr(owner, item.name)
+        if kinds_of(item) is not None and value is not None:
+            found[item.name] = {"kind": value.kind, **found[item.name]}
+    return found
 
 
 def check_fields(owner: Any) -> None:

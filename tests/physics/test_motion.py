@@ -418,3 +418,14 @@ def test_what_is_written_is_read_back(name: str) -> None:
     assert read(written(linkage), "here") == linkage
     data = tomllib.loads(toml_of(linkage))["mechanism"]
     assert read(data, "here", units=True) == linkage
+
+
+@given(st.floats(0.5, 500.0), st.integers(1, 10_000))
+def test_a_cycle_that_ends_at_a_break_has_the_next_one_ahead(frequency: float, turns: int) -> None:
+    """A whole turn short by round-off: a step to a break of no length would never end."""
+    table = [(0.0, 0.0), (1.5, 0.2), (4.0, -0.1)]
+    linkage = replace(FOUR_BAR, drives=[Drive("crank", 0.0, 0.0, frequency, table=table)])
+    (motion,) = motions_of(linkage)
+    end = turns * (TURN / frequency)
+    for time in (end, np.nextafter(end, 0.0), np.nextafter(end, math.inf)):
+        assert break_after(motion, time) == pytest.approx(end + 1.5 / frequency, abs=1e-9 * end)

@@ -1,0 +1,208 @@
+"""Servo laws of crank 7: what can be reached, what the slider does, and what is refused."""
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from closed_form import press_motion
+from hypothesis import Phase, given, settings
+from hypothesis import strategies as st
+
+import presswear as pw
+from presswear.linkage.servo import Servo
+from presswear.physics.following import motion_of
+from presswear.scene.files import scene_from
+from presswear.scene.settings import changed, settings_of
+from presswear.tools.errors import InputError
+
+IDEAL = pw.scenes.ideal()
+W = pw.Press().speed
+TURN = 2.0 * math.pi
+
+
+def heights() -> np.ndarray[Any, np.dtype[np.float64]]:
+    """Slider over all angles of both cranks, crank 2 in rows, in closed form, m."""
+    turns = np.linspace(0.0, TURN, 180, endpoint=False)
+    rows = []
+    for turn in turns:
+        time = np.full(turns.size, turn / W)
+        motion = press_motion(pw.Press(), time, None, (turns, 0.0, 0.0))
+        rows.append(motion.watched(pw.Press().linkage())[:, 0])
+    return np.array(rows)
+
+
+def test_any_two_crank_angles_close_and_heights_lie_between_dead_points() -> None:
+    """The numbers of the README: heights of the lowest and the highest dead point of crank 7."""
+    found = heights()
+    assert np.isfinite(found).all()
+    low, high = found.min(axis=1), found.max(axis=1)
+    assert (low.min(), high.max()) == pytest.approx((-0.6502, -0.4800), abs=1e-4)
+    assert (low.max(), high.min()) == pytest.approx((-0.5859, -0.5093), abs=1e-4)
+    rises = np.diff(found, axis=1, append=found[:, :1]) > 0.0
+    dead = np.count_nonzero(rises != np.roll(rises, 1, axis=1), axis=1)
+    assert set(dead) == {2, 4}
+    # In degrees that crank 2 has turned.
+    four = 2.0 * np.flatnonzero(dead == 4)
+    assert (four.min(), four.max()) == pytest.approx((218.0, 299.0), abs=2.0)
+    assert len(four) == pytest.approx(82 / 2, abs=2)
+
+
+@pytest.mark.parametrize(
+    ("begin", "end", "last"), [(0.0, 360.0, 15.0), (0.0, 217.0, 112.0), (300.0, 360.0, 109.0)]
+)
+def test_a_swing_without_a_dead_point(begin: float, end: float, last: float) -> None:
+    """From -77 deg to 15 deg wherever crank 2 is, and farther up where there are two of them."""
+    turns = np.radians(np.arange(-77.0, last, 1.0))
+    for turn in np.radians(np.linspace(begin, end, 30)):
+        time = np.full(turns.size, turn / W)
+        motion = press_motion(pw.Press(), time, None, (turns, 0.0, 0.0))
+        assert (np.diff(motion.watched(pw.Press().linkage())[:, 0]) > 0.0).all()
+
+
+SOME = settings(max_examples=8, deadline=None, phases=[Phase.explicit, Phase.generate])
+
+
+@SOME
+@given(
+    st.floats(0.02, 0.12),
+    st.floats(0.075, 0.09),
+    st.floats(115.0, 125.0),
+    st.sampled_from(["cycloidal", "modified-sine", "3-4-5"]),
+)
+def test_the_slider_dwells_for_its_part_of_the_cycle(
+    part: float, stroke: float, bottom: float, law: str
+) -> None:
+    dwell = pw.Dwell(part=part, stroke=stroke, bottom=math.radians(bottom), law=law)
+    press = pw.Press(servo=dwell)
+    time = (dwell.bottom + math.pi * part * np.linspace(-1.0, 1.0, 101)) / W
+    ideal = motion_of(press)
+    place, speed, _ = ideal.at(time).watched(press.linkage()).T
+    assert np.ptp(place) < 2e-9 * stroke
+    assert np.abs(speed).max() < 1e-6 * W * stroke
+    whole = ideal.at(ideal.times).watched(press.linkage())[:, 0]
+    assert whole.min() > place.min() - 2e-9 * stroke
+    assert np.ptp(whole) == pytest.approx(stroke, rel=1e-4)
+    crank = ideal.at(ideal.times).position[:, 3 * press.linkage().index("crank 7") + 2]
+    assert np.ptp(crank) < math.pi
+
+
+@SOME
+@given(st.floats(0.035, 0.12), st.floats(4e-3, 7e-3), st.floats(0.3e-3, 1e-3))
+def test_the_speed_is_constant_in_the_work(speed: float, height: float, end: float) -> None:
+    forming = pw.Forming(speed=speed, height=height, end=end)
+    press = pw.Press(servo=forming)
+    ideal = motion_of(press)
+    slowing = forming.bottom / W - 2.0 * end / speed
+    time = slowing - (height - end) / speed * np.linspace(0.0, 1.0, 101)
+    place, velocity, _ = ideal.at(time).watched(press.linkage()).T
+    assert np.abs(velocity + speed).max() < 1e-6 * speed
+    whole = ideal.at(ideal.times).watched(press.linkage())
+    assert place[0] - whole[:, 0].min() == pytest.approx(end, abs=1e-8)
+    # One way down, one way up.
+    moving = np.sign(whole[:-1, 1][np.abs(whole[:-1, 1]) > 1e-6])
+    assert np.count_nonzero(moving != np.roll(moving, 1)) == 2
+
+
+FILE = """
+mechanism = "press"
+[servo]
+kind = "dwell"
+part = 0.1
+stroke = "80 mm"
+[settings]
+cycles = 1
+"""
+
+
+def test_one_servo_from_python_settings_and_files(tmp_path: Path) -> None:
+    press = pw.Press(servo=pw.Dwell(part=0.1, stroke=0.08))
+    texts = {"servo": "dwell", "servo.part": "0.1", "servo.stroke": "80mm"}
+    assert changed(IDEAL, texts).mechanism == press
+    file = tmp_path / "own.toml"
+    file.write_text(FILE)
+    assert scene_from(file).mechanism == press
+    scene = replace(IDEAL, mechanism=press)
+    assert pw.Scene.from_dict(scene.as_dict()) == scene
+    assert changed(scene, {"servo": "none"}).mechanism == pw.Press()
+    assert changed(scene, {"servo": "pendulum"}).mechanism == pw.Press(servo=pw.Pendulum())
+    # The same kind keeps what was set.
+    kept = changed(scene, {"servo.angle": "-10deg"}).mechanism
+    assert kept == pw.Press(servo=pw.Dwell(0.1, 0.08, angle=math.radians(-10.0)))
+    told = {own.key: own.described() for own in settings_of(scene)}
+    assert told["servo"].startswith("dwell  (none | dwell | forming | pendulum)")
+    assert told["servo.stroke"].startswith("0.08 m  (0.001 to 10 m; chosen)")
+
+
+@pytest.mark.parametrize(
+    ("make", "says"),
+    [
+        (lambda: changed(IDEAL, {"servo": "dwel"}), "servo = 'dwel': .*did you mean dwell"),
+        (
+            lambda: changed(IDEAL, {"servo.part": "0.1"}),
+            r"servo\.part: servo = none; with it goes servo = dwell, forming, pendulum",
+        ),
+        (
+            lambda: changed(IDEAL, {"servo": "dwell", "servo.stroke": "80"}),
+            r"servo\.stroke = '80' has no unit",
+        ),
+        (
+            lambda: changed(IDEAL, {"servo": "dwell", "servo.part": "0.6"}),
+            r"servo\.part = 0\.6: allowed is above 0 up to 0\.5",
+        ),
+        (
+            lambda: changed(IDEAL, {"servo": "dwell", "servo.stroke": "0.2m"}),
+            r"drive of crank 7 cannot make its point follow the curve: at crank angle \S+ deg",
+        ),
+        (
+            lambda: changed(IDEAL, {"servo": "forming", "servo.speed": "1mm/s"}),
+            r"servo\.speed = 0\.001 m/s: with these heights, stroke and cycle allowed is 0\.03266",
+        ),
+        (
+            lambda: changed(IDEAL, {"servo": "forming", "servo.end": "7mm"}),
+            r"servo\.height = 0\.006 m: with end = 0\.007 m and stroke = 0\.09 m allowed is what",
+        ),
+        (
+            lambda: changed(pw.scenes.slider_crank(), {"servo": "dwell"}),
+            "unknown key 'servo'; known are",
+        ),
+        (lambda: pw.Press(servo="dwell"), "servo = 'dwell': a Dwell, Forming, "),  # type: ignore[arg-type]
+    ],
+)
+def test_what_a_servo_cannot_do_is_refused(make: Any, says: str) -> None:
+    with pytest.raises(InputError, match=says) as refusal:
+        make()
+    assert len(str(refusal.value).splitlines()) == 1
+
+
+def test_stored_scenes_with_a_damaged_servo_are_refused() -> None:
+    data = replace(IDEAL, mechanism=pw.Press(servo=pw.Dwell())).as_dict()
+    for servo in ({"kind": "dwelling"}, {"kind": "dwell", "part": "0.1"}, {"kind": "dwell"}, {}, 3):
+        damaged = {**data, "mechanism": {**data["mechanism"], "servo": servo}}
+        with pytest.raises(InputError):
+            pw.Scene.from_dict(damaged)
+
+
+def test_the_torque_of_a_servo_is_limited_as_well() -> None:
+    with pytest.raises(
+        InputError, match=r"torque_limit of crank \d = 5 N m: the ideal motion needs"
+    ):
+        pw.Scene(pw.Press(servo=pw.Dwell(), torque_limit=5.0), process=pw.Blanking())
+
+
+SERVOS: list[Servo] = [pw.Dwell(), pw.Forming(), pw.Pendulum()]
+
+
+@pytest.mark.parametrize("servo", SERVOS, ids=lambda own: own.kind)
+def test_crank_7_swings_and_crank_2_turns_evenly(servo: Servo) -> None:
+    press = pw.Press(servo=servo)
+    linkage = press.linkage()
+    ideal = motion_of(press)
+    motion = ideal.at(ideal.times)
+    columns = {name: 3 * linkage.index(name) + 2 for name in ("crank 2", "crank 7")}
+    assert np.abs(motion.velocity[:, columns["crank 2"]] + W).max() < 1e-9 * W
+    angle = motion.position[:, columns["crank 7"]]
+    assert angle[-1] == pytest.approx(angle[0], abs=1e-9)
+    assert math.radians(-75.0) < angle.min() < angle.max() < math.radians(105.0)
