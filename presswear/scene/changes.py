@@ -143,6 +143,11 @@ def name_of(scene: Scene) -> str:
     return _with_changes(scene.name, scene)
 
 
+def short_name_of(scene: Scene) -> str:
+    """The name of what was run where there is no room for what was changed."""
+    return scene.name if name_of(scene) == scene.name else f"{scene.name}, changed"
+
+
 def _with_changes(first: str, scene: Scene) -> str:
     changes = changes_of(scene)
     if named_scene(scene) is None:
