@@ -134,7 +134,7 @@ def plan_of(scene: Scene, task: Task) -> Plan:
         scene.mechanism.period,
         task.cycles,
         recorded,
-        torques=scene.drive_torque == "on",
+        torques=scene.stores_torques,
         wear=task.wear,
         run_up=scene.run_up,
         stroke=None if bottom is None else bottom.window,

@@ -175,6 +175,9 @@ def stage_statistics(
         "energy_made_per_cycle_J": mean(
             lambda own: np.diff(own.each_cycle("contact_made"), prepend=0.0)
         ),
+        "drive_work_per_cycle_J": mean(
+            lambda own: np.diff(own.each_cycle("drive_work"), prepend=0.0)
+        ),
         "slider": {
             "displacement_max_m": float(max(after_startup(own).max() for own in displacement)),
             "velocity_min_m_s": float(min(after_startup(own).min() for own in slowest)),

@@ -11,7 +11,7 @@ from presswear.engines.base import Plan, Run, Start, Status, recorder_of
 from presswear.linkage.elements import Linkage
 from presswear.physics.constraints import Constraints
 from presswear.physics.energy import Ledger
-from presswear.record.observe import CONTACT_MADE
+from presswear.record.observe import CONTACT_MADE, DRIVE_WORK
 from presswear.record.recorder import Recorder
 from presswear.record.soundness import Condition, Finding, examine
 from presswear.tools.arrays import State, named, numbers, part, set_numbers
@@ -111,6 +111,7 @@ def _cycles(
         time, position, velocity = running.state()
         ledger = running.ledger()
         recorder.book.cycle[CONTACT_MADE] = ledger.made
+        recorder.book.cycle[DRIVE_WORK] = ledger.drive_work
         now = Condition(time, ledger, position, velocity, running.remedy, running.constraints)
         return examine(linkage, recorder, now)
 

@@ -6,6 +6,7 @@ ends a step there, and at ``next_break`` where a table over time bends.
 """
 
 import math
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -401,12 +402,56 @@ def place_loads(loads: Loads, q: Array, v: Array) -> None:
         open_gate(load, mode, speed)
 
 
+@compiled
+def _follow_sizes(loads: Loads, motion: Array, sizes: Array, work: Array) -> None:
+    """Fill sizes, shape (n, loads), of loads over a coordinate; see ``sizes_over``.
+
+    Parameters
+    ----------
+    motion : ndarray, shape (n, 4)
+    work : ndarray, shape (3, 3)
+        Room for coordinates, rates and accelerations of one body.
+    """
+    q, v, a = work
+    for i in range(motion.shape[0]):
+        t = motion[i, 0]
+        q[0], v[0], a[0] = motion[i, 1], motion[i, 2], motion[i, 3]
+        settle_loads(loads, t, q, v, a)
+        for k in range(loads.records.shape[0]):
+            load = loads.records[k]
+            s, speed, _ = load_motion(load, q, v, a)
+            sizes[i, k] = load_size(load, loads.nodes, loads.modes[k], t, s, speed)
+
+
+def sizes_over(laws: Iterable[OverPosition], linkage: Linkage, motion: Array) -> Array:
+    """Sizes of loads over one coordinate in a recorded motion, shape (n, loads), N.
+
+    They are in the modes of the run that recorded it: a row stands at every change of them.
+
+    Parameters
+    ----------
+    linkage : Linkage
+        What they act on.
+    motion : ndarray, shape (n, 4)
+        Time, s, place, m, velocity and acceleration along the direction in which they act.
+    """
+    chosen = tuple(laws)
+    records = np.zeros(len(chosen), LOAD)
+    records["cosine"] = 1.0
+    loads = _packed(records, chosen, linkage)
+    sizes, work = np.zeros((len(motion), len(chosen))), np.zeros((3, 3))
+    if sizes.size:
+        work[:, 0] = motion[0, 1:]
+        place_loads(loads, work[0], work[1])
+        _follow_sizes(loads, np.ascontiguousarray(motion), sizes, work)
+    return sizes
+
+
 def pack_loads(linkage: Linkage) -> Loads | None:
     """The loads of a linkage that have a law."""
     if not linkage.live_loads:
         return None
     loads = np.zeros(len(linkage.live_loads), LOAD)
-    nodes: list[tuple[float, float]] = []
     for record, load in zip(loads, linkage.live_loads, strict=True):
         record["body"] = 3 * linkage.index(load.body)
         record["turns"] = isinstance(load, Moment)
@@ -414,11 +459,18 @@ def pack_loads(linkage: Linkage) -> Loads | None:
             point = linkage.point(load.point, "loads")
             record["x"], record["y"] = point.x, point.y
             record["cosine"], record["sine"] = math.cos(load.direction), math.sin(load.direction)
-        own = _pack_law(record, load.law, linkage)
+    return _packed(loads, [load.law for load in linkage.live_loads], linkage)
+
+
+def _packed(records: Records, laws: Sequence[object], linkage: Linkage) -> Loads:
+    """Loads from their records and laws."""
+    nodes: list[tuple[float, float]] = []
+    for record, law in zip(records, laws, strict=True):
+        own = _pack_law(record, law, linkage)
         record["first"], record["count"] = len(nodes), len(own)
         nodes += own
     table = np.array(nodes, dtype=np.float64).reshape(-1, 2)
-    return Loads(loads, table, np.zeros(len(loads), MODE))
+    return Loads(records, table, np.zeros(len(records), MODE))
 
 
 def _pack_law(record: Records, law: object, linkage: Linkage) -> list[tuple[float, float]]:

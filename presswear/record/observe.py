@@ -33,10 +33,10 @@ ECCENTRICITY_X, ECCENTRICITY_Y, PENETRATION, NORMAL, TANGENTIAL, SLIDING = range
 SERIES_FIXED, SERIES_JOINT = len(SERIES_NAMES), len(SERIES_JOINT_NAMES)
 CYCLE_FIXED = (
     *("displacement_max", "velocity_min", "velocity_max", "acceleration_max", "steps"),
-    *("contact_made", "bottom_height", "bottom_time"),
+    *("contact_made", "bottom_height", "bottom_time", "drive_work"),
 )
 DISPLACEMENT_MAX, VELOCITY_MIN, VELOCITY_MAX, ACCELERATION_MAX, STEPS, CONTACT_MADE = range(6)
-BOTTOM_HEIGHT, BOTTOM_TIME = 6, 7
+BOTTOM_HEIGHT, BOTTOM_TIME, DRIVE_WORK = 6, 7, 8
 CYCLE_JOINT = ("force_max", "dose", "contacts")
 FORCE_MAX, WORK_DOSE, CONTACTS = range(3)
 """Columns of a cycle's row: those of the linkage, then those of each joint."""

@@ -49,6 +49,7 @@ class StoredStatistics(TypedDict):
     energy_exchanged_J: Number
     energy_made_part: Number
     energy_made_per_cycle_J: NotRequired[StoredEstimate]
+    drive_work_per_cycle_J: NotRequired[StoredEstimate]
     wear_error: NotRequired[Number]
     step_error_of_dose: NotRequired[Number]
     step_error_of_force: NotRequired[Number]

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.linkage.process import sense_of
+from presswear.physics.loads import sizes_over
 from presswear.physics.touchdown import crossing, hermite
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
@@ -31,6 +32,32 @@ class Strokes:
     separation: Array
 
 
+def height_of(scene: Scene, stage: StageResult) -> Array:
+    """Height of what is watched over the ideal bottom dead centre, shape (n,), m."""
+    sense = 1.0 if scene.process is None else sense_of(scene.process)
+    return np.asarray(sense * (_place(scene, stage) - scene.bottom))
+
+
+def _place(scene: Scene, stage: StageResult) -> Array:
+    """Watched coordinate at the times of the series, shape (n,), m."""
+    begun = scene.ideal.at(np.zeros(1)).watched(scene.mechanism.linkage())[0, 0]
+    return np.asarray(stage.displacement + begun)
+
+
+def process_force(scene: Scene, stage: StageResult) -> Array | None:
+    """Force of the work on what is watched, shape (n,), N; None where the scene has no process.
+
+    Positive away from the work.  It is that of the run itself, by the laws and modes of the loads,
+    at the times of the series.
+    """
+    process, laws = scene.process, scene.process_laws
+    if process is None:
+        return None
+    series = (stage.time, _place(scene, stage), stage.velocity, stage.acceleration)
+    sizes = sizes_over(laws.values(), scene.loaded, np.column_stack(series))
+    return np.asarray(sense_of(process) * sizes.sum(axis=1))
+
+
 def strokes_of(scene: Scene, stage: StageResult) -> Strokes | None:
     """The strokes of a stage's first start on the work; None where the scene has no process.
 
@@ -41,10 +68,7 @@ def strokes_of(scene: Scene, stage: StageResult) -> Strokes | None:
     process = scene.process
     if process is None:
         return None
-    linkage, sense = scene.mechanism.linkage(), sense_of(process)
-    begun = scene.ideal.at(np.zeros(1)).watched(linkage)[0, 0]
-    height = sense * (stage.displacement + begun - scene.bottom)
-    rate, time = sense * stage.velocity, stage.time
+    height, rate, time = height_of(scene, stage), sense_of(process) * stage.velocity, stage.time
 
     def passed(level: float, up: bool) -> list[tuple[float, float]]:
         """Moments at which the height passes a level, and its height then."""

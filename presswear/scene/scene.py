@@ -9,7 +9,7 @@ import numpy as np
 from presswear.engines.settings import USUAL, Engine, ExudynJoints, ExudynTree, InHouse, Purpose
 from presswear.linkage.elements import Attachment, Linkage
 from presswear.linkage.laws import DAMPINGS
-from presswear.linkage.loads import LOAD_PARAMETERS, Force, Load
+from presswear.linkage.loads import LOAD_PARAMETERS, Force, Load, OverPosition
 from presswear.linkage.pace import check_pace
 from presswear.linkage.press import Press
 from presswear.linkage.process import PROCESSES, Process, laws_of, sense_of
@@ -143,7 +143,11 @@ class Scene:
         "what the numbers are for, by which tolerances follow that are not given; auto: wear "
         "where surfaces wear, else a trajectory",
     )
-    drive_torque: str = choice("off", ("off", "on"), "whether drive torques are stored")
+    drive_torque: str = choice(
+        "auto",
+        ("auto", "off", "on"),
+        "whether drive torques are stored; auto: where the press has work to do",
+    )
     wears: int = count(2, 0, 20, "paper, per study", "how often the joints are worn")
     cycles: int | None = count(
         None,
@@ -220,7 +224,7 @@ class Scene:
         check_pace(self.mechanism.linkage())
         _ = self.ideal
         self._check_process()
-        loaded = self._loaded
+        loaded = self.loaded
         if any(drive.torque_limit is not None for drive in loaded.drives):
             # Imported where something is computed.
             from presswear.physics.inverse import check_drives
@@ -297,6 +301,13 @@ class Scene:
         return DRAWS if self.wears > 0 and self.clearance_joints else 1
 
     @property
+    def stores_torques(self) -> bool:
+        """True where the torques of the drives are stored."""
+        if self.drive_torque == "auto":
+            return self.process is not None
+        return self.drive_torque == "on"
+
+    @property
     def wears_in_steps(self) -> bool:
         """True where a wear is applied in steps.
 
@@ -312,7 +323,7 @@ class Scene:
 
         Joints that it does not name have the surfaces that the scene begins on.
         """
-        ideal = self._loaded
+        ideal = self.loaded
         surfaces = dict.fromkeys(self.clearance_joints, (Surface(), Surface()))
         surfaces |= {**self.surfaces, **(worn or {})}
         joints = (joint for joint in ideal.revolutes if joint.name in self.clearance_joints)
@@ -337,14 +348,21 @@ class Scene:
         return high if self.process is not None and sense_of(self.process) < 0.0 else low
 
     @property
-    def _loaded(self) -> Linkage:
+    def process_laws(self) -> dict[str, OverPosition]:
+        """Laws of the forces of the process over the watched coordinate, by their names."""
+        if self.process is None:
+            return {}
+        return laws_of(self.process, self.bottom + sense_of(self.process) * self.process.height)
+
+    @property
+    def loaded(self) -> Linkage:
         """The ideal linkage under the forces of the process."""
         ideal = followed(self.mechanism.linkage())
         if self.process is None:
             return ideal
         probe = ideal.probe
         point = Attachment(probe.body, probe.x, probe.y)
-        laws = laws_of(self.process, self.bottom + sense_of(self.process) * self.process.height)
+        laws = self.process_laws
         forces = (Force(point, probe.direction, law, name) for name, law in laws.items())
         return replace(ideal, loads=(*ideal.loads, *forces))
 

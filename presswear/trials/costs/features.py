@@ -76,7 +76,7 @@ def plan_of(period: float, cycles: float, torques: bool = False) -> Plan:
 def timed_run(name: str, scene: Scene, cycles: float, worn: Array | None = None) -> TimedRun:
     """A scene as a run to be timed, on unworn or worn surfaces."""
     period = scene.mechanism.period
-    plan = plan_of(period, cycles, scene.drive_torque == "on")
+    plan = plan_of(period, cycles, scene.stores_torques)
     linkage = scene.linkage() if worn is None else linkage_on(scene, worn)
     return TimedRun(name, linkage, start_of(scene), scene.solver.over(period), plan)
 

@@ -37,6 +37,7 @@ def cycle_rows(count: int, seed: int, force: Mapping[str, float]) -> Array:
         "acceleration_max": 1000.0 * scatter(0.1),
         "steps": np.zeros(count),
         "contact_made": np.zeros(count),
+        "drive_work": np.zeros(count),
         "bottom_height": -0.588 + 1e-5 * scatter(1.0),
         "bottom_time": np.zeros(count),
     }
