@@ -11,7 +11,9 @@ from presswear.commands.terminal import finished_part, place_given
 TABLE_TEXT = (
     "Columns, in SI units: time, displacement, velocity, acceleration (of the slider), and for "
     "each clearance joint J: J_eccentricity_x, J_eccentricity_y, J_penetration, J_normal_force, "
-    "J_tangential_force, J_sliding (speed). CSV with a header line of names and # comments, or "
+    "J_tangential_force, J_sliding (speed). Further height (over the ideal bottom dead centre), "
+    "process_force where there is a process, and for each driven body D: D_angle and, where "
+    "torques are stored, D_torque and D_power. CSV with a header line of names and # comments, or "
     "NPZ with one array per column; another program's table may hold any subset beside time."
 )
 

@@ -1,15 +1,30 @@
-"""Torque and power of the drives, from what a stage recorded."""
+"""Torque, power and energy of the drives, from what a stage recorded, beside the ideal ones."""
 
-from dataclasses import dataclass
+# ruff: noqa: N815 - units end the names
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.record.sampling import STARTUP_CYCLES
+from presswear.linkage.process import sense_of
+from presswear.physics.inverse import needed_torques
+from presswear.record.sampling import STARTUP_CYCLES, Estimate
 from presswear.results.stage import StageResult
+from presswear.results.tonnage import tonnage_of
 from presswear.scene.scene import Scene
 
 Array = NDArray[np.float64]
+
+ENERGY_BOUND = 1e-6
+"""Energy that may not add up, part of what the drives exchanged."""
+_NEWTON = 3
+"""Steps of Newton's method to a bend of the force of the work."""
+_PIECES = 720
+"""Pieces of a cycle over which ideal torques are summed, by Gauss with three places in each."""
 
 
 @dataclass(frozen=True)
@@ -28,50 +43,266 @@ class Duty:
 
 
 @dataclass(frozen=True)
+class Share:
+    """Parts of one drive in the sums over all drives; 0 where the sum is 0.
+
+    Attributes
+    ----------
+    rms_torque, peak_power, energy : float
+        Of the rms torques, the peaks of power without their signs, and the energies given.
+    """
+
+    rms_torque: float
+    peak_power: float
+    energy: float
+
+
+@dataclass(frozen=True)
+class DriveDuty:
+    """What is asked of one drive.
+
+    Attributes
+    ----------
+    torque : Duty
+        N m.
+    power : Duty
+        W.
+    given_J, returned_J : float
+        Energy that the drive gives in a cycle, and that the linkage gives back to it.
+    share : Share
+        Its part beside the other drives.
+    """
+
+    torque: Duty
+    power: Duty
+    given_J: float
+    returned_J: float
+    share: Share = Share(0.0, 0.0, 0.0)
+
+    @property
+    def work_J(self) -> float:  # noqa: N802 - J is the unit
+        """Energy given less energy returned in a cycle."""
+        return self.given_J - self.returned_J
+
+
+@dataclass(frozen=True)
+class DriveCurve:
+    """A drive over time.
+
+    Attributes
+    ----------
+    time, angle, torque, power : ndarray, shape (n,)
+        s; of its body, rad; given to its body, N m and W, both empty where not stored.
+    """
+
+    time: Array
+    angle: Array
+    torque: Array
+    power: Array
+
+    def halved(self, rows: slice) -> "DriveCurve":
+        """The part of it in n rows, with the middles between them, shape (2 n - 1,)."""
+
+        def with_middles(values: Array) -> Array:
+            own = values[rows]
+            found = np.repeat(own, 2)[:-1]
+            found[1::2] = 0.5 * (own[:-1] + own[1:])
+            return found
+
+        own = (self.time, self.angle, self.torque, self.power)
+        return DriveCurve(*map(with_middles, own))
+
+
+@dataclass(frozen=True)
 class DriveResult:
     """One drive in a stage.
 
     Attributes
     ----------
-    torque, power : ndarray, shape (n,)
-        Given to its body at the times of the series, N m and W.
-    torque_duty, power_duty : Duty
+    recorded : DriveCurve
+        At the times of the series.
+    duty, ideal : DriveDuty
+        Of the run, torque and power taken as linear between two rows, and of the linkage with
+        all joints closed.
     """
 
-    torque: Array
-    power: Array
-    torque_duty: Duty
-    power_duty: Duty
+    recorded: DriveCurve
+    duty: DriveDuty
+    ideal: DriveDuty
+
+
+@dataclass(frozen=True)
+class Energy:
+    """Energy of a part: of one stroke, which is one cycle.
+
+    Attributes
+    ----------
+    process_J : Estimate or None
+        Work that the process takes, over the recorded settled strokes.
+    process_ideal_J : float or None
+        The same with all joints closed, without a cushion, which gives back what it takes.
+    drives_J : Estimate or None
+        Net work of all drives, over the settled cycles of all starts.
+    drives_ideal_J : float
+    residual_part : float
+        Energy of the whole stage that does not add up, part of what the drives exchanged; sound
+        runs stay below ``ENERGY_BOUND``.
+    """
+
+    process_J: Estimate | None
+    process_ideal_J: float | None
+    drives_J: Estimate | None
+    drives_ideal_J: float
+    residual_part: float
 
 
 def drives_of(scene: Scene, stage: StageResult) -> dict[str, DriveResult]:
     """The drives of a stage by their bodies; none where torques were not stored."""
     if "drive_torque" not in stage.arrays or stage.time.size < 2:
         return {}
-    linkage, time = scene.mechanism.linkage(), stage.time
-    velocity = scene.ideal.at(time).velocity
-    period = scene.mechanism.period
+    time, period = stage.time, scene.mechanism.period
+    rows, ran = slice(None), float(time[-1] - time[0]) / period
     count = int((float(time[-1]) - scene.run_up) / period + 1e-3)
-    rows = slice(None)
     if count > 0:
         first = min(STARTUP_CYCLES, count - 1)
         ends = scene.run_up + period * np.array([first, count])
         begin, end = np.searchsorted(time, ends - 1e-9 * period)
-        rows = slice(int(begin), int(end) + 1)
+        rows, ran = slice(int(begin), int(end) + 1), float(count - first)
+    recorded, ideal = curves_of(scene, stage), ideal_drives(scene)
+    # Exact for the squares of what is linear between two rows.
+    weights = _simpson(time[rows])
+    duties = _shared(
+        {body: _duty(own.halved(rows), weights, ran) for body, own in recorded.items()}
+    )
+    return {body: DriveResult(own, duties[body], ideal[body]) for body, own in recorded.items()}
+
+
+def ideal_drives(scene: Scene) -> dict[str, DriveDuty]:
+    """What the drives of the linkage with all joints closed need in a cycle, by their bodies."""
+    curves, weights = _ideal(scene)
+    return _shared({body: _duty(own, weights) for body, own in curves.items()})
+
+
+def ideal_curves(scene: Scene) -> dict[str, DriveCurve]:
+    """Drives over a cycle behind the run-up with all joints closed, by their bodies."""
+    return _ideal(scene)[0]
+
+
+def energy_of(scene: Scene, stage: StageResult) -> Energy | None:
+    """Energy of a part made in a stage; None where the stage failed before a cycle was whole."""
+    told = stage.statistics.get("drive_work_per_cycle_J")
+    exchange = float(stage.statistics.get("energy_exchanged_J") or 0.0)
+    if told is None:
+        return None
+    residual = abs(float(stage.statistics.get("energy_residual_J") or 0.0))
+    tonnage = tonnage_of(scene, stage)
+    # The first cycle's work is counted with that of the run-up.
+    is_counted = scene.run_up == 0.0 or stage.cycles > scene.draws
+    return Energy(
+        None if tonnage is None else tonnage.work_J,
+        None if scene.process is None else scene.process.work,
+        Estimate(**told) if is_counted else None,
+        sum(own.work_J for own in ideal_drives(scene).values()),
+        residual / exchange if exchange > 0.0 else 0.0,
+    )
+
+
+def curves_of(scene: Scene, stage: StageResult) -> dict[str, DriveCurve]:
+    """The drives over the series, by their bodies; without stored torques those are empty."""
+    torque = stage.arrays.get("drive_torque")
+    return _curves(scene, stage.time, torque)
+
+
+def _curves(scene: Scene, time: Array, torque: Array | None) -> dict[str, DriveCurve]:
+    """Drives by their bodies from their torques, shape (n, drives), N m."""
+    linkage, motion = scene.mechanism.linkage(), scene.ideal.at(time)
     found = {}
     for k, drive in enumerate(linkage.drives):
-        torque = stage.arrays["drive_torque"][:, k]
-        power = torque * velocity[:, 3 * linkage.index(drive.body) + 2]
-        duties = [_duty(time[rows], values[rows]) for values in (torque, power)]
-        found[drive.body] = DriveResult(torque, power, *duties)
+        place = 3 * linkage.index(drive.body) + 2
+        own = np.zeros(0) if torque is None else torque[:, k]
+        power = own * motion.velocity[: own.size, place]
+        found[drive.body] = DriveCurve(time, motion.position[:, place], own, power)
     return found
 
 
-def _duty(time: Array, values: Array) -> Duty:
-    """Numbers of a sampled quantity, by the trapezoidal rule."""
-    duration = float(time[-1] - time[0])
-    return Duty(
-        float(np.trapezoid(values, time)) / duration,
-        float(np.sqrt(np.trapezoid(values**2, time) / duration)),
-        float(values[np.abs(values).argmax()]),
+@lru_cache(maxsize=16)
+def _ideal(scene: Scene) -> tuple[dict[str, DriveCurve], Array]:
+    """Drives over a cycle of the ideal motion, and the weights of its instants, s."""
+    begin, period = scene.run_up, scene.mechanism.period
+    # Laws of loads are followed through a cycle before it.
+    edges = begin + np.linspace(0.0, 2.0 * period, 2 * _PIECES + 1)
+    edges = np.unique(np.concatenate([edges, _bends(scene, edges)]))
+    places, weights = np.polynomial.legendre.leggauss(3)
+    middle, half = 0.5 * (edges[1:] + edges[:-1]), 0.5 * np.diff(edges)
+    time = (middle[:, np.newaxis] + half[:, np.newaxis] * places).ravel()
+    torque = needed_torques(scene.loaded, scene.ideal, time)
+    own = time > begin + period
+    return _curves(scene, time[own], torque[own]), np.outer(half, weights).ravel()[own]
+
+
+def _bends(scene: Scene, time: Array) -> Array:
+    """Instants, s, at which the ideal stroke passes a place where the force of the work bends."""
+    process = scene.process
+    if process is None:
+        return np.zeros(0)
+    sense = sense_of(process)
+    ideal = scene.ideal.at(time).watched(scene.loaded)
+    depth = process.height - sense * (ideal[:, 0] - scene.bottom)
+    found = []
+    for level, _ in process.curve:
+        for k in np.flatnonzero((depth[:-1] < level) != (depth[1:] < level)):
+            low, high = time[k], time[k + 1]
+            now = low + (high - low) * (level - depth[k]) / (depth[k + 1] - depth[k])
+            for _ in range(_NEWTON):
+                place, speed, _ = scene.ideal.at(np.array([now])).watched(scene.loaded)[0]
+                if speed == 0.0:
+                    break
+                off = process.height - sense * (place - scene.bottom) - level
+                now = min(max(now + off / (sense * speed), low), high)
+            found.append(now)
+    return np.array(found)
+
+
+def _simpson(time: Array) -> Array:
+    """Weights, s, of instants and the middles between them in Simpson's rule, shape (2 n - 1,)."""
+    weights = np.zeros(2 * time.size - 1)
+    sixth = np.diff(time) / 6.0
+    weights[:-1:2] += sixth
+    weights[1::2] = 4.0 * sixth
+    weights[2::2] += sixth
+    return weights
+
+
+def _duty(curve: DriveCurve, weights: Array, cycles: float = 1.0) -> DriveDuty:
+    """Numbers of a drive from the weights, s, of its instants in a sum over time."""
+
+    def duty(values: Array) -> Duty:
+        duration = float(weights.sum())
+        return Duty(
+            float(weights @ values) / duration,
+            math.sqrt(float(weights @ values**2) / duration),
+            float(values[np.abs(values).argmax()]),
+        )
+
+    given, returned = (
+        float(weights @ np.maximum(sign * curve.power, 0.0)) / cycles for sign in (1.0, -1.0)
     )
+    return DriveDuty(duty(curve.torque), duty(curve.power), given, returned)
+
+
+def _shared(duties: Mapping[str, DriveDuty]) -> dict[str, DriveDuty]:
+    """The same with the share of each."""
+
+    def parts(number: Callable[[DriveDuty], float]) -> dict[str, float]:
+        total = sum(abs(number(own)) for own in duties.values())
+        return {
+            body: abs(number(own)) / total if total > 0.0 else 0.0 for body, own in duties.items()
+        }
+
+    rms = parts(lambda own: own.torque.rms)
+    peak = parts(lambda own: own.power.peak)
+    energy = parts(lambda own: own.given_J)
+    return {
+        body: replace(own, share=Share(rms[body], peak[body], energy[body]))
+        for body, own in duties.items()
+    }

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.record.film import Film
+from presswear.results.drives import DriveResult, Energy, drives_of, energy_of
 from presswear.results.stage import StageResult, angle_names
 from presswear.results.stored import (
     StoredResult,
@@ -23,7 +24,8 @@ from presswear.results.stored import (
     files_of,
     stored_result,
 )
-from presswear.results.strokes import Strokes, strokes_of
+from presswear.results.strokes import Strokes, height_of, process_force, strokes_of
+from presswear.results.tonnage import Tonnage, tonnage_of
 from presswear.scene.changes import name_of
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import read_numbers
@@ -92,6 +94,26 @@ class Result:
     def strokes(self, index: int) -> Strokes | None:
         """The recorded strokes of a stage on the work; None where the scene has no process."""
         return strokes_of(self.scene, self.stage(index))
+
+    def process_force(self, index: int) -> Array | None:
+        """Force of the work at the times of a stage's series, shape (n,), N; None without any."""
+        return process_force(self.scene, self.stage(index))
+
+    def height(self, index: int) -> Array:
+        """Height over the ideal bottom dead centre at the same times, shape (n,), m."""
+        return height_of(self.scene, self.stage(index))
+
+    def tonnage(self, index: int) -> Tonnage | None:
+        """Tonnage and shock in a stage; None where it failed or no stroke is whole."""
+        return tonnage_of(self.scene, self.stage(index))
+
+    def drives(self, index: int) -> dict[str, DriveResult]:
+        """The drives in a stage by their bodies; none where torques were not stored."""
+        return drives_of(self.scene, self.stage(index))
+
+    def energy(self, index: int) -> Energy | None:
+        """Energy of a part made in a stage; None where it failed before a cycle was whole."""
+        return energy_of(self.scene, self.stage(index))
 
     @property
     def grew_in_steps(self) -> bool:

@@ -14,7 +14,10 @@ J_penetration         m        of the pin into the bearing, negative while open
 J_normal_force        N        between pin and bearing, 0 while open
 J_tangential_force    N        friction, with the sign of our contact model
 J_sliding             m/s      tangential speed at the contact
-D_torque              N m      of the drive of body D, where torques are stored
+height                m        of what is watched over the ideal bottom dead centre
+process_force         N        of the work, where the scene has a process
+D_angle               rad      of the driven body D
+D_torque              N m      of its drive, where torques are stored
 D_power               W        of the same
 ====================  =======  ====================================================
 
@@ -32,8 +35,9 @@ from typing import BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.results.drives import drives_of
+from presswear.results.drives import curves_of
 from presswear.results.result import Result
+from presswear.results.strokes import height_of, process_force
 from presswear.tools.arrays import read_numbers, write_arrays
 from presswear.tools.errors import InputError
 from presswear.tools.files import read_checked, write_whole
@@ -43,7 +47,8 @@ Array = NDArray[np.float64]
 Table = Mapping[str, Array]
 """Columns by name, all of one length."""
 
-UNITS = {"time": "s", "displacement": "m", "velocity": "m/s", "acceleration": "m/s^2"}
+_SERIES = {"time": "s", "displacement": "m", "velocity": "m/s", "acceleration": "m/s^2"}
+UNITS = {**_SERIES, "height": "m", "process_force": "N"}
 JOINT_UNITS = {
     "eccentricity_x": "m",
     "eccentricity_y": "m",
@@ -52,7 +57,7 @@ JOINT_UNITS = {
     "tangential_force": "N",
     "sliding": "m/s",
 }
-DRIVE_UNITS = {"torque": "N m", "power": "W"}
+DRIVE_UNITS = {"angle": "rad", "torque": "N m", "power": "W"}
 TOLERANCE = 1e-3
 """Root mean square difference allowed, part of the root mean square of our column."""
 
@@ -101,14 +106,22 @@ def unit_of(column: str) -> str:
 def table_of(result: Result, stage: int) -> dict[str, Array]:
     """The recorded series of a stage; InputError if there is no such stage."""
     own = result.stage(stage)
-    columns = {name: getattr(own, name) for name in UNITS}
+    columns = {name: getattr(own, name) for name in _SERIES}
+    columns["height"] = height_of(result.scene, own)
+    force = process_force(result.scene, own)
+    if force is not None:
+        columns["process_force"] = force
     for name, joint in own.joints.items():
         values = (*joint.eccentricity.T, joint.penetration, *joint.force.T, joint.sliding)
         columns |= {
             f"{name}_{quantity}": value for quantity, value in zip(JOINT_UNITS, values, strict=True)
         }
-    for body, drive in drives_of(result.scene, own).items():
-        columns |= {f"{body}_{quantity}": getattr(drive, quantity) for quantity in DRIVE_UNITS}
+    for body, curve in curves_of(result.scene, own).items():
+        columns |= {
+            f"{body}_{quantity}": values
+            for quantity in DRIVE_UNITS
+            if (values := getattr(curve, quantity)).size
+        }
     return columns
 
 

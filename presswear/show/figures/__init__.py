@@ -22,6 +22,7 @@ from presswear.show.figures.style import (
     Stages,
 )
 from presswear.show.figures.surfaces import worn_surfaces
+from presswear.show.figures.tonnage import force_over_stroke
 from presswear.show.figures.wear import wear_depth, wear_growth
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.files import write_whole
@@ -37,6 +38,7 @@ NAMES: dict[str, Callable[[Result, Stages], list[Drawing]]] = {
     "bottom": bottom_dead_centre,
     "force": contact_force,
     "path": centre_trajectory,
+    "tonnage": force_over_stroke,
     "drives": drive_work,
 }
 """Figures by name, in the order of the report; each is drawn of some stages of a result, at

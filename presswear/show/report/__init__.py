@@ -12,7 +12,7 @@ from presswear.scene.settings import SET, settings_of
 from presswear.show.figures import drawings
 from presswear.show.figures.style import stage_names
 from presswear.show.report.bottom import bottom
-from presswear.show.report.drives import of_drives
+from presswear.show.report.drives import drives
 from presswear.show.report.origin import (
     convention_set,
     conventions,
@@ -35,6 +35,7 @@ from presswear.show.report.parts import (
     stage_table,
     statistics,
 )
+from presswear.show.report.tonnage import tonnage
 from presswear.show.report.wear import deepest, growth, one_wear, spread
 from presswear.tools.errors import InputError
 from presswear.tools.files import write_bytes
@@ -66,6 +67,8 @@ def render(result: Result, figures: list[Illustration]) -> str:
         modelled=modelled(result),
         key_numbers=key_numbers(result),
         bottom=bottom(result),
+        tonnage=tonnage(result),
+        drives=drives(result),
         endings=endings(result),
         growth=growth(result),
         figures=figures,
@@ -147,7 +150,7 @@ def key_numbers(result: Result) -> Table:
         ),
     }
     watched = {result.scene.watched.capitalize(): slider}
-    return stage_table(result, "", {**watched, **by_joint(result, of_joint), **of_drives(result)})
+    return stage_table(result, "", {**watched, **by_joint(result, of_joint)})
 
 
 def cycle_means(result: Result) -> Table:

@@ -1,32 +1,80 @@
-"""Rows of the report on the drives."""
+"""Table of the report on the drives: torque, power and energy beside those of ideal joints."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 
-from presswear.results.drives import Duty, drives_of
+from presswear.record.sampling import Estimate
+from presswear.results.drives import (
+    ENERGY_BOUND,
+    DriveDuty,
+    drives_of,
+    energy_of,
+    ideal_drives,
+)
 from presswear.results.result import Result
-from presswear.results.stage import StageResult
-from presswear.show.report.parts import Rows
-from presswear.tools.numbers import readable
+from presswear.show.figures.style import stage_names
+from presswear.show.report.parts import Rows, Table, column_table
+from presswear.tools.numbers import given, readable, with_interval
 
 
-def of_drives(result: Result) -> dict[str, Rows[StageResult]]:
-    """Torque and power of each drive under its heading, where a stage has stored torques."""
-    found = {stage.index: drives_of(result.scene, stage) for stage in result.stages}
-    bodies = dict.fromkeys(body for own in found.values() for body in own)
+@dataclass(frozen=True)
+class _Column:
+    """A stage, or the ideal motion."""
 
-    def told(body: str, which: str, name: str) -> Callable[[StageResult], str]:
-        def text(stage: StageResult) -> str:
-            own = found[stage.index].get(body)
-            duty: Duty | None = None if own is None else getattr(own, f"{which}_duty")
-            return readable(None if duty is None else getattr(duty, name))
+    duties: Mapping[str, DriveDuty]
+    process: Estimate | float | None
+    drives: Estimate | float | None
+    residual: float | None = None
 
-        return text
+
+def drives(result: Result) -> Table | None:
+    """Torque, power and energy of each drive with clearance and without; None if not stored."""
+    scene, heads, columns = result.scene, [], []
+    for name, stage in zip(stage_names(result, result.stages), result.stages, strict=True):
+        found, energy = drives_of(scene, stage), energy_of(scene, stage)
+        if not found:
+            continue
+        told = {body: own.duty for body, own in found.items()}
+        heads.append(name)
+        if energy is None:
+            columns.append(_Column(told, None, None))
+        else:
+            columns.append(_Column(told, energy.process_J, energy.drives_J, energy.residual_part))
+    if not columns:
+        return None
+    ideal, process = ideal_drives(scene), scene.process
+    total = sum(own.work_J for own in ideal.values())
+    columns.append(_Column(ideal, None if process is None else process.work, total))
+    unbalanced = f"part of the energy exchanged that is missing (allowed: {given(ENERGY_BOUND)})"
+    groups = {f"Drive of {body}": _rows(body) for body in ideal}
+    groups["A part, which is a cycle"] = {
+        "work that it takes (J)": lambda own: _energy(own.process),
+        "net work of all drives (J)": lambda own: _energy(own.drives),
+        unbalanced: lambda own: readable(own.residual, 2),
+    }
+    return column_table("", [*heads, "ideal joints"], columns, groups)
+
+
+def _rows(body: str) -> Rows[_Column]:
+    def number(own: Callable[[DriveDuty], float]) -> Callable[[_Column], str]:
+        return lambda column: readable(own(column.duties[body]))
 
     return {
-        f"Drive of {body}": {
-            f"{which}, {words} ({unit})": told(body, which, name)
-            for which, unit in (("torque", "N m"), ("power", "W"))
-            for name, words in (("mean", "mean"), ("rms", "rms"), ("peak", "largest"))
-        }
-        for body in bodies
+        "torque, mean (N m)": number(lambda own: own.torque.mean),
+        "torque, rms (N m)": number(lambda own: own.torque.rms),
+        "torque, largest (N m)": number(lambda own: own.torque.peak),
+        "power, mean (W)": number(lambda own: own.power.mean),
+        "power, rms (W)": number(lambda own: own.power.rms),
+        "power, largest (W)": number(lambda own: own.power.peak),
+        "given in a cycle (J)": number(lambda own: own.given_J),
+        "taken back in a cycle (J)": number(lambda own: own.returned_J),
+        "share of rms torque (%)": number(lambda own: 100.0 * own.share.rms_torque),
+        "share of peak power (%)": number(lambda own: 100.0 * own.share.peak_power),
+        "share of energy given (%)": number(lambda own: 100.0 * own.share.energy),
     }
+
+
+def _energy(told: Estimate | float | None) -> str:
+    if isinstance(told, Estimate):
+        return with_interval(told.mean, told.half_width)
+    return readable(told, 4)
