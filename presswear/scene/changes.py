@@ -100,7 +100,7 @@ def _before(owner: Any, base: Any) -> Iterator[tuple[str, Any]]:
     Behind a named set that the owner took, or a part of another kind, those that it came with.
     """
     for item in fields(owner):
-        value, was = getattr(owner, item.name), getattr(base, item.name, None)
+        value, was = getattr(owner, item.name), getattr(base, item.name)
         sets, kinds = sets_of(item), kinds_of(item)
         if kinds is not None:
             yield item.name, "none" if was is None else was.kind

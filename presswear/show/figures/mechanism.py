@@ -78,8 +78,8 @@ class Canvas:
                 for k, middle in enumerate(self._around(place, gap + _LINE * far, 0.5 * box))
             ]
             *_, middle = min(found, key=lambda own: own[:3])
-            at = middle / self._scale
-            self.axes.text(*at, text, ha="center", va="center", zorder=9, **look)
+            x, y = middle / self._scale
+            self.axes.text(x, y, text, ha="center", va="center", zorder=9, **look)
             across = np.arange(-0.5 * box[0] + 0.5 * _LINE, 0.5 * box[0], _LINE)
             for row in range(len(lines)):
                 y = middle[1] + 0.5 * box[1] - (row + 0.5) * _LINE

@@ -6,18 +6,19 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.linkage.process import sense_of
 from presswear.physics.bottom import bottom_of
 from presswear.record.sampling import STARTUP_CYCLES, Estimate
 from presswear.results.drives import DriveDuty, drives_of
 from presswear.results.result import Result
 from presswear.results.stage import StageResult
-from presswear.results.strokes import height_of, strokes_of
+from presswear.results.strokes import height_of, process_force, strokes_of
 from presswear.results.tonnage import (
     PHASES,
+    SNAP_THROUGH,
     SNAP_THROUGH_S,
+    WORK,
     Tonnage,
-    phases_of,
-    settled_strokes,
     tonnage_of,
 )
 from presswear.scene.changes import changes_of, named_scene
@@ -33,7 +34,7 @@ from presswear.show.report.parts import (
     column_table,
     statistics,
 )
-from presswear.tools.numbers import readable, whole, with_interval
+from presswear.tools.numbers import given, readable, whole, with_interval
 
 OPENING = ("mechanism.png", "stroke.png", "force-over-stroke.png")
 """Files of the figures that stand in this part, the drawing of the mechanism first."""
@@ -96,7 +97,7 @@ def overview(result: Result, loaded: Rows[StageResult]) -> Overview | None:
 def _facts(result: Result, loaded: Rows[StageResult]) -> dict[str, list[Fact]]:
     """Rows of the overview under their headings."""
     return {
-        "Wear": list(_wear(result)),
+        "Strokes": list(_strokes(result)),
         "Bottom dead centre": [*_bottom(result), *_clearance(loaded)],
         "Work": list(_work(result)),
         "Joints": list(_forces(result)),
@@ -104,19 +105,20 @@ def _facts(result: Result, loaded: Rows[StageResult]) -> dict[str, list[Fact]]:
     }
 
 
-def _wear(result: Result) -> Iterator[Fact]:
+def _strokes(result: Result) -> Iterator[Fact]:
     if any(stage.index > 0 for stage in compared(result)):
         yield Fact(
             "strokes that the wear stands for",
             "strokes of production after which the surfaces are as they are taken here",
-            lambda stage: readable(_worn_strokes(result, stage)) if stage.index else "0",
+            lambda stage: whole(_worn_strokes(result, stage)) if stage.index else "0",
         )
-    yield Fact(
-        "strokes computed",
-        "all starts together; a start is one run of the same press, begun a hair apart from the "
-        "others, since impacts in a clearance never repeat",
-        lambda stage: whole(stage.cycles),
-    )
+    meaning = "those of the computed motion, each a cycle"
+    if result.scene.draws > 1:
+        meaning += (
+            f", of {result.scene.draws} starts together; a start is a run begun a hair apart from "
+            "the others, since impacts in a clearance do not repeat"
+        )
+    yield Fact("strokes computed", meaning, lambda stage: whole(stage.cycles))
 
 
 def _worn_strokes(result: Result, stage: StageResult) -> float:
@@ -125,6 +127,8 @@ def _worn_strokes(result: Result, stage: StageResult) -> float:
 
 
 def _bottom(result: Result) -> Iterator[Fact]:
+    if not result.scene.clearance_joints:
+        return
     watched = result.scene.watched
     yield Fact(
         "error of bottom dead centre (µm)",
@@ -161,7 +165,7 @@ def _counted(strokes: int) -> str:
 
 def _in_groups(result: Result) -> str:
     counts = dict.fromkeys(stage.bdc.get("range_strokes") for stage in compared(result))
-    told = [_counted(count) for count in counts if count]
+    told = [_counted(count) for count in counts if count and count > 1]
     return f", {' or '.join(told)} at a time" if told else ""
 
 
@@ -268,32 +272,49 @@ def _forces(result: Result) -> Iterator[Fact]:
     )
     meaning = f"height of the {scene.watched} over bottom dead centre, and which way it goes"
     if scene.process is not None:
-        meaning += f"; {' and '.join([', '.join(PHASES[:-1]), PHASES[-1]])} are phases of a stroke"
+        meaning += f"; {PHASES[WORK]}: while it is in the work"
     if getattr(scene.process, "fracture", None) is not None:
-        meaning += f", snap-through the {readable(MILLI * SNAP_THROUGH_S)} ms after the work breaks"
+        span = given(MILLI * SNAP_THROUGH_S)
+        meaning += f", {PHASES[SNAP_THROUGH]}: in the {span} ms after that breaks"
     yield Fact("its place in the stroke", meaning, of(lambda own: own.place or _NOTHING))
 
 
 def _peak(scene: Scene, stage: StageResult) -> _Peak | None:
-    time = stage.time
-    strokes = settled_strokes(scene, stage)
-    phase = phases_of(time, strokes)
-    rows = np.flatnonzero(phase >= 0) if strokes else np.arange(time.size)
+    time, period = stage.time, scene.mechanism.period
+    if time.size < 2:
+        return None
+    # The same cycles as in the statistics.
+    cycles = int((float(time[-1]) - scene.run_up) / period + 1e-3)
+    begin = scene.run_up + period * max(min(STARTUP_CYCLES, cycles - 1), 0)
+    rows = np.flatnonzero(time >= begin - 1e-9 * period)
     forces = {name: own.force[rows, 0] for name, own in stage.joints.items()}
     if not rows.size or not any(np.any(own > 0.0) for own in forces.values()):
         return None
     joint = max(forces, key=lambda name: float(forces[name].max()))
     row = int(rows[forces[joint].argmax()])
     place = ""
-    if strokes:
+    if bottom_of(scene.ideal) is not None:
         height = height_of(scene, stage)
         factor, unit = length_scale(scene.stroke)
         falls = height[min(row + 1, time.size - 1)] < height[max(row - 1, 0)]
         place = f"{readable(factor * float(height[row]))} {unit}, going {'down' if falls else 'up'}"
-        if scene.process is not None:
-            place += f", {PHASES[phase[row]]}"
+        place += _phase(scene, stage, row)
     angle = float(_angle(scene, time[row : row + 1])[0])
     return _Peak(joint, float(forces[joint].max()), angle, place)
+
+
+def _phase(scene: Scene, stage: StageResult, row: int) -> str:
+    """Phase of the stroke on the work at a row of the series, in brackets; or nothing."""
+    strokes, force, now = strokes_of(scene, stage), process_force(scene, stage), stage.time[row]
+    if strokes is None or force is None:
+        return ""
+    for contact, fracture in zip(strokes.contact[:, 0], strokes.fracture[:, 0], strict=True):
+        is_in = force[row] > 0.0 if np.isnan(fracture) else now < fracture
+        if contact <= now and is_in:
+            return f" ({PHASES[WORK]})"
+        if fracture <= now < fracture + SNAP_THROUGH_S:
+            return f" ({PHASES[SNAP_THROUGH]})"
+    return ""
 
 
 def _angle(scene: Scene, time: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -343,10 +364,11 @@ def in_short(result: Result) -> list[str]:
         ]
     else:
         factor, unit = length_scale(scene.stroke)
+        is_up = scene.process is None or sense_of(scene.process) > 0.0
         found = [
             f"The {scene.watched} goes down and up once in a cycle, which is a stroke: "
             f"{readable(factor * scene.stroke)} {unit} each way, {readable(60.0 / period)} strokes "
-            "a minute. Down means against the direction in which it is watched, the thick arrow."
+            f"a minute. Up is {'along' if is_up else 'against'} the thick arrow of the drawing."
         ]
     if scene.process is not None:
         factor, unit = length_scale(scene.process.height)
@@ -366,7 +388,10 @@ def in_short(result: Result) -> list[str]:
             f"the middle: {gaps}."
         )
     else:
-        found.append("No joint has clearance; forces of joints are told where one has.")
+        found.append(
+            "No joint has clearance, so that its bottom dead centre is the ideal one; forces of "
+            "joints are told where one has."
+        )
     if any(stage.index > 0 for stage in stages):
         found.append(
             "A stage is the linkage on its surfaces at one time in its life; a wear takes "
@@ -418,9 +443,11 @@ def moments(result: Result) -> Table | None:
             "height over bottom dead centre (mm)": told(name, False),
         }
 
-    groups = {heading: rows_of(name) for name, heading in words.items()}
-    if scene.process is None or scene.process.fracture is None:
-        del groups[words["fracture"]]
+    groups = {
+        heading: rows_of(name)
+        for name, heading in words.items()
+        if any(own and not np.isnan(getattr(own, name)).all() for own in found.values())
+    }
     return column_table("moments of a stroke", stage_names(result, stages), stages, groups)
 
 
