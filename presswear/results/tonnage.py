@@ -314,11 +314,11 @@ def reversal(time: Array, force: Array, stroke: Stroke) -> tuple[float, float, f
     """
     into = _rows(time, stroke.contact, stroke.fracture)
     behind = _rows(time, stroke.fracture, min(stroke.fracture + SNAP_THROUGH_S, stroke.end))
-    impulse = np.trapezoid(force[into], time[into], axis=0)
-    size = math.hypot(float(impulse[0]), float(impulse[1]))
+    impulse = [float(np.trapezoid(own, time[into])) for own in force[into].T]
+    size = math.hypot(*impulse)
     if size == 0.0:
         return 0.0, 0.0, math.nan
-    along = force @ (impulse / size)
+    along = force @ np.array(impulse) / size
     against = -along[behind]
     delay = math.nan
     if (against > 0.0).any():

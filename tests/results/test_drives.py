@@ -10,11 +10,11 @@ from presswear.campaign.single import run_scene
 from presswear.linkage.elements import Bar, Linkage, Pin
 from presswear.linkage.four_bar import FOUR_BAR
 from presswear.linkage.motions import Drive
-from presswear.results.drives import drives_of
+from presswear.results.drives import Share, drives_of
 from presswear.results.tables import table_of, unit_of
 from presswear.scene.scene import Scene
 from presswear.show.figures import drawings
-from presswear.show.report.drives import of_drives
+from presswear.show.report.drives import drives
 
 PENDULUM = Linkage(
     bodies=[Bar("crank", length=0.4, mass=2.0)],
@@ -39,16 +39,21 @@ def test_a_bar_that_is_turned_bears_its_weight(run_up: int) -> None:
     )
     inertia = 2.0 * 0.4**2 / 3.0
     torque = 2.0 * 9.81 * 0.2 * np.cos(angle) + inertia * faster
-    np.testing.assert_allclose(found.torque, torque, atol=1e-6)
-    np.testing.assert_allclose(found.power, torque * speed, atol=1e-5)
+    np.testing.assert_allclose(found.recorded.torque, torque, atol=1e-6)
+    np.testing.assert_allclose(found.recorded.power, torque * speed, atol=1e-5)
     weight = 2.0 * 9.81 * 0.2
     # Over whole turns at constant speed the weight does no work.
-    assert found.torque_duty.mean == pytest.approx(0.0, abs=1e-4)
-    assert found.torque_duty.rms == pytest.approx(weight / math.sqrt(2.0), rel=1e-4)
-    assert abs(found.torque_duty.peak) == pytest.approx(weight, rel=1e-4)
-    assert abs(found.power_duty.peak) == pytest.approx(5.0 * weight, rel=1e-4)
+    for duty, exact in ((found.duty, 1e-4), (found.ideal, 1e-6)):
+        assert duty.torque.mean == pytest.approx(0.0, abs=exact)
+        assert duty.torque.rms == pytest.approx(weight / math.sqrt(2.0), rel=exact)
+        assert abs(duty.torque.peak) == pytest.approx(weight, rel=1e-4)
+        assert abs(duty.power.peak) == pytest.approx(5.0 * weight, rel=1e-4)
+        # Half a turn up, half a turn down.
+        assert (duty.given_J, duty.returned_J) == pytest.approx((2.0 * weight,) * 2, rel=10 * exact)
+        assert duty.share == Share(1.0, 1.0, 1.0)
     columns = table_of(replace(run_scene(scene)), 0)
-    np.testing.assert_array_equal(columns["crank_power"], found.power)
+    np.testing.assert_array_equal(columns["crank_power"], found.recorded.power)
+    np.testing.assert_array_equal(columns["crank_angle"], angle)
     assert unit_of("crank_power") == "W"
     assert unit_of("my_crank_torque") == "N m"
 
@@ -61,14 +66,16 @@ def test_power_is_in_the_figures_and_in_the_report() -> None:
     # Its lines begin behind the start-up.
     first = float(np.asarray(drawing.sheet.axes[1].lines[0].get_xdata())[0])
     assert first == pytest.approx(2.0 * scene.mechanism.period, rel=1e-2)
-    rows = of_drives(result)["Drive of crank"]
+    table = drives(result)
+    assert table is not None
+    assert table.head == ("", "no wear", "ideal joints")
+    (rows,) = ({row[0]: row[1:] for row in own} for name, own in table.groups if "crank" in name)
     own = drives_of(scene, result.stages[0])["crank"]
-    told = rows["power, largest (W)"](result.stages[0]).replace("\u2212", "-")
-    assert float(told.replace("\u202f", "").replace(" ", "")) == pytest.approx(
-        own.power_duty.peak, rel=1e-2
-    )
-    without = run_scene(replace(scene, drive_torque="off", cycles=1))
-    assert of_drives(without) == {}
+    for told, duty in zip(rows["power, largest (W)"], (own.duty, own.ideal), strict=True):
+        plain = told.replace("\u2212", "-").replace("\u202f", "").replace(" ", "")
+        assert float(plain) == pytest.approx(duty.power.peak, rel=1e-2)
+    without = run_scene(replace(scene, drive_torque="auto", cycles=1))
+    assert drives(without) is None
     assert "drives.png" not in [own.file for own in drawings(without)]
 
 
@@ -88,5 +95,6 @@ def test_a_run_that_ends_in_its_run_up_is_told_of_as_far_as_it_came() -> None:
     assert rows["time"][-1] < scene.run_up
     cut = replace(stage, arrays={**stage.arrays, **rows})
     found = drives_of(scene, cut)["crank"]
-    assert found.power_duty.peak == found.power[np.abs(found.power).argmax()]
-    assert of_drives(replace(result, stages=(cut,)))
+    power = found.recorded.power
+    assert found.duty.power.peak == power[np.abs(power).argmax()]
+    assert drives(replace(result, stages=(cut,)))

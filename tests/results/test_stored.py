@@ -86,7 +86,7 @@ OPEN = {
     "joints",
     "wear_error",
 }
-OPEN |= {"energy_made_per_cycle_J"}
+OPEN |= {"energy_made_per_cycle_J", "drive_work_per_cycle_J"}
 """Parts that hold what there is, each under its name."""
 
 
@@ -202,7 +202,7 @@ STAGE = {
     "drive_torque": np.zeros((ROWS, 1)),
     "angle": bin_centres(BINS),
     "wear_batch_cycles": np.ones(2),
-    "cycles": np.zeros((3, 11)),
+    "cycles": np.zeros((3, 12)),
     "cycle_start": np.zeros(3),
     "deviation": np.zeros((4, 4)),
     "deviation_start": np.zeros(4),
@@ -245,7 +245,7 @@ def test_arrays_that_are_missing_or_misshapen_are_named(name: str) -> None:
     ("name", "value", "says"),
     [
         ("slider", np.zeros((3, 3)), r"slider has the shape \(3, 3\); \(5, 3\) is expected"),
-        ("cycles", np.zeros((3, 8)), r"cycles has the shape \(3, 8\); \(3, 11\) is expected"),
+        ("cycles", np.zeros((3, 8)), r"cycles has the shape \(3, 8\); \(3, 12\) is expected"),
         ("time", -STAGE["time"], "time goes backwards"),
         ("time", STAGE["time"] - 1.0, "time goes backwards"),
         ("angle", np.zeros(BINS), "angle does not hold the middles of 36 bins"),

@@ -1,0 +1,338 @@
+"""Tonnage, shock and energy of strokes: closed forms, virtual work, made-up series, balances."""
+
+import math
+from dataclasses import replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+from closed_form import needed_by_virtual_work, press_motion
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import simpson
+from scipy.optimize import brentq
+from scipy.stats import t as student
+
+import presswear as pw
+from presswear.campaign.single import run_scene
+from presswear.results.drives import ENERGY_BOUND, drives_of, energy_of
+from presswear.results.stage import JointResult
+from presswear.results.strokes import height_of, process_force, strokes_of
+from presswear.results.tables import table_of, unit_of
+from presswear.results.tonnage import (
+    PHASES,
+    SNAP_THROUGH_S,
+    Stroke,
+    joint_tonnage,
+    phases_of,
+    reversal,
+    rms,
+    settled_strokes,
+    tonnage_of,
+)
+from presswear.show.figures import drawings
+from presswear.show.report.tonnage import tonnage
+from presswear.tools.arrays import Array
+
+PRESS = pw.Press()
+PERIOD = PRESS.period
+SHEET = pw.Blanking(cushion=30.0)
+IDEAL = replace(pw.scenes.ideal(), process=SHEET, engine="dae", cycles=4)
+
+
+@pytest.fixture(scope="module")
+def ideal() -> pw.Result:
+    return run_scene(IDEAL)
+
+
+def slider(time: Array) -> Array:
+    """Place, velocity and acceleration of the slider in closed form, shape (n, 3)."""
+    return press_motion(PRESS, np.atleast_1d(time)).watched(PRESS.linkage())
+
+
+def standing(begin: float, end: float) -> float:
+    """Time between two others at which the slider stands still, s."""
+    return float(brentq(lambda time: slider(np.array(time))[0, 1], begin, end, xtol=1e-15))
+
+
+LOWEST, HIGHEST = standing(0.04, 0.08), standing(0.25, 0.45)
+BOTTOM = float(slider(np.array(LOWEST))[0, 0])
+
+
+def force_at(depth: Array, velocity: Array) -> Array:
+    """Force of the sheet and its cushion, N."""
+    places, forces = np.array(SHEET.curve).T
+    held = SHEET.cushion * np.clip(depth / places[1], 0.0, 1.0)
+    return np.asarray(np.interp(depth, places, forces, 0.0, 0.0) * (velocity < 0.0) + held)
+
+
+def test_the_force_over_the_series_is_that_of_the_curve(ideal: pw.Result) -> None:
+    stage = ideal.stages[0]
+    height = height_of(IDEAL, stage)
+    np.testing.assert_allclose(height, slider(stage.time)[:, 0] - BOTTOM, atol=1e-8)
+    force = process_force(IDEAL, stage)
+    assert force is not None
+    np.testing.assert_allclose(
+        force, force_at(SHEET.height - height, stage.velocity), atol=1e-6 * SHEET.force
+    )
+    np.testing.assert_array_equal(table_of(ideal, 0)["process_force"], force)
+    np.testing.assert_array_equal(table_of(ideal, 0)["height"], height)
+    assert unit_of("process_force") == "N"
+    assert unit_of("crank 2_angle") == "rad"
+
+
+def test_the_ideal_press_gives_a_part_its_work_and_no_more(ideal: pw.Result) -> None:
+    stage = ideal.stages[0]
+    energy = energy_of(IDEAL, stage)
+    assert energy is not None
+    assert energy.process_J is not None
+    assert energy.drives_J is not None
+    exact = 1e-6 * SHEET.work
+    # Of two settled strokes and cycles.
+    assert (energy.process_J.cycles, energy.drives_J.cycles) == (2, 2)
+    for found in (energy.process_J.mean, energy.drives_J.mean, energy.drives_ideal_J):
+        assert found == pytest.approx(SHEET.work, abs=exact)
+    assert energy.residual_part < ENERGY_BOUND
+    # Torque times speed, linear between two rows: half a thousandth of what is given.
+    duties = [own.duty for own in drives_of(IDEAL, stage).values()]
+    total = sum(own.given_J for own in duties)
+    assert sum(own.work_J for own in duties) == pytest.approx(SHEET.work, abs=5e-4 * total)
+
+
+def test_ideal_drives_are_those_of_virtual_work(ideal: pw.Result) -> None:
+    """Numbers of each drive by Simpson's rule over the smooth pieces of the closed form."""
+
+    def passes(height: float, begin: float, end: float) -> float:
+        def off(time: float) -> float:
+            return float(slider(np.array(time))[0, 0]) - BOTTOM - height
+
+        return float(brentq(off, begin, end, xtol=1e-15))
+
+    begin, end = HIGHEST, HIGHEST + PERIOD
+    low = LOWEST + PERIOD
+    heights = [SHEET.height - depth for depth, _ in SHEET.curve]
+    edges = [begin, *(passes(own, begin, low) for own in heights), low]
+    edges += sorted(passes(own, low, end) for own in heights[:2])
+    edges.append(end)
+    sums = np.zeros((2, 6))
+    peaks = np.zeros((2, 2))
+    for one, other in pairwise(edges):
+        time = np.linspace(one, other, 2001)
+        # The piece that begins here is that of its inside.
+        inside = np.clip(time, one + 1e-12, other - 1e-12)
+        place, velocity, _ = slider(inside).T
+        force = force_at(SHEET.height - (place - BOTTOM), velocity)
+        torque = needed_by_virtual_work(PRESS, time, force)
+        power = torque * np.array([-PRESS.speed, PRESS.speed])
+        for k in range(2):
+            own, gained = torque[:, k], power[:, k]
+            rows = (own, own**2, gained, gained**2, np.maximum(gained, 0), np.maximum(-gained, 0))
+            sums[k] += [simpson(row, x=time) for row in rows]
+            peaks[k] = np.maximum(peaks[k], [np.abs(own).max(), np.abs(gained).max()])
+    drives = ideal.drives(0)
+    assert list(drives) == ["crank 2", "crank 7"]
+    for k, found in enumerate(drives.values()):
+        duty = found.ideal
+        mean, square, power, square_power = sums[k, :4] / PERIOD
+        assert duty.torque.mean == pytest.approx(mean, rel=1e-6)
+        assert duty.torque.rms == pytest.approx(math.sqrt(square), rel=1e-6)
+        assert duty.power.mean == pytest.approx(power, rel=1e-6)
+        assert duty.power.rms == pytest.approx(math.sqrt(square_power), rel=1e-6)
+        exchange = sums[k, 4:].sum()
+        gained_and_lost = duty.given_J, duty.returned_J
+        assert gained_and_lost == pytest.approx(tuple(sums[k, 4:]), abs=1e-6 * exchange)
+        assert abs(duty.torque.peak) == pytest.approx(peaks[k, 0], rel=1e-2)
+        share = (math.sqrt(square) / np.sqrt(sums[:, 1] / PERIOD).sum(), sums[k, 4])
+        assert duty.share.rms_torque == pytest.approx(share[0], rel=1e-6)
+        assert duty.share.energy == pytest.approx(share[1] / sums[:, 4].sum(), abs=2e-6)
+        # The run, whose peaks stand in rows at the ends of the pieces.
+        assert found.duty.torque.rms == pytest.approx(duty.torque.rms, rel=1e-3)
+        assert abs(found.duty.torque.peak) == pytest.approx(peaks[k, 0], rel=1e-4)
+
+
+def test_strokes_of_the_ideal_press_are_those_of_its_dead_centres(ideal: pw.Result) -> None:
+    stage = ideal.stages[0]
+    found = settled_strokes(IDEAL, stage)
+    # The speed is a line over each 1440th of the cycle: off by h^2 / 8 jerk / acceleration.
+    off = (PERIOD / 1440.0) ** 2 / 8.0 * 20.0 * PRESS.speed
+    assert [own.begin for own in found] == pytest.approx(
+        [HIGHEST + k * PERIOD for k in (1, 2)], abs=off
+    )
+    assert [own.bottom for own in found] == pytest.approx(
+        [LOWEST + k * PERIOD for k in (2, 3)], abs=off
+    )
+    moments = strokes_of(IDEAL, stage)
+    assert moments is not None
+    assert {own.fracture for own in found} <= set(moments.fracture[:, 0])
+    told = tonnage_of(IDEAL, stage)
+    assert told is not None
+    assert told.force_peak_N is not None
+    assert told.force_peak_N.mean == pytest.approx(SHEET.force + SHEET.cushion, rel=1e-9)
+    assert told.vibration is not None
+    # Nothing is loose: what shakes is the round-off of the run.
+    assert told.vibration.after_m_s2.mean < 1e-6 * told.vibration.ideal_m_s2.mean
+    assert told.most_loaded is None
+
+
+@pytest.mark.parametrize("engine", ["dae", "exudyn-tree"])
+def test_work_and_energies_of_a_loose_press_are_those_of_its_engine(engine: str) -> None:
+    """The force over the recorded height, and the work that the engine summed step by step."""
+    scene: Any = replace(
+        pw.scenes.press_blanking(), engine=engine, wears=0, starts=1, cycles=3, process=SHEET
+    )
+    assert scene.stores_torques
+    result = run_scene(scene)
+    stage = result.stages[0]
+    force = process_force(scene, stage)
+    assert force is not None
+    exchange = float(stage.diagnostics["drive_exchange_J"] or 0.0)
+    work = -float(np.trapezoid(force, height_of(scene, stage)))
+    taken = -float(stage.diagnostics["load_work_J"] or 0.0)
+    # Beside what the thinned rows leave out where the slider turns on the work.
+    assert work == pytest.approx(taken, abs=1e-5 * exchange)
+    assert stage.each_cycle("drive_work")[-1] == stage.diagnostics["drive_work_J"]
+    energy = result.energy(0)
+    assert energy is not None
+    assert energy.residual_part < ENERGY_BOUND
+    told = result.tonnage(0)
+    assert told is not None
+    assert told.strokes == 1
+    for own in told.joints.values():
+        assert set(own.peak_N) == set(PHASES)
+        assert own.working_N is not None
+        assert 0.0 < own.working_N.mean <= own.largest_N["work"]
+        assert own.reversed_N is not None
+        # A cushion may hold the load on its side.
+        assert 0.0 <= own.reversed_N.mean <= own.largest_N["snap-through"]
+        assert (own.reversal_s is None) == (own.reversed_N.mean == 0.0)
+    assert told.most_loaded in told.joints
+    table = tonnage(result)
+    assert table is not None
+    assert [name for name, _ in table.groups][-3:] == ["Joint A", "Joint C", "Strokes"]
+    (drawing,) = drawings(result, ["tonnage"])
+    panels = drawing.sheet.axes
+    assert panels[0].get_ylabel() == "force of the work (N)"
+    curve = np.asarray(panels[0].get_lines()[-1].get_xydata())
+    expected = [(1e3 * (SHEET.height - depth), size) for depth, size in SHEET.curve]
+    np.testing.assert_allclose(curve, expected)
+
+
+def test_without_work_there_are_approach_and_return_alone() -> None:
+    scene = replace(pw.scenes.wear_times(), engine="dae", wears=0, starts=1, cycles=3)
+    result = run_scene(scene)
+    assert not scene.stores_torques
+    assert result.drives(0) == {}
+    told = result.tonnage(0)
+    assert told is not None
+    assert told.force_peak_N is None
+    assert told.vibration is None
+    for own in told.joints.values():
+        assert set(own.peak_N) == {"approach", "return"}
+        assert own.reversed_N is None
+    assert process_force(scene, result.stages[0]) is None
+    assert "crank 2_torque" not in table_of(result, 0)
+    assert "crank 2_angle" in table_of(result, 0)
+
+
+STROKE = Stroke(begin=1.0, bottom=1.5, end=2.0, contact=1.4, fracture=1.45, done=1.45)
+
+
+@given(
+    angle=st.floats(0.0, 2.0 * math.pi),
+    pressed=st.floats(1.0, 1e4),
+    back=st.floats(0.0, 1e4),
+    delay=st.floats(0.0, 0.03),
+)
+@settings(deadline=None)
+def test_a_reversal_is_found_along_the_force_that_worked(
+    angle: float, pressed: float, back: float, delay: float
+) -> None:
+    """Half a sine one way up to the fracture, and one of 4 ms the other way after a delay."""
+    time = np.linspace(1.0, 2.0, 20_001)
+    unit = np.array([math.cos(angle), math.sin(angle)])
+
+    def pulse(begin: float, end: float) -> Array:
+        part = np.clip((time - begin) / (end - begin), 0.0, 1.0)
+        # Beyond its ends a sine is zero but for round-off.
+        return np.where((part > 0.0) & (part < 1.0), np.sin(math.pi * part), 0.0)
+
+    late = STROKE.fracture + delay
+    size = pressed * pulse(STROKE.contact, STROKE.fracture) - back * pulse(late, late + 4e-3)
+    working, found, after = reversal(time, size[:, np.newaxis] * unit, STROKE)
+    assert working == pytest.approx(pressed, rel=1e-4)
+    if delay <= SNAP_THROUGH_S - 2e-3:
+        assert found == pytest.approx(back, rel=1e-3, abs=1e-9)
+    elif delay > SNAP_THROUGH_S:
+        assert found == pytest.approx(0.0, abs=1e-9 * pressed)
+    if 1e-6 * pressed < back and delay < SNAP_THROUGH_S - 1e-4:
+        assert delay - 1e-9 <= after <= delay + 1.1e-4
+
+
+@given(
+    parts=st.lists(st.floats(0.0, 1.0), min_size=3, max_size=3, unique=True),
+    breaks=st.booleans(),
+)
+def test_phases_follow_each_other_and_leave_nothing_out(parts: list[float], breaks: bool) -> None:
+    contact, fracture, done = (1.0 + 0.9 * own for own in sorted(parts))
+    own = replace(STROKE, contact=contact, fracture=fracture if breaks else math.nan, done=done)
+    time = np.linspace(0.9, 2.1, 1201)
+    phase = phases_of(time, [own])
+    inside = (time >= own.begin) & (time < own.end)
+    assert (phase[~inside] == -1).all()
+    assert (np.diff(phase[inside]) >= 0).all()
+    expected = np.select(
+        [
+            time < contact,
+            time < (fracture if breaks else done),
+            breaks & (time < fracture + SNAP_THROUGH_S),
+        ],
+        [0, 1, 2],
+        3,
+    )
+    np.testing.assert_array_equal(phase[inside], expected[inside])
+
+
+def test_phases_without_work_part_at_the_bottom() -> None:
+    none = replace(STROKE, contact=math.nan, fracture=math.nan, done=math.nan)
+    time = np.array([0.99, 1.0, 1.49, 1.5, 1.99, 2.0])
+    assert phases_of(time, [none]).tolist() == [-1, 0, 0, 3, 3, -1]
+
+
+def test_peaks_are_told_by_phase_with_their_scatter() -> None:
+    """Three strokes with planted peaks; Student's interval from scipy."""
+    moved = ("begin", "bottom", "end", "contact", "fracture", "done")
+    strokes = [
+        replace(STROKE, **{name: getattr(STROKE, name) + k for name in moved}) for k in range(3)
+    ]
+    time = np.linspace(1.0, 4.0, 6001)
+    planted = {"approach": 1.2, "work": 1.42, "snap-through": 1.46, "return": 1.7}
+    sizes = {name: 100.0 * (1 + k) + np.array([0.0, 5.0, 7.0]) for k, name in enumerate(planted)}
+    force = np.zeros((time.size, 2))
+    for name, at in planted.items():
+        for k in range(3):
+            row = int(np.abs(time - at - k).argmin())
+            force[row] = 0.8 * sizes[name][k], 0.6 * sizes[name][k]
+    told = {"force_max_per_cycle_N": {"mean": 500.0, "half_width": 20.0, "cycles": 12}}
+    arrays = {"force": force, "eccentricity": np.tile([1e-4, 0.0], (time.size, 1))}
+    found = joint_tonnage(time, JointResult("A", told, arrays), strokes, phases_of(time, strokes))
+    assert set(found.peak_N) == set(PHASES)
+    for name, own in sizes.items():
+        half = float(student.ppf(0.975, 2)) * own.std(ddof=1) / math.sqrt(3.0)
+        assert found.peak_N[name].mean == pytest.approx(own.mean())
+        assert found.peak_N[name].half_width == pytest.approx(half)
+        assert found.peak_N[name].cycles == 3
+        assert found.largest_N[name] == pytest.approx(own.max(), rel=1e-14)
+    assert found.stroke_peak_N is not None
+    assert found.stroke_peak_N.cycles == 12
+    # Both push the same way: nothing is reversed.
+    assert found.reversed_part is not None
+    assert found.reversed_part.mean == 0.0
+    assert found.reversal_s is None
+
+
+@given(amplitude=st.floats(1e-3, 1e6), turns=st.integers(1, 20))
+def test_the_rms_of_a_sine_is_that_of_whole_turns(amplitude: float, turns: int) -> None:
+    time = np.linspace(0.0, 0.02, 4001)
+    values = amplitude * np.sin(2.0 * math.pi * turns * time / 0.02)
+    assert rms(time, values) == pytest.approx(amplitude / math.sqrt(2.0), rel=1e-9)
