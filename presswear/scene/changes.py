@@ -70,8 +70,9 @@ def changes_of(scene: Scene) -> tuple[Change, ...]:
         factor = 1.0
         if unit == "m" and values and max(map(abs, values)) < _LARGEST_MM:
             factor, unit = 1e3, "mm"
-        texts = (_text(own, factor) for own in (setting.value, was))
-        found.append(Change(setting.key, *texts, unit.replace("^2", "²"), meaning.text))
+        value, before_it = (_text(own, factor) for own in (setting.value, was))
+        unit = unit.replace("^2", "²")
+        found.append(Change(setting.key, value, before_it, unit, meaning.text))
     return (*found, *_parts(scene, base))
 
 

@@ -74,8 +74,7 @@ def scene_from(file: Path) -> Scene:
         plain = Scene(mechanism, file.stem, title, wears=0)
         statuses = dict.fromkeys((setting.key for setting in settings_of(plain)), DEFAULT)
         scene = changed(replace(plain, statuses=statuses), settings)
-        told = {**scene.statuses, **dict.fromkeys(settings, IN_FILE)}
-        scene = replace(scene, statuses=told)
+        scene = replace(scene, statuses={**scene.statuses, **dict.fromkeys(settings, IN_FILE)})
         source = data.get("surfaces")
         if source is None:
             return scene

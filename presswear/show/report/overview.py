@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from presswear.linkage.process import sense_of
 from presswear.physics.bottom import bottom_of
+from presswear.physics.statics import pull_of
 from presswear.record.sampling import STARTUP_CYCLES, Estimate
 from presswear.results.drives import DriveDuty, drives_of
 from presswear.results.result import Result
@@ -98,7 +99,7 @@ def _facts(result: Result, loaded: Rows[StageResult]) -> dict[str, list[Fact]]:
     """Rows of the overview under their headings."""
     return {
         "Strokes": list(_strokes(result)),
-        "Bottom dead centre": [*_bottom(result), *_clearance(loaded)],
+        "Bottom dead centre": [*_bottom(result), *_clearance(result.scene, loaded)],
         "Work": list(_work(result)),
         "Joints": list(_forces(result)),
         "Drives": list(_drives(result)),
@@ -169,12 +170,12 @@ def _in_groups(result: Result) -> str:
     return f", {' or '.join(told)} at a time" if told else ""
 
 
-def _clearance(loaded: Rows[StageResult]) -> Iterator[Fact]:
-    for label, text in list(loaded.items())[:1]:
+def _clearance(scene: Scene, loaded: Rows[StageResult]) -> Iterator[Fact]:
+    for text in list(loaded.values())[:1]:
         yield Fact(
-            label,
-            "how far what is watched gives way at bottom dead centre, drives held, when it is "
-            "pushed from below and from above",
+            f"total clearance at the {scene.watched} (µm)",
+            "how far it gives way at bottom dead centre, drives held, when it is pushed with "
+            f"{given(pull_of(scene.linkage()))} N up and down",
             text,
         )
 
