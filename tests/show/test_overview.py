@@ -135,7 +135,7 @@ def test_a_linkage_of_ones_own_is_no_press() -> None:
     scene = Scene(FOUR_BAR, bearings={"B": Bearing(clearance=0.3e-3)}, wears=0)
     result = replace(made_up(IDEAL, 1), scene=scene)
     text = " ".join([*in_short(result), changed_values(result)[0]])
-    assert "The rocker goes down and up once in a cycle" in text
+    assert "The rocker moves between its lowest and its highest place, 111 mm apart" in text
     assert "from the defaults" in text
     assert "press" not in text
     assert "0.300 mm at B" in text

@@ -116,8 +116,8 @@ def _strokes(result: Result) -> Iterator[Fact]:
     meaning = "those of the computed motion, each a cycle"
     if result.scene.draws > 1:
         meaning += (
-            f", of {result.scene.draws} starts together; a start is a run begun a hair apart from "
-            "the others, since impacts in a clearance do not repeat"
+            f", of {result.scene.draws} starts together; a start is a run begun 1e-9 m apart "
+            "from the others, so that its impacts are a draw of their own"
         )
     yield Fact("strokes computed", meaning, lambda stage: whole(stage.cycles))
 
@@ -367,9 +367,10 @@ def in_short(result: Result) -> list[str]:
         factor, unit = length_scale(scene.stroke)
         is_up = scene.process is None or sense_of(scene.process) > 0.0
         found = [
-            f"The {scene.watched} goes down and up once in a cycle, which is a stroke: "
-            f"{readable(factor * scene.stroke)} {unit} each way, {readable(60.0 / period)} strokes "
-            f"a minute. Up is {'along' if is_up else 'against'} the thick arrow of the drawing."
+            f"The {scene.watched} moves between its lowest and its highest place, "
+            f"{readable(factor * scene.stroke)} {unit} apart, in every cycle; a cycle is a stroke, "
+            f"{readable(60.0 / period)} of them a minute. Up is "
+            f"{'along' if is_up else 'against'} the thick arrow of the drawing."
         ]
     if scene.process is not None:
         factor, unit = length_scale(scene.process.height)
