@@ -23,8 +23,11 @@ ENERGY_BOUND = 1e-6
 """Energy that may not add up, part of what the drives exchanged."""
 _NEWTON = 3
 """Steps of Newton's method to a bend of the force of the work."""
-_PIECES = 720
-"""Pieces of a cycle over which ideal torques are summed, by Gauss with three places in each."""
+_PLACES, _WEIGHTS = np.polynomial.legendre.leggauss(3)
+_PIECES, _BEFORE = 720, 90
+"""Pieces of a cycle over which ideal torques are summed, by Gauss with three places in each, and
+those of the cycle before it, through which laws of loads are followed.
+"""
 
 
 @dataclass(frozen=True)
@@ -229,15 +232,33 @@ def _curves(scene: Scene, time: Array, torque: Array | None) -> dict[str, DriveC
 def _ideal(scene: Scene) -> tuple[dict[str, DriveCurve], Array]:
     """Drives over a cycle of the ideal motion, and the weights of its instants, s."""
     begin, period = scene.run_up, scene.mechanism.period
-    # Laws of loads are followed through a cycle before it.
-    edges = begin + np.linspace(0.0, 2.0 * period, 2 * _PIECES + 1)
+    before, cycle = (np.linspace(0.0, period, count + 1) for count in (_BEFORE, _PIECES))
+    edges = begin + np.concatenate([before, period + cycle[1:]])
     edges = np.unique(np.concatenate([edges, _bends(scene, edges)]))
-    places, weights = np.polynomial.legendre.leggauss(3)
+    curves, _ = _summed(scene, edges)
+    # What is given and what is returned bend where the power of a drive changes its sign.
+    cycle = edges[-1 - next(iter(curves.values())).time.size // _PLACES.size :]
+    turns = [_zeros(cycle, own.power) for own in curves.values()]
+    return _summed(scene, np.unique(np.concatenate([edges, *turns])))
+
+
+def _summed(scene: Scene, edges: Array) -> tuple[dict[str, DriveCurve], Array]:
+    """Ideal drives and weights of the instants in the last cycle between some edges, s."""
     middle, half = 0.5 * (edges[1:] + edges[:-1]), 0.5 * np.diff(edges)
-    time = (middle[:, np.newaxis] + half[:, np.newaxis] * places).ravel()
+    time = (middle[:, np.newaxis] + half[:, np.newaxis] * _PLACES).ravel()
     torque = needed_torques(scene.loaded, scene.ideal, time)
-    own = time > begin + period
-    return _curves(scene, time[own], torque[own]), np.outer(half, weights).ravel()[own]
+    own = time > edges[-1] - scene.mechanism.period
+    return _curves(scene, time[own], torque[own]), np.outer(half, _WEIGHTS).ravel()[own]
+
+
+def _zeros(edges: Array, values: Array) -> Array:
+    """Instants, s, at which parabolas through the values in each piece are zero."""
+    a, b, c = np.linalg.solve(np.vander(_PLACES), values.reshape(-1, _PLACES.size).T)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        far = -0.5 * (b + np.copysign(np.sqrt(b * b - 4.0 * a * c), b))
+        found = [far / a, c / far]
+    middle, half = 0.5 * (edges[1:] + edges[:-1]), 0.5 * np.diff(edges)
+    return np.concatenate([(middle + half * part)[np.abs(part) < 1.0] for part in found])
 
 
 def _bends(scene: Scene, time: Array) -> Array:

@@ -175,7 +175,7 @@ def test_an_exported_run_agrees_with_itself(
         np.testing.assert_array_equal(table["velocity"], stored["slider"][:, 1])
         np.testing.assert_array_equal(table["C_eccentricity_y"], stored["C_eccentricity"][:, 1])
         np.testing.assert_array_equal(table["A_tangential_force"], stored["A_force"][:, 1])
-    assert len(table) == 16
+    assert len(table) == 19
     command = ["crosscheck", str(folder), "--against", str(file), "--tolerance", "1e-12"]
     assert main(command) == 0
     assert "MISS" not in capsys.readouterr().out
