@@ -113,7 +113,7 @@ def test_moments_of_the_made_up_strokes() -> None:
     result = replace(result, stages=(stage,))
     table = moments(result)
     assert table is not None
-    told = {heading: dict(rows) for heading, rows in table.groups}
+    told = {heading: {row[0]: row[1] for row in rows} for heading, rows in table.groups}
     assert list(told) == ["Touches the work", "Breaks it", "Leaves it"]
     assert told["Breaks it"]["height over bottom dead centre (mm)"] == "4.500"
     touched = float(told["Touches the work"]["crank angle (degrees)"].split()[0])
