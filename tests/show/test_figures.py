@@ -12,6 +12,7 @@ import matplotlib.pyplot as pyplot
 import numpy as np
 import pytest
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure as Sheet
 
@@ -178,8 +179,9 @@ def sheet_of(name: str, result: Result) -> Sheet:
 def test_no_label_of_the_mechanism_hides_another() -> None:
     for scene in (wear_times(), press_blanking(), slider_crank(), Scene(FOUR_BAR)):
         drawing = labelled(scene)
-        renderer = drawing.sheet.canvas.get_renderer()  # type: ignore[attr-defined]
-        drawing.sheet.draw(renderer)
+        canvas = FigureCanvasAgg(drawing.sheet)
+        canvas.draw()
+        renderer = canvas.get_renderer()
         (axes,) = drawing.sheet.axes
         names = {text.get_text().split("\n")[0] for text in axes.texts}
         assert {body.name for body in scene.mechanism.linkage().bodies} <= names

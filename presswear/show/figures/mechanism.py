@@ -80,7 +80,8 @@ class Canvas:
             *_, middle = min(found, key=lambda own: own[:3])
             x, y = middle / self._scale
             self.axes.text(x, y, text, ha="center", va="center", zorder=9, **look)
-            across = np.arange(-0.5 * box[0] + 0.5 * _LINE, 0.5 * box[0], _LINE)
+            count = math.ceil(box[0] / _LINE)
+            across = ((np.arange(count) + 0.5) / count - 0.5) * box[0]
             for row in range(len(lines)):
                 y = middle[1] + 0.5 * box[1] - (row + 0.5) * _LINE
                 self._taken += [(middle[0] + x, y, 0.5 * _LINE) for x in across]
