@@ -34,14 +34,21 @@ def add(commands: Any) -> None:
         metavar="K",
         help="0 unworn (default), 1 after a wear, ...",
     )
+    export.add_argument(
+        "--strokes",
+        action="store_true",
+        help="the moments of the recorded strokes instead, a row each: time and height over "
+        "bottom dead centre at contact, fracture and separation, nan where there is none",
+    )
     export.set_defaults(run=_export)
 
 
 def _export(arguments: argparse.Namespace, console: Console) -> int:
-    from presswear.results.tables import table_of, write_table
+    from presswear.results.tables import strokes_table, table_of, write_table
 
-    table = table_of(finished_part(arguments.folder, console), arguments.stage)
+    tabled = strokes_table if arguments.strokes else table_of
+    table = tabled(finished_part(arguments.folder, console), arguments.stage)
     write_table(arguments.file, table)
-    rows = table["time"].size
+    rows = next(iter(table.values())).size
     console.print(f"{rows} rows of {len(table)} columns in {arguments.file}", highlight=False)
     return 0

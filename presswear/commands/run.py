@@ -21,6 +21,7 @@ from presswear.commands.terminal import (
     settings_given,
 )
 from presswear.scene.catalog import SCENES
+from presswear.scene.changes import title_of
 from presswear.scene.files import SUFFIX
 from presswear.scene.scene import Scene
 from presswear.scene.settings import begun_on, changed
@@ -137,6 +138,7 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
 
     with _window(arguments, scene) as window:
         store = ResultFolder(folder, scene, interval, arguments.resume)
+        console.print(title_of(scene), highlight=False, markup=False, soft_wrap=True)
         for remark in store.remarks:
             console.print(remark, highlight=False, soft_wrap=True)
         if store.is_finished:

@@ -26,6 +26,7 @@ from presswear.results.stored import (
 )
 from presswear.results.strokes import Strokes, height_of, process_force, strokes_of
 from presswear.results.tonnage import Tonnage, tonnage_of
+from presswear.scene.changes import name_of
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import read_numbers
 from presswear.tools.checked import checked
@@ -142,7 +143,7 @@ class Result:
         ]
         where = f", in {self.path}" if self.path else ""
         ending = f": {self.message}" if self.message else ""
-        return "\n".join([f"{self.scene.name}, {self.status}{ending}{where}", *lines])
+        return "\n".join([f"{name_of(self.scene)}, {self.status}{ending}{where}", *lines])
 
     def plot(self, *names: str, stage: int | None = None) -> "list[Axes]":
         """Draw figures; gives their axes back, in a notebook the figures are shown.

@@ -28,7 +28,7 @@ array of one dimension per column, under its name.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import BinaryIO
 
@@ -37,7 +37,7 @@ from numpy.typing import NDArray
 
 from presswear.results.drives import curves_of
 from presswear.results.result import Result
-from presswear.results.strokes import height_of, process_force
+from presswear.results.strokes import Strokes, height_of, process_force
 from presswear.tools.arrays import read_numbers, write_arrays
 from presswear.tools.errors import InputError
 from presswear.tools.files import read_checked, write_whole
@@ -58,6 +58,12 @@ JOINT_UNITS = {
     "sliding": "m/s",
 }
 DRIVE_UNITS = {"angle": "rad", "torque": "N m", "power": "W"}
+MOMENT_UNITS = {
+    f"{moment.name}_{number}": unit
+    for moment in fields(Strokes)
+    for number, unit in (("time", "s"), ("height", "m"))
+}
+"""Columns of the table of strokes: moments, and heights over the ideal bottom dead centre."""
 TOLERANCE = 1e-3
 """Root mean square difference allowed, part of the root mean square of our column."""
 
@@ -88,8 +94,8 @@ class ColumnDifference:
 
 def unit_of(column: str) -> str:
     """Unit of a column; InputError for a name that is none."""
-    if column in UNITS:
-        return UNITS[column]
+    if column in UNITS | MOMENT_UNITS:
+        return (UNITS | MOMENT_UNITS)[column]
     body, _, quantity = column.rpartition("_")
     if body and quantity in DRIVE_UNITS:
         return DRIVE_UNITS[quantity]
@@ -123,6 +129,20 @@ def table_of(result: Result, stage: int) -> dict[str, Array]:
             if (values := getattr(curve, quantity)).size
         }
     return columns
+
+
+def strokes_table(result: Result, stage: int) -> dict[str, Array]:
+    """Moments of the recorded strokes of a stage on the work, a row a stroke.
+
+    A moment that there is not is not a number.  InputError if there is no such stage, or no
+    stroke on any work.
+    """
+    strokes = result.strokes(stage)
+    if strokes is None or not len(strokes.contact):
+        why = "the scene has no process" if strokes is None else "no stroke touches the work"
+        raise InputError(f"stage {stage} of {result.scene.name} has no strokes to write: {why}")
+    columns = np.hstack([getattr(strokes, moment.name) for moment in fields(Strokes)])
+    return dict(zip(MOMENT_UNITS, columns.T, strict=True))
 
 
 def check_table(table: Table, source: str) -> None:

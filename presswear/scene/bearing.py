@@ -97,7 +97,9 @@ Law = str | OwnFunction | Callable[..., float]
 class Bearing:
     """A joint with clearance: pin, bearing, the laws of their contact, what they are made of."""
 
-    clearance: float = quantity(0.8e-3, "m", 1e-9, 1.0, "paper, per study", "c = R_i - R_j")
+    clearance: float = quantity(
+        0.8e-3, "m", 1e-9, 1.0, "paper, per study", "radius of hole less that of pin, R_i - R_j"
+    )
     bearing_radius: float = quantity(0.015, "m", 1e-4, 1.0, "paper", "R_i")
     width: float = quantity(
         0.02, "m", 0.0, 1.0, "assumed", "axial width b; only K_d / b matters", open_low=True

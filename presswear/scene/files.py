@@ -13,7 +13,7 @@ from presswear.linkage.reading import read
 from presswear.linkage.slider_crank import SliderCrank
 from presswear.linkage.written import toml_of
 from presswear.scene.scene import MECHANISMS, OneMechanism, Scene
-from presswear.scene.settings import begun_on, changed, settings_of
+from presswear.scene.settings import DEFAULT, IN_FILE, begun_on, changed, settings_of
 from presswear.scene.surfaces import TABLE, read_profiles
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.files import read_checked
@@ -73,8 +73,9 @@ def scene_from(file: Path) -> Scene:
         title = data.get("title", f"The linkage of {file.name}")
         # Without a word on it, nothing wears.
         plain = Scene(mechanism, file.stem, title, wears=0)
-        statuses = dict.fromkeys((setting.key for setting in settings_of(plain)), "default")
+        statuses = dict.fromkeys((setting.key for setting in settings_of(plain)), DEFAULT)
         scene = changed(replace(plain, statuses=statuses), settings)
+        scene = replace(scene, statuses={**scene.statuses, **dict.fromkeys(settings, IN_FILE)})
         source = data.get("surfaces")
         if source is None:
             return scene

@@ -30,6 +30,9 @@ _LONGEST = 200
 
 SET = "set by the user"
 """Status of a value that was changed."""
+IN_FILE = f"{SET}, in the file"
+DEFAULT = "default"
+"""Statuses of the values of a file: those that it gives, and the others."""
 
 
 @dataclass(frozen=True)

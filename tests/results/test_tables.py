@@ -12,8 +12,16 @@ from hypothesis.extra.numpy import arrays
 
 from presswear.__main__ import main
 from presswear.campaign.single import run_scene
-from presswear.results.tables import compare_tables, read_table, unit_of, write_table
-from presswear.scene.catalog import wear_times
+from presswear.results.result import load
+from presswear.results.tables import (
+    MOMENT_UNITS,
+    compare_tables,
+    read_table,
+    strokes_table,
+    unit_of,
+    write_table,
+)
+from presswear.scene.catalog import press_blanking, wear_times
 from presswear.tools.errors import InputError
 
 finite = st.floats(allow_nan=False, allow_infinity=False)
@@ -224,3 +232,29 @@ def test_export_refuses_in_one_line(
     assert shown.err.count("\n") == 1
     assert kept.read_text() == "mine"
     assert list(tmp_path.iterdir()) == [kept]
+
+
+def test_moments_of_strokes_are_exported(folder: Path, tmp_path: Path) -> None:
+    scene = press_blanking(engine="dae", cycles=1, wears=0, starts=1)
+    result = run_scene(scene)
+    table = strokes_table(result, 0)
+    assert list(table) == list(MOMENT_UNITS)
+    process = scene.process
+    assert process is not None
+    assert process.fracture is not None
+    assert table["contact_height"] == pytest.approx(process.height, rel=1e-6)
+    broken = process.height - process.fracture
+    assert table["fracture_height"] == pytest.approx(broken, rel=1e-6)
+    assert np.all(table["contact_time"] < table["fracture_time"])
+    file = tmp_path / "strokes.csv"
+    write_table(file, table)
+    for name, values in read_back(file).items():
+        np.testing.assert_array_equal(values, table[name])
+    with pytest.raises(InputError, match="has no strokes to write: the scene has no process"):
+        strokes_table(load(folder), 0)
+
+
+def read_back(file: Path) -> dict[str, np.ndarray]:
+    """Columns of a table in which some numbers may be none."""
+    rows = np.genfromtxt(file, delimiter=",", names=True)
+    return {name: np.atleast_1d(rows[name]) for name in MOMENT_UNITS}

@@ -12,6 +12,7 @@ import matplotlib.pyplot as pyplot
 import numpy as np
 import pytest
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure as Sheet
 
@@ -26,7 +27,7 @@ from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
 from presswear.results.result import Result
 from presswear.results.stage import SIDES, StageResult, WearStep
 from presswear.scene.bearing import CONVENTIONS, Bearing
-from presswear.scene.catalog import wear_times
+from presswear.scene.catalog import press_blanking, slider_crank, wear_times
 from presswear.scene.scene import Scene, stage_name
 from presswear.scene.settings import changed
 from presswear.show.figures import NAMES, drawings, save
@@ -161,7 +162,7 @@ def test_draws_what_makes_sense(
     scene: Scene, stages: int, files: list[str], tmp_path: Path
 ) -> None:
     found = list(drawings(made_up(scene, stages)))
-    files = ["mechanism.png", *files]
+    files = ["mechanism.png", "stroke.png", *files]
     assert [drawing.file for drawing in found] == files
     for drawing in found:
         assert save(drawing, tmp_path / "figures").read_bytes().startswith(b"\x89PNG")
@@ -173,6 +174,27 @@ def test_draws_what_makes_sense(
 def sheet_of(name: str, result: Result) -> Sheet:
     """The first sheet of one kind of figure."""
     return next(drawings(result, [name])).sheet
+
+
+def test_no_label_of_the_mechanism_hides_another() -> None:
+    for scene in (wear_times(), press_blanking(), slider_crank(), Scene(FOUR_BAR)):
+        drawing = labelled(scene)
+        canvas = FigureCanvasAgg(drawing.sheet)
+        canvas.draw()
+        renderer = canvas.get_renderer()
+        (axes,) = drawing.sheet.axes
+        names = {text.get_text().split("\n")[0] for text in axes.texts}
+        assert {body.name for body in scene.mechanism.linkage().bodies} <= names
+        boxes = [text.get_window_extent(renderer) for text in axes.texts]
+        assert not [pair for pair in combinations(boxes, 2) if pair[0].overlaps(pair[1])]
+
+
+def test_the_stroke_is_counted_from_the_ideal_bottom_dead_centre() -> None:
+    (axes,) = sheet_of("stroke", made_up(IDEAL, 1)).axes
+    *_, ideal = axes.lines
+    height = np.asarray(ideal.get_ydata(), dtype=float)
+    assert height.min() == pytest.approx(0.0, abs=1e-3)
+    assert height.max() == pytest.approx(1e3 * IDEAL.stroke, rel=1e-4)
 
 
 def labels(axes: Axes) -> list[str]:
@@ -326,7 +348,7 @@ def test_plot_gives_the_axes_of_every_figure_in_memory() -> None:
     counts = {name: len(result.plot(name)) for name in NAMES if name != "tonnage"}
     assert counts.pop("mechanism") == 1
     torque = {"drives": 4}
-    motion = {"response": 7, "bottom": 3, "force": 6, "path": 6}
+    motion = {"stroke": 1, "response": 7, "bottom": 3, "force": 6, "path": 6}
     assert counts == {"wear": 2, "growth": 2, "surfaces": 6, **motion, **torque}
     assert len(result.plot()) == 1 + sum(counts.values())
     assert len(result.plot("path", "wear")) == counts["path"] + counts["wear"]
@@ -351,7 +373,7 @@ def test_plot_of_one_stage_shows_it_alone(name: str) -> None:
         (
             ["forces"],
             None,
-            "unknown figure 'forces'; did you mean force?; known are mechanism, wear",
+            "unknown figure 'forces'; did you mean force?; known are mechanism, stroke",
         ),
         (["growth"], None, "wear-times has nothing to draw as 'growth'"),
         (["wear"], 0, "stage 0 of wear-times has nothing to draw as 'wear'"),

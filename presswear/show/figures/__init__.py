@@ -13,6 +13,7 @@ from presswear.show.figures.bottom import bottom_dead_centre
 from presswear.show.figures.drives import drive_work
 from presswear.show.figures.mechanism import mechanism
 from presswear.show.figures.motion import centre_trajectory, contact_force, response
+from presswear.show.figures.stroke import height_over_angle
 from presswear.show.figures.style import (
     DOTS_PER_INCH,
     SETTINGS,
@@ -31,6 +32,8 @@ __all__ = ["NAMES", "Drawing", "drawings", "plot", "save"]
 
 NAMES: dict[str, Callable[[Result, Stages], list[Drawing]]] = {
     "mechanism": mechanism,
+    "stroke": height_over_angle,
+    "tonnage": force_over_stroke,
     "wear": wear_depth,
     "growth": wear_growth,
     "surfaces": worn_surfaces,
@@ -38,7 +41,6 @@ NAMES: dict[str, Callable[[Result, Stages], list[Drawing]]] = {
     "bottom": bottom_dead_centre,
     "force": contact_force,
     "path": centre_trajectory,
-    "tonnage": force_over_stroke,
     "drives": drive_work,
 }
 """Figures by name, in the order of the report; each is drawn of some stages of a result, at

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from presswear.linkage.elements import Linkage
 from presswear.record.film import FILM_JOINT, Film
 from presswear.record.tracker import Progress, Tracker
+from presswear.scene.changes import short_name_of
 from presswear.scene.scene import Scene
 from presswear.show.replay.picture import Picture
 from presswear.show.replay.reel import PATH_FRAMES, PEAK, Instant, Subject, deepest
@@ -76,7 +77,7 @@ class Live(Tracker):
 
     def _subject(self, stage: int, linkage: Linkage) -> Subject:
         return Subject(
-            title=self._scene.name,
+            title=short_name_of(self._scene),
             stage=f"{self._scene.stage_name(stage)}, running",
             linkage=linkage,
             period=self._scene.mechanism.period,

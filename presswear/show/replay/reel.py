@@ -12,6 +12,7 @@ from presswear.linkage.surface import Surface
 from presswear.record.film import FILM_JOINT, FRAMES_PER_CYCLE, Film
 from presswear.results.result import Result
 from presswear.results.stage import StageResult
+from presswear.scene.changes import short_name_of
 from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError
 
@@ -138,8 +139,9 @@ def reel_of(result: Result, index: int) -> Reel:
     film, linkage = stage.film, _linkage(scene, stage)
     forces = np.hypot(film.joints[:, :, NORMAL], film.joints[:, :, TANGENTIAL])
     largest = forces.max(axis=0, initial=0.0).tolist()
+    name = short_name_of(scene)
     return Reel(
-        title=f"{result.path.resolve().name}: {scene.name}" if result.path else scene.name,
+        title=f"{result.path.resolve().name}: {name}" if result.path else name,
         stage=stage.name,
         linkage=linkage,
         period=scene.mechanism.period,

@@ -7,11 +7,12 @@ from presswear.linkage.surface import SIDES
 from presswear.results.result import FINISHED, Result
 from presswear.results.stage import StageResult
 from presswear.scene.bearing import Bearing
+from presswear.scene.changes import title_of
 from presswear.scene.scene import Scene
 from presswear.scene.settings import SET, settings_of
 from presswear.show.figures import drawings
 from presswear.show.figures.style import stage_names
-from presswear.show.report.bottom import bottom
+from presswear.show.report.bottom import bottom, under_load
 from presswear.show.report.drives import drives
 from presswear.show.report.origin import (
     convention_set,
@@ -19,6 +20,13 @@ from presswear.show.report.origin import (
     diagnostics,
     parameters,
     provenance,
+)
+from presswear.show.report.overview import (
+    OPENING,
+    changed_values,
+    in_short,
+    moments,
+    overview,
 )
 from presswear.show.report.page import Illustration, illustrate, render_page
 from presswear.show.report.parts import (
@@ -59,19 +67,28 @@ def write_report(result: Result) -> Path:
 
 def render(result: Result, figures: list[Illustration]) -> str:
     """The page as text."""
+    loaded = under_load(result)
+    differs, changes = changed_values(result)
     return render_page(
         "report.html",
         scene=result.scene,
+        title=title_of(result.scene),
+        differs=differs,
+        changes=changes,
+        in_short=in_short(result),
+        overview=overview(result, loaded),
+        moments=moments(result),
+        opening=[figure for figure in figures if figure.file in OPENING],
         status=status(result),
         style=result.status if result.status in FINISHED else "unfinished",
         modelled=modelled(result),
         key_numbers=key_numbers(result),
-        bottom=bottom(result),
+        bottom=bottom(result, loaded),
         tonnage=tonnage(result),
         drives=drives(result),
         endings=endings(result),
         growth=growth(result),
-        figures=figures,
+        figures=[figure for figure in figures if figure.file not in OPENING],
         means=cycle_means(result),
         notes=notes(result),
         parameters=parameters(result),

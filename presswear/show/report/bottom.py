@@ -15,33 +15,43 @@ from presswear.tools.numbers import given, readable, whole, with_interval
 _DEGREES = 180.0 / math.pi
 
 
-def bottom(result: Result) -> Table | None:
-    """Accuracy and repeatability at bottom dead centre; None where nothing has moved."""
+def bottom(result: Result, loaded: Rows[StageResult]) -> Table | None:
+    """Accuracy and repeatability at bottom dead centre; None where nothing has moved.
+
+    Parameters
+    ----------
+    loaded : Rows
+        Of ``under_load``.
+    """
     if not any(stage.bdc for stage in result.stages):
         return None
     rows: Rows[StageResult] = {
-        "height over the ideal (µm)": _mean("error_per_cycle_m", MICRONS),
-        "the same less that of the first stage (µm)": lambda stage: _risen(result, stage),
-        "standard deviation of the height (µm)": _between("standard_deviation", "m", MICRONS),
-        "mean range of successive strokes (µm)": _between("range", "m", MICRONS),
+        "height over the ideal (µm)": bottom_mean("error_per_cycle_m", MICRONS),
+        "the same less that of the first stage (µm)": lambda stage: risen(result, stage),
+        "standard deviation of the height (µm)": bottom_between("standard_deviation", "m", MICRONS),
+        "mean range of successive strokes (µm)": bottom_between("range", "m", MICRONS),
         "strokes in each such range": lambda stage: whole(stage.bdc.get("range_strokes")),
         "range of all strokes (µm)": lambda stage: readable(
             scaled(stage.bdc.get("range_of_all_m"), MICRONS)
         ),
-        "later than the ideal (ms)": _mean("delay_per_cycle_s", MILLI),
-        f"the same as {result.scene.mechanism.linkage().phase} (degrees)": _mean(
+        "later than the ideal (ms)": bottom_mean("delay_per_cycle_s", MILLI),
+        f"the same as {result.scene.mechanism.linkage().phase} (degrees)": bottom_mean(
             "delay_per_cycle_rad", _DEGREES
         ),
-        "standard deviation of the time (ms)": _between("delay_standard_deviation", "s", MILLI),
+        "standard deviation of the time (ms)": bottom_between(
+            "delay_standard_deviation", "s", MILLI
+        ),
         "settled strokes": lambda stage: whole(stage.bdc.get("strokes")),
     }
     groups = {"": rows}
-    if result.scene.clearance_joints:
-        groups["At rest there, crank held"] = _under_load(result)
+    if loaded:
+        groups["At rest there, crank held"] = loaded
     return stage_table(result, "bottom dead centre", groups)
 
 
-def _mean(name: str, factor: float) -> Text:
+def bottom_mean(name: str, factor: float) -> Text:
+    """A mean over the settled strokes, with its interval."""
+
     def text(stage: StageResult) -> str:
         found = stage.bdc.get(name, {})
         return with_interval(*(scaled(found.get(part), factor) for part in ("mean", "half_width")))
@@ -49,7 +59,7 @@ def _mean(name: str, factor: float) -> Text:
     return text
 
 
-def _between(name: str, unit: str, factor: float) -> Text:
+def bottom_between(name: str, unit: str, factor: float) -> Text:
     """A number with both ends of its interval, which is not symmetric."""
 
     def text(stage: StageResult) -> str:
@@ -63,7 +73,8 @@ def _between(name: str, unit: str, factor: float) -> Text:
     return text
 
 
-def _risen(result: Result, stage: StageResult) -> str:
+def risen(result: Result, stage: StageResult) -> str:
+    """How much higher bottom dead centre is than in the first stage, µm, with its interval."""
     first = result.stages[0]
     found = None if stage is first else rise(stage, first)
     if found is None:
@@ -72,9 +83,14 @@ def _risen(result: Result, stage: StageResult) -> str:
     return with_interval(MICRONS * found.value, half)
 
 
-def _under_load(result: Result) -> Rows[StageResult]:
-    """Heights under a static force either way and by weight alone, on each stage's surfaces."""
+def under_load(result: Result) -> Rows[StageResult]:
+    """Heights under a static force either way and by weight alone, on each stage's surfaces.
+
+    The first row is the total clearance; there is none without a joint with clearance.
+    """
     scene = result.scene
+    if not scene.clearance_joints:
+        return {}
     pull = pull_of(scene.linkage())
 
     @cache

@@ -14,8 +14,9 @@ _ROOM = "presswear.show.report"
 
 @dataclass(frozen=True)
 class Illustration:
-    """A figure inside a page: PNG as text."""
+    """A figure inside a page: its file's name, and the PNG as text."""
 
+    file: str
     title: str
     caption: str
     data: str
@@ -24,7 +25,7 @@ class Illustration:
 def illustrate(drawing: Drawing, folder: Path) -> Illustration:
     """Write a drawing into a folder, and give it for a page."""
     data = base64.b64encode(save(drawing, folder).read_bytes()).decode()
-    return Illustration(drawing.title, drawing.caption, data)
+    return Illustration(drawing.file, drawing.title, drawing.caption, data)
 
 
 def render_page(template: str, package: str = _ROOM, **content: Any) -> str:

@@ -102,7 +102,9 @@ def test_a_joint_without_clearance_is_left_out() -> None:
     """A person may have closed joint C in all runs: its rows stay, empty."""
     evidence = Evidence({key: cut(found, joints="A") for key, found in every_result().items()})
     drawings = paper_drawings(evidence)
-    figures = [Illustration(drawing.title, drawing.caption, "") for drawing in drawings]
+    figures = [
+        Illustration(drawing.file, drawing.title, drawing.caption, "") for drawing in drawings
+    ]
     assert "not computed" in words(evidence, figures)
     rows = [row for _, group in numbers_table(evidence)[0].groups for row in group]
     assert all((row[3] == "–") == ("joint C" in row[0]) for row in rows)
