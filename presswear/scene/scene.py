@@ -337,6 +337,11 @@ class Scene:
         return high if self.process is not None and sense_of(self.process) < 0.0 else low
 
     @property
+    def lift(self) -> float:
+        """Height over the work at which a stroke on it is over, m: half way up."""
+        return 0.0 if self.process is None else 0.5 * (self.stroke - self.process.height)
+
+    @property
     def _loaded(self) -> Linkage:
         """The ideal linkage under the forces of the process."""
         ideal = followed(self.mechanism.linkage())
@@ -344,7 +349,8 @@ class Scene:
             return ideal
         probe = ideal.probe
         point = Attachment(probe.body, probe.x, probe.y)
-        laws = laws_of(self.process, self.bottom + sense_of(self.process) * self.process.height)
+        contact = self.bottom + sense_of(self.process) * self.process.height
+        laws = laws_of(self.process, contact, self.lift)
         forces = (Force(point, probe.direction, law, name) for name, law in laws.items())
         return replace(ideal, loads=(*ideal.loads, *forces))
 
