@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -172,6 +173,69 @@ def test_a_start_beyond_the_end_is_released() -> None:
     packed = packed_of(law, turning=True)
     place_loads(packed, np.array([0.0, 0.0, 1.5]), np.ones(3))
     assert packed.modes["released"].all()
+
+
+def plastic(
+    spaces: list[float], sizes: list[float], steeper: float, sense: Sense, release: bool
+) -> OverPosition:
+    """A law that resists with what a table of sizes above zero says, and unloads."""
+    places, values = np.array(table_of(spaces, [0.0, *np.abs(sizes).tolist()])).T
+    steepest = max(float((np.diff(values) / np.diff(places)).max()), 0.1)
+    sign = 1.0 if sense == "along" else -1.0
+    table = sorted(zip((sign * places).tolist(), (-sign * values).tolist(), strict=True))
+    return OverPosition(table, sense, "hold", release=release, unloading=steeper * steepest)
+
+
+def borne(law: OverPosition, walk: list[float]) -> list[float]:
+    """Resistance along a walk in the sense of a law from before its table, by its definition."""
+    sign = 1.0 if law.sense == "along" else -1.0
+    rows = sorted((sign * place, -sign * size) for place, size in law.table)
+    places, values = np.array(rows).T
+    deepest, is_broken, found = -math.inf, False, []
+    for s in walk:
+        if s < places[0]:
+            deepest, is_broken = -math.inf, False
+        deepest = max(deepest, s)
+        is_broken = is_broken or (law.release and s >= places[-1])
+        line = np.interp(deepest, places, values) - law.unloading * (deepest - s)
+        found.append(0.0 if is_broken else max(float(line), 0.0))
+    return found
+
+
+SENSES = st.sampled_from(["along", "against"])
+PLASTIC = (SPACES, SIZES, st.floats(1.0, 20.0), SENSES, st.booleans())
+
+
+@given(*PLASTIC, st.lists(st.floats(-9.0, 9.0), min_size=1, max_size=12))
+def test_what_unloads_keeps_the_deepest_place(
+    spaces: list[float],
+    sizes: list[float],
+    steeper: float,
+    sense: Sense,
+    release: bool,
+    turns: list[float],
+) -> None:
+    """Its resistance is the definition's and continuous, and no way to and fro wins any work."""
+    law = plastic(spaces, sizes, steeper, sense, release)
+    sign = 1.0 if sense == "along" else -1.0
+    packed = packed_of(law, turning=True)
+    begin = min(sign * place for place, _ in law.table)
+    place_loads(packed, np.array([0.0, 0.0, sign * (begin - 0.1)]), np.array([0.0, 0.0, sign]))
+    edges = [begin - 0.1, *turns, begin - 0.1]
+    speeds = np.sign(np.diff(edges))
+    parts = [np.linspace(*edge, 160)[1:] for edge in pairwise(edges)]
+    walk = np.concatenate([[edges[0]], *parts])
+    speed = np.concatenate([[1.0], *(np.full(159, way) for way in speeds)])
+    expected = borne(law, walk.tolist())
+    found = []
+    for s, v in zip(walk.tolist(), speed.tolist(), strict=True):
+        settle(packed, 0.0, sign * s, sign * v)
+        found.append(-sign * size(packed, 0.0, sign * s, sign * v))
+    # It turns at the first place that is told, one step behind the deepest.
+    reach = 2.0 * law.unloading * np.abs(np.diff(walk)).max()
+    assert np.abs(np.array(found) - expected).max() <= reach + 1e-9
+    work = np.diff(walk) @ (np.array(expected)[1:] + np.array(expected)[:-1])
+    assert work >= -1e-9
 
 
 def test_forces_are_the_gradient_of_the_place_and_power_is_their_work() -> None:
