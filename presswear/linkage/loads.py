@@ -24,6 +24,8 @@ Table = Sequence[tuple[float, float]]
 
 STRONG = 1e12
 """Greatest constant load, N or N m; the strongest press has 1e9."""
+STEEP = 1e16
+"""Steepest elastic line, N/m or N m/rad: the greatest process force over the least depth."""
 FAST = 1e6
 """Greatest frequency, rad/s."""
 LEAST_REPEAT = 1e-6
@@ -192,7 +194,7 @@ class OverPosition:
         0.0, "m or rad", 0.0, TURNED, "", "position after which the table repeats; 0: it does not"
     )
     unloading: float = quantity(
-        0.0, "N/m or N m/rad", 0.0, STRONG, "", "slope of the elastic line back; 0: none"
+        0.0, "N/m or N m/rad", 0.0, STEEP, "", "slope of the elastic line back; 0: none"
     )
 
     def __post_init__(self) -> None:
@@ -241,7 +243,7 @@ class OverPosition:
         if self.unloading < (1.0 - ROUND_OFF) * steepest:
             raise InputError(
                 f"unloading = {self.unloading:g} N/m or N m/rad: allowed is {steepest:g}, the "
-                f"steepest rise of the table, to {STRONG:g} N/m or N m/rad"
+                f"steepest rise of the table, to {STEEP:g} N/m or N m/rad"
             )
 
     def _check_ends(self, table: Table) -> None:
