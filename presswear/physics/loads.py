@@ -209,22 +209,22 @@ def switching(
     if way < 2:
         sign = 1.0 if way == 0 else -1.0
         inwards = sign * load.sense > 0.0
-        if load.unloading > 0.0 and not mode.released and (inwards or mode.gate != OFF):
-            if mode.gate != WHOLE:
-                end = mode.deepest
-                if inwards == (mode.gate == OFF):
-                    end += mode.borne / load.unloading
-                return sign * (s - end), sign * v, sign * a, sign * j
-            if not inwards:
-                return none
-        if mode.released or (load.unloading > 0.0 and mode.gate == OFF):
+        unloads = load.unloading > 0.0
+        if mode.released or (unloads and mode.gate == OFF and not inwards):
             # Back where the table begins.
             row = 0 if load.sense > 0.0 else load.count - 1
             if inwards:
                 return none
+        elif unloads and mode.gate != WHOLE:
+            # The deepest place, or where the elastic line comes to zero.
+            end = mode.deepest
+            if inwards == (mode.gate == OFF):
+                end += mode.borne / load.unloading
+            return sign * (s - end), sign * v, sign * a, sign * j
         else:
             row = mode.piece if way == 0 else mode.piece - 1
-            if mode.gate == OFF or row < 0 or row == load.count:
+            is_shut = mode.gate == OFF or (unloads and not inwards)
+            if is_shut or row < 0 or row == load.count:
                 return none
         end = mode.turn * load.period + nodes[load.first + row, 0]
         return sign * (s - end), sign * v, sign * a, sign * j
