@@ -245,6 +245,22 @@ def test_what_unloads_keeps_the_deepest_place_and_never_drives(
     assert work >= -1e-7
 
 
+@pytest.mark.parametrize(("sense", "sign"), [("along", 1.0), ("against", -1.0)])
+def test_a_start_within_a_sheet_is_at_its_deepest_place(sense: Sense, sign: float) -> None:
+    table = sorted([(0.0, 0.0), (sign * 1.0, -sign * 6.0), (sign * 2.0, -sign * 6.0)])
+    law = OverPosition(table, sense, "hold", unloading=12.0)
+    for speed, after in ((-1.0, [4.8, 0.0, 0.0, 4.8, 6.0]), (1.0, [6.0, 6.0, 6.0, 6.0, 6.0])):
+        packed = packed_of(law, turning=True)
+        place_loads(packed, np.array([0.0, 0.0, 1.5 * sign]), np.array([0.0, 0.0, sign * speed]))
+        assert -sign * size(packed, 0.0, 1.5 * sign, 0.0) == pytest.approx(6.0)
+        found = []
+        way = [(1.4, -1.0), (1.0, -1.0), (0.9, 1.0), (1.4, 1.0), (1.6, 1.0)]
+        for s, v in way if speed < 0.0 else [(1.5 + 0.1 * k, 1.0) for k in range(5)]:
+            settle(packed, 0.0, sign * s, sign * v)
+            found.append(-sign * size(packed, 0.0, sign * s, sign * v))
+        assert found == pytest.approx(after, abs=1e-12)
+
+
 def test_forces_are_the_gradient_of_the_place_and_power_is_their_work() -> None:
     """Generalized force = size times ds/dq; the motion by differences of the place."""
     packed = packed_of(OverPosition([(-9.0, 2.0), (9.0, 5.0)], outside="hold"))
