@@ -5,6 +5,7 @@ A linkage whose tool works upwards watches the opposite direction.
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,6 +62,7 @@ class Bottom:
         return np.asarray(late - self.period * np.round(late / self.period))
 
 
+@lru_cache(maxsize=64)
 def bottom_of(ideal: IdealMotion) -> Bottom | None:
     """The bottom dead centre of an ideal motion; None where the watched coordinate stands.
 
@@ -70,22 +72,41 @@ def bottom_of(ideal: IdealMotion) -> Bottom | None:
     nodes = len(ideal.position) - 1
     levels = (ideal.position, ideal.velocity, ideal.acceleration)
     flat = (level.reshape(nodes + 1, -1)[:nodes] for level in levels)
-    height = Motion(ideal.times[:nodes], *flat).watched(linkage)[:, 0]
-    stroke = float(np.ptp(height))
-    if stroke < 1e-9 * ideal.rows.size:
+    place = Motion(ideal.times[:nodes], *flat).watched(linkage)[:, 0]
+    if float(np.ptp(place)) < 1e-9 * ideal.rows.size:
         return None
-    alike = height < height.min() + 1e-12 * ideal.rows.size
-    lowest = int(alike.argmax())
+    time, height = _turning(ideal, place, 1.0)
+    stroke = -_turning(ideal, -place, -1.0)[1] - height
+    step = period / nodes
+    lowest = round(time / step)
+    above = np.flatnonzero(np.roll(place, -lowest) > place.min() + 0.5 * float(np.ptp(place)))
+    end = (lowest + int(above[0])) * step
+    # The stroke is filed in the cycle in which its window ends.
+    back = period * math.ceil(end / period - 1.0)
+    begin = (lowest + int(above[-1]) - nodes) * step
+    return Bottom(time - back, height, stroke, (begin - back, end - back), period)
+
+
+def _turning(ideal: IdealMotion, place: Array, sign: float) -> tuple[float, float]:
+    """Time, s, and place, m, at which a coordinate is lowest, from its places at the nodes.
+
+    Parameters
+    ----------
+    sign : float
+        With which the watched coordinate is taken, 1 or -1.
+    """
+    linkage, period = ideal.rows.linkage, ideal.period
     started = linkage.run_up_time
+    step = period / len(place)
+    lowest = int((place < place.min() + 1e-12 * ideal.rows.size).argmax())
+    low, high = (lowest - 1) * step, (lowest + 1) * step
+    time = lowest * step
 
     def moved(time: float) -> tuple[float, float, float]:
         # Behind a run-up, and a cycle on: a time may lie before the first.
-        found = ideal.at(np.array([started + period + time])).watched(linkage)[0]
+        found = sign * ideal.at(np.array([started + period + time])).watched(linkage)[0]
         return float(found[0]), float(found[1]), float(found[2])
 
-    step = period / nodes
-    low, high = (lowest - 1) * step, (lowest + 1) * step
-    time = lowest * step
     for _ in range(_STEPS):
         _, speed, faster = moved(time)
         if speed < 0.0:
@@ -97,10 +118,4 @@ def bottom_of(ideal: IdealMotion) -> Bottom | None:
         if abs(nearer - time) < 1e-15 * period:
             break
         time = nearer
-    half = height.min() + 0.5 * stroke
-    above = np.flatnonzero(np.roll(height, -lowest) > half)
-    end = (lowest + int(above[0])) * step
-    # The stroke is filed in the cycle in which its window ends.
-    back = period * math.ceil(end / period - 1.0)
-    begin = (lowest + int(above[-1]) - nodes) * step
-    return Bottom(time - back, moved(time)[0], stroke, (begin - back, end - back), period)
+    return time, moved(time)[0]

@@ -49,7 +49,8 @@ def contact_forces(joint: Records, onset_speed: float, contact: Records) -> tupl
 
     ``onset_speed`` is the latched closing speed of the contact, or 0 while the joint
     counts as open: a state that penetrates within its first step closes at its
-    present rate.  Fills in the rate of the bristles, whose deflection the contact holds.
+    present rate.  Below 0 it is held open, whatever a trial state penetrates.  Fills in the rate of
+    the bristles, whose deflection the contact holds.
     """
     is_closed = contact.penetration > 0.0
     has_bristles = joint.friction.bristle_stiffness > 0.0
@@ -57,7 +58,7 @@ def contact_forces(joint: Records, onset_speed: float, contact: Records) -> tupl
         contact.bristle_rate = bristle_rate(
             contact.sliding, contact.bristle, is_closed, joint.friction
         )
-    if not is_closed:
+    if not is_closed or onset_speed < 0.0:
         return 0.0, 0.0
     onset = max(onset_speed if onset_speed > 0.0 else contact.rate, ONSET_SPEED_FLOOR)
     normal = normal_force(

@@ -32,8 +32,6 @@ _KINK = 0.05
 """Change of a speed over a short step, part of the greatest speed, that is a jump."""
 _ANGLE_NOISE = 1e-9
 """Round-off of an angle near a place where its drive does not move its point, rad."""
-_TURNING = 4
-"""Steps of Newton's method to an extreme."""
 _HALVINGS = 14
 """How often an interval is halved before the linkage is said to stop in it."""
 
@@ -66,7 +64,7 @@ class Motion:
         )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class IdealMotion:
     """The motion of a linkage with all its joints closed, over a cycle that repeats.
 
@@ -170,22 +168,6 @@ def ideal_motion(linkage: Linkage, period: float) -> IdealMotion:
         motion = _followed(rows, start, motion.times)
     _check(motion)
     return motion
-
-
-@lru_cache(maxsize=64)
-def extremes(linkage: Linkage, period: float) -> tuple[float, float]:
-    """Lowest and highest place, m, of what a linkage watches in a cycle of its ideal motion."""
-    ideal = ideal_motion(linkage, period)
-    times = linkage.run_up_time + ideal.times
-    place = ideal.at(times).watched(linkage)[:, 0]
-    step, found = times[1] - times[0], []
-    for time in times[[place.argmin(), place.argmax()]]:
-        # To where the speed is zero; what dwells is there already.
-        for _ in range(_TURNING):
-            at, speed, faster = ideal.at(time).watched(linkage)[0]
-            time += np.clip(-speed / faster, -step, step) if faster != 0.0 else 0.0
-            found.append(float(at))
-    return min(found), max(found)
 
 
 def _near(found: Array, expected: Array) -> bool:

@@ -18,8 +18,9 @@ from presswear.linkage.slider_crank import SliderCrank
 from presswear.linkage.surface import SIDES, Surface
 from presswear.linkage.topology import branches_of
 from presswear.linkage.written import written
+from presswear.physics.bottom import bottom_of
 from presswear.physics.following import followed, motion_of
-from presswear.physics.ideal import IdealMotion, extremes
+from presswear.physics.ideal import IdealMotion
 from presswear.scene.bearing import CONVENTIONS, Bearing, Conventions
 from presswear.scene.surfaces import settled
 from presswear.tools.arrays import Array
@@ -321,20 +322,19 @@ class Scene:
         )
 
     @property
-    def _extremes(self) -> tuple[float, float]:
-        return extremes(followed(self.mechanism.linkage()), self.mechanism.period)
-
-    @property
     def stroke(self) -> float:
         """Way between the extremes of what is watched in the ideal motion, m."""
-        low, high = self._extremes
-        return high - low
+        found = bottom_of(self.ideal)
+        return 0.0 if found is None else found.stroke
 
     @property
     def bottom(self) -> float:
-        """Watched coordinate of bottom dead centre in the ideal motion, m."""
-        low, high = self._extremes
-        return high if self.process is not None and sense_of(self.process) < 0.0 else low
+        """Watched coordinate, m, of the dead centre in the ideal motion at which it works."""
+        found = bottom_of(self.ideal)
+        if found is None:
+            return float(self.ideal.at(np.zeros(1)).watched(self.mechanism.linkage())[0, 0])
+        is_highest = self.process is not None and sense_of(self.process) < 0.0
+        return found.height + (found.stroke if is_highest else 0.0)
 
     @property
     def lift(self) -> float:

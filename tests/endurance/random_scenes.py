@@ -30,6 +30,8 @@ COARSEST = {"integration_tolerance": 1e-5, "tree_tolerance": 1e-4}
 
 Coarser ones are allowed, for showing how wrong they are; a run says so by its energy.
 """
+FINEST = 1e-11
+"""Of the in-house solver: below, a stiff damper on a light link ends in round-off, and says so."""
 GYRATION = (0.01, 10.0)
 """Radius of gyration of a link, part of its length."""
 MISSING = 1e-2
@@ -46,8 +48,8 @@ _LEAST = 1e-9
 _CHANGE = 0.15
 """Standard deviation of the logarithm of a link's length."""
 _LENGTHS = ("length_", "side_b", "side_cd", "crank_length", "rod_length")
-_DRAWN_APART = (*_LENGTHS, "run_up")
-"""A cycle is run: that of a long run-up is hardly a motion."""
+_DRAWN_APART = (*_LENGTHS, "run_up", "torque_limit")
+"""A cycle is run: that of a long run-up is hardly a motion.  Drawn limits are mostly refused."""
 
 
 def _spread(draw: Random, low: float, high: float) -> float:
@@ -160,6 +162,7 @@ def _numerics(draw: Random) -> Numerics:
     for engine in (usual.tree, usual.joints, usual.dae):
         values |= _drawn(draw, engine, ("integrator", "equal_step"))
     values |= {key: min(values[key], most) for key, most in COARSEST.items()}
+    values["integration_tolerance"] = max(values["integration_tolerance"], FINEST)
     return usual.having(integrator=draw.choice(("dop853", "dopri5")), **values)
 
 

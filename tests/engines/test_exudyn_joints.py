@@ -19,6 +19,7 @@ from presswear.linkage.laws import (
     greatest_penetration,
     lankarani_nikravesh_damping,
 )
+from presswear.record.observe import CYCLE_FIXED_COUNT, CYCLE_JOINT_COUNT, WORK_DOSE
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import ideal, wear_times
 
@@ -143,7 +144,7 @@ def test_worn_volume_is_the_dose(press_runs: dict[str, Run]) -> None:
     bins = recorder.maps.sampled.shape[2]
     area = joint.width * joint.bearing_radius * 2.0 * math.pi / bins
     for k in range(2):
-        dose = recorder.cycles[0][5 + 3 * k + 1]
+        dose = recorder.cycles[0][CYCLE_FIXED_COUNT + CYCLE_JOINT_COUNT * k + WORK_DOSE]
         assert dose > 0.0
         volume = recorder.maps.sampled[k].sum() * area
         assert volume == pytest.approx(joint.wear.coefficient * dose, rel=1e-12)

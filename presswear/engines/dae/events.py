@@ -46,6 +46,8 @@ EVENT_DEPTH = 1e-17
 """Penetration at which an event is located, m."""
 FOUND_DEPTH = 1e-12
 """Penetration up to which a place that round-off keeps from it is one, m."""
+HELD_OPEN = -1.0
+"""Closing speed of a joint whose touchdown ends a step: up to there no step feels a contact."""
 CLASSICAL_STAGES = 4
 """Evaluations in a step of the classical method."""
 BEHIND = 1e-13
@@ -299,7 +301,7 @@ def switch(system: System, book: Book, k: int, t: float) -> float:
     rate = system.contacts[k].rate
     if book.onset[k] > 0.0:
         separate(book.memory[k], book.tally[k], book.past[k], book.onset[k], t, rate, 0)
-        book.onset[k] = 0.0
+        book.onset[k] = HELD_OPEN
     else:
         book.onset[k] = max(rate, 1e-300)
         touch_down(book.memory[k], t, False)

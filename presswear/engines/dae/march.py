@@ -17,6 +17,7 @@ from presswear.engines.dae.dynamics import (
     rates,
 )
 from presswear.engines.dae.events import (
+    HELD_OPEN,
     end_on_event,
     first_event,
     last_slope,
@@ -95,6 +96,14 @@ def begin(system: System, book: Book, control: Records, motion: Integration) -> 
 
 
 @compiled
+def hold_open(book: Book) -> None:
+    """Let no step feel a contact before it has begun: where it does, steps end."""
+    for k in range(book.onset.shape[0]):
+        if book.onset[k] == 0.0:
+            book.onset[k] = HELD_OPEN
+
+
+@compiled
 def until_break(system: System, t: float) -> float:
     """Time to the next bend over time of a load, s."""
     return next_break(system.packed.loads) - t
@@ -121,6 +130,7 @@ def march_controlled(
     n = system.size
     state = control[0]
     begin(system, book, control, motion)
+    hold_open(book)
     for _ in range(most):
         t = state.time
         left = end - t
