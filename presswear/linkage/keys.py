@@ -117,6 +117,7 @@ def _law_keys(size: str, unit: str, over: str, place: str) -> dict[str, Kind]:
         "outside": TEXT,
         **_own(OverPosition, "zero", "repeats", unit=place),
         **_own(OverPosition, "rise", unit=f"{place}/s"),
+        **_own(OverPosition, "unloading", unit=f"{unit}/{place}"),
         "release": YES,
         "function": OWN,
     }
@@ -129,7 +130,7 @@ FORCE: Mapping[str, Kind] = {
     **_law_keys("force", "N", "over_position", "m"),
 }
 MOMENT: Mapping[str, Kind] = {"body": TEXT, **_law_keys("moment", "N m", "over_angle", "rad")}
-TABLE_KEYS = ("sense", "outside", "zero", "rise", "release", "repeats")
+TABLE_KEYS = ("sense", "outside", "zero", "rise", "release", "repeats", "unloading")
 LAWS: Mapping[str, tuple[str, ...]] = {
     "over_time": ("period",),
     "over_position": TABLE_KEYS,

@@ -1,13 +1,15 @@
 """Springs and loads: where a force or a moment acts, and the law of its size.
 
-A law is continuous in position and speed, so that no load can switch itself on and off
-without end; the one jump, a release, is made good only by the whole way back.  Where a law
+A law is continuous in position and speed, or in position and the deepest place so far, so that no
+load can switch itself on and off without end; the one jump, a release, is made good only by the
+whole way back.  Where a law
 bends or jumps is located by every engine: no step crosses it.  Where a function of one's own
 bends is its owner's business: no engine knows.
 """
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Annotated, Any, Literal, cast
 
 from presswear.linkage.points import ANGLE, LARGE, TURNED, Attachment, End
@@ -22,12 +24,16 @@ Table = Sequence[tuple[float, float]]
 
 STRONG = 1e12
 """Greatest constant load, N or N m; the strongest press has 1e9."""
+STEEP = 1e16
+"""Steepest elastic line, N/m or N m/rad: the greatest process force over the least depth."""
 FAST = 1e6
 """Greatest frequency, rad/s."""
 LEAST_REPEAT = 1e-6
 """Of a table over position, m or rad; steps end at all its nodes."""
 LEAST_GAP = 1e-6
 """Between two neighbours in a table, part of its length: closer ones are a jump."""
+ROUND_OFF = 1e-6
+"""Part by which a slope may differ from one that is computed from the nodes of a table."""
 
 
 @checked
@@ -146,7 +152,11 @@ class OverPosition:
 
     In one sense of motion alone, a load resists: it is 0 at rest and behind, grows with the
     speed up to ``rise`` and is whole from there, as friction in a joint is.  A body it could
-    hold creeps, and nothing switches to and fro.
+    hold creeps, and nothing switches to and fro.  Where it is elastic-plastic, with ``unloading``,
+    no speed matters: it is the table on the way in; where the motion turns back it falls along a
+    straight line to zero and stays there, and on the way in again it rises along that line up to
+    the deepest place and then follows the table.  Of the energy that it takes it gives back what
+    is under that line.  A run that begins within the table begins at the deepest place.
 
     Attributes
     ----------
@@ -167,6 +177,9 @@ class OverPosition:
         where the table begins, as in blanking.
     repeats : float
         Position after which the table repeats, m or rad; 0: it does not.
+    unloading : float
+        Slope of the elastic line, N/m or N m/rad; 0: none.  The deepest place is forgotten where
+        the table begins.
     """
 
     table: Table
@@ -179,6 +192,9 @@ class OverPosition:
     release: bool = False
     repeats: float = quantity(
         0.0, "m or rad", 0.0, TURNED, "", "position after which the table repeats; 0: it does not"
+    )
+    unloading: float = quantity(
+        0.0, "N/m or N m/rad", 0.0, STEEP, "", "slope of the elastic line back; 0: none"
     )
 
     def __post_init__(self) -> None:
@@ -203,6 +219,32 @@ class OverPosition:
                     f"over_position: {size:g} N or N m at {place:g} m or rad would drive the "
                     f"motion {self.sense} its direction; in one sense a load must resist it"
                 )
+
+        if self.unloading:
+            self._check_unloading(table)
+
+    def _check_unloading(self, table: Table) -> None:
+        """InputError where a table has no elastic line back, or one that gives what none took."""
+        if self.sense == "both" or self.repeats:
+            raise InputError(
+                "unloading: it needs a table that acts in one sense and does not repeat"
+            )
+        begin = table[0] if self.sense == "along" else table[-1]
+        if begin[1] != 0.0:
+            raise InputError(
+                f"over_position: {begin[1]:g} N or N m at {begin[0]:g} m or rad, where it begins; "
+                "with unloading allowed is 0"
+            )
+        # Resistance against the way, whose signs cancel in either sense.
+        steepest = max(
+            ((one[1] - other[1]) / (other[0] - one[0]) for one, other in pairwise(table)),
+            default=0.0,
+        )
+        if self.unloading < (1.0 - ROUND_OFF) * steepest:
+            raise InputError(
+                f"unloading = {self.unloading:g} N/m or N m/rad: allowed is {steepest:g}, the "
+                f"steepest rise of the table, to {STEEP:g} N/m or N m/rad"
+            )
 
     def _check_ends(self, table: Table) -> None:
         """InputError where there would be a jump at an end of the table."""

@@ -8,6 +8,7 @@ from where it is touched.
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, ClassVar, Literal, get_args
 
 from presswear.linkage.loads import OverPosition, Sense
@@ -23,12 +24,6 @@ DEEP = 10.0
 """Of a height or depth, m: the longest link of a machine."""
 THIN = 1e-6
 """Of a depth, m."""
-WHOLE = 3e-3
-"""Speed from which what breaks or flows resists wholly, m/s.
-
-What clearance lets rest on the work creeps below it, in steps that shorten with it: at 1 mm/s an
-explicit engine takes a third more of them, and the work in a stroke differs by a thousandth.
-"""
 CURVED = 4
 """Straight pieces of half a cosine."""
 
@@ -60,7 +55,8 @@ def _extreme() -> Any:
 class Blanking:
     """A sheet that is cut: the force rises, stays, and snaps through to zero.
 
-    It resists the way in; there is none of it, but the cushion, on the way back.
+    It is elastic-plastic: where the motion turns back, the force falls as steeply as it rose; see
+    ``laws_of``.  The cushion beside it pushes both ways.
 
     Attributes
     ----------
@@ -121,8 +117,9 @@ class Blanking:
 class Drawing:
     """A cup that is drawn: the force rises and falls over the punch travel, as half cosines.
 
-    Each of them is made of straight pieces.  It resists the way in; there is none of it, but the
-    cushion, on the way back.
+    Each of them is made of straight pieces.  It is elastic-plastic: where the motion turns back,
+    the force falls as steeply as the curve rises at most; see ``laws_of``.  The cushion beside it
+    pushes both ways.
 
     Attributes
     ----------
@@ -198,13 +195,19 @@ def sense_of(process: Process) -> float:
     return 1.0 if process.bottom == "lowest" else -1.0
 
 
-def laws_of(process: Process, contact: float) -> dict[str, OverPosition]:
+def laws_of(process: Process, contact: float, lift: float) -> dict[str, OverPosition]:
     """Laws of a process and its cushion, of forces along the watched direction, by their names.
+
+    What breaks or flows is loaded along its curve, and unloaded and loaded again along a straight
+    line as steep as the curve's steepest rise, up to the deepest place of the stroke.  Once it is
+    worked through nothing acts until the stroke is over.
 
     Parameters
     ----------
     contact : float
         Watched coordinate at which the work is touched, m.
+    lift : float
+        Height over the contact at which a stroke is over and a new blank lies there, m.
     """
     sense = sense_of(process)
 
@@ -215,8 +218,10 @@ def laws_of(process: Process, contact: float) -> dict[str, OverPosition]:
         stop = ((0.0, 0.0), (DEEP, process.stiffness * DEEP))
         return {process.kind: OverPosition(table(stop), outside="hold", zero=contact)}
     way: Sense = "against" if sense > 0.0 else "along"
-    curve = table(process.curve)
-    laws = {process.kind: OverPosition(curve, way, zero=contact, rise=WHOLE, release=True)}
+    steepest = max((b[1] - a[1]) / (b[0] - a[0]) for a, b in pairwise(process.curve))
+    stroke = table(((-lift, 0.0), *process.curve))
+    law = OverPosition(stroke, way, zero=contact, release=True, unloading=steepest)
+    laws = {process.kind: law}
     if process.cushion > 0.0:
         held = ((0.0, 0.0), (process.curve[1][0], process.cushion))
         laws["cushion"] = OverPosition(table(held), outside="hold", zero=contact)

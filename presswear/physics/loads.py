@@ -30,10 +30,14 @@ Array = NDArray[np.float64]
 
 SERIES, TIME, POSITION, OWN = range(4)
 """Kinds of laws."""
-OFF, RISING, WHOLE = range(3)
-"""Gate of a load in one sense of motion: none, growing with the speed, all of it."""
+OFF, RISING, WHOLE, ELASTIC = range(4)
+"""Gate of a load in one sense of motion: none, growing with the speed, all of it; or the elastic
+line back from the deepest place, of one that unloads, whose OFF is behind the end of that line."""
 WAYS = 4
-"""Ways out of a mode: next piece of the table, the one before, gate further open, and shut."""
+"""Ways out of a mode: up over position, down, gate further open, and shut.
+
+Over position they lead to the next piece of the table, or along the elastic line and off its ends;
+what unloads has one gate alone, which shuts where the motion turns back."""
 MOST_WAYS = 8
 """Taken one by one after a step."""
 TIME_NOISE = 1e-12
@@ -56,6 +60,7 @@ LOAD = np.dtype(
         ("sense", np.float64),  # of motion in which it acts, 1 or -1; 0: both
         ("rise", np.float64),  # speed from which it is whole, m/s or rad/s
         ("release", np.bool_),
+        ("unloading", np.float64),  # slope of the elastic line, N/m or N m/rad; 0: none
         ("mean", np.float64),  # of a series, N or N m
         ("frequency", np.float64),  # rad/s
         ("own", np.int64),  # address of a function of one's own
@@ -69,6 +74,8 @@ MODE = np.dtype(
         ("turn", np.int64),  # periods that have passed
         ("gate", np.int64),
         ("released", np.bool_),
+        ("deepest", np.float64),  # where the motion turned back last, m or rad
+        ("borne", np.float64),  # size there, N or N m
         ("place", np.float64),  # in the last accepted state, m or rad
         ("speed", np.float64),
         ("faster", np.float64),
@@ -114,6 +121,9 @@ def load_size(load: Records, nodes: Array, mode: Records, t: float, s: float, v:
         return call(load.own, (t, s, v))
     if mode.released or mode.gate == OFF:
         return 0.0
+    if mode.gate == ELASTIC:
+        line: float = mode.borne - load.unloading * (s - mode.deepest)
+        return line
     piece = mode.piece
     behind = load.first + piece
     if piece == 0 or piece == load.count:
@@ -199,25 +209,44 @@ def switching(
         return none
     if way < 2:
         sign = 1.0 if way == 0 else -1.0
-        if mode.released:
+        inwards = sign * load.sense > 0.0
+        unloads = load.unloading > 0.0
+        if mode.released or (unloads and mode.gate == OFF and not inwards):
             # Back where the table begins.
             row = 0 if load.sense > 0.0 else load.count - 1
-            if sign * load.sense > 0.0:
+            if inwards:
                 return none
+        elif unloads and mode.gate != WHOLE:
+            # The deepest place, or where the elastic line comes to zero.
+            end = mode.deepest
+            if inwards == (mode.gate == OFF):
+                end += mode.borne / load.unloading
+            return sign * (s - end), sign * v, sign * a, sign * j
         else:
             row = mode.piece if way == 0 else mode.piece - 1
-            if mode.gate == OFF or row < 0 or row == load.count:
+            is_shut = mode.gate == OFF or (unloads and not inwards)
+            if is_shut or row < 0 or row == load.count:
                 return none
         end = mode.turn * load.period + nodes[load.first + row, 0]
         return sign * (s - end), sign * v, sign * a, sign * j
     if mode.released or load.sense == 0.0:
         return none
     sign = load.sense
+    if load.unloading > 0.0:
+        if way == 2 or mode.gate != WHOLE or mode.piece == beginning(load):
+            return none
+        return -sign * v, -sign * a, -sign * j, 0.0
     if way == 2 and mode.gate != WHOLE:
         return sign * v - (load.rise if mode.gate == RISING else 0.0), sign * a, sign * j, 0.0
     if way == 3 and mode.gate != OFF:
         return (load.rise if mode.gate == WHOLE else 0.0) - sign * v, -sign * a, -sign * j, 0.0
     return none
+
+
+@inlined
+def beginning(load: Records) -> int:
+    """Piece before that in which the table of a load in one sense begins."""
+    return 0 if load.sense > 0.0 else load.count
 
 
 @compiled
@@ -232,21 +261,37 @@ def place_mode(load: Records, nodes: Array, mode: Records, at: float) -> None:
         mode.piece += 1
     if load.period > 0.0:
         mode.piece = min(max(mode.piece, 1), load.count - 1)
-    end = load.count if load.sense > 0.0 else 0
-    mode.released = load.release and mode.piece == end
+    mode.released = load.release and mode.piece == load.count - beginning(load)
 
 
 @compiled
 def open_gate(load: Records, mode: Records, v: float) -> None:
     """Set the gate of a load as a speed asks for."""
     mode.gate = WHOLE
-    if load.sense != 0.0 and load.sense * v <= load.rise:
+    if load.sense != 0.0 and load.unloading == 0.0 and load.sense * v <= load.rise:
         mode.gate = RISING if load.sense * v > 0.0 else OFF
 
 
 @compiled
 def take_way(load: Records, nodes: Array, mode: Records, way: int, s: float, v: float) -> None:
     """Go into the next mode."""
+    if load.unloading > 0.0 and not mode.released:
+        inwards = (load.sense > 0.0) == (way == 0)
+        if way > 1:
+            # A step may have gone back over a node since it turned.
+            place_mode(load, nodes, mode, s)
+            mode.borne = load_size(load, nodes, mode, 0.0, s, v)
+            mode.deepest = s
+            mode.gate = ELASTIC
+            return
+        if mode.gate == ELASTIC:
+            mode.gate = WHOLE if inwards else OFF
+            return
+        if mode.gate == OFF:
+            mode.gate = ELASTIC if inwards else WHOLE
+            if not inwards:
+                mode.piece = beginning(load)
+            return
     if way > 1:
         mode.gate += 1 if way == 2 else -1
         if way == 2 and mode.gate == RISING:
@@ -254,7 +299,7 @@ def take_way(load: Records, nodes: Array, mode: Records, way: int, s: float, v: 
         return
     if mode.released:
         mode.released = False
-        mode.piece = 0 if load.sense > 0.0 else load.count
+        mode.piece = beginning(load)
         open_gate(load, mode, v)
         return
     mode.piece += 1 if way == 0 else -1
@@ -400,6 +445,9 @@ def place_loads(loads: Loads, q: Array, v: Array) -> None:
         mode["place"], mode["speed"] = s, speed
         place_mode(load, loads.nodes, mode, 0.0 if load["kind"] == TIME else s)
         open_gate(load, mode, speed)
+        turned = load["unloading"] > 0.0 and load["sense"] * speed < 0.0
+        if turned and not mode["released"] and mode["piece"] != beginning(load):
+            take_way(load, loads.nodes, mode, WAYS - 1, s, speed)
 
 
 @compiled
@@ -484,6 +532,7 @@ def _pack_law(record: Records, law: object, linkage: Linkage) -> list[tuple[floa
         record["period"], record["zero"] = law.repeats, law.zero
         record["sense"] = {"both": 0.0, "along": 1.0, "against": -1.0}[law.sense]
         record["rise"], record["release"] = law.rise, law.release
+        record["unloading"] = law.unloading
         return _whole_period(law.table, law.repeats)
     if isinstance(law, OwnFunction):
         record["kind"] = OWN

@@ -62,8 +62,8 @@ def strokes_of(scene: Scene, stage: StageResult) -> Strokes | None:
     """The strokes of a stage's first start on the work; None where the scene has no process.
 
     A stroke begins with the first contact after what is watched was half way up between the
-    work and the other end of the ideal stroke.  Engines end a step, and write a row, at each of
-    the moments.
+    work and the other end of the ideal stroke.  Engines end a step, and write a row, at contact
+    and fracture.
     """
     process = scene.process
     if process is None:
@@ -86,7 +86,7 @@ def strokes_of(scene: Scene, stage: StageResult) -> Strokes | None:
     touched = passed(process.height, up=False)
     left = passed(process.height, up=True)
     broken = [] if process.fracture is None else passed(process.height - process.fracture, up=False)
-    turned = [own for own, _ in passed(0.5 * (process.height + scene.stroke), up=True)]
+    turned = [own for own, _ in passed(process.height + scene.lift, up=True)]
     edges = [-np.inf, *turned, np.inf]
     for begin, end in pairwise(edges):
         own = [moment for moment in touched if begin < moment[0] < end]

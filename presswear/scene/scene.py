@@ -350,11 +350,17 @@ class Scene:
         return found.height + (found.stroke if is_highest else 0.0)
 
     @property
+    def lift(self) -> float:
+        """Height over the work at which a stroke on it is over, m: half way up."""
+        return 0.0 if self.process is None else 0.5 * (self.stroke - self.process.height)
+
+    @property
     def process_laws(self) -> dict[str, OverPosition]:
         """Laws of the forces of the process over the watched coordinate, by their names."""
         if self.process is None:
             return {}
-        return laws_of(self.process, self.bottom + sense_of(self.process) * self.process.height)
+        contact = self.bottom + sense_of(self.process) * self.process.height
+        return laws_of(self.process, contact, self.lift)
 
     @property
     def loaded(self) -> Linkage:

@@ -6,6 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from listeners import Keeps
 
 from presswear.campaign.starts import start_of
 from presswear.engines.base import Plan, Run, Start
@@ -20,7 +21,9 @@ from presswear.linkage.loads import (
     OverTime,
     Spring,
 )
+from presswear.physics.loads import ELASTIC, OFF, WHOLE
 from presswear.scene.catalog import ideal, wear_times
+from presswear.tools.arrays import State
 from presswear.trials.runs import order_of
 
 UP = 0.5 * math.pi
@@ -139,18 +142,117 @@ def test_blanking_takes_the_area_under_its_table_and_lets_go(engine: Engine, wit
     assert float(ran.diagnostics["load_work_J"]) == pytest.approx(-2.0 * once, abs=20 * within)
 
 
-def errors(engines: list[Engine]) -> list[float]:
-    """Errors of the bounce."""
-    linkage, exact = guided(BUFFER), bounced(-0.5, 2.0, 1.1)
+SHEET = OverPosition(
+    [(0.0, 0.0), (0.1, -8.0), (1.0, -8.0)], "along", outside="hold", unloading=160.0
+)
+"""It yields at 8 N, at 0.1 m, and springs back twice as steeply."""
+
+
+def rebounded(place: float, speed: float, end: float) -> tuple[float, float]:
+    """Place and speed after a mass of 1 kg has made a dent in the sheet and left it."""
+    soft, stiff = math.sqrt(8.0 / 0.1), math.sqrt(SHEET.unloading)
+    yields = math.sqrt(speed**2 - 8.0 * 0.1)
+    deepest = 0.1 + yields**2 / 16.0
+    back = 8.0 / stiff
+    time = -place / speed + math.asin(0.1 * soft / speed) / soft + yields / 8.0
+    time += 0.5 * math.pi / stiff
+    return deepest - 8.0 / SHEET.unloading - back * (end - time), -back
+
+
+@EVERY
+def test_a_mass_that_dents_a_sheet_rebounds_with_what_is_elastic(
+    engine: Engine, within: float
+) -> None:
+    linkage = guided(SHEET)
+    ran = run(engine, linkage, -0.5, 2.0, 1.1)
+    assert along(ran, linkage) == pytest.approx(rebounded(-0.5, 2.0, 1.1), abs=10.0 * within)
+    work = float(ran.diagnostics["load_work_J"])
+    assert work == pytest.approx(8.0**2 / 320.0 - 2.0, abs=10.0 * within)
+    assert residual(ran) < max(1e-12, 10.0 * within)
+
+
+def test_order_eight_needs_few_steps_for_a_dent() -> None:
+    """Events are where it is met, yields, turns back, is let go and begins anew."""
+    linkage = guided(SHEET)
+    ran = run(InHouse(integration_tolerance=1e-9, free_step=1.0), linkage, -0.5, 2.0, 1.1)
+    assert ran.diagnostics["events"] == 5
+    assert int(ran.diagnostics["steps"]) < 60
+    assert along(ran, linkage) == pytest.approx(rebounded(-0.5, 2.0, 1.1), abs=1e-9)
+
+
+@EVERY
+def test_a_mass_bounces_on_its_dent_for_ever(engine: Engine, within: float) -> None:
+    """It falls into a sheet once; later falls reach the same depth, and take nothing."""
+    g, fall, end = 2.0, 0.5, 4.3
+    linkage = guided(SHEET, gravity=g)
+    ran = run(engine, linkage, -fall, 0.0, end)
+    # The fall, about the place of rest until it yields, and an even force to the deepest place.
+    soft, stiff = math.sqrt(8.0 / 0.1), math.sqrt(SHEET.unloading)
+    met, rest = math.sqrt(2.0 * g * fall), g / soft**2
+    swing = math.hypot(rest, met / soft)
+    yields = math.asin((0.1 - rest) / swing)
+    first = met / g + (yields + math.asin(rest / swing)) / soft
+    first += swing * soft * math.cos(yields) / (8.0 - g)
+    deepest = (0.4 + g * fall) / (8.0 - g)
+    # From there again and again: half a swing and more about another place of rest, and a flight.
+    free, rest, most = deepest - 8.0 / stiff**2, g / stiff**2, 0.5 * 8.0**2 / stiff**2
+    leaves = math.sqrt(2.0 * most - 2.0 * g * 8.0 / stiff**2)
+    swing = math.hypot(rest, leaves / stiff)
+    half = math.acos(-rest / swing) / stiff
+    period = 2.0 * (half + leaves / g)
+    assert end - first > 4.0 * period
+    time = (end - first + half) % period - half
+    if time < half:
+        place = free + rest + swing * math.cos(stiff * time)
+        speed = -swing * stiff * math.sin(stiff * time)
+    else:
+        flight = time - half
+        place, speed = free - leaves * flight + 0.5 * g * flight**2, -leaves + g * flight
+    assert along(ran, linkage) == pytest.approx((place, speed), abs=40.0 * within)
+    stored = 0.5 * stiff**2 * max(place - free, 0.0) ** 2
+    taken = 8.0 * (deepest - 0.05) - most + stored
+    assert float(ran.diagnostics["load_work_J"]) == pytest.approx(-taken, abs=40.0 * within)
+    assert residual(ran) < max(1e-12, 40.0 * within)
+
+
+@EVERY
+def test_a_run_goes_on_from_within_a_sheet_bit_for_bit(engine: Engine, within: float) -> None:
+    """Where it is loaded first, on the elastic line, and behind it."""
+    linkage = guided(SHEET)
+    kept: list[State] = []
+    start = Start(np.array([-0.5, 0.0, 0.0]), np.array([2.0, 0.0, 0.0]))
+    plan = Plan(0.1, 8, recorded_cycles=8)
+    whole = engine.simulate(linkage, start, replace(plan, trackers=(Keeps(kept.append),)))
+    gates = [int(state["recorder/modes"]["gate"][0]) for state in kept]
+    assert gates == [WHOLE] * 5 + [ELASTIC] + [OFF] * 2
+    for cycle in (4, 6, 7):
+        resumed = engine.simulate(linkage, start, replace(plan, resume=kept[cycle - 1]))
+        assert resumed.end.position.tobytes() == whole.end.position.tobytes()
+        assert resumed.end.velocity.tobytes() == whole.end.velocity.tobytes()
+        assert resumed.recorder.rows.tobytes() == whole.recorder.rows.tobytes()
+        for name in ("load_work_J", "steps"):
+            assert resumed.diagnostics[name] == whole.diagnostics[name]
+
+
+def errors(engines: list[Engine], law: OverPosition, exact: tuple[float, float]) -> list[float]:
+    """Errors of a mass that comes to a law."""
+    linkage = guided(law)
     runs = [run(engine, linkage, -0.5, 2.0, 1.1) for engine in engines]
     return [math.dist(along(ran, linkage), exact) for ran in runs]
 
 
 @pytest.mark.parametrize(
-    ("kind", "counts", "order"),
-    [("rk4", (53, 107, 211, 419), 4.0), ("trapezoidal", (501, 1003, 2001), 2.0)],
+    ("law", "exact"),
+    [(BUFFER, bounced(-0.5, 2.0, 1.1)), (SHEET, rebounded(-0.5, 2.0, 1.1))],
+    ids=["buffer", "sheet"],
 )
-def test_a_bend_costs_no_order(kind: str, counts: tuple[int, ...], order: float) -> None:
+@pytest.mark.parametrize(
+    ("kind", "counts", "order"),
+    [("rk4", (107, 211, 419, 839), 4.0), ("trapezoidal", (501, 1003, 2001), 2.0)],
+)
+def test_a_bend_costs_no_order(
+    kind: str, counts: tuple[int, ...], order: float, law: OverPosition, exact: tuple[float, float]
+) -> None:
     steps = [1.1 / n for n in counts]
     engines: list[Engine] = [
         InHouse("rk4", equal_step=step)
@@ -158,7 +260,7 @@ def test_a_bend_costs_no_order(kind: str, counts: tuple[int, ...], order: float)
         else ExudynJoints(50, 10, free_step=step, newton=1e-12)
         for step in steps
     ]
-    assert order_of(steps, errors(engines)) == pytest.approx(order, abs=0.35)
+    assert order_of(steps, errors(engines, law, exact)) == pytest.approx(order, abs=0.35)
 
 
 def test_order_eight_follows_its_tolerance_over_a_bend() -> None:

@@ -111,7 +111,8 @@ def check_moments(process: Process, stage: pw.StageResult, strokes: Strokes) -> 
         assert np.isnan(found[len(times) :]).all()
         height = process.height - (process.fracture or 0.0) * (name == "fracture")
         assert found[: len(times), 1] == pytest.approx(height, abs=1e-12)
-        for moment in found[: len(times), 0]:
+        # Nothing happens where a blank that was worked through is left.
+        for moment in found[: len(times), 0] if name != "separation" else ():
             assert np.abs(stage.time - moment).min() < 1e-7
 
 
@@ -124,9 +125,12 @@ def test_energies_balance_with_clearances_and_moments_have_rows(name: str, engin
     assert strokes is not None
     exchange = float(stage.diagnostics["drive_exchange_J"] or 0.0)
     assert abs(float(stage.diagnostics["energy_residual_J"] or 0.0)) < 1e-6 * exchange
-    # What is loose in its joints bounces on the work: a little less or more than once through.
+    # What is loose in its joints bounces on the work, which gives back what is elastic in it.
     work = -float(stage.diagnostics["load_work_J"] or 0.0)
-    assert work == pytest.approx(2.0 * scene.process.work, rel=0.02)
+    # The last row is a little before the end, at which the cushion is held down again.
+    end = stage.displacement[-1] + stage.velocity[-1] * (2.0 * PERIOD - stage.time[-1])
+    held = scene.process.cushion * (stage.displacement[0] - end)
+    assert work == pytest.approx(2.0 * scene.process.work + held, abs=1e-7 * exchange)
     assert len(strokes.contact) == 2
     assert f"forces: {scene.process.kind}" in str(stage.diagnostics["model"])
     height = stage.displacement + slider(np.zeros(1))[0, 0] - BOTTOM

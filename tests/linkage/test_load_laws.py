@@ -24,6 +24,7 @@ from presswear.tools.errors import InputError
 from presswear.tools.own import OwnFunction
 
 ENDS = [(0.0, 0.0), (1.0, 5.0), (2.0, 0.0)]
+SHEET = [(0.0, 0.0), (1.0, -5.0), (2.0, -6.0)]
 
 
 def wobble(time: float, speed: float) -> float:
@@ -53,6 +54,18 @@ def wobble(time: float, speed: float) -> float:
         (OverPosition, {"table": ENDS, "release": True}, "release: it needs a table"),
         (OverPosition, {"table": ENDS, "repeats": 1.0}, "with repeats = 1 allowed is 0 to 1"),
         (OverPosition, {"table": [(0, 1), (1, 2)], "repeats": 1.0}, "repeats with a jump from 2"),
+        (OverPosition, {"table": ENDS, "unloading": 9.0}, "unloading: it needs a table that acts"),
+        (
+            OverPosition,
+            {"table": SHEET, "sense": "along", "outside": "hold", "unloading": 4.9},
+            "unloading = 4.9 N/m or N m/rad: allowed is 5, the steepest rise of the table, to",
+        ),
+        (
+            OverPosition,
+            {"table": SHEET[1:], "sense": "along", "outside": "hold", "unloading": 9.0},
+            "-5 N or N m at 1 m or rad, where it begins; with unloading allowed is 0",
+        ),
+        (OverPosition, {"table": SHEET, "unloading": -1.0}, "unloading = -1 N/m or N m/rad: allo"),
         (Harmonics, {"harmonics": [(1, 1)]}, "frequency = 0 rad/s: with harmonics"),
         (Harmonics, {"mean": math.inf}, "mean = inf: a finite number"),
         (Moment, {"body": "crank", "law": 1.0}, "a constant moment is one of Load"),

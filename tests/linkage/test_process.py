@@ -27,7 +27,8 @@ blanks = st.builds(
     force=sizes,
     thickness=depths,
     rise=depths,
-    plateau=st.floats(0.01, 1.0),
+    # No shorter than what a table tells apart, a millionth of its length.
+    plateau=st.floats(0.05, 1.0),
     snap=depths,
     cushion=st.floats(0.0, 1e5),
     bottom=st.sampled_from(["lowest", "highest"]),
@@ -48,7 +49,7 @@ def test_work_is_the_integral_of_a_continuous_force(process: Process) -> None:
     places, forces = np.array(process.curve).T
     assert forces[0] == forces[-1] == 0.0
     assert forces.max() == pytest.approx(process.force)  # type: ignore[union-attr]
-    law = laws_of(process, 0.2)[process.kind]
+    law = laws_of(process, 0.2, 0.03)[process.kind]
     sense = sense_of(process)
 
     def size(depth: float) -> float:
@@ -62,6 +63,9 @@ def test_work_is_the_integral_of_a_continuous_force(process: Process) -> None:
         assert abs(size(place + gap) - size(place - gap)) <= 2.001 * steepest * gap
     assert law.release
     assert law.zero == 0.2
+    assert law.unloading == pytest.approx((np.diff(forces) / np.diff(places)).max())
+    # A new blank lies there once the old one was left by the lift.
+    assert max(sense * place for place, _ in law.table) == 0.03
 
 
 @given(blanks)
@@ -88,8 +92,8 @@ def test_a_stiffness_gives_the_rise() -> None:
 
 @pytest.mark.parametrize("bottom", ["lowest", "highest"])
 def test_a_cushion_and_a_stop_push_both_ways(bottom: Any) -> None:
-    held = laws_of(Drawing(cushion=20.0, bottom=bottom), 0.1)["cushion"]
-    stop = laws_of(Coining(stiffness=1e5, bottom=bottom), 0.1)["coining"]
+    held = laws_of(Drawing(cushion=20.0, bottom=bottom), 0.1, 0.01)["cushion"]
+    stop = laws_of(Coining(stiffness=1e5, bottom=bottom), 0.1, 0.01)["coining"]
     away = 1.0 if bottom == "lowest" else -1.0
     for law, size in ((held, 20.0), (stop, 1e5 * 5e-3)):
         assert law.sense == "both"

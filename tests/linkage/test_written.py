@@ -54,7 +54,7 @@ def brake(speed: float) -> float:
     return -0.1 * speed
 
 
-TABLE = OverPosition([(-0.1, 0.0), (0.1, -5.0)], "along", "hold", 0.02, 0.01, True)
+TABLE = OverPosition([(-0.1, 0.0), (0.1, -5.0)], "along", "hold", 0.02, 0.01, True, unloading=30.0)
 LIVELY = replace(
     FOUR_BAR,
     loads=[

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -172,6 +173,92 @@ def test_a_start_beyond_the_end_is_released() -> None:
     packed = packed_of(law, turning=True)
     place_loads(packed, np.array([0.0, 0.0, 1.5]), np.ones(3))
     assert packed.modes["released"].all()
+
+
+def plastic(
+    spaces: list[float], sizes: list[float], steeper: float, sense: Sense, release: bool
+) -> OverPosition:
+    """A law that resists with what a table of sizes above zero says, and unloads."""
+    places, values = np.array(table_of(spaces, [0.0, *np.abs(sizes).tolist()])).T
+    steepest = max(float((np.diff(values) / np.diff(places)).max()), 0.1)
+    sign = 1.0 if sense == "along" else -1.0
+    table = sorted(zip((sign * places).tolist(), (-sign * values).tolist(), strict=True))
+    return OverPosition(table, sense, "hold", release=release, unloading=steeper * steepest)
+
+
+def rows_of(law: OverPosition) -> tuple[list[float], list[float]]:
+    """Places in the sense of a law, and its resistance there on the way in."""
+    sign = 1.0 if law.sense == "along" else -1.0
+    rows = sorted((sign * place, -sign * size) for place, size in law.table)
+    return [place for place, _ in rows], [size for _, size in rows]
+
+
+def borne(law: OverPosition, walk: list[float]) -> list[float]:
+    """Resistance along a walk in the sense of a law from before its table, by its definition."""
+    places, values = rows_of(law)
+    deepest, is_broken, found = -math.inf, False, []
+    for s in walk:
+        if s <= places[0]:
+            deepest, is_broken = -math.inf, False
+        deepest = max(deepest, s)
+        is_broken = is_broken or (law.release and s >= places[-1])
+        line = np.interp(deepest, places, values) - law.unloading * (deepest - s)
+        found.append(0.0 if is_broken else max(float(line), 0.0))
+    return found
+
+
+SENSES = st.sampled_from(["along", "against"])
+TURNS = st.lists(st.floats(-1.5, 12.0), min_size=1, max_size=12)
+
+
+@given(SPACES, SIZES, st.floats(1.0, 20.0), SENSES, st.booleans(), TURNS)
+def test_what_unloads_keeps_the_deepest_place_and_never_drives(
+    spaces: list[float],
+    sizes: list[float],
+    steeper: float,
+    sense: Sense,
+    release: bool,
+    turns: list[float],
+) -> None:
+    """To and fro, and back: resistance as defined, above zero, and no work is won."""
+    law = plastic(spaces, sizes, steeper, sense, release)
+    sign = 1.0 if sense == "along" else -1.0
+    places, values = rows_of(law)
+    outside = places[0] - 1.0
+    ends = [outside, *turns, outside]
+    # Where the resistance may bend: at nodes, deepest places, and ends of elastic lines.
+    bends = [*places, places[-1] - 1e-9, *turns]
+    bends += [s - float(np.interp(s, places, values)) / law.unloading for s in turns]
+    packed = packed_of(law, turning=True)
+    place_loads(packed, np.array([0.0, 0.0, sign * outside]), np.zeros(3))
+    walk, found = [outside], [0.0]
+    for one, other in pairwise(ends):
+        way = math.copysign(1.0, other - one)
+        settle(packed, 0.0, sign * one, 0.0, sign * way)
+        between = {s for s in bends if min(one, other) < s < max(one, other)}
+        for s in [*sorted(between, reverse=way < 0.0), other]:
+            settle(packed, 0.0, sign * s, sign * way)
+            walk.append(s)
+            found.append(-sign * size(packed, 0.0, sign * s, sign * way))
+    assert found == pytest.approx(borne(law, walk), abs=1e-7)
+    work = np.diff(walk) @ (np.array(found[1:]) + np.array(found[:-1]))
+    assert work >= -1e-7
+
+
+@pytest.mark.parametrize(("sense", "sign"), [("along", 1.0), ("against", -1.0)])
+def test_a_start_within_a_sheet_is_at_its_deepest_place(sense: Sense, sign: float) -> None:
+    table = sorted([(0.0, 0.0), (sign * 1.0, -sign * 6.0), (sign * 2.0, -sign * 6.0)])
+    law = OverPosition(table, sense, "hold", unloading=12.0)
+    for speed, after in ((-1.0, [4.8, 0.0, 0.0, 4.8, 6.0]), (1.0, [6.0, 6.0, 6.0, 6.0, 6.0])):
+        packed = packed_of(law, turning=True)
+        place_loads(packed, np.array([0.0, 0.0, 1.5 * sign]), np.array([0.0, 0.0, sign * speed]))
+        assert -sign * size(packed, 0.0, 1.5 * sign, 0.0) == pytest.approx(6.0)
+        found = []
+        way = [(1.4, -1.0), (1.0, -1.0), (0.9, 1.0), (1.4, 1.0), (1.6, 1.0)]
+        for s, v in way if speed < 0.0 else [(1.5 + 0.1 * k, 1.0) for k in range(5)]:
+            settle(packed, 0.0, sign * s, sign * v)
+            found.append(-sign * size(packed, 0.0, sign * s, sign * v))
+        assert found == pytest.approx(after, abs=1e-12)
 
 
 def test_forces_are_the_gradient_of_the_place_and_power_is_their_work() -> None:

@@ -57,10 +57,27 @@ FOUND_BEHIND = 1e-9
 
 
 @compiled
+def reach_end(
+    system: System, tableau: Tableau | None, motion: Integration, t: float, h: float
+) -> None:
+    """Fill the state of all bodies at the end of a trial step, with accelerations."""
+    # An embedded method evaluates its last slopes there.
+    if tableau is None:
+        place(system, t + h, motion.trial)
+    accelerate(system, motion.slopes[last_slope(tableau)])
+
+
+@compiled
 def event_value(
-    system: System, book: Book, k: int, t: float, y: Array, slope: Array
+    system: System,
+    tableau: Tableau | None,
+    book: Book,
+    motion: Integration,
+    k: int,
+    t: float,
+    h: float,
 ) -> tuple[float, float]:
-    """Switching function of event ``k`` in a state, and its rate.
+    """Switching function of event ``k`` at the end of a trial step, and its rate.
 
     Events are those of the joints, for which slopes were evaluated last in that state, then the
     ways out of the modes of the loads.
@@ -69,8 +86,7 @@ def event_value(
     if k < joints:
         depth, rate = system.contacts[k].penetration, system.contacts[k].rate
         return (-depth, -rate) if book.onset[k] > 0.0 else (depth, rate)
-    place(system, t, y)
-    accelerate(system, slope)
+    reach_end(system, tableau, motion, t, h)
     q, v, a, _, _ = system.state
     return way_out(system.packed.loads, k - joints, q, v, a)
 
@@ -85,19 +101,18 @@ def event_count(system: System) -> int:
 def first_change(
     loads: Loads | None,
     system: System,
-    book: Book,
+    tableau: Tableau | None,
     motion: Integration,
-    last: int,
     t: float,
     h: float,
     apart: int,
 ) -> tuple[int, float]:
     """Change of a load's law that comes first in a trial step, and at which part; or -1.
 
+    Where there are loads the state of all bodies is that at the end of the step afterwards.
+
     Parameters
     ----------
-    last : int
-        Which of the slopes is that at the end of the trial step.
     apart : int
         Event that is not looked at.
     """
@@ -105,8 +120,7 @@ def first_change(
     part = 2.0
     if loads is None:
         return found, part
-    place(system, t + h, motion.trial)
-    accelerate(system, motion.slopes[last])
+    reach_end(system, tableau, motion, t, h)
     q, v, a, _, _ = system.state
     joints = system.contacts.shape[0]
     for k in range(joints, event_count(system)):
@@ -125,9 +139,9 @@ def first_change(
 @compiled
 def first_event(
     system: System,
+    tableau: Tableau | None,
     book: Book,
     motion: Integration,
-    last: int,
     t: float,
     h: float,
     apart: int,
@@ -157,7 +171,7 @@ def first_event(
         # A state that was just placed on an event moves away from it and does not repeat it.
         if s < part and (s * h > 1e-14 or sign * memory.rate > 0.0):
             found, part = k, s
-    k, s = first_change(system.packed.loads, system, book, motion, last, t, h, apart)
+    k, s = first_change(system.packed.loads, system, tableau, motion, t, h, apart)
     return (k, s) if s < part else (found, part)
 
 
@@ -208,13 +222,12 @@ def locate(
     aim, near, found = 0.0, EVENT_DEPTH, FOUND_DEPTH
     if k >= system.contacts.shape[0]:
         aim, near, found = BEHIND, 0.5 * BEHIND, FOUND_BEHIND
-    end = motion.slopes[last_slope(tableau)]
     low, high = 0.0, h
     length = part * h
     is_last = False
     for _ in range(NEWTON_STEPS):
         trial_step(system, tableau, book, control, motion, t, length)
-        value, rate = event_value(system, book, k, t + length, motion.trial, end)
+        value, rate = event_value(system, tableau, book, motion, k, t, length)
         value -= aim
         if abs(value) <= near or is_last:
             break
@@ -278,8 +291,7 @@ def end_on_event(
         located, found = locate(system, tableau, book, control, motion, t, k, located, part)
         if not found:
             break
-        last = last_slope(tableau)
-        earlier, part = first_event(system, book, motion, last, t, located, k, joints)
+        earlier, part = first_event(system, tableau, book, motion, t, located, k, joints)
     return k, located, found
 
 

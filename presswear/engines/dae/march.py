@@ -110,12 +110,8 @@ def until_break(system: System, t: float) -> float:
 
 
 @compiled
-def settle_state_modes(
-    system: System, tableau: Tableau | None, motion: Integration, t: float
-) -> int:
-    """Bring the loads' modes up to a state just accepted; returns how many have changed."""
-    place(system, t, motion.y)
-    accelerate(system, motion.slopes[last_slope(tableau)])
+def settle_state_modes(system: System, t: float) -> int:
+    """Bring the loads' modes up to the state placed last; returns how many have changed."""
     q, v, a, _, _ = system.state
     return settle_modes(system.packed, t, q, v, a)
 
@@ -164,7 +160,7 @@ def march_controlled(
         factor = GREATEST_FACTOR if error == 0.0 else SAFETY * error**tableau.exponent
         state.step = h * min(max(factor, LEAST_FACTOR), GREATEST_FACTOR)
         joints = system.contacts.shape[0]
-        k, part = first_event(system, book, motion, tableau.b.shape[0], t, h, -1, joints)
+        k, part = first_event(system, tableau, book, motion, t, h, -1, joints)
         if k >= 0:
             k, located, found = end_on_event(
                 system, tableau, book, control, motion, t, h, k, part, joints
@@ -181,7 +177,7 @@ def march_controlled(
             state.events += 1
         t = end if last_step else t + h
         copy_to(motion.y, motion.trial)
-        changed = settle_state_modes(system, tableau, motion, t) if loaded else 0
+        changed = settle_state_modes(system, t) if loaded else 0
         if 0 <= k < joints:
             rate = switch(system, book, k, t)
             part = contact_step(system.packed.joints[k], 0.0, rate, FIRST_PARTS)
@@ -222,7 +218,7 @@ def march_fixed(
         whole = h
         h = min(step_to_break(book.motions, t, h), until_break(system, t))
         trial_step(system, None, book, control, motion, t, h)
-        k, part = first_event(system, book, motion, last_slope(None), t, h, -1, 0)
+        k, part = first_event(system, None, book, motion, t, h, -1, 0)
         if k >= 0:
             k, located, found = end_on_event(system, None, book, control, motion, t, h, k, part, 0)
             if found:
@@ -234,7 +230,9 @@ def march_fixed(
         # What is left of a step that was cut follows by itself.
         state.due = t + whole if h < whole else 0.0
         t = end if h >= left else t + h
-        settle_state_modes(system, None, motion, t)
+        place(system, t, motion.y)
+        accelerate(system, motion.slopes[last_slope(None)])
+        settle_state_modes(system, t)
         for i in range(2 * n):
             if not abs(motion.y[i]) < 1e30:
                 return BROKEN
