@@ -179,7 +179,7 @@ def sheet_of(name: str, result: Result) -> Sheet:
 def test_no_label_of_the_mechanism_hides_another() -> None:
     for scene in (wear_times(), press_blanking(), slider_crank(), Scene(FOUR_BAR)):
         drawing = labelled(scene)
-        canvas = FigureCanvasAgg(drawing.sheet)
+        canvas: Any = FigureCanvasAgg(drawing.sheet)
         canvas.draw()
         renderer = canvas.get_renderer()
         (axes,) = drawing.sheet.axes
