@@ -120,6 +120,8 @@ def check_moments(process: Process, stage: pw.StageResult, strokes: Strokes) -> 
 @pytest.mark.parametrize("name", ["press_blanking", "press_drawing"])
 def test_energies_balance_with_clearances_and_moments_have_rows(name: str, engine: str) -> None:
     scene: Any = replace(getattr(pw.scenes, name)(), engine=engine, wears=0, starts=1, cycles=2)
+    # A cushion would be held down at the end of a cycle.
+    scene = replace(scene, process=replace(scene.process, cushion=0.0))
     result = pw.run(scene)
     stage, strokes = result.stages[0], result.strokes(0)
     assert strokes is not None
@@ -127,10 +129,7 @@ def test_energies_balance_with_clearances_and_moments_have_rows(name: str, engin
     assert abs(float(stage.diagnostics["energy_residual_J"] or 0.0)) < 1e-6 * exchange
     # What is loose in its joints bounces on the work, which gives back what is elastic in it.
     work = -float(stage.diagnostics["load_work_J"] or 0.0)
-    # The last row is a little before the end, at which the cushion is held down again.
-    end = stage.displacement[-1] + stage.velocity[-1] * (2.0 * PERIOD - stage.time[-1])
-    held = scene.process.cushion * (stage.displacement[0] - end)
-    assert work == pytest.approx(2.0 * scene.process.work + held, abs=1e-7 * exchange)
+    assert work == pytest.approx(2.0 * scene.process.work, abs=1e-7 * exchange)
     assert len(strokes.contact) == 2
     assert f"forces: {scene.process.kind}" in str(stage.diagnostics["model"])
     height = stage.displacement + slider(np.zeros(1))[0, 0] - BOTTOM
