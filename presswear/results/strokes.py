@@ -94,11 +94,13 @@ def strokes_of(scene: Scene, stage: StageResult) -> Strokes | None:
             continue
         first = own[0]
         none = np.nan, np.nan
+        # Where the run ends before the stroke is over, it may have bounced only.
+        last = reversed(left) if np.isfinite(end) else ()
         rows.append(
             (
                 first,
                 next((m for m in broken if first[0] < m[0] < end), none),
-                next((m for m in reversed(left) if first[0] < m[0] < end), none),
+                next((m for m in last if first[0] < m[0] < end), none),
             )
         )
     moments = np.array(rows).reshape(-1, 3, 2)
