@@ -53,7 +53,11 @@ def _stage_line(stage: StageResult, compiled: float) -> str:
     ]
     for name, joint in stage.statistics.get("joints", {}).items():
         fewest = joint["fewest_steps_in_a_contact"]
-        resolved = "no contact" if fewest is None else f"at least {fewest} steps in each"
+        resolved = (
+            "no contact"
+            if fewest is None
+            else f"at least {fewest} step{'s' * (fewest != 1)} in each"
+        )
         force = joint["force_max_per_cycle_N"]
         volume, half = joint["wear_volume_m3"], joint["wear_volume_half_width_m3"]
         half = None if half is None else 1e9 * half
