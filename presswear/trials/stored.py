@@ -51,7 +51,7 @@ def restored(kind: Any, data: Any, place: str = "it") -> Any:
         if data is None and NoneType in inner:
             return None
         words = {getattr(one, "word", ""): one for one in inner if one is not NoneType}
-        word = typed(data, dict[str, Any], place).get("word", "")
+        word = typed(typed(data, dict[str, Any], place).get("word", ""), str, f"{place}.word")
         if word not in words:
             raise InputError(f"{place}: the word {word!r} is unknown")
         return restored(words[word], data, place)

@@ -33,6 +33,8 @@ _NO_UNIT_OF = {
     "s/m": "s, m, m/s, N s/m",
     "N s/m": "N, N/m, s/m, N m, kg",
     "N/m^n": "N, N m, Pa, N/m^2, kg",
+    "N": "kg, Pa, N m, N/m, g",
+    "N m": "N, m, kg, N/m, Pa",
     "m/s": "m, s, rad/s, m/s^2, km/h",
     "m/s^2": "m/s, m, g, N",
     "s": "m, min, Hz, 1/s, h",

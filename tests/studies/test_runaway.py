@@ -52,7 +52,7 @@ def test_the_answer_names_what_runs_away_and_what_stops() -> None:
 
 def test_outcomes_are_read_from_results() -> None:
     short = changed(
-        replace(wear_times(), wears=1, cycles=1, starts=1), {"engine": "dae", "angles": "16"}
+        replace(wear_times(), wears=1, cycles=1, starts=1), {"engine": "dae", "angles": "360"}
     )
     result = run_scene(short)
     one = read_wears(Variant("one", "", short), result)
