@@ -371,10 +371,10 @@ def forced_power(prescribed: Prescribed, v: Array, a: Array, force: Array) -> fl
 
 
 @inlined
-def subtract_inertia(prescribed: Prescribed, a: Array, force: Array) -> None:
-    """Take from generalized forces on the prescribed bodies what speeds these up."""
-    for i in range(prescribed.parts.shape[0]):
-        part = prescribed.parts[i]
+def subtract_inertia(parts: Records, a: Array, force: Array) -> None:
+    """Take from generalized forces on prescribed bodies, or on links, what speeds these up."""
+    for i in range(parts.shape[0]):
+        part = parts[i]
         b = part.body
         force[b] -= part.mass * a[b]
         force[b + 1] -= part.mass * a[b + 1]

@@ -14,7 +14,6 @@ from presswear.linkage.process import (
     Blanking,
     Coining,
     Drawing,
-    Process,
     laws_of,
     sense_of,
 )
@@ -44,11 +43,11 @@ cups = st.builds(
 
 
 @given(st.one_of(blanks, cups))
-def test_work_is_the_integral_of_a_continuous_force(process: Process) -> None:
+def test_work_is_the_integral_of_a_continuous_force(process: Blanking | Drawing) -> None:
     """Steep only where a sheet snaps through; the law pushes against the way in by as much."""
     places, forces = np.array(process.curve).T
     assert forces[0] == forces[-1] == 0.0
-    assert forces.max() == pytest.approx(process.force)  # type: ignore[union-attr]
+    assert forces.max() == pytest.approx(process.force)
     law = laws_of(process, 0.2, 0.03)[process.kind]
     sense = sense_of(process)
 

@@ -168,7 +168,7 @@ def test_one_servo_from_python_settings_and_files(tmp_path: Path) -> None:
             lambda: changed(pw.scenes.slider_crank(), {"servo": "dwell"}),
             "unknown key 'servo'; known are",
         ),
-        (lambda: pw.Press(servo="dwell"), "servo = 'dwell': a Dwell, Forming, "),  # type: ignore[arg-type]
+        (lambda: pw.Press(servo="dwell"), "servo = 'dwell': a Dwell, Forming, "),  # type: ignore[arg-type]  # wrong on purpose
     ],
 )
 def test_what_a_servo_cannot_do_is_refused(make: Any, says: str) -> None:

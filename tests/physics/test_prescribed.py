@@ -141,7 +141,7 @@ def test_torques_are_the_multipliers_of_the_drives(linkage: Linkage) -> None:
     expected = -multipliers[-len(linkage.drives) :]
     torque = np.zeros(len(linkage.drives))
     force = applied.copy()
-    subtract_inertia(prescribed, a, force)
+    subtract_inertia(prescribed.parts, a, force)
     drive_torques(prescribed, q, axes, force, torque)
     assert torque == pytest.approx(expected, rel=1e-10)
     # All the power of the drives goes into the bodies.

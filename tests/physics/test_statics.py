@@ -187,6 +187,6 @@ def test_what_is_refused() -> None:
     with pytest.raises(pw.InputError, match="idle = inf"):
         pw.deflection(linkage, 1.0, math.inf)
     with pytest.raises(pw.InputError, match="did you mean force"):
-        pw.total_clearance(linkage, forc=1.0)  # type: ignore[call-arg]
+        pw.total_clearance(linkage, forc=1.0)  # type: ignore[call-arg]  # wrong on purpose
     with pytest.raises(pw.InputError, match="no bottom dead centre: what it watches stands still"):
         pw.total_clearance(replace(held(1.0, 2.0), loads=()))

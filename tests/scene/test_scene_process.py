@@ -120,7 +120,7 @@ def limited(torque: float, **values: Any) -> pw.Scene:
             lambda: changed(IDEAL, {"process": "drawing", "process.force": "3"}),
             r"process\.force = '3' has no unit, for instance force='500N'",
         ),
-        (lambda: pw.Scene(process="blanking"), "process = 'blanking': a Blanking, Drawing, "),  # type: ignore[arg-type]
+        (lambda: pw.Scene(process="blanking"), "process = 'blanking': a Blanking, Drawing, "),  # type: ignore[arg-type]  # wrong on purpose
     ],
 )
 def test_what_cannot_be_pressed_is_refused(make: Any, says: str) -> None:
@@ -147,7 +147,9 @@ def test_what_is_no_process_in_a_file_is_refused(tmp_path: Path, table: str, say
 
 
 def test_a_limit_that_is_enough_lets_a_scene_be() -> None:
-    assert limited(50.0, stiffness=1e4).mechanism.torque_limit == 50.0  # type: ignore[union-attr]
+    mechanism = limited(50.0, stiffness=1e4).mechanism
+    assert isinstance(mechanism, pw.Press)
+    assert mechanism.torque_limit == 50.0
 
 
 def test_stored_scenes_with_a_damaged_process_are_refused() -> None:

@@ -251,13 +251,8 @@ def _note_torques(held: Held | None, hung: Hung | None, state: Array, torque: Ar
                 drive += 1
     if hung is not None:
         q, _, a, force, axes = state
-        for i in range(hung.links.shape[0]):
-            link = hung.links[i]
-            b = link.body
-            force[b] -= link.mass * a[b]
-            force[b + 1] -= link.mass * a[b + 1]
-            force[b + 2] -= link.inertia * a[b + 2]
-        subtract_inertia(hung.prescribed, a, force)
+        subtract_inertia(hung.links, a, force)
+        subtract_inertia(hung.prescribed.parts, a, force)
         gather_forces(hung.links, q, axes, force, hung.balance)
         drive_torques(hung.prescribed, q, axes, force, torque)
 

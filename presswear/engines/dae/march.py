@@ -104,12 +104,6 @@ def hold_open(book: Book) -> None:
 
 
 @compiled
-def until_break(system: System, t: float) -> float:
-    """Time to the next bend over time of a load, s."""
-    return next_break(system.packed.loads) - t
-
-
-@compiled
 def settle_state_modes(system: System, t: float) -> int:
     """Bring the loads' modes up to the state placed last; returns how many have changed."""
     q, v, a, _, _ = system.state
@@ -141,7 +135,7 @@ def march_controlled(
         h = min(step_to_break(book.motions, t, min(state.step, longest)), left)
         loaded = count_ways(system.packed.loads) > 0
         if loaded:
-            h = min(h, until_break(system, t))
+            h = min(h, next_break(system.packed.loads) - t)
         last_step = h >= left
         for i in range(n):
             motion.scale[i] = state.tolerance * POSITION_SCALE
@@ -216,7 +210,7 @@ def march_fixed(
         if state.due > t:
             h = min(state.due - t, left)
         whole = h
-        h = min(step_to_break(book.motions, t, h), until_break(system, t))
+        h = min(step_to_break(book.motions, t, h), next_break(system.packed.loads) - t)
         trial_step(system, None, book, control, motion, t, h)
         k, part = first_event(system, None, book, motion, t, h, -1, 0)
         if k >= 0:

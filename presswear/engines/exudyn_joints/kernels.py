@@ -205,7 +205,7 @@ def powers(frame: Frame, drives: Drives, book: Book, t: float) -> tuple[float, f
     given = applied_forces(book.packed, t, frame.q, frame.v, drives.force)
     if prescribed.parts.shape[0] > 0:
         add_contacts(book.packed.joints, book.onset, book.contacts, drives.force, drives.rates)
-        subtract_inertia(prescribed, frame.a, drives.force)
+        subtract_inertia(prescribed.parts, frame.a, drives.force)
         drive_torques(prescribed, frame.q, frame.axes, drives.force, book.torque)
     power = 0.0
     for i in range(book.motions.shape[0]):
