@@ -18,6 +18,7 @@ from presswear.campaign.growth import (
     jump,
     share_of,
 )
+from presswear.campaign.lifetime import LifeState, run_life
 from presswear.campaign.progress import Forecast
 from presswear.campaign.segment import Task, worn_out
 from presswear.campaign.stage import judged, stage_of, without_wear
@@ -26,8 +27,10 @@ from presswear.physics.wear import map_shape
 from presswear.record.sampling import STARTUP_CYCLES
 from presswear.record.soundness import Finding
 from presswear.record.tracker import Tracker
+from presswear.results.life import LifeResult
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene, stage_name
+from presswear.tools.errors import RunFailed
 from presswear.tools.workers import InProcess, Workers
 
 Array = NDArray[np.float64]
@@ -103,11 +106,17 @@ def run_stage(
     forecast.begin(index)
     runner = Runner(scene, forecast, workers or InProcess())
     worn = begun_on(scene) if worn is None else worn
-    ran = judged(runner, runner.run(worn, stage_task(scene, index)))
+    ran = judged(runner, _counted(runner, runner.run(worn, stage_task(scene, index))))
     stage = without_wear(scene, index, ran)
     for tracker in trackers:
         tracker.stage(stage)
     return stage, ran
+
+
+def _counted(runner: Runner, ran: Ensemble) -> Ensemble:
+    """Runs whose cycles the forecast counts as run."""
+    runner.forecast.done += ran.cycles / runner.scene.draws
+    return ran
 
 
 def growths(
@@ -140,7 +149,7 @@ def growths(
         if task is None:
             return
         runner.forecast.expect(2.0 * task.cycles if growth is None else 0.0)
-        worn = runner.run(ran.worn, task, begun, partial(keep, growth))
+        worn = _counted(runner, runner.run(ran.worn, task, begun, partial(keep, growth)))
         begun = NOTHING
         finding = worn.finding
         if finding:
@@ -169,6 +178,20 @@ def unknown_wear(scene: Scene, stage: StageResult) -> list[str]:
         f"the wear of stage {stage.index} is known to {100.0 * error:.2g} % where "
         f"tolerance = {100.0 * scene.tolerance:.2g} % was asked: about most_cycles = "
         f"{needed:.2g} would do"
+    ]
+
+
+def unknown_life(scene: Scene, life: LifeResult) -> list[str]:
+    """Say where a life is known less well than was asked, or not at all."""
+    if life.ended != "limit":
+        return [f"the life is not known: {life.message}"]
+    error = math.inf if life.error is None else math.hypot(life.sampling or 0.0, life.step or 0.0)
+    if error <= scene.tolerance:
+        return []
+    known = "not at all" if math.isinf(error) else f"to {100.0 * error:.2g} %"
+    return [
+        f"the life is known {known} where tolerance = {100.0 * scene.tolerance:.2g} % was asked: "
+        "a larger life.most_cycles would do"
     ]
 
 
@@ -212,6 +235,23 @@ def run_campaign(
             tracker.checkpoint(checkpoint, is_stage)
 
     wanting: list[str] = []
+    state, lived = at.life, None
+    if scene.life is not None:
+
+        def alive(own: LifeState) -> None:
+            tell(Checkpoint(worn=at.worn, forecast=forecast.numbers(), life=own))
+
+        try:
+            lived, life = run_life(runner, begun_on(scene), state or LifeState(), alive)
+        except RunFailed as error:
+            return "failed", f"{error}", error.finding
+        for tracker in trackers:
+            tracker.life(life)
+        wanting += unknown_life(scene, life)
+        state = LifeState(lived.passes)
+        # What a stage tells of its wear is for the part of the life up to the next.
+        scene = replace(scene, represented_cycles=max(lived.strokes / scene.wears, 1.0))
+        runner = replace(runner, scene=scene)
 
     def finish(stage: StageResult) -> None:
         wanting.extend(unknown_wear(scene, stage))
@@ -230,20 +270,27 @@ def run_campaign(
             index: int = index,
             worn: Array = worn,
         ) -> None:
-            tell(Checkpoint(index, worn, ran, growth, running, forecast.numbers()))
+            tell(Checkpoint(index, worn, ran, growth, running, forecast.numbers(), state))
 
         task = stage_task(scene, index)
         is_last = index == scene.wears
-        if scene.wears_in_steps and not is_last:
+        if scene.wears_in_steps and not is_last and lived is None:
             forecast.expect(3.0 * (scene.cycles or FIRST_PASS))
         ran = at.ran or judged(
-            runner, runner.run(worn, task, at.partial, partial(keep, None, None))
+            runner,
+            _counted(runner, runner.run(worn, task, at.partial, partial(keep, None, None))),
         )
         if ran.failure or is_last:
             finish(without_wear(scene, index, ran))
             if ran.failure:
                 return "failed", f"stage {index}: {ran.failure}", ran.finding
             break
+        if lived is not None:
+            part = lived.growth(scene, begun_on(scene), index)
+            finish(stage_of(scene, index, ran, part, None))
+            at = Checkpoint(index + 1, part.worn, forecast=forecast.numbers(), life=state)
+            tell(at, is_stage=True)
+            continue
         growth, finding = at.growth, None
         # What has run in part is of the stage itself before its wear has begun.
         running = NOTHING if at.ran is None else at.partial

@@ -7,8 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.campaign.crossing import Block
 from presswear.campaign.ensemble import NOTHING, Ensemble, Partial
 from presswear.campaign.growth import Growth
+from presswear.campaign.life import Pass
+from presswear.campaign.lifetime import LifeState
 from presswear.campaign.segment import Reached, Task, restored, stored
 from presswear.results.stage import WearStep
 from presswear.scene.scene import Scene
@@ -36,6 +39,8 @@ class Checkpoint:
         The runs at hand: of the stage, or of the next pass.
     forecast : dict
         How far the campaign is (``Forecast.numbers``).
+    life : LifeState or None
+        Where its life stands; known once a stage has begun.
     """
 
     index: int = 0
@@ -44,9 +49,13 @@ class Checkpoint:
     growth: Growth | None = None
     partial: Partial = NOTHING
     forecast: Mapping[str, float | None] = field(default_factory=dict)
+    life: LifeState | None = None
 
     def words(self) -> str:
         """Up to where everything is kept, in words."""
+        if self.life is not None and self.life.partial.reached:
+            strokes = self.life.passes[-1].blocks[-1].strokes if self.life.passes else 0.0
+            return f"pass {self.life.place[0]} over the life, {strokes:.3g} strokes"
         finished = sum(own.cycles for own in self.partial.reached if own is not None)
         where = f"stage {self.index}"
         if self.ran is not None:
@@ -59,15 +68,10 @@ class Checkpoint:
         document: dict[str, Any] = {
             "index": self.index,
             "forecast": dict(self.forecast),
-            "partial": {
-                "reached": [
-                    None if own is None else stored(f"partial/{k}", own, arrays)
-                    for k, own in enumerate(self.partial.reached)
-                ],
-                "until": list(self.partial.until),
-                "wall": self.partial.wall,
-            },
+            "partial": _partial("partial", self.partial, arrays),
         }
+        if self.life is not None:
+            document["life"] = _life(self.life, arrays)
         if self.ran is not None:
             runs = [
                 stored(f"ran/{k}", Reached.of(run), arrays) for k, run in enumerate(self.ran.runs)
@@ -103,10 +107,72 @@ class Checkpoint:
                 tuple(WearStep(**step) for step in document["growth"]),
                 arrays.get("growth/coarser"),
             )
-        at_hand = document["partial"]
-        reached = tuple(
-            None if own is None else restored(f"partial/{k}", own, arrays)
-            for k, own in enumerate(at_hand["reached"])
+        partial = _read_partial("partial", document["partial"], arrays)
+        life = _read_life(document["life"], arrays) if "life" in document else None
+        forecast = document["forecast"]
+        return Checkpoint(document["index"], worn, ran, growth, partial, forecast, life)
+
+
+def _partial(prefix: str, partial: Partial, arrays: dict[str, Any]) -> dict[str, Any]:
+    """An ensemble of which some has run as a document; its arrays are added to those given."""
+    return {
+        "reached": [
+            None if own is None else stored(f"{prefix}/{k}", own, arrays)
+            for k, own in enumerate(partial.reached)
+        ],
+        "until": list(partial.until),
+        "wall": partial.wall,
+    }
+
+
+def _read_partial(prefix: str, told: Document, arrays: State) -> Partial:
+    """What ``_partial`` gave."""
+    reached = tuple(
+        None if own is None else restored(f"{prefix}/{k}", own, arrays)
+        for k, own in enumerate(told["reached"])
+    )
+    return Partial(reached, tuple(told["until"]), told["wall"])
+
+
+_PLAIN = ("strokes", "cycles", "span", "rate", "gone", "wall_s")
+"""Fields of a block that are no arrays."""
+
+
+def _life(state: LifeState, arrays: dict[str, Any]) -> dict[str, Any]:
+    """A life as a document; its arrays are added to those given."""
+    for p, own in enumerate(state.passes):
+        for k, block in enumerate(own.blocks):
+            arrays[f"life/{p}/{k}/worn"] = block.worn
+            arrays |= named(f"life/{p}/{k}/levels", block.levels)
+            arrays |= named(f"life/{p}/{k}/samples", block.samples)
+    return {
+        "passes": [
+            {
+                "change": own.change,
+                "block": own.block,
+                "blocks": [{key: getattr(one, key) for key in _PLAIN} for one in own.blocks],
+            }
+            for own in state.passes
+        ],
+        "place": list(state.place),
+        "partial": _partial("living", state.partial, arrays),
+    }
+
+
+def _read_life(told: Document, arrays: State) -> LifeState:
+    """What ``_life`` gave."""
+
+    def block(place: str, plain: Document) -> Block:
+        levels, samples = (dict(part(arrays, f"{place}/{key}")) for key in ("levels", "samples"))
+        return Block(**plain, levels=levels, samples=samples, worn=arrays[f"{place}/worn"])
+
+    passes = tuple(
+        Pass(
+            own["change"],
+            own["block"],
+            tuple(block(f"life/{p}/{k}", plain) for k, plain in enumerate(own["blocks"])),
         )
-        partial = Partial(reached, tuple(at_hand["until"]), at_hand["wall"])
-        return Checkpoint(document["index"], worn, ran, growth, partial, document["forecast"])
+        for p, own in enumerate(told["passes"])
+    )
+    place = told["place"][0], told["place"][1]
+    return LifeState(passes, place, _read_partial("living", told["partial"], arrays))

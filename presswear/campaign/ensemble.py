@@ -233,9 +233,7 @@ class Runner:
             for reached, own in zip(rounds.reached[: rounds.last + 1], worn, strict=False)
             if reached is not None
         )
-        ran = Ensemble(scene.linkage(), worn, runs, scene.draws, rounds.wall)
-        self.forecast.done += ran.cycles / scene.draws
-        return ran
+        return Ensemble(scene.linkage(), worn, runs, scene.draws, rounds.wall)
 
 
 def most_runs(scene: Scene) -> int:
@@ -304,7 +302,7 @@ class _Rounds:
         self._until = list(begun.until) or [*first * sets]
         self._done = [0.0 if own is None else float(own.cycles) for own in self.reached]
         # Most often the first round is enough; whether it is shows behind it.
-        self._needed, self._known = [float(max(first))] * sets, [""] * sets
+        self._needed, self._known = [float(max(self._until))] * sets, [""] * sets
 
     @property
     def wall(self) -> float:

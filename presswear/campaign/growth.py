@@ -104,7 +104,7 @@ def jump(ran: Ensemble, represented: float) -> Growth:
         cycles=cycles,
         factor=represented * len(recorders) / cycles,
         largest_change_of_clearance=largest_change(joints, added[0]),
-        deepest_m=_by_side(joints, worn[0].max(axis=2)),
+        deepest_m=by_side(joints, worn[0].max(axis=2)),
         force_max_N={joint.name: force for joint, force in zip(joints, forces, strict=True)},
         wall_s=ran.wall,
     )
@@ -139,7 +139,7 @@ def cycle_by_cycle(ran: Ensemble, represented: float, coarser: Growth | None) ->
             cycles=len(recorders),
             factor=represented / cycles,
             largest_change_of_clearance=float(change[n]),
-            deepest_m=_by_side(joints, deepest[n]),
+            deepest_m=by_side(joints, deepest[n]),
             force_max_N={joint.name: float(forces[k, n]) for k, joint in enumerate(joints)},
             wall_s=ran.wall / cycles,
         )
@@ -148,7 +148,7 @@ def cycle_by_cycle(ran: Ensemble, represented: float, coarser: Growth | None) ->
     return Growth(worn, worn - ran.worn, steps, None if coarser is None else coarser.added)
 
 
-def _by_side(joints: Sequence[ClearanceJoint], depths: Array) -> dict[str, dict[str, float]]:
+def by_side(joints: Sequence[ClearanceJoint], depths: Array) -> dict[str, dict[str, float]]:
     """Depths of shape (joints, 2) by joint and side."""
     return {
         joint.name: dict(zip(SIDES, map(float, own), strict=True))

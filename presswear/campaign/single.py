@@ -14,6 +14,7 @@ from presswear.record.film import columns_of
 from presswear.record.soundness import Finding
 from presswear.record.tracker import Tracker, tell_all
 from presswear.results.folder import ResultFolder
+from presswear.results.life import LifeResult
 from presswear.results.provenance import provenance
 from presswear.results.result import Result, load
 from presswear.results.stage import StageResult
@@ -27,6 +28,10 @@ class _Kept(Tracker):
 
     def __init__(self) -> None:
         self.stages: list[StageResult] = []
+        self.lived: LifeResult | None = None
+
+    def life(self, life: LifeResult) -> None:
+        self.lived = life
 
     def stage(self, stage: StageResult) -> None:
         self.stages.append(stage)
@@ -47,7 +52,8 @@ def run_scene(
         with workers_of([scene], jobs, trackers) as workers:
             status, message, finding = run_campaign(scene, (kept, *trackers), workers=workers)
         wall = sum(stage.wall_s for stage in kept.stages)
-        result = Result(scene, tuple(kept.stages), status, message, provenance(), wall)
+        stages, life = tuple(kept.stages), kept.lived
+        result = Result(scene, stages, status, message, provenance(), wall, life=life)
     else:
         store = ResultFolder(Path(folder), scene, resume=True)
         with workers_of([scene], jobs, trackers, store.interval) as workers:

@@ -66,10 +66,10 @@ def half_width(samples: Array) -> float | None:
     if count < 2:
         return None
     spread = float(samples.std(ddof=1)) / math.sqrt(count)
-    return _quantile(count - 1) * spread
+    return quantile(count - 1) * spread
 
 
-def _quantile(freedom: float) -> float:
+def quantile(freedom: float) -> float:
     """Student's quantile at the upper end of an interval; of the normal distribution at inf."""
     # Slow to import, and the whole of scipy.stats three times as slow.
     from scipy.special import stdtrit
@@ -285,7 +285,7 @@ _ENDS = (0.5 - 0.5 * LEVEL, 0.5 + 0.5 * LEVEL)
 
 def _widening(count: int) -> float:
     """Student's quantile over that of the normal distribution, and the bias of a spread."""
-    return _quantile(count - 1) / _quantile(math.inf) * math.sqrt(count / (count - 1))
+    return quantile(count - 1) / quantile(math.inf) * math.sqrt(count / (count - 1))
 
 
 def turned_interval(place: int, places: NDArray[np.int64], bins: int, count: int) -> Interval:

@@ -86,6 +86,9 @@ class Tracker:
     def stage(self, stage: Any) -> None:
         """Hear of a finished stage (``StageResult``), the wear after it included."""
 
+    def life(self, life: Any) -> None:
+        """Hear of a life that is known (``LifeResult``), before the stages through it run."""
+
     def remark(self, line: str) -> None:
         """Hear a line for the person who waits, such as that a process was lost."""
 

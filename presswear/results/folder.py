@@ -16,6 +16,8 @@ from typing import Any, Protocol, Self
 import numpy as np
 
 from presswear.record.tracker import Progress, Tracker
+from presswear.results.life import FILE as LIFE
+from presswear.results.life import LifeResult
 from presswear.results.provenance import Provenance, provenance, provenance_differs
 from presswear.results.result import FILE, FINISHED, SCHEMA, read_document
 from presswear.results.stage import StageResult
@@ -127,6 +129,7 @@ class ResultFolder(Tracker):
             "status": "running",
             "message": "",
             "wall_s": 0.0,
+            "life": None,
             "stages": [],
             "files": {},
             CHECKPOINT: None,
@@ -181,6 +184,14 @@ class ResultFolder(Tracker):
             film = stage.film.arrays(stage.joint_names)
             files[frames] = write_arrays(self.path / frames, film, np.savez)
         self._document["stages"].append(stage.as_dict())
+        self._write()
+
+    def life(self, life: LifeResult) -> None:
+        """Store a life that is known."""
+        with self._writing():
+            digest = write_arrays(self.path / LIFE, life.curves)
+        self._document["files"][LIFE] = digest
+        self._document["life"] = life.as_dict()
         self._write()
 
     def progress(self, progress: Progress) -> None:

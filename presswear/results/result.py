@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 
 from presswear.record.film import Film
 from presswear.results.drives import DriveResult, Energy, drives_of, energy_of
+from presswear.results.life import FILE as LIFE
+from presswear.results.life import LifeResult, check_curves
 from presswear.results.stage import StageResult, angle_names
 from presswear.results.stored import (
     StoredResult,
@@ -43,7 +45,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 FILE = "result.json"
-SCHEMA = 6
+SCHEMA = 7
 FINISHED = ("completed", "unconverged", "failed")
 """Statuses of a run that has come to its end."""
 
@@ -69,6 +71,8 @@ class Result:
         Wall time, s.
     path : Path or None
         Its folder; None: in memory only.
+    life : LifeResult or None
+        How long its joints live, where that was asked and is known.
     """
 
     scene: Scene
@@ -78,6 +82,7 @@ class Result:
     provenance: Mapping[str, Any]
     wall_s: float
     path: Path | None = None
+    life: LifeResult | None = None
 
     @checked
     def stage(self, index: int) -> StageResult:
@@ -250,7 +255,17 @@ def load(path: str | Path) -> Result:
         stored.provenance,
         stored.wall_s,
         path,
+        _life(path, stored),
     )
+
+
+def _life(path: Path, stored: StoredResult) -> LifeResult | None:
+    """The life with its curves; InputError where they do not fit."""
+    if stored.life is None:
+        return None
+    curves = read_numbers(path / LIFE, stored.files[LIFE])
+    check_curves(stored.life, curves, path / LIFE)
+    return replace(stored.life, curves=curves)
 
 
 def _film(file: Path, digest: str, scene: Scene) -> Film:

@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 from presswear.linkage.surface import bin_centres
 from presswear.physics.touchdown import CONTACT_COLUMNS
 from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
+from presswear.results.life import FILE as LIFE
+from presswear.results.life import LifeResult
 from presswear.results.provenance import Provenance
 from presswear.results.stage import SIDES, StageResult, angle_names
 from presswear.tools.documents import typed
@@ -83,6 +85,7 @@ class StoredResult:
     status: Literal["running", "interrupted", "completed", "unconverged", "failed"]
     message: str
     wall_s: float
+    life: LifeResult | None
     stages: tuple[StageResult, ...]
     files: dict[str, str]
     checkpoint: StoredCheckpoint | None
@@ -105,6 +108,7 @@ def stored_result(document: Any, file: Path) -> StoredResult:
     """
     found = typed(document, StoredResult, f"{file}")
     files = set() if found.checkpoint is None else {checkpoint_file(found.checkpoint.turn)}
+    files |= set() if found.life is None else {LIFE}
     for place, stage in enumerate(found.stages):
         where = f"{file}: stages[{place}]"
         # Stages follow each other: readers take the place for the number of wears.

@@ -9,7 +9,7 @@ from presswear.scene.catalog import SCENES
 from presswear.scene.scene import Scene
 from presswear.scene.settings import DEFAULT, SET, differences, settings_of
 from presswear.tools.numbers import given
-from presswear.tools.quantities import Choice, kinds_of, sets_of
+from presswear.tools.quantities import kinds_of, sets_of
 
 _TOLD = 4
 """Most changes in a title; of more, the last place counts the others."""
@@ -65,7 +65,7 @@ def changes_of(scene: Scene) -> tuple[Change, ...]:
         if setting.value == was:
             continue
         meaning = setting.meaning
-        unit = "" if isinstance(meaning, Choice) else meaning.unit
+        unit = meaning.unit
         values = [own for own in (setting.value, was) if isinstance(own, float)]
         factor = 1.0
         if unit == "m" and values and max(map(abs, values)) < _LARGEST_MM:

@@ -19,7 +19,7 @@ from presswear.tools.errors import InputError, unknown
 from presswear.tools.files import read_checked
 
 SUFFIX = ".toml"
-_PARTS = "process", "servo"
+_PARTS = "process", "servo", "life"
 _KEYS = ("title", "mechanism", *_PARTS, "settings", "surfaces")
 _MOST_BYTES = 2**20
 

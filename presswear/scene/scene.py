@@ -22,6 +22,7 @@ from presswear.physics.bottom import bottom_of
 from presswear.physics.following import followed, motion_of
 from presswear.physics.ideal import IdealMotion
 from presswear.scene.bearing import CONVENTIONS, Bearing, Conventions
+from presswear.scene.life import LIVES, Life
 from presswear.scene.surfaces import settled
 from presswear.tools.arrays import Array
 from presswear.tools.checked import checked
@@ -88,6 +89,9 @@ class Numerics:
 
 DRAWS = 4
 """Starts of a scene that wears and does not say how many: the fewest with a usable interval."""
+DRAWS_OF_A_LIFE = 8
+"""Starts of a life: Student's interval from 8 is three quarters of that from 4 with as many cycles
+in all."""
 
 
 def _joints(scene: "Scene") -> tuple[str, ...]:
@@ -188,6 +192,9 @@ class Scene:
     seed: int = count(0, 0, 100_000, "chosen", "draws the starts anew, for an independent run")
     surfaces: Mapping[str, tuple[Any, Any]] | Any = field(default_factory=dict, hash=False)
     process: Process | None = one_of(PROCESSES, "what the point that is watched presses on")
+    life: Life | None = one_of(
+        LIVES, "limits until which the joints are worn, in as many stages as wears says"
+    )
     statuses: Mapping[str, str] = field(default_factory=dict, hash=False)
 
     def __post_init__(self) -> None:
@@ -222,6 +229,7 @@ class Scene:
                     f"elastic force of their own; allowed is one of {', '.join(DAMPINGS)}, or "
                     "contact = 'radial'"
                 )
+        self._check_life()
         if self.draws > 1 and not self.clearance_joints:
             raise InputError(f"starts = {self.starts}: without a clearance joint allowed is 1")
         check_pace(self.mechanism.linkage())
@@ -253,6 +261,25 @@ class Scene:
                 f"{self.watched} allowed is {depth:g} m, to work it through, to below "
                 f"{stroke:.6g} m, its stroke"
             )
+
+    def _check_life(self) -> None:
+        """InputError where nothing can be followed to the end of a life."""
+        own = self.life
+        if own is None:
+            return
+        if not self.clearance_joints:
+            raise InputError("life: no joint has clearance, so that none wears")
+        if self.wears < 1:
+            raise InputError("wears = 0: with a life allowed is 1 to 20")
+        if self.conventions.footprint != "arc":
+            raise InputError(
+                "footprint = 'bin': depths go with the width of the bins, and a life with them; "
+                "allowed is 'arc', which conventions = 'refined' has"
+            )
+        if not any(joint.wear for joint in self.linkage().clearances):
+            raise InputError("wear_coefficient = 0: of joints that do not wear there is no life")
+        own.limits(self.clearance_joints)
+        own.services(self.clearance_joints)
 
     def _open(self, bearings: Mapping[str, Any]) -> None:
         """Give the joints of a mapping clearance."""
@@ -301,6 +328,8 @@ class Scene:
         """Number of independent starts."""
         if self.starts is not None:
             return self.starts
+        if self.life is not None:
+            return DRAWS_OF_A_LIFE
         return DRAWS if self.wears > 0 and self.clearance_joints else 1
 
     @property
@@ -431,7 +460,7 @@ class Scene:
         """What is computed as plain data; how finely, by what and how often is left out."""
         names = (
             *("mechanism", "bearings", "apart", "conventions"),
-            *("extrapolation", "represented_cycles", "surfaces", "process"),
+            *("extrapolation", "represented_cycles", "surfaces", "process", "life"),
         )
         return {name: value for name, value in self.as_dict().items() if name in names}
 
@@ -475,6 +504,7 @@ class Scene:
                     for name, own in plain.pop("surfaces").items()
                 },
                 process=of_kind(PROCESSES, plain.pop("process")),
+                life=of_kind(LIVES, plain.pop("life")),
                 **plain,
             )
             lacking = next(_lacking(scene.as_dict(), data), None)

@@ -18,11 +18,13 @@ from presswear.tools.quantities import (
     Choice,
     Kinds,
     Meaning,
+    Words,
     choice_of,
     kinds_of,
     meaning_of,
     parse_quantity,
     sets_of,
+    words_of,
 )
 
 _LONGEST = 200
@@ -41,11 +43,11 @@ class Setting:
 
     key: str
     value: Any
-    meaning: Meaning | Choice
+    meaning: Meaning | Choice | Words
 
     def described(self) -> str:
         """Value, range and text in one line."""
-        if isinstance(self.meaning, Choice):
+        if not isinstance(self.meaning, Meaning):
             return f"{self.value}  ({' | '.join(self.meaning.listed())})  {self.meaning.text}"
         value = "none" if self.value is None else self.meaning.with_unit(f"{self.value:.6g}")
         return f"{value}  ({self.meaning.range_text()}; {self.meaning.status})  {self.meaning.text}"
@@ -80,8 +82,8 @@ def _settings(owner: Any, statuses: Mapping[str, str]) -> Iterator[Setting]:
         if meaning is not None:
             status = statuses.get(item.name, meaning.status)
             yield Setting(item.name, getattr(owner, item.name), replace(meaning, status=status))
-        elif words is not None:
-            yield Setting(item.name, getattr(owner, item.name), words)
+        elif text := words or words_of(item):
+            yield Setting(item.name, getattr(owner, item.name), text)
 
 
 def _of_kind(name: str, value: Any, kinds: Kinds, statuses: Mapping[str, str]) -> Iterator[Setting]:
@@ -206,6 +208,8 @@ def _updates(owner: Any, settings: Mapping[str, Any]) -> dict[str, Any]:
             given = settings[item.name]
             is_text = isinstance(given, str)
             updates[item.name] = parse_quantity(item.name, given, meaning) if is_text else given
+        elif is_given and words_of(item) is not None:
+            updates[item.name] = settings[item.name]
     return updates
 
 

@@ -10,7 +10,7 @@ import re
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import Field, asdict, dataclass, field, fields
-from typing import Any
+from typing import Any, ClassVar
 
 from presswear.tools.errors import InputError, nearest, shown
 from presswear.tools.own import OwnFunction
@@ -23,6 +23,7 @@ _UNITS: dict[str, tuple[str, dict[str, float]]] = {
     "kg m^2": ("1e-3kg m^2", dict.fromkeys(("kg m^2", "kg m2", "kgm^2", "kgm2"), 1.0)),
     "Pa": ("200GPa", {"Pa": 1.0, "MPa": 1e6, "GPa": 1e9}),
     "1/Pa": ("1.2e-15/Pa", {"1/Pa": 1.0, "/Pa": 1.0}),
+    "m^3": ("2mm^3", {"m^3": 1.0, "cm^3": 1e-6, "mm^3": 1e-9, "mm3": 1e-9, "mm³": 1e-9}),
     "m/s": ("1mm/s", {"m/s": 1.0, "mm/s": 1e-3}),
     "m/s^2": ("9.81m/s^2", {"m/s^2": 1.0, "m/s2": 1.0}),
     "s": ("1ms", {"s": 1.0, "ms": 1e-3, "us": 1e-6}),
@@ -136,6 +137,8 @@ class Choice:
     own: tuple[str, ...] = ()
     several: bool = False
 
+    unit: ClassVar[str] = ""
+
     @property
     def _between(self) -> str:
         return "" if all(len(word) == 1 for word in self.words[:-1]) else ","
@@ -203,6 +206,31 @@ def choice_of(item: Field[Any], owner: Any) -> Choice | None:
         return None
     words, *rest = item.metadata["choice"]
     return Choice(words(owner) if callable(words) else words, *rest)
+
+
+@dataclass(frozen=True)
+class Words:
+    """A text in a form of its own, which its owner reads."""
+
+    example: str
+    text: str
+
+    unit: ClassVar[str] = ""
+
+    def listed(self) -> tuple[str, ...]:
+        """What it may look like."""
+        return (f"such as {self.example}",)
+
+
+def words(default: str, example: str, text: str) -> Any:
+    """A dataclass field that takes a text, which its owner checks."""
+    return field(default=default, metadata={"words": Words(example, text)})
+
+
+def words_of(item: Field[Any]) -> Words | None:
+    """The meaning of a field made by ``words``; None for any other field."""
+    found = item.metadata.get("words")
+    return found if isinstance(found, Words) else None
 
 
 @dataclass(frozen=True)
@@ -287,6 +315,8 @@ def check_fields(owner: Any) -> None:
             meaning.check(f"{item.name}{whose}", value)
         if words is not None:
             words.check(item.name, value)
+        if words_of(item) is not None and not isinstance(value, str):
+            raise InputError(f"{item.name}{whose} = {shown(value)}: a text is expected")
 
 
 def meaning_of(item: Field[Any]) -> Meaning | None:

@@ -48,7 +48,7 @@ from presswear.show.report.wear import deepest, growth, one_wear, spread
 from presswear.tools.errors import InputError
 from presswear.tools.files import write_bytes
 from presswear.tools.numbers import readable, whole, with_interval
-from presswear.tools.quantities import Choice
+from presswear.tools.quantities import Meaning
 
 
 def write_report(result: Result) -> Path:
@@ -291,7 +291,7 @@ def notes(result: Result) -> list[str]:
     chosen = [
         setting.key
         for setting in settings_of(scene)
-        if not isinstance(setting.meaning, Choice)
+        if isinstance(setting.meaning, Meaning)
         and setting.meaning.status.startswith(("chosen", "assumed", SET))
     ]
     found = [

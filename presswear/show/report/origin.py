@@ -9,7 +9,7 @@ from presswear.scene.bearing import CONVENTIONS, Conventions
 from presswear.scene.settings import Setting, settings_of
 from presswear.show.report.parts import Table, stage_table
 from presswear.tools.numbers import given, readable, whole
-from presswear.tools.quantities import Choice
+from presswear.tools.quantities import Choice, Words
 
 _CONVENTIONS = {item.name for item in fields(Conventions)}
 
@@ -25,6 +25,8 @@ def _origin(setting: Setting) -> tuple[str, str]:
     meaning = setting.meaning
     if isinstance(meaning, Choice):
         return "", f"one of {', '.join(meaning.words)}"
+    if isinstance(meaning, Words):
+        return "", ", ".join(meaning.listed())
     return meaning.unit.replace("^2", "²"), meaning.status
 
 

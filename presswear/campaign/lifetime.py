@@ -1,0 +1,209 @@
+"""The life of a scene: run by its chains, and told as results keep it."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.campaign.chains import SceneChains, growth_between
+from presswear.campaign.crossing import Blocks, chains_of, curve, sampling_error
+from presswear.campaign.ensemble import NOTHING, Partial, Runner
+from presswear.campaign.growth import Growth
+from presswear.campaign.life import Pass, Problem, known_by, live
+from presswear.campaign.phases import phases_of
+from presswear.record.sampling import half_width, quantile
+from presswear.results.life import Ended, LifeResult, LimitResult, PassResult
+from presswear.scene.life import Life, Limit
+from presswear.scene.scene import Scene
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class LifeState:
+    """Where a life stands.
+
+    Attributes
+    ----------
+    passes : tuple of Pass
+        The last perhaps in part.
+    place : tuple of int
+        Pass and span of the runs at hand.
+    partial : Partial
+        Those runs.
+    """
+
+    passes: tuple[Pass, ...] = ()
+    place: tuple[int, int] = (0, 0)
+    partial: Partial = NOTHING
+
+
+@dataclass(frozen=True)
+class Lived:
+    """A life that has run: its passes, and where the stages through it stand.
+
+    Attributes
+    ----------
+    passes : tuple of Pass
+    strokes : float
+        The life, or how far the wear was followed.
+    """
+
+    passes: tuple[Pass, ...]
+    strokes: float
+
+    def growth(self, scene: Scene, begun: Array, index: int) -> Growth:
+        """The wear between a stage and the next: an equal part of the life.
+
+        Parameters
+        ----------
+        begun : ndarray, shape (starts, joints, 2, m)
+            Depth of the surfaces that every start began on, m.
+        """
+        since, until = (self.strokes * k / scene.wears for k in (index, index + 1))
+        return growth_between(self.passes, scene.linkage().clearances, begun, since, until)
+
+
+def problem_of(scene: Scene) -> Problem:
+    """What a scene asks of its life."""
+    own = _life(scene)
+    return Problem(
+        own.limits(scene.clearance_joints),
+        own.services(scene.clearance_joints),
+        own.at_most,
+        scene.tolerance,
+        own.most_cycles,
+    )
+
+
+def _life(scene: Scene) -> Life:
+    assert scene.life is not None, "only a scene with limits has a life"
+    return scene.life
+
+
+def run_life(
+    runner: Runner, begun: Array, state: LifeState, keep: Callable[[LifeState], None]
+) -> tuple[Lived, LifeResult]:
+    """Run the life of a scene, or go on with it.
+
+    Parameters
+    ----------
+    begun : ndarray, shape (starts, joints, 2, m)
+        Depth of the surfaces that every start begins on, m.
+    keep : callable
+        Told now and then where it stands.
+
+    Raises
+    ------
+    InputError
+        Where a limit is exceeded when new.
+    RunFailed
+        Where a run fails before anything is known.
+    """
+    problem = problem_of(runner.scene)
+    done = [state.passes]
+    names = tuple(limit.name for limit in problem.limits)
+    chains = SceneChains(runner, begun, names, lambda: None, state.place, state.partial)
+
+    def told() -> None:
+        keep(LifeState(done[0], chains.place, chains.partial))
+
+    def kept(passes: tuple[Pass, ...]) -> None:
+        done[0] = passes
+        told()
+
+    chains.keep = told
+    passes = live(problem, chains, state.passes, kept)
+    chains.finish()
+    life = told_of(runner.scene, problem, passes)
+    return Lived(passes, life.strokes), life
+
+
+def told_of(scene: Scene, problem: Problem, passes: tuple[Pass, ...]) -> LifeResult:
+    """A life as results keep it."""
+    blocks = passes[-1].blocks
+    known, end = known_by(problem, passes), blocks[-1]
+    ended: Ended = "limit"
+    message = ""
+    if math.isinf(known.strokes):
+        if end.gone:
+            ended, message = "worn", end.gone
+        elif end.strokes >= problem.at_most:
+            ended, message = "at_most", f"no limit is passed within {problem.at_most:.4g} strokes"
+        else:
+            ended = "cycles"
+            message = f"no limit is passed within {_cycles(blocks)} cycles of all starts"
+    scatter = None
+    if _life(scene).scatter == "on":
+        # A life is as long as the wear coefficients are small, all of them together.
+        worst = max(scene.bearing(name).materials.wear_scatter for name in scene.clearance_joints)
+        scatter = quantile(math.inf) * math.sqrt(math.log1p(worst**2))
+    return LifeResult(
+        ended,
+        message,
+        min(known.strokes, end.strokes),
+        _finite(known.sampling),
+        _finite(known.step),
+        scatter,
+        tuple(_limit(problem, passes, limit) for limit in problem.limits),
+        tuple(
+            PassResult(
+                own.change,
+                _cycles(own.blocks),
+                _finite(known_by(problem, [own]).strokes),
+                _finite(sampling_error(own.blocks, problem.limits)),
+            )
+            for own in passes
+        ),
+        tuple(phase for name in scene.clearance_joints for phase in phases_of(blocks, name)),
+        tuple(f"{own.words} after {own.strokes:.4g} strokes" for own in problem.services),
+        curves_of(blocks),
+    )
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def _cycles(blocks: Blocks) -> int:
+    return chains_of(blocks) * sum(block.cycles for block in blocks)
+
+
+def _limit(problem: Problem, passes: tuple[Pass, ...], limit: Limit) -> LimitResult:
+    blocks = passes[-1].blocks
+    known = known_by(problem, passes, [limit])
+    last, half = (float(own[-1]) for own in band(blocks, limit.key))
+    return LimitResult(
+        limit.key,
+        limit.unit,
+        limit.value,
+        _finite(known.strokes),
+        _finite(known.sampling),
+        _finite(known.step),
+        last,
+        half,
+    )
+
+
+def band(blocks: Blocks, key: str) -> tuple[Array, Array]:
+    """A followed number at the ends of blocks, and its half width, each of shape (blocks,).
+
+    The half width is that of the jackknife over the chains.
+    """
+    value, n = curve(blocks, key), chains_of(blocks)
+    if n < 2:
+        return value, np.zeros_like(value)
+    without = np.array([curve(blocks, key, np.delete(np.arange(n), k)) for k in range(n)])
+    pseudo = n * value - (n - 1) * without
+    return value, np.array([half_width(own) for own in pseudo.T])
+
+
+def curves_of(blocks: Blocks) -> dict[str, Array]:
+    """Every followed number over strokes, with its band; see ``LifeResult.curves``."""
+    found = {"strokes": np.array([block.strokes for block in blocks])}
+    for key in (*blocks[0].levels, *blocks[0].samples):
+        value, half = band(blocks, key)
+        found[key] = np.column_stack([value, value - half, value + half])
+    return found

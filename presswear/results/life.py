@@ -1,0 +1,179 @@
+"""A service life as results keep it: after how many strokes, how sure, and the way there."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.record.sampling import Interval
+from presswear.scene.scene import Scene
+from presswear.tools.errors import InputError
+
+Array = NDArray[np.float64]
+
+FILE = "life.npz"
+"""File of its curves."""
+COLUMNS = ("mean", "low", "high")
+"""Columns of a curve."""
+Ended = Literal["limit", "at_most", "worn", "cycles"]
+
+
+@dataclass(frozen=True)
+class LimitResult:
+    """After how many strokes a limit is passed.
+
+    Attributes
+    ----------
+    key, unit : str
+        What is limited, such as ``A.depth``, and its unit.
+    value : float
+        The limit.
+    strokes : float or None
+        None: it is not passed as far as the wear was followed.
+    sampling, step : float or None
+        Half widths of the logarithm of the strokes: by the chance in the motion, and by the step
+        of the wear.
+    last, last_half_width : float or None
+        What was reached at the end, and its half width.
+    """
+
+    key: str
+    unit: str
+    value: float
+    strokes: float | None
+    sampling: float | None
+    step: float | None
+    last: float
+    last_half_width: float | None
+
+
+@dataclass(frozen=True)
+class PassResult:
+    """A pass over a life, each in finer steps than the one before.
+
+    Attributes
+    ----------
+    change : float
+        Part of the clearance that a cycle takes off.
+    cycles : int
+        Of all starts.
+    strokes, sampling : float or None
+        The life by it alone, and the half width of its logarithm.
+    """
+
+    change: float
+    cycles: int
+    strokes: float | None
+    sampling: float | None
+
+
+@dataclass(frozen=True)
+class Phase:
+    """Strokes in which a joint loses about as much in each.
+
+    Attributes
+    ----------
+    joint : str
+    name : str
+        ``running-in``, ``steady`` or ``accelerated``.
+    since, until : float
+        Strokes.
+    rate, half_width : float
+        Volume lost in a stroke, m^3.
+    """
+
+    joint: str
+    name: str
+    since: float
+    until: float
+    rate: float
+    half_width: float
+
+
+@dataclass(frozen=True)
+class LifeResult:
+    """A service life; its fields are the names in ``result.json``, but for the curves.
+
+    Attributes
+    ----------
+    ended : {"limit", "at_most", "worn", "cycles"}
+        Why the wear was followed no further: a limit was passed, or the strokes were as many as
+        were asked, a surface was worn deeper than the model goes (or a run failed), or the cycles
+        were as many as may be.
+    message : str
+        What ended it, where no limit did.
+    strokes : float
+        The life; where no limit was passed, how far the wear was followed.
+    sampling, step, scatter : float or None
+        Half widths of its logarithm: by the chance in the motion, by the step of the wear, and by
+        the scatter of the wear coefficients where that was asked.
+    limits : tuple of LimitResult
+    passes : tuple of PassResult
+    phases : tuple of Phase
+    services : tuple of str
+        What was done to bushes, and when.
+    curves : mapping of str to ndarray
+        ``strokes``, shape (n,), and each followed number by its key, shape (n, 3): COLUMNS.
+    """
+
+    ended: Ended
+    message: str
+    strokes: float
+    sampling: float | None
+    step: float | None
+    scatter: float | None
+    limits: tuple[LimitResult, ...]
+    passes: tuple[PassResult, ...]
+    phases: tuple[Phase, ...]
+    services: tuple[str, ...] = ()
+    curves: Mapping[str, Array] = field(default_factory=dict)
+
+    @property
+    def first(self) -> LimitResult | None:
+        """The limit that is passed first; None where none is."""
+        found = [own for own in self.limits if own.strokes is not None]
+        return min(found, key=lambda own: own.strokes or 0.0) if found else None
+
+    @property
+    def error(self) -> float | None:
+        """Half width of the logarithm of the life, all causes together; None: not known."""
+        if self.sampling is None or self.step is None:
+            return None
+        return math.hypot(self.sampling, self.step, self.scatter or 0.0)
+
+    @property
+    def interval(self) -> Interval:
+        """The life with the ends of its interval, strokes."""
+        if self.error is None:
+            return Interval(self.strokes, None, None)
+        factor = math.exp(self.error)
+        return Interval(self.strokes, self.strokes / factor, self.strokes * factor)
+
+    def hours(self, scene: Scene) -> float:
+        """Hours that the life takes at the scene's own rate, without a pause."""
+        return self.strokes * scene.mechanism.period / 3600.0
+
+    def as_dict(self) -> dict[str, Any]:
+        """It as plain data, without the curves."""
+        plain = asdict(self)
+        del plain["curves"]
+        return plain
+
+
+def check_curves(life: LifeResult, curves: Mapping[str, Array], file: object) -> None:
+    """InputError where curves are missing, misshapen or not finite."""
+    wanted = {"strokes", *(own.key for own in life.limits)}
+    for name in sorted(wanted - curves.keys()):
+        raise InputError(f"{file}: the array {name} is missing")
+    count = curves["strokes"].size
+    for name, values in curves.items():
+        shape = (count,) if name == "strokes" else (count, len(COLUMNS))
+        if values.shape != shape:
+            raise InputError(f"{file}: {name} has the shape {values.shape}; {shape} is expected")
+        if not np.all(np.isfinite(values)):
+            raise InputError(f"{file}: {name} holds a value that is not finite")
+    if np.any(np.diff(curves["strokes"]) < 0.0):
+        raise InputError(f"{file}: strokes go backwards")
