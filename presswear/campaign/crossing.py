@@ -103,7 +103,11 @@ def curve(blocks: Blocks, key: str, chains: Chosen = EVERY) -> Array:
     fits = np.empty(len(blocks))
     for span in sorted({block.span for block in blocks}):
         own = np.array([k for k, block in enumerate(blocks) if block.span == span])
-        fits[own] = _fit([blocks[k] for k in own], key, chains)
+        if any(blocks[k].cycles for k in own):
+            fits[own] = _fit([blocks[k] for k in own], key, chains)
+        else:
+            # No stroke has run since a bush was seen to.
+            fits[own] = fits[own[0] - 1]
     return TOLD[name](fits, float(fits[0])) if name in TOLD else fits
 
 
