@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.record.sampling import Interval
+from presswear.scene.life import FOLLOWED
 from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError
 
@@ -18,6 +19,18 @@ FILE = "life.npz"
 """File of its curves."""
 COLUMNS = ("mean", "low", "high")
 """Columns of a curve."""
+WORDS = {
+    "depth": "depth",
+    "wear_volume": "worn volume",
+    "force_max": "peak force",
+    "total_clearance": "total clearance",
+    "bdc_error": "error of bottom dead centre",
+    "bdc_drift": "drift of bottom dead centre",
+    "repeatability": "repeatability",
+}
+"""Followed numbers as people say them."""
+UNITS = {name: own.unit for name, own in FOLLOWED.items()}
+"""Their units."""
 Ended = Literal["limit", "at_most", "worn", "cycles"]
 
 
@@ -156,11 +169,21 @@ class LifeResult:
         """Hours that the life takes at the scene's own rate, without a pause."""
         return self.strokes * scene.mechanism.period / 3600.0
 
+    def strokes_at(self, scene: Scene, index: int) -> float:
+        """Strokes after which the surfaces are those of a stage: equal parts of the life."""
+        return self.strokes * index / scene.wears
+
     def as_dict(self) -> dict[str, Any]:
         """It as plain data, without the curves."""
         plain = asdict(self)
         del plain["curves"]
         return plain
+
+
+def words_of(key: str) -> str:
+    """A followed number in words, such as ``depth of A``, from its key."""
+    joint, _, name = key.rpartition(".")
+    return f"{WORDS[name]} of {joint}" if joint else WORDS[name]
 
 
 def check_curves(life: LifeResult, curves: Mapping[str, Array], file: object) -> None:

@@ -29,13 +29,14 @@ from presswear.results.stored import (
 from presswear.results.strokes import Strokes, height_of, process_force, strokes_of
 from presswear.results.tonnage import Tonnage, tonnage_of
 from presswear.scene.changes import name_of
-from presswear.scene.scene import Scene
+from presswear.scene.scene import Scene, stage_name
 from presswear.tools.arrays import read_numbers
 from presswear.tools.checked import checked
 from presswear.tools.documents import read_sealed
 from presswear.tools.errors import InputError
 from presswear.tools.files import read_checked
 from presswear.tools.folders import holder
+from presswear.tools.numbers import large
 
 if TYPE_CHECKING:
     import pandas
@@ -96,6 +97,12 @@ class Result:
         where = self.path or self.scene.name
         raise InputError(f"{where} has no stage {index}; it has {told}{near}")
 
+    def stage_name(self, index: int) -> str:
+        """Name of a stage: what it has worn by, or after how many strokes of a life it stands."""
+        if self.life is None or index == 0:
+            return stage_name(index, any(own.index == 0 and own.is_worn for own in self.stages))
+        return f"after {large(self.life.strokes_at(self.scene, index))} strokes"
+
     def strokes(self, index: int) -> Strokes | None:
         """The recorded strokes of a stage on the work; None where the scene has no process."""
         return strokes_of(self.scene, self.stage(index))
@@ -133,7 +140,8 @@ class Result:
             head += [f"peak force {name} (N)", f"one wear {name} (mm³)"]
         rows = [[*head, "ended"]]
         for stage in self.stages:
-            row = [stage.name if names else "computed", str(stage.statistics["cycles"])]
+            name = self.stage_name(stage.index) if names else "computed"
+            row = [name, str(stage.statistics["cycles"])]
             for joint in stage.joints.values():
                 volume = joint.statistics.get("wear_volume_m3")
                 row += [
@@ -182,7 +190,8 @@ class Result:
         import pandas
 
         table = pandas.json_normalize([dict(stage.statistics) for stage in self.stages])
-        table.index = pandas.Index([stage.name for stage in self.stages], name="stage")
+        names = [self.stage_name(stage.index) for stage in self.stages]
+        table.index = pandas.Index(names, name="stage")
         return table
 
     def dataset(self, stage: int) -> "xarray.Dataset":

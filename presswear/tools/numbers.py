@@ -36,6 +36,29 @@ def readable(value: float | None, digits: int = 3) -> str:
     return _written(f"{rounded:,.{max(_decimals(rounded, digits), 0)}f}", power)
 
 
+def count_scale(largest: float) -> tuple[float, str]:
+    """Factor and word by which a large count is told; no word below a million."""
+    for factor, word in ((1e-9, "billion"), (1e-6, "million")):
+        if largest * factor >= 1.0:
+            return factor, word
+    return 1.0, ""
+
+
+def large(*values: float, digits: int = 3) -> str:
+    """Counts as they are said, several as a range in one word: ``8.7 to 9.5 million``."""
+    largest = max(values)
+    if largest <= 0.0:
+        return "0"
+    largest = round(largest, _decimals(largest, digits))
+    factor, word = count_scale(largest)
+    decimals = max(_decimals(factor * largest, digits), 0)
+    texts = []
+    for own in values:
+        text = f"{round(factor * own, _decimals(factor * largest, digits)):,.{decimals}f}"
+        texts.append(_written(text.rstrip("0").rstrip(".") if "." in text else text))
+    return f"{' to '.join(texts)} {word}".rstrip()
+
+
 def given(value: float) -> str:
     """A number that a person chose, as short as it was chosen."""
     mantissa, _, power = f"{value:.6g}".partition("e")

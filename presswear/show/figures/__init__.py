@@ -11,6 +11,7 @@ import matplotlib
 from presswear.results.result import Result
 from presswear.show.figures.bottom import bottom_dead_centre
 from presswear.show.figures.drives import drive_work
+from presswear.show.figures.life import service_life
 from presswear.show.figures.mechanism import mechanism
 from presswear.show.figures.motion import centre_trajectory, contact_force, response
 from presswear.show.figures.stroke import height_over_angle
@@ -31,6 +32,7 @@ from presswear.tools.files import write_whole
 __all__ = ["NAMES", "Drawing", "drawings", "plot", "save"]
 
 NAMES: dict[str, Callable[[Result, Stages], list[Drawing]]] = {
+    "life": service_life,
     "mechanism": mechanism,
     "stroke": height_over_angle,
     "tonnage": force_over_stroke,

@@ -27,6 +27,7 @@ from presswear.show.figures.style import (
     maps_turn,
     note,
     shown_stages,
+    wrapped,
 )
 from presswear.tools.numbers import readable
 
@@ -259,7 +260,7 @@ def centre_trajectory(result: Result, stages: Stages) -> list[Drawing]:
             widest, bounded = max(widest, reach), bounded or limit.size > 0
         row[0].set_ylabel(f"joint {joint}\n$e_y$ ({unit})")
     for axes, stage in zip(grid[0], shown, strict=True):
-        axes.set_title(stage.pen.label)
+        axes.set_title(wrapped(stage.pen.label, side))
     for axes in grid[-1]:
         axes.set_xlabel(f"$e_x$ ({unit})")
     set_path_limits(grid.flat, 1.06 * factor * widest)

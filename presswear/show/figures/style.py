@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from textwrap import fill
 from typing import Any, Literal
 
 import numpy as np
@@ -48,6 +49,8 @@ SETTINGS: dict[Any, Any] = {
     "lines.linewidth": 1.1,
 }
 
+_ROW, _HANDLE = 112, 8
+"""Letters in the width of a figure, and those that a line takes in a legend."""
 # The palette of Okabe and Ito, told apart with every common colour blindness.
 _COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00")
 _DASHES: tuple[LineStyle, ...] = (
@@ -88,14 +91,15 @@ class Pen:
 
     def draw(self, axes: Axes, x: ArrayLike, y: ArrayLike, **look: Any) -> None:
         """Draw ``y`` over ``x``, shape (n,) each; ``look`` changes matplotlib's line."""
-        axes.plot(x, y, **self._look | look)
+        axes.plot(x, y, **self.look | look)
 
     def handle(self) -> Line2D:
         """The line in a legend."""
-        return Line2D([], [], label=self.label, **self._look)
+        return Line2D([], [], label=self.label, **self.look)
 
     @property
-    def _look(self) -> dict[str, Any]:
+    def look(self) -> dict[str, Any]:
+        """How matplotlib draws it."""
         return {"color": self.colour, "linestyle": self.dashes, "linewidth": self.width}
 
 
@@ -121,7 +125,8 @@ def shown_stages(result: Result, stages: Stages) -> list[ShownStage]:
 
 def stage_names(result: Result, stages: Iterable[StageResult]) -> list[str]:
     """Names of stages; one word for all where nothing can wear."""
-    return [stage.name if result.scene.clearance_joints else "computed" for stage in stages]
+    worn = bool(result.scene.clearance_joints)
+    return [result.stage_name(stage.index) if worn else "computed" for stage in stages]
 
 
 def between(stage: StageResult, begin: float, end: float) -> StageResult:
@@ -148,9 +153,16 @@ def angle_label(result: Result, side: str) -> str:
 
 
 def legend(sheet: Sheet, pens: Iterable[Pen], place: Place, **look: Any) -> None:
-    """Name the lines of a figure in one row; ``look`` changes matplotlib's legend."""
+    """Name the lines of a figure, in one row if they fit; ``look`` changes matplotlib's legend."""
     handles = [pen.handle() for pen in pens]
-    sheet.legend(handles=handles, loc=place, ncols=len(handles), **look)
+    letters = sum(len(str(handle.get_label())) + _HANDLE for handle in handles)
+    columns = math.ceil(len(handles) / math.ceil(letters / _ROW))
+    sheet.legend(handles=handles, loc=place, ncols=columns, **look)
+
+
+def wrapped(label: str, width: float) -> str:
+    """A text in lines of a width, inches."""
+    return fill(label, max(round(width * _ROW / WIDTH), 1))
 
 
 def length_scale(largest: float) -> tuple[float, str]:
@@ -159,6 +171,18 @@ def length_scale(largest: float) -> tuple[float, str]:
         if largest * factor >= 1.0:
             return factor, unit
     return 1e12, "pm"
+
+
+def unit_scale(unit: str, largest: float) -> tuple[float, str]:
+    """Factor and unit in which a number of an SI unit reads well."""
+    match unit:
+        case "m":
+            return length_scale(largest)
+        case "m^3":
+            return (1e9, "mm³") if largest >= 1e-12 else (1e18, "µm³")
+        case "N" if largest >= 1e4:
+            return 1e-3, "kN"
+    return 1.0, unit
 
 
 def round_down(value: float) -> float:

@@ -7,7 +7,6 @@ from matplotlib.ticker import MultipleLocator
 
 from presswear.results.result import Result
 from presswear.results.stage import SIDES, StageResult
-from presswear.scene.scene import stage_name
 from presswear.show.figures.style import (
     LINES,
     MICRONS,
@@ -87,8 +86,9 @@ def _curves(result: Result, stages: Stages, joint: str, sides: tuple[str, ...]) 
         if stage.data.is_worn
     ]
     last = stages[-1]
-    if last is result.stages[-1] and not last.failed:
-        not_run = Pen(f"{stage_name(last.index + 1)}, not run", MUTED, (0.0, (2.0, 2.0)))
+    # Behind a life nobody asks for more.
+    if last is result.stages[-1] and not last.failed and result.life is None:
+        not_run = Pen(f"{result.stage_name(last.index + 1)}, not run", MUTED, (0.0, (2.0, 2.0)))
         curves.append((not_run, total(last, "depth", "wear")))
     return [(pen, depth) for pen, depth in curves if np.any(depth > 0.0)]
 
@@ -109,8 +109,12 @@ def _draw_depth(axes: Axes, angle: Array, curves: list[Curve]) -> None:
 
 
 def wear_growth(result: Result, stages: Stages) -> list[Drawing]:
-    """Deepest depth of each surface over represented cycles, where wear went in steps."""
-    if not result.grew_in_steps or not any(stage.wear_steps for stage in stages):
+    """Deepest depth of each surface over represented cycles, where wear went in steps.
+
+    Nothing of a life, which has a figure of its own.
+    """
+    grew = result.grew_in_steps and any(stage.wear_steps for stage in stages)
+    if result.life is not None or not grew:
         return []
     joints = result.scene.clearance_joints
     steps = [step for stage in result.stages for step in stage.wear_steps]
@@ -120,7 +124,7 @@ def wear_growth(result: Result, stages: Stages) -> list[Drawing]:
     for stage in stages:
         last += len(stage.wear_steps)
         if stage.wear_steps:
-            ends.append((cycles[last], stage_name(stage.index + 1)))
+            ends.append((cycles[last], result.stage_name(stage.index + 1)))
     shown = slice(first, last + 1)
     marker = "." if last - first < _MARKED_STEPS else ""
     sheet = Sheet(figsize=(WIDTH, 2.9), layout="constrained")

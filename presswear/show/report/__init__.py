@@ -11,9 +11,11 @@ from presswear.scene.changes import title_of
 from presswear.scene.scene import Scene
 from presswear.scene.settings import SET, settings_of
 from presswear.show.figures import drawings
+from presswear.show.figures.life import FILE as LIFE
 from presswear.show.figures.style import stage_names
 from presswear.show.report.bottom import bottom, under_load
 from presswear.show.report.drives import drives
+from presswear.show.report.life import life_head
 from presswear.show.report.origin import (
     convention_set,
     conventions,
@@ -47,7 +49,7 @@ from presswear.show.report.tonnage import tonnage
 from presswear.show.report.wear import deepest, growth, one_wear, spread
 from presswear.tools.errors import InputError
 from presswear.tools.files import write_bytes
-from presswear.tools.numbers import readable, whole, with_interval
+from presswear.tools.numbers import large, readable, whole, with_interval
 from presswear.tools.quantities import Meaning
 
 
@@ -75,6 +77,8 @@ def render(result: Result, figures: list[Illustration]) -> str:
         title=title_of(result.scene),
         differs=differs,
         changes=changes,
+        life=life_head(result),
+        life_figures=[figure for figure in figures if figure.file == LIFE],
         in_short=in_short(result),
         overview=overview(result, loaded),
         moments=moments(result),
@@ -88,7 +92,7 @@ def render(result: Result, figures: list[Illustration]) -> str:
         drives=drives(result),
         endings=endings(result),
         growth=growth(result),
-        figures=[figure for figure in figures if figure.file not in OPENING],
+        figures=[figure for figure in figures if figure.file not in (*OPENING, LIFE)],
         means=cycle_means(result),
         notes=notes(result),
         parameters=parameters(result),
@@ -285,6 +289,18 @@ def _given(scene: Scene) -> str:
     return f"The first stage begins on surfaces from {source}, deepest: {deepest}."
 
 
+def _one_wear(result: Result) -> str:
+    """What a wear between two stages stands for."""
+    last = "The wear that the last stage would cause is given, but no stage ran on it."
+    if result.life is None:
+        return f"{last} One wear stands for {whole(result.scene.represented_cycles)} cycles."
+    part = large(result.life.strokes_at(result.scene, 1))
+    return (
+        f"Stages stand at equal parts of the life: a wear from one to the next is of {part} "
+        f"strokes. {last}"
+    )
+
+
 def notes(result: Result) -> list[str]:
     """Sentences to bear in mind when reading the numbers."""
     scene = result.scene
@@ -327,10 +343,7 @@ def notes(result: Result) -> list[str]:
             "wear there are worth as much less."
         )
     if any(own.materials.wear_coefficient > 0.0 for own in bearings):
-        found.append(
-            "The wear that the last stage would cause is given, but no stage ran on it. One wear "
-            f"stands for {whole(scene.represented_cycles)} cycles."
-        )
+        found.append(_one_wear(result))
         scatters = sorted({f"{100.0 * own.materials.wear_scatter:g} %" for own in bearings})
         found.append(
             "Depths and volumes are as true as the wear coefficient, which no interval holds: from "

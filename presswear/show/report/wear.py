@@ -6,7 +6,6 @@ import numpy as np
 
 from presswear.results.result import Result
 from presswear.results.stage import SIDES, StageResult, WearStep
-from presswear.scene.scene import stage_name
 from presswear.show.figures.style import maps_turn
 from presswear.show.report.parts import (
     CUBIC_MILLIMETRES,
@@ -104,7 +103,7 @@ def growth(result: Result) -> Table | None:
     worn = [stage for stage in result.stages if stage.wear_steps]
     return column_table(
         "how the wear was applied",
-        [stage_name(stage.index + 1) for stage in worn],
+        [result.stage_name(stage.index + 1) for stage in worn],
         [stage.wear_steps for stage in worn],
         {"": how, **by_joint(result, of_joint)},
     )
