@@ -9,7 +9,6 @@ from presswear.scene.scene import Scene
 from presswear.tools.numbers import with_interval
 from presswear.tools.stopping import check_stopped
 
-
 LIFE = "life,"
 """Begin of words on a life, which stands for itself."""
 
