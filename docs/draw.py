@@ -1,8 +1,10 @@
 """Pictures of the documentation that no study draws.
 
-Run:  python docs/draw.py
+Run:  python docs/draw.py [NAME ...]
 """
 
+import math
+import sys
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -13,14 +15,26 @@ from cycler import cycler
 from matplotlib.axes import Axes
 
 import presswear
+from presswear.campaign.campaign import begun_on, run_stage
+from presswear.campaign.chains import SceneChains
+from presswear.campaign.crossing import passed
+from presswear.campaign.ensemble import Runner
+from presswear.campaign.life import Pass, Problem, Step, next_step
+from presswear.campaign.progress import Forecast
+from presswear.campaign.single import workers_of
 from presswear.engines.base import Plan
 from presswear.engines.settings import InHouse
 from presswear.linkage.laws import DAMPINGS, KELVIN_VOIGT, NormalLaw, delivered_restitution
 from presswear.linkage.loads import Force, OverPosition
 from presswear.linkage.motions import RISES, Drive, Rise
 from presswear.linkage.slider_crank import SliderCrank
+from presswear.record.sampling import STARTUP_CYCLES, half_width
+from presswear.scene.life import Limit
 from presswear.scene.scene import Scene
+from presswear.scene.settings import changed
 from presswear.show.figures.style import LINES, SETTINGS, WIDTH
+from presswear.tools.arrays import Array
+from presswear.tools.workers import Workers
 from presswear.trials.verify import references
 from presswear.trials.verify.verify import delivered
 
@@ -80,14 +94,78 @@ def load(axes: Axes) -> None:
     axes.legend(frameon=False, title="against the way out, until the part breaks through")
 
 
+UNTIL = Limit("depth", "A", 2e-5)
+CHANGES = (5e-3, 2e-3, 1e-3, 5e-4)
+"""Parts of the clearance that a cycle, or a jump, takes off."""
+TINY = 1.25e-4
+JUMP = 10
+"""Cycles of which a jump multiplies the mean map."""
+
+
+def life(axes: Axes) -> None:
+    """Error of a life of wear-times over cycles: cycle by cycle, and in jumps of ten cycles."""
+    scene = changed(presswear.scenes.wear_times(), {"conventions": "refined", "engine": "dae"})
+    scene = replace(scene, starts=8)
+    with workers_of([scene], None) as workers:
+        right = np.log(_steps(scene, TINY, workers)[1])
+        truth = float(right.mean())
+        print(f"tiny steps: {math.exp(truth):.4g} strokes, {half_width(right):.2g} of it")
+        for label, run in {"cycle by cycle": _steps, "jumps of ten cycles": _jumps}.items():
+            found = [run(scene, change, workers) for change in CHANGES]
+            cycles = [own[0] for own in found]
+            off = np.array([np.log(own[1]) - truth for own in found])
+            for place, error in zip(cycles, off, strict=True):
+                print(
+                    f"{label}: {place} cycles of each start, off by {error.mean():+.3f}, one "
+                    f"start by {np.sqrt((error**2).mean()):.3f}"
+                )
+            (line,) = axes.loglog(cycles, np.sqrt((off**2).mean(axis=1)), "o-", label=label)
+            axes.loglog(cycles, np.abs(off.mean(axis=1)), "o:", color=line.get_color())
+    axes.set_xlabel("simulated cycles until A is worn 20 µm deep")
+    axes.set_ylabel("error of the life, part of it")
+    axes.legend(frameon=False, title="whole: root mean square of one start; dotted: mean of eight")
+
+
+def _steps(scene: Scene, change: float, workers: Workers) -> tuple[int, Array]:
+    """Cycles of each start, and the life of each, where each cycle takes a part off."""
+    chains = SceneChains(Runner(scene, Forecast(scene, ()), workers), begun_on(scene), ())
+    problem = Problem((UNTIL,), (), 1e12, 1.0, 1_000_000)
+    own = Pass(change, 1)
+    while isinstance(step := next_step(problem, own), Step):
+        own = replace(own, blocks=(*own.blocks, chains.go(1, own.blocks, step)))
+        each = [passed(own.blocks, UNTIL, np.array([k])) for k in range(scene.draws)]
+        if np.all(np.isfinite(each)):
+            break
+    return sum(block.cycles for block in own.blocks[1:]), np.array(each)
+
+
+def _jumps(scene: Scene, change: float, workers: Workers) -> tuple[int, Array]:
+    """The same where each jump multiplies the mean map of ten cycles on surfaces that stay."""
+    worn, strokes, jumps = begun_on(scene), [0.0], 0
+    depth = [np.zeros(scene.draws)]
+    joint = scene.linkage().clearances[0]
+    while np.any(depth[-1] < UNTIL.value):
+        seeded = replace(scene, cycles=STARTUP_CYCLES + JUMP, seed=jumps, wears=0, purpose="wear")
+        maps = run_stage(seeded, 0, worn, workers=workers)[1].depths()
+        share = change * joint.clearance / float(maps[:, 0].mean(axis=0).max())
+        worn = worn + share * maps
+        jumps += 1
+        strokes.append(strokes[-1] + share)
+        depth.append(worn[:, 0].max(axis=(1, 2)))
+    each = [np.interp(UNTIL.value, np.array(depth)[:, k], strokes) for k in range(scene.draws)]
+    return JUMP * jumps, np.array(each)
+
+
 PICTURES: dict[str, Callable[[Axes], None]] = {
     "restitution": restitution,
     "motion": motion,
     "load": load,
+    "life": life,
 }
 
 if __name__ == "__main__":
-    for title, draw in PICTURES.items():
+    for title in sys.argv[1:] or PICTURES:
+        draw = PICTURES[title]
         with plt.rc_context({**SETTINGS, "axes.prop_cycle": cycler(color=COLOURS)}):
             figure, axes = plt.subplots(figsize=(WIDTH, 0.6 * WIDTH), layout="constrained")
             draw(axes)

@@ -34,13 +34,18 @@ def add(commands: Any) -> None:
     parser.add_argument(
         "--compare", metavar="WHAT", help="beside it: another stage, 1, or folder, or DIR:STAGE"
     )
+    parser.add_argument(
+        "--life", action="store_true", help="through a life: the last cycle of each stage in turn"
+    )
     parser.add_argument("--movie", type=Path, metavar="FILE", help="write a film, .mp4 or .gif")
     parser.add_argument("--still", type=Path, metavar="FILE", help="write one picture, .png")
     parser.add_argument("--at", metavar="T", help="time of the still, for instance 0.31s")
     parser.add_argument(
         "--from", dest="start", metavar="T", help="where a film begins (default: second cycle)"
     )
-    parser.add_argument("--to", dest="end", metavar="T", help="where it ends (default: one cycle)")
+    parser.add_argument(
+        "--to", dest="end", metavar="T", help="where it ends (default: one cycle of each stage)"
+    )
     parser.add_argument("--slow", metavar="N", help="times slower (default: a cycle in 10 s)")
     parser.add_argument("--rate", default="25", metavar="N", help="pictures a second (25)")
     parser.add_argument("--size", default="960x640", metavar="WxH", help="pixels (960x640)")
@@ -55,7 +60,7 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
         from presswear.show.replay.window import check_display
 
         check_display()
-    reels = [_reel(arguments.folder, arguments.stage, console)]
+    reels = [_first(arguments, console)]
     if arguments.compare is not None:
         from presswear.show.replay.reel import alike
 
@@ -73,6 +78,8 @@ def _check(arguments: argparse.Namespace) -> None:
         raise InputError("--still and --movie are two calls: give one of them")
     if arguments.at is not None and arguments.still is None:
         raise InputError("--at is the time of a --still; a film has --from and --to")
+    if arguments.life and (arguments.stage, arguments.compare) != (None, None):
+        raise InputError("--life goes through all stages: give no --stage and no --compare")
     if arguments.still is not None and arguments.still.suffix.lower() != ".png":
         raise InputError(f"--still {arguments.still}: a name that ends in .png is expected")
     for file in (arguments.still, arguments.movie):
@@ -86,6 +93,14 @@ def _check(arguments: argparse.Namespace) -> None:
         from presswear.show.replay.movie import check_movie
 
         check_movie(arguments.movie)
+
+
+def _first(arguments: argparse.Namespace, console: Console) -> "Reel":
+    if not arguments.life:
+        return _reel(arguments.folder, arguments.stage, console)
+    from presswear.show.replay.reel import life_reel
+
+    return life_reel(finished_part(arguments.folder, console))
 
 
 def _reel(folder: Path, stage: str | None, console: Console) -> "Reel":
@@ -152,7 +167,7 @@ def _movie(
 
     first = reels[0]
     start = _time("--from", arguments.start, first, first.start)
-    end = _time("--to", arguments.end, first, min(start + first.period, first.span[1]))
+    end = _time("--to", arguments.end, first, min(start + first.whole, first.span[1]))
     if end <= start:
         raise InputError(f"--to {end:g} s: it must be after --from, {start:g} s")
     slowed = _slowed(arguments, first)

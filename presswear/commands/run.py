@@ -1,6 +1,7 @@
 """``presswear run`` and ``presswear report``: a scene or a study into its result folder."""
 
 import argparse
+from collections.abc import Callable
 from contextlib import AbstractContextManager, closing, nullcontext
 from functools import partial
 from pathlib import Path
@@ -50,42 +51,7 @@ def add(commands: Any) -> None:
     )
     named = ", ".join((*SCENES, *STUDIES))
     run.add_argument("scene", help=f"a file, FILE.toml, or one of: {named}")
-    run.add_argument("--out", type=folder_given, help="new result folder (default results/SCENE)")
-    run.add_argument(
-        "--engine", help="exudyn (default: the smallest model), exudyn-tree, exudyn-joints or dae"
-    )
-    run.add_argument("--conventions", help="paper (as printed) or refined; default: the scene's")
-    run.add_argument("--cycles", help="cycles of each stage; default: until the maps are known")
-    run.add_argument("--wears", help="how often the joints are worn (0, 1, 2, ...)")
-    run.add_argument("--tolerance", help="how well wear maps must be known (default 0.1)")
-    run.add_argument(
-        "--set",
-        action="append",
-        default=[],
-        metavar="KEY=VALUE",
-        help="change one value, with its unit; repeatable (see presswear list SCENE)",
-    )
-    run.add_argument(
-        "--on",
-        metavar="SURFACES",
-        help="begin on given surfaces: DIR:STAGE, those that a stage of another result ran on (1: "
-        "those after its first wear, the mean of its starts; without :STAGE its last stage), or "
-        "FILE.csv, measured ones, with a header such as joint,side,angle (deg),depth (um), side "
-        "bearing or pin; other angles than the maps' own are resampled, the worn volume kept",
-    )
-    run.add_argument("--jobs", metavar="N", help="runs at a time (default: all cores)")
-    run.add_argument(
-        "--resume",
-        action="store_true",
-        help="go on with the run in --out, with the same numbers as if it had never stopped; "
-        "without other options with those that it was started with",
-    )
-    run.add_argument(
-        "--checkpoint",
-        default="60",
-        metavar="SECONDS",
-        help="time between two checkpoints within a stage (default 60; 0: after every cycle)",
-    )
+    add_options(run, "results/SCENE")
     run.add_argument("--live", action="store_true", help="show the press in a window while it runs")
     run.set_defaults(run=_run)
 
@@ -97,7 +63,47 @@ def add(commands: Any) -> None:
     report.set_defaults(run=_report)
 
 
-def _with_options(scene: Scene, arguments: argparse.Namespace) -> Scene:
+def add_options(parser: Any, folder: str) -> None:
+    """Add what ``run`` and ``life`` can be told about a scene and where it runs."""
+    parser.add_argument("--out", type=folder_given, help=f"new result folder (default {folder})")
+    parser.add_argument(
+        "--engine", help="exudyn (default: the smallest model), exudyn-tree, exudyn-joints or dae"
+    )
+    parser.add_argument("--conventions", help="paper (as printed) or refined; default: the scene's")
+    parser.add_argument("--cycles", help="cycles of each stage; default: until the maps are known")
+    parser.add_argument("--wears", help="how often the joints are worn (0, 1, 2, ...)")
+    parser.add_argument("--tolerance", help="how well wear maps must be known (default 0.1)")
+    parser.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="KEY=VALUE",
+        help="change one value, with its unit; repeatable (see presswear list SCENE)",
+    )
+    parser.add_argument(
+        "--on",
+        metavar="SURFACES",
+        help="begin on given surfaces: DIR:STAGE, those that a stage of another result ran on (1: "
+        "those after its first wear, the mean of its starts; without :STAGE its last stage), or "
+        "FILE.csv, measured ones, with a header such as joint,side,angle (deg),depth (um), side "
+        "bearing or pin; other angles than the maps' own are resampled, the worn volume kept",
+    )
+    parser.add_argument("--jobs", metavar="N", help="runs at a time (default: all cores)")
+    parser.add_argument(
+        "--resume",
+        action="store_true",
+        help="go on with the run in --out, with the same numbers as if it had never stopped; "
+        "without other options with those that it was started with",
+    )
+    parser.add_argument(
+        "--checkpoint",
+        default="60",
+        metavar="SECONDS",
+        help="time between two checkpoints within a stage (default 60; 0: after every cycle)",
+    )
+
+
+def with_options(scene: Scene, arguments: argparse.Namespace) -> Scene:
     """A scene changed as the options of ``run`` say; InputError before anything runs."""
     settings = settings_given(arguments.set)
     for key in OPTIONS:
@@ -120,19 +126,37 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
             raise InputError(f"--live is for scenes; {arguments.scene} is a study of several")
         from presswear.commands import studies
 
-        change = partial(_with_options, arguments=arguments)
-        return studies.run(arguments, console, None if _is_plain(arguments) else change)
+        change = partial(with_options, arguments=arguments)
+        return studies.run(arguments, console, None if is_plain(arguments) else change)
+    make = partial(with_options, arguments=arguments)
+    return run_or_go_on(arguments, console, None if is_plain(arguments) else make)
+
+
+def run_or_go_on(
+    arguments: argparse.Namespace,
+    console: Console,
+    change: Callable[[Scene], Scene] | None,
+) -> int:
+    """Run a scene as the options say, or go on with it, and write its report.
+
+    Parameters
+    ----------
+    change : callable or None
+        Changes the scene that was named; None: nothing is said about it, and a run that is gone
+        on with is the one in its folder.
+    """
     jobs = jobs_given(arguments.jobs)
     interval = seconds_given("--checkpoint", arguments.checkpoint)
     if arguments.resume and arguments.out is None:
         raise InputError("--resume needs the folder to go on in: --out DIR")
     goes_on = arguments.resume and (arguments.out / "result.json").exists()
-    if goes_on and _is_plain(arguments):
+    if goes_on and change is None:
         # Neither its file nor those of its laws are needed any more.
         scene = _stored_scene(arguments)
     else:
-        scene = _with_options(scene_given(arguments.scene), arguments)
-    folder = arguments.out or free_folder(scene.name)
+        scene = scene_given(arguments.scene)
+        scene = scene if change is None else change(scene)
+    folder = arguments.out or free_folder(f"{scene.name}-life" if scene.life else scene.name)
     from presswear.results.folder import ResultFolder
     from presswear.results.result import load
 
@@ -143,7 +167,7 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
             console.print(remark, highlight=False, soft_wrap=True)
         if store.is_finished:
             console.print(f"the run in {folder} has come to its end before", highlight=False)
-        _run_into(arguments.scene, store, scene, jobs, window, console)
+        _run_into(arguments, store, scene, jobs, window, console)
     from presswear.show.report import write_report
 
     result = load(folder)
@@ -155,7 +179,7 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
     return 0
 
 
-def _is_plain(arguments: argparse.Namespace) -> bool:
+def is_plain(arguments: argparse.Namespace) -> bool:
     """True where nothing is said about the scene but its name."""
     told = (arguments.on, *(getattr(arguments, key) for key in OPTIONS))
     return not arguments.set and all(own is None for own in told)
@@ -174,19 +198,19 @@ def _stored_scene(arguments: argparse.Namespace) -> Scene:
 
 
 def _run_into(
-    given: str,
+    arguments: argparse.Namespace,
     store: "ResultFolder",
     scene: Scene,
     jobs: int | None,
     window: "Live | None",
     console: Console,
 ) -> None:
-    """Run a scene, given by a name or a file, into its folder, with progress on the terminal."""
+    """Run a scene into its folder, with progress on the terminal."""
     from presswear.campaign.single import run_into, workers_of
     from presswear.commands.running import Terminal
     from presswear.tools.compiled import told_of_compiling
 
-    go_on = go_on_with(scene.name, store.path)
+    go_on = go_on_with(scene.name, store.path, arguments.command)
     try:
         with goes_on(go_on, store.path, lambda: store.kept), progress_bar(console) as bar:
             terminal = Terminal(bar, scene)
@@ -197,12 +221,12 @@ def _run_into(
             ):
                 run_into(store, scene, trackers, workers)
     except InputError as error:
-        raise InputError(f"{given}: {error}") from None
+        raise InputError(f"{arguments.scene}: {error}") from None
 
 
 def _window(arguments: argparse.Namespace, scene: Scene) -> "AbstractContextManager[Live | None]":
     """The window that shows the run while it lasts, where that is asked for."""
-    if not arguments.live:
+    if not getattr(arguments, "live", False):
         return nullcontext()
     from presswear.show.replay.live import Live
 

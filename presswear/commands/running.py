@@ -3,10 +3,14 @@
 from rich.progress import Progress as Bar
 
 from presswear.record.tracker import Progress, Tracker
+from presswear.results.life import LifeResult
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
 from presswear.tools.numbers import with_interval
 from presswear.tools.stopping import check_stopped
+
+LIFE = "life,"
+"""Begin of words on a life, which stands for itself."""
 
 
 class Terminal(Tracker):
@@ -26,13 +30,17 @@ class Terminal(Tracker):
         """Show where the campaign stands; ends it where a signal has come."""
         check_stopped()
         name, word = self._scene.stage_name(progress.stage), progress.word
-        is_wear = word.startswith(self._scene.stage_name(progress.stage + 1))
+        is_wear = word.startswith((self._scene.stage_name(progress.stage + 1), LIFE))
         description = word if is_wear else f"{name}: {word}" if word else name
         self._bar.update(self._task, description=description, completed=progress.whole)
 
     def remark(self, line: str) -> None:
         """Print it."""
         self._bar.console.print(line, highlight=False, soft_wrap=True)
+
+    def life(self, life: LifeResult) -> None:
+        """Tell what came out."""
+        self._bar.console.print(f"{life}", highlight=False, soft_wrap=True)
 
     def stage(self, stage: StageResult) -> None:
         """Tell what was modelled, and what came out."""

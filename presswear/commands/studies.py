@@ -19,7 +19,7 @@ from presswear.commands.terminal import (
 )
 from presswear.record.tracker import Tracker
 from presswear.scene.scene import Scene
-from presswear.studies import STUDIES, make_study, write_report
+from presswear.studies import OF_A_SCENE, STUDIES, make_study, write_report
 from presswear.tools.errors import InputError
 from presswear.tools.stopping import check_stopped
 
@@ -69,29 +69,40 @@ def run(
     change : callable or None
         None: none was asked for, and a study that is gone on with is the one in its folder.
     """
+    study = stored_study(arguments, arguments.scene) if change is None else None
+    run_into(study or make_study(arguments.scene, change or unchanged), arguments, console)
+    return 0
+
+
+def stored_study(arguments: argparse.Namespace, name: str) -> Study | None:
+    """The study to go on with; None where none is there.  InputError where it is another."""
+    if not (arguments.resume and arguments.out is not None and is_study(arguments.out)):
+        return None
+    study = load_study(arguments.out)
+    if study.name != name:
+        raise InputError(f"--out {arguments.out}: it holds the study {study.name}, not {name}")
+    return study
+
+
+def run_into(study: Study, arguments: argparse.Namespace, console: Console) -> None:
+    """Run a study into one folder, or go on with it, and write its report."""
     jobs = jobs_given(arguments.jobs)
     interval = seconds_given("--checkpoint", arguments.checkpoint)
     if arguments.resume and arguments.out is None:
         raise InputError("--resume needs the folder to go on with: --out DIR")
-    if change is None and arguments.resume and is_study(arguments.out):
-        study = load_study(arguments.out)
-        if study.name != arguments.scene:
-            raise InputError(
-                f"--out {arguments.out}: it holds the study {study.name}, not {arguments.scene}"
-            )
-    else:
-        study = make_study(arguments.scene, change or unchanged)
     folder = arguments.out or free_folder(study.name)
-    go_on = go_on_with(study.name, folder)
+    go_on = go_on_with(arguments.scene, folder, arguments.command)
     waiting(study, folder, arguments.resume)
     kept = "finished runs are kept, the others go on where they stood"
     with goes_on(go_on, folder, lambda: kept), progress_bar(console) as bar:
         run_study(study, folder, jobs, arguments.resume, [Board(study, bar)], interval)
-    return report(folder, console)
+    report(folder, console)
 
 
 def check_study(study: Study, folder: Path) -> None:
     """InputError where a stored study is not one that this version can tell about."""
+    if study.name in OF_A_SCENE:
+        return
     if study.name not in STUDIES:
         raise InputError(f"{folder} holds the study {study.name!r}; known are {', '.join(STUDIES)}")
     wanted = {variant.key for variant in make_study(study.name, unchanged).variants}

@@ -219,6 +219,6 @@ def goes_on(go_on: str, folder: Path, kept: Callable[[], str]) -> Iterator[None]
         raise KeyboardInterrupt(f"interrupted; {kept()}; {go_on}") from None
 
 
-def go_on_with(name: str, folder: Path) -> str:
+def go_on_with(name: str, folder: Path, command: str = "run") -> str:
     """The command that goes on with a run."""
-    return f"go on with: presswear run {name} --resume --out {shlex.quote(str(folder))}"
+    return f"go on with: presswear {command} {name} --resume --out {shlex.quote(str(folder))}"

@@ -173,6 +173,18 @@ class LifeResult:
         """Strokes after which the surfaces are those of a stage: equal parts of the life."""
         return self.strokes * index / scene.wears
 
+    def __str__(self) -> str:
+        """One line: after how many strokes what is passed, or how far nothing is."""
+        first = self.first
+        if first is None:
+            reached = ", ".join(f"{own.key} {own.last:.3g} {own.unit}" for own in self.limits)
+            return f"life not known: {self.message}; reached: {reached}"
+        interval, sure = self.interval, ""
+        if interval.low is not None and interval.high is not None:
+            sure = f" ({interval.low:.3g} to {interval.high:.3g})"
+        what = f"{first.key} > {first.value:.3g} {first.unit}"
+        return f"life: {self.strokes:.3g}{sure} strokes until {what}"
+
     def as_dict(self) -> dict[str, Any]:
         """It as plain data, without the curves."""
         plain = asdict(self)

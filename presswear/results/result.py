@@ -156,7 +156,9 @@ class Result:
         ]
         where = f", in {self.path}" if self.path else ""
         ending = f": {self.message}" if self.message else ""
-        return "\n".join([f"{name_of(self.scene)}, {self.status}{ending}{where}", *lines])
+        lived = [] if self.life is None else [f"{self.life}"]
+        first = f"{name_of(self.scene)}, {self.status}{ending}{where}"
+        return "\n".join([first, *lived, *lines])
 
     def plot(self, *names: str, stage: int | None = None) -> "list[Axes]":
         """Draw figures; gives their axes back, in a notebook the figures are shown.

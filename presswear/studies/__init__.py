@@ -15,6 +15,8 @@ STUDIES = {
     "coverage": "Study: do the intervals hold? 60 campaigns beside many long ones",
 }
 """Names and titles of the studies, which run several scenes each."""
+OF_A_SCENE = ("lives",)
+"""Studies of any scene, made by a command of their own."""
 
 
 def make_study(name: str, change: "Change") -> "Study":

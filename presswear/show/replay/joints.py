@@ -38,6 +38,8 @@ _ARROW = 0.55
 """Length of the arrow of the largest force, part of the radius of the view."""
 _BINS = 180
 """Bins of a map as it is drawn: enough to look round."""
+BODIES = 4
+"""Bodies of the picture that a joint is: bearing, pin, and a mark on each."""
 WORN = colour("#E69F00")
 FORCE = colour("#c1121f")
 _STEEL_PIN = colour("#9aa5b1")

@@ -6,11 +6,13 @@ what changes its shape (forces, paths, words) is drawn anew for every frame.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import chain
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.linkage.elements import Linkage
 from presswear.linkage.motions import run_up_motion
 from presswear.show.replay.bodies import (
     INK,
@@ -21,7 +23,7 @@ from presswear.show.replay.bodies import (
     extent,
     frame_graphics,
 )
-from presswear.show.replay.joints import FORCE, EnlargedJoint
+from presswear.show.replay.joints import BODIES, FORCE, EnlargedJoint
 from presswear.show.replay.layout import Layout, Panel, layout_of
 from presswear.show.replay.reel import NORMAL, Instant, Subject, points_of
 from presswear.show.replay.shapes import Shape, graphics, line, text
@@ -31,17 +33,19 @@ Array = NDArray[np.float64]
 
 exu = exudyn_module()
 
+_AWAY = 10.0
+"""Place of the joints of a stage that is not shown, heights of the picture: out of sight."""
 _FONT = 13.0
 """Letters in a window 640 pixels high, pixels."""
 
 
 @dataclass(frozen=True)
 class _Show:
-    """A subject in its panel."""
+    """A subject in its panel, with the joints of each stage that it shows."""
 
     subject: Subject
     panel: Panel
-    joints: tuple[EnlargedJoint, ...]
+    joints: tuple[tuple[EnlargedJoint, ...], ...]
 
 
 class Picture:
@@ -83,7 +87,7 @@ class Picture:
         )
         for body in linkage.bodies:
             self._add_body(panel.offset, body_graphics(linkage, body.name, scale))
-        for own in show.joints:
+        for own in chain(*show.joints):
             for shapes in own.bodies(scale.layer):
                 self._add_body(own.centre, [graphics(shapes)])
 
@@ -140,14 +144,19 @@ class Picture:
             coordinates.append(instant.past[-1])
             words += self._title(show, instant, note)
             ink += self._springs(show, instant)
-            for own, row, peak in zip(show.joints, instant.joints, instant.peaks, strict=True):
-                bearing, pin = (
-                    points_of(show.subject.linkage, instant.past, end)
-                    for end in (own.joint.bearing, own.joint.pin)
-                )
-                coordinates += own.coordinates(bearing[-1], pin[-1])
-                ink += own.moving(bearing, pin, row, self._scale.layer)
-                words += self._joint_words(own, row, peak)
+            for chapter, joints in enumerate(show.joints):
+                if chapter != instant.chapter:
+                    away = np.array([_AWAY * self.layout.height, 0.0, 0.0])
+                    coordinates += [away] * (BODIES * len(joints))
+                    continue
+                for own, row, peak in zip(joints, instant.joints, instant.peaks, strict=True):
+                    bearing, pin = (
+                        points_of(show.subject.linkage, instant.past, end)
+                        for end in (own.joint.bearing, own.joint.pin)
+                    )
+                    coordinates += own.coordinates(bearing[-1], pin[-1])
+                    ink += own.moving(bearing, pin, row, self._scale.layer)
+                    words += self._joint_words(own, row, peak)
         self._place(np.concatenate(coordinates), instants[0].time)
         self.system.SetObjectParameter(self._ink, "VgraphicsData", [graphics(ink), *words])
 
@@ -187,13 +196,15 @@ class Picture:
         subject, font, z = show.subject, self._scale.font, self._scale.layer(95)
         followed = run_up_motion(np.array(instant.time), subject.linkage.run_up_time)[0]
         turned = 360.0 * float(followed) / subject.period
-        state = (
-            f"t = {instant.time:.4f} s   {subject.linkage.phase} {turned % 360.0:5.1f} deg "
-            f"of cycle {int(turned // 360.0) + 1}"
-        )
+        state = f"{subject.linkage.phase} {turned % 360.0:5.1f} deg"
+        if not subject.later:
+            # Cycles of a life are of different stages: no time runs through them.
+            cycle = int(turned // 360.0) + 1
+            state = f"t = {instant.time:.4f} s   {state} of cycle {cycle}"
+        stage = subject.chapters[instant.chapter].stage
         below = show.panel.title - [0.0, self._line(1.2)]
         return [
-            text(show.panel.title, f"{subject.title}, {subject.stage}", z, 1.15 * font, INK),
+            text(show.panel.title, f"{subject.title}, {stage}", z, 1.15 * font, INK),
             text(below, f"{state}   {note}", z, font, INK),
         ]
 
@@ -219,8 +230,13 @@ class Picture:
 
 
 def _show(subject: Subject, panel: Panel) -> _Show:
+    chapters = tuple(_joints(subject, panel, own.linkage) for own in subject.chapters)
+    return _Show(subject, panel, chapters)
+
+
+def _joints(subject: Subject, panel: Panel, linkage: Linkage) -> tuple[EnlargedJoint, ...]:
     joints = []
-    for k, (joint, centre) in enumerate(zip(subject.linkage.clearances, panel.joints, strict=True)):
+    for k, (joint, centre) in enumerate(zip(linkage.clearances, panel.joints, strict=True)):
         room = subject.deepest[joint.name], subject.largest[joint.name]
         joints.append(EnlargedJoint(joint, *room, centre, panel.radius, JOINTS[k % len(JOINTS)]))
-    return _Show(subject, panel, tuple(joints))
+    return tuple(joints)

@@ -31,6 +31,14 @@ NORMAL, TANGENTIAL, X, Y, PEAK = (
 
 
 @dataclass(frozen=True)
+class Chapter:
+    """A stage that is shown: its name, and the linkage with the surfaces that it ran on."""
+
+    stage: str
+    linkage: Linkage
+
+
+@dataclass(frozen=True, kw_only=True)
 class Subject:
     """All about a stage that does not change with time.
 
@@ -46,6 +54,8 @@ class Subject:
         Greatest depth, m, and force, N, by joint for which there must be room.
     motion : ndarray, shape (n, 3 bodies)
         Positions for which there must be room.
+    later : tuple of Chapter
+        Stages that follow it, of a life.
     """
 
     title: str
@@ -55,6 +65,12 @@ class Subject:
     deepest: Mapping[str, float]
     largest: Mapping[str, float]
     motion: Array
+    later: tuple[Chapter, ...] = ()
+
+    @property
+    def chapters(self) -> tuple[Chapter, ...]:
+        """All stages that are shown, one after another."""
+        return Chapter(self.stage, self.linkage), *self.later
 
 
 @dataclass(frozen=True)
@@ -71,19 +87,30 @@ class Instant:
         Columns FILM_JOINT.
     peaks : ndarray, shape (joints,)
         Greatest normal force of each joint since the picture before, N.
+    chapter : int
+        Which of the stages it is of.
     """
 
     time: float
     past: Array
     joints: Array
     peaks: Array
+    chapter: int = 0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Reel(Subject):
-    """A subject with its stored film."""
+    """A subject with its stored film.
+
+    Attributes
+    ----------
+    film : Film
+    firsts : tuple of int
+        First frame of each stage that is shown.
+    """
 
     film: Film
+    firsts: tuple[int, ...] = (0,)
 
     @property
     def span(self) -> tuple[float, float]:
@@ -92,9 +119,19 @@ class Reel(Subject):
 
     @property
     def start(self) -> float:
-        """Time, s, after the run-up and, if there are more, the first cycle: pins settle in it."""
+        """Time, s, after the run-up and, if there are more, the first cycle: pins settle in it.
+
+        Of a life its own beginning: it is of settled cycles.
+        """
+        if self.later:
+            return self.span[0]
         run_up = self.linkage.run_up_time
         return run_up + self.period * (self.span[1] - run_up >= 1.98 * self.period)
+
+    @property
+    def whole(self) -> float:
+        """Duration of a cycle of each stage that is shown, s."""
+        return self.period * len(self.firsts)
 
     @property
     def slowed(self) -> float:
@@ -109,12 +146,15 @@ class Reel(Subject):
 
     def instant(self, frame: int, before: int) -> Instant:
         """A frame, where another was shown before it."""
-        since = self.film.joints[min(before + 1, frame) : frame + 1]
+        chapter = int(np.searchsorted(self.firsts, frame, side="right")) - 1
+        first = self.firsts[chapter]
+        since = self.film.joints[max(min(before + 1, frame), first) : frame + 1]
         return Instant(
             time=float(self.film.time[frame]),
-            past=self.film.position[max(frame - PATH_FRAMES, 0) : frame + 1],
+            past=self.film.position[max(frame - PATH_FRAMES, first) : frame + 1],
             joints=self.film.joints[frame],
             peaks=since[:, :, PEAK].max(axis=0),
+            chapter=chapter,
         )
 
 
@@ -142,7 +182,7 @@ def reel_of(result: Result, index: int) -> Reel:
     name = short_name_of(scene)
     return Reel(
         title=f"{result.path.resolve().name}: {name}" if result.path else name,
-        stage=stage.name,
+        stage=result.stage_name(index),
         linkage=linkage,
         period=scene.mechanism.period,
         deepest=_greatest(deepest(_linkage(scene, one)) for one in result.stages),
@@ -150,6 +190,42 @@ def reel_of(result: Result, index: int) -> Reel:
         motion=film.position,
         film=film,
     )
+
+
+def life_reel(result: Result) -> Reel:
+    """A reel through a life: the last cycle of each stage, one after another.
+
+    InputError where the result has no life, or a stage no whole cycle.
+    """
+    if result.life is None:
+        raise InputError(
+            f"{result.path or result.scene.name} has no life: it was worn until no limit; "
+            "presswear life runs one"
+        )
+    reels = alike([reel_of(result, stage.index) for stage in result.stages])
+    cycles = [_last_cycle(reel, place) for place, reel in enumerate(reels)]
+    parts = ([getattr(own, name) for own in cycles] for name in ("time", "position", "joints"))
+    film = Film(*map(np.concatenate, parts))
+    firsts = np.cumsum([0, *(own.time.size for own in cycles[:-1])])
+    return replace(
+        reels[0],
+        film=film,
+        motion=film.position,
+        later=tuple(Chapter(reel.stage, reel.linkage) for reel in reels[1:]),
+        firsts=tuple(map(int, firsts)),
+    )
+
+
+def _last_cycle(reel: Reel, place: int) -> Film:
+    """The last whole cycle of a film, as if it ran so many cycles after the first."""
+    film, period, run_up = reel.film, reel.period, reel.linkage.run_up_time
+    last = int((reel.span[1] - run_up) / period + 2.0 / FRAMES_PER_CYCLE) - 1
+    if last < 0:
+        raise InputError(f"{reel.title}, {reel.stage}: its film holds no whole cycle")
+    ran = (film.time - run_up) / period - last
+    rows = (ran > -1e-6) & (ran < 1.0 - 1e-6)
+    time = run_up + (ran[rows] + place) * period
+    return Film(time, film.position[rows], film.joints[rows])
 
 
 def _linkage(scene: Scene, stage: StageResult) -> Linkage:
