@@ -34,20 +34,31 @@ def add(commands: Any) -> None:
         metavar="K",
         help="0 unworn (default), 1 after a wear, ...",
     )
-    export.add_argument(
+    kinds = export.add_mutually_exclusive_group()
+    kinds.add_argument(
         "--strokes",
         action="store_true",
         help="the moments of the recorded strokes instead, a row each: time and height over "
         "bottom dead centre at contact, fracture and separation, nan where there is none",
     )
+    kinds.add_argument(
+        "--life",
+        action="store_true",
+        help="what was followed through a life instead, over strokes: depth, wear_volume and "
+        "force_max of each joint J as J_depth, J_depth_low, J_depth_high, ..., bottom dead centre "
+        "likewise",
+    )
     export.set_defaults(run=_export)
 
 
 def _export(arguments: argparse.Namespace, console: Console) -> int:
-    from presswear.results.tables import strokes_table, table_of, write_table
+    from presswear.results.tables import life_table, strokes_table, table_of, write_table
 
-    tabled = strokes_table if arguments.strokes else table_of
-    table = tabled(finished_part(arguments.folder, console), arguments.stage)
+    result = finished_part(arguments.folder, console)
+    if arguments.life:
+        table = life_table(result)
+    else:
+        table = (strokes_table if arguments.strokes else table_of)(result, arguments.stage)
     write_table(arguments.file, table)
     rows = next(iter(table.values())).size
     console.print(f"{rows} rows of {len(table)} columns in {arguments.file}", highlight=False)

@@ -38,6 +38,7 @@ from numpy.typing import NDArray
 from presswear.results.drives import curves_of
 from presswear.results.result import Result
 from presswear.results.strokes import Strokes, height_of, process_force
+from presswear.scene.life import FOLLOWED
 from presswear.tools.arrays import read_numbers, write_arrays
 from presswear.tools.errors import InputError
 from presswear.tools.files import read_checked, write_whole
@@ -64,6 +65,13 @@ MOMENT_UNITS = {
     for number, unit in (("time", "s"), ("height", "m"))
 }
 """Columns of the table of strokes: moments, and heights over the ideal bottom dead centre."""
+LIFE_UNITS = {"strokes": "1"} | {
+    f"{'_' if own.of_joint else ''}{name}{end}": own.unit
+    for name, own in FOLLOWED.items()
+    for end in ("", "_low", "_high")
+}
+"""Columns of the table of a life: numbers that are followed, and both ends of their bands; behind
+the joint where they begin with ``_``."""
 TOLERANCE = 1e-3
 """Root mean square difference allowed, part of the root mean square of our column."""
 
@@ -94,8 +102,12 @@ class ColumnDifference:
 
 def unit_of(column: str) -> str:
     """Unit of a column; InputError for a name that is none."""
-    if column in UNITS | MOMENT_UNITS:
-        return (UNITS | MOMENT_UNITS)[column]
+    units = UNITS | MOMENT_UNITS | LIFE_UNITS
+    if column in units:
+        return units[column]
+    for name, unit in LIFE_UNITS.items():
+        if name.startswith("_") and column.removesuffix(name) not in (column, ""):
+            return unit
     body, _, quantity = column.rpartition("_")
     if body and quantity in DRIVE_UNITS:
         return DRIVE_UNITS[quantity]
@@ -143,6 +155,21 @@ def strokes_table(result: Result, stage: int) -> dict[str, Array]:
         raise InputError(f"stage {stage} of {result.scene.name} has no strokes to write: {why}")
     columns = np.hstack([getattr(strokes, moment.name) for moment in fields(Strokes)])
     return dict(zip(MOMENT_UNITS, columns.T, strict=True))
+
+
+def life_table(result: Result) -> dict[str, Array]:
+    """What is followed through a life over strokes, with both ends of its band.
+
+    InputError where the result has no life.
+    """
+    if result.life is None:
+        raise InputError(f"{result.scene.name} has no life to write: it was worn until no limit")
+    curves = dict(result.life.curves)
+    columns = {"strokes": curves.pop("strokes")}
+    for key, values in curves.items():
+        name = key.replace(".", "_")
+        columns |= dict(zip((name, f"{name}_low", f"{name}_high"), values.T, strict=True))
+    return columns
 
 
 def check_table(table: Table, source: str) -> None:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from matplotlib.ticker import MaxNLocator
 
 from presswear.results.life import UNITS, LifeResult, LimitResult, words_of
 from presswear.results.result import Result
@@ -32,6 +33,8 @@ _TALLEST = 9.0
 """Greatest height that fits an A4 page with its caption, inches."""
 _FAR = 4.0
 """A limit this many times as high as all that was reached is told, not drawn."""
+_ROOM = 1.4
+"""Height of a panel with a remark, parts of what was reached."""
 _NARROW = 0.2
 """Part of the strokes below which a phase has no room for its name."""
 
@@ -61,7 +64,18 @@ class _Panels:
     @property
     def factor(self) -> float:
         """Units of the axis in a stroke."""
-        return count_scale(self.end)[0]
+        return self._scale[0]
+
+    @property
+    def label(self) -> str:
+        """Label of the axis of strokes."""
+        return f"({self._scale[1]} strokes)".replace("( ", "(")
+
+    @property
+    def _scale(self) -> tuple[float, str]:
+        factor, word = count_scale(self.end)
+        # Ticks of thousands are too long for panels so narrow.
+        return (1e-3, "thousand") if not word and self.end >= 1e4 else (factor, word)
 
     def draw(self, axes: Axes, key: str) -> None:
         """Draw a followed number with its band, its limits and the life."""
@@ -84,7 +98,9 @@ class _Panels:
             else:
                 note(axes, f"limit {limit_told(own)}")
         axes.set_xlim(0.0, self.factor * self.end)
-        axes.set_ylim(0.0, 1.15 * scale * largest if largest > 0.0 else 1.0)
+        room = 1.15 if len(seen) == len(limits) else _ROOM
+        axes.set_ylim(0.0, room * scale * largest if largest > 0.0 else 1.0)
+        axes.xaxis.set_major_locator(MaxNLocator(4))
         axes.set_ylabel(f"({unit})")
         is_first = life.first is not None and life.first.key == key
         title = wrapped(words_of(key), 0.7 * WIDTH / _COLUMNS)
@@ -118,6 +134,7 @@ class _Panels:
                     va="bottom",
                     fontsize=7.0,
                     rotation=90.0,
+                    bbox={"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 0.5},
                 )
 
     def _shade(self, axes: Axes, joint: str) -> None:
@@ -152,7 +169,6 @@ def service_life(result: Result, stages: Stages) -> list[Drawing]:
     inches = min(1.5, (_TALLEST - 0.6) / len(rows))
     sheet = Sheet(figsize=(WIDTH, 0.6 + inches * len(rows)), layout="constrained")
     grid = sheet.subplots(len(rows), _COLUMNS, squeeze=False, sharex=True)
-    word = count_scale(end)[1]
     for k, (keys, below) in enumerate(pairwise([*rows, []])):
         for axes, key in zip(grid[k], keys, strict=False):
             panels.draw(axes, key)
@@ -161,7 +177,7 @@ def service_life(result: Result, stages: Stages) -> list[Drawing]:
                 grid[k, column].set_axis_off()
             elif column >= len(below):
                 grid[k, column].tick_params(labelbottom=True)
-                grid[k, column].set_xlabel(f"({word} strokes)" if word else "(strokes)")
+                grid[k, column].set_xlabel(panels.label)
     pens = [_MEAN, _LIMIT, *[_LIFE] * (life.ended == "limit"), *[_SERVICE] * bool(panels.services)]
     legend(sheet, pens, "outside upper center")
     return [Drawing(FILE, "Service life", _caption(result, life), sheet)]
@@ -214,7 +230,5 @@ def _caption(result: Result, life: LifeResult) -> str:
         words.append(f"No limit is passed within {large(life.strokes)} strokes.")
     if life.phases:
         words.append("Names and shades in the panels of the worn volume tell its phases.")
-    words += [
-        f"The {own.words} after {large(own.strokes)} strokes." for own in services_done(result)
-    ]
+    words += [f"After {large(own.strokes)} strokes: {own.words}." for own in services_done(result)]
     return " ".join(words)

@@ -130,7 +130,7 @@ def _lines(result: Result, life: LifeResult) -> list[str]:
 
 
 def _service(service: Service) -> str:
-    return f"The {service.words} after {large(service.strokes)} strokes."
+    return f"After {large(service.strokes)} strokes: {service.words}."
 
 
 def _low(limit: LimitResult) -> float:
