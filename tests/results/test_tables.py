@@ -12,10 +12,12 @@ from hypothesis.extra.numpy import arrays
 
 from presswear.__main__ import main
 from presswear.campaign.single import run_scene
-from presswear.results.result import load
+from presswear.results.life import LifeResult
+from presswear.results.result import Result, load
 from presswear.results.tables import (
     MOMENT_UNITS,
     compare_tables,
+    life_table,
     read_table,
     strokes_table,
     unit_of,
@@ -252,6 +254,28 @@ def test_moments_of_strokes_are_exported(folder: Path, tmp_path: Path) -> None:
         np.testing.assert_array_equal(values, table[name])
     with pytest.raises(InputError, match="has no strokes to write: the scene has no process"):
         strokes_table(load(folder), 0)
+
+
+def test_a_life_is_exported_with_units(tmp_path: Path) -> None:
+    """Every followed number with both ends of its band, as the curves have them."""
+    strokes, depth = np.array([4.0, 1e6]), np.array([[1e-9, 0.0, 2e-9], [3e-5, 2e-5, 4e-5]])
+    curves = {"strokes": strokes, "A.depth": depth, "bdc_drift": 10.0 * depth}
+    life = LifeResult("at_most", "", 1e6, None, None, None, (), (), (), (), curves)
+    result = Result(press_blanking(), (), "completed", "", {}, 1.0, life=life)
+    table = life_table(result)
+    low, high = (f"A_depth_{end}" for end in ("low", "high"))
+    assert list(table)[:4] == ["strokes", "A_depth", low, high]
+    np.testing.assert_array_equal(
+        np.column_stack([table["A_depth"], table[low], table[high]]), depth
+    )
+    assert table["bdc_drift_high"].tolist() == [2e-8, 4e-4]
+    write_table(tmp_path / "life.csv", table)
+    assert f"strokes 1,A_depth m,{low} m,{high} m," in (tmp_path / "life.csv").read_text()
+    assert unit_of("rod 3_wear_volume_low") == "m^3"
+    with pytest.raises(InputError, match="unknown column"):
+        unit_of("_depth")
+    with pytest.raises(InputError, match="has no life to write"):
+        life_table(replace(result, life=None))
 
 
 def read_back(file: Path) -> dict[str, np.ndarray]:

@@ -35,7 +35,7 @@ from presswear.show.figures.mechanism import labelled
 from presswear.show.figures.motion import Window
 from presswear.show.figures.style import length_scale, round_down
 from presswear.tools.errors import InputError
-from presswear.tools.numbers import given, readable, whole, with_interval
+from presswear.tools.numbers import given, large, readable, whole, with_interval
 
 BINS = 72
 UNIT = re.compile(r"\((m|mm|µm|nm|s|N|m/s|m/s²|N m|W|degrees|strokes)\)")
@@ -145,6 +145,8 @@ BODY = replace(BOTH, conventions=CONVENTIONS["refined"])
 BODY_A = replace(BODY, joints="A")
 IDEAL = replace(BOTH, joints="none", wears=0)
 BOTTOM = "bottom-dead-centre.png"
+NOT_MADE_UP = ("life", "tonnage")
+"""Figures that need what made-up results have not."""
 MOTION = ["response.png", BOTTOM, "contact-force.png", "centre-trajectory.png"]
 
 
@@ -345,7 +347,7 @@ def test_growth_runs_over_all_steps_or_those_after_a_stage() -> None:
 def test_plot_gives_the_axes_of_every_figure_in_memory() -> None:
     result = grown()
     assert result.path is None
-    counts = {name: len(result.plot(name)) for name in NAMES if name != "tonnage"}
+    counts = {name: len(result.plot(name)) for name in NAMES if name not in NOT_MADE_UP}
     assert counts.pop("mechanism") == 1
     torque = {"drives": 4}
     motion = {"stroke": 1, "response": 7, "bottom": 3, "force": 6, "path": 6}
@@ -355,7 +357,7 @@ def test_plot_gives_the_axes_of_every_figure_in_memory() -> None:
 
 
 @pytest.mark.parametrize(
-    "name", [name for name in NAMES if name not in ("mechanism", "growth", "tonnage")]
+    "name", [name for name in NAMES if name not in ("mechanism", "growth", *NOT_MADE_UP)]
 )
 def test_plot_of_one_stage_shows_it_alone(name: str) -> None:
     (sheet,) = {axes.figure for axes in grown().plot(name, stage=1)[:3]}
@@ -373,7 +375,7 @@ def test_plot_of_one_stage_shows_it_alone(name: str) -> None:
         (
             ["forces"],
             None,
-            "unknown figure 'forces'; did you mean force?; known are mechanism, stroke",
+            "unknown figure 'forces'; did you mean force?; known are life, mechanism, stroke",
         ),
         (["growth"], None, "wear-times has nothing to draw as 'growth'"),
         (["wear"], 0, "stage 0 of wear-times has nothing to draw as 'wear'"),
@@ -534,6 +536,22 @@ def test_length_scale_reads_naturally() -> None:
 )
 def test_readable(value: float | None, text: str) -> None:
     assert readable(value) == text
+
+
+@pytest.mark.parametrize(
+    ("values", "digits", "text"),
+    [
+        ([4.5e6], 3, "4.5 million"),
+        ([8.70e6, 9.54e6], 2, "8.7 to 9.5 million"),
+        ([4.0, 1.739e6], 3, "0 to 1.74 million"),
+        ([123456.0], 2, "120\u202f000"),
+        ([999999.0], 3, "1 million"),
+        ([1.234e9], 3, "1.23 billion"),
+        ([0.0], 3, "0"),
+    ],
+)
+def test_large_counts_are_said(values: list[float], digits: int, text: str) -> None:
+    assert large(*values, digits=digits) == text
 
 
 def test_numbers_with_company() -> None:

@@ -15,6 +15,7 @@ from presswear.show.figures.style import (
     legend,
     length_scale,
     shown_stages,
+    wrapped,
 )
 
 
@@ -42,7 +43,7 @@ def bottom_dead_centre(result: Result, stages: Stages) -> list[Drawing]:
         axes.axvspan(0.5, STARTUP_CYCLES + 0.5, color=MUTED, alpha=0.12, linewidth=0.0)
         axes.set_xlim(0.5, max(float(number[-1]) for number, _ in starts if number.size) + 0.5)
         axes.xaxis.set_major_locator(MaxNLocator(6, integer=True))
-        axes.set_xlabel("since the start (strokes)")
+        axes.set_xlabel(wrapped("since the start (strokes)", (WIDTH - 0.7) / len(shown) - 0.1))
     panels[0].set_ylabel(f"lowest place of the {scene.watched}\nless ideal ({unit})")
     legend(sheet, [stage.pen for stage in shown], "outside upper center")
     caption = (

@@ -99,6 +99,8 @@ def test_what_cannot_be_shown_is_refused_in_one_line(
     assert "has stages 0 to 1" in refused(capsys, here, "--stage", "-1", "--still", png)
     assert "allowed is 0 to 1.1" in refused(capsys, here, "--still", png, "--at", "99s")
     assert "unknown unit 'kg'" in refused(capsys, here, "--still", png, "--at", "1kg")
+    assert "has no life" in refused(capsys, here, "--still", png, "--life")
+    assert "give no --stage" in refused(capsys, here, "--still", png, "--life", "--stage", "1")
     assert "ends in .png" in refused(capsys, here, "--still", gif)
     assert "ends in .mp4 or .gif" in refused(capsys, here, "--movie", png)
     assert "--from and --to" in refused(capsys, here, "--movie", gif, "--at", "0.1s")
