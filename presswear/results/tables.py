@@ -65,13 +65,14 @@ MOMENT_UNITS = {
     for number, unit in (("time", "s"), ("height", "m"))
 }
 """Columns of the table of strokes: moments, and heights over the ideal bottom dead centre."""
+_ENDS = ("", "_low", "_high")
 LIFE_UNITS = {"strokes": "1"} | {
-    f"{'_' if own.of_joint else ''}{name}{end}": own.unit
-    for name, own in FOLLOWED.items()
-    for end in ("", "_low", "_high")
+    name + end: own.unit for name, own in FOLLOWED.items() for end in _ENDS if not own.of_joint
 }
-"""Columns of the table of a life: numbers that are followed, and both ends of their bands; behind
-the joint where they begin with ``_``."""
+LIFE_JOINT_UNITS = {
+    name + end: own.unit for name, own in FOLLOWED.items() for end in _ENDS if own.of_joint
+}
+"""Columns of the table of a life: numbers that are followed, and both ends of their bands."""
 TOLERANCE = 1e-3
 """Root mean square difference allowed, part of the root mean square of our column."""
 
@@ -105,13 +106,12 @@ def unit_of(column: str) -> str:
     units = UNITS | MOMENT_UNITS | LIFE_UNITS
     if column in units:
         return units[column]
-    for name, unit in LIFE_UNITS.items():
-        if name.startswith("_") and column.removesuffix(name) not in (column, ""):
-            return unit
     body, _, quantity = column.rpartition("_")
     if body and quantity in DRIVE_UNITS:
         return DRIVE_UNITS[quantity]
     joint, _, quantity = column.partition("_")
+    if joint and quantity in LIFE_JOINT_UNITS:
+        return LIFE_JOINT_UNITS[quantity]
     if not joint or quantity not in JOINT_UNITS:
         names = [*UNITS, *(f"J_{n}" for n in JOINT_UNITS), *(f"D_{n}" for n in DRIVE_UNITS)]
         raise InputError(

@@ -7,6 +7,7 @@ import pytest
 from made_up_reel import FRAMES, made_up_reel
 
 from presswear.campaign.single import run_scene
+from presswear.record.film import FRAMES_PER_CYCLE
 from presswear.results.life import LifeResult
 from presswear.results.result import Result
 from presswear.scene.catalog import wear_times
@@ -30,7 +31,9 @@ def test_the_last_cycle_of_each_stage_follows_the_one_before(result: Result) -> 
     assert [own.stage for own in reel.chapters] == ["no wear", "after 3 million strokes"]
     assert len(reel.firsts) == 2
     step = np.diff(reel.film.time)
-    assert step == pytest.approx(np.full(step.size, reel.period / 500), rel=1e-2)
+    # Frames are of accepted steps of the run: no two at one time, none left out where stages meet.
+    assert step.min() > 0.0
+    assert step.max() < 2.0 * reel.period / FRAMES_PER_CYCLE
     assert reel.span[1] - reel.span[0] == pytest.approx(2.0 * reel.period, rel=1e-2)
     assert reel.start == reel.span[0]
     assert reel.whole == pytest.approx(2.0 * reel.period)
