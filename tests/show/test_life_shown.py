@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 import pytest
@@ -22,6 +23,12 @@ from presswear.tools.errors import InputError
 
 RESULT = lived(made_up(BODY, 3))
 MINUTE = 60.0 / RESULT.scene.mechanism.period
+
+
+@pytest.fixture(scope="module")
+def page() -> Page:
+    """The report."""
+    return page_of(RESULT)
 
 
 def told(life: LifeResult) -> str:
@@ -90,10 +97,10 @@ def test_the_figure_of_a_life_that_no_limit_ended_tells_none() -> None:
         list(drawings(made_up(BODY, 1), ["life"]))
 
 
-def test_stages_of_a_life_are_named_by_strokes() -> None:
+def test_stages_of_a_life_are_named_by_strokes(page: Page) -> None:
     names = ["no wear", "after 2.5 million strokes", "after 5 million strokes"]
     assert legend_of(next(drawings(RESULT, ["wear"])).sheet) == names[1:]
-    assert page_of(RESULT).row("bottom dead centre") == ["bottom dead centre", *names]
+    assert page.row("bottom dead centre") == ["bottom dead centre", *names]
     assert list(RESULT.table().index) == names
     for name in names:
         assert f"\n{name} " in str(RESULT)
@@ -131,8 +138,7 @@ def test_a_life_that_is_not_known_is_never_guessed(ended: str, message: str, lin
     assert {row[1] for row in head.limits.groups[0][1]} == {"not passed"}
 
 
-def test_causes_stand_apart() -> None:
-    page = page_of(RESULT)
+def test_causes_stand_apart(page: Page) -> None:
     chance = f"chance in the motion: {RESULT.scene.draws} starts differ"
     assert page.row(chance)[1:] == ["3.0", "4.85 to 5.15 million"]
     step = "step of the wear: a pass in coarser steps differs"
@@ -145,8 +151,7 @@ def test_causes_stand_apart() -> None:
     assert "puts it in" not in with_scatter.text
 
 
-def test_limits_passes_and_phases_are_tabled() -> None:
-    page = page_of(RESULT)
+def test_limits_passes_and_phases_are_tabled(page: Page) -> None:
     passed = page.row("depth of C over 50 µm")
     assert passed[1:3] == ["5 million", "4.8 to 5.3 million"]
     assert passed[4] == "60.0\u00a0± 3.0 µm"
@@ -162,7 +167,9 @@ def test_a_limit_that_may_be_the_first_is_named() -> None:
     far = replace(near, strokes=7e6)
     for other, is_told in ((near, True), (far, False)):
         own = replace(life, limits=(other, *life.limits[1:]))
-        found = page_of(lived(made_up(BODY, 3), own)).text
+        head = life_head(lived(made_up(BODY, 3), own))
+        assert head is not None
+        found = " ".join(head.lines)
         assert ("the interval of depth of A begins before that" in found) == is_told
 
 
@@ -176,3 +183,18 @@ def test_the_life_comes_first_and_only_where_there_is_one() -> None:
     assert any(
         "a wear from one to the next is of 2.5 million strokes" in own for own in notes(RESULT)
     )
+
+
+def test_long_names_of_stages_stay_inside_the_figure() -> None:
+    """Legends break into rows, titles of narrow panels into lines."""
+    life = replace(made_up_life(), strokes=8.88e6)
+    many = lived(made_up(BODY, 5), life)
+    many = replace(many, scene=replace(many.scene, wears=4))
+    for name in ("path", "response", "surfaces", "bottom"):
+        sheet = next(drawings(many, [name])).sheet
+        sheet.draw_without_rendering()
+        for own in sheet.legends:
+            box = own.get_window_extent()
+            assert 0.0 <= box.x0 < box.x1 <= sheet.bbox.width
+        titles = [axes.title.get_window_extent() for axes in sheet.axes if axes.get_title()]
+        assert not [pair for pair in combinations(titles, 2) if pair[0].overlaps(pair[1])]
