@@ -190,3 +190,31 @@ def test_what_is_refused() -> None:
         pw.total_clearance(linkage, forc=1.0)  # type: ignore[call-arg]  # wrong on purpose
     with pytest.raises(pw.InputError, match="no bottom dead centre: what it watches stands still"):
         pw.total_clearance(replace(held(1.0, 2.0), loads=()))
+
+
+def test_ever_stiffer_joints_become_ideal_ones_with_first_order() -> None:
+    """Under 500 N at bottom dead centre: height, and forces of A and C, of all joints closed.
+
+    The stiffness rises so that a load is as deep in each clearance, part of it.
+    """
+    clearances = np.array([1e-4, 1e-5, 1e-6])
+    rows = []
+    for clearance in clearances:
+        stiff = {"clearance": clearance, "contact_stiffness": 1e11 * (1e-4 / clearance) ** 1.5}
+        scene = pw.scenes.press_blanking(**stiff)
+        found = bottom_of(scene.ideal)
+        assert found is not None
+        at_rest = equilibrium(scene.linkage(), found.time, 500.0)
+        rows.append([at_rest.height - found.height, *at_rest.contacts["normal"]])
+    motion = scene.ideal.at(np.array([found.time]))
+    jacobian = scene.ideal.rows.jacobian(motion.position.reshape(1, -1, 3))[0]
+    given = np.zeros(jacobian.shape[1])
+    given[1::3] = [-9.81 * body.mass for body in scene.mechanism.linkage().bodies]
+    given[3 * scene.mechanism.linkage().index("slider 6") + 1] += 500.0
+    held = np.linalg.solve(jacobian.T, -given)
+    names = scene.ideal.rows.names
+    ideal = [np.linalg.norm(held[[name == own for own in names]]) for name in "AC"]
+    off = np.abs(np.array(rows) - [0.0, *ideal])
+    orders = [np.polyfit(np.log(clearances), np.log(own), 1)[0] for own in off.T]
+    assert orders == pytest.approx([1.0, 1.0, 1.0], abs=0.01)
+    assert off[-1, 1:] / ideal == pytest.approx(0.0, abs=1e-4)
