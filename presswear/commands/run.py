@@ -133,6 +133,7 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
     else:
         scene = _with_options(scene_given(arguments.scene), arguments)
     folder = arguments.out or free_folder(scene.name)
+    from presswear.results.conformity import deep_contacts
     from presswear.results.folder import ResultFolder
     from presswear.results.result import load
 
@@ -148,6 +149,8 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
 
     result = load(folder)
     console.print(f"results in {folder}, report in {write_report(result)}", highlight=False)
+    for told in deep_contacts(result.scene, result.stages):
+        console.print(told, highlight=False, markup=False, soft_wrap=True)
     if result.status == "failed":
         raise RunFailed(result.message)
     if result.status == "unconverged":
