@@ -206,15 +206,21 @@ def test_ever_stiffer_joints_become_ideal_ones_with_first_order() -> None:
         assert found is not None
         at_rest = equilibrium(scene.linkage(), found.time, 500.0)
         rows.append([at_rest.height - found.height, *at_rest.contacts["normal"]])
-    motion = scene.ideal.at(np.array([found.time]))
-    jacobian = scene.ideal.rows.jacobian(motion.position.reshape(1, -1, 3))[0]
-    given = np.zeros(jacobian.shape[1])
-    given[1::3] = [-9.81 * body.mass for body in scene.mechanism.linkage().bodies]
-    given[3 * scene.mechanism.linkage().index("slider 6") + 1] += 500.0
-    held = np.linalg.solve(jacobian.T, -given)
-    names = scene.ideal.rows.names
-    ideal = [np.linalg.norm(held[[name == own for own in names]]) for name in "AC"]
+    ideal = np.linalg.norm([_held(pw.scenes.ideal(), 500.0)[name] for name in "AC"], axis=1)
     off = np.abs(np.array(rows) - [0.0, *ideal])
     orders = [np.polyfit(np.log(clearances), np.log(own), 1)[0] for own in off.T]
     assert orders == pytest.approx([1.0, 1.0, 1.0], abs=0.01)
     assert off[-1, 1:] / ideal == pytest.approx(0.0, abs=1e-4)
+
+
+def _held(scene: pw.Scene, upwards: float) -> dict[str, Array]:
+    """Forces in joints of the ideal press at bottom dead centre by their names: multipliers."""
+    bottom, linkage, rows = bottom_of(scene.ideal), scene.mechanism.linkage(), scene.ideal.rows
+    assert bottom is not None
+    motion = scene.ideal.at(np.array([bottom.time]))
+    jacobian = rows.jacobian(motion.position.reshape(1, -1, 3))[0]
+    given = np.zeros(jacobian.shape[1])
+    given[1::3] = [-linkage.gravity * body.mass for body in linkage.bodies]
+    given[3 * linkage.index("slider 6") + 1] += upwards
+    held = np.linalg.solve(jacobian.T, -given)
+    return {name: held[[name == own for own in rows.names]] for name in set(rows.names)}
