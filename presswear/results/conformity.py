@@ -68,7 +68,7 @@ class Conformity:
         """What it means for the forces, in a sentence."""
         told = (
             f"joint {self.joint}: the pin sank {readable(_MICRONS * self.penetration)} µm into its "
-            f"bearing, {readable(self.part)} of the clearance, over an arc of "
+            f"bearing, {readable(self.part)} of the clearance, so that the surfaces overlap over "
             f"{math.degrees(self.arc):.0f} degrees: no small contact"
         )
         if self.elasticity is None:

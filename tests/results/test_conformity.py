@@ -18,9 +18,10 @@ def test_a_pin_as_deep_as_its_clearance_touches_a_third_of_the_turn() -> None:
     assert own.forces == pytest.approx((1.0 / whole, math.sqrt(0.5) / whole), rel=1e-12)
     assert not own.is_small
     assert own.words == (
-        "joint C: the pin sank 50.0 µm into its bearing, 1.00 of the clearance, over an arc of 120 "
-        "degrees: no small contact; there K delta^1.5 pushes with 1.54 and Liu's law with 1.09 of "
-        "the foundation's force; elasticity = liu or foundation are made for it"
+        "joint C: the pin sank 50.0 µm into its bearing, 1.00 of the clearance, so that the "
+        "surfaces overlap over 120 degrees: no small contact; there K delta^1.5 pushes with 1.54 "
+        "and Liu's law with 1.09 of the foundation's force; elasticity = liu or foundation are "
+        "made for it"
     )
     assert replace(own, elasticity="liu").words == own.words.rpartition(";")[0]
     assert replace(own, elasticity=None).words == own.words.partition(";")[0]
