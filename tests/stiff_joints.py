@@ -1,6 +1,6 @@
 """Blanking with ever smaller clearances and stiffer joints: how far it is from the ideal press.
 
-Run:  python scenarios/stiff_joint.py
+Run:  python tests/stiff_joints.py
 """
 
 import numpy as np
