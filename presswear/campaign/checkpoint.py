@@ -54,7 +54,8 @@ class Checkpoint:
     def words(self) -> str:
         """Up to where everything is kept, in words."""
         if self.life is not None and self.life.partial.reached:
-            strokes = self.life.passes[-1].blocks[-1].strokes if self.life.passes else 0.0
+            ran = self.life.passes[-1].blocks if self.life.passes else ()
+            strokes = ran[-1].strokes if ran else 0.0
             return f"pass {self.life.place[0]} over the life, {strokes:.3g} strokes"
         finished = sum(own.cycles for own in self.partial.reached if own is not None)
         where = f"stage {self.index}"
