@@ -67,7 +67,7 @@ class SceneChains:
         strokes, wall = before[-1].strokes if before else 0.0, self.partial.wall
         task = Task(
             _MOST_CYCLES,
-            wear=share_of(step.share, 1),
+            wear=share_of(step.share, 1, step.extra),
             number=number + _SPANS * span,
             word=f"life, pass {number}, {strokes:.3g} strokes",
         )
@@ -88,6 +88,7 @@ class SceneChains:
         represented = step.share * step.cycles
         joints = result.linkage.clearances
         earlier = own[-1].worn if own else first
+        taken = (worn - earlier).mean(axis=0) / represented
         gone = (worn_out(joints, one) for one in worn)
         return Block(
             strokes + represented,
@@ -95,7 +96,8 @@ class SceneChains:
             span,
             levels(scene, worn, self.asked),
             samples(scene, rows),
-            largest_change(joints, (worn - earlier).mean(axis=0)) / represented,
+            largest_change(joints, taken),
+            taken,
             worn,
             next((f"{found[0]}: {found[1]}" for found in gone if found), ""),
             result.wall - wall,

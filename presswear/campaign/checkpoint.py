@@ -54,7 +54,8 @@ class Checkpoint:
     def words(self) -> str:
         """Up to where everything is kept, in words."""
         if self.life is not None and self.life.partial.reached:
-            strokes = self.life.passes[-1].blocks[-1].strokes if self.life.passes else 0.0
+            ran = self.life.passes[-1].blocks if self.life.passes else ()
+            strokes = ran[-1].strokes if ran else 0.0
             return f"pass {self.life.place[0]} over the life, {strokes:.3g} strokes"
         finished = sum(own.cycles for own in self.partial.reached if own is not None)
         where = f"stage {self.index}"
@@ -142,7 +143,7 @@ def _life(state: LifeState, arrays: dict[str, Any]) -> dict[str, Any]:
     """A life as a document; its arrays are added to those given."""
     for p, own in enumerate(state.passes):
         for k, block in enumerate(own.blocks):
-            arrays[f"life/{p}/{k}/worn"] = block.worn
+            arrays |= {f"life/{p}/{k}/{key}": getattr(block, key) for key in ("worn", "taken")}
             arrays |= named(f"life/{p}/{k}/levels", block.levels)
             arrays |= named(f"life/{p}/{k}/samples", block.samples)
     return {
@@ -164,7 +165,8 @@ def _read_life(told: Document, arrays: State) -> LifeState:
 
     def block(place: str, plain: Document) -> Block:
         levels, samples = (dict(part(arrays, f"{place}/{key}")) for key in ("levels", "samples"))
-        return Block(**plain, levels=levels, samples=samples, worn=arrays[f"{place}/worn"])
+        worn, taken = (arrays[f"{place}/{key}"] for key in ("worn", "taken"))
+        return Block(**plain, levels=levels, samples=samples, worn=worn, taken=taken)
 
     passes = tuple(
         Pass(

@@ -49,6 +49,8 @@ class Block:
         Means over its cycles, by key.
     rate : float
         Largest depth that a stroke took off a place, mean of the chains, part of its clearance.
+    taken : ndarray, shape (joints, 2, m)
+        Depth that a stroke took off, mean of the chains, m.
     worn : ndarray, shape (chains, joints, 2, m)
         Depth of the surfaces at its end, m.
     gone : str
@@ -64,6 +66,7 @@ class Block:
     levels: Mapping[str, Array]
     samples: Mapping[str, Array]
     rate: float
+    taken: Array
     worn: Array = field(default_factory=lambda: np.zeros((0, 0, 2, 0)))
     gone: str = ""
     wall_s: float = 0.0
@@ -113,29 +116,31 @@ def curve(blocks: Blocks, key: str, chains: Chosen = EVERY) -> Array:
 
 def _fit(blocks: Blocks, key: str, chains: Chosen) -> Array:
     """The fit through samples of one span, at the ends of its blocks, shape (blocks,)."""
-    counts = np.array([float(block.cycles) for block in blocks])
-    ends = np.cumsum(counts)
-    held = counts > 0.0
-    scale = max(float(ends[-1]), 1.0)
-    middles = (ends - 0.5 * counts)[held] / scale
-    rows = np.array([block.samples[key] for block in blocks if block.cycles])
-    weights = np.sqrt(counts[held])
-    order = _order(middles, rows, weights)
-    found = np.polynomial.Polynomial.fit(
-        middles, rows[:, chains].mean(axis=1), order, domain=[0.0, 1.0], w=weights
-    )
+    strokes = strokes_of(blocks)
     # A span begins with what is new in it, not with the end of its first block.
-    ends[0] = 0.0
-    return np.asarray(found(ends / scale))
+    way = np.cumsum([0.0, *(b.rate * n for b, n in zip(blocks[1:], np.diff(strokes), strict=True))])
+    scale = float(way[-1]) or 1.0
+    held = np.array([block.cycles > 0 for block in blocks])
+    counts = np.array([block.cycles for block in blocks if block.cycles], dtype=float)
+    # A cycle runs on the surfaces before it.
+    back = np.append(0.0, np.diff(way))[held] * 0.5 * (1.0 + 1.0 / counts)
+    places = (way[held] - back) / scale
+    rows = np.array([block.samples[key] for block in blocks if block.cycles])
+    weights = np.sqrt(counts)
+    order = _order(places, rows, weights)
+    found = np.polynomial.Polynomial.fit(
+        places, rows[:, chains].mean(axis=1), order, domain=[0.0, 1.0], w=weights
+    )
+    return np.asarray(found(way / scale))
 
 
-def _order(middles: Array, rows: Array, weights: Array) -> int:
+def _order(places: Array, rows: Array, weights: Array) -> int:
     """The order of the polynomial through some chains that best foretells another one."""
     count = rows.shape[1]
-    highest = min(HIGHEST_ORDER, middles.size // 2 - 1)
+    highest = min(HIGHEST_ORDER, places.size // 2 - 1)
     errors = []
     for order in range(max(highest, 0) + 1):
-        base = np.vander(middles, order + 1) * weights[:, np.newaxis]
+        base = np.vander(places, order + 1) * weights[:, np.newaxis]
         # Of the mean of all but one chain, laid beside that one.
         others = (rows.sum(axis=1, keepdims=True) - rows) / max(count - 1, 1)
         laid = base @ np.linalg.lstsq(base, others * weights[:, np.newaxis], rcond=None)[0]

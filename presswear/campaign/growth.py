@@ -59,7 +59,9 @@ class Growth:
     coarser: Array | None = None
 
 
-def share_of(represented: float, cycles: int) -> Callable[[int, Array], Array]:
+def share_of(
+    represented: float, cycles: int, extra: Array | float = 0.0
+) -> Callable[[int, Array], Array]:
     """The ``wear`` of a plan: each cycle takes its share of the represented cycles.
 
     Parameters
@@ -68,12 +70,14 @@ def share_of(represented: float, cycles: int) -> Callable[[int, Array], Array]:
         Cycles that the wear stands for.
     cycles : int
         Cycles in which it is applied, behind those at the start that are no samples.
+    extra : ndarray, shape (joints, 2, m), or 0
+        Depth that each of them takes off besides, m.
     """
-    return partial(_lost, represented / cycles)
+    return partial(_lost, represented / cycles, extra)
 
 
-def _lost(share: float, done: int, added: Array) -> Array:
-    return added * (share if done > STARTUP_CYCLES else 0.0)
+def _lost(share: float, extra: Array | float, done: int, added: Array) -> Array:
+    return added * share + extra if done > STARTUP_CYCLES else np.zeros_like(added)
 
 
 def jump(ran: Ensemble, represented: float) -> Growth:

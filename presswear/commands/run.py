@@ -157,6 +157,7 @@ def run_or_go_on(
         scene = scene_given(arguments.scene)
         scene = scene if change is None else change(scene)
     folder = arguments.out or free_folder(f"{scene.name}-life" if scene.life else scene.name)
+    from presswear.results.conformity import deep_contacts
     from presswear.results.folder import ResultFolder
     from presswear.results.result import load
 
@@ -172,6 +173,8 @@ def run_or_go_on(
 
     result = load(folder)
     console.print(f"results in {folder}, report in {write_report(result)}", highlight=False)
+    for told in deep_contacts(result.scene, result.stages):
+        console.print(told, highlight=False, markup=False, soft_wrap=True)
     if result.status == "failed":
         raise RunFailed(result.message)
     if result.status == "unconverged":

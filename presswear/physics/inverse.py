@@ -1,4 +1,4 @@
-"""Inverse dynamics: torques that the drives of an ideal mechanism need."""
+"""Inverse dynamics: torques of the drives of an ideal mechanism, and forces in its joints."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,19 @@ def needed_torques(linkage: Linkage, ideal: IdealMotion, time: Array) -> Array:
     time : ndarray, shape (n,)
         s; laws of loads that depend on the way are followed from the first instant.
     """
+    return _multipliers(linkage, ideal, time)[:, -len(linkage.drives) :]
+
+
+def joint_forces(linkage: Linkage, ideal: IdealMotion, time: Array) -> dict[str, Array]:
+    """Forces of pin joints on their first ends by name, each (n, 2), N; as ``needed_torques``."""
+    multipliers = _multipliers(linkage, ideal, time)
+    return {
+        joint.name: multipliers[:, 2 * k : 2 * k + 2] for k, joint in enumerate(linkage.revolutes)
+    }
+
+
+def _multipliers(linkage: Linkage, ideal: IdealMotion, time: Array) -> Array:
+    """Forces and torques that hold the constraint rows, shape (n, rows), N and N m."""
     motion, packed = ideal.at(time), pack(linkage)
     right = packed.mass * motion.acceleration
     if packed.loads is not None:
@@ -39,8 +52,7 @@ def needed_torques(linkage: Linkage, ideal: IdealMotion, time: Array) -> Array:
         applied_forces(packed, t, *level[:2], force)
         right[k] -= force
     jacobian = ideal.rows.jacobian(motion.position.reshape(time.size, -1, 3))
-    multipliers = np.linalg.solve(jacobian.transpose(0, 2, 1), right[..., np.newaxis])
-    return np.asarray(multipliers[:, -len(linkage.drives) :, 0])
+    return np.asarray(np.linalg.solve(jacobian.transpose(0, 2, 1), right[..., np.newaxis])[..., 0])
 
 
 def check_drives(linkage: Linkage, ideal: IdealMotion) -> None:

@@ -192,6 +192,35 @@ def load_forces(loads: Loads | None, t: float, q: Array, v: Array, force: Array)
 
 
 @compiled
+def work_beyond_trapezoid(loads: Loads | None, t: float, q: Array, v: Array) -> float:
+    """Work of tables over position in a step, J, less that of their power by the trapezoidal rule.
+
+    Within a piece a load is linear over the way, so that its work is known from both ends, however
+    few steps an elastic load gets: what the trapezoidal rule moves keeps that energy.
+
+    Parameters
+    ----------
+    t, q, v : float, ndarray
+        The state at the end of the step, before the modes are brought up to it.
+    """
+    if loads is None:
+        return 0.0
+    total = 0.0
+    for k in range(loads.records.shape[0]):
+        load = loads.records[k]
+        mode = loads.modes[k]
+        if load.kind != POSITION or mode.gate == RISING:
+            continue
+        s, speed, _ = load_motion(load, q, v, v)
+        before = load_size(load, loads.nodes, mode, mode.time, mode.place, mode.speed)
+        after = load_size(load, loads.nodes, mode, t, s, speed)
+        half = 0.5 * (t - mode.time)
+        total += 0.5 * (before + after) * (s - mode.place)
+        total -= half * (before * mode.speed + after * speed)
+    return total
+
+
+@compiled
 def switching(
     load: Records, nodes: Array, mode: Records, way: int, s: float, v: float, a: float, j: float
 ) -> tuple[float, float, float, float]:

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.record.film import Film
+from presswear.results.conformity import deep_contacts
 from presswear.results.drives import DriveResult, Energy, drives_of, energy_of
 from presswear.results.life import FILE as LIFE
 from presswear.results.life import LifeResult, check_curves
@@ -133,12 +134,12 @@ class Result:
         return any(len(stage.wear_steps) > 1 for stage in self.stages)
 
     def __str__(self) -> str:
-        """A row a stage: cycles, peak forces, worn volumes, how it ended."""
+        """A row a stage: cycles, peak forces, worn volumes, how it ended; and deep contacts."""
         names = self.scene.clearance_joints
-        head = ["stage", "cycles"]
+        columns = ["stage", "cycles"]
         for name in names:
-            head += [f"peak force {name} (N)", f"one wear {name} (mm³)"]
-        rows = [[*head, "ended"]]
+            columns += [f"peak force {name} (N)", f"one wear {name} (mm³)"]
+        rows = [[*columns, "ended"]]
         for stage in self.stages:
             name = self.stage_name(stage.index) if names else "computed"
             row = [name, str(stage.statistics["cycles"])]
@@ -158,7 +159,7 @@ class Result:
         ending = f": {self.message}" if self.message else ""
         lived = [] if self.life is None else [f"{self.life}"]
         first = f"{name_of(self.scene)}, {self.status}{ending}{where}"
-        return "\n".join([first, *lived, *lines])
+        return "\n".join([first, *lived, *lines, *deep_contacts(self.scene, self.stages)])
 
     def plot(self, *names: str, stage: int | None = None) -> "list[Axes]":
         """Draw figures; gives their axes back, in a notebook the figures are shown.

@@ -1,72 +1,15 @@
 """Lives of made-up problems, whose law and noise are known."""
 
 import math
-from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
+from made_up import MadeUp
 
-from presswear.campaign.crossing import Block, Blocks
-from presswear.campaign.life import Known, Pass, Problem, Step, known_by, live
+from presswear.campaign.crossing import curve
+from presswear.campaign.life import Known, Pass, Problem, known_by, live, next_pass
 from presswear.scene.life import Limit, Service
-
-Array = NDArray[np.float64]
-
-CLEARANCE = 1e-3
-
-
-@dataclass
-class MadeUp:
-    """Chains that wear by dh/dN = rate(1 + fresh exp(-h/bedded)), with noise in every cycle.
-
-    Bottom dead centre drifts by half the depth and scatters from stroke to stroke.
-    """
-
-    seed: int
-    rate: float = 1e-11
-    fresh: float = 3.0
-    bedded: float = 1e-5
-    noise: float = 0.5
-    scatter: float = 5e-6
-    starts: int = 8
-    _depth: Array = field(default_factory=lambda: np.zeros(0))
-
-    def life_until(self, depth: float) -> float:
-        """Strokes until a depth: the integral of dh / (rate (1 + fresh exp(-h/bedded)))."""
-        bedded, fresh = self.bedded, self.fresh
-        top = math.log((math.exp(depth / bedded) + fresh) / (1.0 + fresh))
-        return bedded * top / self.rate
-
-    def go(self, number: int, before: Blocks, step: Step) -> Block:
-        """Go on by a step."""
-        if not before:
-            self._depth = np.zeros(self.starts)
-        draw = np.random.default_rng([self.seed, number, len(before)])
-        begun, seen = self._depth.copy(), []
-        for _ in range(step.cycles):
-            law = self.rate * (1.0 + self.fresh * np.exp(-self._depth / self.bedded))
-            size = math.sqrt(math.log1p(self.noise**2))
-            factor = draw.lognormal(-0.5 * size**2, size, self.starts)
-            seen.append(0.5 * self._depth + draw.normal(0.0, self.scatter, self.starts))
-            self._depth = self._depth + step.share * law * factor
-        strokes = (before[-1].strokes if before else 0.0) + step.cycles * step.share
-        gained = float((self._depth - begun).mean()) / (step.cycles * step.share)
-        return self._block(strokes, step.cycles, before, np.mean(seen, axis=0), gained)
-
-    def serve(self, number: int, before: Blocks, service: Service) -> Block:
-        """Make the bush new, or turn it by half, where it has lost nothing."""
-        self._depth = np.zeros(self.starts)
-        block = self._block(before[-1].strokes, 0, before, np.zeros(self.starts), 0.0)
-        return Block(block.strokes, 0, before[-1].span + 1, block.levels, {}, 0.0)
-
-    def _block(
-        self, strokes: float, cycles: int, before: Blocks, place: Array, gained: float
-    ) -> Block:
-        span = before[-1].span if before else 0
-        levels, samples = {"A.depth": self._depth.copy()}, {"bdc_drift": place}
-        return Block(strokes, cycles, span, levels, samples, gained / CLEARANCE)
-
+from presswear.tools.errors import InputError
 
 DEPTH = Limit("depth", "A", 5e-5)
 DRIFT = Limit("bdc_drift", "", 2.5e-5)
@@ -109,3 +52,90 @@ def test_intervals_hold(limit: Limit, noise: float) -> None:
         errors.append(found.error)
     assert held >= 90
     assert np.median(errors) < 0.1
+
+
+def test_the_step_converges_and_is_told() -> None:
+    """Without noise the error is that of the step, and no less is told."""
+    own = MadeUp(1, noise=1e-9, fresh=30.0)
+    truth = own.life_until(DEPTH.value)
+    errors = []
+    for tolerance in (0.1, 0.01, 0.001):
+        found, _ = known(problem(DEPTH, tolerance=tolerance), own)
+        off = abs(math.log(found.strokes / truth))
+        assert off <= found.error <= tolerance
+        errors.append(off)
+    assert errors[0] > 3.0 * errors[1] > 9.0 * errors[2] > 0.0
+
+
+def test_the_first_of_several_limits_counts() -> None:
+    later, sooner = Limit("depth", "A", 5e-5), Limit("bdc_drift", "", 1e-5)
+    own = MadeUp(2, noise=0.1, scatter=1e-7)
+    found, passes = known(problem(later, sooner), own)
+    truth = own.life_until(2e-5)
+    assert abs(math.log(found.strokes / truth)) <= found.error < 0.1
+    # The other is told as well, where the wear was followed so far.
+    each = [known_by(problem(later, sooner), passes, [limit]).strokes for limit in (later, sooner)]
+    assert each == [math.inf, found.strokes]
+
+
+def test_steps_are_chosen_by_cycles_before() -> None:
+    """By its own wear a cycle that wears little would stand for more strokes: a biased mean."""
+    own = MadeUp(3, noise=2.0, fresh=0.0)
+    found, _ = known(problem(DEPTH, tolerance=0.05, most_cycles=200_000), own)
+    truth = own.life_until(DEPTH.value)
+    assert abs(math.log(found.strokes / truth)) <= found.error < 0.06
+
+
+def test_what_is_exceeded_when_new_is_refused() -> None:
+    limit = Limit("bdc_drift", "", 1e-5)
+    chains = MadeUp(4, scatter=1e-6)
+    with pytest.raises(InputError, match=r"A\.depth > 5e-05 m.*when new.*A\.depth is 6e-05"):
+        live(problem(DEPTH), MadeUp(5, rate=1e-15, begun=6e-5))
+    # A drift is none when new, whatever scatters.
+    assert math.isfinite(known(problem(limit), chains)[0].strokes)
+
+
+def test_what_is_never_reached_is_no_life() -> None:
+    own = MadeUp(6)
+    asked = problem(DEPTH, at_most=0.5 * own.life_until(DEPTH.value))
+    found, passes = known(asked, own)
+    assert math.isinf(found.strokes)
+    assert passes[-1].blocks[-1].strokes == pytest.approx(asked.at_most, rel=1e-12)
+    assert len(passes) == 2
+    reached = curve(passes[-1].blocks, "A.depth")[-1]
+    assert 0.3 * DEPTH.value < reached < DEPTH.value
+
+
+def test_a_bush_made_new_lives_longer() -> None:
+    """It is seen to after just so many strokes, and wears from new again."""
+    own = MadeUp(7, noise=0.1, fresh=0.0)
+    at = 0.6 * own.life_until(DEPTH.value)
+    service = Service("A", at, False)
+    found, passes = known(problem(DEPTH, services=(service,)), own)
+    assert found.strokes == pytest.approx(own.life_until(DEPTH.value) + at, rel=0.05)
+    ends = [block.strokes for block in passes[-1].blocks if block.span == 0]
+    assert ends[-1] == pytest.approx(at, rel=1e-12)
+
+
+def test_no_pass_has_more_cycles_than_may_be() -> None:
+    own = MadeUp(8, noise=3.0)
+    asked = problem(DEPTH, tolerance=0.001, most_cycles=1000)
+    passes = live(asked, own)
+    run = [8 * sum(block.cycles for block in one.blocks) for one in passes]
+    assert max(run) <= 2 * asked.most_cycles
+    assert next_pass(asked, passes) is None
+    assert known_by(asked, passes).error > asked.tolerance
+
+
+def test_a_life_goes_on_from_any_block() -> None:
+    """What has run decides alone what comes next."""
+    asked = problem(DEPTH, tolerance=0.3)
+    kept: list[tuple[Pass, ...]] = []
+    whole = live(asked, MadeUp(9), keep=kept.append)
+    for passes in kept[:: len(kept) // 4]:
+        chains = MadeUp(9)
+        blocks = passes[-1].blocks
+        chains.set(blocks[-1].levels["A.depth"])
+        assert [own.blocks[-1].strokes for own in live(asked, chains, passes)] == [
+            own.blocks[-1].strokes for own in whole
+        ]

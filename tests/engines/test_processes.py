@@ -116,6 +116,32 @@ def check_moments(process: Process, stage: pw.StageResult, strokes: Strokes) -> 
             assert np.abs(stage.time - moment).min() < 1e-7
 
 
+def test_work_of_an_elastic_load_needs_no_short_steps() -> None:
+    """Loose on the sheet, the slider swings in some sixteen steps: its work stays the sheet's."""
+    scene = pw.scenes.press_blanking(wears=0, starts=1, cycles=1, steps_per_contact=50)
+    diagnostics = pw.run(scene, engine="exudyn-joints").stages[0].diagnostics
+    assert scene.process is not None
+    exchange = float(diagnostics["drive_exchange_J"] or 0.0)
+    assert -float(diagnostics["load_work_J"] or 0.0) == pytest.approx(
+        scene.process.work, abs=1e-7 * exchange
+    )
+
+
+@pytest.mark.slow
+def test_energies_of_bodies_and_joints_balance_with_the_square_of_the_step() -> None:
+    """What does not add up is the trapezoidal rule's own error in impacts."""
+    off = {}
+    for steps in (100, 400):
+        scene = pw.scenes.press_blanking(wears=0, starts=1, cycles=1, steps_per_contact=steps)
+        told = pw.run(scene, engine="exudyn-joints").stages[0].diagnostics
+        residual, exchange = (
+            float(told[f"{name}_J"] or 0.0) for name in ("energy_residual", "drive_exchange")
+        )
+        off[steps] = residual / exchange
+    assert off[400] < 1e-6
+    assert 8.0 < off[100] / off[400] < 60.0
+
+
 @pytest.mark.parametrize("engine", ["dae", "exudyn-tree"])
 @pytest.mark.parametrize("name", ["press_blanking", "press_drawing"])
 def test_energies_balance_with_clearances_and_moments_have_rows(name: str, engine: str) -> None:

@@ -19,6 +19,7 @@ from presswear.physics.loads import (
     next_break,
     way_at_start,
     way_out,
+    work_beyond_trapezoid,
 )
 from presswear.physics.motion import drive_motion, step_to_break
 from presswear.physics.multipliers import Held, project, project_acceleration
@@ -272,6 +273,7 @@ def accept_joint_step(run: Bound, t: float) -> float:
     settle_state(book, t, LEAST_STEPS)
     sum_step(book, power, given, t, h)
     packed = book.packed
+    book.ledger[0].load_work += work_beyond_trapezoid(packed.loads, t, frame.q, frame.v)
     changes = settle_modes(packed, t, frame.q, frame.v, frame.a)
     observe(book, t, h, frame.q, frame.v, frame.a)
     following = next_step(packed, book.onset, book.memory, steps, book.contacts, frame.a)

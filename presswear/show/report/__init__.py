@@ -4,6 +4,7 @@ from pathlib import Path
 
 from presswear.linkage.laws import DAMPINGS, KELVIN_VOIGT, delivered_restitution
 from presswear.linkage.surface import SIDES
+from presswear.results.conformity import deep_contacts
 from presswear.results.result import FINISHED, Result
 from presswear.results.stage import StageResult
 from presswear.scene.bearing import Bearing
@@ -323,6 +324,7 @@ def notes(result: Result) -> list[str]:
     )
     if scene.surfaces:
         found.insert(0, _given(scene))
+    found = [f"{own[0].upper()}{own[1:]}." for own in deep_contacts(scene, result.stages)] + found
     bearings = [scene.bearing(joint) for joint in scene.clearance_joints]
     laws: dict[str, list[str]] = {}
     for joint, own in zip(scene.clearance_joints, bearings, strict=True):

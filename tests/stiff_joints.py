@@ -1,0 +1,41 @@
+"""Blanking with ever smaller clearances and stiffer joints: how far it is from the ideal press.
+
+Run:  python tests/stiff_joints.py
+"""
+
+import numpy as np
+
+import presswear as pw
+from presswear.physics.inverse import joint_forces
+
+
+def off(clearance: float, power: float = 0.75, **changes: str) -> dict[str, float]:
+    joint = {"clearance": clearance, "contact_stiffness": 1e12 * (1e-4 / clearance) ** power}
+    scene = pw.scenes.press_blanking(**joint, friction=0.0, wears=0, cycles=3, **changes)
+    result = pw.run(scene, engine="dae")
+    time, ideal = result.stages[0].time, scene.ideal
+    rows, needed = time > 2.0 * ideal.period, joint_forces(scene.loaded, ideal, time)
+    path = ideal.at(time).watched(scene.linkage())[:, 0] - scene.bottom
+    told = {"bottom (m)": result.stages[0].bdc["error_per_cycle_m"]["mean"]}
+    told["slider (m)"] = np.abs(result.height(0) - path)[rows].max()
+    for name, own in result.stages[0].joints.items():
+        force, without = (np.hypot(*some[rows].T) for some in (own.force, needed[name]))
+        told[f"{name} peak (N)"] = force.max() - without.max()
+        told[f"{name} mean (N)"] = np.trapezoid(force - without, time[rows]) / ideal.period
+    for name, drive in result.drives(0).items():
+        duty, without = drive.duty.torque, drive.ideal.torque
+        told[f"{name} peak (N m)"] = abs(duty.peak) - abs(without.peak)
+        told[f"{name} rms (N m)"] = duty.rms - without.rms
+    return told
+
+
+def main(clearances: tuple[float, ...] = (1e-4, 1e-5, 1e-6, 1e-7)) -> None:
+    table = [off(clearance) for clearance in clearances]
+    for name in table[0]:
+        values = [abs(row[name]) for row in table]
+        order = np.polyfit(np.log(clearances), np.log(values), 1)[0]
+        print(f"{name:20}" + "".join(f"{value:10.2g}" for value in values) + f"{order:8.2f}")
+
+
+if __name__ == "__main__":
+    main()
