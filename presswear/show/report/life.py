@@ -171,7 +171,7 @@ def _causes(scene: Scene, life: LifeResult) -> Table:
     """What the interval of a life holds, each cause apart."""
     causes = {
         f"chance in the motion: {scene.draws} starts differ": life.sampling,
-        "step of the wear: a pass in coarser steps differs": life.step,
+        "step of the wear, by a pass in coarser steps": life.step,
         "scatter of the wear coefficients": life.scatter,
         "all together": life.error,
     }
