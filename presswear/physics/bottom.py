@@ -1,6 +1,7 @@
 """Bottom dead centre: where the watched coordinate of an ideal motion is lowest.
 
-A linkage whose tool works upwards watches the opposite direction.
+A linkage whose tool works at the highest place watches the opposite direction; a scene whose
+process lies there sees to that.
 """
 
 import math
@@ -20,7 +21,7 @@ _STEPS = 60
 
 @dataclass(frozen=True)
 class Bottom:
-    """Bottom dead centre of an ideal motion.
+    """Bottom dead centre of an ideal motion, and the stroke to it.
 
     Attributes
     ----------
@@ -31,6 +32,8 @@ class Bottom:
         Of the watched coordinate there, m, in the axes of the frame.
     stroke : float
         Between its lowest and highest place, m.
+    top : float
+        Time of the highest place before it, at which the stroke begins, s, as ``time`` is counted.
     window : tuple of float
         Times at which the lower half of the stroke begins and ends, s, as ``time`` is counted:
         no bottom dead centre falls between two windows, whatever a clearance does to it.
@@ -41,6 +44,7 @@ class Bottom:
     time: float
     height: float
     stroke: float
+    top: float
     window: tuple[float, float]
     period: float
 
@@ -76,7 +80,8 @@ def bottom_of(ideal: IdealMotion) -> Bottom | None:
     if float(np.ptp(place)) < 1e-9 * ideal.rows.size:
         return None
     time, height = _turning(ideal, place, 1.0)
-    stroke = -_turning(ideal, -place, -1.0)[1] - height
+    top, negative = _turning(ideal, -place, -1.0)
+    top -= period * math.ceil((top - time) / period)
     step = period / nodes
     lowest = round(time / step)
     above = np.flatnonzero(np.roll(place, -lowest) > place.min() + 0.5 * float(np.ptp(place)))
@@ -84,7 +89,8 @@ def bottom_of(ideal: IdealMotion) -> Bottom | None:
     # The stroke is filed in the cycle in which its window ends.
     back = period * math.ceil(end / period - 1.0)
     begin = (lowest + int(above[-1]) - nodes) * step
-    return Bottom(time - back, height, stroke, (begin - back, end - back), period)
+    window = begin - back, end - back
+    return Bottom(time - back, height, -negative - height, top - back, window, period)
 
 
 def _turning(ideal: IdealMotion, place: Array, sign: float) -> tuple[float, float]:

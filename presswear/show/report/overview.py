@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.process import sense_of
 from presswear.physics.bottom import bottom_of
 from presswear.physics.statics import pull_of
 from presswear.record.sampling import STARTUP_CYCLES, Estimate
@@ -365,12 +364,11 @@ def in_short(result: Result) -> list[str]:
         ]
     else:
         factor, unit = length_scale(scene.stroke)
-        is_up = scene.process is None or sense_of(scene.process) > 0.0
         found = [
             f"The {scene.watched} moves between its lowest and its highest place, "
             f"{readable(factor * scene.stroke)} {unit} apart, in every cycle; a cycle is a stroke, "
             f"{readable(60.0 / period)} of them a minute. Up is "
-            f"{'along' if is_up else 'against'} the thick arrow of the drawing."
+            "along the thick arrow of the drawing."
         ]
     if scene.process is not None:
         factor, unit = length_scale(scene.process.height)
