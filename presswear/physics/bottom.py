@@ -15,6 +15,8 @@ from presswear.physics.ideal import IdealMotion, Motion
 
 Array = NDArray[np.float64]
 
+DWELL = 0.02
+"""Part of a cycle for which an ideal motion stays at its bottom that has no instant there."""
 _STEPS = 60
 """Most steps of Newton's method, or halvings, between two nodes."""
 
@@ -72,11 +74,8 @@ def bottom_of(ideal: IdealMotion) -> Bottom | None:
 
     Of several bottoms in a cycle the lowest, and of those that are alike the first.
     """
-    linkage, period = ideal.rows.linkage, ideal.period
-    nodes = len(ideal.position) - 1
-    levels = (ideal.position, ideal.velocity, ideal.acceleration)
-    flat = (level.reshape(nodes + 1, -1)[:nodes] for level in levels)
-    place = Motion(ideal.times[:nodes], *flat).watched(linkage)[:, 0]
+    place, period = _places(ideal), ideal.period
+    nodes = place.size
     if float(np.ptp(place)) < 1e-9 * ideal.rows.size:
         return None
     time, height = _turning(ideal, place, 1.0)
@@ -91,6 +90,29 @@ def bottom_of(ideal: IdealMotion) -> Bottom | None:
     begin = (lowest + int(above[-1]) - nodes) * step
     window = begin - back, end - back
     return Bottom(time - back, height, -negative - height, top - back, window, period)
+
+
+def dwell_of(ideal: IdealMotion, within: float) -> float:
+    """How long an ideal motion stays at bottom dead centre, s, to a 1440th of its cycle.
+
+    Parameters
+    ----------
+    within : float
+        Height over it up to which it does, m.
+    """
+    place = _places(ideal)
+    is_above = np.roll(place, -int(place.argmin())) > place.min() + within
+    above = np.flatnonzero(is_above)
+    stays = place.size if not above.size else int(above[0]) + place.size - 1 - int(above[-1])
+    return (stays - 1) * ideal.period / place.size
+
+
+def _places(ideal: IdealMotion) -> Array:
+    """Places of the watched coordinate at the nodes of a cycle, m."""
+    nodes = len(ideal.position) - 1
+    levels = (ideal.position, ideal.velocity, ideal.acceleration)
+    flat = (level.reshape(nodes + 1, -1)[:nodes] for level in levels)
+    return Motion(ideal.times[:nodes], *flat).watched(ideal.rows.linkage)[:, 0]
 
 
 def _turning(ideal: IdealMotion, place: Array, sign: float) -> tuple[float, float]:

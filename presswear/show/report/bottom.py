@@ -34,19 +34,31 @@ def bottom(result: Result, loaded: Rows[StageResult]) -> Table | None:
         "range of all strokes (µm)": lambda stage: readable(
             scaled(stage.bdc.get("range_of_all_m"), MICRONS)
         ),
-        "later than the ideal (ms)": bottom_mean("delay_per_cycle_s", MILLI),
-        f"the same as {result.scene.mechanism.linkage().phase} (degrees)": bottom_mean(
-            "delay_per_cycle_rad", _DEGREES
-        ),
-        "standard deviation of the time (ms)": bottom_between(
-            "delay_standard_deviation", "s", MILLI
-        ),
+        **_delay(result),
         "settled strokes": lambda stage: whole(stage.bdc.get("strokes")),
     }
     groups = {"": rows}
     if loaded:
         groups["At rest there, crank held"] = loaded
     return stage_table(result, "bottom dead centre", groups)
+
+
+def _delay(result: Result) -> Rows[StageResult]:
+    """Rows of how late it is; of an ideal motion that stays there, for how long."""
+    if not any("delay_per_cycle_s" in stage.bdc for stage in result.stages):
+        return {
+            "the ideal stays there, so that none is late (ms)": lambda stage: readable(
+                scaled(stage.bdc.get("ideal_dwell_s"), MILLI)
+            )
+        }
+    phase = result.scene.mechanism.linkage().phase
+    return {
+        "later than the ideal (ms)": bottom_mean("delay_per_cycle_s", MILLI),
+        f"the same as {phase} (degrees)": bottom_mean("delay_per_cycle_rad", _DEGREES),
+        "standard deviation of the time (ms)": bottom_between(
+            "delay_standard_deviation", "s", MILLI
+        ),
+    }
 
 
 def bottom_mean(name: str, factor: float) -> Text:
