@@ -27,7 +27,7 @@ def bottom(result: Result, loaded: Rows[StageResult]) -> Table | None:
         return None
     rows: Rows[StageResult] = {
         "height over the ideal (µm)": bottom_mean("error_per_cycle_m", MICRONS),
-        "the same less that of the first stage (µm)": lambda stage: risen(result, stage),
+        "the same less that of the first stage (µm)": lambda stage: risen(stage, result.stages[0]),
         "standard deviation of the height (µm)": bottom_between("standard_deviation", "m", MICRONS),
         "mean range of successive strokes (µm)": bottom_between("range", "m", MICRONS),
         "strokes in each such range": lambda stage: whole(stage.bdc.get("range_strokes")),
@@ -85,9 +85,8 @@ def bottom_between(name: str, unit: str, factor: float) -> Text:
     return text
 
 
-def risen(result: Result, stage: StageResult) -> str:
-    """How much higher bottom dead centre is than in the first stage, µm, with its interval."""
-    first = result.stages[0]
+def risen(stage: StageResult, first: StageResult) -> str:
+    """How much higher bottom dead centre is than in another stage, µm, with its interval."""
     found = None if stage is first else rise(stage, first)
     if found is None:
         return "–"

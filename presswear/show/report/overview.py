@@ -23,6 +23,7 @@ from presswear.results.tonnage import (
 )
 from presswear.scene.changes import changes_of, named_scene
 from presswear.scene.scene import Scene
+from presswear.scene.settings import IN_FILE
 from presswear.show.figures.style import length_scale, stage_names
 from presswear.show.report.bottom import bottom_between, bottom_mean, risen
 from presswear.show.report.parts import (
@@ -141,7 +142,7 @@ def _bottom(result: Result) -> Iterator[Fact]:
         yield Fact(
             "the same, less that of the first stage (µm)",
             "what wear has moved bottom dead centre by",
-            lambda stage: risen(result, stage),
+            lambda stage: risen(stage, result.stages[0]),
         )
     spread = bottom_between("range", "m", MICRONS)
 
@@ -469,4 +470,6 @@ def changed_values(result: Result) -> tuple[str, Table | None]:
         return f"Nothing differs from {of}.", None
     rows = tuple((own.key, own.value, own.was, own.unit, own.meaning) for own in changes)
     table = Table(("key", "value", "was", "unit", "meaning"), (("", rows),), numeric=False)
+    if any(was.startswith(f"{IN_FILE} ") for was in scene.statuses.values()):
+        of += ", or from what the file gave where another value was set"
     return f"What differs from {of}:", table
