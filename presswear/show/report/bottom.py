@@ -16,7 +16,7 @@ _DEGREES = 180.0 / math.pi
 
 
 def bottom(result: Result, loaded: Rows[StageResult]) -> Table | None:
-    """Accuracy and repeatability at bottom dead centre; None where nothing has moved.
+    """What the overview leaves of bottom dead centre; None where nothing has moved.
 
     Parameters
     ----------
@@ -26,11 +26,7 @@ def bottom(result: Result, loaded: Rows[StageResult]) -> Table | None:
     if not any(stage.bdc for stage in result.stages):
         return None
     rows: Rows[StageResult] = {
-        "height over the ideal (µm)": bottom_mean("error_per_cycle_m", MICRONS),
-        "the same less that of the first stage (µm)": lambda stage: risen(stage, result.stages[0]),
         "standard deviation of the height (µm)": bottom_between("standard_deviation", "m", MICRONS),
-        "mean range of successive strokes (µm)": bottom_between("range", "m", MICRONS),
-        "strokes in each such range": lambda stage: whole(stage.bdc.get("range_strokes")),
         "range of all strokes (µm)": lambda stage: readable(
             scaled(stage.bdc.get("range_of_all_m"), MICRONS)
         ),
@@ -38,8 +34,9 @@ def bottom(result: Result, loaded: Rows[StageResult]) -> Table | None:
         "settled strokes": lambda stage: whole(stage.bdc.get("strokes")),
     }
     groups = {"": rows}
-    if loaded:
-        groups["At rest there, crank held"] = loaded
+    # The first, the total clearance, stands at a glance.
+    if at_rest := dict(list(loaded.items())[1:]):
+        groups["At rest there, drives held"] = at_rest
     return stage_table(result, "bottom dead centre", groups)
 
 
