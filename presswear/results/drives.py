@@ -19,7 +19,7 @@ from presswear.scene.scene import Scene
 Array = NDArray[np.float64]
 
 ENERGY_BOUND = 1e-6
-"""Energy that may not add up, part of what the drives exchanged."""
+"""Energy that may not add up at the tolerances of a trajectory, part of what drives exchanged."""
 _NEWTON = 3
 """Steps of Newton's method to a bend of the force of the work."""
 _PLACES, _WEIGHTS = np.polynomial.legendre.leggauss(3)
@@ -147,8 +147,8 @@ class Energy:
         Net work of all drives, over the settled cycles of all starts.
     drives_ideal_J : float
     residual_part : float
-        Energy of the whole stage that does not add up, part of what the drives exchanged; sound
-        runs stay below ``ENERGY_BOUND``.
+        Energy of the whole stage that does not add up, part of what the drives exchanged; runs
+        at the tolerances of a trajectory stay below ``ENERGY_BOUND``, for wear at some 1e-5.
     """
 
     process_J: Estimate | None

@@ -53,8 +53,8 @@ def drive_work(result: Result, stages: Stages) -> list[Drawing]:
         f"Torque that each drive gives to its body, counterclockwise, and power, over "
         f"{window.words}; dashed with ideal joints. Panels hold the ideal and all but "
         f"{200.0 * _BEYOND:g} % of the time: peaks of impacts go beyond them, the farthest from "
-        "zero as written there, in the order of the legend. Means and largest values are in the "
-        "table of the drives."
+        "zero as written there, in the order of the legend. Largest torques stand at a "
+        "glance, means in the table of the drives."
     )
     return [Drawing("drives.png", "Torque and power of the drives", caption, sheet)]
 

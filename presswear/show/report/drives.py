@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from presswear.record.sampling import Estimate
+from presswear.record.soundness import RESIDUAL
 from presswear.results.drives import (
     ENERGY_BOUND,
     DriveDuty,
@@ -43,7 +44,11 @@ def drives(result: Result) -> Table | None:
         return None
     ideal = ideal_drives(scene)
     columns.append(_Column(ideal, sum(own.work_J for own in ideal.values())))
-    unbalanced = f"part of the energy exchanged that is missing (allowed: {given(ENERGY_BOUND)})"
+    unbalanced = (
+        "part of the energy exchanged that is missing (at the tolerances of a trajectory below "
+        f"{given(ENERGY_BOUND)}, of wear some {given(10.0 * ENERGY_BOUND)}; beyond "
+        f"{given(RESIDUAL)} a run is ended)"
+    )
     groups = {f"Drive of {body}": _rows(body) for body in ideal}
     groups["A part, which is a cycle"] = {
         "net work of all drives (J)": lambda own: _energy(own.drives),

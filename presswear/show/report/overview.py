@@ -189,7 +189,7 @@ def _work(result: Result) -> Iterator[Fact]:
 
         return text
 
-    mean = "mean over the recorded strokes"
+    mean = "mean over the recorded strokes, the first settled ones of one start"
     yield Fact(
         "greatest force of the work in a stroke (N)",
         f"what the work pushes back with, the tonnage; {mean}",
