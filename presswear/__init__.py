@@ -59,6 +59,7 @@ if TYPE_CHECKING:
     from presswear.results.surfaces import read_surfaces as read_surfaces
     from presswear.scene.bearing import Bearing as Bearing
     from presswear.scene.bearing import Conventions as Conventions
+    from presswear.scene.life import Life as Life
     from presswear.scene.scene import Scene as Scene
     from presswear.studies import study as study
     from presswear.studies import write_report as write_report
@@ -103,6 +104,7 @@ _ROOMS = {
     "results.stage": ("JointResult", "StageResult"),
     "results.surfaces": ("read_surfaces",),
     "scene.bearing": ("Bearing", "Conventions"),
+    "scene.life": ("Life",),
     "scene.scene": ("Scene",),
     "studies": ("study", "write_report"),
     "tools.errors": ("InputError", "RunFailed"),

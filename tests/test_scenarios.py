@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+import presswear as pw
+
 SCENARIOS = Path(__file__).parents[1] / "scenarios"
 QUICK = ("compare", "engines", "ideal", "one_joint", "own_linkage", "wear_times")
 
@@ -31,6 +33,24 @@ def test_servos_stand_beside_plain_blanking(capsys: pytest.CaptureFixture[str]) 
     said = capsys.readouterr().out
     assert said.count("ideal: stroke") == 4
     assert said.count("A dose_per_cycle_Nm") == 4
+
+
+def test_bottom_dead_centre_at_two_speeds_without_work_and_with_it(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """The last row is the scene itself, and the last column what it has risen since the first."""
+    main = runpy.run_path(str(SCENARIOS / "bottom.py"))["main"]
+    main("press-blanking", cycles=3, starts=2)
+    rows = [line.split(": ")[1].split(" | ") for line in capsys.readouterr().out.splitlines()[1:]]
+    assert len(rows) == 4
+    scene = pw.scenes.press_blanking(wears=0, cycles=3, starts=2)
+    told = pw.run(scene, engine="dae").stages[0].bdc
+    errors = [float(row[0].split("±")[0].replace("−", "-").replace("\u202f", "")) for row in rows]
+    assert errors[-1] == pytest.approx(1e6 * told["error_per_cycle_m"]["mean"], rel=1e-2)
+    risen = float(rows[-1][2].split("±")[0].replace("−", "-").replace("\u202f", ""))
+    assert risen == pytest.approx(errors[-1] - errors[0], abs=20.0)
+    main("ideal", cycles=3, starts=1)
+    assert len(capsys.readouterr().out.splitlines()) == 3
 
 
 def test_scripts_are_short() -> None:

@@ -9,17 +9,25 @@ from collections.abc import Sequence
 from typing import Any
 
 from presswear.campaign.statistics import ends, mean_of
-from presswear.physics.bottom import bottom_of
+from presswear.physics.bottom import DWELL, bottom_of, dwell_of
 from presswear.record.recorder import Recorder
 from presswear.record.sampling import Interval, after_startup, mean_range, spread
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
+
+SHARP = 0.01
+"""Part of the scatter of bottom dead centre over which its instant is sharp."""
+STILL = 1e-9
+"""Part of the stroke by which an ideal slider moves that stands."""
 
 
 def bottom_statistics(
     scene: Scene, recorders: Sequence[Recorder], alone: Sequence[Recorder] = ()
 ) -> dict[str, Any]:
     """Numbers of bottom dead centre over the settled strokes; none where there is no stroke.
+
+    Of a servo that dwells there the ideal has no instant to be later than: no delay is told where
+    the ideal motion stays within ``SHARP`` of the scatter for longer than ``DWELL``.
 
     Parameters
     ----------
@@ -53,17 +61,21 @@ def bottom_statistics(
         "ideal_time_s": ideal.time,
         "height_per_cycle_m": height,
         "error_per_cycle_m": {**height, "mean": height["mean"] - ideal.height},
-        "delay_per_cycle_s": mean(delays),
-        "delay_per_cycle_rad": mean(lambda own: turn * delays(own)),
         "range_of_all_m": max(map(float, (own.max() for own in settled)))
         - min(map(float, (own.min() for own in settled))),
         "range_strokes": count,
     }
+    scatter = spread(list(map(heights, ran)))
+    near = max(0.0 if scatter is None else SHARP * scatter.value, STILL * ideal.stroke)
+    found["ideal_dwell_s"] = dwell_of(scene.ideal, near)
     told: dict[str, tuple[Interval | None, str]] = {
         "range": (span, "m"),
-        "standard_deviation": (spread(list(map(heights, ran))), "m"),
-        "delay_standard_deviation": (spread(list(map(delays, ran))), "s"),
+        "standard_deviation": (scatter, "m"),
     }
+    if found["ideal_dwell_s"] < DWELL * ideal.period:
+        found["delay_per_cycle_s"] = mean(delays)
+        found["delay_per_cycle_rad"] = mean(lambda own: turn * delays(own))
+        told["delay_standard_deviation"] = spread(list(map(delays, ran))), "s"
     for name, (interval, unit) in told.items():
         found[f"{name}_{unit}"] = None if interval is None else interval.value
         found[f"{name}_interval_{unit}"] = None if interval is None else ends(interval)

@@ -8,6 +8,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.engines.base import Plan
 from presswear.record.recorder import Recorder
 from presswear.scene.scene import Scene
 from presswear.tools.workers import Report
@@ -37,10 +38,13 @@ class Deviation:
 
     @staticmethod
     def of(scene: Scene, recorder: Recorder) -> "Deviation":
-        """Take what a run has recorded."""
-        slider = [recorder.series(name) for name in ("time", "displacement", "velocity")]
+        """Take what a run has recorded, of as many cycles as there are without work."""
+        # The ideal motion at every row takes half as long as the run.
+        last = scene.run_up + (Plan.recorded_cycles + 1e-3) * scene.mechanism.period
+        rows = slice(int(np.searchsorted(recorder.series("time"), last, side="right")))
+        slider = [recorder.series(name)[rows] for name in ("time", "displacement", "velocity")]
         joints = range(recorder.book.memory.size)
-        flight = [recorder.series("penetration", k) <= 0.0 for k in joints]
+        flight = [recorder.series("penetration", k)[rows] <= 0.0 for k in joints]
         return Deviation(scene, np.array(slider), np.array(flight, dtype=np.float64))
 
     def __call__(self, report: Report) -> Array:

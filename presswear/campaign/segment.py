@@ -19,7 +19,7 @@ from presswear.linkage.elements import ClearanceJoint, Linkage
 from presswear.linkage.surface import Surface
 from presswear.physics.bottom import bottom_of
 from presswear.record.recorder import Recorder
-from presswear.record.sampling import MapBatches
+from presswear.record.sampling import RANGE_STROKES, STARTUP_CYCLES, MapBatches
 from presswear.record.soundness import Finding
 from presswear.record.tracker import Tracker
 from presswear.results.stage import SIDES
@@ -127,8 +127,10 @@ def linkage_on(scene: Scene, worn: Array) -> Linkage:
 
 def plan_of(scene: Scene, task: Task) -> Plan:
     """The plan of each run of a task, without trackers."""
+    # Strokes on work are samples of what is asked of joints and drives.
+    judged = Plan.recorded_cycles if scene.process is None else STARTUP_CYCLES + RANGE_STROKES
     # Only what a stage is judged by has its series kept.
-    recorded = Plan.recorded_cycles if task.wear is None else 1
+    recorded = judged if task.wear is None else 1
     bottom = bottom_of(scene.ideal)
     return Plan(
         scene.mechanism.period,

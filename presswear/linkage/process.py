@@ -1,8 +1,9 @@
 """Process forces of a press as data: what the work does to the point that is watched.
 
 The work lies towards an extreme of the watched coordinate in the ideal motion, its bottom dead
-centre: for the slider of a press the lowest place.  Its height is counted from there, its depth
-from where it is touched.
+centre: for the slider of a press the lowest place.  Where that is the highest, a scene watches the
+opposite direction, so that up is away from the work in every scene.  Height is counted from bottom
+dead centre, depth from where the work is touched.
 """
 
 import math
@@ -11,7 +12,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, ClassVar, Literal, get_args
 
-from presswear.linkage.loads import OverPosition, Sense
+from presswear.linkage.loads import OverPosition
 from presswear.tools.checked import checked
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import check_fields, choice, quantity
@@ -190,13 +191,8 @@ PROCESSES: Mapping[str, type[Process]] = {own.kind: own for own in (Blanking, Dr
 """What a press may press on, by its kind."""
 
 
-def sense_of(process: Process) -> float:
-    """Sense of the watched direction in which the work pushes, 1 or -1."""
-    return 1.0 if process.bottom == "lowest" else -1.0
-
-
 def laws_of(process: Process, contact: float, lift: float) -> dict[str, OverPosition]:
-    """Laws of a process and its cushion, of forces along the watched direction, by their names.
+    """Laws of a process and its cushion, of forces away from the work, by their names.
 
     What breaks or flows is loaded along its curve, and unloaded and loaded again along a straight
     line as steep as the curve's steepest rise, up to the deepest place of the stroke.  Once it is
@@ -205,22 +201,20 @@ def laws_of(process: Process, contact: float, lift: float) -> dict[str, OverPosi
     Parameters
     ----------
     contact : float
-        Watched coordinate at which the work is touched, m.
+        Place at which the work is touched, along the direction away from it, m.
     lift : float
         Height over the contact at which a stroke is over and a new blank lies there, m.
     """
-    sense = sense_of(process)
 
     def table(curve: tuple[tuple[float, float], ...]) -> list[tuple[float, float]]:
-        return sorted((0.0 - sense * depth, sense * force) for depth, force in curve)
+        return sorted((0.0 - depth, force) for depth, force in curve)
 
     if isinstance(process, Coining):
         stop = ((0.0, 0.0), (DEEP, process.stiffness * DEEP))
         return {process.kind: OverPosition(table(stop), outside="hold", zero=contact)}
-    way: Sense = "against" if sense > 0.0 else "along"
     steepest = max((b[1] - a[1]) / (b[0] - a[0]) for a, b in pairwise(process.curve))
     stroke = table(((-lift, 0.0), *process.curve))
-    law = OverPosition(stroke, way, zero=contact, release=True, unloading=steepest)
+    law = OverPosition(stroke, "against", zero=contact, release=True, unloading=steepest)
     laws = {process.kind: law}
     if process.cushion > 0.0:
         held = ((0.0, 0.0), (process.curve[1][0], process.cushion))

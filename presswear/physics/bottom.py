@@ -1,6 +1,7 @@
 """Bottom dead centre: where the watched coordinate of an ideal motion is lowest.
 
-A linkage whose tool works upwards watches the opposite direction.
+A linkage whose tool works at the highest place watches the opposite direction; a scene whose
+process lies there sees to that.
 """
 
 import math
@@ -14,13 +15,15 @@ from presswear.physics.ideal import IdealMotion, Motion
 
 Array = NDArray[np.float64]
 
+DWELL = 0.02
+"""Part of a cycle for which an ideal motion stays at its bottom that has no instant there."""
 _STEPS = 60
 """Most steps of Newton's method, or halvings, between two nodes."""
 
 
 @dataclass(frozen=True)
 class Bottom:
-    """Bottom dead centre of an ideal motion.
+    """Bottom dead centre of an ideal motion, and the stroke to it.
 
     Attributes
     ----------
@@ -31,6 +34,8 @@ class Bottom:
         Of the watched coordinate there, m, in the axes of the frame.
     stroke : float
         Between its lowest and highest place, m.
+    top : float
+        Time of the highest place before it, at which the stroke begins, s, as ``time`` is counted.
     window : tuple of float
         Times at which the lower half of the stroke begins and ends, s, as ``time`` is counted:
         no bottom dead centre falls between two windows, whatever a clearance does to it.
@@ -41,6 +46,7 @@ class Bottom:
     time: float
     height: float
     stroke: float
+    top: float
     window: tuple[float, float]
     period: float
 
@@ -68,15 +74,13 @@ def bottom_of(ideal: IdealMotion) -> Bottom | None:
 
     Of several bottoms in a cycle the lowest, and of those that are alike the first.
     """
-    linkage, period = ideal.rows.linkage, ideal.period
-    nodes = len(ideal.position) - 1
-    levels = (ideal.position, ideal.velocity, ideal.acceleration)
-    flat = (level.reshape(nodes + 1, -1)[:nodes] for level in levels)
-    place = Motion(ideal.times[:nodes], *flat).watched(linkage)[:, 0]
+    place, period = _places(ideal), ideal.period
+    nodes = place.size
     if float(np.ptp(place)) < 1e-9 * ideal.rows.size:
         return None
     time, height = _turning(ideal, place, 1.0)
-    stroke = -_turning(ideal, -place, -1.0)[1] - height
+    top, negative = _turning(ideal, -place, -1.0)
+    top -= period * math.ceil((top - time) / period)
     step = period / nodes
     lowest = round(time / step)
     above = np.flatnonzero(np.roll(place, -lowest) > place.min() + 0.5 * float(np.ptp(place)))
@@ -84,7 +88,31 @@ def bottom_of(ideal: IdealMotion) -> Bottom | None:
     # The stroke is filed in the cycle in which its window ends.
     back = period * math.ceil(end / period - 1.0)
     begin = (lowest + int(above[-1]) - nodes) * step
-    return Bottom(time - back, height, stroke, (begin - back, end - back), period)
+    window = begin - back, end - back
+    return Bottom(time - back, height, -negative - height, top - back, window, period)
+
+
+def dwell_of(ideal: IdealMotion, within: float) -> float:
+    """How long an ideal motion stays at bottom dead centre, s, to a 1440th of its cycle.
+
+    Parameters
+    ----------
+    within : float
+        Height over it up to which it does, m.
+    """
+    place = _places(ideal)
+    is_above = np.roll(place, -int(place.argmin())) > place.min() + within
+    above = np.flatnonzero(is_above)
+    stays = place.size if not above.size else int(above[0]) + place.size - 1 - int(above[-1])
+    return (stays - 1) * ideal.period / place.size
+
+
+def _places(ideal: IdealMotion) -> Array:
+    """Places of the watched coordinate at the nodes of a cycle, m."""
+    nodes = len(ideal.position) - 1
+    levels = (ideal.position, ideal.velocity, ideal.acceleration)
+    flat = (level.reshape(nodes + 1, -1)[:nodes] for level in levels)
+    return Motion(ideal.times[:nodes], *flat).watched(ideal.rows.linkage)[:, 0]
 
 
 def _turning(ideal: IdealMotion, place: Array, sign: float) -> tuple[float, float]:

@@ -10,7 +10,6 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.process import sense_of
 from presswear.physics.inverse import needed_torques
 from presswear.record.sampling import STARTUP_CYCLES, Estimate
 from presswear.results.stage import StageResult
@@ -20,7 +19,7 @@ from presswear.scene.scene import Scene
 Array = NDArray[np.float64]
 
 ENERGY_BOUND = 1e-6
-"""Energy that may not add up, part of what the drives exchanged."""
+"""Energy that may not add up at the tolerances of a trajectory, part of what drives exchanged."""
 _NEWTON = 3
 """Steps of Newton's method to a bend of the force of the work."""
 _PLACES, _WEIGHTS = np.polynomial.legendre.leggauss(3)
@@ -148,8 +147,8 @@ class Energy:
         Net work of all drives, over the settled cycles of all starts.
     drives_ideal_J : float
     residual_part : float
-        Energy of the whole stage that does not add up, part of what the drives exchanged; sound
-        runs stay below ``ENERGY_BOUND``.
+        Energy of the whole stage that does not add up, part of what the drives exchanged; runs
+        at the tolerances of a trajectory stay below ``ENERGY_BOUND``, for wear at some 1e-5.
     """
 
     process_J: Estimate | None
@@ -266,9 +265,8 @@ def _bends(scene: Scene, time: Array) -> Array:
     process = scene.process
     if process is None:
         return np.zeros(0)
-    sense = sense_of(process)
     ideal = scene.ideal.at(time).watched(scene.loaded)
-    depth = process.height - sense * (ideal[:, 0] - scene.bottom)
+    depth = process.height - (ideal[:, 0] - scene.bottom)
     found = []
     for level, _ in process.curve:
         for k in np.flatnonzero((depth[:-1] < level) != (depth[1:] < level)):
@@ -278,8 +276,8 @@ def _bends(scene: Scene, time: Array) -> Array:
                 place, speed, _ = scene.ideal.at(np.array([now])).watched(scene.loaded)[0]
                 if speed == 0.0:
                     break
-                off = process.height - sense * (place - scene.bottom) - level
-                now = min(max(now + off / (sense * speed), low), high)
+                off = process.height - (place - scene.bottom) - level
+                now = min(max(now + off / speed, low), high)
             found.append(now)
     return np.array(found)
 

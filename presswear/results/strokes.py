@@ -6,7 +6,6 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.process import sense_of
 from presswear.physics.loads import sizes_over
 from presswear.physics.touchdown import crossing, hermite
 from presswear.results.stage import StageResult
@@ -34,13 +33,12 @@ class Strokes:
 
 def height_of(scene: Scene, stage: StageResult) -> Array:
     """Height of what is watched over the ideal bottom dead centre, shape (n,), m."""
-    sense = 1.0 if scene.process is None else sense_of(scene.process)
-    return np.asarray(sense * (_place(scene, stage) - scene.bottom))
+    return np.asarray(_place(scene, stage) - scene.bottom)
 
 
 def _place(scene: Scene, stage: StageResult) -> Array:
     """Watched coordinate at the times of the series, shape (n,), m."""
-    begun = scene.ideal.at(np.zeros(1)).watched(scene.mechanism.linkage())[0, 0]
+    begun = scene.ideal.at(np.zeros(1)).watched(scene.watching)[0, 0]
     return np.asarray(stage.displacement + begun)
 
 
@@ -50,12 +48,11 @@ def process_force(scene: Scene, stage: StageResult) -> Array | None:
     Positive away from the work.  It is that of the run itself, by the laws and modes of the loads,
     at the times of the series.
     """
-    process, laws = scene.process, scene.process_laws
-    if process is None:
+    if scene.process is None:
         return None
     series = (stage.time, _place(scene, stage), stage.velocity, stage.acceleration)
-    sizes = sizes_over(laws.values(), scene.loaded, np.column_stack(series))
-    return np.asarray(sense_of(process) * sizes.sum(axis=1))
+    sizes = sizes_over(scene.process_laws.values(), scene.loaded, np.column_stack(series))
+    return np.asarray(sizes.sum(axis=1))
 
 
 def strokes_of(scene: Scene, stage: StageResult) -> Strokes | None:
@@ -68,7 +65,7 @@ def strokes_of(scene: Scene, stage: StageResult) -> Strokes | None:
     process = scene.process
     if process is None:
         return None
-    height, rate, time = height_of(scene, stage), sense_of(process) * stage.velocity, stage.time
+    height, rate, time = height_of(scene, stage), stage.velocity, stage.time
 
     def passed(level: float, up: bool) -> list[tuple[float, float]]:
         """Moments at which the height passes a level, and its height then."""

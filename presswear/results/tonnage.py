@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.process import sense_of
+from presswear.physics.bottom import bottom_of
 from presswear.record.sampling import STARTUP_CYCLES, Estimate, batched, half_width
 from presswear.results.stage import JointResult, StageResult
 from presswear.results.strokes import Strokes, height_of, process_force, strokes_of
@@ -22,8 +22,6 @@ PHASES = ("approach", "work", "snap-through", "return")
 APPROACH, WORK, SNAP_THROUGH, RETURN = range(len(PHASES))
 SNAP_THROUGH_S = 20e-3
 """Time after a fracture within which press builders look for reversed loads."""
-_NODES = 1440
-"""Instants of a cycle between which its dead centres are sought."""
 
 
 @dataclass(frozen=True)
@@ -141,17 +139,17 @@ def settled_strokes(scene: Scene, stage: StageResult) -> list[Stroke]:
 
     None where no stroke is whole.
     """
-    centres = _dead_centres(scene)
-    if centres is None or stage.time.size < 2:
+    ideal = bottom_of(scene.ideal)
+    if ideal is None or stage.time.size < 2:
         return []
-    top, down = centres
-    period = scene.mechanism.period
-    last = float(stage.time[-1]) + 1e-9 * period
-    count = int((last - scene.run_up - top) // period)
-    begins = scene.run_up + top + period * np.arange(max(count, 0))
-    # A stroke is counted with the cycle in which its bottom dead centre is.
-    settled = begins + down >= scene.run_up + (STARTUP_CYCLES - 1e-9) * period
-    begins = begins[settled] if settled.any() else begins[-1:]
+    period, last = ideal.period, float(stage.time[-1])
+    number = np.arange(int((last - scene.run_up) / period) + 2)
+    begins = scene.run_up + ideal.top + period * number
+    noise = 1e-9 * period
+    is_whole = (begins >= scene.run_up - noise) & (begins + period <= last + noise)
+    settled = is_whole & (number >= STARTUP_CYCLES)
+    begins = begins[settled] if settled.any() else begins[is_whole][-1:]
+    down = ideal.time - ideal.top
     strokes, force = strokes_of(scene, stage), process_force(scene, stage)
     return [_stroke(own, down, period, stage.time, strokes, force) for own in map(float, begins)]
 
@@ -176,29 +174,6 @@ def _stroke(
             pressed = time[(time > contact) & (time < end) & (force > 0.0)]
             done = float(pressed[-1]) if pressed.size else contact
     return Stroke(begin, bottom, end, contact, fracture, done)
-
-
-def _dead_centres(scene: Scene) -> tuple[float, float] | None:
-    """Upper dead centre in the ideal cycle, s, and the time from it to the bottom; or None."""
-    period = scene.mechanism.period
-    sense = 1.0 if scene.process is None else sense_of(scene.process)
-    times = np.linspace(0.0, period, _NODES, endpoint=False)
-    ideal = sense * scene.ideal_slider(scene.run_up + times)[:, :2]
-    height, speed = ideal.T
-    if not np.ptp(height) > 0.0:
-        return None
-
-    def turned(place: int) -> float:
-        """Where the speed passes zero next to an instant, by a line."""
-        sides = ((place - 1, place), (place, place + 1))
-        for one, other in sides:
-            first, second = speed[one % _NODES], speed[other % _NODES]
-            if first * second < 0.0:
-                return float((one + first / (first - second)) * period / _NODES)
-        return float(times[place])
-
-    top, bottom = turned(int(height.argmax())), turned(int(height.argmin()))
-    return top % period, (bottom - top) % period
 
 
 def phases_of(time: Array, strokes: list[Stroke]) -> NDArray[np.int64]:

@@ -7,7 +7,7 @@ from typing import Any
 from presswear.linkage.elements import Linkage
 from presswear.scene.catalog import SCENES
 from presswear.scene.scene import Scene
-from presswear.scene.settings import DEFAULT, SET, differences, settings_of
+from presswear.scene.settings import DEFAULT, IN_FILE, differences, replaced, settings_of
 from presswear.tools.numbers import given
 from presswear.tools.quantities import kinds_of, sets_of
 
@@ -49,6 +49,8 @@ def named_scene(scene: Scene) -> Scene | None:
 def changes_of(scene: Scene) -> tuple[Change, ...]:
     """What differs from the named scene that a scene was, or from the defaults of its kind.
 
+    A value that took the place of one in a file is told beside that.
+
     What follows from a named set that was taken, such as ``conventions``, is not told again.
     """
     base = named_scene(scene)
@@ -61,7 +63,8 @@ def changes_of(scene: Scene) -> tuple[Change, ...]:
     for joint, own_bearing in scene.apart.items():
         before |= {f"{joint}.{key}": was for key, was in _before(own_bearing, base.bearing(joint))}
     for setting in settings_of(scene):
-        was = before.get(setting.key, setting.value)
+        was = replaced(setting, scene.statuses)
+        was = before.get(setting.key, was) if was == setting.value else was
         if setting.value == was:
             continue
         meaning = setting.meaning
@@ -152,7 +155,8 @@ def short_name_of(scene: Scene) -> str:
 def _with_changes(first: str, scene: Scene) -> str:
     changes = changes_of(scene)
     if named_scene(scene) is None:
-        changes = tuple(own for own in changes if scene.statuses.get(own.key) == SET)
+        in_file = {IN_FILE, DEFAULT, None}
+        changes = tuple(own for own in changes if scene.statuses.get(own.key) not in in_file)
     if not changes:
         return first
     told = list(map(str, changes))

@@ -1,5 +1,6 @@
 """A scene: everything a person chooses, as data that prints and stores itself."""
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
 from typing import Any, cast
@@ -12,15 +13,15 @@ from presswear.linkage.laws import DAMPINGS
 from presswear.linkage.loads import LOAD_PARAMETERS, Force, Load, OverPosition
 from presswear.linkage.pace import check_pace
 from presswear.linkage.press import Press
-from presswear.linkage.process import PROCESSES, Process, laws_of, sense_of
+from presswear.linkage.process import PROCESSES, Process, laws_of
 from presswear.linkage.reading import read
 from presswear.linkage.slider_crank import SliderCrank
 from presswear.linkage.surface import SIDES, Surface
 from presswear.linkage.topology import branches_of
 from presswear.linkage.written import written
 from presswear.physics.bottom import bottom_of
-from presswear.physics.following import followed, motion_of
-from presswear.physics.ideal import IdealMotion
+from presswear.physics.following import followed
+from presswear.physics.ideal import IdealMotion, ideal_motion
 from presswear.scene.bearing import CONVENTIONS, Bearing, Conventions
 from presswear.scene.life import LIVES, Life
 from presswear.scene.surfaces import settled
@@ -371,12 +372,11 @@ class Scene:
 
     @property
     def bottom(self) -> float:
-        """Watched coordinate, m, of the dead centre in the ideal motion at which it works."""
+        """Watched coordinate of bottom dead centre in the ideal motion, m."""
         found = bottom_of(self.ideal)
         if found is None:
-            return float(self.ideal.at(np.zeros(1)).watched(self.mechanism.linkage())[0, 0])
-        is_highest = self.process is not None and sense_of(self.process) < 0.0
-        return found.height + (found.stroke if is_highest else 0.0)
+            return float(self.ideal.at(np.zeros(1)).watched(self.watching)[0, 0])
+        return found.height
 
     @property
     def lift(self) -> float:
@@ -388,13 +388,25 @@ class Scene:
         """Laws of the forces of the process over the watched coordinate, by their names."""
         if self.process is None:
             return {}
-        contact = self.bottom + sense_of(self.process) * self.process.height
-        return laws_of(self.process, contact, self.lift)
+        return laws_of(self.process, self.bottom + self.process.height, self.lift)
+
+    @property
+    def watching(self) -> Linkage:
+        """The linkage of the mechanism; where it presses on work, watched away from that.
+
+        So bottom dead centre is the lowest place in every scene.
+        """
+        linkage = self.mechanism.linkage()
+        if self.process is None or self.process.bottom == "lowest":
+            return linkage
+        probe = linkage.probe
+        opposite = math.remainder(probe.direction + math.pi, 2.0 * math.pi)
+        return replace(linkage, watch=replace(probe, direction=opposite))
 
     @property
     def loaded(self) -> Linkage:
         """The ideal linkage under the forces of the process."""
-        ideal = followed(self.mechanism.linkage())
+        ideal = followed(self.watching)
         if self.process is None:
             return ideal
         probe = ideal.probe
@@ -422,7 +434,7 @@ class Scene:
     @property
     def ideal(self) -> IdealMotion:
         """The motion of the mechanism with all joints closed."""
-        return motion_of(self.mechanism)
+        return ideal_motion(followed(self.watching), self.mechanism.period)
 
     @property
     def run_up(self) -> float:
@@ -448,7 +460,7 @@ class Scene:
         ndarray, shape (n, 3)
             m, m/s, m/s^2.
         """
-        slider = self.ideal.at(np.append(0.0, time)).watched(self.mechanism.linkage())
+        slider = self.ideal.at(np.append(0.0, time)).watched(self.watching)
         slider[:, 0] -= slider[0, 0]
         return slider[1:]
 

@@ -34,7 +34,10 @@ SET = "set by the user"
 """Status of a value that was changed."""
 IN_FILE = f"{SET}, in the file"
 DEFAULT = "default"
-"""Statuses of the values of a file: those that it gives, and the others."""
+"""Statuses of the values of a file: those that it gives, and the others.
+
+Behind the first stands the value of the file where another was set in its place.
+"""
 
 
 @dataclass(frozen=True)
@@ -155,7 +158,7 @@ def changed(scene: Scene, settings: Mapping[str, Any]) -> Scene:
             if own not in of_one:
                 raise unknown(f"key of a joint in {key}", own, sorted(of_one))
             apart.setdefault(joint, {})[own] = value
-    statuses = {**scene.statuses, **dict.fromkeys(settings, SET)}
+    statuses = {**scene.statuses, **{key: _status(scene, key) for key in settings}}
     common = {key: value for key, value in settings.items() if key.rpartition(".")[0] not in apart}
     bearings = {name: _with(scene.bearing(name), common | own, name) for name, own in apart.items()}
     # Put together at once: a new mechanism may have other joints.
@@ -165,6 +168,28 @@ def changed(scene: Scene, settings: Mapping[str, Any]) -> Scene:
         if joint in apart and joint not in found.clearance_joints:
             raise InputError(f"{key}: joint {joint} has no clearance; joints = {found.joints}")
     return found
+
+
+def _status(scene: Scene, key: str) -> str:
+    """Status of a value that is set, by its key; it keeps that of the file that it replaces."""
+    status = scene.statuses.get(key, "")
+    if status != IN_FILE:
+        return status if status.startswith(IN_FILE) else SET
+    found = {own.key: own for own in settings_of(scene)}
+    own = found.get(key) or found[key.rpartition(".")[2]]
+    if own.value is None or isinstance(own.meaning, Choice):
+        return f"{IN_FILE} {NONE if own.value is None else own.value}"
+    return f"{IN_FILE} {own.meaning.with_unit(f'{own.value!r}')}"
+
+
+def replaced(setting: Setting, statuses: Mapping[str, str]) -> Any:
+    """Value of the file that a setting has taken the place of; its own where there is none."""
+    _, is_there, text = statuses.get(setting.key, "").partition(f"{IN_FILE} ")
+    if not is_there:
+        return setting.value
+    if isinstance(setting.meaning, Choice):
+        return text
+    return None if text == NONE else parse_quantity(setting.key, text, setting.meaning)
 
 
 def begun_on(scene: Scene, surfaces: Surfaces, source: str) -> Scene:

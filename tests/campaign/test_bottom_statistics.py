@@ -12,11 +12,13 @@ from presswear.campaign.single import run_scene
 from presswear.linkage.elements import Bar, Linkage, Pin
 from presswear.linkage.motions import Drive
 from presswear.linkage.press import GEOMETRIES, Press
+from presswear.linkage.servo import Dwell
 from presswear.physics.bottom import bottom_of
 from presswear.record.sampling import STARTUP_CYCLES, pooled
 from presswear.results.bottom import rise, strokes_of
 from presswear.scene.catalog import clearance_c, ideal, wear_times
 from presswear.scene.scene import Scene
+from presswear.show.report.bottom import bottom
 from presswear.tools.arrays import Array
 
 
@@ -130,3 +132,28 @@ def test_what_stands_has_no_bottom() -> None:
     assert stage.bdc == {}
     assert rise(stage, stage) is None
     assert strokes_of(Scene(mechanism=linkage, wears=0), stage) == []
+
+
+@pytest.mark.parametrize("part", [0.04, 1.0 / 9.0])
+@pytest.mark.parametrize("cycles", [1, 4])
+def test_what_dwells_at_its_bottom_is_not_late(part: float, cycles: int) -> None:
+    """The ideal slider stands there for that part of a cycle: no instant of it is the bottom."""
+    press = Press(servo=Dwell(part=part))
+    scene = replace(ideal(), mechanism=press, engine="dae", cycles=cycles)
+    stage = run_scene(scene).stages[0]
+    assert not [name for name in stage.bdc if "delay" in name]
+    # It leaves slowly, and is looked at 1440 times in a cycle.
+    stays = stage.bdc["ideal_dwell_s"] / press.period
+    assert part - 2.0 / 1440.0 < stays < part + 0.01
+    table = bottom(run_scene(scene), {})
+    assert table is not None
+    labels = [row[0] for _, rows in table.groups for row in rows]
+    assert "the ideal stays there, so that none is late (ms)" in labels
+    plain = run_scene(replace(scene, mechanism=Press())).stages[0].bdc
+    assert "delay_per_cycle_s" in plain
+    assert plain["ideal_dwell_s"] < 0.002 * press.period
+    wide = made(wear_times(), 12, seed=1)
+    wide.height += 10.0 * (wide.height - wide.height.mean())
+    found = bottom_statistics(wear_times(), [wide])
+    assert found["standard_deviation_m"] > 2e-4
+    assert "delay_per_cycle_s" in found

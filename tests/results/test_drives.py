@@ -68,7 +68,7 @@ def test_power_is_in_the_figures_and_in_the_report() -> None:
     assert first == pytest.approx(2.0 * scene.mechanism.period, rel=1e-2)
     table = drives(result)
     assert table is not None
-    assert table.head == ("", "no wear", "ideal joints")
+    assert table.head == ("drives", "no wear", "ideal joints")
     (rows,) = ({row[0]: row[1:] for row in own} for name, own in table.groups if "crank" in name)
     own = drives_of(scene, result.stages[0])["crank"]
     for told, duty in zip(rows["power, largest (W)"], (own.duty, own.ideal), strict=True):

@@ -336,3 +336,14 @@ def test_the_rms_of_a_sine_is_that_of_whole_turns(amplitude: float, turns: int) 
     time = np.linspace(0.0, 0.02, 4001)
     values = amplitude * np.sin(2.0 * math.pi * turns * time / 0.02)
     assert rms(time, values) == pytest.approx(amplitude / math.sqrt(2.0), rel=1e-9)
+
+
+def test_ten_settled_strokes_are_kept_of_a_press_with_work() -> None:
+    """Of one without it three: the range of its bottom is told of ten as well."""
+    kept = []
+    for process in (SHEET, None):
+        scene = replace(IDEAL, process=process, cycles=14)
+        told = run_scene(scene).tonnage(0)
+        assert told is not None
+        kept.append(told.strokes)
+    assert kept == [10, 3]

@@ -1,5 +1,6 @@
 """Scenes that press on something: from Python, files and settings, and what is refused."""
 
+import math
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -76,13 +77,15 @@ def test_work_lies_over_the_lowest_place_or_under_the_highest(run_up: int) -> No
     assert isinstance(load.law, OverPosition)
     assert scene.bottom == pytest.approx(lowest(), abs=1e-14)
     assert load.law.zero == pytest.approx(scene.bottom + 5e-3, abs=1e-15)
-    # Dead centres of a slider-crank: rod plus and less crank.
+    # Dead centres of a slider-crank: rod plus and less crank.  Up is away from the work.
     scene = replace(SLIDER_CRANK, process=pw.Coining(bottom="highest", height=1e-3))
-    assert scene.bottom == pytest.approx(0.17, abs=1e-15)
+    assert scene.bottom == pytest.approx(-0.17, abs=1e-15)
     assert scene.stroke == pytest.approx(0.1, abs=1e-15)
     (load,) = scene.linkage().live_loads
+    assert isinstance(load, Force)
     assert isinstance(load.law, OverPosition)
-    assert load.law.zero == pytest.approx(0.169, abs=1e-15)
+    assert load.law.zero == pytest.approx(-0.169, abs=1e-15)
+    assert abs(load.direction) == pytest.approx(math.pi, abs=1e-15)
 
 
 def limited(torque: float, **values: Any) -> pw.Scene:

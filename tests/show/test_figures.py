@@ -11,26 +11,32 @@ import matplotlib
 import matplotlib.pyplot as pyplot
 import numpy as np
 import pytest
+from hypothesis import given as drawn
+from hypothesis import strategies as st
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure as Sheet
 
+from presswear.campaign.single import run_scene
 from presswear.engines.base import Status
 from presswear.linkage.elements import Bar, Pin
 from presswear.linkage.four_bar import FOUR_BAR
 from presswear.linkage.loads import AnyLoad, Force, Harmonics, Load, Moment, Spring
 from presswear.linkage.motions import Drive
 from presswear.linkage.pieces import Rise
+from presswear.linkage.process import Blanking
 from presswear.linkage.surface import bin_centres
 from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
+from presswear.results.drives import ideal_curves
 from presswear.results.result import Result
 from presswear.results.stage import SIDES, StageResult, WearStep
 from presswear.scene.bearing import CONVENTIONS, Bearing
-from presswear.scene.catalog import press_blanking, slider_crank, wear_times
+from presswear.scene.catalog import ideal, press_blanking, slider_crank, wear_times
 from presswear.scene.scene import Scene, stage_name
 from presswear.scene.settings import changed
 from presswear.show.figures import NAMES, drawings, save
+from presswear.show.figures.drives import within
 from presswear.show.figures.mechanism import labelled
 from presswear.show.figures.motion import Window
 from presswear.show.figures.style import length_scale, round_down
@@ -562,3 +568,31 @@ def test_numbers_with_company() -> None:
     assert with_interval(5.0, 0.0) == "5.000\u00a0± 0"
     assert (whole(258195), whole(None)) == ("258\u202f195", "–")
     assert (given(2e11), given(0.0243)) == ("2·10¹¹", "0.0243")
+
+
+def test_short_peaks_leave_the_panels_of_the_drives_and_are_written_there() -> None:
+    """A torque of a thousand times the ideal one in a single row of two thousand in a cycle."""
+    result = run_scene(replace(ideal(), process=Blanking(), engine="dae", cycles=3))
+    (stage,) = result.stages
+    exact = ideal_curves(result.scene)["crank 2"].torque
+    largest = float(np.abs(exact).max())
+    torque = stage.arrays["drive_torque"].copy()
+    torque[-100, 0] = -1e3 * largest
+    struck = replace(stage, arrays={**stage.arrays, "drive_torque": torque})
+    result = replace(result, stages=(struck,))
+    (drawing,) = drawings(result, ["drives"])
+    axes = drawing.sheet.axes[0]
+    low, high = axes.get_ylim()
+    assert low < exact.min() < exact.max() < high
+    assert high - low < 1.3 * float(np.ptp(exact))
+    assert axes.get_title(loc="right") == f"farthest: {readable(-1e3 * largest)} N m"
+
+
+@drawn(st.floats(0.001, 0.2), st.integers(0, 100))
+def test_the_ends_of_most_of_the_time_are_those_of_its_distribution(
+    beyond: float, seed: int
+) -> None:
+    """Of a line from 0 to 1 in steps of any length."""
+    time = np.cumsum(np.random.default_rng(seed).uniform(0.0, 2e-4, 10_000))
+    time /= time[-1]
+    assert within(time, time, beyond) == pytest.approx((beyond, 1.0 - beyond), abs=1e-3)

@@ -15,7 +15,9 @@ from presswear.scene.bearing import Bearing
 from presswear.scene.catalog import press_blanking, wear_times
 from presswear.scene.scene import Scene
 from presswear.show.report import render
-from presswear.show.report.overview import OPENING, changed_values, compared, in_short, moments
+from presswear.show.report.moments import moments
+from presswear.show.report.origin import changed_values
+from presswear.show.report.overview import OPENING, compared, in_short
 from presswear.show.report.page import Illustration
 
 
@@ -43,20 +45,19 @@ def test_new_and_worn_stand_side_by_side() -> None:
         result = altered(result, index, wear_steps=(step,))
     page = head_of(result)
     assert page.rows[next(k for k, row in enumerate(page.rows) if row[:1] == ["no wear"])] == [
-        "no wear",
-        "second wear",
+        *("no wear", "first wear", "second wear"),
     ]
-    assert numbers(page, "strokes that the wear stands for") == ["0", "8\u202f000\u202f000"]
+    assert numbers(page, "strokes that the wear stands for") == [
+        *("0", "4\u202f000\u202f000", "8\u202f000\u202f000"),
+    ]
     assert numbers(page, "error of bottom dead centre (µm)") == [
-        "−760\u00a0± 30",
-        "−960\u00a0± 30",
+        *("−760\u00a0± 30", "−860\u00a0± 30", "−960\u00a0± 30"),
     ]
     assert numbers(page, "the same, less that of the first stage (µm)") == [
-        "–",
-        "−200\u00a0± 42",
+        *("–", "−100\u00a0± 42", "−200\u00a0± 42"),
     ]
-    assert numbers(page, "repeatability (µm)") == ["100 (too few strokes)"] * 2
-    assert numbers(page, "largest joint force (N)") == ["100 at C", "102 at C"]
+    assert numbers(page, "repeatability (µm)") == ["100 (too few strokes)"] * 3
+    assert numbers(page, "largest joint force (N)") == ["100 at C", "101 at C", "102 at C"]
     assert page.row("total clearance at the slider (µm)")[1].endswith("100 N up and down")
 
 

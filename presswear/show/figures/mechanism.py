@@ -115,7 +115,7 @@ def mechanism(result: Result, stages: Stages) -> list[Drawing]:
 
 def labelled(scene: Scene, time: float = 0.0) -> Drawing:
     """Draw the mechanism of a scene at an instant, s, its joints closed."""
-    linkage = scene.mechanism.linkage()
+    linkage = scene.watching
     period = scene.mechanism.period
     # A whole cycle, behind the run-up.
     times = np.append(time, scene.run_up + np.linspace(0.0, period, _INSTANTS))

@@ -25,8 +25,8 @@ def height_over_angle(result: Result, stages: Stages) -> list[Drawing]:
     shown, window = settled(result, moving)
     factor, unit = length_scale(scene.stroke)
     time = np.linspace(window.begin, window.end, 1001)
-    begun = scene.ideal.at(np.zeros(1)).watched(scene.mechanism.linkage())[0, 0]
-    ideal = np.abs(begun + scene.ideal_slider(time)[:, 0] - scene.bottom)
+    begun = scene.ideal.at(np.zeros(1)).watched(scene.watching)[0, 0]
+    ideal = begun + scene.ideal_slider(time)[:, 0] - scene.bottom
     sheet = Sheet(figsize=(WIDTH, 2.9), layout="constrained")
     axes = sheet.subplots()
     marked: dict[str, str] = {}
@@ -47,7 +47,7 @@ def height_over_angle(result: Result, stages: Stages) -> list[Drawing]:
     marks = {"v": "pointing down", "^": "pointing up", "x": "cross"}
     caption = (
         f"Height of the {scene.watched} over the lowest place that it would reach without "
-        f"clearance, in the direction in which it is watched, over {window.words}."
+        f"clearance, over {window.words}."
     )
     if marked:
         told = ", ".join(f"{marks[mark]}: {words}" for mark, words in marked.items())

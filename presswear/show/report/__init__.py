@@ -17,7 +17,9 @@ from presswear.show.figures.style import stage_names
 from presswear.show.report.bottom import bottom, under_load
 from presswear.show.report.drives import drives
 from presswear.show.report.life import life_head
+from presswear.show.report.moments import moments
 from presswear.show.report.origin import (
+    changed_values,
     convention_set,
     conventions,
     diagnostics,
@@ -26,9 +28,7 @@ from presswear.show.report.origin import (
 )
 from presswear.show.report.overview import (
     OPENING,
-    changed_values,
     in_short,
-    moments,
     overview,
 )
 from presswear.show.report.page import Illustration, illustrate, render_page

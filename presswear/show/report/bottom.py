@@ -16,7 +16,7 @@ _DEGREES = 180.0 / math.pi
 
 
 def bottom(result: Result, loaded: Rows[StageResult]) -> Table | None:
-    """Accuracy and repeatability at bottom dead centre; None where nothing has moved.
+    """What the overview leaves of bottom dead centre; None where nothing has moved.
 
     Parameters
     ----------
@@ -26,27 +26,36 @@ def bottom(result: Result, loaded: Rows[StageResult]) -> Table | None:
     if not any(stage.bdc for stage in result.stages):
         return None
     rows: Rows[StageResult] = {
-        "height over the ideal (µm)": bottom_mean("error_per_cycle_m", MICRONS),
-        "the same less that of the first stage (µm)": lambda stage: risen(result, stage),
         "standard deviation of the height (µm)": bottom_between("standard_deviation", "m", MICRONS),
-        "mean range of successive strokes (µm)": bottom_between("range", "m", MICRONS),
-        "strokes in each such range": lambda stage: whole(stage.bdc.get("range_strokes")),
         "range of all strokes (µm)": lambda stage: readable(
             scaled(stage.bdc.get("range_of_all_m"), MICRONS)
         ),
-        "later than the ideal (ms)": bottom_mean("delay_per_cycle_s", MILLI),
-        f"the same as {result.scene.mechanism.linkage().phase} (degrees)": bottom_mean(
-            "delay_per_cycle_rad", _DEGREES
-        ),
-        "standard deviation of the time (ms)": bottom_between(
-            "delay_standard_deviation", "s", MILLI
-        ),
+        **_delay(result),
         "settled strokes": lambda stage: whole(stage.bdc.get("strokes")),
     }
     groups = {"": rows}
-    if loaded:
-        groups["At rest there, crank held"] = loaded
+    # The first, the total clearance, stands at a glance.
+    if at_rest := dict(list(loaded.items())[1:]):
+        groups["At rest there, drives held"] = at_rest
     return stage_table(result, "bottom dead centre", groups)
+
+
+def _delay(result: Result) -> Rows[StageResult]:
+    """Rows of how late it is; of an ideal motion that stays there, for how long."""
+    if not any("delay_per_cycle_s" in stage.bdc for stage in result.stages):
+        return {
+            "the ideal stays there, so that none is late (ms)": lambda stage: readable(
+                scaled(stage.bdc.get("ideal_dwell_s"), MILLI)
+            )
+        }
+    phase = result.scene.mechanism.linkage().phase
+    return {
+        "later than the ideal (ms)": bottom_mean("delay_per_cycle_s", MILLI),
+        f"the same as {phase} (degrees)": bottom_mean("delay_per_cycle_rad", _DEGREES),
+        "standard deviation of the time (ms)": bottom_between(
+            "delay_standard_deviation", "s", MILLI
+        ),
+    }
 
 
 def bottom_mean(name: str, factor: float) -> Text:
@@ -73,9 +82,8 @@ def bottom_between(name: str, unit: str, factor: float) -> Text:
     return text
 
 
-def risen(result: Result, stage: StageResult) -> str:
-    """How much higher bottom dead centre is than in the first stage, µm, with its interval."""
-    first = result.stages[0]
+def risen(stage: StageResult, first: StageResult) -> str:
+    """How much higher bottom dead centre is than in another stage, µm, with its interval."""
     found = None if stage is first else rise(stage, first)
     if found is None:
         return "–"

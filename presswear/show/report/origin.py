@@ -6,7 +6,8 @@ from functools import partial
 from presswear.results.result import SCHEMA, Result
 from presswear.results.stage import StageResult
 from presswear.scene.bearing import CONVENTIONS, Conventions
-from presswear.scene.settings import Setting, settings_of
+from presswear.scene.changes import changes_of, named_scene
+from presswear.scene.settings import IN_FILE, Setting, settings_of
 from presswear.show.report.parts import Table, stage_table
 from presswear.tools.numbers import given, readable, whole
 from presswear.tools.quantities import Choice, Words
@@ -91,3 +92,17 @@ def _diagnostic(key: str, stage: StageResult) -> str:
     if isinstance(value, str):
         return value
     return whole(value) if isinstance(value, int) else readable(value)
+
+
+def changed_values(result: Result) -> tuple[str, Table | None]:
+    """A sentence on what was changed, and the values beside what they were."""
+    scene = result.scene
+    base, changes = named_scene(scene), changes_of(scene)
+    of = "the defaults" if base is None else f"the named scene {base.name}"
+    if not changes:
+        return f"Nothing differs from {of}.", None
+    rows = tuple((own.key, own.value, own.was, own.unit, own.meaning) for own in changes)
+    table = Table(("key", "value", "was", "unit", "meaning"), (("", rows),), numeric=False)
+    if any(was.startswith(f"{IN_FILE} ") for was in scene.statuses.values()):
+        of += ", or from what the file gave where another value was set"
+    return f"What differs from {of}:", table

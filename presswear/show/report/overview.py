@@ -1,12 +1,10 @@
 """The head of the report, for who presses parts: what was run, and what the slider does."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from presswear.linkage.process import sense_of
 from presswear.physics.bottom import bottom_of
 from presswear.physics.statics import pull_of
 from presswear.record.sampling import STARTUP_CYCLES, Estimate
@@ -22,24 +20,22 @@ from presswear.results.tonnage import (
     Tonnage,
     tonnage_of,
 )
-from presswear.scene.changes import changes_of, named_scene
 from presswear.scene.scene import Scene
 from presswear.show.figures.style import length_scale, stage_names
 from presswear.show.report.bottom import bottom_between, bottom_mean, risen
+from presswear.show.report.moments import degrees
 from presswear.show.report.parts import (
     MICRONS,
     MILLI,
+    NOTHING,
     Rows,
-    Table,
     Text,
-    column_table,
     statistics,
 )
 from presswear.tools.numbers import given, readable, whole, with_interval
 
 OPENING = ("mechanism.png", "stroke.png", "force-over-stroke.png")
 """Files of the figures that stand in this part, the drawing of the mechanism first."""
-_NOTHING = "–"
 
 
 @dataclass(frozen=True)
@@ -68,15 +64,14 @@ class Overview:
 
 
 def compared(result: Result) -> tuple[StageResult, ...]:
-    """The first and the last stage that ran soundly: new and worn."""
-    sound = tuple(stage for stage in result.stages if not stage.failed)
-    return (*sound[:1], *sound[1:][-1:])
+    """The stages that ran soundly, new and worn."""
+    return tuple(stage for stage in result.stages if not stage.failed)
 
 
 def overview(result: Result, loaded: Rows[StageResult]) -> Overview | None:
-    """Numbers of the first and the last stage; None where none ran soundly.
+    """Numbers of the stages that ran soundly; None where none did.
 
-    What is known of neither stage is left out.
+    What is known of no stage is left out.
 
     Parameters
     ----------
@@ -87,7 +82,7 @@ def overview(result: Result, loaded: Rows[StageResult]) -> Overview | None:
     groups = []
     for heading, facts in _facts(result, loaded).items():
         rows = [(own.label, own.meaning, tuple(map(own.text, stages))) for own in facts]
-        rows = [row for row in rows if any(text != _NOTHING for text in row[2])]
+        rows = [row for row in rows if any(text != NOTHING for text in row[2])]
         if rows:
             groups.append((heading, tuple(rows)))
     if not stages or not groups:
@@ -142,13 +137,13 @@ def _bottom(result: Result) -> Iterator[Fact]:
         yield Fact(
             "the same, less that of the first stage (µm)",
             "what wear has moved bottom dead centre by",
-            lambda stage: risen(result, stage),
+            lambda stage: risen(stage, result.stages[0]),
         )
     spread = bottom_between("range", "m", MICRONS)
 
     def repeated(stage: StageResult) -> str:
         text = spread(stage)
-        if text == _NOTHING:
+        if text == NOTHING:
             return f"not known from {_counted(stage.bdc.get('strokes', 0))}"
         return text if "(" in text else f"{text} (too few strokes)"
 
@@ -156,7 +151,7 @@ def _bottom(result: Result) -> Iterator[Fact]:
         "repeatability (µm)",
         "from the deepest to the highest bottom dead centre of strokes that follow each other"
         + _in_groups(result),
-        lambda stage: repeated(stage) if stage.bdc else _NOTHING,
+        lambda stage: repeated(stage) if stage.bdc else NOTHING,
     )
 
 
@@ -180,24 +175,21 @@ def _clearance(scene: Scene, loaded: Rows[StageResult]) -> Iterator[Fact]:
         )
 
 
-def _tonnage(result: Result) -> dict[int, Tonnage | None]:
-    return {stage.index: tonnage_of(result.scene, stage) for stage in compared(result)}
-
-
 def _work(result: Result) -> Iterator[Fact]:
-    if result.scene.process is None:
+    process = result.scene.process
+    if process is None:
         return
-    found = _tonnage(result)
+    found = {stage.index: tonnage_of(result.scene, stage) for stage in compared(result)}
 
     def of(own: Callable[[Tonnage], Estimate | None]) -> Text:
         def text(stage: StageResult) -> str:
             tonnage = found[stage.index]
             told = None if tonnage is None else own(tonnage)
-            return _NOTHING if told is None else with_interval(told.mean, told.half_width)
+            return NOTHING if told is None else with_interval(told.mean, told.half_width)
 
         return text
 
-    mean = "mean over the recorded strokes"
+    mean = "mean over the recorded strokes, the first settled ones of one start"
     yield Fact(
         "greatest force of the work in a stroke (N)",
         f"what the work pushes back with, the tonnage; {mean}",
@@ -205,7 +197,7 @@ def _work(result: Result) -> Iterator[Fact]:
     )
     yield Fact(
         "energy that the work takes in a stroke (J)",
-        f"its force summed over the way; {mean}",
+        f"its force summed over the way, without clearance {given(process.work)} J; {mean}",
         of(lambda own: own.work_J),
     )
 
@@ -238,7 +230,7 @@ def _forces(result: Result) -> Iterator[Fact]:
     def over_all(stage: StageResult) -> str:
         name = largest(stage)
         if name is None:
-            return _NOTHING
+            return NOTHING
         return f"{readable(stage.joints[name].statistics['force_max_N'])} at {name}"
 
     def mean(stage: StageResult) -> str:
@@ -249,7 +241,7 @@ def _forces(result: Result) -> Iterator[Fact]:
     def of(own: Callable[[_Peak], str]) -> Text:
         def text(stage: StageResult) -> str:
             peak = found[stage.index]
-            return _NOTHING if peak is None else own(peak)
+            return NOTHING if peak is None else own(peak)
 
         return text
 
@@ -277,7 +269,7 @@ def _forces(result: Result) -> Iterator[Fact]:
     if getattr(scene.process, "fracture", None) is not None:
         span = given(MILLI * SNAP_THROUGH_S)
         meaning += f", {PHASES[SNAP_THROUGH]}: in the {span} ms after that breaks"
-    yield Fact("its place in the stroke", meaning, of(lambda own: own.place or _NOTHING))
+    yield Fact("its place in the stroke", meaning, of(lambda own: own.place or NOTHING))
 
 
 def _peak(scene: Scene, stage: StageResult) -> _Peak | None:
@@ -300,7 +292,7 @@ def _peak(scene: Scene, stage: StageResult) -> _Peak | None:
         falls = height[min(row + 1, time.size - 1)] < height[max(row - 1, 0)]
         place = f"{readable(factor * float(height[row]))} {unit}, going {'down' if falls else 'up'}"
         place += _phase(scene, stage, row)
-    angle = float(_angle(scene, time[row : row + 1])[0])
+    angle = float(degrees(scene, time[row : row + 1])[0])
     return _Peak(joint, float(forces[joint].max()), angle, place)
 
 
@@ -318,18 +310,15 @@ def _phase(scene: Scene, stage: StageResult, row: int) -> str:
     return ""
 
 
-def _angle(scene: Scene, time: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Phase of the cycle at instants, degrees, below 360."""
-    return np.asarray(360.0 * ((time - 0.5 * scene.run_up) / scene.mechanism.period) % 360.0)
-
-
 def _drives(result: Result) -> Iterator[Fact]:
     found = {stage.index: drives_of(result.scene, stage) for stage in compared(result)}
 
     def of(body: str, own: Callable[[DriveDuty], float]) -> Text:
         def text(stage: StageResult) -> str:
-            told = found[stage.index]
-            return readable(own(told[body].duty)) if body in told else _NOTHING
+            told = found[stage.index].get(body)
+            if told is None:
+                return NOTHING
+            return f"{readable(own(told.duty))} (ideal {readable(own(told.ideal))})"
 
         return text
 
@@ -337,7 +326,8 @@ def _drives(result: Result) -> Iterator[Fact]:
         body = drive.body
         yield Fact(
             f"{body}: largest torque (N m)",
-            "farthest from zero, counterclockwise above zero",
+            "farthest from zero, counterclockwise above zero; in brackets that of the same linkage "
+            "without clearance",
             of(body, lambda own: own.torque.peak),
         )
         yield Fact(
@@ -365,12 +355,11 @@ def in_short(result: Result) -> list[str]:
         ]
     else:
         factor, unit = length_scale(scene.stroke)
-        is_up = scene.process is None or sense_of(scene.process) > 0.0
         found = [
             f"The {scene.watched} moves between its lowest and its highest place, "
             f"{readable(factor * scene.stroke)} {unit} apart, in every cycle; a cycle is a stroke, "
             f"{readable(60.0 / period)} of them a minute. Up is "
-            f"{'along' if is_up else 'against'} the thick arrow of the drawing."
+            "along the thick arrow of the drawing."
         ]
     if scene.process is not None:
         factor, unit = length_scale(scene.process.height)
@@ -397,8 +386,7 @@ def in_short(result: Result) -> list[str]:
     if any(stage.index > 0 for stage in stages):
         found.append(
             "A stage is the linkage on its surfaces at one time in its life; a wear takes "
-            "material off all of them and leads to the next stage. The first stage and the last "
-            "are set side by side."
+            "material off all of them and leads to the next stage."
         )
     failed = [stage.name for stage in result.stages if stage.failed]
     if failed:
@@ -410,65 +398,3 @@ def in_short(result: Result) -> list[str]:
         "from too few strokes for one says so."
     )
     return found
-
-
-def moments(result: Result) -> Table | None:
-    """When and how high strokes touch the work, break it and leave it; None where none does."""
-    scene = result.scene
-    stages = compared(result)
-    found = {stage.index: strokes_of(scene, stage) for stage in stages}
-    if all(own is None or not len(own.contact) for own in found.values()):
-        return None
-    words = {"contact": "Touches the work", "fracture": "Breaks it", "separation": "Leaves it"}
-    begin = scene.run_up + STARTUP_CYCLES * scene.mechanism.period
-
-    def told(name: str, in_degrees: bool) -> Text:
-        def text(stage: StageResult) -> str:
-            strokes = found[stage.index]
-            rows = np.zeros((0, 2)) if strokes is None else getattr(strokes, name)
-            rows = rows[~np.isnan(rows[:, 0])]
-            settled = rows[rows[:, 0] >= begin]
-            rows = settled if len(settled) else rows
-            if not len(rows):
-                return _NOTHING
-            if not in_degrees:
-                return _spread(MILLI * rows[:, 1], 3)
-            angle = _angle(scene, rows[:, 0])
-            # Beside the first: 359 and 1 degrees lie close.
-            return _spread(angle[0] + (angle - angle[0] + 180.0) % 360.0 - 180.0, 2)
-
-        return text
-
-    def rows_of(name: str) -> Mapping[str, Text]:
-        return {
-            f"{scene.mechanism.linkage().phase} (degrees)": told(name, True),
-            "height over bottom dead centre (mm)": told(name, False),
-        }
-
-    groups = {
-        heading: rows_of(name)
-        for name, heading in words.items()
-        if any(own and not np.isnan(getattr(own, name)).all() for own in found.values())
-    }
-    return column_table("moments of a stroke", stage_names(result, stages), stages, groups)
-
-
-def _spread(values: NDArray[np.float64], decimals: int) -> str:
-    """The mean of some values, and their ends in brackets where they differ."""
-    low, middle, high = (
-        f"{own:.{decimals}f}".replace("-", "−")
-        for own in (values.min(), values.mean(), values.max())
-    )
-    return middle if low == high else f"{middle} ({low} to {high})"
-
-
-def changed_values(result: Result) -> tuple[str, Table | None]:
-    """A sentence on what was changed, and the values beside what they were."""
-    scene = result.scene
-    base, changes = named_scene(scene), changes_of(scene)
-    of = "the defaults" if base is None else f"the named scene {base.name}"
-    if not changes:
-        return f"Nothing differs from {of}.", None
-    rows = tuple((own.key, own.value, own.was, own.unit, own.meaning) for own in changes)
-    table = Table(("key", "value", "was", "unit", "meaning"), (("", rows),), numeric=False)
-    return f"What differs from {of}:", table

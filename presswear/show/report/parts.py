@@ -19,6 +19,7 @@ Text = Callable[[StageResult], str]
 MICRONS = 1e6
 MILLI = 1e3
 CUBIC_MILLIMETRES = 1e9
+NOTHING = "–"
 
 
 @dataclass(frozen=True)

@@ -13,10 +13,10 @@ _WINDOW = f"{given(MILLI * SNAP_THROUGH_S)} ms"
 
 
 def tonnage(result: Result) -> Table | None:
-    """Force of the work, and of joints by phase of the stroke; None where there is neither."""
+    """Forces of joints by phase of the stroke; None where there are none."""
     found = {stage.index: tonnage_of(result.scene, stage) for stage in result.stages}
     told = [own for own in found.values() if own is not None]
-    if not any(own.joints or own.force_peak_N for own in told):
+    if not any(own.joints for own in told):
         return None
 
     def of(own: Callable[[Tonnage], Estimate | None], factor: float = 1.0) -> Text:
@@ -51,11 +51,6 @@ def tonnage(result: Result) -> Table | None:
         }
 
     groups: dict[str, Rows[StageResult]] = {}
-    if result.scene.process is not None:
-        groups["Work"] = {
-            "greatest force (N)": of(lambda own: own.force_peak_N),
-            "work in a stroke (J)": of(lambda own: own.work_J),
-        }
     if any(own.vibration for own in told):
         groups[f"Acceleration of the {result.scene.watched} less ideal, rms (m/s²)"] = {
             f"{_WINDOW} before the contact": of(
