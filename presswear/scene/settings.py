@@ -177,7 +177,7 @@ def _status(scene: Scene, key: str) -> str:
         return status if status.startswith(IN_FILE) else SET
     found = {own.key: own for own in settings_of(scene)}
     own = found.get(key) or found[key.rpartition(".")[2]]
-    if own.value is None or isinstance(own.meaning, Choice):
+    if own.value is None or not isinstance(own.meaning, Meaning):
         return f"{IN_FILE} {NONE if own.value is None else own.value}"
     return f"{IN_FILE} {own.meaning.with_unit(f'{own.value!r}')}"
 
@@ -187,7 +187,7 @@ def replaced(setting: Setting, statuses: Mapping[str, str]) -> Any:
     _, is_there, text = statuses.get(setting.key, "").partition(f"{IN_FILE} ")
     if not is_there:
         return setting.value
-    if isinstance(setting.meaning, Choice):
+    if not isinstance(setting.meaning, Meaning):
         return text
     return None if text == NONE else parse_quantity(setting.key, text, setting.meaning)
 
