@@ -22,13 +22,14 @@ from presswear.record.recorder import Recorder
 from presswear.record.sampling import STARTUP_CYCLES
 from presswear.record.tracker import Tracker
 from presswear.scene.bearing import CONVENTIONS
+from presswear.scene.scene import Numerics
 
 Array = NDArray[np.float64]
 
 CLEARANCE, WIDTH, FRICTION, COEFFICIENT = 1e-3, 0.02, 0.05, 1e-15
 SPEED = 100.0 * math.pi
 CYCLE = 2.0 * math.pi / SPEED
-ENGINES = {
+ENGINES: dict[str, Any] = {
     "dae": pw.InHouse(integrator="dopri5", integration_tolerance=1e-6, free_step=CYCLE / 40),
     "exudyn-tree": pw.ExudynTree(tree_tolerance=1e-5, free_step=CYCLE / 40),
     "exudyn-joints": pw.ExudynJoints(steps_per_contact=20, free_step=CYCLE / 40),
@@ -106,8 +107,9 @@ def bush(
         viscous_damping=1e4,
         angles=angles,
     )
+    numerics = Numerics(*(ENGINES[name] for name in ("exudyn-tree", "exudyn-joints", "dae")))
     given = {"engine": "dae", "starts": 1, "conventions": CONVENTIONS["refined"], **settings}
-    return pw.Scene(linkage, bearings={"B": bearing}, **given)
+    return pw.Scene(linkage, bearings={"B": bearing}, numerics=numerics, **given)
 
 
 @dataclass
@@ -176,7 +178,7 @@ def worn(
         trackers=(history,),
         wear=partial(_share, strokes),
     )
-    run = ENGINES[scene.engine].simulate(scene.linkage(), start_of(scene), plan)
+    run = scene.solver.simulate(scene.linkage(), start_of(scene), plan)
     assert run.status == "completed", run.message
     depth = np.array(history.depth)
     dose = run.recorder.each_cycle("dose", 0)[STARTUP_CYCLES:]

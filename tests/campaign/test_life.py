@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from presswear.campaign.crossing import Block, Blocks
 from presswear.campaign.life import Known, Pass, Problem, Step, known_by, live
 from presswear.scene.life import Limit, Service
-from presswear.tools.errors import InputError
 
 Array = NDArray[np.float64]
 

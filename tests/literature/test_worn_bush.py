@@ -18,6 +18,9 @@ from bush import CLEARANCE, COEFFICIENT, CYCLE, ENGINES, FRICTION, WIDTH, Worn, 
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+import presswear as pw
+from presswear.scene.life import Life
+
 Array = NDArray[np.float64]
 
 TILT = 0.5 * math.pi - math.atan(FRICTION)
@@ -203,6 +206,30 @@ def test_any_ratio_of_radii(radius: float) -> None:
     exact = WIDTH * lens(radius, pin, eccentricity)
     ratio = CLEARANCE / radius
     assert lost / exact == pytest.approx(math.sqrt(radius / pin), rel=1e-3 + 0.2 * ratio**2)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("engine", ["dae", "exudyn-tree"])
+def test_a_life_ends_where_two_circles_say(engine: str) -> None:
+    """Archard's strokes to a depth, within what the life says of its own error and 1e-3."""
+    part, count = 0.3, 120
+    goal = part * CLEARANCE
+    life = Life(until=f"B.depth > {goal!r} m", at_most=1e12)
+    scene = bush(life=life, engine=engine, starts=2, wears=1, cycles=4, tolerance=0.1, angles=count)
+    result = pw.run(scene)
+    found = result.life
+    assert found is not None
+    assert found.ended == "limit"
+    assert found.error is not None
+
+    def deepest(reached: float) -> float:
+        return float(profile(count, TILT, CLEARANCE + reached, CLEARANCE).max()) - goal
+
+    reached = brentq(deepest, goal, 1.1 * goal)
+    dose = result.stages[1].joints["B"].each_cycle("dose")[-1]
+    wanted = volume(0.02, float(reached)) / (COEFFICIENT * dose)
+    assert found.strokes == pytest.approx(wanted, rel=1e-3 + found.error)
+    assert found.error < 5e-3
 
 
 @pytest.mark.parametrize("engine", ENGINES)
