@@ -215,7 +215,7 @@ def test_a_life_ends_where_two_circles_say(engine: str) -> None:
     part, count = 0.3, 120
     goal = part * CLEARANCE
     life = Life(until=f"B.depth > {goal!r} m", at_most=1e12)
-    scene = bush(life=life, engine=engine, starts=2, wears=1, cycles=4, tolerance=0.1, angles=count)
+    scene = bush(life=life, engine=engine, starts=2, wears=1, cycles=8, tolerance=0.1)
     result = pw.run(scene)
     found = result.life
     assert found is not None
@@ -226,7 +226,7 @@ def test_a_life_ends_where_two_circles_say(engine: str) -> None:
         return float(profile(count, TILT, CLEARANCE + reached, CLEARANCE).max()) - goal
 
     reached = brentq(deepest, goal, 1.1 * goal)
-    dose = result.stages[1].joints["B"].each_cycle("dose")[-1]
+    dose = result.stages[0].joints["B"].each_cycle("dose")[-1]
     wanted = volume(0.02, float(reached)) / (COEFFICIENT * dose)
     assert found.strokes == pytest.approx(wanted, rel=1e-3 + found.error)
     assert found.error < 5e-3
