@@ -120,7 +120,7 @@ def test_starts_that_agree_are_a_life_without_chance(whole: Path) -> None:
     assert np.all(np.diff(depth[:, 0]) > 0.0)
     # The limit lies where the curve passes it.
     at = np.interp(life.strokes, life.curves["strokes"], depth[:, 0])
-    assert at == pytest.approx(0.02 * CLEARANCE, rel=1e-9)
+    assert at == pytest.approx(0.02 * CLEARANCE, rel=1e-9, abs=0.0)
 
 
 def test_no_number_depends_on_the_processes(whole: Path, tmp_path: Path) -> None:
@@ -174,7 +174,7 @@ def test_a_bush_that_is_seen_to_lasts_as_long_again(service: str, word: str, who
     assert result.life.strokes == pytest.approx(at + first.strokes, rel=0.05)
     strokes, depth = curve(result)
     k = int(np.flatnonzero(np.diff(strokes) == 0.0)[0])
-    assert strokes[k] == pytest.approx(at, rel=1e-9)
+    assert strokes[k] == pytest.approx(at, rel=1e-9, abs=0.0)
     before = depth[k]
     assert depth[k + 1] == (0.0 if service == "replaced" else before)
 
@@ -227,7 +227,7 @@ def test_what_is_worn_deeper_than_the_clearance_ends_there(begun: float) -> None
     assert "more than the clearance" in life.message
     strokes, volume = life.curves["strokes"], life.curves["B.wear_volume"][:, 0]
     rates = np.diff(volume) / np.diff(strokes)
-    assert rates[1:] == pytest.approx(rates[1], rel=1e-3)
+    assert rates[1:] == pytest.approx(rates[1], rel=1e-3, abs=0.0)
     assert life.strokes == strokes[-1]
     # Both starts end within a block of four cycles, or nothing was tried.
     assert life.passes[-1].cycles % 8 != 0

@@ -115,7 +115,7 @@ def test_the_deepest_place_lies_where_friction_turns_the_load(alone: Worn) -> No
 def test_volume_grows_as_archard_says(alone: Worn) -> None:
     """V = K_d F s: by the dose of each cycle to round-off, and that is force times way."""
     gained = np.diff(alone.bush.sum(axis=1), prepend=0.0) * alone.area
-    assert gained == pytest.approx(COEFFICIENT * alone.dose * alone.strokes, rel=1e-11)
+    assert gained == pytest.approx(COEFFICIENT * alone.dose * alone.strokes, rel=1e-11, abs=0.0)
     new = worn(bush(), volume(0.02, 1e-6 * CLEARANCE), 10, recorded=12)
     recorder = new.run.recorder
     force = recorder.series("normal", 0)[-1]
@@ -161,7 +161,7 @@ def test_a_pin_alone_is_worn_evenly() -> None:
     own = worn(bush(share=0.0), volume(0.02, 0.1 * CLEARANCE), 60)
     assert uneven(own.pin[-1]) < 1e-3
     even = COEFFICIENT * float(own.dose @ own.strokes) / (2.0 * math.pi * 0.02 * WIDTH)
-    assert own.pin[-1].mean() == pytest.approx(even, rel=1e-9)
+    assert own.pin[-1].mean() == pytest.approx(even, rel=1e-9, abs=0.0)
     assert not own.bush.any()
 
 
@@ -186,7 +186,7 @@ def test_both_are_worn_by_their_shares() -> None:
     """The pin evenly, and the bush as by a pin that is so much smaller."""
     own = worn(bush(share=0.4), volume(0.02, 0.3 * CLEARANCE) / 0.4, 100, 1.5)
     lost = own.bush[-1].sum() + own.pin[-1].sum()
-    assert own.bush[-1].sum() == pytest.approx(0.4 * lost, rel=1e-12)
+    assert own.bush[-1].sum() == pytest.approx(0.4 * lost, rel=1e-12, abs=0.0)
     assert uneven(own.pin[-1]) < 1e-2
     deepest, whole = is_lens(own.bush[-1], own.area, 0.02, CLEARANCE + own.pin[-1].mean())
     assert abs(deepest) < 1e-3
@@ -240,4 +240,4 @@ def test_every_engine(engine: str) -> None:
     assert abs(deepest) < 1e-3
     assert whole < 3e-3
     lost = float(own.bush[-1].sum()) * own.area
-    assert lost == pytest.approx(COEFFICIENT * float(own.dose @ own.strokes), rel=1e-11)
+    assert lost == pytest.approx(COEFFICIENT * float(own.dose @ own.strokes), rel=1e-11, abs=0.0)
