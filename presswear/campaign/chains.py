@@ -83,16 +83,24 @@ class SceneChains:
             if not before:
                 raise RunFailed(result.failure, result.finding)
             return replace(before[-1], cycles=0, gone=result.failure)
-        worn = np.array([recorder.worn for recorder in result.recorders])
-        rows = np.array([recorder.cycles[-step.cycles :] for recorder in result.recorders])
-        represented = step.share * step.cycles
         joints = result.linkage.clearances
         earlier = own[-1].worn if own else first
+        worn = np.array([recorder.worn for recorder in result.recorders])
+        gone = [worn_out(joints, one) for one in worn]
+        # A start whose surfaces are gone ends before the others: all are taken to where it did.
+        ran_before = until - step.cycles
+        counts = np.array([len(recorder.cycles) - ran_before for recorder in result.recorders])
+        cycles = int(counts.min())
+        part = (cycles / counts)[:, np.newaxis, np.newaxis, np.newaxis]
+        worn = np.where(part < 1.0, earlier + part * (worn - earlier), worn)
+        rows = np.array(
+            [recorder.cycles[ran_before : ran_before + cycles] for recorder in result.recorders]
+        )
+        represented = step.share * cycles
         taken = (worn - earlier).mean(axis=0) / represented
-        gone = (worn_out(joints, one) for one in worn)
         return Block(
             strokes + represented,
-            step.cycles,
+            cycles,
             span,
             levels(scene, worn, self.asked),
             samples(scene, rows),

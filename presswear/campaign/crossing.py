@@ -25,6 +25,8 @@ Array = NDArray[np.float64]
 
 HIGHEST_ORDER = 3
 """Of a polynomial through samples."""
+LOWEST = {"bdc_drift": 1}
+"""The same by key, at least: of a level line a drift would be nothing, and surely so."""
 SPARE = 0.1
 """Part of the cycles up to a crossing that samples reach beyond it: at its end a fit is loose."""
 LEAST_BLOCKS = 4
@@ -127,7 +129,8 @@ def _fit(blocks: Blocks, key: str, chains: Chosen) -> Array:
     places = (way[held] - back) / scale
     rows = np.array([block.samples[key] for block in blocks if block.cycles])
     weights = np.sqrt(counts)
-    order = _order(places, rows, weights)
+    order = max(_order(places, rows, weights), LOWEST.get(key, 0))
+    order = min(order, places.size - 1)
     found = np.polynomial.Polynomial.fit(
         places, rows[:, chains].mean(axis=1), order, domain=[0.0, 1.0], w=weights
     )

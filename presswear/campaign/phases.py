@@ -14,6 +14,8 @@ from presswear.results.life import Phase
 Array = NDArray[np.float64]
 
 MOST_PHASES = 3
+LEAST_CHANGE = 0.05
+"""Part of a rate by which the next phase differs, at least: less is nothing to act upon."""
 RUNNING_IN, STEADY, ACCELERATED = "running-in", "steady", "accelerated"
 
 
@@ -36,8 +38,15 @@ def phases_of(blocks: Blocks, joint: str) -> tuple[Phase, ...]:
     strokes = [block.strokes for block in blocks]
     rates = np.array([(volume[k] - volume[k - 1]) / (strokes[k] - strokes[k - 1]) for k in ran])
     weights = np.array([float(blocks[k].cycles) for k in ran])
-    edges = _edges(rates.mean(axis=1), weights)
-    means = [np.average(rates[a:b], axis=0, weights=weights[a:b]) for a, b in pairwise(edges)]
+    edges = list(_edges(rates.mean(axis=1), weights))
+
+    def means_of(edges: Sequence[int]) -> list[Array]:
+        return [np.average(rates[a:b], axis=0, weights=weights[a:b]) for a, b in pairwise(edges)]
+
+    means = means_of(edges)
+    while off := [k for k, pair in enumerate(pairwise(means), 1) if not _differ(*pair)]:
+        del edges[off[0]]
+        means = means_of(edges)
     names = _names([float(own.mean()) for own in means])
     return tuple(
         Phase(
@@ -50,6 +59,16 @@ def phases_of(blocks: Blocks, joint: str) -> tuple[Phase, ...]:
         )
         for name, own, (a, b) in zip(names, means, pairwise(edges), strict=True)
     )
+
+
+def _differ(one: Array, other: Array) -> bool:
+    """True where the rates of the chains in two phases are apart by more than chance or a trifle.
+
+    The same chains ran in both: their differences are judged.
+    """
+    off = other - one
+    least = LEAST_CHANGE * float(np.mean(one))
+    return abs(float(off.mean())) > max(half_width(off) or 0.0, least)
 
 
 def _edges(rates: Array, weights: Array) -> tuple[int, ...]:

@@ -1,7 +1,7 @@
 """One driver for all engines: cycle by cycle, from a state that can be written down."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -63,12 +63,23 @@ Prepare = Callable[[Linkage, Start, Any, Plan, Recorder], Simulation]
 """Builds the model of a linkage in a start, with an engine's settings."""
 
 
+_WORN_OFF = "worn_off"
+"""Elastic energy of what was worn off under load, J, among the sums."""
+
+
+def _balance(running: Simulation) -> Ledger:
+    """The energies so far; what went with worn surfaces is lost in contacts."""
+    ledger = running.ledger()
+    return replace(ledger, contact_loss=ledger.contact_loss + running.sums[_WORN_OFF])
+
+
 def simulate(prepare: Prepare, linkage: Linkage, start: Start, settings: Any, plan: Plan) -> Run:
     """Run a linkage from a start; see ``Plan`` and ``Run``."""
     recorder = recorder_of(linkage, start, plan)
     for tracker in plan.trackers:
         tracker.begun(recorder)
     running = prepare(linkage, start, settings, plan, recorder)
+    running.sums[_WORN_OFF] = 0.0
     if plan.resume is not None:
         for name, array in running.arrays.items():
             array[...] = plan.resume[name]
@@ -82,7 +93,7 @@ def simulate(prepare: Prepare, linkage: Linkage, start: Start, settings: Any, pl
         recorder=recorder,
         end=Start(position, velocity),
         time=time,
-        diagnostics={**running.diagnostics(), **running.ledger().as_dict()},
+        diagnostics={**running.diagnostics(), **_balance(running).as_dict()},
     )
     running.close()
     return run
@@ -109,7 +120,7 @@ def _cycles(
         if finding is not None:
             return finding
         time, position, velocity = running.state()
-        ledger = running.ledger()
+        ledger = _balance(running)
         recorder.book.cycle[CONTACT_MADE] = ledger.made
         recorder.book.cycle[DRIVE_WORK] = ledger.drive_work
         now = Condition(time, ledger, position, velocity, running.remedy, running.constraints)
@@ -134,7 +145,9 @@ def _cycles(
             return "failed", finding
         added = recorder.end_cycle()
         if plan.wear is not None:
+            before = running.ledger().residual
             recorder.wear(plan.wear(done + 1, added), *running.state()[1:])
             running.worn()
+            running.sums[_WORN_OFF] += running.ledger().residual - before
         if done + 1 == plan.recorded_cycles:
             recorder.stop_recording()

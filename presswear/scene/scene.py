@@ -272,6 +272,10 @@ class Scene:
             raise InputError("life: no joint has clearance, so that none wears")
         if self.wears < 1:
             raise InputError("wears = 0: with a life allowed is 1 to 20")
+        if self.starts == 1:
+            raise InputError(
+                "starts = 1: with a life, whose interval is theirs, allowed is 2 to 100"
+            )
         if self.conventions.footprint != "arc":
             raise InputError(
                 "footprint = 'bin': depths go with the width of the bins, and a life with them; "

@@ -1,0 +1,191 @@
+"""A pin that turns in a bush under a load, at rest but for its turning: no chance, steady wear.
+
+A crank turns about its own tail, which is the pin.  The bush hangs on it, loose, kept from turning
+by an arm so long that it tells nothing, pressed on by a load and slowed by two dampers.  Or bush
+and pin change places.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+import presswear as pw
+from presswear.campaign.starts import start_of
+from presswear.engines.base import Plan, Run
+from presswear.linkage.materials import Materials
+from presswear.record.recorder import Recorder
+from presswear.record.sampling import STARTUP_CYCLES
+from presswear.record.tracker import Tracker
+from presswear.scene.bearing import CONVENTIONS
+from presswear.scene.scene import Numerics
+
+Array = NDArray[np.float64]
+
+CLEARANCE, WIDTH, FRICTION, COEFFICIENT = 1e-3, 0.02, 0.05, 1e-15
+SPEED = 100.0 * math.pi
+CYCLE = 2.0 * math.pi / SPEED
+ENGINES: dict[str, Any] = {
+    "dae": pw.InHouse(integrator="dopri5", integration_tolerance=1e-6, free_step=CYCLE / 40),
+    "exudyn-tree": pw.ExudynTree(tree_tolerance=1e-5, free_step=CYCLE / 40),
+    "exudyn-joints": pw.ExudynJoints(steps_per_contact=20, free_step=CYCLE / 40),
+}
+ARM = 20.0
+
+
+def bush(
+    radius: float = 0.02,
+    load: float = 100.0,
+    stiffness: float = 1e9,
+    share: float = 1.0,
+    angles: int = 120,
+    turns: Literal["pin", "bush", "load"] = "pin",
+    **settings: Any,
+) -> pw.Scene:
+    """The scene.
+
+    Parameters
+    ----------
+    radius : float
+        Of the bush, m.
+    load : float
+        N.
+    stiffness : float
+        Of the contact, N/m^1.5.
+    share : float
+        Part of the wear that the bush loses.
+    turns : {"pin", "bush", "load"}
+        What turns, the pin in the bush or the bush about the pin, while the load presses what is
+        loose down; or the pin with the load.
+    """
+    loads: list[pw.Load | pw.Force] = [pw.Load("arm", y=-load)]
+    damping = 100.0
+    if turns == "load":
+        # It runs ahead of the bush by what slows that, but evenly, and soon.
+        damping = 1000.0
+        loads = [
+            pw.Force("arm.bore", 0.0, pw.Harmonics(0.0, SPEED, ((load, 0.0),))),
+            pw.Force("arm.bore", 0.5 * math.pi, pw.Harmonics(0.0, SPEED, ((0.0, load),))),
+        ]
+    shoe = 0.1
+    ends = ("crank.tail", "arm.bore") if turns == "bush" else ("arm.bore", "crank.tail")
+    linkage = pw.Linkage(
+        # The arm and the shoe are as heavy along as across.
+        bodies=[
+            pw.Bar("crank", length=0.1, mass=0.1),
+            pw.Body("arm", 1.0, shoe * ARM**2, {"bore": (0.0, 0.0), "far": (ARM, 0.0)}),
+            pw.Body("shoe", mass=shoe, inertia=1e-3),
+        ],
+        joints=[
+            pw.Pin("O", (0.0, 0.0), "crank.tail"),
+            pw.Pin("B", *ends),
+            pw.Pin("S", "arm.far", "shoe.centre"),
+            pw.Guide("G", "shoe"),
+        ],
+        drives=[pw.Drive("crank", speed=SPEED)],
+        guess={"arm": 0.0},
+        gravity=0.0,
+        springs=[
+            pw.Spring("across", "arm.bore", (-50.0, 0.0), 0.0, 50.0, damping),
+            pw.Spring("along", "arm.bore", (0.0, -50.0), 0.0, 50.0, damping),
+        ],
+        loads=loads,
+        watch="shoe.centre",
+    )
+    bearing = pw.Bearing(
+        clearance=CLEARANCE,
+        bearing_radius=radius,
+        width=WIDTH,
+        materials=Materials(wear_coefficient=COEFFICIENT, bearing_share=share),
+        contact_stiffness=stiffness,
+        friction=FRICTION,
+        normal_law="kelvin-voigt",
+        viscous_damping=1e4,
+        angles=angles,
+    )
+    numerics = Numerics(*(ENGINES[name] for name in ("exudyn-tree", "exudyn-joints", "dae")))
+    given = {"engine": "dae", "starts": 1, "conventions": CONVENTIONS["refined"], **settings}
+    return pw.Scene(linkage, bearings={"B": bearing}, numerics=numerics, **given)
+
+
+@dataclass
+class History(Tracker):
+    """Depth of both surfaces and dose after each cycle behind those at the start."""
+
+    depth: list[Array] = field(default_factory=list)
+
+    def cycle(self, recorder: Recorder, state: Callable[[], Any]) -> bool:
+        """Keep them."""
+        if len(recorder.cycles) > STARTUP_CYCLES:
+            self.depth.append(recorder.worn[0].copy())
+        return False
+
+
+@dataclass(frozen=True)
+class Worn:
+    """A bush that has run.
+
+    Attributes
+    ----------
+    run : Run
+    bush, pin : ndarray, shape (cycles, bins)
+        Depth after each cycle, m.
+    dose : ndarray, shape (cycles,)
+        Work of the normal force on the sliding in each cycle, N m.
+    strokes : ndarray, shape (cycles,)
+        That each cycle stands for.
+    area : float
+        Of a bin, m^2.
+    """
+
+    run: Run
+    bush: Array
+    pin: Array
+    dose: Array
+    strokes: Array
+    area: float
+
+
+def worn(
+    scene: pw.Scene, volume: float, cycles: int, power: float = 1.0, recorded: int = 1
+) -> Worn:
+    """Run it until about some volume, m^3, is worn.
+
+    Parameters
+    ----------
+    power : float
+        The volume grows as this power of the cycles.
+    recorded : int
+        Cycles of which the series are kept.
+    """
+    joint = scene.linkage().clearances[0]
+    load = 100.0
+    for own in scene.mechanism.linkage().loads:
+        load = abs(own.y) if isinstance(own, pw.Load) else load
+    whole = volume / (COEFFICIENT * load * 2.0 * math.pi * joint.pin_radius)
+    ends = whole * (np.arange(cycles + 1) / cycles) ** power
+    strokes = np.diff(ends)
+    history = History()
+    plan = Plan(
+        CYCLE,
+        cycles + STARTUP_CYCLES,
+        recorded,
+        torques=False,
+        trackers=(history,),
+        wear=partial(_share, strokes),
+    )
+    run = scene.solver.simulate(scene.linkage(), start_of(scene), plan)
+    assert run.status == "completed", run.message
+    depth = np.array(history.depth)
+    dose = run.recorder.each_cycle("dose", 0)[STARTUP_CYCLES:]
+    area = WIDTH * joint.bearing_radius * 2.0 * math.pi / joint.bins
+    return Worn(run, depth[:, 0], depth[:, 1], dose, strokes, area)
+
+
+def _share(strokes: Array, done: int, added: Array) -> Array:
+    behind = done - STARTUP_CYCLES
+    return added * (strokes[behind - 1] if behind > 0 else 0.0)
