@@ -114,7 +114,7 @@ def test_starts_that_agree_are_a_life_without_chance(whole: Path) -> None:
     assert life is not None
     assert life.ended == "limit"
     assert life.sampling is not None
-    assert life.sampling < 1e-8
+    assert life.sampling < 1e-6
     assert life.error == pytest.approx(life.step, rel=1e-6)
     depth = life.curves["B.depth"]
     assert np.all(np.diff(depth[:, 0]) > 0.0)
@@ -141,7 +141,7 @@ class Stops(Tracker):
                 raise KeyboardInterrupt
 
 
-@pytest.mark.parametrize(("number", "words"), [(1, 3), (1, 25), (2, 2), (2, 30)])
+@pytest.mark.parametrize(("number", "words"), [(1, 3), (1, 12), (2, 2), (2, 30)])
 def test_a_life_goes_on_where_it_stood(
     number: int, words: int, whole: Path, tmp_path: Path
 ) -> None:
@@ -185,7 +185,7 @@ def test_a_new_bush_leaves_the_pin_and_a_turned_one_its_profile() -> None:
     joints = scene.linkage().clearances
     worn = np.random.default_rng(1).uniform(0.0, 1e-4, (2, 1, 2, joints[0].bins))
     chains = SceneChains(cast(Any, SimpleNamespace(scene=scene)), np.zeros_like(worn), ("depth",))
-    last = Block(100.0, 4, 0, {}, {}, 1e-9, worn)
+    last = Block(100.0, 4, 0, {}, {}, 1e-9, np.zeros(0), worn)
     new = chains.serve(1, [last], Service("B", 100.0, False))
     turned = chains.serve(1, [last], Service("B", 100.0, True))
     for own in (new, turned):
@@ -217,7 +217,7 @@ def test_a_limit_that_is_not_reached_ends_with_the_strokes(whole: Path) -> None:
     assert life.limits[0].last < 0.02 * CLEARANCE
 
 
-@pytest.mark.parametrize("begun", [0.972, 0.98])
+@pytest.mark.parametrize("begun", [0.975, 0.979])
 def test_what_is_worn_deeper_than_the_clearance_ends_there(begun: float) -> None:
     """Strokes are counted up to the cycle that did it, within a block: Archard's rate stays."""
     surfaces = {"B": (np.full(120, begun * CLEARANCE), None)}
@@ -229,8 +229,8 @@ def test_what_is_worn_deeper_than_the_clearance_ends_there(begun: float) -> None
     rates = np.diff(volume) / np.diff(strokes)
     assert rates[1:] == pytest.approx(rates[1], rel=1e-3, abs=0.0)
     assert life.strokes == strokes[-1]
-    # Both starts end within a block of four cycles, or nothing was tried.
-    assert life.passes[-1].cycles % 8 != 0
+    # Both starts end within a block of two cycles, or nothing was tried.
+    assert life.passes[-1].cycles % 4 != 0
 
 
 def fails_at(depth: float) -> Callable[..., Finding | None]:
