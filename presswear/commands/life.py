@@ -13,6 +13,8 @@ from presswear.scene.life import FOLLOWED, NEW, TURNED, Life
 from presswear.scene.scene import Scene
 from presswear.scene.settings import SET, changed
 
+STAGES = "2"
+"""Parts of the life between stages, of a scene that says nothing on it."""
 OPTIONS = ("until", "at_most", "scatter")
 """Fields of ``Life`` that have an option of their own."""
 
@@ -87,6 +89,8 @@ def _with_life(scene: Scene, arguments: argparse.Namespace) -> Scene:
     told |= settings_given(arguments.set).keys()
     if arguments.conventions is None and not told & {"conventions", "footprint", "contact"}:
         scene = changed(scene, {"conventions": "refined"})
+    if scene.wears == 0 and arguments.wears is None and not told & {"wears"}:
+        scene = changed(scene, {"wears": STAGES})
     return changed(with_options(scene, arguments), settings)
 
 

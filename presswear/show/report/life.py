@@ -179,8 +179,12 @@ def _causes(scene: Scene, life: LifeResult) -> Table:
     rows = tuple(
         (
             name,
-            missing.get(name, "not known") if error is None else f"{readable(_percent(error), 2)}",
-            _span(life.strokes, error) or _NOTHING,
+            missing.get(name, "not known")
+            if error is None
+            else f"{readable(_percent(error), 2)}"
+            if error
+            else "none beyond chance",
+            _span(life.strokes, error) if error else _NOTHING,
         )
         for name, error in causes.items()
     )
