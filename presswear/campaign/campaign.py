@@ -254,7 +254,8 @@ def run_campaign(
         runner = replace(runner, scene=scene)
 
     def finish(stage: StageResult) -> None:
-        wanting.extend(unknown_wear(scene, stage))
+        if lived is None:
+            wanting.extend(unknown_wear(scene, stage))
         for tracker in trackers:
             tracker.stage(stage)
 
