@@ -94,10 +94,11 @@ def load(axes: Axes) -> None:
     axes.legend(frameon=False, title="against the way out, until the part breaks through")
 
 
-UNTIL = Limit("depth", "A", 2e-5)
+UNTIL = Limit("depth", "A", 1e-5)
 CHANGES = (5e-3, 2e-3, 1e-3, 5e-4)
 """Parts of the clearance that a cycle, or a jump, takes off."""
 TINY = 1.25e-4
+STARTS = 4
 JUMP = 10
 """Cycles of which a jump multiplies the mean map."""
 
@@ -105,7 +106,7 @@ JUMP = 10
 def life(axes: Axes) -> None:
     """Error of a life of wear-times over cycles: cycle by cycle, and in jumps of ten cycles."""
     scene = changed(presswear.scenes.wear_times(), {"conventions": "refined", "engine": "dae"})
-    scene = replace(scene, starts=8)
+    scene = replace(scene, starts=STARTS)
     with workers_of([scene], None) as workers:
         right = np.log(_steps(scene, TINY, workers)[1])
         truth = float(right.mean())
@@ -121,9 +122,9 @@ def life(axes: Axes) -> None:
                 )
             (line,) = axes.loglog(cycles, np.sqrt((off**2).mean(axis=1)), "o-", label=label)
             axes.loglog(cycles, np.abs(off.mean(axis=1)), "o:", color=line.get_color())
-    axes.set_xlabel("simulated cycles until A is worn 20 µm deep")
+    axes.set_xlabel("simulated cycles until A is worn 10 µm deep")
     axes.set_ylabel("error of the life, part of it")
-    axes.legend(frameon=False, title="whole: root mean square of one start; dotted: mean of eight")
+    axes.legend(frameon=False, title="whole: root mean square of one start; dotted: mean of four")
 
 
 def _steps(scene: Scene, change: float, workers: Workers) -> tuple[int, Array]:
