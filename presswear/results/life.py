@@ -12,6 +12,7 @@ from presswear.record.sampling import Interval
 from presswear.scene.life import FOLLOWED
 from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError
+from presswear.tools.numbers import large
 
 Array = NDArray[np.float64]
 
@@ -177,13 +178,13 @@ class LifeResult:
         """One line: after how many strokes what is passed, or how far nothing is."""
         first = self.first
         if first is None:
-            reached = ", ".join(f"{own.key} {own.last:.3g} {own.unit}" for own in self.limits)
-            return f"life not known: {self.message}; reached: {reached}"
-        interval, sure = self.interval, ""
-        if interval.low is not None and interval.high is not None:
-            sure = f" ({interval.low:.3g} to {interval.high:.3g})"
-        what = f"{first.key} > {first.value:.3g} {first.unit}"
-        return f"life: {self.strokes:.3g}{sure} strokes until {what}"
+            told = (f"{words_of(own.key)} {own.last:.3g} {own.unit}" for own in self.limits)
+            return f"no life is known: {self.message}; reached: {', '.join(told)}"
+        ends = (self.interval.low, self.interval.high)
+        known = [own for own in ends if own is not None]
+        sure = f" ({large(*known)})" if known else ""
+        limit = f"{words_of(first.key)} is over {first.value:.3g} {first.unit}"
+        return f"life: {large(self.strokes)} strokes{sure} until {limit}"
 
     def as_dict(self) -> dict[str, Any]:
         """It as plain data, without the curves."""
