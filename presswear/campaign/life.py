@@ -138,9 +138,9 @@ def next_step(problem: Problem, own: Pass) -> Step | Service | None:
     if len(blocks) > SURELY and first_passed(blocks, problem.limits) == 0.0:
         return None
     run = chains_of(blocks) * sum(block.cycles for block in blocks)
-    is_served = served == len(problem.services)
-    if run >= 2 * problem.most_cycles or (is_served and is_beyond(blocks, problem.limits)):
+    if run >= 2 * problem.most_cycles or is_beyond(blocks, problem.limits):
         return None
+    is_served = served == len(problem.services)
     until = problem.at_most if is_served else problem.services[served].strokes
     if last.strokes >= until:
         return problem.services[served]

@@ -158,7 +158,9 @@ def told_of(scene: Scene, problem: Problem, passes: tuple[Pass, ...]) -> LifeRes
             for own in passes
         ),
         tuple(phase for name in scene.clearance_joints for phase in phases_of(blocks, name)),
-        tuple(f"{own.words} after {own.strokes:.4g} strokes" for own in problem.services),
+        tuple(
+            f"{own.words} after {own.strokes:.4g} strokes" for own in problem.services[: end.span]
+        ),
         curves_of(blocks),
     )
 
