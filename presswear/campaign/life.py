@@ -3,9 +3,8 @@
 The surfaces of each start wear from cycle to cycle, and a cycle stands for as many strokes as take
 a given part of the clearance off, by the mean of the cycles before it: by its own it would weigh
 cycles that wear much less than others.  Passes over the whole life, each with finer steps and
-starts of its own, go on until the life is known: the half width over the starts, and its distance
-from the pass before, which is in coarser steps, beyond what is chance, as the root of the sum of
-squares.
+starts of its own, go on until the life is known: the half width over the starts, and what
+passes in much coarser steps say of the steps, as the root of the sum of squares.
 """
 
 import math
@@ -27,7 +26,7 @@ from presswear.campaign.crossing import (
     passed,
     sampling_error,
 )
-from presswear.record.sampling import half_width, quantile
+from presswear.record.sampling import half_width
 from presswear.scene.life import Limit, Service
 from presswear.tools.errors import InputError
 
@@ -42,13 +41,11 @@ LONGER = 0.5
 SURELY = 16
 """Blocks after which a limit that seems to be exceeded when new is taken to be so."""
 FEWEST_CYCLES = 16
-"""Of each start up to the life in a pass that tells it, or the error of finer steps: one in fewer
-only finds how long it about is."""
-ALMOST = 0.75
-"""Part of them that is enough: a life comes sooner or later than the pass before foretold."""
-SAFETY = 2.0
-"""Factor on the error of steps: two passes need not be as near to the limit as their distance says
-(Roache, Journal of Fluids Engineering 116, 405, 1994, who takes 1.25 to 3)."""
+"""Of each start up to the life in a pass that tells it: one in fewer only finds how long it about
+is."""
+COARSER = 2.5
+"""Cycles of a pass over those of another that tells the error of its steps: where they are nearly
+as many, chance is all that sets them apart."""
 FASTER, MOST_MORE = 2.0, 8.0
 """Growth of a step from block to block at most, and of the cycles from pass to pass."""
 ROOM = 0.7
@@ -207,8 +204,7 @@ class Known:
     strokes : float
         Infinite: no limit was passed as far as the chains went.
     sampling, step : float
-        Half width over the starts, and distance from the coarser pass beyond what is chance, of
-        its logarithm.
+        Half width over the starts, and error of the steps, of its logarithm.
     """
 
     strokes: float
@@ -226,20 +222,30 @@ def known_by(
 ) -> Known:
     """The life by some passes; with other limits, when the first of those is passed."""
     limits = problem.limits if limits is None else limits
-    ends = [first_passed(own.blocks, limits) for own in passes[-2:]]
-    halves = [sampling_error(own.blocks, limits) for own in passes[-2:]]
-    step = math.inf
-    if len(ends) > 1 and np.all(np.isfinite(halves)):
-        few, many = (
-            cycles_until(own.blocks, end) for own, end in zip(passes[-2:], ends, strict=True)
-        )
-        # The square of what chance puts between two passes would be counted twice.
-        chance = math.hypot(*halves) / quantile(chains_of(passes[-1].blocks) - 1)
-        apart = math.sqrt(max(math.log(ends[1] / ends[0]) ** 2 - chance**2, 0.0))
-        if few >= ALMOST * FEWEST_CYCLES and many > few:
-            # It goes as one over the cycles, or faster.
-            step = SAFETY * apart * max(1.0, few / (many - few))
-    return Known(ends[-1], halves[-1], step)
+    end, blocks = first_passed(passes[-1].blocks, limits), passes[-1].blocks
+    return Known(end, sampling_error(blocks, limits), _step_error(passes, limits))
+
+
+def _step_error(passes: Sequence[Pass], limits: Sequence[Limit]) -> float:
+    """Error of the steps of the last pass, part of the life; infinite where none tells it.
+
+    It goes as one over the cycles, or faster: by each pass in steps so much coarser, that of the
+    last one is their distance over the ratio of the cycles less one.  The largest is taken.  Chance
+    is in it as well, and counts for little, the farther the passes are apart.
+    """
+    ends = [first_passed(own.blocks, limits) for own in passes]
+    runs = [
+        cycles_until(own.blocks, end) if 0.0 < end < math.inf else math.inf
+        for own, end in zip(passes, ends, strict=True)
+    ]
+    return max(
+        (
+            abs(math.log(ends[-1] / end)) / (runs[-1] / run - 1.0)
+            for end, run in zip(ends[:-1], runs[:-1], strict=True)
+            if runs[-1] < math.inf and 0.0 < COARSER * run <= runs[-1]
+        ),
+        default=math.inf,
+    )
 
 
 def exceeded(limit: Limit, blocks: Blocks) -> str:

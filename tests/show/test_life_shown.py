@@ -141,7 +141,7 @@ def test_a_life_that_is_not_known_is_never_guessed(ended: str, message: str, lin
 def test_causes_stand_apart(page: Page) -> None:
     chance = f"chance in the motion: {RESULT.scene.draws} starts differ"
     assert page.row(chance)[1:] == ["3.0", "4.85 to 5.15 million"]
-    step = "step of the wear, by a pass in coarser steps"
+    step = "step of the wear, by passes in coarser steps"
     assert page.row(step)[1:] == ["4.1", "4.8 to 5.2 million"]
     assert page.row("scatter of the wear coefficients")[1:] == ["not asked", "–"]
     assert page.row("all together")[1:] == ["5.1", "4.8 to 5.3 million"]

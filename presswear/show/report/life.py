@@ -171,7 +171,7 @@ def _causes(scene: Scene, life: LifeResult) -> Table:
     """What the interval of a life holds, each cause apart."""
     causes = {
         f"chance in the motion: {scene.draws} starts differ": life.sampling,
-        "step of the wear, by a pass in coarser steps": life.step,
+        "step of the wear, by passes in coarser steps": life.step,
         "scatter of the wear coefficients": life.scatter,
         "all together": life.error,
     }
@@ -179,12 +179,8 @@ def _causes(scene: Scene, life: LifeResult) -> Table:
     rows = tuple(
         (
             name,
-            missing.get(name, "not known")
-            if error is None
-            else f"{readable(_percent(error), 2)}"
-            if error
-            else "none beyond chance",
-            _span(life.strokes, error) if error else _NOTHING,
+            missing.get(name, "not known") if error is None else f"{readable(_percent(error), 2)}",
+            _span(life.strokes, error) or _NOTHING,
         )
         for name, error in causes.items()
     )
