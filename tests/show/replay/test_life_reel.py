@@ -22,7 +22,7 @@ LIFE = LifeResult("at_most", "", 3e6, None, None, None, (), (), ())
 @pytest.fixture(scope="module")
 def result() -> Result:
     """Two stages of three cycles, as if the second stood at the end of a life."""
-    ran = run_scene(wear_times(engine="dae", cycles=3, wears=1, starts=1, conventions="refined"))
+    ran = run_scene(wear_times(engine="dae", cycles=3, wears=1, starts=2, conventions="refined"))
     return replace(ran, scene=replace(ran.scene, life=Life()), life=LIFE)
 
 
