@@ -15,10 +15,15 @@ DEPTH = Limit("depth", "A", 5e-5)
 DRIFT = Limit("bdc_drift", "", 2.5e-5)
 
 
-def problem(*limits: Limit, tolerance: float = 0.1, **changed: object) -> Problem:
+def problem(
+    *limits: Limit,
+    services: tuple[Service, ...] = (),
+    at_most: float = 1e12,
+    tolerance: float = 0.1,
+    most_cycles: int = 10_000,
+) -> Problem:
     """A problem with limits."""
-    asked = {"services": (), "at_most": 1e12, "most_cycles": 10_000, **changed}
-    return Problem(limits, tolerance=tolerance, **asked)  # type: ignore[arg-type]
+    return Problem(limits, services, at_most, tolerance, most_cycles)
 
 
 def known(asked: Problem, chains: MadeUp) -> tuple[Known, tuple[Pass, ...]]:

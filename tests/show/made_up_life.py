@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.results.life import LifeResult, LimitResult, PassResult, Phase
+from presswear.results.life import Ended, LifeResult, LimitResult, PassResult, Phase
 from presswear.results.result import Result
 from presswear.scene.life import Life
 
@@ -59,8 +59,8 @@ def lived(result: Result, life: LifeResult | None = None) -> Result:
     return replace(result, scene=scene, life=life or made_up_life())
 
 
-def not_passed(ended: str = "at_most", message: str = "") -> LifeResult:
+def not_passed(ended: Ended = "at_most", message: str = "") -> LifeResult:
     """The same life where no limit is passed within five million strokes."""
     life = made_up_life(None, None)
     limits = [replace(own, strokes=None, last=0.5 * own.value) for own in life.limits]
-    return replace(life, ended=ended, message=message, limits=tuple(limits))  # type: ignore[arg-type]
+    return replace(life, ended=ended, message=message, limits=tuple(limits))

@@ -12,7 +12,7 @@ from matplotlib.colors import to_rgba
 from test_figures import BODY, legend_of, made_up
 from test_report import Page, page_of
 
-from presswear.results.life import LifeResult
+from presswear.results.life import Ended, LifeResult
 from presswear.results.result import Result
 from presswear.show.figures import drawings
 from presswear.show.figures.style import LINES
@@ -127,7 +127,7 @@ def test_the_answer_is_a_sentence() -> None:
         ("cycles", "", "life.most_cycles"),
     ],
 )
-def test_a_life_that_is_not_known_is_never_guessed(ended: str, message: str, line: str) -> None:
+def test_a_life_that_is_not_known_is_never_guessed(ended: Ended, message: str, line: str) -> None:
     life = not_passed(ended, message)
     assert told(life).startswith("No limit is passed within 5 million strokes, ")
     assert "depth of A 25.0 of 50 µm" in told(life)

@@ -9,7 +9,7 @@ import pytest
 
 from presswear.campaign.study import results_of
 from presswear.results.folder import ResultFolder
-from presswear.results.life import LifeResult, LimitResult, PassResult
+from presswear.results.life import Ended, LifeResult, LimitResult, PassResult
 from presswear.scene.catalog import press_blanking
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
@@ -19,13 +19,13 @@ from presswear.studies.lives.variants import make
 from presswear.tools.errors import InputError
 
 
-def lived(strokes: float, sampling: float, ended: str = "limit") -> LifeResult:
+def lived(strokes: float, sampling: float, ended: Ended = "limit") -> LifeResult:
     """A life that ended after some strokes."""
     reached = strokes if ended == "limit" else None
     limit = LimitResult("A.depth", "m", 5e-5, reached, sampling, 0.0, 5e-5, 1e-6)
     curve = np.array([[0.0, 0.0, 0.0], [5e-5, 4.9e-5, 5.1e-5]])
     return LifeResult(
-        ended,  # type: ignore[arg-type]  # any of its words
+        ended,
         "" if ended == "limit" else "no limit is passed within 5e+07 strokes",
         strokes,
         sampling,
