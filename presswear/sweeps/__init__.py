@@ -1,0 +1,1 @@
+"""Sweeps: one scene at many points, what was measured there, and what follows from it."""
