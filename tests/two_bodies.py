@@ -74,6 +74,11 @@ class Pair:
         """The linkage as the kernels see it."""
         return pack(self.linkage)
 
+    @property
+    def surfaces(self) -> Array:
+        """Rows of both surfaces, a column for each bin."""
+        return self.packed.surfaces[0, :, : self.packed.joints[0]["surface_bins"]]
+
     def contact(self) -> Records:
         """Contact without its forces."""
         return joint_contact(self.packed, self.q, self.v)
@@ -81,7 +86,7 @@ class Pair:
     def penetration_acceleration(self, a: Array) -> float:
         """Second time derivative of the penetration, m/s^2, at given accelerations."""
         packed = self.packed
-        return penetration_acceleration(packed.joints[0], packed.surfaces[0], self.contact(), a)
+        return penetration_acceleration(packed.joints[0], self.surfaces, self.contact(), a)
 
     def load(self, onset: float) -> JointLoad:
         """Forces, for a closing speed at first touch."""

@@ -15,7 +15,7 @@ from presswear.physics.foundation import press
 from presswear.physics.laws import elastic_of
 from presswear.physics.overlap import Bed
 from presswear.physics.packed import JOINT, Packed
-from presswear.physics.surface import BEARING, PIN, SLOPE, curvature, profile
+from presswear.physics.surface import BEARING, PIN, SLOPE, SURFACES, curvature, profile
 from presswear.tools.compiled import Records, apart, compiled, inlined
 
 Array = NDArray[np.float64]
@@ -156,11 +156,10 @@ def note_contact(
     contact.pin_spin = pin.spin
     contact.pin_lever_x = pin.lever_x
     contact.pin_lever_y = pin.lever_y
-    surfaces = packed.surfaces[k, :, : joint.surface_bins]
     if joint.foundation > 0.0 and joint.surface_bins > 0:
-        note_foundation(joint, surfaces, contact)
+        note_foundation(joint, packed.surfaces[k], contact)
     else:
-        note_radial(joint, surfaces, contact)
+        note_radial(joint, packed.surfaces[k, :, : joint.surface_bins], contact)
     contact.sliding = (
         vy * contact.normal_x
         - vx * contact.normal_y
@@ -220,10 +219,11 @@ def note_radial(joint: Records, surfaces: Array, contact: Records) -> None:
 
 @compiled
 def bed_of(joint: Records, surfaces: Array, contact: Records) -> Bed:
-    """The foundation's bed between the worn surfaces."""
+    """The foundation's bed between the worn surfaces, as for ``press``."""
     direction = direction_of(contact)
     return press(
         surfaces,
+        joint.surface_bins,
         contact.eccentricity,
         joint.clearance,
         joint.least_depth,
@@ -232,7 +232,7 @@ def bed_of(joint: Records, surfaces: Array, contact: Records) -> Bed:
     )
 
 
-@apart(None, JOINT, 2, CONTACT)
+@apart(None, JOINT, SURFACES, CONTACT)
 def note_foundation(joint: Records, surfaces: Array, contact: Records) -> None:
     """Fill in the contact of the pin with all of the worn arc, through an elastic foundation.
 
@@ -253,12 +253,11 @@ def note_foundation(joint: Records, surfaces: Array, contact: Records) -> None:
     place = direction + bed.place
     nx = math.cos(place)
     ny = math.sin(place)
+    maps = surfaces[:, : joint.surface_bins]
     _, bearing_slope = profile(
-        surfaces[BEARING], surfaces[BEARING + SLOPE], place - turns * contact.bearing_angle
+        maps[BEARING], maps[BEARING + SLOPE], place - turns * contact.bearing_angle
     )
-    pin_depth, pin_slope = profile(
-        surfaces[PIN], surfaces[PIN + SLOPE], place - turns * contact.pin_angle
-    )
+    pin_depth, pin_slope = profile(maps[PIN], maps[PIN + SLOPE], place - turns * contact.pin_angle)
     rate = vx * nx + vy * ny
     rate += turns * (bearing_slope * bearing_spin + pin_slope * pin_spin)
     elastic = 0.0

@@ -5,11 +5,14 @@ k_w p where p > 0.  The elastic energy is the integral of k_w b R p^2 / 2 over t
 force and couples are its gradient.  A pin cannot enter a groove narrower than itself:
 grooves are bridged, and two patches are two patches without a case for it.
 
-The arc is taken in segments between neighbouring nodes of the two maps.  Those that cannot meet
-are passed over by a bound.
+The arc is taken in segments between neighbouring nodes of the two maps.  Both have nodes at one
+distance, so that every other segment lies alike in the cells of both: these are integrated side by
+side, as a processor does eight numbers at once, and one by one where the overlap has a root or is
+greatest.
 """
 
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,24 +23,32 @@ from presswear.physics.overlap import (
     C4,
     C5,
     C6,
+    NOTHING,
     TWELFTH,
     Bed,
     Segment,
+    add_whole,
     area_of,
+    bound_of,
+    change_of,
     press_segment,
+    series,
     turned,
+    with_peak_of,
 )
 from presswear.physics.surface import BEARING, CUBE, LEAST, PIN, SLOPE, SQUARE, profile
-from presswear.tools.compiled import compiled, inlined
+from presswear.tools.compiled import compiled, inlined, working_space
 
 Array = NDArray[np.float64]
+Cell = int | np.unsignedinteger[Any]
+"""Place of a cell; a loop over those that cannot be below zero is done by whole vectors."""
 
 LONGEST_SEGMENT = 0.1
 """rad."""
 
 
 @inlined
-def cubic_about(surfaces: Array, row: int, k: int, x: float) -> tuple[float, float, float, float]:
+def cubic_about(surfaces: Array, row: int, k: Cell, x: float) -> tuple[float, float, float, float]:
     """Coefficients of piece ``k`` of a map about a place x behind its first node, rad."""
     c1 = surfaces[row + SLOPE, k]
     c2 = surfaces[row + SQUARE, k]
@@ -56,16 +67,19 @@ def segment_of(
     surfaces: Array,
     eccentricity: float,
     clearance: float,
-    bearing: int,
-    pin: int,
+    bearing: Cell,
+    pin: Cell,
     bearing_x: float,
     pin_x: float,
-    middle: float,
+    cosine: float,
+    sine: float,
 ) -> Segment:
-    """The overlap about a place, from pieces of both maps and places in them, rad."""
+    """The overlap about a place, from pieces of both maps and places in them, rad.
+
+    ``cosine`` and ``sine`` are those of the place, from the direction of the eccentricity.
+    """
     b0, b1, b2, b3 = cubic_about(surfaces, BEARING, bearing, bearing_x)
     p0, p1, p2, p3 = cubic_about(surfaces, PIN, pin, pin_x)
-    cosine, sine = turned(middle)
     ec = eccentricity * cosine
     es = eccentricity * sine
     return Segment(
@@ -121,7 +135,7 @@ def reach_of(eccentricity: float, clearance: float, least_depth: float, here: fl
 
 
 @inlined
-def bound_of(
+def least_bound(
     surfaces: Array,
     eccentricity: float,
     clearance: float,
@@ -137,9 +151,93 @@ def bound_of(
     return bound - (surfaces[BEARING + LEAST, bearing] + surfaces[PIN + LEAST, pin])
 
 
+LANES = 8
+"""Numbers of a vector, at most."""
+CELLS = 32
+"""Most cells that are looked over at once; with LANES more they lie within AROUND."""
+TOLD = 8
+"""Numbers that are told of each segment."""
+
+
+@inlined
+def with_whole(told: Array, i: int, bed: Bed) -> Bed:
+    """The bed with all of a segment that was looked over."""
+    return Bed(
+        bed.overlap,
+        bed.place,
+        bed.along + told[3, i],
+        bed.across + told[4, i],
+        bed.slope + told[5, i],
+        bed.square + told[6, i],
+        bed.area + told[7, i],
+    )
+
+
+@inlined
+def look_over(
+    surfaces: Array,
+    eccentricity: float,
+    clearance: float,
+    bearing: int,
+    pin: int,
+    bearing_x: float,
+    pin_x: float,
+    turn: float,
+    first: float,
+    width: float,
+    half: float,
+    told: Array,
+    count: int,
+) -> None:
+    """Integrate segments that lie alike in cells side by side, all of them at once.
+
+    Parameters
+    ----------
+    bearing, pin : int
+        First cell in either map.
+    bearing_x, pin_x : float
+        Middle of a segment in the cells of either, rad.
+    turn : float
+        An angle within half a radian of all of them, from the direction of the eccentricity, rad.
+    first, width : float
+        Middle of the first segment, from there, and the way to the next, rad.
+    half : float
+        Half the length of a segment, rad.
+    told : ndarray, shape (TOLD, n)
+        Filled in, a column for each segment: overlap in the middle, how far it may be from that
+        elsewhere, and a bound above it, m; the sums of ``Bed`` over the whole segment.  The last
+        columns, up to a multiple of LANES, are of cells behind.
+    """
+    cosine, sine = turned(turn)
+    # A multiple that the compiler sees is done by whole vectors.
+    for i in range(LANES * ((count + LANES - 1) // LANES)):
+        c, s = series(first + i * width)
+        g = segment_of(
+            surfaces,
+            eccentricity,
+            clearance,
+            np.uintp(bearing + i),
+            np.uintp(pin + i),
+            bearing_x,
+            pin_x,
+            cosine * c - sine * s,
+            cosine * s + sine * c,
+        )
+        whole = add_whole(g, half, NOTHING)
+        told[0, i] = g.a0
+        told[1, i] = change_of(g, half)
+        told[2, i] = bound_of(g, half)
+        told[3, i] = whole.along
+        told[4, i] = whole.across
+        told[5, i] = whole.slope
+        told[6, i] = whole.square
+        told[7, i] = whole.area
+
+
 @compiled
 def press(
     surfaces: Array,
+    count: int,
     eccentricity: float,
     clearance: float,
     least_depth: float,
@@ -150,36 +248,90 @@ def press(
 
     Parameters
     ----------
-    surfaces : ndarray, shape (ROWS, m)
+    surfaces : ndarray, shape (ROWS, count + AROUND)
+    count : int
+        Bins of both maps.
     least_depth : float
         Sum of the least depths of both, m.
     bearing_place, pin_place : float
         Direction of the eccentricity in the maps of bearing and pin, rad.
     """
-    count = surfaces.shape[1]
     width = 2.0 * math.pi / count
-    here = profile(surfaces[BEARING], surfaces[BEARING + SLOPE], bearing_place)[0]
-    here += profile(surfaces[PIN], surfaces[PIN + SLOPE], pin_place)[0]
+    maps = surfaces[:, :count]
+    here = profile(maps[BEARING], maps[BEARING + SLOPE], bearing_place)[0]
+    here += profile(maps[PIN], maps[PIN + SLOPE], pin_place)[0]
     bed = Bed(eccentricity - clearance - here, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     if eccentricity == 0.0:
         return bed
     end = reach_of(eccentricity, clearance, least_depth, here)
-    left = -end
+    told = working_space(TOLD, CELLS)
+    # Cells of the bearing; in each of them lies a node of the pin, everywhere in the same place.
     b, b_x = cell_of(bearing_place - end, count, 0.5)
     p, p_x = cell_of(pin_place - end, count, 0.5)
-    while left < end:
-        length = min(min(width - b_x, width - p_x), min(end - left, LONGEST_SEGMENT))
-        half = 0.5 * length
-        bound = bound_of(surfaces, eccentricity, clearance, b, p, left, length)
-        if bound > 0.0 or bound > bed.overlap:
-            middle = left + half
-            segment = segment_of(
-                surfaces, eccentricity, clearance, b, p, b_x + half, p_x + half, middle
-            )
-            bed = press_segment(segment, middle, half, bed)
-        left += length
-        b, b_x = onward(b, b_x, length, width, count)
-        p, p_x = onward(p, p_x, length, width, count)
+    left = -end - b_x
+    node = width - p_x + b_x
+    if node > width:
+        node -= width
+        p = p - 1 if p > 0 else count - 1
+    most = min(CELLS, max(int(1.0 / width), 1))
+    cells = min(math.ceil((end - left) / width), count)
+    while cells > 0:
+        many = min(cells, most)
+        turn = left + 0.5 * many * width
+        for part in range(2):
+            start, p_start = (0.0, width - node) if part == 0 else (node, 0.0)
+            length = node if part == 0 else width - node
+            pieces = math.ceil(length / LONGEST_SEGMENT)
+            half = 0.5 * length / max(pieces, 1)
+            for piece in range(pieces):
+                way = (2 * piece + 1) * half
+                b_way, p_way = start + way, p_start + way
+                first = left + b_way
+                look_over(
+                    surfaces,
+                    eccentricity,
+                    clearance,
+                    b,
+                    p + part,
+                    b_way,
+                    p_way,
+                    turn,
+                    first - turn,
+                    width,
+                    half,
+                    told,
+                    many,
+                )
+                highest = 0
+                for i in range(many):
+                    if told[2, i] > told[2, highest]:
+                        highest = i
+                    if told[0, i] >= told[1, i]:
+                        bed = with_whole(told, i, bed)
+                for k in range(-1, many):
+                    i = highest if k < 0 else k
+                    is_cut = k >= 0 and told[2, i] > 0.0 and told[0, i] < told[1, i]
+                    if is_cut or told[2, i] > bed.overlap:
+                        middle = first + i * width
+                        cosine, sine = turned(middle)
+                        segment = segment_of(
+                            surfaces,
+                            eccentricity,
+                            clearance,
+                            b + i,
+                            p + part + i,
+                            b_way,
+                            p_way,
+                            cosine,
+                            sine,
+                        )
+                        if is_cut:
+                            bed = press_segment(segment, middle, half, bed)
+                        else:
+                            bed = with_peak_of(segment, middle, half, bed)
+        left += many * width
+        b, p = (b + many) % count, (p + many) % count
+        cells -= many
     return bed
 
 
@@ -219,10 +371,10 @@ def spread(
         length = min(min(width - b_x, width - p_x), min(bin_width - b_way, bin_width - p_way))
         length = min(length, min(end - left, LONGEST_SEGMENT))
         half = 0.5 * length
-        if bound_of(surfaces, eccentricity, clearance, b, p, left, length) > 0.0:
-            middle = left + half
+        if least_bound(surfaces, eccentricity, clearance, b, p, left, length) > 0.0:
+            cosine, sine = turned(left + half)
             segment = segment_of(
-                surfaces, eccentricity, clearance, b, p, b_x + half, p_x + half, middle
+                surfaces, eccentricity, clearance, b, p, b_x + half, p_x + half, cosine, sine
             )
             share = area_of(segment, half)
             # The overlap at its end is nothing but round-off.

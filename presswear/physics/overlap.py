@@ -21,6 +21,10 @@ C3, C5, C7, C9 = -1 / 6, 1 / 120, -1 / 5040, 1 / 362880
 """Coefficients of the series of cosine and sine."""
 ROOT_TOLERANCE = 1e-10
 """rad; overlaps and sums change with the square of an error here."""
+LEAST_BEND = 1e-300
+"""m/rad^2; keeps a division from zero."""
+LAST_STEP = 1e-6
+"""rad; a step of Newton's method below it leaves its square, times a curvature, behind."""
 ROOT_STEPS = 60
 """Most steps to a root; Newton's method needs four, bisection helps where it strays."""
 
@@ -79,9 +83,15 @@ class Segment(NamedTuple):
 
 @inlined
 def turned(x: float) -> tuple[float, float]:
-    """Cosine and sine; series to round-off where they are quicker."""
+    """Cosine and sine, the quicker way."""
     if abs(x) > 0.5:
         return math.cos(x), math.sin(x)
+    return series(x)
+
+
+@inlined
+def series(x: float) -> tuple[float, float]:
+    """Cosine and sine of at most half a radian, to round-off."""
     y = x * x
     cosine = 1.0 + y * (C2 + y * (C4 + y * (C6 + y * (C8 + y * C10))))
     sine = x * (1.0 + y * (C3 + y * (C5 + y * (C7 + y * C9))))
@@ -114,7 +124,13 @@ def root_between(
 ) -> float:
     """Root of the overlap or of its slope between two places at which their signs differ."""
     rises = at_high > at_low
-    x = low - at_low * (high - low) / (at_high - at_low)
+    # The root of the parabola that the first coefficients make, else the secant's.
+    c0, c1, c2 = (g.a1, 2.0 * g.a2, 3.0 * g.a3) if of_slope else (g.a0, g.a1, g.a2)
+    size = math.sqrt(max(c1 * c1 - 4.0 * c0 * c2, 0.0))
+    slope = c1 + (size if rises else -size)
+    x = -2.0 * c0 / slope if slope != 0.0 else low
+    if not low < x < high:
+        x = low - at_low * (high - low) / (at_high - at_low)
     for _ in range(ROOT_STEPS):
         value = slope_at(g, x) if of_slope else value_at(g, x)
         slope = bend_at(g, x) if of_slope else slope_at(g, x)
@@ -123,9 +139,10 @@ def root_between(
         else:
             low = x
         following = x - value / slope if slope != 0.0 else low
+        enough = LAST_STEP
         if not low <= following <= high:
-            following = 0.5 * (low + high)
-        if abs(following - x) < ROOT_TOLERANCE:
+            following, enough = 0.5 * (low + high), ROOT_TOLERANCE
+        if abs(following - x) < enough:
             return following
         x = following
     return x
@@ -225,6 +242,29 @@ def inflection(g: Segment, half: float) -> float:
 
 
 @inlined
+def is_monotone(g: Segment, half: float) -> bool:
+    """True where the coefficients tell that the overlap rises, or falls, all over a segment."""
+    bend = 4.0 * abs(g.a4) + half * (5.0 * abs(g.a5) + half * 6.0 * abs(g.a6))
+    bend = half * (2.0 * abs(g.a2) + half * (3.0 * abs(g.a3) + half * bend))
+    return abs(g.a1) > bend
+
+
+@inlined
+def change_of(g: Segment, half: float) -> float:
+    """Bound of how far the overlap in a segment is from that in its middle, m."""
+    high = abs(g.a4) + half * (abs(g.a5) + half * abs(g.a6))
+    return half * (abs(g.a1) + half * (abs(g.a2) + half * (abs(g.a3) + half * high)))
+
+
+@inlined
+def bound_of(g: Segment, half: float) -> float:
+    """Bound above the overlap of a segment, m: the parabola's vertex or end, and the rest."""
+    rest = abs(g.a3) + half * (abs(g.a4) + half * (abs(g.a5) + half * abs(g.a6)))
+    x = min(abs(g.a1) / max(-2.0 * g.a2, LEAST_BEND), half)
+    return g.a0 + x * (abs(g.a1) + x * g.a2) + half * half * half * rest
+
+
+@inlined
 def extremum(g: Segment, low: float, high: float) -> float:
     """Extremum of the overlap between two places with a monotone slope, or the second place."""
     if high <= low:
@@ -265,9 +305,7 @@ def press_segment(g: Segment, middle: float, half: float, bed: Bed) -> Bed:
     Most are monotone, as their coefficients tell.  Else the overlap is so between the ends, the
     inflection and the extremes to both sides of that.
     """
-    bend = 4.0 * abs(g.a4) + half * (5.0 * abs(g.a5) + half * 6.0 * abs(g.a6))
-    bend = half * (2.0 * abs(g.a2) + half * (3.0 * abs(g.a3) + half * bend))
-    if abs(g.a1) > bend:
+    if is_monotone(g, half):
         start, end = value_at(g, -half), value_at(g, half)
         bed = with_peak(bed, start, middle - half)
         bed = with_peak(bed, end, middle + half)
@@ -295,10 +333,23 @@ def press_segment(g: Segment, middle: float, half: float, bed: Bed) -> Bed:
 
 
 @compiled
+def with_peak_of(g: Segment, middle: float, half: float, bed: Bed) -> Bed:
+    """The bed with the greatest overlap of a segment, where it is the greatest so far."""
+    if is_monotone(g, half):
+        x = math.copysign(half, g.a1)
+        return with_peak(bed, value_at(g, x), middle + x)
+    bed = with_peak(bed, value_at(g, -half), middle - half)
+    bed = with_peak(bed, value_at(g, half), middle + half)
+    turn = inflection(g, half)
+    first = extremum(g, -half, turn)
+    bed = with_peak(bed, value_at(g, first), middle + first)
+    second = extremum(g, turn, half)
+    return with_peak(bed, value_at(g, second), middle + second)
+
+
+@compiled
 def area_of(g: Segment, half: float) -> float:
     """Integral of the overlap of a segment where it is above zero, m rad."""
-    high = abs(g.a4) + half * (abs(g.a5) + half * abs(g.a6))
-    high = half * (abs(g.a1) + half * (abs(g.a2) + half * (abs(g.a3) + half * high)))
-    if g.a0 > high:
+    if g.a0 > change_of(g, half):
         return 2.0 * half * mean_of(g, half * half)
     return press_segment(g, 0.0, half, NOTHING).area

@@ -12,7 +12,7 @@ from presswear.physics.foundation import foundation_stiffness
 from presswear.physics.laws import FRICTION, NORMAL, friction_record, normal_record
 from presswear.physics.loads import Loads, pack_loads
 from presswear.physics.springs import pack_springs
-from presswear.physics.surface import BEARING, PIN, ROWS, packed_rows
+from presswear.physics.surface import AROUND, BEARING, PIN, ROWS, packed_rows
 from presswear.tools.compiled import Records
 
 Array = NDArray[np.float64]
@@ -84,9 +84,10 @@ def pack(linkage: Linkage, wearing: bool = False) -> Packed:
         later = joint.bins if wearing and joint.wear else 0
         sizes = (own.depth.size for own in pair if own.is_worn)
         record["surface_bins"] = max(sizes, default=later)
+    most = int(joints["surface_bins"].max(initial=0))
     packed = Packed(
         joints,
-        np.zeros((len(pairs), ROWS, joints["surface_bins"].max(initial=0))),
+        np.zeros((len(pairs), ROWS, most + AROUND if most else 0)),
         pack_springs(linkage),
         pack_loads(linkage),
         mass_of(linkage),
@@ -156,11 +157,18 @@ def effective_mass(linkage: Linkage, joint: ClearanceJoint) -> float:
     return 1.0 / mobility if mobility > 0.0 else math.inf
 
 
+def depths_of(packed: Packed) -> Array:
+    """Depths of bearings and pins, shape (joints, 2, m), m; m = 0 while all are round."""
+    return packed.surfaces[:, (BEARING, PIN), : max(packed.surfaces.shape[2] - AROUND, 0)]
+
+
 def pack_surfaces(packed: Packed, k: int, surfaces: tuple[Surface, Surface]) -> None:
     """Give joint ``k`` of a packed linkage its surfaces, bearing and pin."""
     count = int(packed.joints[k]["surface_bins"])
+    if count == 0:
+        return
     for row, surface in zip((BEARING, PIN), surfaces, strict=True):
-        packed.surfaces[k, row : row + PIN, :count] = packed_rows(surface, count)
+        packed.surfaces[k, row : row + PIN, : count + AROUND] = packed_rows(surface, count)
     depths = [surface.depth for surface in surfaces if surface.is_worn]
     packed.joints[k]["least_depth"] = sum(float(depth.min()) for depth in depths)
     packed.joints[k]["relief"] = sum(float(np.ptp(depth)) for depth in depths)

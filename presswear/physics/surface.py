@@ -16,6 +16,10 @@ SLOPE, SQUARE, CUBE, LEAST = 1, 2, 3, 4
 """Rows behind the depth."""
 ROWS = 10
 """Number of rows that the kernels keep of a bearing and its pin."""
+AROUND = 48
+"""Bins that they keep behind the last, which are the first again."""
+SURFACES = np.zeros((ROWS, AROUND))
+"""An array of the type that the kernels keep: side by side in memory."""
 
 
 @compiled
@@ -68,10 +72,11 @@ def bin_of(angle: float, count: int) -> int:
 
 
 def packed_rows(surface: Surface, count: int) -> Array:
-    """A surface as the kernels see it, shape (5, m).
+    """A surface as the kernels see it, shape (5, count + AROUND).
 
     Depth and slope at the bin centres; coefficients of x^2 and x^3 of the cubic behind
-    each centre, m/rad^2 and m/rad^3; its least depth.
+    each centre, m/rad^2 and m/rad^3; its least depth.  Behind the last bin it begins anew, so
+    that bins side by side are side by side everywhere.
     """
     rows = np.zeros((5, count))
     if surface.is_worn:
@@ -84,4 +89,4 @@ def packed_rows(surface: Surface, count: int) -> Array:
         rows[CUBE] = (slope + following_slope - 2.0 * secant) / width**2
         # Monotone between the centres.
         rows[LEAST] = np.minimum(depth, following)
-    return rows
+    return np.take(rows, np.arange(count + AROUND), axis=1, mode="wrap")

@@ -16,8 +16,7 @@ from presswear.linkage.surface import Surface
 from presswear.physics.contact import CONTACT, note_contacts
 from presswear.physics.energy import LEDGER
 from presswear.physics.motion import motions_of
-from presswear.physics.packed import pack, pack_surfaces
-from presswear.physics.surface import BEARING, PIN
+from presswear.physics.packed import depths_of, pack, pack_surfaces
 from presswear.physics.touchdown import CONTACT_COLUMNS, LEAST_STEPS, MEMORY, PAST_CONTACT, TALLY
 from presswear.physics.wear import map_shape
 from presswear.record.film import Film, empty_film, shutter_of
@@ -245,7 +244,7 @@ class Recorder:
 
         Each joint's stands in its own bins, the first of the m.
         """
-        return self.book.packed.surfaces[:, (BEARING, PIN)]
+        return depths_of(self.book.packed)
 
     def _rebuild(self, depth: Array) -> None:
         packed = self.book.packed

@@ -31,6 +31,7 @@ from numba import config
 from numba.core import cgutils, event, types, typing
 from numba.core.errors import NumbaError
 from numba.extending import intrinsic, lower_builtin
+from numba.np.arrayobj import populate_array
 from numpy.typing import NDArray
 
 from presswear.tools.errors import InputError
@@ -53,6 +54,7 @@ _TYPING: Any = typing
 _EVENT: Any = event
 _COMPILING = "numba:compile"
 _LOWER: Any = lower_builtin
+_POPULATE: Any = populate_array
 _PACKAGE = Path(__file__).resolve().parents[1]
 
 
@@ -253,6 +255,30 @@ def _calling(typing: Any, address: Any, arguments: Any) -> Any:
 
 
 call = cast(Callable[[int, tuple[float, ...]], float], intrinsic(_calling))
+
+
+def _spacing(typing: Any, rows: Any, columns: Any) -> Any:
+    """An array of numbers on the stack of the kernel that asks for it."""
+    kind = _TYPES.Array(_TYPES.float64, 2, "C")
+    shape = rows.literal_value, columns.literal_value
+
+    def generate(context: Any, builder: Any, signature: Any, given: Any) -> Any:
+        double = ir.DoubleType()
+        space = _CGUTILS.alloca_once(builder, double, size=shape[0] * shape[1])
+        size = context.get_abi_sizeof(double)
+        sizes = (*shape, shape[1] * size, size, size)
+        rows, columns, row, item, width = (context.get_constant(types.intp, n) for n in sizes)
+        made = context.make_array(kind)(context, builder)
+        _POPULATE(made, space, (rows, columns), (row, item), width, meminfo=None)
+        return made._getvalue()
+
+    return kind(rows, columns), generate
+
+
+working_space = cast(
+    Callable[[int, int], Array], _NUMBA.extending.intrinsic(prefer_literal=True)(_spacing)
+)
+"""An array of so many rows and columns, both constants, that lasts while a kernel runs."""
 
 
 _KEPT: dict[Any, Any] = {}

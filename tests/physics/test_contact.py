@@ -147,7 +147,7 @@ def test_rate_is_the_derivative_of_penetration(pair: Pair) -> None:
 
 def _knot_is_near(pair: Pair, span: float) -> bool:
     """Whether the contact crosses the centre of a bin within so many radians."""
-    count = pair.packed.surfaces.shape[2]
+    count = pair.surfaces.shape[1]
     turns = float(pair.joint.map_frame == "body")
     positions = [
         (direction_of(pair.contact()) - turns * pair.q[body + 2]) * count / (2.0 * math.pi) - 0.5

@@ -37,7 +37,7 @@ def bed(bearing: Surface, pin: Surface, eccentricity: float, *places: float) -> 
     surfaces = np.vstack([packed_rows(bearing, count), packed_rows(pin, count)])
     assert surfaces.shape[0] == ROWS
     least = sum(float(s.depth.min()) if s.is_worn else 0.0 for s in (bearing, pin))
-    return press(surfaces, eccentricity, C, least, *places)
+    return press(surfaces, count, eccentricity, C, least, *places)
 
 
 def overlaps(
@@ -93,6 +93,22 @@ def test_sums_are_the_integrals(bearing: Surface, pin: Surface, above: float) ->
     for ours, theirs, scale in zip(sums[:3], expected[1:4], scales, strict=True):
         assert ours == pytest.approx(theirs, abs=2e-6 * scale)
     assert found.square == pytest.approx(expected[4], rel=1e-6, abs=1e-24)
+
+
+@pytest.mark.parametrize("bins", [9, 63, 90, 720])
+@pytest.mark.parametrize("eccentricity", [1e-9, 4e-4, C + 2e-5])
+def test_the_nearest_place_of_a_worn_turn_is_found(eccentricity: float, bins: int) -> None:
+    """However far round it lies: the pin is near the centre, or presses on a long arc."""
+    bearing, pin = rough(4, bins), rough(5, bins)
+    s = np.linspace(-math.pi, math.pi, 800_001)
+    overlap = overlaps(s, bearing, pin, eccentricity, 0.4, 2.2)
+    found = bed(bearing, pin, eccentricity, 0.4, 2.2)
+    # The grid's own error: a bend of 2 m/rad^2 over half its step.
+    assert found.overlap == pytest.approx(overlap.max(), rel=0.0, abs=2e-11)
+    at = overlaps(np.array([found.place]), bearing, pin, eccentricity, 0.4, 2.2)[0]
+    assert at == pytest.approx(found.overlap, rel=0.0, abs=1e-17)
+    area = np.maximum(overlap, 0.0).sum() * (s[1] - s[0])
+    assert found.area == pytest.approx(area, rel=1e-5, abs=1e-22)
 
 
 @pytest.mark.parametrize("penetration", [1e-7, 1e-6, 5e-6])

@@ -47,7 +47,7 @@ def _deposited(pair: Pair, count: int, dose: float) -> Array:
         deposit_over_arc(
             depth,
             packed,
-            pair.packed.surfaces[0],
+            pair.surfaces,
             contact,
             dose,
             shares,
@@ -297,10 +297,10 @@ def test_wear_of_a_step_that_ends_open_is_not_lost(
 @pytest.mark.parametrize("eccentricity", [8e16, 1e300, math.inf, math.nan])
 def test_a_state_far_off_is_no_endless_arc(eccentricity: float) -> None:
     """Error control looks at such states before it shortens a step."""
-    surfaces = placed(WORN, 0.0, 0.0).packed.surfaces[0]
+    pair = placed(WORN, 0.0, 0.0)
     state = eccentricity, 8e-4, 0.0, 4.1e17, -1.9e15
-    press(surfaces, *state)
-    spread(surfaces, *state, np.zeros((2, 360)))
+    press(pair.packed.surfaces[0], 360, *state)
+    spread(pair.surfaces, *state, np.zeros((2, 360)))
 
 
 def test_uniform_wear_has_the_volume_of_a_sleeve() -> None:
