@@ -32,6 +32,8 @@ WORDS = {
 """Followed numbers as people say them."""
 UNITS = {name: own.unit for name, own in FOLLOWED.items()}
 """Their units."""
+_FINE = 0.05
+"""Half width of a logarithm below which a life is told to three digits."""
 Ended = Literal["limit", "at_most", "worn", "cycles"]
 
 
@@ -174,23 +176,40 @@ class LifeResult:
         """Strokes after which the surfaces are those of a stage: equal parts of the life."""
         return self.strokes * index / scene.wears
 
+    @property
+    def words(self) -> str:
+        """The strokes with both ends of their interval, where that is known."""
+        span = span_of(self.strokes, self.error)
+        strokes = large(self.strokes, digits=digits_of(self.error))
+        return f"{strokes} strokes ({span})" if span else f"{strokes} strokes"
+
     def __str__(self) -> str:
         """One line: after how many strokes what is passed, or how far nothing is."""
         first = self.first
         if first is None:
             told = (f"{words_of(own.key)} {own.last:.3g} {own.unit}" for own in self.limits)
             return f"no life is known: {self.message}; reached: {', '.join(told)}"
-        ends = (self.interval.low, self.interval.high)
-        known = [own for own in ends if own is not None]
-        sure = f" ({large(*known)})" if known else ""
         limit = f"{words_of(first.key)} is over {first.value:.3g} {first.unit}"
-        return f"life: {large(self.strokes)} strokes{sure} until {limit}"
+        return f"life: {self.words} until {limit}"
 
     def as_dict(self) -> dict[str, Any]:
         """It as plain data, without the curves."""
         plain = asdict(self)
         del plain["curves"]
         return plain
+
+
+def digits_of(error: float | None) -> int:
+    """Digits that a life is told to, from the half width of its logarithm."""
+    return 3 if error is None or error < _FINE else 2
+
+
+def span_of(strokes: float, error: float | None) -> str:
+    """Both ends of an interval whose half width is of the logarithm; or nothing."""
+    if error is None:
+        return ""
+    factor = math.exp(error)
+    return large(strokes / factor, strokes * factor, digits=digits_of(error))
 
 
 def words_of(key: str) -> str:

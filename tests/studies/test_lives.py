@@ -80,7 +80,7 @@ def test_the_report_compares_what_is_known(tmp_path: Path, scene: Scene) -> None
     assert [result is None for _, result in results_of(study, tmp_path)] == [False] * 3 + [True]
     sentence, page = write_report(study, tmp_path)
     assert sentence == (
-        "As it is, it lives 1.00 (0.961 to 1.04) million strokes. bush replaced: A@1e6: 1.50 "
+        "As it is, it lives 1 million strokes (0.96 to 1.04 million). bush replaced: A@1e6: 1.50 "
         "(1.43 to 1.58) times as long, longer with a probability of 1. thin: no limit is passed "
         "within 5e+07 strokes. thick: it did not run."
     )

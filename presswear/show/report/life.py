@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 
-from presswear.results.life import LifeResult, LimitResult, words_of
+from presswear.results.life import LifeResult, LimitResult, digits_of, span_of, words_of
 from presswear.results.result import Result
 from presswear.scene.life import Service
 from presswear.scene.scene import Scene
@@ -12,8 +12,6 @@ from presswear.show.figures.style import unit_scale
 from presswear.show.report.parts import Row, Table
 from presswear.tools.numbers import large, readable, whole, with_interval
 
-_FINE = 0.05
-"""Half width of a logarithm below which a life is told to three digits."""
 _NOTHING = "–"
 
 
@@ -62,31 +60,17 @@ def answer(scene: Scene, life: LifeResult) -> str:
             f"No limit is passed within {large(life.strokes)} strokes, {_time(scene, life)}; "
             f"reached there: {reached}."
         )
-    interval = _span(life.strokes, life.error)
-    known = f" ({interval})" if interval else ", how well that is known cannot be told"
-    digits = _digits(life.error)
+    known = ", how well that is known cannot be told" if life.error is None else ""
     return (
         f"The first limit, {words_of(first.key)} over {limit_told(first)}, is passed after "
-        f"{large(life.strokes, digits=digits)} strokes{known}, {_time(scene, life)}."
+        f"{life.words}{known}, {_time(scene, life)}."
     )
 
 
 def _time(scene: Scene, life: LifeResult) -> str:
     rate = 60.0 / scene.mechanism.period
-    hours = readable(life.hours(scene), _digits(life.error))
+    hours = readable(life.hours(scene), digits_of(life.error))
     return f"{hours} hours at {readable(rate)} strokes a minute"
-
-
-def _digits(error: float | None) -> int:
-    return 3 if error is None or error < _FINE else 2
-
-
-def _span(strokes: float, error: float | None) -> str:
-    """Both ends of an interval whose half width is of the logarithm; or nothing."""
-    if error is None:
-        return ""
-    factor = math.exp(error)
-    return large(strokes / factor, strokes * factor, digits=_digits(error))
 
 
 def _error(limit: LimitResult) -> float | None:
@@ -156,9 +140,9 @@ def _limits(scene: Scene, life: LifeResult) -> Table:
         rows.append(
             (
                 name,
-                large(own.strokes, digits=_digits(error)),
-                _span(own.strokes, error) or "not known",
-                readable(hours, _digits(error)),
+                large(own.strokes, digits=digits_of(error)),
+                span_of(own.strokes, error) or "not known",
+                readable(hours, digits_of(error)),
                 last,
             )
         )
@@ -180,7 +164,7 @@ def _causes(scene: Scene, life: LifeResult) -> Table:
         (
             name,
             missing.get(name, "not known") if error is None else f"{readable(_percent(error), 2)}",
-            _span(life.strokes, error) or _NOTHING,
+            span_of(life.strokes, error) or _NOTHING,
         )
         for name, error in causes.items()
     )

@@ -15,7 +15,7 @@ from presswear.show.figures.style import REFERENCE, SETTINGS, WIDTH, Drawing, Sh
 from presswear.show.report.page import illustrate, render_page
 from presswear.show.report.parts import Table
 from presswear.tools.files import write_bytes
-from presswear.tools.numbers import readable
+from presswear.tools.numbers import large, readable
 
 MILLION = 1e-6
 
@@ -75,7 +75,7 @@ def answer(lives: Sequence[One]) -> str:
     plain, *others = lives
     if not plain.is_known or plain.life is None:
         return "The life of the scene as it is, is not known: nothing can be compared."
-    told = [f"As it is, it lives {_life(plain.life)} million strokes."]
+    told = [f"As it is, it lives {plain.life.words}."]
     for one in others:
         if one.is_known and one.life is not None:
             ratio = Ratio.of(one.life, plain.life)
@@ -90,21 +90,13 @@ def answer(lives: Sequence[One]) -> str:
     return " ".join(told)
 
 
-def _life(life: LifeResult) -> str:
-    interval = life.interval
-    if interval.low is None or interval.high is None:
-        return readable(MILLION * life.strokes)
-    ends = (readable(MILLION * end) for end in (interval.low, interval.high))
-    return f"{readable(MILLION * life.strokes)} ({' to '.join(ends)})"
-
-
 def row(one: One, plain: One) -> tuple[str, ...]:
     """A row of the table."""
     life, result = one.life, one.result
     if life is None or result is None:
         return (one.variant.label, "not known", "", "", "", "")
     if not one.is_known:
-        told = f"more than {readable(MILLION * life.strokes)}: {life.message}"
+        told = f"more than {large(life.strokes)} strokes: {life.message}"
         return (one.variant.label, told, "", "", "", "")
     first = life.first
     assert first is not None, "a life that ended at a limit has one"
@@ -113,7 +105,7 @@ def row(one: One, plain: One) -> tuple[str, ...]:
         ratio = Ratio.of(life, plain.life)
         compared = ratio.words, f"{ratio.longer:.2g}"
     hours = readable(life.hours(result.scene))
-    return (one.variant.label, _life(life), hours, first.key, *compared)
+    return (one.variant.label, life.words, hours, first.key, *compared)
 
 
 def draw(lives: Sequence[One]) -> Drawing:
@@ -140,7 +132,7 @@ def write_report(study: Study, folder: Path) -> tuple[str, Path]:
     lives = [One(*own) for own in results_of(study, folder)]
     head = (
         "changed",
-        "life, million strokes",
+        "life",
         "hours",
         "first limit",
         "times as long",
