@@ -85,7 +85,7 @@ def test_the_report_compares_what_is_known(tmp_path: Path, scene: Scene) -> None
         "within 5e+07 strokes. thick: it did not run."
     )
     text = page.read_text()
-    assert "more than 50.0: no limit is passed" in text
+    assert "more than 50 million strokes: no limit is passed" in text
     assert (tmp_path / "lives.png").exists()
     read = [result.life for _, result in results_of(study, tmp_path) if result]
     assert read[0] is not None
