@@ -1,6 +1,6 @@
 """Pictures of the documentation that no study draws.
 
-Run:  python docs/draw.py [NAME ...]
+Those that take seconds are drawn when the site is built.  Run:  python docs/draw.py [NAME ...]
 """
 
 import math
@@ -26,7 +26,8 @@ from presswear.engines.base import Plan
 from presswear.engines.settings import InHouse
 from presswear.linkage.laws import DAMPINGS, KELVIN_VOIGT, NormalLaw, delivered_restitution
 from presswear.linkage.loads import Force, OverPosition
-from presswear.linkage.motions import RISES, Drive, Rise
+from presswear.linkage.motions import Drive
+from presswear.linkage.pieces import RISES, Rise
 from presswear.linkage.slider_crank import SliderCrank
 from presswear.record.sampling import STARTUP_CYCLES, half_width
 from presswear.scene.life import Limit
@@ -38,7 +39,6 @@ from presswear.tools.workers import Workers
 from presswear.trials.verify import references
 from presswear.trials.verify.verify import delivered
 
-HERE = Path(__file__).parent
 COLOURS = [colour for colour, _ in LINES]
 
 
@@ -164,11 +164,16 @@ PICTURES: dict[str, Callable[[Axes], None]] = {
     "life": life,
 }
 
+
+def save(name: str, folder: Path) -> None:
+    """Draw a picture into a folder."""
+    with plt.rc_context({**SETTINGS, "axes.prop_cycle": cycler(color=COLOURS)}):
+        figure, axes = plt.subplots(figsize=(WIDTH, 0.6 * WIDTH), layout="constrained")
+        PICTURES[name](axes)
+        figure.savefig(folder / f"{name}.png", dpi=120)
+        plt.close(figure)
+
+
 if __name__ == "__main__":
     for title in sys.argv[1:] or PICTURES:
-        draw = PICTURES[title]
-        with plt.rc_context({**SETTINGS, "axes.prop_cycle": cycler(color=COLOURS)}):
-            figure, axes = plt.subplots(figsize=(WIDTH, 0.6 * WIDTH), layout="constrained")
-            draw(axes)
-            figure.savefig(HERE / f"{title}.png", dpi=120)
-            plt.close(figure)
+        save(title, Path.cwd())

@@ -1,0 +1,76 @@
+"""How Sphinx builds the site: ``sphinx-build -W docs site``.
+
+Needs no network: formulas are MathML, which browsers draw themselves.
+"""
+
+import os
+import sys
+from importlib.metadata import version as version_of
+from pathlib import Path
+
+from docutils import nodes
+from docutils.utils.math.latex2mathml import tex2mathml
+from sphinx.application import Sphinx
+from sphinx.writers.html5 import HTML5Translator
+
+DOCS = Path(__file__).parent
+sys.path.insert(0, str(DOCS))
+import draw  # noqa: E402
+
+# Tutorials call ``presswear`` and ``python`` of the environment that builds.
+os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
+os.environ["COLUMNS"] = "100"
+
+project = "presswear"
+author = "The presswear developers"
+copyright = f"2026, {author}"
+release = version = version_of("presswear")
+
+extensions = [
+    "sphinx.ext.autodoc",
+    "sphinx.ext.autosummary",
+    "numpydoc",
+    "myst_nb",
+]
+exclude_patterns = ["_*", "upstream"]
+templates_path = ["_templates"]
+html_theme = "furo"
+html_title = f"presswear {release}"
+html_static_path = ["_static"]
+html_css_files = ["site.css"]
+html_math_renderer = "mathml"
+
+myst_enable_extensions = ["dollarmath", "amsmath", "deflist", "colon_fence"]
+myst_heading_anchors = 3
+
+# A page with code is run at each build, and ends it where anything fails.
+nb_execution_mode = "force"
+nb_execution_raise_on_error = True
+nb_execution_in_temp = True
+nb_execution_timeout = 900
+nb_merge_streams = True
+
+autosummary_generate = True
+autodoc_typehints = "none"
+numpydoc_show_class_members = False
+
+
+def _math(self: HTML5Translator, node: nodes.math | nodes.math_block) -> None:
+    is_block = isinstance(node, nodes.math_block)
+    body = tex2mathml(node.astext(), as_block=is_block)
+    self.body.append(f'<div class="formula">{body}</div>' if is_block else body)
+    raise nodes.SkipNode
+
+
+def _draw(app: Sphinx) -> None:
+    """Draw what no page with code draws."""
+    folder = DOCS / "_drawn"
+    folder.mkdir(exist_ok=True)
+    for name in ("restitution", "motion", "load"):
+        draw.save(name, folder)
+
+
+def setup(app: Sphinx) -> None:
+    """Add formulas in MathML, and the pictures."""
+    app.add_html_math_renderer("mathml", (_math, None), (_math, None))
+    app.connect("builder-inited", _draw)
