@@ -9,8 +9,9 @@ from importlib.metadata import version as version_of
 from pathlib import Path
 
 from docutils import nodes
-from docutils.utils.math.latex2mathml import tex2mathml
+from latex2mathml.converter import convert
 from sphinx.application import Sphinx
+from sphinx.errors import SphinxError
 from sphinx.writers.html5 import HTML5Translator
 
 DOCS = Path(__file__).parent
@@ -19,7 +20,8 @@ import draw  # noqa: E402
 
 # Tutorials call ``presswear`` and ``python`` of the environment that builds.
 os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
-os.environ["COLUMNS"] = "100"
+os.environ |= {"COLUMNS": "88", "TTY_COMPATIBLE": "0"}
+os.environ.pop("MPLBACKEND", None)  # pages with code show their figures
 
 project = "presswear"
 author = "The presswear developers"
@@ -56,8 +58,11 @@ numpydoc_show_class_members = False
 
 
 def _math(self: HTML5Translator, node: nodes.math | nodes.math_block) -> None:
+    """Write a formula in MathML; what the converter does not know ends the build."""
     is_block = isinstance(node, nodes.math_block)
-    body = tex2mathml(node.astext(), as_block=is_block)
+    body = convert(node.astext(), display="block" if is_block else "inline")
+    if "\\" in body:
+        raise SphinxError(f"a formula that MathML does not show: {node.astext()}")
     self.body.append(f'<div class="formula">{body}</div>' if is_block else body)
     raise nodes.SkipNode
 

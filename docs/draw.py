@@ -9,6 +9,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
 from cycler import cycler
@@ -39,6 +40,7 @@ from presswear.tools.workers import Workers
 from presswear.trials.verify import references
 from presswear.trials.verify.verify import delivered
 
+matplotlib.use("agg")
 COLOURS = [colour for colour, _ in LINES]
 
 
