@@ -21,7 +21,7 @@ DOCS = ROOT / "docs"
 PAGES = sorted(
     page
     for page in [*ROOT.glob("*.md"), *DOCS.rglob("*.md")]
-    if not page.relative_to(ROOT).parts[1:2] == ("_build",)
+    if page.relative_to(ROOT).parts[1:2] != ("_build",)
 )
 THEORY = sorted((DOCS / "theory").glob("*.md"))
 TUTORIALS = sorted((DOCS / "tutorials").glob("*.md"))
