@@ -5,6 +5,7 @@ Needs no network: formulas are MathML, which browsers draw themselves.
 
 import os
 import sys
+from dataclasses import fields, is_dataclass
 from importlib.metadata import version as version_of
 from pathlib import Path
 
@@ -18,9 +19,12 @@ DOCS = Path(__file__).parent
 sys.path.insert(0, str(DOCS))
 import draw  # noqa: E402
 
+from presswear.tools.quantities import meaning_of, words_of  # noqa: E402
+
 # Tutorials call ``presswear`` and ``python`` of the environment that builds.
 os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
 os.environ |= {"COLUMNS": "88", "TTY_COMPATIBLE": "0"}
+os.environ["PYTHONSTARTUP"] = str(DOCS / "kernel.py")
 os.environ.pop("MPLBACKEND", None)  # pages with code show their figures
 
 project = "presswear"
@@ -75,7 +79,29 @@ def _draw(app: Sphinx) -> None:
         draw.save(name, folder)
 
 
+def _tell_fields(
+    app: Sphinx, what: str, name: str, owner: object, options: object, lines: list[str]
+) -> None:
+    """Write what the fields of a data class mean, with units and ranges, as its parameters."""
+    if not (isinstance(owner, type) and is_dataclass(owner)) or "----------" in lines:
+        return
+    told: list[str] = []
+    for item in fields(owner):
+        meaning, words = meaning_of(item), words_of(item)
+        if meaning is not None:
+            told += [f"{item.name} : {meaning.range_text()}", f"    {meaning.text}"]
+        elif words is not None:
+            told += [f"{item.name} : {', '.join(words.listed())}", f"    {words.text}"]
+        elif "choice" in item.metadata:
+            allowed, text, *_ = item.metadata["choice"]
+            known = "" if callable(allowed) else f" : {', '.join(allowed)}"
+            told += [f"{item.name}{known}", f"    {text}"]
+    if told:
+        lines += ["", "Parameters", "----------", *(line.replace("|", "\\|") for line in told)]
+
+
 def setup(app: Sphinx) -> None:
-    """Add formulas in MathML, and the pictures."""
+    """Add formulas in MathML, pictures, and the fields of data classes."""
     app.add_html_math_renderer("mathml", (_math, None), (_math, None))
     app.connect("builder-inited", _draw)
+    app.connect("autodoc-process-docstring", _tell_fields, priority=1)  # before numpydoc
