@@ -1,0 +1,340 @@
+"""What does the rows of a sweep: processes here, Dask, or any executor; chosen by a word.
+
+=====================  ==================================================================
+nothing                processes of this machine, one a core
+``dask``               a local cluster of Dask, with its dashboard
+``dask://HOST:PORT``   the cluster of a scheduler that runs
+``MODULE:FACTORY``     what a function of yours gives: any ``concurrent.futures.Executor``
+=====================  ==================================================================
+
+None of them plans anything: rows are handed out as places get free, and what is finished is
+taken in any order.
+"""
+
+import importlib
+import logging
+import sys
+import time
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, wait
+from concurrent.futures import Future as Promise
+from contextlib import AbstractContextManager, contextmanager, suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol, cast
+
+from presswear.results.provenance import program_digest
+from presswear.sweeps.work import Outcome, RowJob, WrongProgram
+from presswear.tools.errors import InputError, RunFailed
+from presswear.tools.workers import Array, Job, cores, workers_for
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+ANSWER = 10.0
+"""Time in which a scheduler answers, s."""
+BACK = 60.0
+"""Time in which one that was lost comes back, s."""
+RETRIES = 3
+"""Times that a row is done again whose worker was lost, and an executor is made anew with
+nothing done in between."""
+_POLL = 0.2
+_LOOK = 5.0
+"""Time between two looks at how many workers there are, s."""
+_AHEAD = 2
+"""Rows that are handed out for each place."""
+_ROW = "presswear.sweeps.work"
+DASK = "dask"
+
+
+class NoAnswer(InputError):
+    """A scheduler that is not there."""
+
+
+class Feed(Protocol):
+    """Rows that are to be done."""
+
+    @property
+    def is_over(self) -> bool:
+        """True once there are no more to take, now or later."""
+
+    def begun(self, places: int) -> None:
+        """Hear how many rows are done at once."""
+
+    def take(self, most: int) -> Mapping[int, RowJob]:
+        """The next rows; none where others are at work on what is left."""
+
+    def ended(self, row: int, outcome: Outcome) -> None:
+        """Hear what a row gave."""
+
+    def told(self, row: int, part: float) -> None:
+        """Hear how far a row is, or that time passes (row -1)."""
+
+
+Runner = Callable[[Feed], None]
+"""Does all rows of a feed; RunFailed where it cannot go on."""
+Say = Callable[[str], None]
+
+
+def runner_of(on: str, jobs: int | None, say: Say) -> Runner:
+    """What does the rows, by its word; InputError where there is none of it.
+
+    Parameters
+    ----------
+    on : str
+        See the head of this module.
+    jobs : int or None
+        Rows at a time of processes here; None: as many as there are cores.
+    say : callable
+        Told lines for the person who waits.
+    """
+    if not on:
+        return _Local(jobs or cores(), say)
+    if on == DASK or on.startswith(f"{DASK}://"):
+        _needs_distributed()
+        address = on.removeprefix(DASK).removeprefix("://")
+        if on != DASK and not address.rpartition(":")[2].isdigit():
+            raise InputError(f"--on {on}: dask://HOST:PORT is expected, such as dask://head:8786")
+        return _Futures(lambda wait_s: _dask(address, jobs, wait_s, say), _dask_places, say)
+    module, colon, name = on.partition(":")
+    if not (module and colon and name):
+        raise InputError(
+            f"--on {on}: dask, dask://HOST:PORT or MODULE:FACTORY is expected, such as "
+            "concurrent.futures:ProcessPoolExecutor"
+        )
+    return _Futures(lambda _: _made(on, module, name), _places, say)
+
+
+class _Local:
+    """Rows in processes of this machine; see ``tools.workers``."""
+
+    def __init__(self, count: int, say: Say) -> None:
+        self._count, self._say = count, say
+
+    def __call__(self, feed: Feed) -> None:
+        def ended(row: int, outcome: Outcome) -> Mapping[int, Job]:
+            feed.ended(row, outcome)
+            return feed.take(1)
+
+        def told(row: int, part: float, word: str, rows: Array | None) -> None:
+            feed.told(row, part)
+
+        feed.begun(self._count)
+        with workers_for(self._count, (_ROW,), lost=self._say) as workers:
+            while not feed.is_over:
+                first = feed.take(self._count + 1)
+                if first:
+                    workers.run(first, ended, told)
+                elif not feed.is_over:
+                    _idle(feed)
+
+
+def _idle(feed: Feed) -> None:
+    feed.told(-1, 0.0)
+    time.sleep(_POLL)
+
+
+class _Futures:
+    """Rows through an executor, made anew where it is lost.
+
+    Parameters
+    ----------
+    make : callable
+        Gives the executor as a context; takes how long it may wait for it, s.
+    places : callable
+        Rows that it does at once.
+    """
+
+    def __init__(
+        self,
+        make: Callable[[float], AbstractContextManager[Executor]],
+        places: Callable[[Executor], int],
+        say: Say,
+    ) -> None:
+        self._make, self._places, self._say = make, places, say
+
+    def __call__(self, feed: Feed) -> None:
+        self._left: dict[int, RowJob] = {}
+        self._fruitless = 0
+        patience = ANSWER
+        while self._left or not feed.is_over:
+            try:
+                with self._make(patience) as executor:
+                    feed.begun(self._places(executor))
+                    self._use(executor, feed)
+            except (BrokenExecutor, CancelledError, ConnectionError) as error:
+                self._fruitless += 1
+                if self._fruitless > RETRIES:
+                    raise RunFailed(f"the executor was lost again and again: {error}") from None
+                self._say(f"the executor was lost ({error or type(error).__name__}): begun anew")
+                patience = BACK
+            except NoAnswer as error:
+                if patience == BACK:
+                    raise RunFailed(str(error)) from None
+                raise
+
+    def _use(self, executor: Executor, feed: Feed) -> None:
+        running: dict[Promise[Outcome], int] = {}
+        unsent = dict(self._left)
+        places, looked = self._places(executor), time.monotonic()
+        try:
+            while unsent or running or not feed.is_over:
+                if time.monotonic() - looked > _LOOK:
+                    # Workers come and go.
+                    places, looked = self._places(executor), time.monotonic()
+                room = _AHEAD * places - len(running)
+                if room > len(unsent):
+                    taken = feed.take(room - len(unsent))
+                    self._left.update(taken)
+                    unsent.update(taken)
+                for row in list(unsent)[: max(room, 0)]:
+                    running[executor.submit(_done_here, unsent[row])] = row
+                    del unsent[row]
+                if not running:
+                    _idle(feed)
+                    continue
+                for future in wait(running, _POLL, FIRST_COMPLETED).done:
+                    outcome = _outcome(future)
+                    row = running.pop(future)
+                    del self._left[row]
+                    self._fruitless = 0
+                    feed.ended(row, outcome)
+                feed.told(-1, 0.0)
+        finally:
+            for future in running:
+                future.cancel()
+
+
+def _done_here(job: RowJob) -> Outcome:
+    """Do a job where nobody asks how far it is."""
+    return job(lambda done, word="", rows=None: None)
+
+
+def _outcome(future: "Promise[Outcome]") -> Outcome:
+    """What a row gave; one that took its workers with it has failed."""
+    error = future.exception()
+    if error is not None and type(error).__name__ == "KilledWorker":
+        reason = f"its workers were ended from outside {RETRIES + 1} times: out of memory?"
+        return Outcome(reason=reason, again=True)
+    return future.result()
+
+
+def _places(executor: Executor) -> int:
+    """Rows that an executor does at once, as far as it says so."""
+    for name in ("_max_workers", "max_workers"):
+        found = getattr(executor, name, None)
+        if isinstance(found, int) and found > 0:
+            return found
+    return cores()
+
+
+def _made(on: str, module: str, name: str) -> AbstractContextManager[Executor]:
+    """The executor that somebody's function gives."""
+    here = f"{Path.cwd()}"
+    if here not in sys.path:
+        sys.path.append(here)
+    try:
+        made = getattr(importlib.import_module(module), name)()
+    except (ImportError, AttributeError, TypeError) as error:
+        raise InputError(f"--on {on}: {error}") from None
+    if not isinstance(made, Executor):
+        raise InputError(f"--on {on}: it gives {type(made).__name__}, not an Executor")
+    return _ended(made)
+
+
+@contextmanager
+def _ended(executor: Executor) -> Iterator[Executor]:
+    """An executor that is shut down at the end, and at once where something is wrong."""
+    try:
+        yield executor
+    except BaseException:
+        executor.shutdown(wait=False, cancel_futures=True)
+        raise
+    executor.shutdown()
+
+
+def _needs_distributed() -> None:
+    try:
+        importlib.import_module("distributed")
+    except ImportError:
+        raise InputError("--on dask needs dask.distributed: pip install 'presswear[sweep]'") from None
+
+
+@contextmanager
+def _dask(address: str, jobs: int | None, patience: float, say: Say) -> Iterator[Executor]:
+    """The executor of a cluster of Dask, whose workers have this program.
+
+    InputError where no scheduler answers within a time, s, or a worker has another program.
+    """
+    import dask
+    from distributed import Client, LocalCluster
+
+    for name in ("distributed", "tornado", "asyncio"):
+        logging.getLogger(name).setLevel(logging.CRITICAL)
+    settings = {
+        "distributed.comm.timeouts.connect": f"{ANSWER}s",
+        "distributed.scheduler.allowed-failures": RETRIES,
+        "distributed.admin.large-graph-warning-threshold": "1GB",
+    }
+    with dask.config.set(settings), _closing_late() as keep:
+        if address:
+            client = keep(_connected(address, patience))
+        else:
+            cluster = keep(
+                LocalCluster(
+                    n_workers=jobs or cores(), threads_per_worker=1, dashboard_address=":0"
+                )
+            )
+            client = keep(Client(cluster, timeout=ANSWER))
+            say(f"cluster at dask{cluster.scheduler_address.removeprefix('tcp')}, dashboard at "
+                f"{cluster.dashboard_link}")
+        for worker, found in client.run(program_digest, on_error="return").items():
+            if found != program_digest():
+                raise WrongProgram(
+                    f"--on dask://{address}: worker {worker} has another program ({found}; here "
+                    f"{program_digest()}): its numbers would not agree; install the same there"
+                )
+        yield client.get_executor(pure=False)
+
+
+@contextmanager
+def _closing_late() -> Iterator[Callable[[Any], Any]]:
+    """Close what was kept, the last first, whatever its own troubles."""
+    held: list[Any] = []
+
+    def keep(one: Any) -> Any:
+        held.append(one)
+        return one
+
+    try:
+        yield keep
+    finally:
+        for one in reversed(held):
+            with suppress(Exception):
+                one.close(timeout=2.0)
+
+
+def _connected(address: str, patience: float) -> "Client":
+    """A client of a scheduler that answers within a time, s."""
+    from distributed import Client
+
+    until = time.monotonic() + patience
+    while True:
+        left = min(max(until - time.monotonic(), 0.1), ANSWER)
+        try:
+            return Client(f"tcp://{address}", timeout=left)
+        except (OSError, TimeoutError, ValueError) as error:
+            if time.monotonic() + _POLL >= until:
+                raise NoAnswer(
+                    f"--on dask://{address}: no scheduler answers there within {patience:g} s "
+                    f"({type(error).__name__})"
+                ) from None
+            time.sleep(_POLL)
+
+
+def _dask_places(executor: Executor) -> int:
+    """Threads of all workers that a cluster has now."""
+    client: Client = cast(Any, executor)._client
+    try:
+        return max(sum(client.nthreads().values()), 1)
+    except OSError as error:
+        raise ConnectionError(f"{error}") from None
