@@ -111,9 +111,20 @@ class _Local:
         self._count, self._say = count, say
 
     def __call__(self, feed: Feed) -> None:
+        out = 0  # rows that are handed out
+
+        def taken() -> Mapping[int, Job]:
+            nonlocal out
+            # One is ready for whoever is done first.
+            found = feed.take(self._count + 1 - out)
+            out += len(found)
+            return found
+
         def ended(row: int, outcome: Outcome) -> Mapping[int, Job]:
+            nonlocal out
+            out -= 1
             feed.ended(row, outcome)
-            return feed.take(1)
+            return taken()
 
         def told(row: int, part: float, word: str, rows: Array | None) -> None:
             feed.told(row, part)
@@ -121,7 +132,7 @@ class _Local:
         feed.begun(self._count)
         with workers_for(self._count, (_ROW,), lost=self._say) as workers:
             while not feed.is_over:
-                first = feed.take(self._count + 1)
+                first = taken()
                 if first:
                     workers.run(first, ended, told)
                 elif not feed.is_over:
@@ -256,7 +267,9 @@ def _needs_distributed() -> None:
     try:
         importlib.import_module("distributed")
     except ImportError:
-        raise InputError("--on dask needs dask.distributed: pip install 'presswear[sweep]'") from None
+        raise InputError(
+            "--on dask needs dask.distributed: pip install 'presswear[sweep]'"
+        ) from None
 
 
 @contextmanager
@@ -285,8 +298,10 @@ def _dask(address: str, jobs: int | None, patience: float, say: Say) -> Iterator
                 )
             )
             client = keep(Client(cluster, timeout=ANSWER))
-            say(f"cluster at dask{cluster.scheduler_address.removeprefix('tcp')}, dashboard at "
-                f"{cluster.dashboard_link}")
+            say(
+                f"cluster at dask{cluster.scheduler_address.removeprefix('tcp')}, dashboard at "
+                f"{cluster.dashboard_link}"
+            )
         for worker, found in client.run(program_digest, on_error="return").items():
             if found != program_digest():
                 raise WrongProgram(

@@ -247,9 +247,15 @@ def measures_asked(scene: Scene, measures: Sequence[str | Own]) -> Asked:
     return Asked(tuple(columns), tuple(keys), tuple(dear), tuple(own), further)
 
 
+def at_last(key: str, stages: int) -> str:
+    """A key with the last of some stages by its number."""
+    name, at, stage = key.partition("@")
+    return f"{name}@{stages - 1}" if at and stage == LAST else key
+
+
 def usual_names(scene: Scene) -> dict[str, Measure]:
     """All measures of a scene by their names, joints in front."""
-    found = {}
+    found: dict[str, Measure] = {}
     for name, own in MEASURES.items():
         joints = scene.clearance_joints if own.joint else ()
         found |= {f"{joint}.{name}": own for joint in joints}

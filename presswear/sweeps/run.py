@@ -55,8 +55,14 @@ def run_rows(
     rows: range,
     told: Callable[[Standing], None] = lambda standing: None,
     gate: Gate = lambda seconds, left, places: None,
+    begun: Callable[[], None] = lambda: None,
 ) -> Standing:
     """Run what is not sealed of some rows; what others are at work on is waited for.
+
+    Parameters
+    ----------
+    begun : callable
+        Called once the runner is there, before it is given any row.
 
     Raises
     ------
@@ -65,7 +71,7 @@ def run_rows(
     InputError
         From the gate, or from a worker that has another program.
     """
-    feed = _Feed(work, store, rows, told, gate)
+    feed = _Feed(work, store, rows, told, gate, begun)
     runner(feed)
     store.flush()
     told(feed.standing)
@@ -82,8 +88,10 @@ class _Feed:
         rows: range,
         told: Callable[[Standing], None],
         gate: Gate,
+        begun: Callable[[], None],
     ) -> None:
         self._work, self._store, self._told, self._gate = work, store, told, gate
+        self._begun = begun
         self._rows, self._next, self._places = rows, 0, 1
         self._found = self._ran = self._failed = 0
         self._is_open = False
@@ -106,6 +114,7 @@ class _Feed:
     def begun(self, places: int) -> None:
         """Hear how many rows are done at once."""
         self._places = places
+        self._begun()
 
     def take(self, most: int) -> Mapping[int, RowJob]:
         """The next rows that nobody has done or claimed, one alone until that is through."""

@@ -147,7 +147,8 @@ class Records:
             # One that is whole is not replaced by one that is less.
             "INSERT INTO places VALUES (?,?,?,?,?,?,?) ON CONFLICT(name) DO UPDATE SET "
             "file=excluded.file, start=excluded.start, size=excluded.size, again=excluded.again, "
-            "folder=excluded.folder, failed=excluded.failed WHERE places.again OR excluded.folder > places.folder",
+            "folder=excluded.folder, failed=excluded.failed "
+            "WHERE places.again OR excluded.folder > places.folder",
             [(bytes.fromhex(name), *told) for name in record.names],
         )
 
@@ -219,8 +220,6 @@ class Store(Records):
         self._lock = FolderLock(self._own)
         self.warning = self._lock.warning
         self._claims = path / CLAIMS
-        self._claims.mkdir(exist_ok=True)
-        (path / RUNS).mkdir(exist_ok=True)
         self._held: set[str] = set()
         self._done: list[str] = []
         self._out = (self._own / FILE).open("ab", buffering=0)
@@ -242,6 +241,8 @@ class Store(Records):
         self._out.close()
         if is_empty:
             (self._own / FILE).unlink(missing_ok=True)
+        with suppress(OSError):  # others claim
+            self._claims.rmdir()
         self._lock.release()
         self.close()
 
@@ -267,6 +268,9 @@ class Store(Records):
             os.symlink(self._writer, self._claims / name)
         except FileExistsError:
             return False
+        except FileNotFoundError:
+            self._claims.mkdir(exist_ok=True)
+            return self._linked(name)
         return True
 
     def _owner(self, name: str) -> str | None:

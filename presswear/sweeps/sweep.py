@@ -17,15 +17,15 @@ import numpy as np
 from presswear.results.provenance import Provenance, program_digest, provenance
 from presswear.scene.scene import Scene
 from presswear.sweeps.executors import runner_of
-from presswear.sweeps.measures import LAST, Asked, Own, measures_asked
+from presswear.sweeps.measures import Asked, Own, at_last, measures_asked
 from presswear.sweeps.plan import Plan
 from presswear.sweeps.run import Gate, Standing, run_rows
-from presswear.sweeps.store import Record, Records, Store
+from presswear.sweeps.store import Records, Store
 from presswear.sweeps.table import Column, Table
 from presswear.sweeps.values import texts_of
 from presswear.sweeps.work import SceneWork
 from presswear.tools.checked import checked
-from presswear.tools.documents import read_json, typed, write_json
+from presswear.tools.documents import plain, read_json, typed, write_json
 from presswear.tools.errors import InputError
 from presswear.tools.folders import is_free
 from presswear.tools.numbers import readable
@@ -95,8 +95,7 @@ class Sweep:
     def __str__(self) -> str:
         """The first rows of its table, and how many there are."""
         table = self.table
-        columns = (*table.factors, *table.measures)
-        lines = [[f"{own.key} ({own.unit})" if own.unit else own.key for own in columns]]
+        lines = [heads_of(table)]
         for row in range(min(len(table.points), _SHOWN)):
             lines.append(cells_of(table, row))
         widths = [max(map(len, cells)) for cells in zip(*lines, strict=True)]
@@ -105,6 +104,12 @@ class Sweep:
             for line in lines
         ]
         return "\n".join([*told, counts_of(table, self.path)])
+
+
+def heads_of(table: Table) -> list[str]:
+    """Names of the columns of a table, with their units."""
+    columns = (*table.factors, *table.measures)
+    return [f"{own.key} ({own.unit})" if own.unit else own.key for own in columns]
 
 
 def cells_of(table: Table, row: int) -> list[str]:
@@ -131,9 +136,7 @@ def counts_of(table: Table, path: Path) -> str:
     return told
 
 
-def table_of(
-    plan: Plan, asked: Asked, shortcut: Callable[[int], str], records: Records
-) -> Table:
+def table_of(plan: Plan, asked: Asked, shortcut: Callable[[int], str], records: Records) -> Table:
     """The table of a plan from the records that there are.
 
     Parameters
@@ -152,7 +155,7 @@ def table_of(
         reasons.append(NOT_RUN if record is None else record.reason)
         if record is not None and not record.reason:
             for k, key in enumerate(asked.keys):
-                found = record.values.get(_key_in(record, key))
+                found = record.values.get(at_last(key, record.stages))
                 if found is not None:
                     value, half, is_beyond[row, k] = found
                     values[row, k] = np.nan if value is None else value
@@ -161,12 +164,6 @@ def table_of(
     return Table(
         plan.columns, asked.columns, points, values, halves, is_beyond, draws, tuple(reasons)
     )
-
-
-def _key_in(record: Record, key: str) -> str:
-    """A key of a measure with the last stage by its number."""
-    name, at, stage = key.partition("@")
-    return f"{name}@{record.stages - 1}" if at and stage == LAST else key
 
 
 def is_sweep(folder: Path) -> bool:
@@ -191,13 +188,15 @@ def _stored(folder: Path) -> StoredSweep:
     return typed(data, StoredSweep, f"{file}")
 
 
-def begun(sweep: Sweep, resume: bool) -> Sweep:
+def begun(sweep: Sweep, resume: bool, is_shared: bool = False) -> Sweep:
     """A sweep whose folder may be written into, as it runs there.
 
     Parameters
     ----------
     resume : bool
         True: the folder may hold a sweep; another one is widened to this.
+    is_shared : bool
+        True: it may hold this very sweep, which others have begun.
 
     Raises
     ------
@@ -207,11 +206,13 @@ def begun(sweep: Sweep, resume: bool) -> Sweep:
     """
     if is_free(sweep.path):
         return sweep
-    if not resume:
+    if not resume and not is_shared:
         raise InputError(
             f"--out {sweep.path}: it exists and is not empty; name a new one or --resume"
         )
     stored = _stored(sweep.path)
+    if not resume and stored.plan != plain(sweep.plan.as_dict()):
+        raise InputError(f"--out {sweep.path}: it holds another sweep; --resume widens it to this")
     if stored.is_own and not sweep.asked.own and sweep.asked.further == stored.further:
         raise InputError(
             f"{sweep.path} has measures of one's own: the script that gave them goes on with it"
@@ -247,9 +248,8 @@ def run_sweep(
             say(store.warning)
         if store.damaged:
             say(f"{store.damaged} records are cut off or altered: these rows run again")
-        _write(sweep)
-        part, of = shard
-        return run_rows(sweep.work, store, runner, range(part - 1, sweep.plan.rows, of), told, gate)
+        rows = range(shard[0] - 1, sweep.plan.rows, shard[1])
+        return run_rows(sweep.work, store, runner, rows, told, gate, lambda: _write(sweep))
 
 
 def _write(sweep: Sweep) -> None:
@@ -286,7 +286,7 @@ def sweep(
     scene: Scene,
     vary: Any = None,
     folder: str | Path = "",
-    measures: Sequence[str | Callable] = (),  # type: ignore[type-arg]
+    measures: Sequence[str | Own] = (),
     sample: str = "",
     ranges: Any = None,
     draws: int = 1,

@@ -90,10 +90,9 @@ def group_of(scene: Scene, text: str) -> Group:
                 for own in words:
                     setting.meaning.check(key, own)
             values = list(range(len(words)))
-        told = [words[int(own)] if words else f"{own:g}" for own in values]
-        twice = [own for place, own in enumerate(told) if own in told[:place]]
-        if twice and TOGETHER not in text:
-            raise InputError(f"--vary {text}: {twice[0]} is there twice")
+        told = words or tuple(values)
+        if len(set(told)) < len(told) and TOGETHER not in text:
+            raise InputError(f"--vary {text}: a value is there twice")
         factors.append(Factor.of(setting, words))
         columns.append(values)
     if len({len(own) for own in columns}) > 1:
