@@ -74,7 +74,7 @@ def function_of(
     measures : str, callable, or sequence of these
         As of ``presswear.sweep``; one by itself gives a number, several a list.
     otherwise : float or None
-        Value of a run that fails, such as ``math.inf`` for an optimizer; None: RunFailed.
+        Value of a run that fails, such as 1e9 for an optimizer; None: RunFailed.
     """
     if isinstance(measures, str) or callable(measures):
         return Function(scene, measures_asked(scene, [measures]), True, otherwise)
