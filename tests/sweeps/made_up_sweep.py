@@ -1,6 +1,7 @@
 """Made-up sweeps of functions whose answers are known."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from presswear.sweeps.designs import design
 from presswear.sweeps.responses import Responses, responses
@@ -43,7 +44,7 @@ def swept(
     noise: float = 0.0,
     seed: int = 0,
     halves: Array | None = None,
-    is_beyond: Array | None = None,
+    is_beyond: NDArray[np.bool_] | None = None,
     reasons: tuple[str, ...] = (),
     unit: str = "N",
 ) -> Table:

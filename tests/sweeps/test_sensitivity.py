@@ -24,7 +24,7 @@ from scipy.stats import sobol_indices
 from presswear.record.sampling import Interval
 from presswear.sweeps.chaos import chaos_share
 from presswear.sweeps.designs import JUMP, design
-from presswear.sweeps.one_plan import are_independent, by_waves, first_order
+from presswear.sweeps.one_plan import WAVES, are_independent, by_waves, first_order
 from presswear.sweeps.responses import Responses, responses
 from presswear.sweeps.sensitivity import Indices, by_blocks, screening, swings
 from presswear.tools.arrays import Array
@@ -312,3 +312,13 @@ def test_a_factor_whose_runs_failed_has_no_swing() -> None:
     assert found[1] is not None
     table.values[0] = np.nan
     assert swings(responses(table, "y")) is None
+
+
+def test_waves_take_off_half_of_what_chance_gives() -> None:
+    random = np.random.default_rng(1)
+    found = []
+    for _ in range(400):
+        table = swept(random.random((128, 1)), random.standard_normal(128))
+        found += values(by_waves(responses(table, "y")))
+    # Each cosine takes 1/n of the variance of independent points that do not depend on it.
+    assert np.mean(found) == pytest.approx(0.5 * WAVES / 128, rel=0.15, abs=0)
