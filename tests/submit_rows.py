@@ -1,6 +1,6 @@
 """Begin, or go on with, a sweep of made-up rows in a process of its own.
 
-    python submit_rows.py FOLDER ROWS SECONDS MARKS DEADLY ON
+python submit_rows.py FOLDER ROWS SECONDS MARKS DEADLY ON
 """
 
 import sys

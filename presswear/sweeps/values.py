@@ -90,8 +90,8 @@ def group_of(scene: Scene, text: str) -> Group:
                 for own in words:
                     setting.meaning.check(key, own)
             values = list(range(len(words)))
-        told = words or tuple(values)
-        if len(set(told)) < len(told) and TOGETHER not in text:
+        different = len(set(words)) if words else len(set(values))
+        if different < len(values) and TOGETHER not in text:
             raise InputError(f"--vary {text}: a value is there twice")
         factors.append(Factor.of(setting, words))
         columns.append(values)

@@ -6,7 +6,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from random import Random
@@ -55,7 +55,7 @@ def children(process: int) -> list[int]:
     return []
 
 
-def problem_of(folder: Path, rows: int, kept: list[tuple[set[int], dict[int, int]]]) -> str:
+def problem_of(folder: Path, rows: int, kept: Sequence[tuple[set[int], Mapping[int, int]]]) -> str:
     """What is wrong at the end: a row that is lost, or that ran again once it was sealed."""
     lost = set(range(rows)) - sealed(folder, rows)
     if lost:

@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable
 from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
 from pathlib import Path
-from typing import Any
+from typing import ParamSpec, TypeVar
 
 import pytest
 from made_up_rows import KEY, MadeUpWork, marked
@@ -19,6 +19,7 @@ from presswear.sweeps.run import Standing, run_rows
 from presswear.sweeps.store import Records, Store
 from presswear.tools.errors import InputError, RunFailed
 
+P, T = ParamSpec("P"), TypeVar("T")
 HERE = Path(__file__).resolve().parents[1]
 ON = ["", "dask", "concurrent.futures:ThreadPoolExecutor"]
 
@@ -89,8 +90,7 @@ def test_two_processes_in_one_folder_share_the_rows(tmp_path: Path) -> None:
     words = [folder, "60", "0.02", marks, "", ""]
     command = [sys.executable, str(HERE / "submit_rows.py"), *map(str, words)]
     both = [
-        subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, text=True)
-        for _ in range(2)
+        subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, text=True) for _ in range(2)
     ]
     told = [process.communicate(timeout=60)[0] for process in both]
     assert [process.returncode for process in both] == [0, 0]
@@ -137,11 +137,11 @@ class Breaks(ThreadPoolExecutor):
 
     left = 0
 
-    def submit(self, /, fn: Callable[..., Any], *args: Any, **named: Any) -> "Future[Any]":
+    def submit(self, fn: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> "Future[T]":
         if Breaks.left:
             Breaks.left -= 1
             raise BrokenExecutor("it broke")
-        return super().submit(fn, *args, **named)
+        return super().submit(fn, *args, **kwargs)
 
 
 def not_an_executor() -> str:

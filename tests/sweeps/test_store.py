@@ -21,7 +21,10 @@ def name(number: int) -> str:
 
 
 def record(number: int) -> Record:
-    values = {"x": (0.1 * number, None, False), "life": (1.0 / 3.0, 2.0, True)}
+    values: dict[str, tuple[float | None, float | None, bool]] = {
+        "x": (0.1 * number, None, False),
+        "life": (1.0 / 3.0, 2.0, True),
+    }
     return Record((name(number),), values, 2, wall_s=0.25)
 
 
@@ -113,8 +116,8 @@ def test_a_claim_ends_with_its_process(tmp_path: Path) -> None:
     holding = subprocess.Popen(
         [sys.executable, "-c", HOLDS, str(tmp_path), name(1)], stdout=subprocess.PIPE, text=True
     )
+    assert holding.stdout is not None
     try:
-        assert holding.stdout is not None
         assert holding.stdout.readline() == "True\n"
         with Store(tmp_path) as store:
             assert not store.claim(name(1))
@@ -164,7 +167,8 @@ def test_of_processes_that_want_the_same_each_row_goes_to_one(tmp_path: Path) ->
     for process in processes:
         process.join()
         assert process.exitcode == 0
-    taken = [int(own) for file in files if Path(file).exists() for own in Path(file).open()]
+    told = [Path(file).read_text() for file in files if Path(file).exists()]
+    taken = [int(own) for text in told for own in text.split()]
     assert sorted(taken) == list(range(rows))
 
 
