@@ -28,6 +28,8 @@ Scale = Literal["linear", "logarithmic"]
 
 LEAST_EXPLAINED = 0.5
 """Part of the variance, less the chaos, that predictions from all other points must explain."""
+LEAST_AT_ALL = 0.1
+"""Part of the whole variance that they must explain: less may be chance."""
 LEAST_A_FACTOR = 5
 """Points for each factor below which no surface is drawn."""
 MOST_POINTS = 2000
@@ -249,11 +251,12 @@ def surface(own: Responses) -> Surface:
     scales: tuple[Scale, ...] = ("linear", "logarithmic") if kept.means.min() > 0.0 else ("linear",)
     found = max((fitted(kept, scale) for scale in scales), key=lambda one: one.left_out.density)
     most = 1.0 - noise_share(found)
-    if found.left_out.explained < LEAST_EXPLAINED * most:
+    needed = max(LEAST_EXPLAINED * most, LEAST_AT_ALL)
+    if found.left_out.explained < needed:
         raise InputError(
             f"no response surface of {name}: predicted from all others, the points explain "
             f"{max(found.left_out.explained, 0.0):.0%} of its variance, of which chaos leaves "
-            f"{most:.0%}; at least half of that is needed"
+            f"{most:.0%}; at least {needed:.0%} is needed"
         )
     return found
 

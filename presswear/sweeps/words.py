@@ -110,7 +110,7 @@ def _dependence(found: Analysis) -> str:
         )
         rest = len(told) - len(strong)
         if rest:
-            listed += f"; the interval of {rest} other{'s' * (rest > 1)} reaches 0"
+            listed += f"; on {rest} other{'s' * (rest > 1)} perhaps not at all"
     return f"{listed}."
 
 
