@@ -19,12 +19,15 @@ def chaos_share(own: Responses) -> Interval | None:
 
     The interval is Student's, by the jackknife over points, of the logarithm of the ratio F of
     both mean squares: neither the points nor the draws need to be normal.  The points are to be
-    independent of each other; None where fewer than three have values, or no point two draws.
+    independent of each other.  Where each ran once, the intervals that runs tell are taken for the
+    scatter of draws.  None where fewer than three points have values, or nothing tells the scatter.
     """
     kept = own.only(own.has_value)
     count = len(kept.means)
-    if own.noise_source != "draws" or count < LEAST_SAMPLES or not kept.variances.any():
+    if count < LEAST_SAMPLES or not kept.variances.any() or np.ptp(kept.means) == 0.0:
         return None
+    if own.noise_source == "intervals":
+        return _told_share(kept)
     draws = kept.counts
     free = draws - 1.0
     # About their mean, so that squares of large numbers do not cancel.
@@ -49,3 +52,17 @@ def chaos_share(own: Responses) -> Interval | None:
 
     middle, width = float(value[0]), float(half[0])
     return Interval(share(middle), share(middle + width), share(middle - width))
+
+
+def _told_share(own: Responses) -> Interval:
+    """Mean of the variances that single runs tell, over the variance of the runs."""
+    off = own.means - own.means.mean()
+    terms = np.column_stack([own.variances, off, off**2])
+
+    def logarithm(mean: Array) -> Array:
+        told, first, second = np.moveaxis(mean, -1, 0)
+        return np.log(told / (second - first**2))[..., None]
+
+    value, half = jackknife(terms, logarithm)
+    low, middle, high = np.minimum(np.exp(value + half * np.array([-1.0, 0.0, 1.0])), 1.0)
+    return Interval(float(middle), float(low), float(high))

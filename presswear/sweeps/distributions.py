@@ -34,6 +34,8 @@ from presswear.tools.quantities import Meaning, parse_quantity
 
 MOST_CUT = 0.05
 """Greatest probability that may lie outside the allowed range."""
+_LEAST_TOLD = 1e-4
+"""Probability below which what was cut off is not told."""
 _EDGE = 2.0**-40
 """Nearest that a probability comes to 0 and 1, where a tail would be at infinity."""
 
@@ -65,7 +67,7 @@ class Distribution:
     @property
     def described(self) -> str:
         """The distribution as a person reads it, with what was cut off."""
-        if self.cut == 0.0:
+        if self.cut < _LEAST_TOLD:
             return self.text
         return f"{self.text}, cut off where values are not allowed ({readable(self.cut)} of it)"
 

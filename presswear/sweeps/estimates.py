@@ -34,3 +34,9 @@ def intervals(values: Array, halves: Array) -> tuple[Interval, ...]:
         Interval(float(value), float(value - half), float(value + half))
         for value, half in zip(values, halves, strict=True)
     )
+
+
+def as_share(own: Interval) -> Interval:
+    """A share within 0 and 1, beyond which an estimate and its interval reach by chance."""
+    low, high = (None if end is None else min(max(end, 0.0), 1.0) for end in (own.low, own.high))
+    return Interval(min(max(own.value, 0.0), 1.0), low, high)

@@ -28,10 +28,14 @@ Scale = Literal["linear", "logarithmic"]
 
 LEAST_EXPLAINED = 0.5
 """Part of the variance, less the chaos, that predictions from all other points must explain."""
+LEAST_AT_ALL = 0.1
+"""Part of the whole variance that they must explain: less may be chance."""
 LEAST_A_FACTOR = 5
 """Points for each factor below which no surface is drawn."""
 MOST_POINTS = 2000
 """Points beyond which the matrix of a process is too large."""
+MOST_LEARNED = 400
+"""Points, evenly spaced in their order, that lengths are learned from; it takes seconds."""
 MOST_BOUNDS = 0.3
 """Part of the points that may be lower bounds."""
 _PASSES = 50
@@ -247,11 +251,12 @@ def surface(own: Responses) -> Surface:
     scales: tuple[Scale, ...] = ("linear", "logarithmic") if kept.means.min() > 0.0 else ("linear",)
     found = max((fitted(kept, scale) for scale in scales), key=lambda one: one.left_out.density)
     most = 1.0 - noise_share(found)
-    if found.left_out.explained < LEAST_EXPLAINED * most:
+    needed = max(LEAST_EXPLAINED * most, LEAST_AT_ALL)
+    if found.left_out.explained < needed:
         raise InputError(
             f"no response surface of {name}: predicted from all others, the points explain "
             f"{max(found.left_out.explained, 0.0):.0%} of its variance, of which chaos leaves "
-            f"{most:.0%}; at least half of that is needed"
+            f"{most:.0%}; at least {needed:.0%} is needed"
         )
     return found
 
@@ -293,10 +298,12 @@ def _learned(coordinates: Array, values: Array, counts: Array) -> tuple[Process,
     shape = Matern(np.ones(coordinates.shape[1]), (1e-2, 1e2), nu=2.5)
     kernel = ConstantKernel(1.0, (1e-3, 1e3)) * shape + WhiteKernel(0.1, (1e-8, 1e1))
     learner = GaussianProcessRegressor(kernel, n_restarts_optimizer=1, random_state=1)
+    count = len(values)
+    picked = np.unique(np.linspace(0, count - 1, min(count, MOST_LEARNED)).round().astype(int))
     with warnings.catch_warnings():
         # A length at its bound is a factor that does nothing.
         warnings.simplefilter("ignore", ConvergenceWarning)
-        learner.fit(coordinates, values)
+        learner.fit(coordinates[picked], values[picked])
     smooth, white = learner.kernel_.k1, float(learner.kernel_.k2.noise_level)
     # The nugget is that of a mean over the draws of a point.
     typical = float(counts.mean())

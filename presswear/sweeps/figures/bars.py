@@ -17,6 +17,7 @@ from presswear.show.figures.style import (
     legend,
     wrapped,
 )
+from presswear.sweeps.estimates import as_share
 from presswear.sweeps.figures.scales import Scale, file_part, scales_of
 from presswear.sweeps.responses import Responses
 from presswear.sweeps.sensitivity import Indices, Screening, Swing
@@ -82,12 +83,12 @@ def shares(own: Responses, found: Indices) -> Drawing:
     for row, k in enumerate(order):
         kinds = [found.first, found.total] if both else [found.first]
         for place, (pen, kind) in enumerate(zip(pens, kinds, strict=True)):
-            _bar(axes, row + (place - 0.5) * _THICK * both, kind[k], 1.0, pen.colour)
+            _bar(axes, row + (place - 0.5) * _THICK * both, as_share(kind[k]), 1.0, pen.colour)
     if found.chaos is not None:
         pens.append(Pen("chaos, of a single run", MUTED, width=7.0))
-        _bar(axes, len(order), found.chaos, 1.0, MUTED)
+        _bar(axes, len(order), as_share(found.chaos), 1.0, MUTED)
         names.append("chaos")
-    axes.axvline(0.0, color=REFERENCE, linewidth=0.8)
+    axes.set_xlim(0.0, 1.0)
     _names(axes, names)
     axes.set_xlabel(f"share of the variance of {own.measure.key}")
     legend(sheet, pens, "outside upper center")

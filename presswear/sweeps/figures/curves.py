@@ -97,7 +97,8 @@ def sections(found: Surface) -> Drawing:
             linewidth=0,
         )
         pen.draw(axes, shown, measure.factor * found.unscaled(mean))
-        scales[k].along_x(axes, WIDTH / columns)
+        # Ticks and their label take a part of it.
+        scales[k].along_x(axes, 0.8 * WIDTH / columns)
     for axes in panels[len(numbers) :]:
         axes.set_visible(False)
     sheet.supylabel(measure.label, fontsize=8.5)

@@ -50,7 +50,7 @@ class Scale:
         factor, unit = unit_scale(column.unit, largest) if largest > 0.0 else (1.0, column.unit)
         power = 3 * math.floor(math.log10(factor * largest) / 3.0) if largest > 0.0 else 0
         # Where no unit makes it a number that is read at once, a power of ten does.
-        if not (column.words or _LEAST <= factor * largest < _MOST):
+        if largest > 0.0 and not (column.words or _LEAST <= factor * largest < _MOST):
             factor, unit = factor / 10.0**power, f"10{superscript(power)} {unit}".rstrip()
         low, high = (factor * float(end) for end in (told.min(), told.max()))
         return Scale(column, factor, unit, low, high, is_logarithmic)
@@ -74,7 +74,7 @@ class Scale:
 
     def along_x(self, axes: Axes, width: float) -> None:
         """Set up the x axis of a panel of some width, inches."""
-        axes.set_xlabel(wrapped(self.label, width))
+        axes.set_xlabel(wrapped(self.label.replace("_", " "), width))
         if self.column.words:
             axes.set_xticks(range(len(self.column.words)), self.column.words)
         elif self.is_logarithmic:
@@ -84,7 +84,7 @@ class Scale:
 
     def along_y(self, axes: Axes, height: float) -> None:
         """Set up the y axis of a panel of some height, inches."""
-        axes.set_ylabel(wrapped(self.label, height))
+        axes.set_ylabel(wrapped(self.label.replace("_", " "), height))
         if self.column.words:
             axes.set_yticks(range(len(self.column.words)), self.column.words)
         elif self.is_logarithmic:
