@@ -96,7 +96,8 @@ def add(commands: Any) -> None:
 
 
 def _run(arguments: argparse.Namespace, console: Console) -> int:
-    from presswear.sweeps.sweep import begun, counts_of, run_sweep, shard_given
+    from presswear.sweeps.sweep import begun, run_sweep, shard_given
+    from presswear.sweeps.text import counts_of
 
     jobs = jobs_given(arguments.jobs)
     shard = shard_given(arguments.shard or "1/1")
@@ -129,6 +130,38 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
         )
     _print(console, sweep)
     console.print(counts_of(sweep.table, sweep.path), highlight=False, soft_wrap=True)
+    return 0
+
+
+def report(folder: Path, console: Console) -> int:
+    """Write figures and report anew of a sweep, as far as it has run."""
+    from presswear.scene.changes import title_of
+    from presswear.sweeps.report import write_report
+    from presswear.sweeps.sweep import load_sweep
+
+    sweep = load_sweep(folder)
+    plan = sweep.plan
+    page = write_report(
+        sweep.table,
+        folder,
+        f"Sweep: {title_of(plan.scene)}",
+        sample="" if plan.vary else plan.sample.partition(":")[0],
+        distributions=plan.distributions,
+    )
+    console.print(f"report in {page}", highlight=False, soft_wrap=True)
+    return 0
+
+
+def export(arguments: argparse.Namespace, console: Console) -> int:
+    """Write the rows of a sweep for other programs."""
+    from presswear.sweeps.export import write_table
+    from presswear.sweeps.sweep import load_sweep
+
+    if arguments.strokes or arguments.life or arguments.stage:
+        raise InputError(f"{arguments.folder} is a sweep: --stage, --strokes and --life do not go")
+    table = load_sweep(arguments.folder).table
+    write_table(arguments.file, table)
+    console.print(f"{len(table.reasons)} rows in {arguments.file}", highlight=False)
     return 0
 
 
@@ -217,7 +250,7 @@ def _time(seconds: float) -> str:
 
 def _print(console: Console, sweep: "Sweep") -> None:
     """The first rows of the table."""
-    from presswear.sweeps.sweep import cells_of, heads_of
+    from presswear.sweeps.text import cells_of, heads_of
 
     table = sweep.table
     rows = [cells_of(table, row) for row in range(min(_SHOWN, len(table.points)))]

@@ -12,31 +12,30 @@ taken in any order.
 """
 
 import importlib
-import logging
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, CancelledError, Executor, wait
 from concurrent.futures import Future as Promise
-from contextlib import AbstractContextManager, contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol, cast
+from typing import Protocol
 
-from presswear.results.provenance import program_digest
-from presswear.sweeps.work import Outcome, RowJob, WrongProgram
+from presswear.sweeps.cluster import (
+    ANSWER,
+    RETRIES,
+    NoAnswer,
+    Say,
+    cluster,
+    needs_distributed,
+    places_of,
+)
+from presswear.sweeps.work import Outcome, RowJob
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.workers import Array, Job, cores, workers_for
 
-if TYPE_CHECKING:
-    from distributed import Client
-
-ANSWER = 10.0
-"""Time in which a scheduler answers, s."""
 BACK = 60.0
-"""Time in which one that was lost comes back, s."""
-RETRIES = 3
-"""Times that a row is done again whose worker was lost, and an executor is made anew with
-nothing done in between."""
+"""Time in which an executor that was lost comes back, s."""
 _POLL = 0.2
 _LOOK = 5.0
 """Time between two looks at how many workers there are, s."""
@@ -44,10 +43,6 @@ _AHEAD = 2
 """Rows that are handed out for each place."""
 _ROW = "presswear.sweeps.work"
 DASK = "dask"
-
-
-class NoAnswer(InputError):
-    """A scheduler that is not there."""
 
 
 class Feed(Protocol):
@@ -72,7 +67,6 @@ class Feed(Protocol):
 
 Runner = Callable[[Feed], None]
 """Does all rows of a feed; RunFailed where it cannot go on."""
-Say = Callable[[str], None]
 
 
 def runner_of(on: str, jobs: int | None, say: Say) -> Runner:
@@ -90,11 +84,11 @@ def runner_of(on: str, jobs: int | None, say: Say) -> Runner:
     if not on:
         return _Local(jobs or cores(), say)
     if on == DASK or on.startswith(f"{DASK}://"):
-        _needs_distributed()
+        needs_distributed()
         address = on.removeprefix(DASK).removeprefix("://")
         if on != DASK and not address.rpartition(":")[2].isdigit():
             raise InputError(f"--on {on}: dask://HOST:PORT is expected, such as dask://head:8786")
-        return _Futures(lambda wait_s: _dask(address, jobs, wait_s, say), _dask_places, say)
+        return _Futures(lambda wait_s: cluster(address, jobs, wait_s, say), places_of, say)
     module, colon, name = on.partition(":")
     if not (module and colon and name):
         raise InputError(
@@ -261,95 +255,3 @@ def _ended(executor: Executor) -> Iterator[Executor]:
         executor.shutdown(wait=False, cancel_futures=True)
         raise
     executor.shutdown()
-
-
-def _needs_distributed() -> None:
-    try:
-        importlib.import_module("distributed")
-    except ImportError:
-        raise InputError(
-            "--on dask needs dask.distributed: pip install 'presswear[sweep]'"
-        ) from None
-
-
-@contextmanager
-def _dask(address: str, jobs: int | None, patience: float, say: Say) -> Iterator[Executor]:
-    """The executor of a cluster of Dask, whose workers have this program.
-
-    InputError where no scheduler answers within a time, s, or a worker has another program.
-    """
-    import dask
-    from distributed import Client, LocalCluster
-
-    for name in ("distributed", "tornado", "asyncio"):
-        logging.getLogger(name).setLevel(logging.CRITICAL)
-    settings = {
-        "distributed.comm.timeouts.connect": f"{ANSWER}s",
-        "distributed.scheduler.allowed-failures": RETRIES,
-        "distributed.admin.large-graph-warning-threshold": "1GB",
-    }
-    with dask.config.set(settings), _closing_late() as keep:
-        if address:
-            client = keep(_connected(address, patience))
-        else:
-            cluster = keep(
-                LocalCluster(
-                    n_workers=jobs or cores(), threads_per_worker=1, dashboard_address=":0"
-                )
-            )
-            client = keep(Client(cluster, timeout=ANSWER))
-            say(
-                f"cluster at dask{cluster.scheduler_address.removeprefix('tcp')}, dashboard at "
-                f"{cluster.dashboard_link}"
-            )
-        for worker, found in client.run(program_digest, on_error="return").items():
-            if found != program_digest():
-                raise WrongProgram(
-                    f"--on dask://{address}: worker {worker} has another program ({found}; here "
-                    f"{program_digest()}): its numbers would not agree; install the same there"
-                )
-        yield client.get_executor(pure=False)
-
-
-@contextmanager
-def _closing_late() -> Iterator[Callable[[Any], Any]]:
-    """Close what was kept, the last first, whatever its own troubles."""
-    held: list[Any] = []
-
-    def keep(one: Any) -> Any:
-        held.append(one)
-        return one
-
-    try:
-        yield keep
-    finally:
-        for one in reversed(held):
-            with suppress(Exception):
-                one.close(timeout=2.0)
-
-
-def _connected(address: str, patience: float) -> "Client":
-    """A client of a scheduler that answers within a time, s."""
-    from distributed import Client
-
-    until = time.monotonic() + patience
-    while True:
-        left = min(max(until - time.monotonic(), 0.1), ANSWER)
-        try:
-            return Client(f"tcp://{address}", timeout=left)
-        except (OSError, TimeoutError, ValueError) as error:
-            if time.monotonic() + _POLL >= until:
-                raise NoAnswer(
-                    f"--on dask://{address}: no scheduler answers there within {patience:g} s "
-                    f"({type(error).__name__})"
-                ) from None
-            time.sleep(_POLL)
-
-
-def _dask_places(executor: Executor) -> int:
-    """Threads of all workers that a cluster has now."""
-    client: Client = cast(Any, executor)._client
-    try:
-        return max(sum(client.nthreads().values()), 1)
-    except OSError as error:
-        raise ConnectionError(f"{error}") from None

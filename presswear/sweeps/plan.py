@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -12,7 +12,7 @@ import numpy as np
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed, setting_of
 from presswear.sweeps.designs import design
-from presswear.sweeps.distributions import parse
+from presswear.sweeps.distributions import Distribution, parse
 from presswear.sweeps.table import Array, Column
 from presswear.sweeps.values import Factor, Group, Typed, group_of
 from presswear.tools.errors import InputError
@@ -80,17 +80,27 @@ class Plan:
     @cached_property
     def groups(self) -> tuple[Group, ...]:
         """What is varied together, the sample first."""
-        scene, texts = self.scene, list(self.vary)
+        groups = self._groups
+        if not self.sample:
+            return groups
+        return (_sampled(self._ranged, self.sample, self.seed), *groups)
+
+    @property
+    def distributions(self) -> dict[str, Distribution]:
+        """Distributions of what is sampled, by key."""
+        return {key: known for key, (_, known) in self._ranged.items()}
+
+    @cached_property
+    def _ranged(self) -> dict[str, tuple[Factor, Distribution]]:
+        return _ranged(_with_words(self.scene, self._groups), self.ranges)
+
+    @cached_property
+    def _groups(self) -> tuple[Group, ...]:
         # A process, or another mechanism, has keys of its own: words first.
         found: dict[str, Group] = {}
-        for text in sorted(texts, key=lambda own: "." in own.partition("=")[0]):
-            found[text] = group_of(scene, text)
-            if found[text].factors[0].column.words:
-                first = found[text].values[0]
-                own = zip(found[text].factors, first, strict=True)
-                scene = changed(scene, {f.column.key: f.typed(float(v)) for f, v in own})
-        groups = [found[text] for text in texts]
-        return (_sampled(scene, self), *groups) if self.sample else tuple(groups)
+        for text in sorted(self.vary, key=lambda own: "." in own.partition("=")[0]):
+            found[text] = group_of(_with_words(self.scene, found.values()), text)
+        return tuple(found[text] for text in self.vary)
 
     @property
     def columns(self) -> tuple[Column, ...]:
@@ -172,24 +182,42 @@ class Plan:
         return Plan(**{**own, "vary": tuple(data["vary"]), "ranges": tuple(data["ranges"])})
 
 
-def _sampled(scene: Scene, plan: Plan) -> Group:
-    """The points of the sample."""
-    kind, colon, size = plan.sample.partition(":")
-    if not colon or not (size.isascii() and size.isdigit() and len(size) < 9):
-        raise InputError(f"--sample {plan.sample}: KIND:SIZE is expected, such as sobol:512")
-    factors, known = [], []
-    for text in plan.ranges:
+def _with_words(scene: Scene, groups: Iterable[Group]) -> Scene:
+    """The scene with the first of the words that are varied."""
+    first = {
+        factor.column.key: factor.column.words[0]
+        for group in groups
+        for factor in group.factors
+        if factor.column.words
+    }
+    return changed(scene, first) if first else scene
+
+
+def _ranged(scene: Scene, texts: Sequence[str]) -> dict[str, tuple[Factor, Distribution]]:
+    """What is sampled, by key."""
+    found: dict[str, tuple[Factor, Distribution]] = {}
+    for text in texts:
         key, equals, given = (own.strip() for own in text.partition("="))
         if not equals or not given:
             raise InputError(f"--range {text}: KEY=DISTRIBUTION is expected")
         setting = setting_of(scene, key)
         if not isinstance(setting.meaning, Meaning):
             raise InputError(f"--range {text}: {key} is no number; --vary takes its words")
-        known.append(parse(given, key, setting.meaning))
-        factors.append(Factor.of(setting))
-    unit = design(kind, int(size), len(known), plan.seed)
-    values = np.column_stack([own.at(unit[:, k]) for k, own in enumerate(known)])
-    return Group(tuple(factors), values)
+        if key in found:
+            raise InputError(f"{key} is varied twice")
+        found[key] = Factor.of(setting), parse(given, key, setting.meaning)
+    return found
+
+
+def _sampled(ranged: Mapping[str, tuple[Factor, Distribution]], sample: str, seed: int) -> Group:
+    """The points of a sample."""
+    kind, colon, size = sample.partition(":")
+    if not colon or not (size.isascii() and size.isdigit() and len(size) < 9):
+        raise InputError(f"--sample {sample}: KIND:SIZE is expected, such as sobol:512")
+    unit = design(kind, int(size), len(ranged), seed)
+    factors, known = zip(*ranged.values(), strict=True)
+    values = [own.at(unit[:, k]) for k, own in enumerate(known)]
+    return Group(factors, np.column_stack(values))
 
 
 def scene_digest(scene: Scene) -> str:

@@ -3,7 +3,6 @@
 The folder holds ``sweep.json``, and the folders that ``store`` describes.
 """
 
-import math
 import os
 import secrets
 from collections.abc import Callable, Sequence
@@ -22,13 +21,13 @@ from presswear.sweeps.plan import Plan
 from presswear.sweeps.run import Gate, Standing, run_rows
 from presswear.sweeps.store import Records, Store
 from presswear.sweeps.table import Column, Table
+from presswear.sweeps.text import cells_of, counts_of, heads_of
 from presswear.sweeps.values import texts_of
 from presswear.sweeps.work import SceneWork
 from presswear.tools.checked import checked
 from presswear.tools.documents import plain, read_json, typed, write_json
 from presswear.tools.errors import InputError
 from presswear.tools.folders import is_free
-from presswear.tools.numbers import readable
 
 FILE = "sweep.json"
 SCHEMA = 1
@@ -104,36 +103,6 @@ class Sweep:
             for line in lines
         ]
         return "\n".join([*told, counts_of(table, self.path)])
-
-
-def heads_of(table: Table) -> list[str]:
-    """Names of the columns of a table, with their units."""
-    columns = (*table.factors, *table.measures)
-    return [f"{own.key} ({own.unit})" if own.unit else own.key for own in columns]
-
-
-def cells_of(table: Table, row: int) -> list[str]:
-    """A row of a table as text; a lower bound with its sign, nothing measured as a dash."""
-    found = []
-    for column, value in zip(table.factors, table.points[row], strict=True):
-        found.append(column.words[int(value)] if column.words else readable(value, 4))
-    for value, half, beyond in zip(
-        table.values[row], table.halves[row], table.is_beyond[row], strict=True
-    ):
-        told = readable(value, 4)
-        if beyond:
-            told = f">{told}"
-        found.append(told if math.isnan(half) else f"{told} ± {readable(half, 2)}")
-    return found
-
-
-def counts_of(table: Table, path: Path) -> str:
-    """How many rows there are and how many have no values, with the first reason."""
-    reasons = [own for own in table.reasons if own]
-    told = f"{len(table.reasons)} rows in {path}"
-    if reasons:
-        told += f"; {len(reasons)} without values, the first: {reasons[0]}"
-    return told
 
 
 def table_of(plan: Plan, asked: Asked, shortcut: Callable[[int], str], records: Records) -> Table:

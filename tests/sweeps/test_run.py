@@ -13,13 +13,14 @@ from typing import ParamSpec, TypeVar
 import pytest
 from made_up_rows import KEY, MadeUpWork, marked
 
-from presswear.sweeps import executors, work
+from presswear.sweeps import cluster, executors, work
 from presswear.sweeps.executors import Runner, runner_of
 from presswear.sweeps.run import Standing, run_rows
 from presswear.sweeps.store import Records, Store
 from presswear.tools.errors import InputError, RunFailed
 
-P, T = ParamSpec("P"), TypeVar("T")
+P = ParamSpec("P")
+T = TypeVar("T")
 HERE = Path(__file__).resolve().parents[1]
 ON = ["", "dask", "concurrent.futures:ThreadPoolExecutor"]
 
@@ -149,13 +150,13 @@ def not_an_executor() -> str:
 
 
 def test_an_executor_that_breaks_is_made_anew(tmp_path: Path) -> None:
-    Breaks.left = executors.RETRIES
+    Breaks.left = cluster.RETRIES
     told: list[str] = []
     own = MadeUpWork(9, marks=str(tmp_path / "marks"))
     ran(tmp_path / "sweep", own, runner_of("test_run:Breaks", None, told.append))
-    assert len(told) == executors.RETRIES
+    assert len(told) == cluster.RETRIES
     assert marked(tmp_path / "marks") == dict.fromkeys(range(9), 1)
-    Breaks.left = executors.RETRIES + 1
+    Breaks.left = cluster.RETRIES + 1
     with pytest.raises(RunFailed, match="lost again and again: it broke"):
         ran(tmp_path / "other", own, runner_of("test_run:Breaks", None, told.append))
     assert issubclass(Breaks, Executor)
@@ -195,7 +196,7 @@ def test_workers_of_another_program_are_refused(
 ) -> None:
     here = os.getpid()
     digest = lambda: "here" if os.getpid() == here else "there"  # noqa: E731 - pickled by value
-    monkeypatch.setattr(executors, "program_digest", digest)
+    monkeypatch.setattr(cluster, "program_digest", digest)
     with pytest.raises(work.WrongProgram, match=r"has another program \(there; here here\)"):
         ran(tmp_path / "sweep", MadeUpWork(3), runner_of("dask", 1, silent))
     assert not (tmp_path / "sweep").exists()

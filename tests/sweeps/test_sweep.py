@@ -1,5 +1,6 @@
 """Sweeps of scenes, from a script and from the command line."""
 
+import csv
 import json
 import math
 import subprocess
@@ -152,6 +153,24 @@ def test_a_sweep_is_run_gone_on_with_and_widened(
     assert "--resume widens it to this" in capsys.readouterr().err
     assert main(["sweep", "wear-times", *wider, *OPTIONS, *out, "--resume", "--jobs", "1"]) == 0
     assert np.isfinite(load_sweep(tmp_path / "sweep").table.values).all()
+
+
+def test_a_sweep_is_reported_and_exported(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = tmp_path / "sweep"
+    found = pw.sweep(SCENE, {"clearance": "0.3mm:0.9mm:3"}, folder, ["A.force_max"], jobs=1)
+    assert main(["report", str(folder)]) == 0
+    assert "clearance" in (folder / "report.html").read_text()
+    file = tmp_path / "rows.csv"
+    assert main(["export", str(folder), str(file)]) == 0
+    with file.open() as opened:
+        read = list(csv.DictReader(line for line in opened if not line.startswith("#")))
+    assert [float(own["clearance"]) for own in read] == found.table.points[:, 0].tolist()
+    assert [float(own["A.force_max"]) for own in read] == found.table.values[:, 0].tolist()
+    capsys.readouterr()
+    assert main(["export", str(folder), str(file), "--life"]) == 2
+    assert "--strokes and --life do not go" in capsys.readouterr().err
 
 
 def test_shards_of_one_command_share_a_folder(tmp_path: Path) -> None:
