@@ -13,8 +13,12 @@ from presswear.sweeps.plan import Plan, scene_digest
 from presswear.sweeps.store import RUNS
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.files import digest
+from presswear.tools.folders import holder
 from presswear.tools.stopping import is_stopped
 from presswear.tools.workers import Report
+
+_LOOK = 0.2
+"""Time between two looks at a folder that somebody is at work in, s."""
 
 
 @dataclass(frozen=True)
@@ -103,6 +107,8 @@ class SceneJob:
         from presswear.campaign.single import run_scene
         from presswear.tools.compiled import told_of_compiling
 
+        if self.folder is not None:
+            _wait_for(self.folder, report)
         compiled: list[float] = []
         began = time.perf_counter()
         try:
@@ -124,6 +130,13 @@ class SceneJob:
             if is_stopped():
                 raise KeyboardInterrupt from None
             return Outcome(reason=f"{type(error).__name__}: {error}")
+
+
+def _wait_for(folder: Path, report: Report) -> None:
+    """Wait while a process is at work in a folder that has outlived whoever asked for it."""
+    while holder(folder) is not None:
+        report(0.0)
+        time.sleep(_LOOK)
 
 
 @dataclass

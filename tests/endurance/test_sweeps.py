@@ -124,6 +124,36 @@ def test_workers(trial: Trial, is_quick: bool, tmp_path: Path) -> None:
     assert "ended from outside" in out
 
 
+MEMORY = """
+import resource, sys
+from pathlib import Path
+from made_up_rows import MadeUpWork
+from presswear.sweeps.executors import runner_of
+from presswear.sweeps.run import run_rows
+from presswear.sweeps.store import Store
+work = MadeUpWork(int(sys.argv[2]))
+for _ in range(2):
+    with Store(Path(sys.argv[1])) as store:
+        run_rows(work, store, runner_of("", 1, print), range(work.rows))
+print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0)
+"""
+
+
+def test_memory(trial: Trial, is_quick: bool, tmp_path: Path) -> None:
+    """What a submitter holds does not grow with the rows."""
+    few, many = 2000, 20_000 if is_quick else 100_000
+    trial.what = f"a sweep of {many} rows beside one of {few}: peak memory of the submitter"
+    peaks = []
+    for rows in (few, many):
+        command = [sys.executable, "-c", MEMORY, str(tmp_path / f"{rows}"), str(rows)]
+        path = os.pathsep.join([str(HERE), os.environ.get("PYTHONPATH", "")])
+        environment = {**os.environ, "PYTHONPATH": path}
+        peaks.append(float(subprocess.check_output(command, env=environment)))
+    trial.note = f"{peaks[0]:.0f} and {peaks[1]:.0f} MB"
+    trial.add("" if peaks[1] < peaks[0] + 16.0 else "it grows")
+    assert trial.passed, trial.note
+
+
 @pytest.fixture
 def cluster(tmp_path: Path) -> Iterator["Cluster"]:
     pytest.importorskip("distributed")

@@ -13,9 +13,14 @@ import pytest
 import presswear as pw
 from presswear.__main__ import main
 from presswear.commands import sweep as command
+from presswear.results.provenance import program_digest
 from presswear.sweeps import sweep as sweeps
+from presswear.sweeps.measures import measures_asked
+from presswear.sweeps.plan import Plan
 from presswear.sweeps.sweep import load_sweep
+from presswear.sweeps.work import SceneWork
 from presswear.tools.errors import InputError
+from presswear.tools.folders import FolderLock
 
 QUICK = {
     "engine": "dae",
@@ -86,6 +91,23 @@ def test_whole_results_are_kept_where_that_is_asked(tmp_path: Path) -> None:
     (run,) = (folder / "runs").iterdir()
     told = pw.load(run).stages[0].joints["A"].statistics["force_max_per_cycle_N"]["mean"]
     assert whole.values.tolist() == numbers.values.tolist() == [[told]]
+
+
+def test_a_run_that_outlived_its_submitter_is_waited_for(tmp_path: Path) -> None:
+    plan = Plan(SCENE, ("clearance=0.4mm",))
+    work = SceneWork(plan, measures_asked(SCENE, ["A.force_max"]), program_digest(), tmp_path)
+    _, job = work.job(0)
+    assert job.folder is not None
+    lock = FolderLock(job.folder)
+    told: list[float] = []
+
+    def report(done: float, word: str = "", rows: object = None) -> None:
+        told.append(done)
+        if len(told) == 3:
+            lock.release()
+
+    assert job(report).reason == ""
+    assert told[:3] == [0.0, 0.0, 0.0]
 
 
 def first_force(result: pw.Result) -> float:
