@@ -224,6 +224,7 @@ class Store(Records):
         self._done: list[str] = []
         self._out = (self._own / FILE).open("ab", buffering=0)
         self._beaten = time.monotonic()
+        self._ended.add(self._writer)  # its own lines it knows
         self.refresh()
 
     def __enter__(self) -> Self:
