@@ -153,11 +153,10 @@ class _Feed:
         self, row: int, name: str, shortcut: str, job: RowJob | None = None
     ) -> RowJob | None:
         """The job of a row once it is ours; one that others have is kept for later."""
-        has = self._store.is_sealed(name, self._work.with_folder)
-        if not has and self._store.claim(name, self._work.with_folder):
+        if self._store.claim(name, self._work.with_folder):
             self._running[row] = name, shortcut
             return job or self._work.job(row)[1]
-        if has or self._store.is_sealed(name, self._work.with_folder):
+        if self._store.is_sealed(name, self._work.with_folder):
             record = self._store.get(name)
             if record is not None:
                 self._store.seal(replace(record, names=(shortcut,)), shortcut)

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import ParamSpec, TypeVar
 
 import pytest
-from made_up_rows import KEY, MadeUpWork, marked
+from made_up_rows import KEY, MadeUpJob, MadeUpWork, marked
 
 from presswear.sweeps import cluster, executors, work
 from presswear.sweeps.executors import Runner, runner_of
@@ -50,6 +50,21 @@ def test_every_row_runs_once_wherever_it_runs(tmp_path: Path, on: str) -> None:
     again = ran(tmp_path / "sweep", own, runner_of("", 1, silent))
     assert again == Standing(rows=40, found=40, ran=0, failed=1, parts=0.0)
     assert marked(tmp_path / "marks") == dict.fromkeys(range(40), 1)
+
+
+class Untouched(MadeUpWork):
+    """Rows whose scenes are not to be made."""
+
+    def job(self, row: int) -> tuple[str, MadeUpJob]:
+        raise AssertionError(f"the scene of row {row} is made")
+
+
+def test_no_scene_is_made_of_a_row_that_is_sealed(tmp_path: Path) -> None:
+    ran(tmp_path, MadeUpWork(5), runner_of("", 1, silent))
+    standing = ran(tmp_path, Untouched(5), runner_of("", 1, silent))
+    assert (standing.found, standing.ran) == (5, 0)
+    with pytest.raises(AssertionError, match="row 5"):
+        ran(tmp_path, Untouched(6), runner_of("", 1, silent))
 
 
 def test_shards_share_the_rows(tmp_path: Path) -> None:
