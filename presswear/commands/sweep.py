@@ -2,6 +2,7 @@
 
 import argparse
 import shlex
+from itertools import accumulate
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -27,9 +28,12 @@ from presswear.tools.stopping import check_stopped
 if TYPE_CHECKING:
     from presswear.sweeps.run import Standing
     from presswear.sweeps.sweep import Sweep
+    from presswear.sweeps.table import Table
 
 _SHOWN = 12
 """Rows of the table that is printed at the end."""
+_GAP = 3
+"""Characters between two columns."""
 
 
 def add(commands: Any) -> None:
@@ -128,7 +132,7 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
             board.gate,
             lambda line: bar.console.print(line, highlight=False, markup=False, soft_wrap=True),
         )
-    _print(console, sweep)
+    _print(console, sweep.table)
     console.print(counts_of(sweep.table, sweep.path), highlight=False, soft_wrap=True)
     return 0
 
@@ -248,10 +252,16 @@ def _time(seconds: float) -> str:
     return f"{seconds:.2g} s"
 
 
-def _print(console: Console, sweep: "Sweep") -> None:
-    """The first rows of the table."""
+def _print(console: Console, table: "Table") -> None:
+    """The first rows of a table, with as many measures as the terminal has room for."""
     from presswear.sweeps.text import cells_of, heads_of
 
-    table = sweep.table
+    heads = heads_of(table)
     rows = [cells_of(table, row) for row in range(min(_SHOWN, len(table.points)))]
-    print_table(console, [], heads_of(table), rows)
+    ends = accumulate(_GAP + max(map(len, cells)) for cells in zip(heads, *rows, strict=True))
+    # What was varied and one measure are shown in any case.
+    count = max(sum(end <= console.width for end in ends), len(table.factors) + 1)
+    print_table(console, [], heads[:count], [cells[:count] for cells in rows])
+    if len(heads) > count:
+        told = f"and {', '.join(heads[count:])}"
+        console.print(told, highlight=False, markup=False, soft_wrap=True)

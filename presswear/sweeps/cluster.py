@@ -62,7 +62,10 @@ def cluster(address: str, jobs: int | None, patience: float, say: Say) -> Iterat
         else:
             cluster = keep(
                 LocalCluster(
-                    n_workers=jobs or cores(), threads_per_worker=1, dashboard_address=":0"
+                    n_workers=jobs or cores(),
+                    threads_per_worker=1,
+                    dashboard_address=":0",
+                    silence_logs=logging.CRITICAL,
                 )
             )
             client = keep(Client(cluster, timeout=ANSWER))

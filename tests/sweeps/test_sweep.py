@@ -1,6 +1,7 @@
 """Sweeps of scenes, from a script and from the command line."""
 
 import csv
+import io
 import json
 import math
 import subprocess
@@ -9,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from rich.console import Console
 
 import presswear as pw
 from presswear.__main__ import main
@@ -18,6 +20,7 @@ from presswear.sweeps import sweep as sweeps
 from presswear.sweeps.measures import measures_asked
 from presswear.sweeps.plan import Plan
 from presswear.sweeps.sweep import load_sweep
+from presswear.sweeps.table import Column, Table
 from presswear.sweeps.work import SceneWork
 from presswear.tools.errors import InputError
 from presswear.tools.folders import FolderLock
@@ -193,6 +196,31 @@ def test_a_sweep_is_reported_and_exported(
     capsys.readouterr()
     assert main(["export", str(folder), str(file), "--life"]) == 2
     assert "--strokes and --life do not go" in capsys.readouterr().err
+
+
+def test_a_table_shows_as_many_measures_as_there_is_room_for() -> None:
+    columns = tuple(Column(f"measure_{k}", "m", "") for k in range(12))
+    values = np.full((2, 12), 1.25)
+    table = Table(
+        (Column("clearance", "m", ""),),
+        columns,
+        np.array([[1e-4], [2e-4]]),
+        values,
+        np.full((2, 12), np.nan),
+        np.zeros((2, 12), dtype=bool),
+        np.zeros(2, dtype=np.int64),
+        ("", ""),
+    )
+    for width in (60, 100):
+        console = Console(width=width, record=True, file=io.StringIO())
+        command._print(console, table)
+        lines = console.export_text().splitlines()
+        assert "…" not in "".join(lines)
+        named = [f"measure_{k} (m)" for k in range(12)]
+        shown = [name for name in named if name in lines[1]]
+        assert shown == named[: len(shown)]
+        assert 1 <= len(shown) < 12
+        assert lines[-1] == f"and {', '.join(named[len(shown) :])}"
 
 
 def test_shards_of_one_command_share_a_folder(tmp_path: Path) -> None:
