@@ -13,7 +13,12 @@ from typing import Any, Literal
 
 import numpy as np
 
-from presswear.results.provenance import Provenance, program_digest, provenance
+from presswear.results.provenance import (
+    Provenance,
+    program_digest,
+    provenance,
+    provenance_differs,
+)
 from presswear.scene.scene import Scene
 from presswear.sweeps.executors import runner_of
 from presswear.sweeps.measures import Asked, Own, at_last, measures_asked
@@ -212,6 +217,10 @@ def run_sweep(
         Told lines for the person who waits.
     """
     runner = runner_of(on, jobs, say)
+    if is_sweep(sweep.path):
+        other = provenance_differs(_stored(sweep.path).provenance, provenance())
+        if other:
+            say(f"{sweep.path} was begun by another program ({other}): its runs run anew")
     with Store(sweep.path) as store:
         if store.warning:
             say(store.warning)

@@ -17,6 +17,7 @@ from presswear.__main__ import main
 from presswear.commands import sweep as command
 from presswear.results.provenance import program_digest
 from presswear.sweeps import sweep as sweeps
+from presswear.sweeps import work as works
 from presswear.sweeps.measures import measures_asked
 from presswear.sweeps.plan import Plan
 from presswear.sweeps.sweep import load_sweep
@@ -196,6 +197,24 @@ def test_a_sweep_is_reported_and_exported(
     capsys.readouterr()
     assert main(["export", str(folder), str(file), "--life"]) == 2
     assert "--strokes and --life do not go" in capsys.readouterr().err
+
+
+def test_runs_of_another_program_are_told_of_and_not_mixed_in(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    words = ["sweep", "wear-times", *VARY, *OPTIONS, "--out", str(tmp_path / "sweep")]
+    assert main([*words, "--jobs", "1"]) == 0
+    file = tmp_path / "sweep" / "sweep.json"
+    stored = json.loads(file.read_text())
+    stored["provenance"]["packages"]["numpy"] = "0.1"
+    file.write_text(json.dumps(stored))
+    for module in (sweeps, works):
+        monkeypatch.setattr(module, "program_digest", lambda: "another")
+    capsys.readouterr()
+    assert main([*words, "--jobs", "1", "--resume"]) == 0
+    told = capsys.readouterr().out
+    assert "was begun by another program (numpy 0.1 there and" in told
+    assert "1 runs of about" in told
 
 
 def test_a_table_shows_as_many_measures_as_there_is_room_for() -> None:
