@@ -66,6 +66,12 @@ class Responses:
         """True for each point where a draw has a value, shape (n,)."""
         return self.counts > 0.0
 
+    @property
+    def middle(self) -> Array:
+        """A point in the middle of all, shape (d,): medians, and the first of the words."""
+        is_word = [bool(factor.words) for factor in self.factors]
+        return np.where(is_word, 0.0, np.median(self.points, axis=0))
+
     def only(self, kept: NDArray[np.bool_] | NDArray[np.int64]) -> "Responses":
         """Some of the points, or all in another order, each of them once."""
         beyond = self.is_beyond[kept]

@@ -130,7 +130,8 @@ class Surface:
     process : Process
         Of coordinates, in units of the scale.
     nugget : float
-        Variance of one run about the surface, in units of the scale.
+        Variance of one run about the surface, in units of the scale: its chaos, and what the
+        surface misses.
     left_out : LeftOut
     """
 
@@ -277,19 +278,24 @@ def _scaled(own: Responses, scale: Scale) -> tuple[Array, Array]:
 
 def fitted(own: Responses, scale: Scale) -> Surface:
     """The surface of a measure on a scale, good or bad; all points are to have a value."""
-    scaled, _ = _scaled(own, scale)
+    scaled, told = _scaled(own, scale)
     centre, unit = float(scaled.mean()), float(scaled.std(ddof=1))
     inputs = Inputs.of(own.factors, own.points)
     coordinates, values = inputs.at(own.points), (scaled - centre) / unit
-    process, nugget = _learned(coordinates, values, own.counts)
+    process = _learned(coordinates, values)
     if own.is_beyond.any():
-        process, nugget = _beyond(process, values, own)
+        process = _beyond(process, values, own)
+    nugget = float(process.noise.mean())
+    if own.noise_source == "draws":
+        # The mean over draws scatters less than one of them; what a surface misses does not.
+        one, mean = (float(part.mean()) / unit**2 for part in (told * own.counts, told))
+        nugget = max(nugget, mean) + one - mean
     left_out = _left_out(process, values, own, scale, unit)
     return Surface(own, inputs, scale, centre, unit, process, nugget, left_out)
 
 
-def _learned(coordinates: Array, values: Array, counts: Array) -> tuple[Process, float]:
-    """The process whose lengths make the values most likely, and the variance of one run."""
+def _learned(coordinates: Array, values: Array) -> Process:
+    """The process whose lengths and nugget make the values most likely."""
     from sklearn.exceptions import ConvergenceWarning  # slow to import
     from sklearn.gaussian_process import GaussianProcessRegressor
     from sklearn.gaussian_process.kernels import ConstantKernel, Matern, WhiteKernel
@@ -305,17 +311,13 @@ def _learned(coordinates: Array, values: Array, counts: Array) -> tuple[Process,
         warnings.simplefilter("ignore", ConvergenceWarning)
         learner.fit(coordinates[picked], values[picked])
     smooth, white = learner.kernel_.k1, float(learner.kernel_.k2.noise_level)
-    # The nugget is that of a mean over the draws of a point.
-    typical = float(counts.mean())
-    noise = white * typical / counts
-    return Process(smooth, coordinates, values, noise), white * typical
+    return Process(smooth, coordinates, values, np.full(count, white))
 
 
-def _beyond(process: Process, bounds: Array, own: Responses) -> tuple[Process, float]:
+def _beyond(process: Process, bounds: Array, own: Responses) -> Process:
     """The process through values of which some are lower bounds."""
     from scipy.special import log_ndtr
 
-    nugget = 0.0
     for _ in range(_LEARNED_AGAIN):
         values = process.values
         for _ in range(_PASSES):
@@ -329,8 +331,8 @@ def _beyond(process: Process, bounds: Array, own: Responses) -> tuple[Process, f
             process = replace(process, values=values)
             if moved < _STILL:
                 break
-        process, nugget = _learned(process.coordinates, values, own.counts)
-    return process, nugget
+        process = _learned(process.coordinates, values)
+    return process
 
 
 def _left_out(
