@@ -82,7 +82,7 @@ def _reach(found: Surface, place: int) -> float:
     """Standard deviation of a surface along one factor, all others in the middle, scaled."""
     points = np.tile(found.own.middle, (len(found.own.points), 1))
     points[:, place] = found.own.points[:, place]
-    return float(found.predicted(points)[0].std())
+    return float(found.mean(points).std())
 
 
 def analysed(

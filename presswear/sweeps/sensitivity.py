@@ -106,10 +106,33 @@ def by_blocks(own: Responses) -> Indices | None:
     values, noise, variances = values[whole], noise[whole], variances[whole]
     if len(values) < LEAST_BLOCKS:
         return None
+    terms = block_terms(values, noise, variances)
+    mean = terms.mean(axis=0)
+    if mean[1] <= mean[0] ** 2:
+        return None
+    chaos, *found = intervals(*jackknife(terms, block_shares))
+    return Indices(
+        tuple(found[:dimension]),
+        tuple(found[dimension:]),
+        None if own.noise_source == "nothing" else chaos,
+        values.size,
+        "from blocks of points of which each changes one value (Saltelli and others 2010; total "
+        "indices after Jansen 1999)",
+    )
+
+
+def block_terms(values: Array, noise: Array, variances: Array) -> Array:
+    """What the indices of blocks are means of, shape (n, terms).
+
+    Parameters
+    ----------
+    values, noise, variances : ndarray, shape (n, d + 2)
+        Means at the points of the blocks, their variances, and those of single runs.
+    """
     values = values - values[:, [0, -1]].mean()
     first, last, mixed = values[:, 0], values[:, -1], values[:, 1:-1]
     off = 0.5 * (noise[:, 0] + noise[:, -1])
-    terms = np.column_stack(
+    return np.column_stack(
         [
             0.5 * (first + last),
             0.5 * (first**2 + last**2) - off,
@@ -119,23 +142,12 @@ def by_blocks(own: Responses) -> Indices | None:
         ]
     )
 
-    def shares(mean: Array) -> Array:
-        variance = mean[..., 1:2] - mean[..., :1] ** 2
-        chaos = mean[..., 2:3]
-        return np.concatenate([chaos / (variance + chaos), mean[..., 3:] / variance], axis=-1)
 
-    mean = terms.mean(axis=0)
-    if mean[1] <= mean[0] ** 2:
-        return None
-    chaos, *found = intervals(*jackknife(terms, shares))
-    return Indices(
-        tuple(found[:dimension]),
-        tuple(found[dimension:]),
-        None if own.noise_source == "nothing" else chaos,
-        values.size,
-        "from blocks of points of which each changes one value (Saltelli and others 2010; total "
-        "indices after Jansen 1999)",
-    )
+def block_shares(mean: Array) -> Array:
+    """Shares from means of ``block_terms``: of chaos, then first and total ones of each factor."""
+    variance = mean[..., 1:2] - mean[..., :1] ** 2
+    chaos = mean[..., 2:3]
+    return np.concatenate([chaos / (variance + chaos), mean[..., 3:] / variance], axis=-1)
 
 
 def _are_blocks(points: Array, size: int) -> bool:

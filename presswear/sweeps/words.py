@@ -69,7 +69,7 @@ def lines(found: Analysis) -> Iterator[str]:
             f"other points, it explains {part(left_out.explained)} of the variance{chaos}."
         )
     else:
-        yield f"There is {found.refusal}."
+        yield f"{found.refusal[:1].upper()}{found.refusal[1:]}."
     if found.out_of_reach:
         yield f"No spread follows from the surface: {found.out_of_reach}."
 

@@ -1,6 +1,7 @@
 """The report of made-up sweeps: what it says is what the table holds."""
 
 import re
+import sys
 from dataclasses import replace
 from html import unescape
 from pathlib import Path
@@ -108,11 +109,20 @@ def test_a_grid_is_no_sample_of_anything(tmp_path: Path) -> None:
     assert "Spread" not in text
 
 
+def test_without_scikit_learn_it_says_what_to_install(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "sklearn.exceptions", None)
+    text = page(table("latin", 64), tmp_path, "latin")
+    assert "A response surface needs scikit-learn: pip install 'presswear[sweep]'." in text
+    assert "By the rows alone, life is below" in text
+
+
 def test_what_depends_on_nothing_says_so(tmp_path: Path) -> None:
     points = np.random.default_rng(1).random((100, 2))
     own = swept(points, np.zeros(100), draws=2, noise=1.0, seed=3)
     found = page(own, tmp_path)
-    assert "no response surface of y" in found
+    assert "No response surface of y" in found
     assert "The means of y depend on" not in found
 
 

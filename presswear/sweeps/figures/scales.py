@@ -8,7 +8,7 @@ from matplotlib.axis import Axis
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from presswear.show.figures.style import Axes, unit_scale, wrapped
-from presswear.sweeps.surface import Inputs
+from presswear.sweeps.inputs import Inputs
 from presswear.sweeps.table import Column
 from presswear.tools.arrays import Array
 from presswear.tools.numbers import readable, superscript
