@@ -59,7 +59,10 @@ def test_its_numbers_are_those_of_the_analysis(sampled: tuple[Table, str, Path])
     assert found.spread.misses is not None
     assert found.surface is not None
     assert f"Of the variance of one run of life {parts(found.chaos)} is chaos" in text
-    assert f"clearance, alone {parts(found.indices.first[0])}" in text
+    for k in (0, 2):
+        key = found.own.factors[k].key
+        assert f"{key}, alone {parts(found.indices.first[k])}" in text
+    assert "vary together" not in text
     assert f"at least 2.00·10⁶, is {parts(found.spread.misses)}." in text
     five = found.spread.quantile(5)
     assert f"life is below {five.value / 1e6:.2f}·10⁶ (" in text
@@ -144,6 +147,17 @@ def test_words_and_measures_without_values_are_told(tmp_path: Path) -> None:
     assert "1 dae 100.0 0.1000" in text
     with pytest.raises(InputError, match="no run has a value of life"):
         analysed(own, "life")
+
+
+def test_factors_that_vary_together_are_named(tmp_path: Path) -> None:
+    pairs = [(0.1, 3.0), (0.2, 1.0), (0.3, 2.0)]
+    zipped = np.array([[a, b, c] for a, b in pairs for c in (0.0, 1.0)])
+    told = "x1 and x2 vary together"
+    assert told in page(swept(zipped, zipped.sum(axis=1)), tmp_path)
+    line = np.array([[x, -x] for x in np.random.default_rng(1).random(40)])
+    assert told in page(swept(line, line[:, 0]), tmp_path)
+    apart = np.random.default_rng(1).random((40, 2))
+    assert told not in page(swept(apart, apart.sum(axis=1)), tmp_path)
 
 
 def test_a_sweep_in_which_all_failed_is_told(tmp_path: Path) -> None:
