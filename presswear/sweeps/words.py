@@ -95,6 +95,20 @@ def answer(found: Analysis) -> Iterator[str]:
     """What a reader wants to know of a measure first."""
     if found.indices is not None:
         yield _dependence(found)
+    scale, strongest = measure_scale(found), found.strongest[0]
+    key = found.own.factors[strongest].key
+    if found.screening is not None:
+        yield (
+            f"Of all factors {key} changes {found.own.measure.key} most when it goes up by half of "
+            f"its range, by {amount(found.screening[strongest].size, scale)} as a mean."
+        )
+    swing = None if found.swings is None else found.swings[strongest]
+    if swing is not None:
+        told = scales_of(found.own.factors, found.own.points)[strongest].told
+        yield (
+            f"Alone, {key} moves {found.own.measure.key} most: by {amount(swing.at_low, scale)} at "
+            f"{told(swing.low)}, by {amount(swing.at_high, scale)} at {told(swing.high)}."
+        )
     yield from _spread(found)
 
 

@@ -95,6 +95,23 @@ def test_each_design_has_its_table(tmp_path: Path, kind: str, size: int, told: s
     assert told in page(table(kind, size), tmp_path, kind)
 
 
+def test_the_strongest_effect_is_told_first(tmp_path: Path) -> None:
+    jumps = table("morris", 10)
+    found = analysed(jumps, "life").screening
+    assert found is not None
+    sizes = [one.size.value for one in found]
+    assert max(sizes) == sizes[2]
+    told = f"most when it goes up by half of its range, by {sizes[2] / 1e6:.2f}·10⁶ ("
+    assert f"{jumps.factors[2].key} changes life {told}" in page(jumps, tmp_path)
+    alone = table("one", 1)
+    moved = analysed(alone, "life").swings
+    assert moved is not None
+    assert moved[2] is not None
+    text = page(alone, tmp_path)
+    assert f"Alone, {alone.factors[2].key} moves life most: by " in text
+    assert f"by {moved[2].at_low.value / 1e6:.2f}·10⁶ (" in text
+
+
 def test_points_that_do_not_reach_tell_no_spread(tmp_path: Path) -> None:
     text = page(table("morris", 10), tmp_path, "morris")
     assert "25 % of the values of clearance lie outside its points" in text
