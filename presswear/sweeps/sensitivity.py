@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from presswear.record.sampling import Interval, half_width, quantile
+from presswear.record.sampling import Interval, half_width
 from presswear.sweeps.estimates import intervals, jackknife
 from presswear.sweeps.responses import Responses
 from presswear.tools.arrays import Array
@@ -221,17 +221,6 @@ def swings(own: Responses) -> tuple[Swing | None, ...] | None:
     apart = own.points != middle
     if len(own.points) < 3 or not (apart[1:].sum(axis=1) == 1).all() or not own.has_value[0]:
         return None
-    # Few draws at a point tell their scatter badly, and all together well.
-    variance = float(own.variances[own.has_value].mean())
-    wide = quantile(own.freedom) if own.noise_source != "nothing" else math.nan
-
-    def change(row: int) -> Interval:
-        value = float(own.means[row] - own.means[0])
-        if math.isnan(wide):
-            return Interval(value, None, None)
-        half = wide * math.sqrt(variance / own.counts[row] + variance / own.counts[0])
-        return Interval(value, value - half, value + half)
-
     found: list[Swing | None] = []
     for k, factor in enumerate(own.points.T):
         rows = np.flatnonzero(apart[:, k] & own.has_value)
@@ -239,5 +228,6 @@ def swings(own: Responses) -> tuple[Swing | None, ...] | None:
             found.append(None)
             continue
         low, high = (int(rows[place]) for place in (factor[rows].argmin(), factor[rows].argmax()))
-        found.append(Swing(float(factor[low]), float(factor[high]), change(low), change(high)))
+        ends = (own.difference(low, 0), own.difference(high, 0))
+        found.append(Swing(float(factor[low]), float(factor[high]), *ends))
     return tuple(found)

@@ -33,7 +33,7 @@ def curves(own: Responses) -> Drawing | None:
     measure = Scale.of(own.measure, own.means)
     sheet = Sheet(figsize=(WIDTH, 3.6), layout="constrained")
     axes = sheet.subplots()
-    wide = quantile(own.freedom) * np.sqrt(own.noise)
+    wide = own.half_widths
     pens = []
     for value, line in zip(groups, LINES, strict=False):
         pen = Pen(
