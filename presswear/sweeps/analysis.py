@@ -65,13 +65,24 @@ class Analysis:
         """Places of the factors, the one that the measure depends on most first."""
         count = len(self.own.factors)
         strength: Sequence[float] = [0.0] * count
-        if self.indices is not None:
-            strength = [one.value for one in (self.indices.total or self.indices.first)]
+        if self.indices is not None and self.indices.total:
+            strength = [one.value for one in self.indices.total]
         elif self.screening is not None:
             strength = [one.size.value for one in self.screening]
         elif self.swings is not None:
             strength = [0.0 if one is None else one.span for one in self.swings]
+        elif self.surface is not None:
+            strength = [_reach(self.surface, k) for k in range(count)]
+        elif self.indices is not None:
+            strength = [one.value for one in self.indices.first]
         return sorted(range(count), key=lambda k: -strength[k])
+
+
+def _reach(found: Surface, place: int) -> float:
+    """Standard deviation of a surface along one factor, all others in the middle, scaled."""
+    points = np.tile(found.own.middle, (len(found.own.points), 1))
+    points[:, place] = found.own.points[:, place]
+    return float(found.mean(points).std())
 
 
 def analysed(

@@ -16,15 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.sweeps.table import Column, Table
-from presswear.tools.errors import InputError
+from presswear.tools.errors import InputError, not_installed
 from presswear.tools.files import write_whole
 from presswear.tools.folders import check_name
 
 if TYPE_CHECKING:
     import pyarrow
     import xarray
-
-EXTRA = "pip install 'presswear[sweep]'"
 
 Values = NDArray[np.float64] | NDArray[np.int64] | NDArray[np.bool_] | NDArray[np.str_]
 
@@ -98,7 +96,7 @@ def _write_parquet(path: Path, table: Table) -> None:
     try:
         import pyarrow.parquet
     except ImportError:
-        raise InputError(f"{path}: parquet needs pyarrow; {EXTRA}") from None
+        raise not_installed(f"{path}: parquet", "pyarrow", "sweep") from None
     found = arrow(table)
     write_whole(path, lambda file: pyarrow.parquet.write_table(found, file))
 
@@ -124,7 +122,7 @@ def dataset(table: Table) -> "xarray.Dataset":
     try:
         import xarray
     except ImportError:
-        raise InputError(f"a dataset needs xarray; {EXTRA}") from None
+        raise not_installed("a dataset", "xarray", "sweep") from None
 
     columns = list(_series(table))
     factors = columns[: len(table.factors) + 1]

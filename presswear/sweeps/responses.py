@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.record.sampling import quantile
+from presswear.record.sampling import Interval, quantile
 from presswear.sweeps.table import Column, Table
 from presswear.tools.arrays import Array
 from presswear.tools.errors import unknown
@@ -55,16 +55,47 @@ class Responses:
         return self.variances / np.maximum(self.counts, 1.0)
 
     @property
-    def freedom(self) -> float:
-        """Degrees of freedom of the variances put together; infinite where runs tell them."""
-        if self.noise_source == "draws":
-            return float(np.maximum(self.counts - 1.0, 0.0).sum())
-        return math.inf
+    def freedoms(self) -> Array:
+        """Degrees of freedom of each variance, shape (n,); infinite where runs tell them."""
+        if self.noise_source != "draws":
+            return np.full(len(self.counts), math.inf)
+        own = np.maximum(self.counts - 1.0, 0.0)
+        return np.where(own > 0.0, own, own.sum())
+
+    @property
+    def half_widths(self) -> Array:
+        """Half widths of the 95 % intervals of the means, shape (n,); NaN where nothing tells."""
+        if self.noise_source == "nothing":
+            return np.full(len(self.counts), math.nan)
+        wide = np.array([quantile(own) for own in self.freedoms])
+        return wide * np.sqrt(self.noise)
+
+    def difference(self, row: int, other: int) -> Interval:
+        """The mean of one point less that of another; no ends where nothing tells the scatter.
+
+        Points scatter by as much as they do: the degrees of freedom are those of Welch (1947).
+        """
+        value = float(self.means[row] - self.means[other])
+        if self.noise_source == "nothing":
+            return Interval(value, None, None)
+        parts, freedoms = self.noise[[row, other]], self.freedoms[[row, other]]
+        total = float(parts.sum())
+        if total == 0.0:
+            return Interval(value, value, value)
+        lost = float((parts**2 / freedoms).sum())
+        half = quantile(total**2 / lost if lost > 0.0 else math.inf) * math.sqrt(total)
+        return Interval(value, value - half, value + half)
 
     @property
     def has_value(self) -> NDArray[np.bool_]:
         """True for each point where a draw has a value, shape (n,)."""
         return self.counts > 0.0
+
+    @property
+    def middle(self) -> Array:
+        """A point in the middle of all, shape (d,): medians, and the first of the words."""
+        is_word = [bool(factor.words) for factor in self.factors]
+        return np.where(is_word, 0.0, np.median(self.points, axis=0))
 
     def only(self, kept: NDArray[np.bool_] | NDArray[np.int64]) -> "Responses":
         """Some of the points, or all in another order, each of them once."""

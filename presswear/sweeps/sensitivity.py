@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from presswear.record.sampling import Interval, half_width, quantile
+from presswear.record.sampling import Interval, half_width
 from presswear.sweeps.estimates import intervals, jackknife
 from presswear.sweeps.responses import Responses
 from presswear.tools.arrays import Array
@@ -106,10 +106,33 @@ def by_blocks(own: Responses) -> Indices | None:
     values, noise, variances = values[whole], noise[whole], variances[whole]
     if len(values) < LEAST_BLOCKS:
         return None
+    terms = block_terms(values, noise, variances)
+    mean = terms.mean(axis=0)
+    if mean[1] <= mean[0] ** 2:
+        return None
+    chaos, *found = intervals(*jackknife(terms, block_shares))
+    return Indices(
+        tuple(found[:dimension]),
+        tuple(found[dimension:]),
+        None if own.noise_source == "nothing" else chaos,
+        values.size,
+        "from blocks of points of which each changes one value (Saltelli and others 2010; total "
+        "indices after Jansen 1999)",
+    )
+
+
+def block_terms(values: Array, noise: Array, variances: Array) -> Array:
+    """What the indices of blocks are means of, shape (n, terms).
+
+    Parameters
+    ----------
+    values, noise, variances : ndarray, shape (n, d + 2)
+        Means at the points of the blocks, their variances, and those of single runs.
+    """
     values = values - values[:, [0, -1]].mean()
     first, last, mixed = values[:, 0], values[:, -1], values[:, 1:-1]
     off = 0.5 * (noise[:, 0] + noise[:, -1])
-    terms = np.column_stack(
+    return np.column_stack(
         [
             0.5 * (first + last),
             0.5 * (first**2 + last**2) - off,
@@ -119,23 +142,12 @@ def by_blocks(own: Responses) -> Indices | None:
         ]
     )
 
-    def shares(mean: Array) -> Array:
-        variance = mean[..., 1:2] - mean[..., :1] ** 2
-        chaos = mean[..., 2:3]
-        return np.concatenate([chaos / (variance + chaos), mean[..., 3:] / variance], axis=-1)
 
-    mean = terms.mean(axis=0)
-    if mean[1] <= mean[0] ** 2:
-        return None
-    chaos, *found = intervals(*jackknife(terms, shares))
-    return Indices(
-        tuple(found[:dimension]),
-        tuple(found[dimension:]),
-        None if own.noise_source == "nothing" else chaos,
-        values.size,
-        "from blocks of points of which each changes one value (Saltelli and others 2010; total "
-        "indices after Jansen 1999)",
-    )
+def block_shares(mean: Array) -> Array:
+    """Shares from means of ``block_terms``: of chaos, then first and total ones of each factor."""
+    variance = mean[..., 1:2] - mean[..., :1] ** 2
+    chaos = mean[..., 2:3]
+    return np.concatenate([chaos / (variance + chaos), mean[..., 3:] / variance], axis=-1)
 
 
 def _are_blocks(points: Array, size: int) -> bool:
@@ -209,17 +221,6 @@ def swings(own: Responses) -> tuple[Swing | None, ...] | None:
     apart = own.points != middle
     if len(own.points) < 3 or not (apart[1:].sum(axis=1) == 1).all() or not own.has_value[0]:
         return None
-    # Few draws at a point tell their scatter badly, and all together well.
-    variance = float(own.variances[own.has_value].mean())
-    wide = quantile(own.freedom) if own.noise_source != "nothing" else math.nan
-
-    def change(row: int) -> Interval:
-        value = float(own.means[row] - own.means[0])
-        if math.isnan(wide):
-            return Interval(value, None, None)
-        half = wide * math.sqrt(variance / own.counts[row] + variance / own.counts[0])
-        return Interval(value, value - half, value + half)
-
     found: list[Swing | None] = []
     for k, factor in enumerate(own.points.T):
         rows = np.flatnonzero(apart[:, k] & own.has_value)
@@ -227,5 +228,6 @@ def swings(own: Responses) -> tuple[Swing | None, ...] | None:
             found.append(None)
             continue
         low, high = (int(rows[place]) for place in (factor[rows].argmin(), factor[rows].argmax()))
-        found.append(Swing(float(factor[low]), float(factor[high]), change(low), change(high)))
+        ends = (own.difference(low, 0), own.difference(high, 0))
+        found.append(Swing(float(factor[low]), float(factor[high]), *ends))
     return tuple(found)

@@ -7,6 +7,7 @@ of order statistics, which holds for any distribution (David and Nagaraja, Order
 section 7.1); rows that are evenly spread know it better than it says.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -17,9 +18,10 @@ from presswear.record.sampling import LEVEL, Interval
 from presswear.sweeps.designs import design
 from presswear.sweeps.distributions import Distribution
 from presswear.sweeps.surface import Surface
-from presswear.sweeps.table import Table
+from presswear.sweeps.table import Column, Table
 from presswear.tools.arrays import Array
-from presswear.tools.errors import unknown
+from presswear.tools.errors import InputError, unknown
+from presswear.tools.quantities import Meaning, parse_quantity
 
 PROBABILITIES = np.arange(1, 100) / 100.0
 """Those for which values are told."""
@@ -46,6 +48,30 @@ class Required:
     def missed(self, values: Array) -> NDArray[np.bool_]:
         """True for each value that misses it."""
         return values < self.value if self.is_least else values > self.value
+
+
+def parse_required(text: str, measures: Sequence[Column]) -> tuple[str, Required]:
+    """Read what is required of a measure, such as ``life>=2e6`` or ``A.force_max<=15kN``.
+
+    Returns
+    -------
+    key : str
+    required : Required
+
+    Raises
+    ------
+    InputError
+        For another form, a measure that is none, or a value without its unit.
+    """
+    for sign, is_least in ((">=", True), ("<=", False)):
+        key, found, value = (part.strip() for part in text.partition(sign))
+        if found:
+            columns = {column.key: column for column in measures}
+            if key not in columns:
+                raise unknown("measure", key, columns)
+            free = Meaning(columns[key].unit, -math.inf, math.inf, "", "")
+            return key, Required(float(parse_quantity(key, value, free)), is_least)
+    raise InputError(f"{text!r}: MEASURE>=VALUE or MEASURE<=VALUE is expected")
 
 
 @dataclass(frozen=True)

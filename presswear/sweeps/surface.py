@@ -17,12 +17,11 @@ from dataclasses import dataclass, replace
 from typing import Literal, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from presswear.sweeps.inputs import Inputs
 from presswear.sweeps.responses import Responses
-from presswear.sweeps.table import Column
 from presswear.tools.arrays import Array
-from presswear.tools.errors import InputError
+from presswear.tools.errors import InputError, not_installed
 
 Scale = Literal["linear", "logarithmic"]
 
@@ -43,52 +42,6 @@ _LEARNED_AGAIN = 3
 """Times that lengths are learned from lower bounds that were lifted."""
 _STILL = 1e-3
 """Change of lower bounds, standard deviations, at which they stand still."""
-
-
-@dataclass(frozen=True)
-class Inputs:
-    """Factors as coordinates of about one length: values over their range, words as corners.
-
-    Attributes
-    ----------
-    factors : tuple of Column
-    low, high : ndarray, shape (d,)
-        Ends of the range of each.
-    is_logarithmic : ndarray of bool, shape (d,)
-    """
-
-    factors: tuple[Column, ...]
-    low: Array
-    high: Array
-    is_logarithmic: NDArray[np.bool_]
-
-    @staticmethod
-    def of(factors: tuple[Column, ...], points: Array) -> "Inputs":
-        """The coordinates that points ask for: logarithms where these lie more evenly."""
-        is_even = [
-            not factor.words and own.min() > 0.0 and _skew(np.log(own)) < _skew(own)
-            for factor, own in zip(factors, points.T, strict=True)
-        ]
-        return Inputs(factors, points.min(axis=0), points.max(axis=0), np.array(is_even))
-
-    def at(self, points: Array) -> Array:
-        """Coordinates of points, shape (n, coordinates)."""
-        columns = []
-        for k, factor in enumerate(self.factors):
-            own, low, high = points[:, k], self.low[k], self.high[k]
-            if factor.words:
-                columns += [(own == place).astype(np.float64) for place in range(len(factor.words))]
-                continue
-            if self.is_logarithmic[k]:
-                own, low, high = np.log(own), math.log(low), math.log(high)
-            columns.append((own - low) / (high - low if high > low else 1.0))
-        return np.column_stack(columns)
-
-
-def _skew(values: Array) -> float:
-    """Size of the mean cube of values about their mean, over that of their deviation."""
-    off = values - values.mean()
-    return abs(float(np.mean(off**3))) / max(float(np.mean(off**2)), 1e-300) ** 1.5
 
 
 @dataclass(frozen=True)
@@ -130,7 +83,8 @@ class Surface:
     process : Process
         Of coordinates, in units of the scale.
     nugget : float
-        Variance of one run about the surface, in units of the scale.
+        Variance of one run about the surface, in units of the scale: its chaos, and what the
+        surface misses.
     left_out : LeftOut
     """
 
@@ -148,9 +102,13 @@ class Surface:
         mean, covariance = self._posterior(points)
         return mean, np.sqrt(np.maximum(np.diagonal(covariance), 0.0))
 
+    def mean(self, points: Array) -> Array:
+        """Mean of the scaled measure over all chaos, shape (n,)."""
+        return self.centre + self.unit * self.process.mean(self.inputs.at(points))
+
     def level(self, points: Array) -> Array:
         """The measure itself at points, shape (n,): the median of a logarithmic one."""
-        return self.unscaled(self.predicted(points)[0])
+        return self.unscaled(self.mean(points))
 
     def draws(self, points: Array, count: int, random: np.random.Generator) -> Array:
         """Surfaces that the points allow, at other points, shape (count, n), scaled.
@@ -205,6 +163,11 @@ class Process:
         """Inverse of the matrix of covariances of the values, shape (n, n)."""
         covariances = self.kernel(self.coordinates) + np.diag(self.noise)
         return np.asarray(np.linalg.inv(covariances), np.float64)
+
+    def mean(self, coordinates: Array) -> Array:
+        """Mean elsewhere, shape (m,)."""
+        matrix = self.kernel(self.coordinates) + np.diag(self.noise)
+        return self.kernel(coordinates, self.coordinates) @ np.linalg.solve(matrix, self.values)
 
     def at(self, coordinates: Array) -> tuple[Array, Array]:
         """Mean, shape (m,), and covariances, (m, m), of the surface without noise elsewhere."""
@@ -277,22 +240,30 @@ def _scaled(own: Responses, scale: Scale) -> tuple[Array, Array]:
 
 def fitted(own: Responses, scale: Scale) -> Surface:
     """The surface of a measure on a scale, good or bad; all points are to have a value."""
-    scaled, _ = _scaled(own, scale)
+    scaled, told = _scaled(own, scale)
     centre, unit = float(scaled.mean()), float(scaled.std(ddof=1))
     inputs = Inputs.of(own.factors, own.points)
     coordinates, values = inputs.at(own.points), (scaled - centre) / unit
-    process, nugget = _learned(coordinates, values, own.counts)
+    process = _learned(coordinates, values)
     if own.is_beyond.any():
-        process, nugget = _beyond(process, values, own)
+        process = _beyond(process, values, own)
+    nugget = float(process.noise.mean())
+    if own.noise_source == "draws":
+        # The mean over draws scatters less than one of them; what a surface misses does not.
+        one, mean = (float(part.mean()) / unit**2 for part in (told * own.counts, told))
+        nugget = max(nugget, mean) + one - mean
     left_out = _left_out(process, values, own, scale, unit)
     return Surface(own, inputs, scale, centre, unit, process, nugget, left_out)
 
 
-def _learned(coordinates: Array, values: Array, counts: Array) -> tuple[Process, float]:
-    """The process whose lengths make the values most likely, and the variance of one run."""
-    from sklearn.exceptions import ConvergenceWarning  # slow to import
-    from sklearn.gaussian_process import GaussianProcessRegressor
-    from sklearn.gaussian_process.kernels import ConstantKernel, Matern, WhiteKernel
+def _learned(coordinates: Array, values: Array) -> Process:
+    """The process whose lengths and nugget make the values most likely."""
+    try:
+        from sklearn.exceptions import ConvergenceWarning  # slow to import
+        from sklearn.gaussian_process import GaussianProcessRegressor
+        from sklearn.gaussian_process.kernels import ConstantKernel, Matern, WhiteKernel
+    except ImportError:
+        raise not_installed("a response surface", "scikit-learn", "sweep") from None
 
     # Smooth, but not endlessly so; within a hundredth and a hundred ranges.
     shape = Matern(np.ones(coordinates.shape[1]), (1e-2, 1e2), nu=2.5)
@@ -305,17 +276,13 @@ def _learned(coordinates: Array, values: Array, counts: Array) -> tuple[Process,
         warnings.simplefilter("ignore", ConvergenceWarning)
         learner.fit(coordinates[picked], values[picked])
     smooth, white = learner.kernel_.k1, float(learner.kernel_.k2.noise_level)
-    # The nugget is that of a mean over the draws of a point.
-    typical = float(counts.mean())
-    noise = white * typical / counts
-    return Process(smooth, coordinates, values, noise), white * typical
+    return Process(smooth, coordinates, values, np.full(count, white))
 
 
-def _beyond(process: Process, bounds: Array, own: Responses) -> tuple[Process, float]:
+def _beyond(process: Process, bounds: Array, own: Responses) -> Process:
     """The process through values of which some are lower bounds."""
     from scipy.special import log_ndtr
 
-    nugget = 0.0
     for _ in range(_LEARNED_AGAIN):
         values = process.values
         for _ in range(_PASSES):
@@ -329,8 +296,8 @@ def _beyond(process: Process, bounds: Array, own: Responses) -> tuple[Process, f
             process = replace(process, values=values)
             if moved < _STILL:
                 break
-        process, nugget = _learned(process.coordinates, values, own.counts)
-    return process, nugget
+        process = _learned(process.coordinates, values)
+    return process
 
 
 def _left_out(

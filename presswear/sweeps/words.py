@@ -1,6 +1,7 @@
 """What a sweep says of a measure, in sentences and tables; every number is computed."""
 
 from collections.abc import Iterator
+from itertools import combinations
 
 import numpy as np
 
@@ -53,6 +54,8 @@ def lines(found: Analysis) -> Iterator[str]:
             "surface and the spread do not."
         )
     yield _chaos(found)
+    for first, second in _together(found):
+        yield f"{first} and {second} vary together: what is told of one is told of both."
     if found.indices is not None:
         yield (
             f"The shares of the variance are {found.indices.method}, "
@@ -69,15 +72,43 @@ def lines(found: Analysis) -> Iterator[str]:
             f"other points, it explains {part(left_out.explained)} of the variance{chaos}."
         )
     else:
-        yield f"There is {found.refusal}."
+        yield f"{found.refusal[:1].upper()}{found.refusal[1:]}."
     if found.out_of_reach:
         yield f"No spread follows from the surface: {found.out_of_reach}."
+
+
+def _together(found: Analysis) -> Iterator[tuple[str, str]]:
+    """Pairs of factors of which each value of one goes with one value of the other."""
+    points, factors = found.own.points, found.own.factors
+    counts = [len(np.unique(values)) for values in points.T]
+    for first, second in combinations(range(len(factors)), 2):
+        both = len(np.unique(points[:, [first, second]], axis=0))
+        if not counts[first] == counts[second] == both > 1:
+            continue
+        # In a sample no value comes twice: there only an order tells that they hang together.
+        steps = np.diff(points[np.argsort(points[:, first]), second])
+        if both < len(points) or (steps > 0.0).all() or (steps < 0.0).all():
+            yield factors[first].key, factors[second].key
 
 
 def answer(found: Analysis) -> Iterator[str]:
     """What a reader wants to know of a measure first."""
     if found.indices is not None:
         yield _dependence(found)
+    scale, strongest = measure_scale(found), found.strongest[0]
+    key = found.own.factors[strongest].key
+    if found.screening is not None:
+        yield (
+            f"Of all factors {key} changes {found.own.measure.key} most when it goes up by half of "
+            f"its range, by {amount(found.screening[strongest].size, scale)} as a mean."
+        )
+    swing = None if found.swings is None else found.swings[strongest]
+    if swing is not None:
+        told = scales_of(found.own.factors, found.own.points)[strongest].told
+        yield (
+            f"Alone, {key} moves {found.own.measure.key} most: by {amount(swing.at_low, scale)} at "
+            f"{told(swing.low)}, by {amount(swing.at_high, scale)} at {told(swing.high)}."
+        )
     yield from _spread(found)
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from made_up_sweep import swept
 
-from presswear.record.sampling import quantile
+from presswear.record.sampling import Interval, quantile
 from presswear.sweeps.responses import responses
 from presswear.sweeps.table import Table
 from presswear.tools.errors import InputError
@@ -26,7 +26,7 @@ def test_draws_are_put_together_in_the_order_of_their_points() -> None:
     assert own.variances.tolist() == [2.0, 5.0, 8.0]  # of one draw: the mean of the others
     assert own.noise.tolist() == [1.0, 5.0, 4.0]
     assert own.noise_source == "draws"
-    assert own.freedom == 2.0
+    assert own.freedoms.tolist() == [1.0, 2.0, 1.0]  # of one draw: those of all others
 
 
 def test_a_point_without_a_value_is_none() -> None:
@@ -61,3 +61,23 @@ def test_one_lower_bound_makes_the_mean_one() -> None:
 def test_an_unknown_measure_is_refused() -> None:
     with pytest.raises(InputError, match="unknown measure 'yy'; did you mean y"):
         responses(swept(POINTS, np.zeros(3)), "yy")
+
+
+def test_means_and_differences_hold_where_points_scatter_unequally() -> None:
+    scatter = np.array([10.0, 0.1, 1.0])
+    held = []
+    for seed in range(300):
+        found = swept(POINTS, np.zeros(3), draws=3, noise=1.0, seed=seed)
+        found.values[:, 0] *= np.repeat(scatter, 3)
+        own = responses(found, "y")
+        apart = own.difference(0, 1)
+        assert apart.low is not None
+        assert apart.high is not None
+        held.append([*(np.abs(own.means) <= own.half_widths), apart.low <= 0.0 <= apart.high])
+    assert np.mean(held, axis=0) == pytest.approx(0.95, abs=0.04)
+
+
+def test_nothing_is_told_of_single_draws() -> None:
+    own = responses(swept(POINTS, np.arange(3.0)), "y")
+    assert np.isnan(own.half_widths).all()
+    assert own.difference(2, 0) == Interval(2.0, None, None)

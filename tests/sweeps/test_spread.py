@@ -12,10 +12,17 @@ from presswear.record.sampling import Interval
 from presswear.sweeps.designs import design
 from presswear.sweeps.distributions import Distribution, parse
 from presswear.sweeps.responses import responses
-from presswear.sweeps.spread import Required, Spread, spread_of_rows, spread_of_surface
+from presswear.sweeps.spread import (
+    Required,
+    Spread,
+    parse_required,
+    spread_of_rows,
+    spread_of_surface,
+)
 from presswear.sweeps.surface import surface
-from presswear.sweeps.table import Table
+from presswear.sweeps.table import Column, Table
 from presswear.tools.arrays import Array
+from presswear.tools.errors import InputError
 from presswear.tools.quantities import Meaning
 
 FREE = Meaning("", -math.inf, math.inf, "", "")
@@ -156,3 +163,25 @@ def test_cut_distributions_are_read_as_such() -> None:
     found = spread_of_surface(surface(responses(swept(points, 3.0 * points[:, 0]), "y")), [half])
     known = 3.0 * stats.halfnorm.ppf([0.05, 0.5, 0.95])
     assert [found.quantile(p).value for p in (5, 50, 95)] == pytest.approx(known, rel=0.03)
+
+
+MEASURES = (Column("life", "", "strokes"), Column("A.force_max", "N", "peak"))
+
+
+def test_what_is_required_is_read_with_its_unit() -> None:
+    assert parse_required("life >= 2e6", MEASURES) == ("life", Required(2e6, True))
+    assert parse_required("A.force_max<=15kN", MEASURES) == ("A.force_max", Required(15e3, False))
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("life", "MEASURE>=VALUE or MEASURE<=VALUE is expected"),
+        ("life=2e6", "MEASURE>=VALUE"),
+        ("lif>=2e6", "unknown measure 'lif'; did you mean life"),
+        ("A.force_max<=15", "has no unit"),
+    ],
+)
+def test_what_requires_nothing_is_refused(text: str, told: str) -> None:
+    with pytest.raises(InputError, match=told):
+        parse_required(text, MEASURES)

@@ -6,8 +6,9 @@ from made_up_sweep import ISHIGAMI_VARIANCE, ishigami, swept
 from numpy.typing import NDArray
 
 from presswear.sweeps.designs import design
+from presswear.sweeps.inputs import Inputs
 from presswear.sweeps.responses import Responses, responses
-from presswear.sweeps.surface import LEAST_A_FACTOR, Inputs, Process, fitted, noise_share, surface
+from presswear.sweeps.surface import LEAST_A_FACTOR, Process, fitted, noise_share, surface
 from presswear.sweeps.table import Column
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError

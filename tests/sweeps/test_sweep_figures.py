@@ -106,7 +106,7 @@ def is_legible(found: Drawing) -> None:
             assert inside.containsx(box.x0), found.file
             assert inside.containsx(box.x1), found.file
         for first, second in combinations(boxes, 2):
-            assert not first.shrunk(0.95, 0.95).overlaps(second.shrunk(0.95, 0.95)), found.file
+            assert not first.padded(-1.0).overlaps(second.padded(-1.0)), found.file
 
 
 def test_a_sample_can_be_read(sample: Analysis) -> None:

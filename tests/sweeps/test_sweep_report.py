@@ -1,6 +1,7 @@
 """The report of made-up sweeps: what it says is what the table holds."""
 
 import re
+import sys
 from dataclasses import replace
 from html import unescape
 from pathlib import Path
@@ -58,7 +59,10 @@ def test_its_numbers_are_those_of_the_analysis(sampled: tuple[Table, str, Path])
     assert found.spread.misses is not None
     assert found.surface is not None
     assert f"Of the variance of one run of life {parts(found.chaos)} is chaos" in text
-    assert f"clearance, alone {parts(found.indices.first[0])}" in text
+    for k in (0, 2):
+        key = found.own.factors[k].key
+        assert f"{key}, alone {parts(found.indices.first[k])}" in text
+    assert "vary together" not in text
     assert f"at least 2.00·10⁶, is {parts(found.spread.misses)}." in text
     five = found.spread.quantile(5)
     assert f"life is below {five.value / 1e6:.2f}·10⁶ (" in text
@@ -91,6 +95,23 @@ def test_each_design_has_its_table(tmp_path: Path, kind: str, size: int, told: s
     assert told in page(table(kind, size), tmp_path, kind)
 
 
+def test_the_strongest_effect_is_told_first(tmp_path: Path) -> None:
+    jumps = table("morris", 10)
+    found = analysed(jumps, "life").screening
+    assert found is not None
+    sizes = [one.size.value for one in found]
+    assert max(sizes) == sizes[2]
+    told = f"most when it goes up by half of its range, by {sizes[2] / 1e6:.2f}·10⁶ ("
+    assert f"{jumps.factors[2].key} changes life {told}" in page(jumps, tmp_path)
+    alone = table("one", 1)
+    moved = analysed(alone, "life").swings
+    assert moved is not None
+    assert moved[2] is not None
+    text = page(alone, tmp_path)
+    assert f"Alone, {alone.factors[2].key} moves life most: by " in text
+    assert f"by {moved[2].at_low.value / 1e6:.2f}·10⁶ (" in text
+
+
 def test_points_that_do_not_reach_tell_no_spread(tmp_path: Path) -> None:
     text = page(table("morris", 10), tmp_path, "morris")
     assert "25 % of the values of clearance lie outside its points" in text
@@ -108,11 +129,20 @@ def test_a_grid_is_no_sample_of_anything(tmp_path: Path) -> None:
     assert "Spread" not in text
 
 
+def test_without_scikit_learn_it_says_what_to_install(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "sklearn.exceptions", None)
+    text = page(table("latin", 64), tmp_path, "latin")
+    assert "A response surface needs scikit-learn: pip install 'presswear[sweep]'." in text
+    assert "By the rows alone, life is below" in text
+
+
 def test_what_depends_on_nothing_says_so(tmp_path: Path) -> None:
     points = np.random.default_rng(1).random((100, 2))
     own = swept(points, np.zeros(100), draws=2, noise=1.0, seed=3)
     found = page(own, tmp_path)
-    assert "no response surface of y" in found
+    assert "No response surface of y" in found
     assert "The means of y depend on" not in found
 
 
@@ -134,6 +164,17 @@ def test_words_and_measures_without_values_are_told(tmp_path: Path) -> None:
     assert "1 dae 100.0 0.1000" in text
     with pytest.raises(InputError, match="no run has a value of life"):
         analysed(own, "life")
+
+
+def test_factors_that_vary_together_are_named(tmp_path: Path) -> None:
+    pairs = [(0.1, 3.0), (0.2, 1.0), (0.3, 2.0)]
+    zipped = np.array([[a, b, c] for a, b in pairs for c in (0.0, 1.0)])
+    told = "x1 and x2 vary together"
+    assert told in page(swept(zipped, zipped.sum(axis=1)), tmp_path)
+    line = np.array([[x, -x] for x in np.random.default_rng(1).random(40)])
+    assert told in page(swept(line, line[:, 0]), tmp_path)
+    apart = np.random.default_rng(1).random((40, 2))
+    assert told not in page(swept(apart, apart.sum(axis=1)), tmp_path)
 
 
 def test_a_sweep_in_which_all_failed_is_told(tmp_path: Path) -> None:

@@ -56,7 +56,7 @@ def tornado(own: Responses, swings: Sequence[Swing | None]) -> Drawing:
                 fontsize=7.5,
             )
     axes.axvline(0.0, color=REFERENCE, linewidth=0.8)
-    axes.margins(x=0.18)
+    axes.margins(x=0.3)
     _names(axes, [own.factors[k].key for k, _ in told])
     middle = measure.told(float(own.means[0]))
     unit = f" ({measure.unit})" if measure.unit else ""

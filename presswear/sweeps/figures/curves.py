@@ -4,7 +4,7 @@ import numpy as np
 
 from presswear.record.sampling import quantile
 from presswear.show.figures.style import LINES, WIDTH, Drawing, Pen, Sheet, legend
-from presswear.sweeps.figures.scales import Scale, file_part, middle_of, scales_of
+from presswear.sweeps.figures.scales import Scale, file_part, scales_of
 from presswear.sweeps.responses import Responses
 from presswear.sweeps.surface import Surface
 from presswear.tools.arrays import Array
@@ -33,7 +33,7 @@ def curves(own: Responses) -> Drawing | None:
     measure = Scale.of(own.measure, own.means)
     sheet = Sheet(figsize=(WIDTH, 3.6), layout="constrained")
     axes = sheet.subplots()
-    wide = quantile(own.freedom) * np.sqrt(own.noise)
+    wide = own.half_widths
     pens = []
     for value, line in zip(groups, LINES, strict=False):
         pen = Pen(
@@ -71,14 +71,14 @@ def sections(found: Surface) -> Drawing:
     scales = scales_of(own.factors, own.points)
     numbers = [k for k, factor in enumerate(own.factors) if not factor.words]
     measure = Scale.of(own.measure, own.means)
-    columns = min(len(numbers), _COLUMNS)
+    columns = 2 if len(numbers) == 4 else min(len(numbers), _COLUMNS)
     lines = -(-len(numbers) // columns)
     sheet = Sheet(figsize=(WIDTH, 0.4 + 2.2 * lines), layout="constrained")
     panels = sheet.subplots(lines, columns, sharey=True, squeeze=False).ravel()
     pen = Pen("", *LINES[0])
     for axes, k in zip(panels, numbers, strict=False):
         x = scales[k].grid(_FINE)
-        points = np.tile(middle_of(own), (_FINE, 1))
+        points = np.tile(own.middle, (_FINE, 1))
         points[:, k] = x
         mean, deviation = found.predicted(points)
         shown = scales[k].factor * x

@@ -7,7 +7,7 @@ from matplotlib.colors import Normalize
 from matplotlib.lines import Line2D
 
 from presswear.show.figures.style import MUTED, REFERENCE, WIDTH, Axes, Drawing, Sheet, wrapped
-from presswear.sweeps.figures.scales import Scale, file_part, middle_of, scales_of
+from presswear.sweeps.figures.scales import Scale, file_part, scales_of
 from presswear.sweeps.responses import Responses
 from presswear.sweeps.surface import Surface
 from presswear.tools.arrays import Array
@@ -38,10 +38,10 @@ def heat_map(own: Responses, places: tuple[int, int], found: Surface | None) -> 
     sheet = Sheet(figsize=(WIDTH, 4.2), layout="constrained")
     axes = sheet.subplots()
     others = _others(own, places, scales)
-    caption = f"{own.measure.text[:1].upper()}{own.measure.text[1:]}, a point for each that ran"
+    caption = f"{own.measure.text[:1].upper()}{own.measure.text[1:]}: a point for each that ran"
     if found is not None:
         x, y = across.grid(_FINE), up.grid(_FINE)
-        points = np.tile(middle_of(own), (_FINE * _FINE, 1))
+        points = np.tile(own.middle, (_FINE * _FINE, 1))
         points[:, places[0]], points[:, places[1]] = (part.ravel() for part in np.meshgrid(x, y))
         level = measure.factor * found.level(points).reshape(_FINE, _FINE)
         axes.pcolormesh(
@@ -99,7 +99,7 @@ def _points(
 
 def _others(own: Responses, places: tuple[int, int], scales: list[Scale]) -> str:
     """What the factors that a map does not show are at, in words."""
-    middle, told = middle_of(own), []
+    middle, told = own.middle, []
     for k, scale in enumerate(scales):
         if k not in places:
             told.append(f"{scale.column.key} = {scale.told(middle[k])}")

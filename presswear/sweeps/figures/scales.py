@@ -8,8 +8,7 @@ from matplotlib.axis import Axis
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from presswear.show.figures.style import Axes, unit_scale, wrapped
-from presswear.sweeps.responses import Responses
-from presswear.sweeps.surface import Inputs
+from presswear.sweeps.inputs import Inputs
 from presswear.sweeps.table import Column
 from presswear.tools.arrays import Array
 from presswear.tools.numbers import readable, superscript
@@ -118,12 +117,6 @@ def scales_of(factors: tuple[Column, ...], points: Array) -> list[Scale]:
             factors, points.T, inputs.is_logarithmic, strict=True
         )
     ]
-
-
-def middle_of(own: Responses) -> Array:
-    """A point in the middle of all: the median of each number, the first of the words."""
-    is_word = [bool(factor.words) for factor in own.factors]
-    return np.where(is_word, 0.0, np.median(own.points, axis=0))
 
 
 def file_part(measure: Column) -> str:

@@ -59,7 +59,8 @@ def distribution(
     axes.set_ylim(0.0, 100.0)
     axes.set_ylabel("probability of less (%)")
     legend(sheet, pens, "outside upper center")
-    caption = f"Distribution of {own.measure.text} over the distributions of its factors."
+    text = own.measure.text
+    caption = f"{text[:1].upper()}{text[1:]}: its distribution over those of all factors."
     return Drawing(
         f"spread-{file_part(own.measure)}.png", f"Spread of {own.measure.key}", caption, sheet
     )
