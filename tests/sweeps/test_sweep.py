@@ -75,6 +75,19 @@ def test_a_row_holds_what_a_run_of_its_scene_gives(tmp_path: Path) -> None:
     assert len(records) == 1
 
 
+def test_numbers_are_the_same_wherever_rows_run(tmp_path: Path) -> None:
+    varied = {"clearance": [4e-4, 6e-4], "cycles": [4]}
+    places = {"alone": 1, "": 2, "dask": 2, "concurrent.futures:ProcessPoolExecutor": 2}
+    tables = [
+        pw.sweep(SCENE, varied, tmp_path / f"{k}", on=on.removeprefix("alone"), jobs=jobs).table
+        for k, (on, jobs) in enumerate(places.items())
+    ]
+    assert np.isfinite(tables[0].values[:, 0]).all()
+    for table in tables[1:]:
+        assert np.array_equal(table.values, tables[0].values, equal_nan=True)
+        assert np.array_equal(table.halves, tables[0].halves, equal_nan=True)
+
+
 def test_a_run_that_fails_is_a_row_with_its_reason(tmp_path: Path) -> None:
     varied = {"integrator": ["dopri5", "rk4-paper"]}
     found = pw.sweep(SCENE, varied, tmp_path / "sweep", ["A.force_max"], jobs=1)
