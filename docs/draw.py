@@ -26,7 +26,8 @@ from presswear.engines.base import Plan
 from presswear.engines.settings import InHouse
 from presswear.linkage.laws import DAMPINGS, KELVIN_VOIGT, NormalLaw, delivered_restitution
 from presswear.linkage.loads import Force, OverPosition
-from presswear.linkage.motions import RISES, Drive, Rise
+from presswear.linkage.motions import Drive
+from presswear.linkage.pieces import RISES, Rise
 from presswear.linkage.slider_crank import SliderCrank
 from presswear.record.sampling import STARTUP_CYCLES, half_width
 from presswear.scene.life import Limit
