@@ -63,6 +63,9 @@ if TYPE_CHECKING:
     from presswear.scene.scene import Scene as Scene
     from presswear.studies import study as study
     from presswear.studies import write_report as write_report
+    from presswear.sweeps.function import function_of as function_of
+    from presswear.sweeps.sweep import Sweep as Sweep
+    from presswear.sweeps.sweep import sweep as sweep
     from presswear.tools.errors import InputError as InputError
     from presswear.tools.errors import RunFailed as RunFailed
 
@@ -109,6 +112,8 @@ _ROOMS = {
     "scene.life": ("Life",),
     "scene.scene": ("Scene",),
     "studies": ("study", "write_report"),
+    "sweeps.function": ("function_of",),
+    "sweeps.sweep": ("Sweep", "sweep"),
     "tools.errors": ("InputError", "RunFailed"),
 }
 _OWNERS = {name: room for room, names in _ROOMS.items() for name in names}

@@ -11,7 +11,7 @@ from presswear.campaign.chains import SceneChains, growth_between
 from presswear.campaign.crossing import Blocks, chains_of, curve, sampling_error
 from presswear.campaign.ensemble import NOTHING, Partial, Runner
 from presswear.campaign.growth import Growth
-from presswear.campaign.life import Pass, Problem, known_by, live
+from presswear.campaign.life import Known, Pass, Problem, known_by, live
 from presswear.campaign.phases import phases_of
 from presswear.record.sampling import half_width, quantile
 from presswear.results.life import Ended, LifeResult, LimitResult, PassResult
@@ -147,7 +147,7 @@ def told_of(scene: Scene, problem: Problem, passes: tuple[Pass, ...]) -> LifeRes
         _finite(known.sampling),
         _finite(known.step),
         scatter,
-        tuple(_limit(problem, passes, limit) for limit in problem.limits),
+        tuple(_limit(problem, passes, limit, known) for limit in problem.limits),
         tuple(
             PassResult(
                 own.change,
@@ -173,9 +173,12 @@ def _cycles(blocks: Blocks) -> int:
     return chains_of(blocks) * sum(block.cycles for block in blocks)
 
 
-def _limit(problem: Problem, passes: tuple[Pass, ...], limit: Limit) -> LimitResult:
+def _limit(problem: Problem, passes: tuple[Pass, ...], limit: Limit, life: Known) -> LimitResult:
     blocks = passes[-1].blocks
     known = known_by(problem, passes, [limit])
+    if known.strokes == life.strokes:
+        # The first: a coarser pass that another limit ended tells of it too.
+        known = life
     last, half = (float(own[-1]) for own in band(blocks, limit.key))
     return LimitResult(
         limit.key,

@@ -26,7 +26,12 @@ def add(commands: Any) -> None:
         epilog="example: presswear export results/wear-times first.csv --stage 0",
     )
     export.add_argument("folder", type=Path, metavar="DIR")
-    export.add_argument("file", type=Path, metavar="FILE", help="new file, .csv or .npz")
+    export.add_argument(
+        "file",
+        type=Path,
+        metavar="FILE",
+        help="new file, .csv or .npz; of a sweep .csv or .parquet, a row a run",
+    )
     export.add_argument(
         "--stage",
         type=place_given,
@@ -54,6 +59,10 @@ def add(commands: Any) -> None:
 def _export(arguments: argparse.Namespace, console: Console) -> int:
     from presswear.results.tables import life_table, strokes_table, table_of, write_table
 
+    if (arguments.folder / "sweep.json").exists():
+        from presswear.commands import sweep
+
+        return sweep.export(arguments, console)
     result = finished_part(arguments.folder, console)
     if arguments.life:
         table = life_table(result)

@@ -242,6 +242,10 @@ def _report(arguments: argparse.Namespace, console: Console) -> int:
         from presswear.commands import studies
 
         return studies.report(arguments.folder, console)
+    if (arguments.folder / "sweep.json").exists():
+        from presswear.commands import sweep
+
+        return sweep.report(arguments.folder, console)
     if (arguments.folder / "precision.json").exists():
         from presswear.commands import measure
 

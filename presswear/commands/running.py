@@ -41,6 +41,7 @@ class Terminal(Tracker):
     def life(self, life: LifeResult) -> None:
         """Tell what came out."""
         self._bar.console.print(f"{life}", highlight=False, soft_wrap=True)
+        self._compiled = 0.0  # in the time of no stage
 
     def stage(self, stage: StageResult) -> None:
         """Tell what was modelled, and what came out."""

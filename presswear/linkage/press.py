@@ -9,7 +9,7 @@ import cmath
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import lru_cache, partial
 from typing import Any, Self
 
 from presswear.linkage.elements import (
@@ -167,6 +167,7 @@ class Press(Mechanism):
         corners = {"D": (0.0, 0.0), "B": (bd, 0.0), "C": (along, across)}
         return {name: Attachment("plate 4", a - x, b - y) for name, (a, b) in corners.items()}
 
+    @lru_cache(maxsize=64)  # noqa: B019 - a press is frozen, and a scene asks it several times
     def linkage(self) -> Linkage:
         """The ideal linkage, every joint closed.
 

@@ -7,7 +7,7 @@ literature (Flores) and were not checked against a page.
 
 import math
 from dataclasses import dataclass
-from functools import partial
+from functools import lru_cache, partial
 
 from presswear.linkage.elements import (
     GROUND,
@@ -87,6 +87,7 @@ class SliderCrank(Mechanism):
             "page."
         )
 
+    @lru_cache(maxsize=64)  # noqa: B019 - it is frozen, and a scene asks it several times
     def linkage(self) -> Linkage:
         """The ideal linkage, every joint closed.
 

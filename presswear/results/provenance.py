@@ -6,6 +6,7 @@ import platform
 import subprocess
 import time
 from collections.abc import Mapping
+from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NotRequired, TypedDict
@@ -74,6 +75,16 @@ def provenance() -> Provenance:
         "machine": f"{platform.system()} {platform.machine()}, {os.cpu_count()} cores",
         "started": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()),
     }
+
+
+@cache
+def program_digest() -> str:
+    """Digest of all that must agree for two processes to give the same numbers.
+
+    Source and versions, but for what draws the figures.
+    """
+    told = [platform.python_version(), source_digest(), *map(version_of, PACKAGES[:-1])]
+    return hashlib.sha256("\n".join(told).encode()).hexdigest()[:16]
 
 
 def provenance_differs(stored: Mapping[str, Any], here: Mapping[str, Any]) -> str:

@@ -20,7 +20,9 @@ from presswear.tools.files import read_checked
 
 SUFFIX = ".toml"
 _PARTS = "process", "servo", "life"
-_KEYS = ("title", "mechanism", *_PARTS, "settings", "surfaces")
+SWEEP = "sweep"
+"""Table of what a sweep of the scene varies, which the scene itself does not need."""
+_KEYS = ("title", "mechanism", *_PARTS, "settings", "surfaces", SWEEP)
 _MOST_BYTES = 2**20
 
 

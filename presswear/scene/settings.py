@@ -69,6 +69,21 @@ def settings_of(scene: Scene) -> Iterator[Setting]:
                 yield replace(setting, key=f"{name}.{setting.key}")
 
 
+def setting_of(scene: Scene, key: str) -> Setting:
+    """The setting that a key changes, those of single joints, ``JOINT.KEY``, among them.
+
+    InputError for a key that is none, with the nearest that is one.
+    """
+    known = {setting.key: setting for setting in settings_of(scene)}
+    for joint in scene.clearance_joints:
+        for setting in _settings(scene.bearing(joint), {}):
+            own = f"{joint}.{setting.key}"
+            known.setdefault(own, replace(setting, key=own))
+    if key not in known:
+        raise unknown("key", key, sorted(known))
+    return known[key]
+
+
 def _settings(owner: Any, statuses: Mapping[str, str]) -> Iterator[Setting]:
     """The parts of an owner first, then its own values."""
     for item in fields(owner):

@@ -50,6 +50,11 @@ def unknown(kind: str, name: Any, known: Iterable[str]) -> InputError:
     return InputError(f"unknown {kind} {shown(name)}{nearest(f'{name}', words)}; {told}")
 
 
+def not_installed(what: str, package: str, extra: str) -> InputError:
+    """The error for something that needs a package of an extra that is not there."""
+    return InputError(f"{what} needs {package}: pip install 'presswear[{extra}]'")
+
+
 MOST_OF_VALUE = 80
 """Characters of a value in a message."""
 

@@ -19,7 +19,12 @@ def _written(number: str, power: int = 0) -> str:
     text = number.replace(",", "\u202f").replace("-", "−")
     if power == 0:
         return text
-    return f"{text}·10{str(power).translate(_SUPERSCRIPT)}"
+    return f"{text}·10{superscript(power)}"
+
+
+def superscript(power: int) -> str:
+    """A power as it stands above the line."""
+    return str(power).translate(_SUPERSCRIPT)
 
 
 def readable(value: float | None, digits: int = 3) -> str:

@@ -18,12 +18,15 @@ from hypothesis import strategies as st
 import presswear as pw
 from presswear.campaign.chains import SceneChains
 from presswear.campaign.crossing import Block
+from presswear.campaign.life import Pass
+from presswear.campaign.lifetime import problem_of, told_of
 from presswear.engines import driver
 from presswear.linkage.elements import Linkage
 from presswear.record.recorder import Recorder
 from presswear.record.soundness import Condition, Finding
 from presswear.record.tracker import Progress, Tracker
 from presswear.scene.life import FOLLOWED, Life, Service
+from presswear.scene.settings import changed
 
 JOINTS = ("A", "B")
 OF_JOINT = [name for name, own in FOLLOWED.items() if own.of_joint]
@@ -215,6 +218,36 @@ def test_a_limit_that_is_not_reached_ends_with_the_strokes(whole: Path) -> None:
     assert life.strokes == pytest.approx(at_most)
     assert life.first is None
     assert life.limits[0].last < 0.02 * CLEARANCE
+
+
+def straight(cycles: int, strokes: float, **rates: float) -> Pass:
+    """A pass of two starts that wear evenly, apart by a hundredth."""
+    apart, count = np.array([0.99, 1.01]), len(rates)
+    blocks = []
+    for k in range(cycles + 1):
+        now = strokes * k / cycles
+        depths = {f"{joint}.depth": rate * now * apart for joint, rate in rates.items()}
+        volumes = {
+            f"{joint}.wear_volume": 1e-6 * rate * now * apart for joint, rate in rates.items()
+        }
+        taken = np.full((count, 2, 8), 1e-12)
+        blocks.append(Block(now, int(k > 0), 0, depths | volumes, {}, 1e-9, taken))
+    return Pass(1.0 / cycles, 1, tuple(blocks))
+
+
+def test_the_first_limit_is_known_as_well_as_the_life() -> None:
+    """Where a coarser pass ended with another limit, before it came to this one."""
+    settings = {"life": "limits", "life.until": "depth > 0.05 mm", "conventions": "refined"}
+    scene = changed(pw.scenes.wear_times(), settings)
+    problem = problem_of(scene)
+    passes = straight(10, 1.04e6, A=5e-11, C=4.5e-11), straight(40, 1.04e6, A=4.7e-11, C=4.9e-11)
+    life = told_of(scene, problem, passes)
+    first, other = life.first, life.limits[0]
+    assert first is not None
+    assert first.key == "C.depth"
+    assert life.step is not None
+    assert (first.strokes, first.sampling, first.step) == (life.strokes, life.sampling, life.step)
+    assert other.step is None
 
 
 @pytest.mark.parametrize("begun", [0.975, 0.979])

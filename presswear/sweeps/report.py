@@ -1,0 +1,216 @@
+"""The report of a sweep: what was varied and measured, what follows, and how sure that is."""
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import matplotlib
+import numpy as np
+
+from presswear.show.figures.style import SETTINGS, Drawing
+from presswear.show.report.page import Illustration, illustrate, render_page
+from presswear.show.report.parts import NOTHING, Row
+from presswear.show.report.parts import Table as Shown
+from presswear.sweeps.analysis import Analysis, analysed, has_varied
+from presswear.sweeps.distributions import Distribution
+from presswear.sweeps.export import write_csv
+from presswear.sweeps.figures import (
+    curves,
+    distribution,
+    effects,
+    heat_map,
+    parallel,
+    sections,
+    shares,
+    tornado,
+)
+from presswear.sweeps.figures.scales import Scale
+from presswear.sweeps.spread import Required
+from presswear.sweeps.table import Table
+from presswear.sweeps.words import answer, lines, tables
+from presswear.tools.files import write_bytes
+from presswear.tools.numbers import readable, whole
+
+FILE = "report.html"
+REST = "table.csv"
+"""All rows, beside the report."""
+FIRST_ROWS = 20
+MOST_REASONS = 12
+
+
+@dataclass(frozen=True)
+class Part:
+    """What the page says of one measure."""
+
+    heading: str
+    lines: tuple[str, ...]
+    tables: tuple[tuple[str, Shown], ...]
+    figures: tuple[Illustration, ...]
+
+
+def write_report(
+    table: Table,
+    folder: Path,
+    title: str,
+    *,
+    sample: str = "",
+    distributions: Mapping[str, Distribution] | None = None,
+    required: Mapping[str, Required] | None = None,
+) -> Path:
+    """Write ``report.html``, its figures and all rows into a folder; gives the page.
+
+    Parameters
+    ----------
+    sample : str
+        Kind of the design of all factors; nothing for a grid.
+    distributions : mapping or None
+        Of the factors that have one, by key.
+    required : mapping or None
+        What measures are not to miss, by key.
+    """
+    known, wanted = distributions or {}, required or {}
+    parts: list[Part] = []
+    answers: list[str] = []
+    for place, measure in enumerate(table.measures):
+        if not np.isfinite(table.values[:, place]).any():
+            continue
+        found = analysed(table, measure.key, sample, known, wanted.get(measure.key))
+        with matplotlib.rc_context(SETTINGS):
+            figures = tuple(illustrate(own, folder / "figures") for own in drawings(found))
+        answers += answer(found)
+        parts.append(Part(measure.key, tuple(lines(found)), tuple(tables(found)), figures))
+    failed = sum(bool(reason) for reason in table.reasons)
+    count = len(table.reasons)
+    points = len(np.unique(table.points, axis=0))
+    status = f"{whole(count)} runs at {whole(points)} points" + (
+        f", of which {whole(failed)} have no values" if failed else ""
+    )
+    write_csv(folder / REST, table)
+    left = count - min(count, FIRST_ROWS)
+    text = render_page(
+        "sweep.html",
+        package="presswear.sweeps",
+        title=title,
+        status=f"{status}.",
+        style="unfinished" if failed else "completed",
+        answer=answers,
+        varied=_varied(table, known),
+        measured=_measured(table),
+        failures=_failures(table) if failed else None,
+        parts=parts,
+        rows=_first_rows(table),
+        rest=f"{f'{whole(left)} other rows' if left else 'The same rows'} are in {REST}.",
+    )
+    path = folder / FILE
+    write_bytes(path, text.encode())
+    return path
+
+
+def drawings(found: Analysis) -> list[Drawing]:
+    """The pictures of a measure."""
+    own, drawn = found.own, []
+    if found.swings is not None and any(found.swings):
+        drawn.append(tornado(own, found.swings))
+    if found.indices is not None:
+        drawn.append(shares(own, found.indices))
+    if found.screening is not None:
+        drawn.append(effects(own, found.screening))
+    told = found.spread or found.rows
+    if told is not None and np.isfinite(told.values).sum() > 1:
+        beside = found.rows if found.spread is not None else None
+        drawn.append(distribution(own, told, found.required, beside))
+    line = curves(own)
+    if line is not None:
+        drawn.append(line)
+    numbers = [k for k in found.strongest if not own.factors[k].words]
+    numbers = [k for k in numbers if np.ptp(own.points[:, k]) > 0.0]
+    if len(numbers) > 1 and found.screening is None and found.swings is None:
+        drawn.append(heat_map(own, (numbers[0], numbers[1]), found.surface))
+    if found.surface is not None and numbers:
+        drawn.append(sections(found.surface))
+    if has_varied(own) > 1:
+        drawn.append(parallel(own))
+    return drawn
+
+
+def _varied(table: Table, known: Mapping[str, Distribution]) -> Shown:
+    rows = []
+    for place, factor in enumerate(table.factors):
+        values = table.points[:, place]
+        scale, count = Scale.of(factor, values), len(np.unique(values))
+        if factor.words:
+            held = ", ".join(factor.words[int(k)] for k in np.unique(values))
+        else:
+            held = f"{scale.told(float(values.min()))} to {scale.told(float(values.max()))}"
+        scatter = known[factor.key].described if factor.key in known else NOTHING
+        rows.append((factor.key, factor.text, held, whole(count), scatter))
+    head = ("", "what it is", "values", "different ones", "distribution")
+    return Shown(head, (("", tuple(rows)),), numeric=False)
+
+
+def _measured(table: Table) -> Shown:
+    rows: list[Row] = []
+    for place, own in enumerate(table.measures):
+        values = table.values[:, place]
+        values = values[np.isfinite(values)]
+        bounds = whole(int(table.is_beyond[:, place].sum()))
+        if not values.size:
+            rows.append((own.key, own.text, "0", bounds, *[NOTHING] * 4))
+            continue
+        scale = Scale.of(own, values)
+        rows.append(
+            (
+                own.key,
+                own.text,
+                whole(len(values)),
+                bounds,
+                *(
+                    readable(scale.factor * float(number))
+                    for number in (values.min(), np.median(values), values.max())
+                ),
+                scale.unit,
+            )
+        )
+    head = ("", "what it is", "values", "lower bounds", "least", "median", "largest", "unit")
+    return Shown(head, (("", tuple(rows)),), numeric=False)
+
+
+def _failures(table: Table) -> Shown:
+    """Reasons with their numbers of rows, the most frequent first."""
+    counted = Counter(reason for reason in table.reasons if reason)
+    rows = []
+    for reason, count in counted.most_common(MOST_REASONS):
+        first = table.reasons.index(reason)
+        rows.append((reason, whole(count), _point(table, first)))
+    left = len(counted) - len(rows)
+    if left > 0:
+        rest = sum(counted.values()) - sum(count for _, count in counted.most_common(MOST_REASONS))
+        rows.append((f"{whole(left)} other reasons", whole(rest), f"see {REST}"))
+    return Shown(("reason", "runs", "the first of them"), (("", tuple(rows)),), numeric=False)
+
+
+def _point(table: Table, row: int) -> str:
+    told = (
+        f"{factor.key} = {Scale.of(factor, table.points[:, k]).told(float(table.points[row, k]))}"
+        for k, factor in enumerate(table.factors)
+    )
+    return ", ".join(told)
+
+
+def _first_rows(table: Table) -> Shown:
+    both = zip((*table.factors, *table.measures), (*table.points.T, *table.values.T), strict=True)
+    columns = [(Scale.of(own, values), values) for own, values in both if np.isfinite(values).any()]
+    rows = []
+    for row in range(min(len(table.reasons), FIRST_ROWS)):
+        cells = []
+        for scale, values in columns:
+            value = float(values[row])
+            if np.isnan(value):
+                cells.append(NOTHING)
+            elif scale.column.words:
+                cells.append(scale.told(value))
+            else:
+                cells.append(readable(scale.factor * value, 4))
+        rows.append((f"{row + 1}", *cells))
+    return Shown(("run", *(scale.label for scale, _ in columns)), (("", tuple(rows)),))

@@ -1,0 +1,243 @@
+"""What a sweep says of a measure, in sentences and tables; every number is computed."""
+
+from collections.abc import Iterator
+from itertools import combinations
+
+import numpy as np
+
+from presswear.record.sampling import Interval
+from presswear.show.report.parts import NOTHING, Row, Table
+from presswear.sweeps.analysis import Analysis
+from presswear.sweeps.estimates import as_share
+from presswear.sweeps.figures.scales import Scale, scales_of
+from presswear.sweeps.spread import PROBABILITIES, Spread
+from presswear.sweeps.surface import noise_share
+from presswear.tools.numbers import readable, whole
+
+_TOLD = (5, 50, 95)
+"""Percentages whose quantiles are told."""
+
+
+def part(value: float) -> str:
+    """A share, in percent."""
+    return f"{100.0 * value:.3g} %".replace("-", "−")
+
+
+def parts(own: Interval) -> str:
+    """A share with its interval, in percent."""
+    own = as_share(own)
+    if own.low is None or own.high is None:
+        return part(own.value)
+    return f"{part(own.value)} ({part(own.low)} to {part(own.high)})"
+
+
+def amount(own: Interval, scale: Scale) -> str:
+    """A value with its interval and unit; an end that cannot be told is open."""
+    value = NOTHING if np.isnan(own.value) else scale.told(own.value)
+    if own.low is None and own.high is None:
+        return value
+    low, high = (
+        "not known" if end is None else readable(scale.factor * end) for end in (own.low, own.high)
+    )
+    return f"{value} ({low} to {high})"
+
+
+def lines(found: Analysis) -> Iterator[str]:
+    """Sentences on a measure."""
+    own, key = found.own, found.own.measure.key
+    yield f"{own.measure.text[:1].upper()}{own.measure.text[1:]}."
+    bounds = int(np.count_nonzero(own.is_beyond))
+    if bounds:
+        yield (
+            f"At {whole(bounds)} of {whole(len(own.means))} points the value is a lower bound. "
+            "Shares of the variance and effects take the bound for the value; the response "
+            "surface and the spread do not."
+        )
+    yield _chaos(found)
+    for first, second in _together(found):
+        yield f"{first} and {second} vary together: what is told of one is told of both."
+    if found.indices is not None:
+        yield (
+            f"The shares of the variance are {found.indices.method}, "
+            f"{whole(found.indices.used)} points."
+        )
+    if found.surface is not None:
+        left_out = found.surface.left_out
+        logarithm = "the logarithm of " if found.surface.scale == "logarithmic" else ""
+        told = noise_share(found.surface)
+        chaos = f"; chaos is {part(told)} of it" if told > 0.0 else ""
+        yield (
+            f"A response surface (a Gaussian process through {logarithm}{key} at "
+            f"{whole(len(found.surface.own.means))} points) is good enough: predicted from all "
+            f"other points, it explains {part(left_out.explained)} of the variance{chaos}."
+        )
+    else:
+        yield f"{found.refusal[:1].upper()}{found.refusal[1:]}."
+    if found.out_of_reach:
+        yield f"No spread follows from the surface: {found.out_of_reach}."
+
+
+def _together(found: Analysis) -> Iterator[tuple[str, str]]:
+    """Pairs of factors of which each value of one goes with one value of the other."""
+    points, factors = found.own.points, found.own.factors
+    counts = [len(np.unique(values)) for values in points.T]
+    for first, second in combinations(range(len(factors)), 2):
+        both = len(np.unique(points[:, [first, second]], axis=0))
+        if not counts[first] == counts[second] == both > 1:
+            continue
+        # In a sample no value comes twice: there only an order tells that they hang together.
+        steps = np.diff(points[np.argsort(points[:, first]), second])
+        if both < len(points) or (steps > 0.0).all() or (steps < 0.0).all():
+            yield factors[first].key, factors[second].key
+
+
+def answer(found: Analysis) -> Iterator[str]:
+    """What a reader wants to know of a measure first."""
+    if found.indices is not None:
+        yield _dependence(found)
+    scale, strongest = measure_scale(found), found.strongest[0]
+    key = found.own.factors[strongest].key
+    if found.screening is not None:
+        yield (
+            f"Of all factors {key} changes {found.own.measure.key} most when it goes up by half of "
+            f"its range, by {amount(found.screening[strongest].size, scale)} as a mean."
+        )
+    swing = None if found.swings is None else found.swings[strongest]
+    if swing is not None:
+        told = scales_of(found.own.factors, found.own.points)[strongest].told
+        yield (
+            f"Alone, {key} moves {found.own.measure.key} most: by {amount(swing.at_low, scale)} at "
+            f"{told(swing.low)}, by {amount(swing.at_high, scale)} at {told(swing.high)}."
+        )
+    yield from _spread(found)
+
+
+def _chaos(found: Analysis) -> str:
+    key = found.own.measure.key
+    if found.chaos is None:
+        return (
+            f"How much of the variance of {key} is chaos cannot be told: it takes several draws at "
+            "the points (--draws). Without it, shares of the variance are of chaos as well."
+        )
+    by = {
+        "draws": "the scatter of runs at one point that differ by their seed alone",
+        "intervals": "as the intervals of the runs themselves tell it",
+        "nothing": "",
+    }[found.own.noise_source]
+    return f"Of the variance of one run of {key} {parts(found.chaos)} is chaos: {by}."
+
+
+def _dependence(found: Analysis) -> str:
+    assert found.indices is not None, "it is asked of those that have them"
+    indices, key = found.indices, found.own.measure.key
+    told = indices.total or indices.first
+    strong = [k for k in found.strongest if (told[k].low or 0.0) > 0.0]
+    word = "with others" if indices.total else "alone"
+    if not strong:
+        listed = f"No factor stands out: the intervals of all shares of {key} reach 0"
+    else:
+        listed = f"The means of {key} depend on " + "; ".join(
+            f"{found.own.factors[k].key}, {word} {parts(told[k])}" for k in strong
+        )
+        rest = len(told) - len(strong)
+        if rest:
+            listed += f"; on {rest} other{'s' * (rest > 1)} perhaps not at all"
+    return f"{listed}."
+
+
+def _spread(found: Analysis) -> Iterator[str]:
+    told = found.spread or found.rows
+    if told is None:
+        return
+    key, scale = found.own.measure.key, measure_scale(found)
+    by = "By the response surface" if found.spread is not None else "By the rows alone"
+    five = told.quantile(_TOLD[0])
+    if not np.isnan(five.value):
+        yield (f"{by}, {key} is below {amount(five, scale)} with a probability of {_TOLD[0]} %.")
+    if found.required is not None and told.misses is not None:
+        word = "at least" if found.required.is_least else "at most"
+        yield (
+            f"{by}, the probability that {key} misses what is required, {word} "
+            f"{scale.told(found.required.value)}, is {parts(told.misses)}."
+        )
+
+
+def measure_scale(found: Analysis) -> Scale:
+    """The scale of a measure in texts."""
+    return Scale.of(found.own.measure, found.own.means)
+
+
+def tables(found: Analysis) -> list[tuple[str, Table]]:
+    """Tables on a measure with their headings."""
+    tables = []
+    keys = [own.key for own in found.own.factors]
+    order = found.strongest
+    if found.indices is not None:
+        first, total = found.indices.first, found.indices.total
+        head = ("factor", "alone (first order)", *(["with others (total)"] if total else []))
+        kinds = [first, *([total] if total else [])]
+        rows = tuple((keys[k], *(parts(kind[k]) for kind in kinds)) for k in order)
+        tables.append(("Shares of the variance of the means", _table(head, rows)))
+    scale = measure_scale(found)
+    if found.screening is not None:
+        told = found.screening
+        head = ("factor", "mean size of the effect", "scatter", "chaos alone")
+        rows = tuple(
+            (
+                keys[k],
+                amount(told[k].size, scale),
+                amount(told[k].scatter, scale),
+                NOTHING if np.isnan(told[k].floor) else scale.told(told[k].floor),
+            )
+            for k in order
+        )
+        tables.append(("Effects of jumps by half of the range", _table(head, rows)))
+    if found.swings is not None:
+        tables.append(("One factor at a time", _swings(found)))
+    spreads: dict[str, Spread | None] = {
+        "single runs, by the surface": found.spread,
+        "means of runs, by the surface": found.mean_spread,
+        "single runs, by the rows alone": found.rows,
+    }
+    told_spreads = {label: own for label, own in spreads.items() if own is not None}
+    if told_spreads:
+        head = ("", *(f"{100.0 * PROBABILITIES[p - 1]:.0f} % below" for p in _TOLD))
+        misses = found.required is not None
+        rows = tuple(
+            (
+                label,
+                *(amount(own.quantile(p), scale) for p in _TOLD),
+                *([parts(own.misses)] if own.misses is not None else []),
+            )
+            for label, own in told_spreads.items()
+        )
+        if misses:
+            head = (*head, "misses what is required")
+        tables.append(("Spread", _table(head, rows)))
+    return tables
+
+
+def _swings(found: Analysis) -> Table:
+    assert found.swings is not None, "it is asked of those that have them"
+    scale, factors = measure_scale(found), scales_of(found.own.factors, found.own.points)
+    rows = []
+    for k in found.strongest:
+        swing = found.swings[k]
+        key = found.own.factors[k].key
+        if swing is None:
+            rows.append((key, NOTHING, NOTHING, NOTHING, NOTHING))
+            continue
+        rows.append(
+            (
+                key,
+                factors[k].told(swing.low),
+                amount(swing.at_low, scale),
+                factors[k].told(swing.high),
+                amount(swing.at_high, scale),
+            )
+        )
+    return _table(("factor", "low", "change", "high", "change"), tuple(rows))
+
+
+def _table(head: Row, rows: tuple[Row, ...]) -> Table:
+    return Table(head, (("", rows),))
