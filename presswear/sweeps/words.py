@@ -10,7 +10,7 @@ from presswear.show.report.parts import NOTHING, Row, Table
 from presswear.sweeps.analysis import Analysis
 from presswear.sweeps.estimates import as_share
 from presswear.sweeps.figures.scales import Scale, scales_of
-from presswear.sweeps.spread import PROBABILITIES, Spread
+from presswear.sweeps.spread import PROBABILITIES, Required, Spread
 from presswear.sweeps.surface import noise_share
 from presswear.tools.numbers import readable, whole
 
@@ -147,19 +147,51 @@ def _dependence(found: Analysis) -> str:
 
 def _spread(found: Analysis) -> Iterator[str]:
     told = found.spread or found.rows
-    if told is None:
-        return
     key, scale = found.own.measure.key, measure_scale(found)
+    if told is None:
+        if found.required is not None:
+            yield _counted(found, found.required)
+        return
     by = "By the response surface" if found.spread is not None else "By the rows alone"
     five = told.quantile(_TOLD[0])
-    if not np.isnan(five.value):
-        yield (f"{by}, {key} is below {amount(five, scale)} with a probability of {_TOLD[0]} %.")
-    if found.required is not None and told.misses is not None:
-        word = "at least" if found.required.is_least else "at most"
+    if np.isnan(five.value):
         yield (
-            f"{by}, the probability that {key} misses what is required, {word} "
-            f"{scale.told(found.required.value)}, is {parts(told.misses)}."
+            f"{by}, lower bounds leave open which value {key} is below with a probability of "
+            f"{_TOLD[0]} %."
         )
+    else:
+        yield f"{by}, {key} is below {amount(five, scale)} with a probability of {_TOLD[0]} %."
+    if found.required is not None and told.misses is not None:
+        yield (
+            f"{by}, the probability that {key} misses what is required, "
+            f"{_wanted(found.required, scale)}, is {parts(told.misses)}."
+        )
+    if found.without:
+        left = (
+            f"{whole(found.without)} of {whole(found.runs)} runs have no value of {key} and are "
+            "not in this spread"
+        )
+        if told.misses is not None:
+            share = found.without / found.runs
+            left += f"; if all of them miss, {part(share + (1.0 - share) * told.misses.value)} do"
+        yield f"{left}."
+
+
+def _wanted(required: Required, scale: Scale) -> str:
+    return f"{'at least' if required.is_least else 'at most'} {scale.told(required.value)}"
+
+
+def _counted(found: Analysis, required: Required) -> str:
+    """How many points miss what is required, where nothing tells how probable they are."""
+    own = found.own
+    surely, perhaps = required.counted(own.means[own.has_value], own.is_beyond[own.has_value])
+    told = (
+        f"{whole(surely)} of {whole(int(own.has_value.sum()))} points miss what is required of "
+        f"{own.measure.key}, {_wanted(required, measure_scale(found))}"
+    )
+    if perhaps > surely:
+        told += f"; lower bounds leave {whole(perhaps - surely)} others open"
+    return f"{told}. How probable a miss is takes a distribution of every factor."
 
 
 def measure_scale(found: Analysis) -> Scale:
