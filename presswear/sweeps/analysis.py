@@ -65,6 +65,11 @@ class Analysis:
     rows: Spread | None
 
     @property
+    def is_constant(self) -> bool:
+        """True where the measure is the same at all points that have a value."""
+        return float(np.ptp(self.own.means[self.own.has_value])) == 0.0
+
+    @property
     def strongest(self) -> Sequence[int]:
         """Places of the factors, the one that the measure depends on most first."""
         count = len(self.own.factors)

@@ -38,7 +38,7 @@ from presswear.tools.errors import InputError
 from presswear.tools.folders import is_free
 
 FILE = "sweep.json"
-SCHEMA = 2
+SCHEMA = 1
 KEEP = ("measures", "all")
 LONG = 3600.0
 """Time above which a sweep is to be asked for twice, s."""
@@ -57,10 +57,10 @@ class StoredSweep:
     dear: tuple[str, ...]
     further: str
     is_own: bool
-    required: tuple[str, ...]
     keep: Literal["measures", "all"]
     program: str
     provenance: Provenance
+    required: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

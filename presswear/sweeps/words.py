@@ -34,12 +34,12 @@ def parts(own: Interval) -> str:
 def amount(own: Interval, scale: Scale) -> str:
     """A value with its interval and unit; an end that cannot be told is open."""
     value = NOTHING if np.isnan(own.value) else scale.told(own.value)
-    if own.low is None and own.high is None:
-        return value
-    low, high = (
-        "not known" if end is None else readable(scale.factor * end) for end in (own.low, own.high)
-    )
-    return f"{value} ({low} to {high})"
+    if own.low is not None and own.high is not None:
+        low, high = (readable(scale.factor * end) for end in (own.low, own.high))
+        return f"{value} ({low} to {high})"
+    if own.high is not None:
+        return f"{value} (at most {scale.told(own.high)})"
+    return value if own.low is None else f"{value} (at least {scale.told(own.low)})"
 
 
 def lines(found: Analysis) -> Iterator[str]:
@@ -48,11 +48,16 @@ def lines(found: Analysis) -> Iterator[str]:
     yield f"{own.measure.text[:1].upper()}{own.measure.text[1:]}."
     bounds = int(np.count_nonzero(own.is_beyond))
     if bounds:
-        yield (
-            f"At {whole(bounds)} of {whole(len(own.means))} points the value is a lower bound. "
-            "Shares of the variance and effects take the bound for the value; the response "
-            "surface and the spread do not."
-        )
+        told = f"At {whole(bounds)} of {whole(len(own.means))} points the value is a lower bound."
+        if found.indices or found.screening or found.swings:
+            told += " Shares of the variance and effects take the bound for the value."
+        if found.surface or found.rows:
+            told += " What is told of the spread does not."
+        yield told
+    if found.is_constant:
+        value = measure_scale(found).told(float(own.means[own.has_value][0]))
+        yield f"It is {value} at all points."
+        return
     yield _chaos(found)
     for first, second in _together(found):
         yield f"{first} and {second} vary together: what is told of one is told of both."
@@ -115,10 +120,13 @@ def answer(found: Analysis) -> Iterator[str]:
 def _chaos(found: Analysis) -> str:
     key = found.own.measure.key
     if found.chaos is None:
-        return (
-            f"How much of the variance of {key} is chaos cannot be told: it takes several draws at "
-            "the points (--draws). Without it, shares of the variance are of chaos as well."
-        )
+        told = f"How much of the variance of {key} is chaos cannot be told: "
+        if found.own.noise_source == "intervals":
+            told += "the intervals of the runs are wider than the runs differ, and "
+        told += "it takes several draws at the points (--draws)."
+        if found.indices:
+            told += " Without it, shares of the variance are of chaos as well."
+        return told
     by = {
         "draws": "the scatter of runs at one point that differ by their seed alone",
         "intervals": "as the intervals of the runs themselves tell it",
