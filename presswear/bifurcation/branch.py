@@ -29,6 +29,8 @@ ENGINE = InHouse("dopri5", 1e-7)
 """A period is asked for to a hundredth of the clearance."""
 PHASES = (0.25, 0.5, 0.75, 1.0)
 """Parts of the cycle at which states are kept."""
+OPEN = 1e-4
+"""Least gap of a pin where a run goes on with another value, part of the clearance."""
 _STEPS = 8
 """Newton steps that move pins to their places; three are enough."""
 
@@ -112,8 +114,8 @@ class Point:
 def moved(linkage: Linkage, before: Linkage, end: Start, begun: Start) -> Start:
     """The end of a run of one linkage, after whole cycles, as the start of another.
 
-    Pins keep their places in parts of the clearance, velocities go with the speed of the first
-    drive, and both are then moved as little as the constraints and the drives need.
+    Pins keep their places in parts of the clearance, but for contacts, which open; velocities go
+    with the speed of the first drive, and both are then moved as little as the constraints and the drives need.
 
     Parameters
     ----------
@@ -127,13 +129,18 @@ def moved(linkage: Linkage, before: Linkage, end: Start, begun: Start) -> Start:
     constraints = constraints_of(linkage)
     position = turned_back(end, begun).position
     places = _eccentricities(linkage)
-    wanted = places(position) * np.repeat(ratios, 2)
+    wanted = places(position).reshape(-1, 2) * np.array(ratios)[:, None]
+    # Latched where it starts, the closing speed of a pin at rest in a contact would be next to
+    # nothing, and the damping without bound: pins start open.
+    gaps = np.array([joint.clearance for joint in linkage.clearances])
+    far = np.hypot(*wanted.T) / ((1.0 - OPEN) * gaps)
+    wanted = (wanted / np.maximum(far, 1.0)[:, None]).ravel()
     rest = np.zeros_like(position)
     for _ in range(_STEPS):
         phi, _, _, jacobian = constraints.evaluate(0.0, position, rest)
         off = np.concatenate([phi, places(position) - wanted])
         slopes = np.concatenate([jacobian, _slopes(places, position)])
-        position -= np.linalg.lstsq(slopes, off)[0]
+        position -= np.linalg.lstsq(slopes, off, rcond=None)[0]
     velocity = end.velocity * (linkage.drives[0].speed / before.drives[0].speed)
     _, error, _, jacobian = constraints.evaluate(0.0, position, velocity)
     return Start(position, velocity - np.linalg.pinv(jacobian) @ error)
@@ -173,7 +180,7 @@ def point(scene: Scene, start: Start, extent: Extent) -> Point:
     force = [run.recorder.each_cycle("force_max", k) for k in range(joints)]
     told = (math.nan, math.nan)
     if extent.exponent_cycles:
-        end = turned_back(run.end, start)
+        end = moved(linkage, linkage, run.end, start)
         try:
             found = exponent(linkage, end, period, extent.exponent_cycles)
             half = math.nan if found.half_width is None else found.half_width
