@@ -115,7 +115,8 @@ def moved(linkage: Linkage, before: Linkage, end: Start, begun: Start) -> Start:
     """The end of a run of one linkage, after whole cycles, as the start of another.
 
     Pins keep their places in parts of the clearance, but for contacts, which open; velocities go
-    with the speed of the first drive, and both are then moved as little as the constraints and the drives need.
+    with the speed of the first drive, and both are then moved as little as the constraints and
+    the drives need.
 
     Parameters
     ----------

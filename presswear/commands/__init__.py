@@ -6,6 +6,7 @@ COMMANDS = {
     "show": ("scenes", "draw the mechanism of a scene or a file, labelled"),
     "run": ("run", "run a scene or a study and write its folder and report"),
     "life": ("life", "how many strokes until a limit is passed, and how sure that is"),
+    "dynamics": ("dynamics", "modes of contact, periods, exponents and bifurcation diagrams"),
     "report": ("run", "figures and report anew from the folder of a run, a study or a precision"),
     "replay": ("replay", "play a stored run in the Exudyn renderer, or make a film or a still"),
     "export": ("export", "write the recorded motion of a run as a table for other programs"),
