@@ -1,6 +1,6 @@
 """Pictures of the documentation that no study draws.
 
-Run:  python docs/draw.py [NAME ...]
+Those that take seconds are drawn when the site is built.  Run:  python docs/draw.py [NAME ...]
 """
 
 import math
@@ -9,6 +9,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
 from cycler import cycler
@@ -39,7 +40,7 @@ from presswear.tools.workers import Workers
 from presswear.trials.verify import references
 from presswear.trials.verify.verify import delivered
 
-HERE = Path(__file__).parent
+matplotlib.use("agg")
 COLOURS = [colour for colour, _ in LINES]
 
 
@@ -165,11 +166,16 @@ PICTURES: dict[str, Callable[[Axes], None]] = {
     "life": life,
 }
 
+
+def save(name: str, folder: Path) -> None:
+    """Draw a picture into a folder."""
+    with plt.rc_context({**SETTINGS, "axes.prop_cycle": cycler(color=COLOURS)}):
+        figure, axes = plt.subplots(figsize=(WIDTH, 0.6 * WIDTH), layout="constrained")
+        PICTURES[name](axes)
+        figure.savefig(folder / f"{name}.png", dpi=120)
+        plt.close(figure)
+
+
 if __name__ == "__main__":
     for title in sys.argv[1:] or PICTURES:
-        draw = PICTURES[title]
-        with plt.rc_context({**SETTINGS, "axes.prop_cycle": cycler(color=COLOURS)}):
-            figure, axes = plt.subplots(figsize=(WIDTH, 0.6 * WIDTH), layout="constrained")
-            draw(axes)
-            figure.savefig(HERE / f"{title}.png", dpi=120)
-            plt.close(figure)
+        save(title, Path.cwd())

@@ -70,6 +70,8 @@ if TYPE_CHECKING:
     from presswear.tools.errors import InputError as InputError
     from presswear.tools.errors import RunFailed as RunFailed
 
+    __version__: str
+
 _ROOMS = {
     "campaign.run": ("run",),
     "engines.settings": ("ExudynJoints", "ExudynTree", "InHouse"),
@@ -125,6 +127,8 @@ def __getattr__(name: str) -> Any:
     """Load what is asked for."""
     if name == "scenes":
         return import_module("presswear.scene.catalog")
+    if name == "__version__":
+        return import_module("importlib.metadata").version("presswear")
     if name not in _OWNERS:
         raise AttributeError(f"module 'presswear' has no attribute {name!r}")
     return getattr(import_module(f"presswear.{_OWNERS[name]}"), name)

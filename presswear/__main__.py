@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import argparse
 
 
-def _parser(words: Sequence[str]) -> "argparse.ArgumentParser":
+def parser_of(words: Sequence[str]) -> "argparse.ArgumentParser":
     """The parser of the command that is called; of the others it knows names only."""
     # Imported when a signal is answered already: it takes most of a second.
     import argparse
@@ -69,7 +69,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             if list(words) == ["--version"]:
                 print(f"presswear {version('presswear')}")
                 return 0
-            arguments = _parser(words).parse_args(words)
+            arguments = parser_of(words).parse_args(words)
             from rich.console import Console
 
             return int(arguments.run(arguments, Console()))

@@ -5,6 +5,7 @@ import inspect
 import re
 import subprocess
 import sys
+import tomllib
 from collections.abc import Callable
 from dataclasses import fields, is_dataclass, replace
 from pathlib import Path
@@ -27,6 +28,14 @@ def test_every_name_can_be_asked_for() -> None:
         assert getattr(pw, name) is not None
     with pytest.raises(AttributeError, match="no attribute 'Sceen'"):
         _ = pw.Sceen
+
+
+def test_the_version_is_that_of_the_package_and_of_its_citation() -> None:
+    root = Path(__file__).parents[1]
+    told = tomllib.loads((root / "pyproject.toml").read_text())["project"]["version"]
+    assert told == pw.__version__
+    assert f"\nversion: {told}\n" in (root / "CITATION.cff").read_text()
+    assert f"\n## {told}\n" in (root / "CHANGELOG.md").read_text()
 
 
 @pytest.mark.parametrize("program", ["import presswear", "main(['list'])", "main(['run', 'no'])"])

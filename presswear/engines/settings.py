@@ -205,7 +205,7 @@ class InHouse(_Engine):
         classical of order 4 with equal steps; the same with the paper's 1e-4 s.
     integration_tolerance : float or None
         Of ``dop853`` and ``dopri5``: per step, times 1 mm or mrad in positions and times
-        1 m/s + |v| in velocities.  None: by the purpose.
+        ``1 m/s + |v|`` in velocities.  None: by the purpose.
     equal_step : float
         Of ``rk4``, s.
     coordinates : {"auto", "fewest", "all"}

@@ -155,7 +155,7 @@ class WearLaw:
     coefficient : float
         K_d, 1/Pa.
     slip : {"angle", "sliding"}
-        ds = (R_j + delta) |d phi| (equation 24), or |v_t| dt.
+        ``ds = (R_j + delta) |d phi|`` (equation 24), or ``|v_t| dt``.
     footprint : {"bin", "arc"}
         All into the bin of the contact with the mean pressure of equations 25 to
         28, or over the contact arc in proportion to the pressure there.

@@ -1,0 +1,107 @@
+"""How Sphinx builds the site: ``sphinx-build -W docs site``.
+
+Needs no network: formulas are MathML, which browsers draw themselves.
+"""
+
+import os
+import sys
+from dataclasses import fields, is_dataclass
+from importlib.metadata import version as version_of
+from pathlib import Path
+
+from docutils import nodes
+from latex2mathml.converter import convert
+from sphinx.application import Sphinx
+from sphinx.errors import SphinxError
+from sphinx.writers.html5 import HTML5Translator
+
+DOCS = Path(__file__).parent
+sys.path.insert(0, str(DOCS))
+import draw  # noqa: E402
+
+from presswear.tools.quantities import meaning_of, words_of  # noqa: E402
+
+# Tutorials call ``presswear`` and ``python`` of the environment that builds.
+os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
+os.environ |= {"COLUMNS": "88", "TTY_COMPATIBLE": "0"}
+os.environ["PYTHONSTARTUP"] = str(DOCS / "kernel.py")
+os.environ.pop("MPLBACKEND", None)  # pages with code show their figures
+
+project = "presswear"
+author = "The presswear developers"
+copyright = f"2026, {author}"
+release = version = version_of("presswear")
+
+extensions = [
+    "sphinx.ext.autodoc",
+    "sphinx.ext.autosummary",
+    "numpydoc",
+    "myst_nb",
+]
+exclude_patterns = ["_*", "upstream"]
+templates_path = ["_templates"]
+html_theme = "furo"
+html_title = f"presswear {release}"
+html_static_path = ["_static"]
+html_css_files = ["site.css"]
+html_math_renderer = "mathml"
+
+myst_enable_extensions = ["dollarmath", "amsmath", "deflist", "colon_fence"]
+myst_heading_anchors = 3
+
+# A page with code is run at each build, and ends it where anything fails.
+nb_execution_mode = "force"
+nb_execution_raise_on_error = True
+nb_execution_in_temp = True
+nb_execution_timeout = 900
+nb_merge_streams = True
+
+autosummary_generate = True
+autodoc_typehints = "none"
+numpydoc_show_class_members = False
+
+
+def _math(self: HTML5Translator, node: nodes.math | nodes.math_block) -> None:
+    """Write a formula in MathML; what the converter does not know ends the build."""
+    is_block = isinstance(node, nodes.math_block)
+    body = convert(node.astext(), display="block" if is_block else "inline")
+    if "\\" in body:
+        raise SphinxError(f"a formula that MathML does not show: {node.astext()}")
+    self.body.append(f'<div class="formula">{body}</div>' if is_block else body)
+    raise nodes.SkipNode
+
+
+def _draw(app: Sphinx) -> None:
+    """Draw what no page with code draws."""
+    folder = DOCS / "_drawn"
+    folder.mkdir(exist_ok=True)
+    for name in ("restitution", "motion", "load"):
+        draw.save(name, folder)
+
+
+def _tell_fields(
+    app: Sphinx, what: str, name: str, owner: object, options: object, lines: list[str]
+) -> None:
+    """Write what the fields of a data class mean, with units and ranges, as its parameters."""
+    if not (isinstance(owner, type) and is_dataclass(owner)) or "----------" in lines:
+        return
+    told: list[str] = []
+    for item in fields(owner):
+        meaning, words = meaning_of(item), words_of(item)
+        if meaning is not None:
+            told += [f"{item.name} : {meaning.range_text()}", f"    {meaning.text}"]
+        elif words is not None:
+            told += [f"{item.name} : {', '.join(words.listed())}", f"    {words.text}"]
+        elif "choice" in item.metadata:
+            allowed, text, *_ = item.metadata["choice"]
+            known = "" if callable(allowed) else f" : {', '.join(allowed)}"
+            told += [f"{item.name}{known}", f"    {text}"]
+    if told:
+        lines += ["", "Parameters", "----------", *(line.replace("|", "\\|") for line in told)]
+
+
+def setup(app: Sphinx) -> None:
+    """Add formulas in MathML, pictures, and the fields of data classes."""
+    app.add_html_math_renderer("mathml", (_math, None), (_math, None))
+    app.connect("builder-inited", _draw)
+    app.connect("autodoc-process-docstring", _tell_fields, priority=1)  # before numpydoc

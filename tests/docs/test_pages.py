@@ -1,0 +1,117 @@
+"""What the documentation says can be typed, imported and called, is there."""
+
+import re
+import shlex
+from collections.abc import Iterator
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+
+import presswear as pw
+from presswear.__main__ import parser_of
+from presswear.commands import COMMANDS
+from presswear.commands.terminal import settings_given
+from presswear.scene.catalog import SCENES
+from presswear.scene.settings import changed
+from presswear.tools.errors import InputError
+
+ROOT = Path(__file__).parents[2]
+DOCS = ROOT / "docs"
+PAGES = sorted(
+    page
+    for page in [*ROOT.glob("*.md"), *DOCS.rglob("*.md")]
+    if page.relative_to(ROOT).parts[1:2] != ("_build",)
+)
+THEORY = sorted((DOCS / "theory").glob("*.md"))
+TUTORIALS = sorted((DOCS / "tutorials").glob("*.md"))
+REFUSED = "clearence"
+"""A mistake that a tutorial shows on purpose."""
+
+
+def lines_of(text: str) -> Iterator[str]:
+    """Command lines in blocks of code, each whole, comments and what comes before them left out."""
+    joined = re.sub(r"\\\n\s*", " ", text)
+    for line in joined.splitlines():
+        for part in re.split(r"&&|\|\|", line.strip()):
+            if found := re.match(r"(?:\S*/)?presswear (?=[a-z-])(.*)", part.strip()):
+                yield found[1]
+
+
+COMMAND_LINES = [(page, line) for page in PAGES for line in lines_of(page.read_text())]
+
+
+def test_pages_hold_commands() -> None:
+    """The search finds them: else nothing below would be tested."""
+    assert len({page for page, _ in COMMAND_LINES}) >= 10
+    called = {line.split()[0] for _, line in COMMAND_LINES}
+    assert {"run", "list", "life", "replay", "crosscheck", "export"} <= called
+
+
+@pytest.mark.parametrize(
+    "line", [pytest.param(line, id=f"{page.stem}: {line[:40]}") for page, line in COMMAND_LINES]
+)
+def test_a_command_line_is_one(line: str) -> None:
+    """It is parsed, and a named scene takes the settings that it is given."""
+    words = shlex.split(line, comments=True)
+    arguments = parser_of(words).parse_args(words)
+    scene, given = getattr(arguments, "scene", None), getattr(arguments, "set", None)
+    if scene not in SCENES or not given:
+        return
+    if REFUSED in line:
+        with pytest.raises(InputError, match=REFUSED):
+            changed(SCENES[scene].make(), settings_given(given))
+    else:
+        changed(SCENES[scene].make(), settings_given(given))
+
+
+def test_commands_in_prose_have_a_name_that_is_known() -> None:
+    for page in PAGES:
+        for name in re.findall(r"`presswear ([a-z]+)", page.read_text()):
+            assert name in COMMANDS, f"{page.name}: presswear {name}"
+
+
+@pytest.mark.parametrize("page", TUTORIALS, ids=lambda page: page.stem)
+def test_commands_of_a_tutorial_run_when_the_site_is_built(page: Path) -> None:
+    """They stand in cells, which the build runs and which end it where one fails."""
+    text = page.read_text()
+    cells = re.findall(r"^```\{code-cell\} ipython3\n%%bash\n(.*?)^```", text, re.M | re.S)
+    assert list(lines_of(text)) == [line for cell in cells for line in lines_of(cell)]
+
+
+def functions_named(page: Path) -> set[str]:
+    """Dotted names below presswear in a page."""
+    return set(re.findall(r"`((?:[a-z_]+\.)+[A-Za-z_0-9]+)`", page.read_text()))
+
+
+@pytest.mark.parametrize("page", THEORY, ids=lambda page: page.stem)
+def test_what_a_page_of_theory_names_is_there(page: Path) -> None:
+    for name in functions_named(page):
+        if name.endswith(".md"):
+            continue
+        parts = name.split(".")
+        while not (ROOT / "presswear" / "/".join(parts)).with_suffix(".py").exists():
+            parts.pop()
+            assert parts, f"{page.name}: there is no {name}"
+        owner: object = import_module(f"presswear.{'.'.join(parts)}")
+        for part in name.split(".")[len(parts) :]:
+            assert hasattr(owner, part), f"{page.name}: there is no {name}"
+            owner = getattr(owner, part)
+
+
+def test_theory_names_functions_of_every_part() -> None:
+    named = {name.partition(".")[0] for page in THEORY for name in functions_named(page)}
+    assert {"physics", "linkage", "record", "campaign", "engines"} <= named
+
+
+def test_the_reference_lists_everything_that_may_be_imported() -> None:
+    """Modules are told of in words."""
+    listed = set(re.findall(r"(?m)^   (\w+)$", (DOCS / "api.md").read_text()))
+    assert listed == set(pw.__all__) - {"scenes"}
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_pictures_and_pages_that_are_linked_are_there(page: Path) -> None:
+    for target in re.findall(r"\]\(([^)#]+)(?:#[^)]*)?\)", page.read_text()):
+        drawn = "_drawn" in target  # by the build, from docs/draw.py
+        assert drawn or "://" in target or (page.parent / target).exists(), target
