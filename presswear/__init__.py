@@ -60,6 +60,7 @@ if TYPE_CHECKING:
     from presswear.scene.bearing import Bearing as Bearing
     from presswear.scene.bearing import Conventions as Conventions
     from presswear.scene.life import Life as Life
+    from presswear.scene.recording import Recording as Recording
     from presswear.scene.scene import Scene as Scene
     from presswear.studies import study as study
     from presswear.studies import write_report as write_report
@@ -110,6 +111,7 @@ _ROOMS = {
     "results.surfaces": ("read_surfaces",),
     "scene.bearing": ("Bearing", "Conventions"),
     "scene.life": ("Life",),
+    "scene.recording": ("Recording",),
     "scene.scene": ("Scene",),
     "studies": ("study", "write_report"),
     "sweeps.function": ("function_of",),

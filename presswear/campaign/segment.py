@@ -129,13 +129,17 @@ def plan_of(scene: Scene, task: Task) -> Plan:
     """The plan of each run of a task, without trackers."""
     # Strokes on work are samples of what is asked of joints and drives.
     judged = Plan.recorded_cycles if scene.process is None else STARTUP_CYCLES + RANGE_STROKES
-    # Only what a stage is judged by has its series kept.
-    recorded = judged if task.wear is None else 1
+    own = scene.recording
+    if own.recorded_cycles is not None:
+        judged = own.recorded_cycles
     bottom = bottom_of(scene.ideal)
+    # Only what a stage is judged by has its series kept.
     return Plan(
         scene.mechanism.period,
         task.cycles,
-        recorded,
+        judged if task.wear is None else 1,
+        rows_per_cycle=own.rows_per_cycle,
+        sections=own.phases if task.wear is None else (),
         torques=scene.stores_torques,
         wear=task.wear,
         run_up=scene.run_up,

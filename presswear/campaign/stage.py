@@ -21,6 +21,9 @@ from presswear.tools.workers import outcomes
 
 Array = NDArray[np.float64]
 
+SINGLE = ("eccentricity", "penetration", "force", "sliding")
+"""Series of a joint that may be kept with 7 digits."""
+
 
 def judged(runner: Runner, ran: Ensemble) -> Ensemble:
     """The runs of a stage with what takes long to be said of them, done beside each other."""
@@ -101,7 +104,7 @@ def stage_of(
         wall_s=ran.wall,
         diagnostics=diagnostics,
         statistics=statistics,
-        arrays=_arrays(ran, added, batches, weights),
+        arrays=_arrays(ran, added, batches, weights, scene.recording.digits),
         joint_names=tuple(joint.name for joint in ran.linkage.clearances),
         read_film=lambda: film,
     )
@@ -112,7 +115,9 @@ def without_wear(scene: Scene, index: int, ran: Ensemble) -> StageResult:
     return stage_of(scene, index, ran, None, ran.finding)
 
 
-def _arrays(ran: Ensemble, added: Array, batches: Array, weights: Array) -> dict[str, Array]:
+def _arrays(
+    ran: Ensemble, added: Array, batches: Array, weights: Array, digits: str
+) -> dict[str, Array]:
     """The arrays of one stage under their contracted names; SI units.
 
     Series, contacts and torques are those of the first run; behind the starts of the first set
@@ -138,6 +143,10 @@ def _arrays(ran: Ensemble, added: Array, batches: Array, weights: Array) -> dict
         arrays[f"{name}_penetration"] = recorder.series("penetration", k).copy()
         arrays[f"{name}_force"] = stacked("normal", "tangential", joint=k)
         arrays[f"{name}_sliding"] = recorder.series("sliding", k).copy()
+        for series in SINGLE if digits == "single" else ():
+            # Rounded, and still doubles to whoever reads them: what is zero packs to nothing.
+            rounded = arrays[f"{name}_{series}"].astype(np.float32)
+            arrays[f"{name}_{series}"] = rounded.astype(np.float64)
         arrays[f"{name}_contacts"] = recorder.episodes(k).copy()
         for i, side in enumerate(SIDES):
             arrays[f"{name}_depth_{side}"] = worn[k, i, : joint.bins]
@@ -146,6 +155,8 @@ def _arrays(ran: Ensemble, added: Array, batches: Array, weights: Array) -> dict
     bins = {joint.name: joint.bins for joint in joints}
     arrays |= {angle: bin_centres(bins[name]) for name, angle in angle_names(bins).items()}
     arrays["wear_batch_cycles"] = weights
+    if recorder.sections_per_cycle:
+        arrays["sections"] = recorder.sections
     starts = ran.recorders
     arrays["cycles"] = np.concatenate([own.cycles for own in starts])
     arrays["cycle_start"] = np.repeat(

@@ -32,6 +32,14 @@ def start_of(scene: Scene, index: int = 0) -> Start:
     return disturbed(scene.linkage(), start, distance) or start
 
 
+def turned_back(end: Start, start: Start) -> Start:
+    """Take a state after whole cycles as a start: without the full turns of its bodies."""
+    position = end.position.copy()
+    turns = np.round((position[2::3] - start.position[2::3]) / (2.0 * math.pi))
+    position[2::3] -= 2.0 * math.pi * turns
+    return Start(position, end.velocity)
+
+
 def disturbed(linkage: Linkage, start: Start, distance: float) -> Start | None:
     """The start moved along a direction that the joints leave free; None if there is none.
 

@@ -7,6 +7,7 @@ COMMANDS = {
     "run": ("run", "run a scene or a study and write its folder and report"),
     "life": ("life", "how many strokes until a limit is passed, and how sure that is"),
     "sweep": ("sweep", "a scene at many points, on this machine or a cluster"),
+    "dynamics": ("dynamics", "modes of contact, periods, exponents and bifurcation diagrams"),
     "report": (
         "run",
         "figures and report anew from the folder of a run, a study, a sweep or a precision",

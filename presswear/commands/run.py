@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Console
 
 from presswear.commands.terminal import (
+    add_required,
     finished_part,
     folder_given,
     free_folder,
@@ -60,6 +61,7 @@ def add(commands: Any) -> None:
         epilog="example: presswear report results/wear-times",
     )
     report.add_argument("folder", type=Path, metavar="DIR")
+    add_required(report)
     report.set_defaults(run=_report)
 
 
@@ -238,14 +240,18 @@ def _window(arguments: argparse.Namespace, scene: Scene) -> "AbstractContextMana
 
 def _report(arguments: argparse.Namespace, console: Console) -> int:
     check_folder(arguments.folder)
+    if (arguments.folder / "sweep.json").exists():
+        from presswear.commands import sweep
+
+        return sweep.report(arguments, console)
+    if arguments.require:
+        raise InputError(
+            f"--require: something is required of a sweep, and {arguments.folder} is none"
+        )
     if (arguments.folder / "study.json").exists():
         from presswear.commands import studies
 
         return studies.report(arguments.folder, console)
-    if (arguments.folder / "sweep.json").exists():
-        from presswear.commands import sweep
-
-        return sweep.report(arguments.folder, console)
     if (arguments.folder / "precision.json").exists():
         from presswear.commands import measure
 

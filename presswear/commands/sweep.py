@@ -2,6 +2,7 @@
 
 import argparse
 import shlex
+from dataclasses import replace
 from itertools import accumulate
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -10,6 +11,7 @@ from rich.console import Console
 from rich.progress import Progress
 
 from presswear.commands.terminal import (
+    add_required,
     add_settings,
     folder_given,
     free_folder,
@@ -72,6 +74,7 @@ def add(commands: Any) -> None:
         help="with commas between, such as A.force_max,bdc_error, or A.force_max@0 of the stage "
         "without wear (default: all, of the last stage)",
     )
+    add_required(parser)
     parser.add_argument("--draws", metavar="N", help="independent runs at each point (default 1)")
     parser.add_argument("--seed", metavar="N", help="draws the points of the sample anew")
     parser.add_argument("--keep", help="measures (default), or all: whole result folders")
@@ -134,25 +137,19 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
         )
     _print(console, sweep.table)
     console.print(counts_of(sweep.table, sweep.path), highlight=False, soft_wrap=True)
+    folder = shlex.quote(str(sweep.path))
+    console.print(f"what follows from it: presswear report {folder}", highlight=False)
     return 0
 
 
-def report(folder: Path, console: Console) -> int:
+def report(arguments: argparse.Namespace, console: Console) -> int:
     """Write figures and report anew of a sweep, as far as it has run."""
-    from presswear.scene.changes import title_of
-    from presswear.sweeps.report import write_report
     from presswear.sweeps.sweep import load_sweep
 
-    sweep = load_sweep(folder)
-    plan = sweep.plan
-    page = write_report(
-        sweep.table,
-        folder,
-        f"Sweep: {title_of(plan.scene)}",
-        sample="" if plan.vary else plan.sample.partition(":")[0],
-        distributions=plan.distributions,
-    )
-    console.print(f"report in {page}", highlight=False, soft_wrap=True)
+    sweep = load_sweep(arguments.folder)
+    if arguments.require:
+        sweep = replace(sweep, required=tuple(arguments.require))
+    console.print(f"report in {sweep.report()}", highlight=False, soft_wrap=True)
     return 0
 
 
@@ -176,7 +173,7 @@ def _asked(arguments: argparse.Namespace) -> "Sweep":
     from presswear.sweeps.plan import Plan
     from presswear.sweeps.sweep import KEEP, Sweep, is_sweep, load_sweep
 
-    options = ("vary", "sample", "range", "measure", "draws", "seed", "keep", "set")
+    options = ("vary", "sample", "range", "measure", "require", "draws", "seed", "keep", "set")
     is_bare = not any(getattr(arguments, name) for name in options)
     if arguments.resume and is_bare and is_sweep(arguments.out):
         return load_sweep(arguments.out)
@@ -198,7 +195,8 @@ def _asked(arguments: argparse.Namespace) -> "Sweep":
     )
     names = [own for text in arguments.measure or written.measures for own in text.split(",")]
     folder = arguments.out or free_folder(f"{scene.name}-sweep")
-    return Sweep(plan, measures_asked(plan.example, names), folder, keep)
+    required = tuple(arguments.require or written.required)
+    return Sweep(plan, measures_asked(plan.example, names), folder, keep, required=required)
 
 
 def _count(option: str, text: str | None, default: int) -> int:

@@ -51,6 +51,17 @@ def add_settings(parser: Any) -> None:
     )
 
 
+def add_required(parser: Any) -> None:
+    """Add the option ``--require``."""
+    parser.add_argument(
+        "--require",
+        action="append",
+        metavar="MEASURE>=VALUE",
+        help="what a measure of a sweep is not to miss, such as 'life>=2e6' or "
+        "'A.force_max<=15kN': the report tells how probable a miss is; repeatable",
+    )
+
+
 def settings_given(items: list[str]) -> dict[str, str]:
     """Read the options ``--set``, by key."""
     settings: dict[str, str] = {}

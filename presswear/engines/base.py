@@ -11,6 +11,7 @@ from presswear.linkage.elements import Linkage
 from presswear.linkage.loads import Force
 from presswear.physics.energy import SETTLED
 from presswear.physics.loads import place_loads
+from presswear.record.observe import ROWS_AT_LEAST
 from presswear.record.recorder import Recorder
 from presswear.record.soundness import Finding
 from presswear.record.tracker import Tracker
@@ -41,6 +42,11 @@ class Plan:
         Most cycles to run.
     recorded_cycles : int
         Cycles at the start whose series and single contacts are kept.
+    rows_per_cycle : int
+        Rows of a series in a cycle, at least.
+    sections : tuple of float
+        Parts of each cycle at which its state is kept, rising, each above 0 up to 1; a step
+        ends at each.
     torques : bool
         Whether the series hold the torques of the drives.
     trackers : tuple of Tracker
@@ -60,6 +66,8 @@ class Plan:
     cycle: float
     cycles: int
     recorded_cycles: int = 5
+    rows_per_cycle: int = ROWS_AT_LEAST
+    sections: tuple[float, ...] = ()
     torques: bool = True
     trackers: tuple[Tracker, ...] = ()
     wear: Callable[[int, Array], Array] | None = None
@@ -127,6 +135,8 @@ def recorder_of(linkage: Linkage, start: Start, plan: Plan) -> Recorder:
         wearing=plan.wear is not None,
         run_up=plan.run_up,
         stroke=plan.stroke,
+        rows_per_cycle=plan.rows_per_cycle,
+        sections=len(plan.sections),
     )
     loads = recorder.book.packed.loads
     if loads is not None:

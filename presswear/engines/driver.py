@@ -131,6 +131,7 @@ def _cycles(
         if finding:
             return "failed", finding
         recorder.start_cycle()
+    inner = [phase for phase in plan.sections if phase < 1.0]
     while True:
         done = len(recorder.cycles)
         if done > 0:
@@ -140,9 +141,17 @@ def _cycles(
                 return "completed", None
             if any(answers):
                 return "enough", None
+        begin = plan.run_up + plan.cycle * done
+        for phase in inner:
+            finding = running.advance(begin + phase * plan.cycle)
+            if finding:
+                return "failed", finding
+            recorder.note_section()
         finding = advanced(plan.run_up + plan.cycle * (done + 1))
         if finding:
             return "failed", finding
+        if len(inner) < len(plan.sections):
+            recorder.note_section()
         added = recorder.end_cycle()
         if plan.wear is not None:
             before = running.ledger().residual

@@ -167,49 +167,13 @@ class Press(Mechanism):
         corners = {"D": (0.0, 0.0), "B": (bd, 0.0), "C": (along, across)}
         return {name: Attachment("plate 4", a - x, b - y) for name, (a, b) in corners.items()}
 
-    @lru_cache(maxsize=64)  # noqa: B019 - a press is frozen, and a scene asks it several times
     def linkage(self) -> Linkage:
         """The ideal linkage, every joint closed.
 
         Rod 3 points from B to A, rod 5 from E to C and the cranks as in equation
         14; the slider's angle of 90 degrees there is its guide's direction.
         """
-        geometry = self.geometry
-        corner = self.plate_corners()
-        tail_2, head_2 = bar_ends("crank 2", self.length_2)
-        tail_3, head_3 = bar_ends("rod 3", self.length_3)
-        tail_5, head_5 = bar_ends("rod 5", self.length_5)
-        tail_7, head_7 = bar_ends("crank 7", self.length_7)
-        return Linkage(
-            name=f"seven-bar press, {geometry.name} geometry",
-            bodies=(
-                Body("crank 2", self.mass_2, self.inertia_2),
-                Body("rod 3", self.mass_3, self.inertia_3),
-                Body("plate 4", self.mass_4, self.inertia_4),
-                Body("rod 5", self.mass_5, self.inertia_5),
-                # The slider does not turn: its inertia never enters.
-                Body("slider 6", self.mass_6, 1.0),
-                Body("crank 7", self.mass_7, self.inertia_7),
-            ),
-            joints=(
-                Revolute("O2", Attachment(GROUND, geometry.hx, geometry.hy), head_2),
-                Revolute("O7", Attachment(GROUND, 0.0, 0.0), tail_7),
-                Revolute("A", head_3, tail_2),
-                Revolute("B", tail_3, corner["B"]),
-                Revolute("C", head_5, corner["C"]),
-                Revolute("D", head_7, corner["D"]),
-                Revolute("E", tail_5, Attachment("slider 6", 0.0, 0.0)),
-                Guide("guide", "slider 6", geometry.hx, 0.0, 0.5 * math.pi, angle=0.5 * math.pi),
-            ),
-            drives=(
-                Drive("crank 2", -self.speed, CRANK_2_START, torque_limit=self.torque_limit),
-                replace(self._drive_7, torque_limit=self.torque_limit),
-            ),
-            watch=Probe("slider 6", 0.5 * math.pi),
-            guess=self.guess,
-            gravity=self.gravity,
-            run_up=self.run_up,
-        )
+        return _linkage(self)
 
     @property
     def _drive_7(self) -> Drive:
@@ -233,6 +197,47 @@ class Press(Mechanism):
             "plate 4": cmath.phase(b - d),
             "rod 5": cmath.phase(rod_5),
         }
+
+
+@lru_cache(maxsize=64)
+def _linkage(press: Press) -> Linkage:
+    """The linkage, made once: a scene asks for it several times."""
+    geometry = press.geometry
+    corner = press.plate_corners()
+    tail_2, head_2 = bar_ends("crank 2", press.length_2)
+    tail_3, head_3 = bar_ends("rod 3", press.length_3)
+    tail_5, head_5 = bar_ends("rod 5", press.length_5)
+    tail_7, head_7 = bar_ends("crank 7", press.length_7)
+    return Linkage(
+        name=f"seven-bar press, {geometry.name} geometry",
+        bodies=(
+            Body("crank 2", press.mass_2, press.inertia_2),
+            Body("rod 3", press.mass_3, press.inertia_3),
+            Body("plate 4", press.mass_4, press.inertia_4),
+            Body("rod 5", press.mass_5, press.inertia_5),
+            # The slider does not turn: its inertia never enters.
+            Body("slider 6", press.mass_6, 1.0),
+            Body("crank 7", press.mass_7, press.inertia_7),
+        ),
+        joints=(
+            Revolute("O2", Attachment(GROUND, geometry.hx, geometry.hy), head_2),
+            Revolute("O7", Attachment(GROUND, 0.0, 0.0), tail_7),
+            Revolute("A", head_3, tail_2),
+            Revolute("B", tail_3, corner["B"]),
+            Revolute("C", head_5, corner["C"]),
+            Revolute("D", head_7, corner["D"]),
+            Revolute("E", tail_5, Attachment("slider 6", 0.0, 0.0)),
+            Guide("guide", "slider 6", geometry.hx, 0.0, 0.5 * math.pi, angle=0.5 * math.pi),
+        ),
+        drives=(
+            Drive("crank 2", -press.speed, CRANK_2_START, torque_limit=press.torque_limit),
+            replace(press._drive_7, torque_limit=press.torque_limit),
+        ),
+        watch=Probe("slider 6", 0.5 * math.pi),
+        guess=press.guess,
+        gravity=press.gravity,
+        run_up=press.run_up,
+    )
 
 
 def _meeting(p: complex, q: complex, from_p: float, from_q: float, side: float) -> complex:

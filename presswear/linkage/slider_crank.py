@@ -87,31 +87,36 @@ class SliderCrank(Mechanism):
             "page."
         )
 
-    @lru_cache(maxsize=64)  # noqa: B019 - it is frozen, and a scene asks it several times
     def linkage(self) -> Linkage:
         """The ideal linkage, every joint closed.
 
         The crank points from O to A, the rod from A to B: both are at angle 0 at the start.
         """
-        crank_tail, crank_head = bar_ends("crank", self.crank_length)
-        rod_tail, rod_head = bar_ends("rod", self.rod_length)
-        return Linkage(
-            name="slider-crank",
-            bodies=(
-                Body("crank", self.crank_mass, self.crank_inertia),
-                Body("rod", self.rod_mass, self.rod_inertia),
-                # The slider does not turn: its inertia never enters.
-                Body("slider", self.slider_mass, 1.0),
-            ),
-            joints=(
-                Revolute("O", Attachment(GROUND, 0.0, 0.0), crank_tail),
-                Revolute("A", rod_tail, crank_head),
-                Revolute("B", rod_head, Attachment("slider", 0.0, 0.0)),
-                Guide("guide", "slider"),
-            ),
-            drives=(Drive("crank", self.speed, torque_limit=self.torque_limit),),
-            watch=Probe("slider", 0.0),
-            guess={"rod": 0.0},
-            gravity=self.gravity,
-            run_up=self.run_up,
-        )
+        return _linkage(self)
+
+
+@lru_cache(maxsize=64)
+def _linkage(crank: SliderCrank) -> Linkage:
+    """The linkage, made once: a scene asks for it several times."""
+    crank_tail, crank_head = bar_ends("crank", crank.crank_length)
+    rod_tail, rod_head = bar_ends("rod", crank.rod_length)
+    return Linkage(
+        name="slider-crank",
+        bodies=(
+            Body("crank", crank.crank_mass, crank.crank_inertia),
+            Body("rod", crank.rod_mass, crank.rod_inertia),
+            # The slider does not turn: its inertia never enters.
+            Body("slider", crank.slider_mass, 1.0),
+        ),
+        joints=(
+            Revolute("O", Attachment(GROUND, 0.0, 0.0), crank_tail),
+            Revolute("A", rod_tail, crank_head),
+            Revolute("B", rod_head, Attachment("slider", 0.0, 0.0)),
+            Guide("guide", "slider"),
+        ),
+        drives=(Drive("crank", crank.speed, torque_limit=crank.torque_limit),),
+        watch=Probe("slider", 0.0),
+        guess={"rod": 0.0},
+        gravity=crank.gravity,
+        run_up=crank.run_up,
+    )

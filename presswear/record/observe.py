@@ -43,10 +43,20 @@ FORCE_MAX, WORK_DOSE, CONTACTS = range(3)
 CYCLE_FIXED_COUNT = len(CYCLE_FIXED)
 CYCLE_JOINT_COUNT = len(CYCLE_JOINT)
 
+SECTION_NAMES = ("place", "velocity")
+SECTION_JOINT_NAMES = (
+    *("eccentricity_x", "eccentricity_y", "velocity_x", "velocity_y"),
+    "normal",
+)
+"""Columns of a Poincare section: of the watched point, then of each joint; see RECORD and
+CONTACT."""
+
 ROWS_AT_LEAST = 2000
 """Series rows in one cycle without contact."""
 ROWS_AT_MOST = 40_000
 """Room for series rows, per recorded cycle."""
+ROWS_IN_ALL = 4_000_000
+"""Room for series rows, of all recorded cycles."""
 CONTACTS_AT_MOST = 5000
 """Room for single contacts, per joint and recorded cycle."""
 BOTTOM_STEPS = 60

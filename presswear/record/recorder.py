@@ -30,6 +30,9 @@ from presswear.record.observe import (
     RECORD,
     ROWS_AT_LEAST,
     ROWS_AT_MOST,
+    ROWS_IN_ALL,
+    SECTION_JOINT_NAMES,
+    SECTION_NAMES,
     SERIES_FIXED,
     SERIES_JOINT,
     SERIES_JOINT_NAMES,
@@ -74,10 +77,13 @@ class Recorder:
         Arrays that the kernels fill.
     maps : MapBatches
         Depth that the finished cycles added to bearing and pin, m.
+    sections_per_cycle : int
     """
 
     book: Book
     maps: MapBatches
+    sections_per_cycle: int = 0
+    _sections: list[Array] = field(default_factory=list, init=False)
     _rows: Array = field(init=False)
     _growth: Array = field(init=False)
     _finished: int = field(default=0, init=False)
@@ -96,6 +102,8 @@ class Recorder:
         wearing: bool = False,
         run_up: float = 0.0,
         stroke: tuple[float, float] | None = None,
+        rows_per_cycle: int = ROWS_AT_LEAST,
+        sections: int = 0,
     ) -> "Recorder":
         """An empty recorder for a linkage that starts in a position.
 
@@ -116,13 +124,17 @@ class Recorder:
             Times, since the beginning of a cycle, between which the bottom of the stroke is
             sought that is filed in that cycle, s; the first may lie before it, the second lies
             in it, behind its beginning.  None: those of the cycle.
+        rows_per_cycle : int
+            Series rows in a cycle without contact, at least.
+        sections : int
+            Poincare sections in a cycle.
         """
         count = len(linkage.clearances)
         tally = np.zeros(count, TALLY)
         tally["fewest_steps"] = np.iinfo(np.int64).max
         record = np.zeros(1, RECORD)
         record["room"] = np.iinfo(np.int64).max
-        record["interval"] = cycle / ROWS_AT_LEAST
+        record["interval"] = cycle / rows_per_cycle
         record["force_step"] = FORCE_STEP
         record["probe"] = 3 * linkage.index(linkage.probe.body)
         record["probe_cos"] = math.cos(linkage.probe.direction)
@@ -137,7 +149,7 @@ class Recorder:
         # What is observed at the very start lies in the first stroke too.
         record["stroke_begin"] = run_up + max(begin, 0.0) - STROKE_NOISE * cycle
         rows = recorded_cycles + math.ceil(run_up / cycle)
-        rows *= ROWS_AT_MOST if count else 2 * ROWS_AT_LEAST
+        rows = min(rows * (ROWS_AT_MOST if count else 2 * rows_per_cycle), ROWS_IN_ALL)
         columns = SERIES_FIXED + SERIES_JOINT * count + len(linkage.drives) * torques
         shape = map_shape(linkage.clearances)
         book = Book(
@@ -159,7 +171,7 @@ class Recorder:
             torque=np.zeros(len(linkage.drives)),
             ledger=np.zeros(1, LEDGER),
         )
-        recorder = Recorder(book, MapBatches(shape))
+        recorder = Recorder(book, MapBatches(shape), sections)
         recorder.start_cycle()
         return recorder
 
@@ -217,6 +229,22 @@ class Recorder:
         """Keep no further series rows and contacts."""
         self.book.record["room"] = 0
         self.book.tally["full"] = True
+
+    def note_section(self) -> None:
+        """Keep the last accepted state as a Poincare section of the present cycle."""
+        own = [self.book.record[name] for name in SECTION_NAMES]
+        joints = [self.book.contacts[name] for name in SECTION_JOINT_NAMES]
+        self._sections.append(np.concatenate([*own, np.transpose(joints).ravel()]))
+
+    @property
+    def sections(self) -> Array:
+        """Sections of the finished cycles, shape (cycles, sections, columns); SI units.
+
+        Columns SECTION_NAMES, then SECTION_JOINT_NAMES of each joint.
+        """
+        columns = len(SECTION_NAMES) + len(SECTION_JOINT_NAMES) * self.book.memory.size
+        whole = self._sections[: self._finished * self.sections_per_cycle]
+        return np.reshape(whole, (-1 if whole else 0, self.sections_per_cycle, columns))
 
     def start_cycle(self) -> None:
         """Clear the row and the maps of the present cycle."""
@@ -301,6 +329,7 @@ class Recorder:
             **({} if book.packed.loads is None else {"modes": book.packed.loads.modes.copy()}),
             "worn": self.worn,
             "growth": self.growth,
+            **({"sections": self.sections} if self.sections_per_cycle else {}),
         }
 
     def restore(self, stored: State) -> None:
@@ -321,3 +350,5 @@ class Recorder:
         self.maps.restore(part(stored, "maps"))
         self._rebuild(stored["worn"])
         self._growth = np.array(stored["growth"])
+        if self.sections_per_cycle:
+            self._sections = [*np.concatenate(stored["sections"])]

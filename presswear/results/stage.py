@@ -12,7 +12,12 @@ from presswear.linkage.surface import SIDES as SIDES
 from presswear.linkage.surface import Surface, bin_centres
 from presswear.physics.touchdown import CONTACT_COLUMNS
 from presswear.record.film import Film
-from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
+from presswear.record.observe import (
+    CYCLE_FIXED,
+    CYCLE_JOINT,
+    SECTION_JOINT_NAMES,
+    SECTION_NAMES,
+)
 from presswear.record.soundness import Finding
 from presswear.scene.scene import stage_name
 from presswear.tools.errors import InputError
@@ -260,6 +265,26 @@ class StageResult:
             own["cycles"] = self.arrays["cycles"][:, first : first + len(CYCLE_JOINT)]
             found[name] = JointResult(name, told.get(name, {}), own)
         return found
+
+    def section(self, name: str, joint: str = "") -> Array:
+        """A number in the Poincare sections of the first start, shape (cycles, sections); SI.
+
+        Parameters
+        ----------
+        name : str
+            Of ``SECTION_NAMES``, or of ``SECTION_JOINT_NAMES`` where a joint is given.
+
+        Raises
+        ------
+        InputError
+            Where no sections were kept.
+        """
+        if "sections" not in self.arrays:
+            raise InputError(f"{self.name}: no sections were kept; --set sections=1 keeps some")
+        if not joint:
+            return self.arrays["sections"][:, :, SECTION_NAMES.index(name)]
+        first = len(SECTION_NAMES) + len(SECTION_JOINT_NAMES) * self.joint_names.index(joint)
+        return self.arrays["sections"][:, :, first + SECTION_JOINT_NAMES.index(name)]
 
     def each_cycle(self, name: str) -> Array:
         """A number of each cycle, by its name in ``CYCLE_FIXED``, shape (cycles,); SI units."""

@@ -15,7 +15,12 @@ from numpy.typing import NDArray
 
 from presswear.linkage.surface import bin_centres
 from presswear.physics.touchdown import CONTACT_COLUMNS
-from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
+from presswear.record.observe import (
+    CYCLE_FIXED,
+    CYCLE_JOINT,
+    SECTION_JOINT_NAMES,
+    SECTION_NAMES,
+)
 from presswear.results.life import FILE as LIFE
 from presswear.results.life import LifeResult
 from presswear.results.provenance import Provenance
@@ -214,6 +219,9 @@ def check_arrays(arrays: Mapping[str, Array], joints: Mapping[str, int], file: P
     shapes = {**SHAPES, "cycles": f"cycles {columns}"}
     if "drive_torque" in arrays:
         shapes["drive_torque"] = "rows drives"
+    if "sections" in arrays:
+        width = len(SECTION_NAMES) + len(SECTION_JOINT_NAMES) * len(joints)
+        shapes["sections"] = f"cycles_of_first sections {width}"
     for joint, angle in angle_names(joints).items():
         shapes |= {f"{joint}_{name}": shape for name, shape in JOINT_SHAPES.items()}
         own = f"{joints[joint]}"

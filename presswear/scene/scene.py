@@ -24,6 +24,7 @@ from presswear.physics.following import followed
 from presswear.physics.ideal import IdealMotion, ideal_motion
 from presswear.scene.bearing import CONVENTIONS, Bearing, Conventions
 from presswear.scene.life import LIVES, Life
+from presswear.scene.recording import Recording
 from presswear.scene.surfaces import settled
 from presswear.tools.arrays import Array
 from presswear.tools.checked import checked
@@ -192,6 +193,7 @@ class Scene:
     )
     seed: int = count(0, 0, 100_000, "chosen", "draws the starts anew, for an independent run")
     surfaces: Mapping[str, tuple[Any, Any]] | Any = field(default_factory=dict, hash=False)
+    recording: Recording = field(default_factory=Recording)
     process: Process | None = one_of(PROCESSES, "what the point that is watched presses on")
     life: Life | None = one_of(
         LIVES, "limits until which the joints are worn, in as many stages as wears says"
@@ -514,6 +516,7 @@ class Scene:
                 bearings=Bearing(**plain.pop("bearings")),
                 apart={name: Bearing(**own) for name, own in plain.pop("apart").items()},
                 conventions=Conventions(**plain.pop("conventions")),
+                recording=Recording(**plain.pop("recording")),
                 numerics=_numerics(dict(plain.pop("numerics"))),
                 surfaces={
                     name: tuple(own[side] for side in SIDES)

@@ -40,6 +40,8 @@ class Analysis:
         Why there is no surface.
     out_of_reach : str
         Why it tells no spread, where all factors have distributions.
+    runs, without : int
+        All of them, and those without a value: they failed, or have not run yet.
     required : Required or None
     spread, mean_spread : Spread or None
         By the surface, of single runs and of what runs are on average.
@@ -55,10 +57,17 @@ class Analysis:
     surface: Surface | None
     refusal: str
     out_of_reach: str
+    runs: int
+    without: int
     required: Required | None
     spread: Spread | None
     mean_spread: Spread | None
     rows: Spread | None
+
+    @property
+    def is_constant(self) -> bool:
+        """True where the measure is the same at all points that have a value."""
+        return float(np.ptp(self.own.means[self.own.has_value])) == 0.0
 
     @property
     def strongest(self) -> Sequence[int]:
@@ -143,6 +152,8 @@ def analysed(
         surface=found,
         refusal=refusal,
         out_of_reach=far,
+        runs=len(table.reasons),
+        without=int(np.count_nonzero(np.isnan(table.values[:, table.place(key)]))),
         required=required,
         spread=by_surface(chaos=True),
         mean_spread=by_surface(chaos=False),

@@ -20,14 +20,15 @@ def chaos_share(own: Responses) -> Interval | None:
     The interval is Student's, by the jackknife over points, of the logarithm of the ratio F of
     both mean squares: neither the points nor the draws need to be normal.  The points are to be
     independent of each other.  Where each ran once, the intervals that runs tell are taken for the
-    scatter of draws.  None where fewer than three points have values, or nothing tells the scatter.
+    scatter of draws.  None where fewer than three points have values, where nothing tells the
+    scatter, and where intervals are wider than the runs differ: few cycles and starts make them so.
     """
     kept = own.only(own.has_value)
     count = len(kept.means)
     if count < LEAST_SAMPLES or not kept.variances.any() or np.ptp(kept.means) == 0.0:
         return None
     if own.noise_source == "intervals":
-        return _told_share(kept)
+        return _told_share(kept) if kept.noise.mean() < kept.means.var(ddof=1) else None
     draws = kept.counts
     free = draws - 1.0
     # About their mean, so that squares of large numbers do not cancel.

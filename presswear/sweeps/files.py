@@ -6,6 +6,7 @@ vary = ["clearance=0.2mm:1.0mm:9", "A.friction=0.02,0.05"]
 sample = "sobol:512"
 ranges = ["wear_coefficient=lognormal(1e-15/Pa, 50%)"]
 measures = ["A.force_max", "bdc_error"]
+required = ["life>=2e6"]
 draws = 4
 seed = 0
 keep = "measures"
@@ -34,6 +35,7 @@ class Written:
     sample: str = ""
     ranges: tuple[str, ...] = ()
     measures: tuple[str, ...] = ()
+    required: tuple[str, ...] = ()
     draws: int = 1
     seed: int = 0
     keep: Literal["measures", "all"] = "measures"

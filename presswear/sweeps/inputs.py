@@ -9,6 +9,9 @@ from numpy.typing import NDArray
 from presswear.sweeps.table import Column
 from presswear.tools.arrays import Array
 
+_EVEN = 1e-6
+"""Difference of two skews that is no rounding: two values are as even as their logarithms."""
+
 
 @dataclass(frozen=True)
 class Inputs:
@@ -31,7 +34,7 @@ class Inputs:
     def of(factors: tuple[Column, ...], points: Array) -> "Inputs":
         """The coordinates that points ask for: logarithms where these lie more evenly."""
         is_even = [
-            not factor.words and own.min() > 0.0 and _skew(np.log(own)) < _skew(own)
+            not factor.words and own.min() > 0.0 and _skew(np.log(own)) < _skew(own) - _EVEN
             for factor, own in zip(factors, points.T, strict=True)
         ]
         return Inputs(factors, points.min(axis=0), points.max(axis=0), np.array(is_even))

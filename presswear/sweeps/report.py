@@ -110,6 +110,8 @@ def write_report(
 def drawings(found: Analysis) -> list[Drawing]:
     """The pictures of a measure."""
     own, drawn = found.own, []
+    if found.is_constant:
+        return drawn
     if found.swings is not None and any(found.swings):
         drawn.append(tornado(own, found.swings))
     if found.indices is not None:
@@ -200,17 +202,23 @@ def _point(table: Table, row: int) -> str:
 
 def _first_rows(table: Table) -> Shown:
     both = zip((*table.factors, *table.measures), (*table.points.T, *table.values.T), strict=True)
-    columns = [(Scale.of(own, values), values) for own, values in both if np.isfinite(values).any()]
+    bounds = (*np.zeros(table.points.T.shape, np.bool_), *table.is_beyond.T)
+    columns = [
+        (Scale.of(own, values), values, is_bound)
+        for (own, values), is_bound in zip(both, bounds, strict=True)
+        if np.isfinite(values).any()
+    ]
     rows = []
     for row in range(min(len(table.reasons), FIRST_ROWS)):
         cells = []
-        for scale, values in columns:
+        for scale, values, is_bound in columns:
             value = float(values[row])
             if np.isnan(value):
                 cells.append(NOTHING)
             elif scale.column.words:
                 cells.append(scale.told(value))
             else:
-                cells.append(readable(scale.factor * value, 4))
+                sign = ">" if is_bound[row] else ""
+                cells.append(f"{sign}{readable(scale.factor * value, 4)}")
         rows.append((f"{row + 1}", *cells))
-    return Shown(("run", *(scale.label for scale, _ in columns)), (("", tuple(rows)),))
+    return Shown(("run", *(scale.label for scale, *_ in columns)), (("", tuple(rows)),))

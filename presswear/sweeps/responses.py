@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from presswear.record.sampling import Interval, quantile
 from presswear.sweeps.table import Column, Table
 from presswear.tools.arrays import Array
-from presswear.tools.errors import unknown
 
 NoiseSource = Literal["draws", "intervals", "nothing"]
 
@@ -117,10 +116,7 @@ def responses(table: Table, key: str) -> Responses:
     Where several draws tell the scatter at some points, the others take the mean of it.  A draw
     that is there twice, as where paths cross, is one.
     """
-    keys = [column.key for column in table.measures]
-    if key not in keys:
-        raise unknown("measure", key, keys)
-    place = keys.index(key)
+    place = table.place(key)
     values, halves = table.values[:, place], table.halves[:, place]
     _, first, own = np.unique(table.points, axis=0, return_index=True, return_inverse=True)
     order = np.argsort(first)

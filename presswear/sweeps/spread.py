@@ -49,6 +49,14 @@ class Required:
         """True for each value that misses it."""
         return values < self.value if self.is_least else values > self.value
 
+    def counted(self, values: Array, is_beyond: NDArray[np.bool_]) -> tuple[int, int]:
+        """How many values miss it for sure, and how many may where some are lower bounds."""
+        is_missed = self.missed(values)
+        # What lies beyond a bound may hold where the bound misses, and miss where the bound holds.
+        is_open = is_beyond & (is_missed == self.is_least)
+        surely = int(np.count_nonzero(is_missed & ~is_open))
+        return surely, surely + int(np.count_nonzero(is_open))
+
 
 def parse_required(text: str, measures: Sequence[Column]) -> tuple[str, Required]:
     """Read what is required of a measure, such as ``life>=2e6`` or ``A.force_max<=15kN``.
@@ -71,7 +79,20 @@ def parse_required(text: str, measures: Sequence[Column]) -> tuple[str, Required
                 raise unknown("measure", key, columns)
             free = Meaning(columns[key].unit, -math.inf, math.inf, "", "")
             return key, Required(float(parse_quantity(key, value, free)), is_least)
-    raise InputError(f"{text!r}: MEASURE>=VALUE or MEASURE<=VALUE is expected")
+    raise InputError(
+        f"required {text!r}: MEASURE>=VALUE or MEASURE<=VALUE is expected, such as life>=2e6"
+    )
+
+
+def requirements(texts: Sequence[str], measures: Sequence[Column]) -> dict[str, Required]:
+    """What is required, by the key of its measure; InputError where one is required twice."""
+    found: dict[str, Required] = {}
+    for text in texts:
+        key, required = parse_required(text, measures)
+        if key in found:
+            raise InputError(f"required {text!r}: something is required of {key} already")
+        found[key] = required
+    return found
 
 
 @dataclass(frozen=True)
@@ -144,10 +165,7 @@ def spread_of_rows(table: Table, key: str, required: Required | None = None) -> 
     """
     from scipy.stats import binom
 
-    keys = [column.key for column in table.measures]
-    if key not in keys:
-        raise unknown("measure", key, keys)
-    place = keys.index(key)
+    place = table.place(key)
     kept = (table.draws == 0) & np.isfinite(table.values[:, place])
     values, beyond = table.values[kept, place], table.is_beyond[kept, place]
     count = len(values)
@@ -174,11 +192,7 @@ def _missed(required: Required, values: Array, beyond: NDArray[np.bool_]) -> Int
     """Part of the rows that miss, with the interval of Clopper and Pearson (1934)."""
     from scipy.stats import binomtest
 
-    is_missed = required.missed(values)
-    # What lies beyond a bound may hold where the bound misses, and miss where the bound holds.
-    is_open = beyond & (is_missed == required.is_least)
-    surely = int(np.count_nonzero(is_missed & ~is_open))
-    perhaps = surely + int(np.count_nonzero(is_open))
+    surely, perhaps = required.counted(values, beyond)
     low = binomtest(surely, len(values)).proportion_ci(LEVEL).low
     high = binomtest(perhaps, len(values)).proportion_ci(LEVEL).high
     return Interval(0.5 * (surely + perhaps) / len(values), float(low), float(high))

@@ -225,10 +225,14 @@ def surface(own: Responses) -> Surface:
 
 
 def noise_share(found: Surface) -> float:
-    """Share of the variance of the points that draws, or intervals of runs, say is chaos."""
+    """Share of the variance of the points that draws, or intervals of runs, say is chaos.
+
+    Intervals that are wider than the runs differ say nothing: 0.
+    """
     own = found.own
     scaled, noise = _scaled(own, found.scale)
-    return min(float(noise.mean() / scaled.var(ddof=1)), 1.0)
+    share = float(noise.mean() / scaled.var(ddof=1))
+    return 0.0 if share >= 1.0 and own.noise_source == "intervals" else min(share, 1.0)
 
 
 def _scaled(own: Responses, scale: Scale) -> tuple[Array, Array]:

@@ -19,11 +19,14 @@ from presswear.results.provenance import (
     provenance,
     provenance_differs,
 )
+from presswear.scene.changes import title_of
 from presswear.scene.scene import Scene
+from presswear.sweeps.cluster import Say
 from presswear.sweeps.executors import runner_of
 from presswear.sweeps.measures import Asked, Own, at_last, measures_asked
 from presswear.sweeps.plan import Plan
 from presswear.sweeps.run import Gate, Standing, run_rows
+from presswear.sweeps.spread import Required, requirements
 from presswear.sweeps.store import Records, Store
 from presswear.sweeps.table import Column, Table
 from presswear.sweeps.text import cells_of, counts_of, heads_of
@@ -57,11 +60,12 @@ class StoredSweep:
     keep: Literal["measures", "all"]
     program: str
     provenance: Provenance
+    required: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
 class Sweep:
-    """A plan, what is measured, and the folder of the runs.
+    """A plan, what is measured and required, and the folder of the runs.
 
     Attributes
     ----------
@@ -72,6 +76,8 @@ class Sweep:
         ``measures``, or ``all`` for whole results.
     program : str
         Digest of the program that computes, or computed, the numbers.
+    required : tuple of str
+        What measures are not to miss, as typed, such as ``"life>=2e6"``.
     """
 
     plan: Plan
@@ -79,6 +85,16 @@ class Sweep:
     path: Path
     keep: str = KEEP[0]
     program: str = field(default_factory=program_digest)
+    required: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        """InputError names what cannot be required."""
+        _ = self.requirements
+
+    @cached_property
+    def requirements(self) -> dict[str, Required]:
+        """What measures are not to miss, by key."""
+        return requirements(self.required, self.asked.columns)
 
     @property
     def work(self) -> SceneWork:
@@ -95,6 +111,21 @@ class Sweep:
             return table_of(self.plan, self.asked, self.work.shortcut, records)
         finally:
             records.close()
+
+    def report(self) -> Path:
+        """Write figures and report of what has run into its folder; gives the page."""
+        # Slow to import.
+        from presswear.sweeps.report import write_report
+
+        plan = self.plan
+        return write_report(
+            self.table,
+            self.path,
+            f"Sweep: {title_of(plan.scene)}",
+            sample="" if plan.vary else plan.sample.partition(":")[0],
+            distributions=plan.distributions,
+            required=self.requirements,
+        )
 
     def __str__(self) -> str:
         """The first rows of its table, and how many there are."""
@@ -153,7 +184,7 @@ def load_sweep(folder: Path) -> Sweep:
         plan = Plan.from_dict(stored.plan)
     except (KeyError, TypeError) as error:
         raise InputError(f"{folder / FILE}: this is no plan: {error}") from None
-    return Sweep(plan, asked, folder, stored.keep, stored.program)
+    return Sweep(plan, asked, folder, stored.keep, stored.program, stored.required)
 
 
 def _stored(folder: Path) -> StoredSweep:
@@ -201,7 +232,7 @@ def run_sweep(
     shard: tuple[int, int] = (1, 1),
     told: Callable[[Standing], None] = lambda standing: None,
     gate: Gate = lambda seconds, left, places: None,
-    say: Callable[[str], None] = lambda line: None,
+    say: Say = lambda line: None,
 ) -> Standing:
     """Run what is not sealed of a sweep.
 
@@ -241,6 +272,7 @@ def _write(sweep: Sweep) -> None:
         "dear": asked.dear,
         "further": asked.further,
         "is_own": bool(asked.own),
+        "required": list(sweep.required),
         "keep": sweep.keep,
         "program": sweep.program,
         "provenance": provenance(),
@@ -273,6 +305,8 @@ def sweep(
     on: str = "",
     jobs: int | None = None,
     shard: str = "1/1",
+    required: Sequence[str] = (),
+    say: Say = print,
 ) -> Sweep:
     """Run a scene at many points, or go on with that; what stands in its folder is not run again.
 
@@ -304,11 +338,16 @@ def sweep(
         Runs at a time here; None: as many as there are cores.
     shard : str
         ``K/N``: every N-th row, from the K-th.
+    required : sequence of str
+        What measures are not to miss, such as ``"life>=2e6"``: the report tells how probable that
+        is.
+    say : callable
+        Told lines for the person who waits: where the dashboard of Dask is, what was lost.
 
     Returns
     -------
     Sweep
-        With its ``table``.
+        With its ``table``, and a ``report`` that it writes.
 
     Raises
     ------
@@ -330,6 +369,7 @@ def sweep(
         seed,
     )
     asked = measures_asked(plan.example, list(measures))
-    found = begun(Sweep(plan, asked, Path(folder), keep), resume=True)
-    run_sweep(found, on, jobs, shard_given(shard))
+    own = Sweep(plan, asked, Path(folder), keep, required=tuple(required))
+    found = begun(own, resume=True)
+    run_sweep(found, on, jobs, shard_given(shard), say=say)
     return found

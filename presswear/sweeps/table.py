@@ -5,6 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.tools.errors import unknown
+
 Array = NDArray[np.float64]
 
 
@@ -59,3 +61,10 @@ class Table:
     is_beyond: NDArray[np.bool_]
     draws: NDArray[np.int64]
     reasons: tuple[str, ...]
+
+    def place(self, key: str) -> int:
+        """Column of a measure; InputError where there is none of that key."""
+        keys = [column.key for column in self.measures]
+        if key not in keys:
+            raise unknown("measure", key, keys)
+        return keys.index(key)

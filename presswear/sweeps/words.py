@@ -10,7 +10,7 @@ from presswear.show.report.parts import NOTHING, Row, Table
 from presswear.sweeps.analysis import Analysis
 from presswear.sweeps.estimates import as_share
 from presswear.sweeps.figures.scales import Scale, scales_of
-from presswear.sweeps.spread import PROBABILITIES, Spread
+from presswear.sweeps.spread import PROBABILITIES, Required, Spread
 from presswear.sweeps.surface import noise_share
 from presswear.tools.numbers import readable, whole
 
@@ -34,12 +34,12 @@ def parts(own: Interval) -> str:
 def amount(own: Interval, scale: Scale) -> str:
     """A value with its interval and unit; an end that cannot be told is open."""
     value = NOTHING if np.isnan(own.value) else scale.told(own.value)
-    if own.low is None and own.high is None:
-        return value
-    low, high = (
-        "not known" if end is None else readable(scale.factor * end) for end in (own.low, own.high)
-    )
-    return f"{value} ({low} to {high})"
+    if own.low is not None and own.high is not None:
+        low, high = (readable(scale.factor * end) for end in (own.low, own.high))
+        return f"{value} ({low} to {high})"
+    if own.high is not None:
+        return f"{value} (at most {scale.told(own.high)})"
+    return value if own.low is None else f"{value} (at least {scale.told(own.low)})"
 
 
 def lines(found: Analysis) -> Iterator[str]:
@@ -48,11 +48,16 @@ def lines(found: Analysis) -> Iterator[str]:
     yield f"{own.measure.text[:1].upper()}{own.measure.text[1:]}."
     bounds = int(np.count_nonzero(own.is_beyond))
     if bounds:
-        yield (
-            f"At {whole(bounds)} of {whole(len(own.means))} points the value is a lower bound. "
-            "Shares of the variance and effects take the bound for the value; the response "
-            "surface and the spread do not."
-        )
+        told = f"At {whole(bounds)} of {whole(len(own.means))} points the value is a lower bound."
+        if found.indices or found.screening or found.swings:
+            told += " Shares of the variance and effects take the bound for the value."
+        if found.surface or found.rows:
+            told += " What is told of the spread does not."
+        yield told
+    if found.is_constant:
+        value = measure_scale(found).told(float(own.means[own.has_value][0]))
+        yield f"It is {value} at all points."
+        return
     yield _chaos(found)
     for first, second in _together(found):
         yield f"{first} and {second} vary together: what is told of one is told of both."
@@ -115,10 +120,13 @@ def answer(found: Analysis) -> Iterator[str]:
 def _chaos(found: Analysis) -> str:
     key = found.own.measure.key
     if found.chaos is None:
-        return (
-            f"How much of the variance of {key} is chaos cannot be told: it takes several draws at "
-            "the points (--draws). Without it, shares of the variance are of chaos as well."
-        )
+        told = f"How much of the variance of {key} is chaos cannot be told: "
+        if found.own.noise_source == "intervals":
+            told += "the intervals of the runs are wider than the runs differ, and "
+        told += "it takes several draws at the points (--draws)."
+        if found.indices:
+            told += " Without it, shares of the variance are of chaos as well."
+        return told
     by = {
         "draws": "the scatter of runs at one point that differ by their seed alone",
         "intervals": "as the intervals of the runs themselves tell it",
@@ -147,19 +155,51 @@ def _dependence(found: Analysis) -> str:
 
 def _spread(found: Analysis) -> Iterator[str]:
     told = found.spread or found.rows
-    if told is None:
-        return
     key, scale = found.own.measure.key, measure_scale(found)
+    if told is None:
+        if found.required is not None:
+            yield _counted(found, found.required)
+        return
     by = "By the response surface" if found.spread is not None else "By the rows alone"
     five = told.quantile(_TOLD[0])
-    if not np.isnan(five.value):
-        yield (f"{by}, {key} is below {amount(five, scale)} with a probability of {_TOLD[0]} %.")
-    if found.required is not None and told.misses is not None:
-        word = "at least" if found.required.is_least else "at most"
+    if np.isnan(five.value):
         yield (
-            f"{by}, the probability that {key} misses what is required, {word} "
-            f"{scale.told(found.required.value)}, is {parts(told.misses)}."
+            f"{by}, lower bounds leave open which value {key} is below with a probability of "
+            f"{_TOLD[0]} %."
         )
+    else:
+        yield f"{by}, {key} is below {amount(five, scale)} with a probability of {_TOLD[0]} %."
+    if found.required is not None and told.misses is not None:
+        yield (
+            f"{by}, the probability that {key} misses what is required, "
+            f"{_wanted(found.required, scale)}, is {parts(told.misses)}."
+        )
+    if found.without:
+        left = (
+            f"{whole(found.without)} of {whole(found.runs)} runs have no value of {key} and are "
+            "not in this spread"
+        )
+        if told.misses is not None:
+            share = found.without / found.runs
+            left += f"; if all of them miss, {part(share + (1.0 - share) * told.misses.value)} do"
+        yield f"{left}."
+
+
+def _wanted(required: Required, scale: Scale) -> str:
+    return f"{'at least' if required.is_least else 'at most'} {scale.told(required.value)}"
+
+
+def _counted(found: Analysis, required: Required) -> str:
+    """How many points miss what is required, where nothing tells how probable they are."""
+    own = found.own
+    surely, perhaps = required.counted(own.means[own.has_value], own.is_beyond[own.has_value])
+    told = (
+        f"{whole(surely)} of {whole(int(own.has_value.sum()))} points miss what is required of "
+        f"{own.measure.key}, {_wanted(required, measure_scale(found))}"
+    )
+    if perhaps > surely:
+        told += f"; lower bounds leave {whole(perhaps - surely)} others open"
+    return f"{told}. How probable a miss is takes a distribution of every factor."
 
 
 def measure_scale(found: Analysis) -> Scale:

@@ -11,6 +11,12 @@ import matplotlib
 from presswear.results.result import Result
 from presswear.show.figures.bottom import bottom_dead_centre
 from presswear.show.figures.drives import drive_work
+from presswear.show.figures.dynamics import (
+    contact_modes,
+    phase_portrait,
+    poincare_section,
+    spectrum,
+)
 from presswear.show.figures.life import service_life
 from presswear.show.figures.mechanism import mechanism
 from presswear.show.figures.motion import centre_trajectory, contact_force, response
@@ -43,6 +49,10 @@ NAMES: dict[str, Callable[[Result, Stages], list[Drawing]]] = {
     "bottom": bottom_dead_centre,
     "force": contact_force,
     "path": centre_trajectory,
+    "phase": phase_portrait,
+    "poincare": poincare_section,
+    "modes": contact_modes,
+    "spectrum": spectrum,
     "drives": drive_work,
 }
 """Figures by name, in the order of the report; each is drawn of some stages of a result, at

@@ -52,7 +52,8 @@ def heat_map(own: Responses, places: tuple[int, int], found: Surface | None) -> 
         else:
             caption += "; behind them the response surface"
     known = own.has_value
-    _points(axes, own, places, scales, measure, norm)
+    edge = REFERENCE if found is None else "white"
+    _points(axes, own, places, scales, measure, norm, edge)
     across.along_x(axes, WIDTH)
     up.along_y(axes, 4.0)
     axes.grid(visible=found is None)
@@ -77,6 +78,7 @@ def _points(
     scales: list[Scale],
     measure: Scale,
     norm: Normalize,
+    edge: str,
 ) -> None:
     x, y = (scales[place].factor * own.points[:, place] for place in places)
     for kind, rows in (
@@ -91,7 +93,7 @@ def _points(
             marker=kind,
             cmap=COLOURS,
             norm=norm,
-            edgecolors="white",
+            edgecolors=edge,
             linewidths=0.7,
         )
     axes.scatter(x[~own.has_value], y[~own.has_value], 26.0, REFERENCE, marker="x")
@@ -147,6 +149,8 @@ def parallel(own: Responses) -> Drawing:
         else (f"{len(drawn)} of {len(order)} points, evenly spaced in the order of the measure")
     )
     caption = f"Every factor, and at the right {own.measure.text}: {what}, coloured by the measure."
+    if kept.is_beyond.any():
+        caption = f"{caption[:-1]}; lower bounds are drawn as values."
     return Drawing(
         f"parallel-{file_part(own.measure)}.png",
         f"All factors and {own.measure.key}",

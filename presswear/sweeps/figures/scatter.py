@@ -31,11 +31,13 @@ def distribution(
     axes = sheet.subplots()
     pens = [Pen("probability of less, 95 % band", *LINES[0])]
     percent = 100.0 * PROBABILITIES
-    both = np.isfinite(found.low) & np.isfinite(found.high)
+    measure.along_x(axes, WIDTH)
+    # An end that cannot be told lies beyond the edge.
+    left, right = axes.get_xlim()
     axes.fill_betweenx(
-        percent[both],
-        measure.factor * found.low[both],
-        measure.factor * found.high[both],
+        percent,
+        np.where(np.isnan(found.low), left, measure.factor * found.low),
+        np.where(np.isnan(found.high), right, measure.factor * found.high),
         color=pens[0].colour,
         alpha=0.25,
         linewidth=0.0,
@@ -47,15 +49,16 @@ def distribution(
     five = found.quantile(TOLD)
     if not np.isnan(five.value):
         pens.append(Pen(f"{TOLD} % quantile with its interval", LINES[1][0], width=2.0))
-        low, high = (five.value if end is None else end for end in (five.low, five.high))
-        pens[-1].draw(axes, [measure.factor * low, measure.factor * high], [TOLD, TOLD])
+        low = left if five.low is None else measure.factor * five.low
+        high = right if five.high is None else measure.factor * five.high
+        pens[-1].draw(axes, [low, high], [TOLD, TOLD])
         axes.plot([measure.factor * five.value], [TOLD], "o", color=LINES[1][0])
     if required is not None:
         word = "least" if required.is_least else "most"
         shown = measure.told(required.value)
         pens.append(Pen(f"required: at {word} {shown}", REFERENCE, LINES[3][1]))
         axes.axvline(measure.factor * required.value, **pens[-1].look)
-    measure.along_x(axes, WIDTH)
+    axes.set_xlim(left, right)
     axes.set_ylim(0.0, 100.0)
     axes.set_ylabel("probability of less (%)")
     legend(sheet, pens, "outside upper center")

@@ -13,7 +13,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.campaign.starts import APART, disturbed, start_of
+from presswear.campaign.starts import APART, disturbed, start_of, turned_back
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import InHouse
 from presswear.linkage.elements import Linkage
@@ -119,14 +119,6 @@ class Parting:
         if last < 0 or self.time[last] <= 0.0 or self.distance[last] <= 0.0:
             return math.nan
         return math.log(self.distance[last] / APART) / self.time[last]
-
-
-def turned_back(end: Start, start: Start) -> Start:
-    """Take a state after whole cycles as a start: without the full turns of its bodies."""
-    position = end.position.copy()
-    turns = np.round((position[2::3] - start.position[2::3]) / (2.0 * math.pi))
-    position[2::3] -= 2.0 * math.pi * turns
-    return Start(position, end.velocity)
 
 
 @dataclass

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from precision.made_up_precision import NAMES, SCENE, STAGE_CYCLES, chaos, parting
-from presswear.campaign.starts import start_of
+from presswear.campaign.starts import start_of, turned_back
 from presswear.record.sampling import Estimate, MapBatches
 from presswear.scene.scene import Numerics
 from presswear.tools.documents import plain
@@ -19,7 +19,6 @@ from presswear.trials.precision.growth import (
     LOW,
     PARTED,
     sampled_run,
-    turned_back,
 )
 from presswear.trials.precision.methods import statistics_methods
 from presswear.trials.precision.statistic import (

@@ -1,0 +1,1 @@
+"""One scene over a quantity: exponents, periods and sections, up and down."""

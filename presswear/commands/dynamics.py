@@ -1,0 +1,141 @@
+"""``presswear dynamics``: what the motion of a result is, or of a scene over a quantity."""
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from presswear.commands.terminal import (
+    add_out,
+    add_settings,
+    count_given,
+    free_folder,
+    jobs_given,
+    print_table,
+    scene_given,
+    settings_given,
+)
+from presswear.commands.trials import telling
+from presswear.scene.settings import changed
+from presswear.tools.errors import InputError
+
+MOST_CYCLES = 100_000
+
+
+def add(commands: Any) -> None:
+    """Add the parser of ``dynamics``."""
+    own = commands.add_parser(
+        "dynamics",
+        description="Of a result: modes of contact and the period of each stage.  Of a scene: its "
+        "largest Lyapunov exponent, in-house; with --over a bifurcation diagram of its unworn "
+        "linkage, up and down, each value beginning where the last one ended.  A diagram that "
+        "was stopped goes on with --out of its folder.",
+        epilog="example: presswear dynamics slider-crank --over 'speed=50:600:200 rad/s'",
+    )
+    own.add_argument("subject", help="a result folder, a file, FILE.toml, or a scene")
+    own.add_argument(
+        "--over", metavar="KEY=LOW:HIGH:COUNT", help="quantity and its values, with a unit behind"
+    )
+    own.add_argument("--cycles", default="100", help="cycles at each value (default 100)")
+    own.add_argument(
+        "--kept", default="40", help="of them the last ones that are shown (default 40)"
+    )
+    own.add_argument(
+        "--exponent",
+        default="20",
+        metavar="CYCLES",
+        help="cycles for the exponent, of a scene or at each value; 0: none (default 20)",
+    )
+    own.add_argument("--jobs", help="processes (default: one a core)")
+    add_settings(own)
+    add_out(own, "SCENE-dynamics")
+    own.set_defaults(run=_run)
+
+
+def _run(arguments: argparse.Namespace, console: Console) -> int:
+    folder = Path(arguments.subject)
+    if folder.is_dir():
+        if arguments.over or arguments.set:
+            raise InputError(f"{folder} is a result; --over and --set go with a scene")
+        return _of_result(folder, console)
+    cycles = 0
+    if arguments.exponent != "0":
+        cycles = count_given("--exponent", arguments.exponent, MOST_CYCLES)
+    scene = changed(scene_given(arguments.subject), settings_given(arguments.set))
+    # Imported when everything that was typed is right.
+    if arguments.over is None:
+        from presswear.bifurcation.flow import scene_exponent
+
+        if not cycles:
+            raise InputError("--exponent 0: without --over there is nothing else to do")
+        found = scene_exponent(scene, cycles)
+        half = "too few cycles" if found.half_width is None else f"± {found.half_width:.3g}"
+        period = scene.mechanism.period
+        console.print(
+            f"{scene.name}: largest Lyapunov exponent {found.value:.4g} {half} 1/s, "
+            f"{found.value * period:.3g} a cycle, from {found.restarts} restarts",
+            highlight=False,
+        )
+        return 0
+    from presswear.bifurcation.branch import Extent
+    from presswear.bifurcation.diagram import compute
+    from presswear.bifurcation.figure import draw
+    from presswear.bifurcation.over import Over
+    from presswear.show.figures import save
+
+    over = Over.parsed(arguments.over, scene)
+    extent = Extent(
+        count_given("--cycles", arguments.cycles, MOST_CYCLES),
+        count_given("--kept", arguments.kept, MOST_CYCLES),
+        cycles,
+    )
+    out = arguments.out or free_folder(f"{scene.name}-dynamics")
+    with telling(console, "bifurcation diagram") as told:
+        parts = dict.fromkeys(("up", "down"), 0.0)
+
+        def tell(way: str, part: float) -> None:
+            parts[way] = part
+            told(f"bifurcation diagram, {way}", sum(parts.values()) / len(parts))
+
+        diagram = compute(scene, over, extent, out, jobs_given(arguments.jobs), tell)
+    for sentence in diagram.words:
+        console.print(sentence, highlight=False)
+    picture = save(draw(diagram), out)
+    console.print(f"picture in {picture}", highlight=False, soft_wrap=True)
+    return 0
+
+
+def _of_result(folder: Path, console: Console) -> int:
+    from presswear.dynamics.modes import MODES, jointly
+    from presswear.results.modes import period_of, timeline_of
+    from presswear.results.result import load
+
+    result = load(folder)
+    scene, rows = result.scene, []
+    if not scene.clearance_joints:
+        raise InputError(f"{folder}: no joint has clearance, so that there are no modes of contact")
+    for stage in result.stages:
+        if stage.failed:
+            continue
+        lines = {joint: timeline_of(scene, stage, joint) for joint in scene.clearance_joints}
+        for joint, own in lines.items():
+            shares = own.shares
+            visits = [own.sojourns(name) for name in MODES]
+            for name, times in zip(MODES, visits, strict=True):
+                mean = f"{1e3 * times.mean():.3g}" if times.size else "–"
+                row = (f"{result.stage_name(stage.index)}", joint, name)
+                rows.append((*row, f"{100.0 * shares[name]:.3g}", f"{times.size}", mean))
+        if len(lines) > 1:
+            both = jointly(list(lines.values()))
+            for name, part in both.shares.items():
+                if part > 0.0:
+                    row = (f"{result.stage_name(stage.index)}", " + ".join(lines), name)
+                    rows.append((*row, f"{100.0 * part:.3g}", f"{both.sojourns(name).size}", ""))
+    heads = ("stage", "joint", "mode"), ("share (%)", "visits", "mean visit (ms)")
+    print_table(console, *heads, rows)
+    for stage in result.stages:
+        if not stage.failed:
+            words = period_of(scene, stage).words
+            console.print(f"{result.stage_name(stage.index)}: {words}", highlight=False)
+    return 0

@@ -1,0 +1,1 @@
+"""What a motion is, from arrays alone: periods, modes of contact, sections, spectra, exponents."""

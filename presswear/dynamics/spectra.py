@@ -1,0 +1,111 @@
+"""Spectra of a motion whose rows are unevenly spaced in time, over orders of its cycle."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.tools.errors import InputError
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Spectrum:
+    """A one-sided power spectral density.
+
+    Attributes
+    ----------
+    frequency : ndarray, shape (n,)
+        Hz.
+    density : ndarray, shape (n,)
+        Squares of the values' unit per Hz.
+    period : float
+        Duration of a cycle, s.
+    segments : int
+        Segments that it is the mean of.
+    """
+
+    frequency: Array
+    density: Array
+    period: float
+    segments: int
+
+    @property
+    def order(self) -> Array:
+        """Frequency in turns of the cycle."""
+        return self.frequency * self.period
+
+    def amplitude(self, order: float) -> float:
+        """Amplitude of what lies within half an order of one, in the values' unit."""
+        near = np.abs(self.order - order) < 0.5
+        return float(np.sqrt(2.0 * self.density[near].sum() * (self.frequency[1])))
+
+    @property
+    def harmonic_share(self) -> float:
+        """Part of the power that lies at whole orders, within two lines of each.
+
+        1 for a motion of one cycle; of noise that is even over all orders it is the part of the
+        lines that lie there.
+        """
+        lines = round(1.0 / self.order[1])
+        place = np.arange(self.order.size) % lines
+        at_whole = np.minimum(place, lines - place) <= 2
+        powers = self.density[1:]
+        return float(powers[at_whole[1:]].sum() / powers.sum())
+
+
+def evenly(time: Array, values: Array, interval: float) -> tuple[Array, Array]:
+    """Means of a series over equal intervals; gives the middles of these, s, and the means.
+
+    The series is linear between its rows.  A mean keeps the impulse of peaks that are shorter
+    than the interval, and lets little of them fold back to low frequencies.
+    """
+    count = int((time[-1] - time[0]) / interval * (1.0 + 1e-12))
+    edges = time[0] + interval * np.arange(count + 1)
+    steps = np.diff(time)
+    areas = np.append(0.0, np.cumsum(0.5 * steps * (values[1:] + values[:-1])))
+    # The area grows as a parabola between two rows.
+    place = np.clip(np.searchsorted(time, edges, side="right") - 1, 0, time.size - 2)
+    since = edges - time[place]
+    slope = (values[place + 1] - values[place]) / steps[place]
+    area = areas[place] + since * (values[place] + 0.5 * slope * since)
+    return 0.5 * (edges[1:] + edges[:-1]), np.asarray(np.diff(area) / interval)
+
+
+def spectrum_of(
+    time: Array, values: Array, period: float, highest: float, cycles: int = 4
+) -> Spectrum:
+    """Density of a series by Welch's method, its lines at parts of the order.
+
+    Segments are of whole cycles, by Hann's window and overlapping by half, without their mean
+    (Welch, IEEE Trans. Audio 15 (1967) 70).
+
+    Parameters
+    ----------
+    time, values : ndarray, shape (n,)
+        Rows at rising times, however spaced, s.
+    period : float
+        Duration of a cycle, s.
+    highest : float
+        Highest frequency, Hz.
+    cycles : int
+        Cycles in a segment, at most as many as there are; lines lie at 1 / cycles of an order.
+
+    Raises
+    ------
+    InputError
+        For less than one cycle.
+    """
+    from scipy.signal import welch  # slow to import
+
+    whole = int((time[-1] - time[0]) / period * (1.0 + 1e-9))
+    if whole < 1:
+        raise InputError("a spectrum takes one cycle at least, and less was recorded")
+    length = min(cycles, whole)
+    each = int(np.ceil(2.0 * highest * period))
+    _, means = evenly(time, values, period / each)
+    size = length * each
+    frequency, density = welch(means, each / period, "hann", size, size // 2)
+    segments = 1 + (len(means) - size) // (size - size // 2)
+    return Spectrum(frequency, density, period, segments)

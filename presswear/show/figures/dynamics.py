@@ -1,0 +1,214 @@
+"""Figures of what the motion is: phase portraits, Poincare sections, modes and spectra."""
+
+import numpy as np
+
+from presswear.dynamics.modes import MODES
+from presswear.dynamics.spectra import spectrum_of
+from presswear.results.modes import (
+    period_of,
+    resonance,
+    section_of,
+    settled_span,
+    timeline_of,
+)
+from presswear.results.result import Result
+from presswear.show.figures.motion import moving_stages, path_pens, set_path_limits
+from presswear.show.figures.style import (
+    REFERENCE,
+    WIDTH,
+    Array,
+    Axes,
+    Drawing,
+    Pen,
+    Sheet,
+    ShownStage,
+    Stages,
+    between,
+    legend,
+    length_scale,
+    wrapped,
+)
+from presswear.tools.numbers import readable
+
+BINS = 180
+"""Bins of the cycle in a timeline of modes."""
+HIGHEST_ORDER = 1000.0
+"""Highest frequency of a spectrum, in turns of the crank; the film of rows is finer."""
+_MODE_COLOURS = ("0.92", "#E69F00", "#0072B2", "#009E73")
+_WORDS = ("free", "impact", "sustained", "sticking")
+_HARMONICS = 10
+
+
+def _rattling(result: Result, stages: Stages) -> list[ShownStage]:
+    """Stages with a motion of a cycle at least, of a scene with clearance."""
+    if not result.scene.clearance_joints:
+        return []
+    period = result.scene.mechanism.period
+    return [
+        stage
+        for stage in moving_stages(result, stages)
+        if np.diff(settled_span(result.scene, stage.data))[0] > 0.99 * period
+    ]
+
+
+def phase_portrait(result: Result, stages: Stages) -> list[Drawing]:
+    """Velocity over place: of what is watched, and of each pin away from its bearing's centre."""
+    shown, scene = _rattling(result, stages), result.scene
+    if not shown:
+        return []
+    joints = scene.clearance_joints
+    side = (WIDTH - 0.9) / max(len(shown), 2) - 0.1
+    height = 0.7 + (0.75 * side + 0.35) * (1 + len(joints))
+    sheet = Sheet(figsize=(WIDTH, height), layout="constrained")
+    grid = sheet.subplots(1 + len(joints), len(shown), squeeze=False, sharex="row", sharey="row")
+    factor, unit = length_scale(max(scene.bearing(joint).clearance for joint in joints))
+    for column, stage in zip(grid.T, shown, strict=True):
+        own = between(stage.data, *settled_span(scene, stage.data))
+        look = {"color": stage.pen.colour, "linewidth": 0.4}
+        column[0].plot(1e3 * own.displacement, own.velocity, **look)
+        column[0].set_title(wrapped(stage.pen.label, side))
+        column[0].set_xlabel(f"displacement of the {scene.watched} (mm)")
+        for axes, joint in zip(column[1:], joints, strict=True):
+            away = np.hypot(*own.joints[joint].eccentricity.T)
+            # Rows may follow each other by a rounding.
+            time, kept = np.unique(own.time, return_index=True)
+            axes.plot(factor * away[kept], np.gradient(away[kept], time), **look)
+            clearance = factor * scene.bearing(joint).clearance
+            axes.axvline(clearance, color=REFERENCE, linewidth=0.7, linestyle="dashed")
+            axes.set_xlabel(f"|e| in joint {joint} ({unit})")
+    grid[0, 0].set_ylabel("velocity (m/s)")
+    for axes in grid[1:, 0]:
+        axes.set_ylabel("d|e|/dt (m/s)")
+    caption = (
+        f"Velocity of the {scene.watched} over its displacement, and rate of the pin's distance "
+        "|e| from the centre of its bearing over that distance, in the recorded cycles behind the "
+        "start-up. The dashed line is the clearance: beyond it the pin is in contact."
+    )
+    return [Drawing("phase.png", "Phase portrait", caption, sheet)]
+
+
+def poincare_section(result: Result, stages: Stages) -> list[Drawing]:
+    """Place of each pin once a cycle, a panel for each stage."""
+    shown, scene = _rattling(result, stages), result.scene
+    if not shown:
+        return []
+    joints = scene.clearance_joints
+    gaps = {joint: scene.bearing(joint).clearance for joint in joints}
+    factor, unit = length_scale(max(gaps.values()))
+    side = (WIDTH - 0.9) / max(len(shown), 2) - 0.1
+    sheet = Sheet(figsize=(WIDTH, 0.95 + (side + 0.1) * len(joints)), layout="constrained")
+    grid = sheet.subplots(len(joints), len(shown), squeeze=False, sharex=True, sharey=True)
+    widest, phase, counts = max(gaps.values()), 1.0, []
+    around = np.linspace(0.0, 2.0 * np.pi, 361)
+    told = ", ".join(f"{readable(factor * gap)} {unit}" for gap in dict.fromkeys(gaps.values()))
+    circle = path_pens(told, False)[0]
+    for row, joint in zip(grid, joints, strict=True):
+        for axes, stage in zip(row, shown, strict=True):
+            places, phase = section_of(scene, stage.data, joint)
+            size = 9.0 if len(places) < 50 else 3.0
+            axes.scatter(*(factor * places.T), s=size, color=stage.pen.colour, linewidths=0.0)
+            circle.draw(axes, *(factor * gaps[joint] * np.array([np.cos(around), np.sin(around)])))
+            widest = max(widest, float(np.hypot(*places.T).max(initial=0.0)))
+            counts.append(len(places))
+        row[0].set_ylabel(f"joint {joint}\n$e_y$ ({unit})")
+    for axes, stage in zip(grid[0], shown, strict=True):
+        axes.set_title(wrapped(stage.pen.label, side))
+    for axes in grid[-1]:
+        axes.set_xlabel(f"$e_x$ ({unit})")
+    set_path_limits(grid.flat, 1.06 * factor * widest)
+    found = "; ".join(f"{stage.pen.label}: {period_of(scene, stage.data).words}" for stage in shown)
+    linkage_phase = scene.mechanism.linkage().phase
+    caption = (
+        f"Place of each pin in its bearing once a cycle, at {360.0 * (phase % 1.0):.4g} degrees of "
+        f"the {linkage_phase}, behind the start-up ({min(counts)} points or more a panel). A "
+        f"motion that repeats itself shows as many points as its period has cycles. {found}."
+    )
+    legend(sheet, [circle], "outside upper center")
+    return [Drawing("poincare.png", "Poincaré section", caption, sheet)]
+
+
+def contact_modes(result: Result, stages: Stages) -> list[Drawing]:
+    """Part of the time in each mode of contact over the cycle, a panel for joint and stage."""
+    shown, scene = _rattling(result, stages), result.scene
+    if not shown:
+        return []
+    joints, period = scene.clearance_joints, scene.mechanism.period
+    sheet = Sheet(figsize=(WIDTH, 0.9 + 1.45 * len(shown)), layout="constrained")
+    grid = sheet.subplots(len(shown), len(joints), squeeze=False, sharex=True, sharey=True)
+    middle = 360.0 * (np.arange(BINS) + 0.5) / BINS
+    for row, stage in zip(grid, shown, strict=True):
+        for axes, joint in zip(row, joints, strict=True):
+            own = timeline_of(scene, stage.data, joint)
+            _stack(axes, middle, 100.0 * own.over_phase(period, BINS))
+            parts = zip(_WORDS, own.shares.values(), strict=True)
+            told = ", ".join(f"{word} {100.0 * part:.2f}" for word, part in parts)
+            axes.set_title(f"{joint}: {told} %", loc="left", fontsize=7.0)
+        row[0].set_ylabel(f"{stage.pen.label}\npart of the time (%)")
+    for axes in grid[-1]:
+        axes.set_xlabel(f"{scene.mechanism.linkage().phase} in the cycle (degrees)")
+        axes.set_xticks(np.arange(0.0, 361.0, 90.0))
+    pens = [Pen(name, c, width=5.0) for name, c in zip(MODES, _MODE_COLOURS, strict=True)]
+    legend(sheet, pens, "outside upper center")
+    caption = (
+        "Part of the time that each joint spends in each mode, over the cycle and, above, in all, "
+        "in the recorded cycles behind the start-up. An impact is a contact that lasts at most "
+        "twice as long as the fastest quarter of the contacts do, by Hertz's law at its own closing "
+        "speed; every other contact is sustained, and sticking while it slides more slowly than the "
+        "lower speed of the friction law."
+    )
+    return [Drawing("modes.png", "Modes of contact", caption, sheet)]
+
+
+def _stack(axes: Axes, x: Array, parts: Array) -> None:
+    """Parts on top of each other, up to 100 %."""
+    axes.stackplot(x, parts, colors=_MODE_COLOURS, linewidth=0.0)
+    axes.set_xlim(0.0, 360.0)
+    axes.set_ylim(0.0, 100.0)
+    axes.grid(False)
+
+
+def spectrum(result: Result, stages: Stages) -> list[Drawing]:
+    """Spectra of acceleration and contact forces, with harmonics and the contact resonance."""
+    shown, scene = _rattling(result, stages), result.scene
+    if not shown:
+        return []
+    joints, period = scene.clearance_joints, scene.mechanism.period
+    count = 1 + len(joints)
+    sheet = Sheet(figsize=(WIDTH, 0.6 + 1.9 * count), layout="constrained")
+    panels = sheet.subplots(count, 1, sharex=True, squeeze=False)[:, 0]
+    told = []
+    for stage in shown:
+        own = between(stage.data, *settled_span(scene, stage.data))
+        series = [own.acceleration, *(own.joints[joint].force[:, 0] for joint in joints)]
+        for axes, values in zip(panels, series, strict=True):
+            found = spectrum_of(own.time, values, period, HIGHEST_ORDER / period)
+            stage.pen.draw(axes, found.order[1:], found.density[1:], linewidth=0.6)
+    for axes, joint in zip(panels[1:], joints, strict=True):
+        known = {stage.pen.colour: resonance(stage.data, joint) for stage in shown}
+        for colour, frequency in known.items():
+            if frequency is not None:
+                axes.axvline(frequency * period, color=colour, linewidth=0.9, linestyle="dashdot")
+        hertz = [frequency for frequency in known.values() if frequency is not None]
+        if hertz:
+            told.append(f"{joint} {readable(min(hertz))} to {readable(max(hertz))} Hz")
+        axes.set_ylabel(f"force at {joint}\n(N²/Hz)")
+    panels[0].set_ylabel("acceleration\n((m/s²)²/Hz)")
+    for axes in panels:
+        axes.set_xscale("log")
+        axes.set_yscale("log")
+        for order in range(1, _HARMONICS + 1):
+            axes.axvline(order, color="0.8", linewidth=0.6, zorder=0.5)
+    axes.set_xlim(0.2, HIGHEST_ORDER)
+    panels[-1].set_xlabel("frequency in turns of the cycle (orders)")
+    legend(sheet, [stage.pen for stage in shown], "outside upper center")
+    caption = (
+        f"Power spectral density of the acceleration of the {scene.watched} and of the normal "
+        f"forces (Welch), over the frequency in cycles of {readable(1e3 * period)} ms; grey lines "
+        f"are the crank's first {_HARMONICS} harmonics."
+    )
+    if told:
+        caption += (
+            " Dash-dotted: the contact resonance, one over twice the median impact "
+            f"({'; '.join(told)})."
+        )
+    return [Drawing("spectrum.png", "Spectra", caption, sheet)]

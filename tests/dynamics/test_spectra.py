@@ -1,0 +1,64 @@
+"""Spectra and sections of sums of sines."""
+
+import numpy as np
+import pytest
+
+import presswear as pw
+from presswear.dynamics.sections import section, times_at_phase, times_of_crossing
+from presswear.dynamics.spectra import evenly, spectrum_of
+
+PERIOD = 0.02
+RANDOM = np.random.default_rng(1)
+TIME = np.sort(np.append([0.0, 40 * PERIOD], RANDOM.uniform(0.0, 40 * PERIOD, 200_000)))
+
+
+def test_amplitudes_of_harmonics() -> None:
+    """Means over the interval take the part sinc of each, here below 1 %."""
+    turn = 2.0 * np.pi * TIME / PERIOD
+    values = 5.0 + 3.0 * np.sin(turn) + 0.2 * np.cos(7.0 * turn)
+    found = spectrum_of(TIME, values, PERIOD, 100.0 / PERIOD)
+    assert found.amplitude(1.0) == pytest.approx(3.0, rel=0.01)
+    assert found.amplitude(7.0) == pytest.approx(0.2, rel=0.01)
+    assert found.amplitude(4.0) < 1e-3
+    assert found.harmonic_share > 0.999
+    assert found.order[np.argmax(found.density)] == pytest.approx(1.0, rel=1e-12)
+
+
+def test_power_is_the_variance() -> None:
+    """White noise over 0 .. f has the density variance / f, and harmonics no greater part."""
+    time = np.linspace(0.0, 1000 * PERIOD, 400_001)
+    values = RANDOM.normal(0.0, 2.0, time.size)
+    found = spectrum_of(time, values, PERIOD, 50.0 / PERIOD, cycles=16)
+    # Linear between rows, the means of four intervals have 7/32 of the rows' variance.
+    power = found.density.sum() * found.frequency[1]
+    assert power == pytest.approx(4.0 * 7.0 / 32.0, rel=0.02)
+    assert found.harmonic_share == pytest.approx(5.0 / 16.0, abs=0.02)
+    assert found.segments == 124
+
+
+def test_means_keep_an_impulse() -> None:
+    """A triangle of 2 us and 1000 N, on a grid of 1 ms."""
+    time = np.array([0.0, 4.999e-3, 5e-3 + 1e-6, 5e-3 + 3e-6, 5e-3 + 5e-6, 0.02])
+    force = np.array([0.0, 0.0, 0.0, 1000.0, 0.0, 0.0])
+    middle, means = evenly(time, force, 1e-3)
+    assert means.size == 20
+    assert means.sum() * 1e-3 == pytest.approx(2e-3, rel=1e-9)
+    assert middle[np.argmax(means)] == pytest.approx(5.5e-3, rel=1e-9)
+
+
+def test_less_than_a_cycle_is_refused() -> None:
+    with pytest.raises(pw.InputError, match="one cycle at least"):
+        spectrum_of(TIME[:100], TIME[:100], PERIOD, 1000.0)
+
+
+def test_sections() -> None:
+    at = times_at_phase(0.0, 4.0 * PERIOD, PERIOD, 0.25)
+    np.testing.assert_allclose(at, PERIOD * np.array([0.25, 1.25, 2.25, 3.25]), rtol=1e-12)
+    assert times_at_phase(0.0, 2.0 * PERIOD, PERIOD, 0.0).size == 3
+    time = np.linspace(0.0, 4.0 * PERIOD, 4001)
+    sine = np.sin(2.0 * np.pi * time / PERIOD)
+    states = section(time, np.column_stack([sine, 2.0 * sine]), at)
+    np.testing.assert_allclose(states, [[1.0, 2.0]] * 4, rtol=1e-5)
+    rising = times_of_crossing(time, sine, 0.5)
+    np.testing.assert_allclose(rising, PERIOD * (np.arange(4.0) + 1.0 / 12.0), atol=1e-7)
+    assert section(time, states[:, :1].repeat(1001, axis=0)[:4001], np.array([-1.0])).size == 0

@@ -1,0 +1,61 @@
+"""Modes, sections and periods of stages that ran."""
+
+import numpy as np
+import pytest
+
+import presswear as pw
+from presswear.dynamics.modes import MODES
+from presswear.results.modes import (
+    period_of,
+    resonance,
+    section_of,
+    settled_span,
+    timeline_of,
+)
+from presswear.results.result import Result
+
+
+@pytest.fixture(scope="module")
+def result() -> Result:
+    scene = pw.scenes.slider_crank(cycles=6, starts=1, recorded_cycles=6, sections=1)
+    return pw.run(scene, engine="dae", jobs=1)
+
+
+def test_shares_are_those_of_the_penetration(result: Result) -> None:
+    """Time with penetration above 0, by the rows, is the time that is no free flight."""
+    scene, stage = result.scene, result.stages[0]
+    own = timeline_of(scene, stage, "B")
+    begin, end = settled_span(scene, stage)
+    assert own.edges[[0, -1]] == pytest.approx([begin, end], rel=1e-3)
+    time = np.linspace(begin, end, 400_001)
+    inside = np.interp(time, stage.time, stage.joints["B"].penetration) > 0.0
+    assert 1.0 - own.shares["free flight"] == pytest.approx(inside.mean(), abs=2e-3)
+    assert sum(own.shares[name] for name in MODES) == pytest.approx(1.0, rel=1e-12)
+    visits = own.sojourns("impact")
+    assert visits.size > 5
+    assert resonance(stage, "B") == pytest.approx(0.5 / np.median(visits), rel=0.5)
+
+
+def test_sections_that_were_kept_are_those_of_the_series(result: Result) -> None:
+    """At the ends of the cycles, to the straight lines between rows."""
+    scene, stage = result.scene, result.stages[0]
+    kept, phase = section_of(scene, stage, "B")
+    assert phase == 1.0
+    eccentricity = stage.joints["B"].eccentricity
+    at = scene.mechanism.period * np.arange(3, 6)
+    for axis in range(2):
+        found = np.interp(at, stage.time, eccentricity[:, axis])
+        np.testing.assert_allclose(kept[:3, axis], found, rtol=0.0, atol=1e-6)
+    assert period_of(scene, stage).period is None
+
+
+def test_figures_are_drawn(result: Result) -> None:
+    axes = result.plot("phase", "poincare", "modes", "spectrum")
+    assert len(axes) == 2 + 1 + 1 + 2
+    labels = [own.get_xlabel() for own in axes]
+    assert "|e| in joint B (µm)" in labels
+    assert "frequency in turns of the cycle (orders)" in labels
+    shares = timeline_of(result.scene, result.stages[0], "B").shares
+    assert f"free {100.0 * shares['free flight']:.2f}," in axes[3].get_title(loc="left")
+    with pytest.raises(pw.InputError, match="nothing to draw as 'modes'"):
+        pw.run(pw.scenes.ideal(cycles=1), engine="dae").plot("modes")

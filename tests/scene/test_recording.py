@@ -1,0 +1,110 @@
+"""The recording plan of a scene: what is asked for is kept, and nothing else changes."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import presswear as pw
+from presswear.dynamics.sections import section
+from presswear.engines.base import Plan
+from presswear.record.recorder import Recorder
+from presswear.record.tracker import Tracker
+from presswear.scene.settings import changed
+from presswear.tools.arrays import State
+
+SCENE = pw.scenes.slider_crank(cycles=3, starts=1)
+SECTIONS = {"sections": "4", "section_angle": "90 deg"}
+
+
+def test_sections_lie_at_their_angles() -> None:
+    plan = pw.Recording(sections=4, section_angle=0.5 * math.pi)
+    assert plan.phases == (0.25, 0.5, 0.75, 1.0)
+    assert pw.Recording(sections=1, section_angle=math.pi).phases == (0.5,)
+    assert pw.Recording().phases == ()
+
+
+@pytest.mark.parametrize("engine", ["dae", "exudyn"])
+def test_sections_are_states_of_the_series(engine: str) -> None:
+    """The series counts the place from the start."""
+    scene = changed(SCENE, SECTIONS)
+    stage = pw.run(scene, engine=engine).stages[0]
+    period = scene.mechanism.period
+    at = (np.arange(3)[:, None] + np.array(scene.recording.phases)) * period
+    assert stage.section("place").shape == stage.section("normal", "B").shape == (3, 4)
+    # Straight between rows: a turn of 0.1 m errs by 0.1 (2 pi / 2000)^2 / 8 m, more at impacts, and
+    # the last row lies before the end.
+    place = section(stage.time, stage.displacement[:, None], at.ravel()[:-1])[:, 0]
+    seen = stage.section("place").ravel()[:-1]
+    np.testing.assert_allclose(np.diff(seen), np.diff(place), rtol=0.0, atol=1e-6)
+    eccentricity = section(stage.time, stage.joints["B"].eccentricity, at.ravel()[:-1])
+    for name, expected in zip("xy", eccentricity.T, strict=True):
+        seen = stage.section(f"eccentricity_{name}", "B").ravel()[:-1]
+        np.testing.assert_allclose(seen, expected, rtol=0.0, atol=1e-6)
+
+
+def test_sections_end_no_cycle_elsewhere() -> None:
+    """Without them nothing is kept, and the rows of the cycles stay as many."""
+    bare = pw.run(SCENE, engine="dae").stages[0]
+    assert "sections" not in bare.arrays
+    with pytest.raises(pw.InputError, match="no sections were kept; --set sections=1"):
+        bare.section("place")
+    seen = pw.run(changed(SCENE, SECTIONS), engine="dae").stages[0]
+    assert seen.cycles == bare.cycles
+
+
+class _Half(Tracker):
+    """Keeps the state behind the second cycle."""
+
+    state: State | None = None
+
+    def cycle(self, recorder: Recorder, state: object) -> bool:
+        if len(recorder.cycles) == 2:
+            assert callable(state)
+            self.state = {name: np.array(own) for name, own in state().items()}
+        return False
+
+
+def test_a_run_goes_on_with_its_sections() -> None:
+    from presswear.campaign.starts import start_of
+
+    half, linkage, start = _Half(), SCENE.linkage(), start_of(SCENE)
+    plan = Plan(SCENE.mechanism.period, 4, 1, sections=(0.25, 0.5), trackers=(half,))
+    engine = pw.InHouse("dopri5", 1e-7)
+    whole = engine.simulate(linkage, start, plan).recorder.sections
+    plan = Plan(SCENE.mechanism.period, 4, 1, sections=(0.25, 0.5), resume=half.state)
+    again = engine.simulate(linkage, start, plan).recorder.sections
+    assert whole.shape == (4, 2, 7)
+    np.testing.assert_array_equal(again, whole)
+
+
+def test_a_folder_holds_what_the_plan_asks_for(tmp_path: Path) -> None:
+    wanted = {**SECTIONS, "recorded_cycles": "1", "rows_per_cycle": "300", "digits": "single"}
+    result = pw.run(changed(SCENE, wanted), tmp_path, engine="dae")
+    read = pw.load(tmp_path)
+    assert read.scene.recording == pw.Recording(1, 300, "single", 4, 0.5 * math.pi)
+    for name, own in read.stages[0].arrays.items():
+        np.testing.assert_array_equal(own, result.stages[0].arrays[name])
+    stage, full = read.stages[0], pw.run(SCENE, engine="dae").stages[0]
+    period = SCENE.mechanism.period
+    assert stage.time[-1] <= 1.01 * period
+    assert 300 <= stage.time.size < np.searchsorted(full.time, period)
+    force = stage.joints["B"].force
+    np.testing.assert_array_equal(force, force.astype(np.float32))
+    assert not np.array_equal(full.joints["B"].force, full.joints["B"].force.astype(np.float32))
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "words"),
+    [
+        ("sections", "361", "sections = 361"),
+        ("recorded_cycles", "0", "recorded_cycles = 0"),
+        ("rows_per_cycle", "50", "rows_per_cycle = 50"),
+        ("digits", "singel", "did you mean single"),
+        ("section_angle", "400 deg", "section_angle"),
+    ],
+)
+def test_what_is_out_of_range_is_refused(key: str, value: str, words: str) -> None:
+    with pytest.raises(pw.InputError, match=words):
+        changed(SCENE, {key: value})
