@@ -48,12 +48,12 @@ def lines(found: Analysis) -> Iterator[str]:
     yield f"{own.measure.text[:1].upper()}{own.measure.text[1:]}."
     bounds = int(np.count_nonzero(own.is_beyond))
     if bounds:
-        told = f"At {whole(bounds)} of {whole(len(own.means))} points the value is a lower bound."
+        bound = f"At {whole(bounds)} of {whole(len(own.means))} points the value is a lower bound."
         if found.indices or found.screening or found.swings:
-            told += " Shares of the variance and effects take the bound for the value."
+            bound += " Shares of the variance and effects take the bound for the value."
         if found.surface or found.rows:
-            told += " The spread takes them for values that may be larger."
-        yield told
+            bound += " The spread takes them for values that may be larger."
+        yield bound
     if found.is_constant:
         same = measure_scale(found).told(float(own.means[own.has_value][0]))
         yield f"It is {same} at all points."

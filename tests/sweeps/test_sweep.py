@@ -154,7 +154,7 @@ def test_a_measure_of_ones_own_goes_to_the_processes(tmp_path: Path) -> None:
         (["--vary", "clearance=1mm", "--keep", "most"], "allowed is one of measures, all"),
         (["--vary", "clearance=1mm", "--set", "colour=red"], "unknown key 'colour'"),
         (["--sample", "sobol:8"], "--sample and --range go together"),
-        (["--vary", "clearance=1mm", "--require", "bdc>=1mm"], "did you mean bdc_"),
+        (["--vary", "clearance=1mm", "--require", "bdc_eror>=1mm"], "did you mean bdc_"),
         (["--vary", "clearance=1mm", "--require", "bdc_error>=1"], "has no unit"),
         (["--vary", "clearance=1mm", "--require", "bdc_error"], "MEASURE>=VALUE"),
         (["--resume"], "--resume needs the folder"),
@@ -224,12 +224,12 @@ def test_what_is_required_stands_in_its_folder_and_in_its_report(
     assert load_sweep(folder).required == ("A.force_max<=1N",)
     page = found.report()
     assert "2 of 2 points miss what is required of A.force_max, at most 1.00 N" in page.read_text()
-    assert main(["report", str(folder), "--require", "A.force_max<=1GN"]) == 0
+    assert main(["report", str(folder), "--require", "A.force_max<=1MN"]) == 0
     assert "0 of 2 points miss what is required" in page.read_text()
     capsys.readouterr()
-    assert main(["report", str(folder), "--require", "B.force_max<=1GN"]) == 2
+    assert main(["report", str(folder), "--require", "B.force_max<=1MN"]) == 2
     assert "did you mean A.force_max" in capsys.readouterr().err
-    assert main(["report", str(tmp_path), "--require", "A.force_max<=1GN"]) == 2
+    assert main(["report", str(tmp_path), "--require", "A.force_max<=1MN"]) == 2
     assert "--require goes with a sweep" in capsys.readouterr().err
 
 
