@@ -35,7 +35,7 @@ def heights() -> np.ndarray[Any, np.dtype[np.float64]]:
 
 
 def test_any_two_crank_angles_close_and_heights_lie_between_dead_points() -> None:
-    """The numbers of the README: heights of the lowest and the highest dead point of crank 7."""
+    """The numbers of docs/how-to/servo.md: lowest and highest dead points of crank 7."""
     found = heights()
     assert np.isfinite(found).all()
     low, high = found.min(axis=1), found.max(axis=1)
