@@ -150,11 +150,11 @@ def contact_modes(result: Result, stages: Stages) -> list[Drawing]:
     pens = [Pen(name, c, width=5.0) for name, c in zip(MODES, _MODE_COLOURS, strict=True)]
     legend(sheet, pens, "outside upper center")
     caption = (
-        "Part of the time that each joint spends in each mode, over the cycle and, above, in all, in "
-        "the recorded cycles behind the start-up. An impact is a contact that lasts at most twice as "
-        "long as the fastest quarter of the contacts do, by Hertz's law at its own closing speed; "
-        "every other contact is sustained, and sticking while it slides more slowly than the lower "
-        "speed of the friction law."
+        "Part of the time that each joint spends in each mode, over the cycle and, above, in all, "
+        "in the recorded cycles behind the start-up. An impact is a contact that lasts at most "
+        "twice as long as the fastest quarter of the contacts do, by Hertz's law at its own "
+        "closing speed; every other contact is sustained, and sticking while it slides more slowly "
+        "than the lower speed of the friction law."
     )
     return [Drawing("modes.png", "Modes of contact", caption, sheet)]
 
