@@ -64,7 +64,7 @@ def test_pins_keep_their_places_in_parts_of_the_clearance() -> None:
     cap = min(1.0, (1.0 - OPEN) * 5e-4 / np.hypot(*old))
     np.testing.assert_allclose(new, 0.8 * cap * old, rtol=1e-6)
     np.testing.assert_allclose(
-        went.velocity, 500.0 / SCENE.mechanism.speed * run.end.velocity, rtol=0.0, atol=0.3
+        went.velocity, 500.0 / before.drives[0].speed * run.end.velocity, rtol=0.0, atol=0.3
     )
 
 
