@@ -50,13 +50,17 @@ class Diagram:
         names = self.scene.clearance_joints
         found: list[Periodicity | None] = []
         for k, value in enumerate(points.value):
-            own = self.over.scene(self.scene, float(value))
             places = [points.eccentricity(j)[k] for j in range(len(names))]
-            scales = [np.full(len(PHASES) * 2, own.bearing(name).clearance) for name in names]
+            scales = [np.full(2 * len(PHASES), self._clearance(name, value)) for name in names]
             states = np.concatenate([place.reshape(len(place), -1) for place in places], axis=1)
             is_known = not np.isnan(states).any()
             found.append(periodicity(states, np.concatenate(scales)) if is_known else None)
         return found
+
+    def _clearance(self, joint: str, value: float) -> float:
+        """Clearance of a joint at a value, m."""
+        is_varied = self.over.key in ("clearance", f"{joint}.clearance")
+        return value if is_varied else self.scene.bearing(joint).clearance
 
     @property
     def words(self) -> list[str]:

@@ -1,7 +1,10 @@
 """Figure of a bifurcation diagram: places once a cycle, exponent and period over a quantity."""
 
+from typing import Any
+
 import matplotlib
 import numpy as np
+from matplotlib.ticker import MaxNLocator
 
 from presswear.bifurcation.diagram import Diagram
 from presswear.show.figures.style import (
@@ -18,6 +21,10 @@ from presswear.show.figures.style import (
 _WORDS = {"up": "rising", "down": "falling"}
 _NONE = 0.0
 """Height at which a motion without period is drawn."""
+_MARKS = {"up": "^", "down": "v"}
+_LOOK: dict[str, Any] = {"markersize": 3.0, "fillstyle": "none", "markeredgewidth": 0.5}
+_LEAST = 4.0
+"""Highest period up to which the axis goes at least."""
 
 
 def draw(diagram: Diagram) -> Drawing:
@@ -50,7 +57,7 @@ def _draw(diagram: Diagram) -> Drawing:
                 points.value[order], points.exponent[order, 0], color=colour, linewidth=0.8
             )
         periods = [np.nan if own is None else (own.period or _NONE) for own in diagram.periods(way)]
-        panels[-1].plot(points.value, periods, ".", color=colour, markersize=3.0)
+        panels[-1].plot(points.value, periods, _MARKS[way], color=colour, **_LOOK)
     for axes, joint in zip(panels, joints, strict=False):
         axes.set_ylabel(f"direction of the pin\nin joint {joint} (degrees)")
         axes.set_ylim(0.0, 360.0)
@@ -59,7 +66,8 @@ def _draw(diagram: Diagram) -> Drawing:
         panels[-2].axhline(0.0, color=REFERENCE, linewidth=0.7)
         panels[-2].set_ylabel("largest Lyapunov\nexponent (1/s)")
     panels[-1].set_ylabel("period (cycles);\n0: none found")
-    panels[-1].set_ylim(bottom=-0.5)
+    panels[-1].set_ylim(-0.5, max(_LEAST, panels[-1].get_ylim()[1]) + 0.5)
+    panels[-1].yaxis.set_major_locator(MaxNLocator(5, integer=True))
     panels[-1].set_xlabel(f"{over.key}" + (f" ({over.unit})" if over.unit else ""))
     legend(sheet, pens, "outside upper center")
     caption = (

@@ -245,9 +245,7 @@ def _report(arguments: argparse.Namespace, console: Console) -> int:
 
         return sweep.report(arguments, console)
     if arguments.require:
-        raise InputError(
-            f"--require: something is required of a sweep, and {arguments.folder} is none"
-        )
+        raise InputError(f"--require goes with a sweep, and {arguments.folder} is none")
     if (arguments.folder / "study.json").exists():
         from presswear.commands import studies
 

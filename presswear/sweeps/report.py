@@ -109,7 +109,8 @@ def write_report(
 
 def drawings(found: Analysis) -> list[Drawing]:
     """The pictures of a measure."""
-    own, drawn = found.own, []
+    own = found.own
+    drawn: list[Drawing] = []
     if found.is_constant:
         return drawn
     if found.swings is not None and any(found.swings):

@@ -48,15 +48,15 @@ def lines(found: Analysis) -> Iterator[str]:
     yield f"{own.measure.text[:1].upper()}{own.measure.text[1:]}."
     bounds = int(np.count_nonzero(own.is_beyond))
     if bounds:
-        told = f"At {whole(bounds)} of {whole(len(own.means))} points the value is a lower bound."
+        bound = f"At {whole(bounds)} of {whole(len(own.means))} points the value is a lower bound."
         if found.indices or found.screening or found.swings:
-            told += " Shares of the variance and effects take the bound for the value."
+            bound += " Shares of the variance and effects take the bound for the value."
         if found.surface or found.rows:
-            told += " What is told of the spread does not."
-        yield told
+            bound += " The spread takes them for values that may be larger."
+        yield bound
     if found.is_constant:
-        value = measure_scale(found).told(float(own.means[own.has_value][0]))
-        yield f"It is {value} at all points."
+        same = measure_scale(found).told(float(own.means[own.has_value][0]))
+        yield f"It is {same} at all points."
         return
     yield _chaos(found)
     for first, second in _together(found):
@@ -172,7 +172,8 @@ def _spread(found: Analysis) -> Iterator[str]:
     if found.required is not None and told.misses is not None:
         yield (
             f"{by}, the probability that {key} misses what is required, "
-            f"{_wanted(found.required, scale)}, is {parts(told.misses)}."
+            f"{_wanted(found.required, scale)}, is {parts(told.misses)}"
+            f"{_open(found, found.required)}."
         )
     if found.without:
         left = (
@@ -192,14 +193,24 @@ def _wanted(required: Required, scale: Scale) -> str:
 def _counted(found: Analysis, required: Required) -> str:
     """How many points miss what is required, where nothing tells how probable they are."""
     own = found.own
-    surely, perhaps = required.counted(own.means[own.has_value], own.is_beyond[own.has_value])
-    told = (
+    surely, _ = required.counted(own.means[own.has_value], own.is_beyond[own.has_value])
+    return (
         f"{whole(surely)} of {whole(int(own.has_value.sum()))} points miss what is required of "
-        f"{own.measure.key}, {_wanted(required, measure_scale(found))}"
+        f"{own.measure.key}, {_wanted(required, measure_scale(found))}{_open(found, required)}. "
+        "How probable a miss is takes a distribution of every factor."
     )
-    if perhaps > surely:
-        told += f"; lower bounds leave {whole(perhaps - surely)} others open"
-    return f"{told}. How probable a miss is takes a distribution of every factor."
+
+
+def _open(found: Analysis, required: Required) -> str:
+    """How many points do not tell whether they miss, since they are lower bounds."""
+    own = found.own
+    surely, perhaps = required.counted(own.means[own.has_value], own.is_beyond[own.has_value])
+    if perhaps == surely:
+        return ""
+    return (
+        f"; at {whole(perhaps - surely)} of {whole(int(own.has_value.sum()))} points a lower bound "
+        "leaves it open"
+    )
 
 
 def measure_scale(found: Analysis) -> Scale:

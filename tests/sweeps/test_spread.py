@@ -16,6 +16,7 @@ from presswear.sweeps.spread import (
     Required,
     Spread,
     parse_required,
+    requirements,
     spread_of_rows,
     spread_of_surface,
 )
@@ -185,3 +186,13 @@ def test_what_is_required_is_read_with_its_unit() -> None:
 def test_what_requires_nothing_is_refused(text: str, told: str) -> None:
     with pytest.raises(InputError, match=told):
         parse_required(text, MEASURES)
+
+
+def test_a_measure_is_required_once() -> None:
+    texts = ("life>=2e6", "A.force_max<=15kN")
+    assert requirements(texts, MEASURES) == {
+        "life": Required(2e6, True),
+        "A.force_max": Required(15e3, False),
+    }
+    with pytest.raises(InputError, match="something is required of life already"):
+        requirements(("life>=2e6", "life<=3e6"), MEASURES)

@@ -154,6 +154,9 @@ def test_a_measure_of_ones_own_goes_to_the_processes(tmp_path: Path) -> None:
         (["--vary", "clearance=1mm", "--keep", "most"], "allowed is one of measures, all"),
         (["--vary", "clearance=1mm", "--set", "colour=red"], "unknown key 'colour'"),
         (["--sample", "sobol:8"], "--sample and --range go together"),
+        (["--vary", "clearance=1mm", "--require", "bdc_eror>=1mm"], "did you mean bdc_"),
+        (["--vary", "clearance=1mm", "--require", "bdc_error>=1"], "has no unit"),
+        (["--vary", "clearance=1mm", "--require", "bdc_error"], "MEASURE>=VALUE"),
         (["--resume"], "--resume needs the folder"),
     ],
 )
@@ -210,6 +213,31 @@ def test_a_sweep_is_reported_and_exported(
     capsys.readouterr()
     assert main(["export", str(folder), str(file), "--life"]) == 2
     assert "--strokes and --life do not go" in capsys.readouterr().err
+
+
+def test_what_is_required_stands_in_its_folder_and_in_its_report(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = tmp_path / "a sweep"
+    measured = SCENE, {"clearance": "0.3mm:0.9mm:2"}, folder, ["A.force_max"]
+    found = pw.sweep(*measured, jobs=1, required=["A.force_max<=1N"])
+    assert load_sweep(folder).required == ("A.force_max<=1N",)
+    page = found.report()
+    assert "2 of 2 points miss what is required of A.force_max, at most 1.00 N" in page.read_text()
+    assert main(["report", str(folder), "--require", "A.force_max<=1MN"]) == 0
+    assert "0 of 2 points miss what is required" in page.read_text()
+    capsys.readouterr()
+    assert main(["report", str(folder), "--require", "B.force_max<=1MN"]) == 2
+    assert "did you mean A.force_max" in capsys.readouterr().err
+    assert main(["report", str(tmp_path), "--require", "A.force_max<=1MN"]) == 2
+    assert "--require goes with a sweep" in capsys.readouterr().err
+
+
+def test_a_script_is_told_where_the_dashboard_is(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pw.sweep(SCENE, {"clearance": [4e-4]}, tmp_path / "sweep", ["A.force_max"], on="dask", jobs=1)
+    assert "dashboard at http" in capsys.readouterr().out
 
 
 def test_runs_of_another_program_are_told_of_and_not_mixed_in(

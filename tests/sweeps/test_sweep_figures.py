@@ -29,8 +29,9 @@ from presswear.sweeps.figures import (
     tornado,
 )
 from presswear.sweeps.figures.scales import Scale
+from presswear.sweeps.inputs import Inputs
 from presswear.sweeps.responses import responses
-from presswear.sweeps.spread import Required
+from presswear.sweeps.spread import Required, spread_of_rows
 from presswear.sweeps.table import Column, Table
 from presswear.tools.arrays import Array
 from presswear.tools.quantities import Meaning
@@ -241,6 +242,32 @@ def test_units_read_well(unit: str, values: list[float], label: str, told: str) 
     scale = Scale.of(Column("k", unit, ""), np.array(values))
     assert scale.label == label
     assert scale.told(values[-1]) == told
+
+
+def test_an_end_that_is_not_known_lies_at_the_edge() -> None:
+    rows = swept(np.arange(16.0)[:, None], np.arange(16.0), is_beyond=np.arange(16) > 12)
+    found = spread_of_rows(rows, "y")
+    assert found is not None
+    assert np.isnan(found.low[0])
+    assert np.isnan(found.high[-1])
+    axes = drawn(lambda: distribution(responses(rows, "y"), found, None, None)).sheet.axes[0]
+    (path,) = axes.collections[0].get_paths()
+    x, y = np.asarray(path.vertices).T
+    left, right = axes.get_xlim()
+    assert left < 0.0
+    assert right > 14.0
+    assert (x.min(), x.max()) == (left, right)
+    assert (y.min(), y.max()) == (1.0, 99.0)
+    five = next(own for own in axes.lines if np.all(np.asarray(own.get_ydata()) == 5.0))
+    assert np.asarray(five.get_xdata())[0] == left
+
+
+def test_two_values_are_no_logarithms() -> None:
+    for pair in ([0.05, 0.1], [0.02, 0.05], [3e-4, 9e-4]):
+        points = np.repeat(np.array(pair), 5)[:, None]
+        assert not Inputs.of((Column("x", "", ""),), points).is_logarithmic.any()
+    many = np.geomspace(1.0, 1e3, 7)[:, None]
+    assert Inputs.of((Column("x", "", ""),), many).is_logarithmic.all()
 
 
 def test_intervals_beyond_a_share_are_not_drawn() -> None:

@@ -12,11 +12,17 @@ import pytest
 from made_up_sweep import swept
 from test_sweep_figures import REQUIRED, SPREADS, grid, table
 
+from presswear.record.sampling import Interval
 from presswear.sweeps.analysis import analysed
+from presswear.sweeps.designs import design
+from presswear.sweeps.distributions import parse
+from presswear.sweeps.figures.scales import Scale
 from presswear.sweeps.report import FIRST_ROWS, REST, write_report
+from presswear.sweeps.spread import Required
 from presswear.sweeps.table import Column, Table
-from presswear.sweeps.words import parts
+from presswear.sweeps.words import amount, parts
 from presswear.tools.errors import InputError
+from presswear.tools.quantities import Meaning
 
 
 def page(own: Table, folder: Path, sample: str = "") -> str:
@@ -175,6 +181,76 @@ def test_factors_that_vary_together_are_named(tmp_path: Path) -> None:
     assert told in page(swept(line, line[:, 0]), tmp_path)
     apart = np.random.default_rng(1).random((40, 2))
     assert told not in page(swept(apart, apart.sum(axis=1)), tmp_path)
+
+
+def test_runs_without_values_are_counted_beside_the_spread(
+    sampled: tuple[Table, str, Path],
+) -> None:
+    own, text, _ = sampled
+    spread = analysed(own, "life", "sobol", SPREADS, REQUIRED).spread
+    assert spread is not None
+    assert spread.misses is not None
+    worst = 100.0 * (3 + 125 * spread.misses.value) / 128
+    assert (
+        "3 of 128 runs have no value of life and are not in this spread; if all of them miss, "
+        f"{worst:.3g} % do."
+    ) in text
+
+
+def test_a_grid_counts_points_that_miss(tmp_path: Path) -> None:
+    values = np.array([1e6, 3e6, 1.5e6, 4e6])
+    is_beyond = np.array([False, False, True, True])
+    own = swept(np.arange(4.0)[:, None], values, is_beyond=is_beyond, unit="")
+    least = write_report(own, tmp_path, "Lives", required={"y": Required(2e6, True)}).read_text()
+    told = "1 of 4 points miss what is required of y, at least 2.00·10⁶; at 1 of 4 points a lower"
+    assert told in least
+    most = write_report(own, tmp_path, "Lives", required={"y": Required(2e6, False)}).read_text()
+    told = "2 of 4 points miss what is required of y, at most 2.00·10⁶; at 1 of 4 points a lower"
+    assert told in most
+    for row, shown in enumerate(("1.000", "3.000", "&gt;1.500", "&gt;4.000")):
+        assert re.search(rf">{row + 1}</t[hd]>\s*<td[^>]*>[^<]*</td>\s*<td[^>]*>{shown}<", most)
+
+
+def test_lower_bounds_leave_a_quantile_and_misses_open(tmp_path: Path) -> None:
+    points = design("latin", 16, 1, 1)
+    own = swept(points, np.linspace(1.0, 2.0, 16), is_beyond=np.ones(16, np.bool_))
+    path = write_report(
+        own,
+        tmp_path,
+        "Lives",
+        sample="latin",
+        distributions={"x1": parse("0m:1m", "x1", Meaning("m", 0.0, 1.0, "", ""))},
+        required={"y": Required(1.5, True)},
+    )
+    text = unescape(re.sub(r"\s+", " ", path.read_text()))
+    assert "lower bounds leave open which value y is below with a probability of 5 %." in text
+    assert "at 8 of 16 points a lower bound leaves it open." in text
+    assert "Shares of the variance and effects take the bound for the value." in text
+
+
+def test_what_is_the_same_everywhere_is_told_once(tmp_path: Path) -> None:
+    points = np.array([[a, b] for a in (1.0, 2.0) for b in (1.0, 2.0, 3.0)])
+    text = page(swept(points, np.full(6, 5.0)), tmp_path)
+    assert "It is 5.00 N at all points." in text
+    assert "is chaos" not in text
+    assert not (tmp_path / "figures").exists()
+
+
+def test_intervals_wider_than_the_runs_differ_tell_no_chaos(tmp_path: Path) -> None:
+    points = design("latin", 32, 2, 1)
+    values = np.random.default_rng(1).normal(10.0, 1.0, 32)
+    wide = page(swept(points, values, halves=np.full(32, 20.0)), tmp_path)
+    assert "cannot be told: the intervals of the runs are wider than the runs differ" in wide
+    assert "No response surface of y" in wide
+    narrow = page(swept(points, values, halves=np.full(32, 0.5)), tmp_path)
+    assert "is chaos: as the intervals of the runs themselves tell it" in narrow
+
+
+def test_an_open_end_is_told_with_its_unit() -> None:
+    scale = Scale.of(Column("y", "N", ""), np.array([1.0, 2.0]))
+    assert amount(Interval(1.0, None, 2.0), scale) == "1.00 N (at most 2.00 N)"
+    assert amount(Interval(1.0, 0.5, None), scale) == "1.00 N (at least 0.500 N)"
+    assert amount(Interval(1.0, 0.5, 2.0), scale) == "1.00 N (0.500 to 2.00)"
 
 
 def test_a_sweep_in_which_all_failed_is_told(tmp_path: Path) -> None:

@@ -152,9 +152,9 @@ def contact_modes(result: Result, stages: Stages) -> list[Drawing]:
     caption = (
         "Part of the time that each joint spends in each mode, over the cycle and, above, in all, "
         "in the recorded cycles behind the start-up. An impact is a contact that lasts at most "
-        "twice as long as the fastest quarter of the contacts do, by Hertz's law at its own closing "
-        "speed; every other contact is sustained, and sticking while it slides more slowly than the "
-        "lower speed of the friction law."
+        "twice as long as the fastest quarter of the contacts do, by Hertz's law at its own "
+        "closing speed; every other contact is sustained, and sticking while it slides more slowly "
+        "than the lower speed of the friction law."
     )
     return [Drawing("modes.png", "Modes of contact", caption, sheet)]
 

@@ -1,0 +1,45 @@
+"""``presswear dynamics``: results, exponents and diagrams from the command line."""
+
+from pathlib import Path
+
+import pytest
+
+import presswear as pw
+from presswear.__main__ import main
+
+
+def test_modes_and_periods_of_a_result(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    pw.run(pw.scenes.slider_crank(cycles=4), tmp_path / "run", engine="dae", jobs=1)
+    assert main(["dynamics", str(tmp_path / "run")]) == 0
+    told = capsys.readouterr().out
+    for word in ("free flight", "impact", "sustained contact", "sticking", "no period within 1 %"):
+        assert word in told
+
+
+def test_an_exponent_and_a_diagram(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["dynamics", "slider-crank", "--exponent", "3"]) == 0
+    assert "largest Lyapunov exponent" in capsys.readouterr().out
+    line = ["dynamics", "slider-crank", "--over", "clearance=0.01:0.02:2 mm", "--cycles", "12"]
+    line += ["--kept", "4", "--exponent", "0", "--jobs", "1", "--out", str(tmp_path / "d")]
+    assert main(line) == 0
+    assert "up: of 2 values" in capsys.readouterr().out
+    assert (tmp_path / "d" / "diagram.png").stat().st_size > 10_000
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["slider-crnk"], "did you mean slider-crank"),
+        (["slider-crank", "--exponent", "0"], "nothing else to do"),
+        (["slider-crank", "--over", "speed=1:2"], "KEY=LOW:HIGH:COUNT"),
+        (["slider-crank", "--over", "speed=20:30:2", "--kept", "100"], "kept = 100"),
+        (["ideal"], "without one nothing is free"),
+    ],
+)
+def test_bad_lines_end_in_one(
+    words: list[str], told: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["dynamics", *words]) == 2
+    error = capsys.readouterr().err
+    assert told in error
+    assert error.count("\n") == 1
