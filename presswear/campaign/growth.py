@@ -71,13 +71,20 @@ def share_of(
     cycles : int
         Cycles in which it is applied, behind those at the start that are no samples.
     extra : ndarray, shape (joints, 2, m), or 0
-        Depth that each of them takes off besides, m.
+        Depth that each of them takes off besides, m.  Where it would give more back than a cycle
+        takes, nothing is taken, and elsewhere so much less that the volume stays.
     """
     return partial(_lost, represented / cycles, extra)
 
 
 def _lost(share: float, extra: Array | float, done: int, added: Array) -> Array:
-    return added * share + extra if done > STARTUP_CYCLES else np.zeros_like(added)
+    if done <= STARTUP_CYCLES:
+        return np.zeros_like(added)
+    asked = added * share + extra
+    lost = np.maximum(asked, 0.0)
+    whole = lost.sum(axis=-1, keepdims=True)
+    kept = np.maximum(asked.sum(axis=-1, keepdims=True), 0.0)
+    return lost * np.divide(kept, whole, out=np.ones_like(whole), where=whole > 0.0)
 
 
 def jump(ran: Ensemble, represented: float) -> Growth:

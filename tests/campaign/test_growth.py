@@ -9,15 +9,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 from fake_engine import FakeEngine, Seen, use
+from hypothesis import given
+from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from presswear.campaign.campaign import run_campaign, run_stage
-from presswear.campaign.growth import FIRST_PASS, Growth, error_of
+from presswear.campaign.growth import FIRST_PASS, Growth, error_of, share_of
 from presswear.campaign.segment import worn_out
 from presswear.campaign.single import run_scene
 from presswear.linkage.surface import bin_centres
 from presswear.physics.wear import worn_volume
-from presswear.record.sampling import MapBatches, half_width, mean_map
+from presswear.record.sampling import STARTUP_CYCLES, MapBatches, half_width, mean_map
 from presswear.results.result import load
 from presswear.results.stage import SIDES, JointResult
 from presswear.scene.bearing import CONVENTIONS
@@ -426,3 +428,18 @@ def test_what_is_not_reached_says_what_it_would_take(campaign: Campaign) -> None
     assert "about most_cycles = 1.3e+02 would do" in seen.message
     enough = campaign(replace(scene, most_cycles=130), FakeEngine(exponential))
     assert (enough.status, enough.message) == ("completed", "")
+
+
+@given(st.integers(0, 10_000))
+def test_no_cycle_gives_material_back(seed: int) -> None:
+    """A correction that is below zero at places takes its volume from the others."""
+    draw = np.random.default_rng(seed)
+    added = draw.random((2, 2, 16)) * 1e-12
+    extra = draw.normal(-1e-12, 6e-12, (2, 2, 16))
+    extra[0, 0] = -1e-10
+    lost = share_of(40.0, 4, extra)(STARTUP_CYCLES + 1, added)
+    assert lost.min() >= 0.0
+    volume = np.maximum((10.0 * added + extra).sum(axis=-1), 0.0)
+    np.testing.assert_allclose(lost.sum(axis=-1), volume, rtol=1e-12, atol=1e-24)
+    plain = share_of(40.0, 4)(STARTUP_CYCLES + 1, added)
+    np.testing.assert_array_equal(plain, 10.0 * added)
