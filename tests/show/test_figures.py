@@ -44,7 +44,9 @@ from presswear.tools.errors import InputError
 from presswear.tools.numbers import given, large, readable, whole, with_interval
 
 BINS = 72
-UNIT = re.compile(r"\((m|mm|µm|nm|s|N|m/s|m/s²|N m|W|degrees|strokes)\)")
+UNIT = re.compile(
+    r"\((m|mm|µm|nm|s|N|m/s|m/s²|N m|W|degrees|strokes|%|orders|N²/Hz|\(m/s²\)²/Hz)\)"
+)
 
 
 def made_up(scene: Scene, stages: int, status: str = "completed", message: str = "") -> Result:
