@@ -99,13 +99,14 @@ def spectrum_of(
     """
     from scipy.signal import welch  # slow to import
 
-    whole = int((time[-1] - time[0]) / period * (1.0 + 1e-9))
+    # Rows end a little before a cycle does.
+    whole = int((time[-1] - time[0]) / period + 0.02)
     if whole < 1:
         raise InputError("a spectrum takes one cycle at least, and less was recorded")
     length = min(cycles, whole)
     each = int(np.ceil(2.0 * highest * period))
     _, means = evenly(time, values, period / each)
-    size = length * each
+    size = min(length * each, len(means))
     frequency, density = welch(means, each / period, "hann", size, size // 2)
     segments = 1 + (len(means) - size) // (size - size // 2)
     return Spectrum(frequency, density, period, segments)

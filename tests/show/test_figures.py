@@ -44,7 +44,9 @@ from presswear.tools.errors import InputError
 from presswear.tools.numbers import given, large, readable, whole, with_interval
 
 BINS = 72
-UNIT = re.compile(r"\((m|mm|µm|nm|s|N|m/s|m/s²|N m|W|degrees|strokes)\)")
+UNIT = re.compile(
+    r"\((m|mm|µm|nm|s|N|m/s|m/s²|N m|W|degrees|strokes|%|orders|N²/Hz|\(m/s²\)²/Hz)\)"
+)
 
 
 def made_up(scene: Scene, stages: int, status: str = "completed", message: str = "") -> Result:
@@ -84,6 +86,15 @@ def _stage(scene: Scene, index: int, status: Any, message: str) -> StageResult:
         turn = 6.0 * np.pi * time / time[-1]
         arrays[f"{joint}_eccentricity"] = 8e-4 * np.column_stack([np.cos(turn), np.sin(turn)])
         arrays[f"{joint}_force"] = np.column_stack([100.0 * np.cos(turn) ** 8, 0.0 * turn])
+        arrays[f"{joint}_penetration"] = 1e-6 * np.sin(turn)
+        arrays[f"{joint}_sliding"] = np.cos(turn)
+        # Touchdown, separation, closing and release speed, peak force, steps.
+        arrays[f"{joint}_contacts"] = np.array(
+            [
+                [k * time[-1] / 6.0, (k + 0.5) * time[-1] / 6.0, 0.1, -0.1, 50.0, 30.0]
+                for k in range(6)
+            ]
+        )
         one = 5e-6 * np.exp(-((angle - np.radians(92.5)) ** 2) / 0.1)
         for side in SIDES:
             arrays[f"{joint}_depth_{side}"] = index * one
@@ -153,7 +164,10 @@ IDEAL = replace(BOTH, joints="none", wears=0)
 BOTTOM = "bottom-dead-centre.png"
 NOT_MADE_UP = ("life", "tonnage")
 """Figures that need what made-up results have not."""
-MOTION = ["response.png", BOTTOM, "contact-force.png", "centre-trajectory.png"]
+MOTION = [
+    *("response.png", BOTTOM, "contact-force.png", "centre-trajectory.png"),
+    *("phase.png", "poincare.png", "modes.png", "spectrum.png"),
+]
 
 
 @pytest.mark.parametrize(
