@@ -13,10 +13,12 @@ from rich.progress import Progress
 from presswear.commands.terminal import (
     add_required,
     add_settings,
+    count_given,
     folder_given,
     free_folder,
     goes_on,
     jobs_given,
+    place_given,
     print_table,
     progress_bar,
     scene_given,
@@ -76,7 +78,9 @@ def add(commands: Any) -> None:
     )
     add_required(parser)
     parser.add_argument("--draws", metavar="N", help="independent runs at each point (default 1)")
-    parser.add_argument("--seed", metavar="N", help="draws the points of the sample anew")
+    parser.add_argument(
+        "--seed", type=place_given, metavar="N", help="draws the points of the sample anew"
+    )
     parser.add_argument("--keep", help="measures (default), or all: whole result folders")
     parser.add_argument(
         "--on",
@@ -170,11 +174,11 @@ def _asked(arguments: argparse.Namespace) -> "Sweep":
     """The sweep that the options ask for, or the one in the folder where they say nothing."""
     from presswear.sweeps.files import Written, read_sweep
     from presswear.sweeps.measures import measures_asked
-    from presswear.sweeps.plan import Plan
+    from presswear.sweeps.plan import MOST_DRAWS, Plan
     from presswear.sweeps.sweep import KEEP, Sweep, is_sweep, load_sweep
 
     options = ("vary", "sample", "range", "measure", "require", "draws", "seed", "keep", "set")
-    is_bare = not any(getattr(arguments, name) for name in options)
+    is_bare = all(getattr(arguments, name) in (None, []) for name in options)
     if arguments.resume and is_bare and is_sweep(arguments.out):
         return load_sweep(arguments.out)
     if arguments.scene.endswith(SUFFIX):
@@ -190,21 +194,15 @@ def _asked(arguments: argparse.Namespace) -> "Sweep":
         tuple(arguments.vary or written.vary),
         arguments.sample or written.sample,
         tuple(arguments.range or written.ranges),
-        _count("--draws", arguments.draws, written.draws),
-        _count("--seed", arguments.seed, written.seed),
+        written.draws
+        if arguments.draws is None
+        else count_given("--draws", arguments.draws, MOST_DRAWS),
+        written.seed if arguments.seed is None else arguments.seed,
     )
     names = [own for text in arguments.measure or written.measures for own in text.split(",")]
     folder = arguments.out or free_folder(f"{scene.name}-sweep")
     required = tuple(arguments.require or written.required)
     return Sweep(plan, measures_asked(plan.example, names), folder, keep, required=required)
-
-
-def _count(option: str, text: str | None, default: int) -> int:
-    if text is None:
-        return default
-    if not (text.isascii() and text.isdigit() and len(text) < 7):
-        raise InputError(f"{option} {text}: a whole number is expected")
-    return int(text)
 
 
 class _Board:

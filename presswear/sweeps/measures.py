@@ -233,7 +233,7 @@ def measures_asked(scene: Scene, measures: Sequence[str | Own]) -> Asked:
         if at and (measure.whole or not (stage.isascii() and stage.isdigit())):
             raise InputError(f"measure {one}: NAME or NAME@STAGE, of a stage from 0, is expected")
         if at and int(stage) > scene.wears:
-            raise InputError(f"measure {one}: with wears = {scene.wears} stages are 0 to that")
+            raise InputError(f"measure {one}: allowed is a stage from 0 to wears = {scene.wears}")
         columns.append(Column(one.strip(), measure.unit, measure.text))
         keys.append(name if measure.whole else f"{name}@{int(stage) if at else LAST}")
         if measure.is_dear and name not in dear:

@@ -20,7 +20,7 @@ from presswear.tools.files import digest
 from presswear.tools.quantities import Meaning
 
 MOST_ROWS = 10_000_000
-_MOST_DRAWS = 10_000
+MOST_DRAWS = 10_000
 _TRIED = 16
 """Rows that are made before anything runs, over the whole plan."""
 SEED = "seed"
@@ -59,8 +59,8 @@ class Plan:
 
     def __post_init__(self) -> None:
         """InputError names what is unknown, empty, out of range or too large."""
-        if not 1 <= self.draws <= _MOST_DRAWS:
-            raise InputError(f"draws = {self.draws}: allowed is 1 to {_MOST_DRAWS}")
+        if not 1 <= self.draws <= MOST_DRAWS:
+            raise InputError(f"draws = {self.draws}: allowed is 1 to {MOST_DRAWS}")
         if bool(self.sample) != bool(self.ranges):
             raise InputError("--sample and --range go together: points, and what they are of")
         if not self.groups:

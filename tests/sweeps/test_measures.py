@@ -164,7 +164,7 @@ def test_all_usual_measures_are_found_and_asked_for_where_none_is_named(
         ("A.forcemax", r"did you mean A\.force_max"),
         ("B.depth", "unknown measure 'B.depth'"),
         ("bdc_eror", "did you mean bdc_error"),
-        ("A.depth@2", "with wears = 1 stages are 0 to that"),
+        ("A.depth@2", "a stage from 0 to wears = 1"),
         ("A.depth@x", "NAME@STAGE"),
         ("life", "unknown measure 'life'"),
     ],
