@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 FILE = "result.json"
-SCHEMA = 7
+SCHEMA = 8
 FINISHED = ("completed", "unconverged", "failed")
 """Statuses of a run that has come to its end."""
 

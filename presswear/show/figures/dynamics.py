@@ -133,7 +133,7 @@ def contact_modes(result: Result, stages: Stages) -> list[Drawing]:
     if not shown:
         return []
     joints, period = scene.clearance_joints, scene.mechanism.period
-    sheet = Sheet(figsize=(WIDTH, 0.9 + 1.45 * len(shown)), layout="constrained")
+    sheet = Sheet(figsize=(WIDTH, 0.9 + 1.6 * len(shown)), layout="constrained")
     grid = sheet.subplots(len(shown), len(joints), squeeze=False, sharex=True, sharey=True)
     middle = 360.0 * (np.arange(BINS) + 0.5) / BINS
     for row, stage in zip(grid, shown, strict=True):
@@ -142,8 +142,8 @@ def contact_modes(result: Result, stages: Stages) -> list[Drawing]:
             _stack(axes, middle, 100.0 * own.over_phase(period, BINS))
             parts = zip(_WORDS, own.shares.values(), strict=True)
             told = ", ".join(f"{word} {100.0 * part:.2f}" for word, part in parts)
-            axes.set_title(f"{joint}: {told} %", loc="left", fontsize=7.0)
-        row[0].set_ylabel(f"{stage.pen.label}\npart of the time (%)")
+            axes.set_title(f"{stage.pen.label}, {joint}\n{told} %", fontsize=7.0)
+        row[0].set_ylabel("part of the time (%)")
     for axes in grid[-1]:
         axes.set_xlabel(f"{scene.mechanism.linkage().phase} in the cycle (degrees)")
         axes.set_xticks(np.arange(0.0, 361.0, 90.0))
