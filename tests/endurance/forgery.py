@@ -120,8 +120,8 @@ def no_document(draw: Random, folder: Path) -> None:
     texts = (
         *(b"", b"[]", b"null", b"\x00\xff", "{}".encode("utf-16")),
         text[: draw.randrange(1, len(text) - 1)],
-        text.replace(b'"schema"', b'"schema": 7, "schema"', 1),
-        b'{"schema": 7, "stages": ' + b"[" * _DEPTH,
+        text.replace(b'"schema"', b'"schema": 8, "schema"', 1),
+        b'{"schema": 8, "stages": ' + b"[" * _DEPTH,
         b'{"schema": ' + b"9" * 5000 + b"}",
         b"!!python/object/apply:os.system ['touch executed']",
     )

@@ -56,6 +56,6 @@ def test_figures_are_drawn(result: Result) -> None:
     assert "|e| in joint B (µm)" in labels
     assert "frequency in turns of the cycle (orders)" in labels
     shares = timeline_of(result.scene, result.stages[0], "B").shares
-    assert f"free {100.0 * shares['free flight']:.2f}," in axes[3].get_title(loc="left")
+    assert f"free {100.0 * shares['free flight']:.2f}," in axes[3].get_title()
     with pytest.raises(pw.InputError, match="nothing to draw as 'modes'"):
         pw.run(pw.scenes.ideal(cycles=1), engine="dae").plot("modes")

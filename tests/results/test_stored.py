@@ -189,7 +189,7 @@ def test_what_is_no_scene_is_refused(tmp_path: Path, scene: object, says: str) -
         _restored(tmp_path, scene=scene)
 
 
-@pytest.mark.parametrize("text", ["", "[]", '{"schema": 99}', '{"schema": 7}', "{", "\x00\xff"])
+@pytest.mark.parametrize("text", ["", "[]", '{"schema": 99}', '{"schema": 8}', "{", "\x00\xff"])
 def test_a_folder_that_holds_no_result_is_refused(tmp_path: Path, text: str) -> None:
     (tmp_path / FILE).write_text(text, encoding="latin-1")
     with pytest.raises(InputError, match=FILE):
