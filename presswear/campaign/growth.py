@@ -80,6 +80,8 @@ def share_of(
 def _lost(share: float, extra: Array | float, done: int, added: Array) -> Array:
     if done <= STARTUP_CYCLES:
         return np.zeros_like(added)
+    if np.ndim(extra) == 0:
+        return added * share + extra
     asked = added * share + extra
     lost = np.maximum(asked, 0.0)
     whole = lost.sum(axis=-1, keepdims=True)
