@@ -1,4 +1,4 @@
-"""Poincare sections: a motion seen once a cycle, or at an event."""
+"""Poincare sections: a motion seen once a cycle."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,14 +22,6 @@ def times_at_phase(begin: float, end: float, period: float, phase: float) -> Arr
     first = int(np.ceil(begin / period - phase - noise))
     last = int(np.floor(end / period - phase + noise))
     return np.asarray((np.arange(first, last + 1) + phase) * period)
-
-
-def times_of_crossing(time: Array, values: Array, level: float) -> Array:
-    """Times at which a series rises through a level, s, linear between its rows."""
-    above = values >= level
-    rows = np.flatnonzero(~above[:-1] & above[1:])
-    part = (level - values[rows]) / (values[rows + 1] - values[rows])
-    return np.asarray(time[rows] + part * (time[rows + 1] - time[rows]))
 
 
 def section(time: Array, values: Array, at: Array) -> Array:

@@ -127,6 +127,7 @@ class SceneJob:
         except (InputError, RunFailed) as error:
             return Outcome(reason=str(error), wall_s=time.perf_counter() - began)
         except Exception as error:
+            # A measure or law of one's own may raise anything: that ends its row, not the sweep.
             if is_stopped():
                 raise KeyboardInterrupt from None
             return Outcome(reason=f"{type(error).__name__}: {error}")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import presswear as pw
-from presswear.dynamics.sections import section, times_at_phase, times_of_crossing
+from presswear.dynamics.sections import section, times_at_phase
 from presswear.dynamics.spectra import evenly, spectrum_of
 
 PERIOD = 0.02
@@ -59,6 +59,4 @@ def test_sections() -> None:
     sine = np.sin(2.0 * np.pi * time / PERIOD)
     states = section(time, np.column_stack([sine, 2.0 * sine]), at)
     np.testing.assert_allclose(states, [[1.0, 2.0]] * 4, rtol=1e-5)
-    rising = times_of_crossing(time, sine, 0.5)
-    np.testing.assert_allclose(rising, PERIOD * (np.arange(4.0) + 1.0 / 12.0), atol=1e-7)
     assert section(time, states[:, :1].repeat(1001, axis=0)[:4001], np.array([-1.0])).size == 0
