@@ -13,7 +13,7 @@ from presswear.engines.settings import Engine
 from presswear.record.film import columns_of
 from presswear.record.soundness import Finding
 from presswear.record.tracker import Tracker, tell_all
-from presswear.results.folder import ResultFolder
+from presswear.results.folder import INTERVAL, ResultFolder
 from presswear.results.life import LifeResult
 from presswear.results.provenance import provenance
 from presswear.results.result import Result, load
@@ -44,8 +44,15 @@ def run_scene(
     trackers: Sequence[Tracker] = (),
     check: bool = True,
     jobs: int | None = None,
+    interval: float = INTERVAL,
 ) -> Result:
-    """Run one scene, in memory or into a folder; see ``presswear.run``."""
+    """Run one scene, in memory or into a folder; see ``presswear.run``.
+
+    Parameters
+    ----------
+    interval : float
+        Between two checkpoints in the folder, s.
+    """
     scene = with_engine(scene, engine)
     if folder is None:
         kept = _Kept()
@@ -55,7 +62,7 @@ def run_scene(
         stages, life = tuple(kept.stages), kept.lived
         result = Result(scene, stages, status, message, provenance(), wall, life=life)
     else:
-        store = ResultFolder(Path(folder), scene, resume=True)
+        store = ResultFolder(Path(folder), scene, interval, resume=True)
         with workers_of([scene], jobs, trackers, store.interval) as workers:
             finding = run_into(store, scene, trackers, workers)
         result = load(store.path)

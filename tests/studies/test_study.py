@@ -8,14 +8,14 @@ from pathlib import Path
 import pytest
 from endurance.sameness import folder_differences
 
-from presswear.campaign.parallel import run_study
 from presswear.campaign.single import run_into
-from presswear.campaign.study import Study, Variant, load_study, results_of, waiting
 from presswear.record.tracker import Progress, Tracker
 from presswear.results.folder import ResultFolder
 from presswear.results.result import load
 from presswear.scene.catalog import wear_times
 from presswear.scene.settings import changed
+from presswear.studies.plan import Study, Variant, load_study, results_of, waiting
+from presswear.studies.rows import run_study
 from presswear.tools.errors import InputError
 
 
