@@ -231,7 +231,7 @@ def _run_into(
             trackers = [terminal, *([window] if window else [])]
             with (
                 told_of_compiling(terminal.compiling),
-                workers_of([scene], jobs, trackers, store.interval) as workers,
+                workers_of(scene, jobs, trackers, store.interval) as workers,
             ):
                 run_into(store, scene, trackers, workers)
     except InputError as error:

@@ -6,7 +6,7 @@ row with its reason.  What a variant came to stands in its folder, and goes on t
 
 import json
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import groupby
 from pathlib import Path
@@ -48,7 +48,7 @@ class StudyWork:
     folder: Path
     program: str
     interval: float
-    jobs: int
+    jobs: int = 1
 
     @property
     def rows(self) -> int:
@@ -103,13 +103,8 @@ def run_study(
         Where variants failed by what is around them, behind all others.
     """
     variants, left = study.variants, {v.key for v in waiting(study, folder, resume)}
-    places = jobs or cores()
-    # With fewer variants than processes the starts of one at a time share them.
-    is_wide = bool(on) or len(left) >= places
-    say = partial(tell_all, trackers)
-    runner = runner_of(on, jobs if is_wide else 1, say)
-    own = 1 if is_wide else places
-    work = StudyWork(study, folder.resolve(), program_digest(), interval, own)
+    places, say = jobs or cores(), partial(tell_all, trackers)
+    work = StudyWork(study, folder.resolve(), program_digest(), interval)
 
     def begun() -> None:
         if not is_study(folder):
@@ -130,7 +125,11 @@ def run_study(
             else:
                 heard(row, 1.0, "")
         for part in _passes(study, _part(study, rows, shard)):
-            run_rows(work, store, runner, part, begun=begun, heard=heard)
+            # With fewer variants than processes here the starts of one at a time share them.
+            is_wide = bool(on) or len(part) >= places
+            own = work if is_wide else replace(work, jobs=places)
+            runner = runner_of(on, jobs if is_wide else 1, say)
+            run_rows(own, store, runner, part, begun=begun, heard=heard)
         found = {variants[row].label: store.get(work.shortcut(row)) for row in rows}
     failed = [f"{label}: {own.reason}" for label, own in found.items() if own and own.again]
     if failed:
