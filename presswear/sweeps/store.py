@@ -115,11 +115,14 @@ class Records:
         with suppress(FileNotFoundError):
             for entry in sorted(os.scandir(self.path / RECORDS), key=lambda own: own.name):
                 if entry.name not in self._ended:
-                    # One without a lock has ended before its file is read.
-                    is_at_work = (Path(entry) / LOCK).exists()
+                    # Locked before its file is made, and given free before that is read.
+                    has_ended = (
+                        self._file(entry.name).exists()
+                        and not (self.path / RECORDS / entry.name / LOCK).exists()
+                    )
                     with suppress(OSError):
                         self._refresh(entry.name)
-                    if not is_at_work:
+                    if has_ended:
                         self._ended.add(entry.name)
 
     def _refresh(self, writer: str) -> None:

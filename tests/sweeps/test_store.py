@@ -197,6 +197,19 @@ def test_a_whole_result_that_is_wanted_takes_the_place_of_numbers(tmp_path: Path
     assert opened(tmp_path).get(name(1)) == whole
 
 
+def test_a_process_that_just_begins_is_not_taken_for_one_that_has_ended(tmp_path: Path) -> None:
+    with Store(tmp_path / "its") as its:
+        its.seal(record(1), name(1))
+        (written,) = tmp_path.glob("its/records/*/records.jsonl")
+        folder = tmp_path / "ours" / RECORDS / "another"
+        folder.mkdir(parents=True)
+        found = opened(tmp_path / "ours")
+        (folder / "lock").write_text("")
+        (folder / written.name).write_bytes(written.read_bytes())
+        found.refresh()
+        assert found.get(name(1)) == record(1)
+
+
 def test_what_is_forgotten_is_sealed_anew(tmp_path: Path) -> None:
     with Store(tmp_path) as store:
         store.seal(record(1), name(1))

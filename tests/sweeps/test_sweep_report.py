@@ -139,7 +139,7 @@ def test_a_grid_is_no_sample_of_anything(tmp_path: Path) -> None:
 
 def test_a_sample_that_is_crossed_with_values_is_told_of_at_each(tmp_path: Path) -> None:
     """Ishigami's function, and the same with its first two factors exchanged."""
-    blocks = random_blocks(256, 3, seed=5)
+    blocks = random_blocks(16, 3, seed=5)
     exchanged = ishigami(blocks[:, [1, 0, 2]])
     values = np.column_stack([ishigami(blocks), exchanged]).ravel()
     points = np.column_stack([np.repeat(blocks, 2, axis=0), np.tile([0.0, 1.0], len(blocks))])
@@ -155,7 +155,7 @@ def test_a_sample_that_is_crossed_with_values_is_told_of_at_each(tmp_path: Path)
         assert part.startswith(("as it is", "exchanged")[place])
     assert f"x2 {parts(found.first[1])} {parts(found.total[1])}" in part
     # Nothing is told of all of them together, which are no sample.
-    assert text.count("Shares of the variance of the means") == 2 * 2
+    assert text.count("Shares of the variance of the means") == 2
 
 
 def test_without_scikit_learn_it_says_what_to_install(
