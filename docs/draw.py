@@ -109,7 +109,7 @@ def life(axes: Axes) -> None:
     """Error of a life of wear-times over cycles: cycle by cycle, and in jumps of ten cycles."""
     scene = changed(presswear.scenes.wear_times(), {"conventions": "refined", "engine": "dae"})
     scene = replace(scene, starts=STARTS)
-    with workers_of([scene], None) as workers:
+    with workers_of(scene, None) as workers:
         right = np.log(_steps(scene, TINY, workers)[1])
         truth = float(right.mean())
         print(f"tiny steps: {math.exp(truth):.4g} strokes, {half_width(right):.2g} of it")

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     import presswear.scene.catalog as scenes
-    from presswear.campaign.run import run as run
     from presswear.engines.settings import ExudynJoints as ExudynJoints
     from presswear.engines.settings import ExudynTree as ExudynTree
     from presswear.engines.settings import InHouse as InHouse
@@ -64,6 +63,7 @@ if TYPE_CHECKING:
     from presswear.scene.scene import Scene as Scene
     from presswear.studies import study as study
     from presswear.studies import write_report as write_report
+    from presswear.studies.run import run as run
     from presswear.sweeps.function import function_of as function_of
     from presswear.sweeps.sweep import Sweep as Sweep
     from presswear.sweeps.sweep import sweep as sweep
@@ -73,7 +73,6 @@ if TYPE_CHECKING:
     __version__: str
 
 _ROOMS = {
-    "campaign.run": ("run",),
     "engines.settings": ("ExudynJoints", "ExudynTree", "InHouse"),
     "linkage.elements": (
         "Attachment",
@@ -114,6 +113,7 @@ _ROOMS = {
     "scene.recording": ("Recording",),
     "scene.scene": ("Scene",),
     "studies": ("study", "write_report"),
+    "studies.run": ("run",),
     "sweeps.function": ("function_of",),
     "sweeps.sweep": ("Sweep", "sweep"),
     "tools.errors": ("InputError", "RunFailed"),

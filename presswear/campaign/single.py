@@ -13,7 +13,7 @@ from presswear.engines.settings import Engine
 from presswear.record.film import columns_of
 from presswear.record.soundness import Finding
 from presswear.record.tracker import Tracker, tell_all
-from presswear.results.folder import ResultFolder
+from presswear.results.folder import INTERVAL, ResultFolder
 from presswear.results.life import LifeResult
 from presswear.results.provenance import provenance
 from presswear.results.result import Result, load
@@ -44,19 +44,26 @@ def run_scene(
     trackers: Sequence[Tracker] = (),
     check: bool = True,
     jobs: int | None = None,
+    interval: float = INTERVAL,
 ) -> Result:
-    """Run one scene, in memory or into a folder; see ``presswear.run``."""
+    """Run one scene, in memory or into a folder; see ``presswear.run``.
+
+    Parameters
+    ----------
+    interval : float
+        Between two checkpoints in the folder, s.
+    """
     scene = with_engine(scene, engine)
     if folder is None:
         kept = _Kept()
-        with workers_of([scene], jobs, trackers) as workers:
+        with workers_of(scene, jobs, trackers) as workers:
             status, message, finding = run_campaign(scene, (kept, *trackers), workers=workers)
         wall = sum(stage.wall_s for stage in kept.stages)
         stages, life = tuple(kept.stages), kept.lived
         result = Result(scene, stages, status, message, provenance(), wall, life=life)
     else:
-        store = ResultFolder(Path(folder), scene, resume=True)
-        with workers_of([scene], jobs, trackers, store.interval) as workers:
+        store = ResultFolder(Path(folder), scene, interval, resume=True)
+        with workers_of(scene, jobs, trackers, store.interval) as workers:
             finding = run_into(store, scene, trackers, workers)
         result = load(store.path)
         if finding is None and result.stages:
@@ -67,12 +74,12 @@ def run_scene(
 
 
 def workers_of(
-    scenes: Sequence[Scene],
+    scene: Scene,
     jobs: int | None,
     trackers: Sequence[Tracker] = (),
     interval: float = math.inf,
 ) -> InProcess | Pool:
-    """What does the runs of scenes, one scene after another.
+    """What does the runs of a scene.
 
     Parameters
     ----------
@@ -81,18 +88,15 @@ def workers_of(
     interval : float
         Between two checkpoints, s.
     """
-    frames = max((own.frames for own in trackers), default=0)
-    linkages = [scene.linkage() for scene in scenes] if frames else []
-    room = max(
-        (frames * columns_of(len(own.bodies), len(own.clearances)) for own in linkages), default=0
-    )
-    count = min(jobs or cores(), max(most_runs(scene) for scene in scenes))
+    frames, room = max((own.frames for own in trackers), default=0), 0
+    if frames:
+        linkage = scene.linkage()
+        room = frames * columns_of(len(linkage.bodies), len(linkage.clearances))
+    count = min(jobs or cores(), most_runs(scene))
     if any(own.hears_runs for own in trackers):
         count = 1
-    engines = dict.fromkeys(scene.solver.room for scene in scenes)
-    return workers_for(
-        count, (_SEGMENT, *engines), interval / _SHARES, room, partial(tell_all, trackers)
-    )
+    needed, lost = (_SEGMENT, scene.solver.room), partial(tell_all, trackers)
+    return workers_for(count, needed, interval / _SHARES, room, lost)
 
 
 _SEGMENT = "presswear.campaign.segment"

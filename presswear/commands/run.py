@@ -53,6 +53,11 @@ def add(commands: Any) -> None:
     named = ", ".join((*SCENES, *STUDIES))
     run.add_argument("scene", help=f"a file, FILE.toml, or one of: {named}")
     add_options(run, "results/SCENE")
+    run.add_argument(
+        "--shard",
+        metavar="K/N",
+        help="of a study: every N-th run from the K-th; its --on is that of presswear sweep too",
+    )
     run.add_argument("--live", action="store_true", help="show the press in a window while it runs")
     run.set_defaults(run=_run)
 
@@ -128,8 +133,12 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
             raise InputError(f"--live is for scenes; {arguments.scene} is a study of several")
         from presswear.commands import studies
 
+        # It says what does the runs, not on which surfaces they begin.
+        on, arguments.on = arguments.on or "", None
         change = partial(with_options, arguments=arguments)
-        return studies.run(arguments, console, None if is_plain(arguments) else change)
+        return studies.run(arguments, console, None if is_plain(arguments) else change, on)
+    if arguments.shard is not None:
+        raise InputError(f"--shard is for studies; {arguments.scene} is one scene")
     make = partial(with_options, arguments=arguments)
     return run_or_go_on(arguments, console, None if is_plain(arguments) else make)
 
@@ -222,7 +231,7 @@ def _run_into(
             trackers = [terminal, *([window] if window else [])]
             with (
                 told_of_compiling(terminal.compiling),
-                workers_of([scene], jobs, trackers, store.interval) as workers,
+                workers_of(scene, jobs, trackers, store.interval) as workers,
             ):
                 run_into(store, scene, trackers, workers)
     except InputError as error:

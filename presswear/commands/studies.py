@@ -7,8 +7,6 @@ from pathlib import Path
 from rich.console import Console
 from rich.progress import Progress, TaskID
 
-from presswear.campaign.parallel import run_study
-from presswear.campaign.study import Study, is_study, load_study, unchanged, waiting
 from presswear.commands.terminal import (
     free_folder,
     go_on_with,
@@ -20,6 +18,9 @@ from presswear.commands.terminal import (
 from presswear.record.tracker import Tracker
 from presswear.scene.scene import Scene
 from presswear.studies import OF_A_SCENE, STUDIES, make_study, write_report
+from presswear.studies.plan import Study, is_study, load_study, unchanged, waiting
+from presswear.studies.rows import run_study
+from presswear.sweeps.sweep import shard_given
 from presswear.tools.errors import InputError
 from presswear.tools.stopping import check_stopped
 
@@ -51,8 +52,8 @@ class Board(Tracker):
             self._bar.update(self._lines[key], completed=self._parts[key], description=text)
         if is_news:
             finished = sum(done >= 1.0 for done in self._parts.values())
-            line = f"finished {finished} of {len(self._parts)}: {label}"
-            self._bar.console.print(line, highlight=False)
+            line = f"finished {finished} of {len(self._parts)}: {label}{': ' if word else ''}{word}"
+            self._bar.console.print(line, highlight=False, markup=False, soft_wrap=True)
             if key in self._lines:
                 self._bar.remove_task(self._lines.pop(key))
         done = sum(own.extent * self._parts[key] for key, own in self._variants.items())
@@ -60,7 +61,10 @@ class Board(Tracker):
 
 
 def run(
-    arguments: argparse.Namespace, console: Console, change: Callable[[Scene], Scene] | None
+    arguments: argparse.Namespace,
+    console: Console,
+    change: Callable[[Scene], Scene] | None,
+    on: str,
 ) -> int:
     """Run a study into one folder, with a change that a person asked for.
 
@@ -68,9 +72,12 @@ def run(
     ----------
     change : callable or None
         None: none was asked for, and a study that is gone on with is the one in its folder.
+    on : str
+        What does the runs; see ``sweeps.executors``.
     """
     study = stored_study(arguments, arguments.scene) if change is None else None
-    run_into(study or make_study(arguments.scene, change or unchanged), arguments, console)
+    study = study or make_study(arguments.scene, change or unchanged)
+    run_into(study, arguments, console, on, arguments.shard)
     return 0
 
 
@@ -84,19 +91,32 @@ def stored_study(arguments: argparse.Namespace, name: str) -> Study | None:
     return study
 
 
-def run_into(study: Study, arguments: argparse.Namespace, console: Console) -> None:
-    """Run a study into one folder, or go on with it, and write its report."""
+def run_into(
+    study: Study,
+    arguments: argparse.Namespace,
+    console: Console,
+    on: str = "",
+    shard: str | None = None,
+) -> None:
+    """Run a study into one folder, or go on with it, and write its report once all is there."""
     jobs = jobs_given(arguments.jobs)
     interval = seconds_given("--checkpoint", arguments.checkpoint)
+    part = shard_given(shard or "1/1")
     if arguments.resume and arguments.out is None:
         raise InputError("--resume needs the folder to go on with: --out DIR")
     folder = arguments.out or free_folder(study.name)
     go_on = go_on_with(arguments.scene, folder, arguments.command)
-    waiting(study, folder, arguments.resume)
+    # All jobs of an array begin together, in a folder that one of them makes.
+    resume = arguments.resume or shard is not None
     kept = "finished runs are kept, the others go on where they stood"
     with goes_on(go_on, folder, lambda: kept), progress_bar(console) as bar:
-        run_study(study, folder, jobs, arguments.resume, [Board(study, bar)], interval)
-    report(folder, console)
+        run_study(study, folder, jobs, resume, [Board(study, bar)], interval, on, part)
+    left = [] if part[1] == 1 else waiting(study, folder, resume=True)
+    if left:
+        told = f"{len(left)} of {len(study.variants)} are still to run by others: "
+        console.print(f"{told}presswear report {folder} behind them", highlight=False)
+    else:
+        report(folder, console)
 
 
 def check_study(study: Study, folder: Path) -> None:

@@ -27,6 +27,7 @@ from presswear.commands.terminal import (
 from presswear.scene.files import SUFFIX
 from presswear.scene.settings import changed
 from presswear.tools.errors import InputError
+from presswear.tools.folders import check_folder
 from presswear.tools.stopping import check_stopped
 
 if TYPE_CHECKING:
@@ -179,12 +180,16 @@ def _asked(arguments: argparse.Namespace) -> "Sweep":
 
     options = ("vary", "sample", "range", "measure", "require", "draws", "seed", "keep", "set")
     is_bare = all(getattr(arguments, name) in (None, []) for name in options)
-    if arguments.resume and is_bare and is_sweep(arguments.out):
+    is_bare = is_bare and arguments.resume
+    if is_bare and is_sweep(arguments.out):
         return load_sweep(arguments.out)
     if arguments.scene.endswith(SUFFIX):
         scene, written = read_sweep(Path(arguments.scene))
     else:
         scene, written = scene_given(arguments.scene), Written()
+    if is_bare and written == Written():
+        check_folder(arguments.out)
+        return load_sweep(arguments.out)  # which says what is missing in it
     keep = arguments.keep or written.keep
     if keep not in KEEP:
         raise InputError(f"--keep {keep}: allowed is one of {', '.join(KEEP)}")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from presswear.tools.checked import checked
 
 if TYPE_CHECKING:
-    from presswear.campaign.study import Change, Study
+    from presswear.studies.plan import Change, Study
 
 STUDIES = {
     "paper": "Study: every number and figure of the paper, with errors",
@@ -21,7 +21,7 @@ OF_A_SCENE = ("lives",)
 
 def make_study(name: str, change: "Change") -> "Study":
     """A named study, its scenes begun from changed ones; InputError lists the names."""
-    from presswear.campaign.study import unchanged
+    from presswear.studies.plan import unchanged
     from presswear.tools.errors import unknown
 
     if name not in STUDIES:
@@ -60,7 +60,7 @@ def study(name: str, **settings: Any) -> "Study":
 @checked
 def write_report(study: "Study", folder: str | Path) -> tuple[str, Path]:
     """Write the report of a study that ran into its folder; gives its answer and its path."""
-    from presswear.campaign.study import Study
+    from presswear.studies.plan import Study
     from presswear.tools.errors import InputError, shown
 
     if not isinstance(study, Study):

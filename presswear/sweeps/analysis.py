@@ -18,6 +18,8 @@ from presswear.tools.errors import InputError
 
 SAMPLES = ("sobol", "latin")
 """Designs whose points are a sample of the distributions of all factors."""
+STEPPED = ("saltelli", "morris", "one")
+"""Designs whose points hang together."""
 
 MOST_OUTSIDE = 0.05
 """Part of a distribution that may lie outside the points of a surface."""
@@ -108,7 +110,8 @@ def analysed(
     key : str
         Of the measure.
     sample : str
-        Kind of the design of all factors; nothing for a grid.
+        Kind of the design of all factors, or of those that the others are crossed with; nothing
+        for a grid.
     distributions : mapping or None
         By the keys of the factors.
     required : Required or None
@@ -127,7 +130,8 @@ def analysed(
     is_whole = len(scattered) == len(own.factors)
     blocks, paths, alone = by_blocks(own), screening(own), swings(own)
     # What is drawn along paths, or about a middle, is no sample of anything.
-    indices = blocks or (first_order(own) if paths is None and alone is None else None)
+    is_stepped = sample in STEPPED or paths is not None or alone is not None
+    indices = blocks or (None if is_stepped else first_order(own))
     found, refusal = None, ""
     try:
         found = surface(own)

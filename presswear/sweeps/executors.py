@@ -61,8 +61,8 @@ class Feed(Protocol):
     def ended(self, row: int, outcome: Outcome) -> None:
         """Hear what a row gave."""
 
-    def told(self, row: int, part: float) -> None:
-        """Hear how far a row is, or that time passes (row -1)."""
+    def told(self, row: int, part: float, word: str = "") -> None:
+        """Hear how far a row is, and where it stands, or that time passes (row -1)."""
 
 
 Runner = Callable[[Feed], None]
@@ -121,7 +121,7 @@ class _Local:
             return taken()
 
         def told(row: int, part: float, word: str, rows: Array | None) -> None:
-            feed.told(row, part)
+            feed.told(row, part, word)
 
         feed.begun(self._count)
         with workers_for(self._count, (_ROW,), lost=self._say) as workers:

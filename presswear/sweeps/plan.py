@@ -108,6 +108,11 @@ class Plan:
         return tuple(own.column for group in self.groups for own in group.factors)
 
     @property
+    def crossed(self) -> int:
+        """Number of the last columns, which a sample is crossed with."""
+        return sum(len(group.factors) for group in self._groups) if self.sample else 0
+
+    @property
     def points(self) -> int:
         """Number of points."""
         return math.prod(len(group.values) for group in self.groups)

@@ -37,6 +37,8 @@ REST = "table.csv"
 """All rows, beside the report."""
 FIRST_ROWS = 20
 MOST_REASONS = 12
+MOST_SAMPLES = 12
+"""Samples that are told of one by one, where one is crossed with other values."""
 
 
 @dataclass(frozen=True)
@@ -55,6 +57,7 @@ def write_report(
     title: str,
     *,
     sample: str = "",
+    crossed: int = 0,
     distributions: Mapping[str, Distribution] | None = None,
     required: Mapping[str, Required] | None = None,
 ) -> Path:
@@ -63,7 +66,9 @@ def write_report(
     Parameters
     ----------
     sample : str
-        Kind of the design of all factors; nothing for a grid.
+        Kind of the design; nothing for a grid.
+    crossed : int
+        Number of the last factors, at each of whose values the whole design was run.
     distributions : mapping or None
         Of the factors that have one, by key.
     required : mapping or None
@@ -72,14 +77,19 @@ def write_report(
     known, wanted = distributions or {}, required or {}
     parts: list[Part] = []
     answers: list[str] = []
+    samples = {"": table, **_samples(table, crossed)}
     for place, measure in enumerate(table.measures):
-        if not np.isfinite(table.values[:, place]).any():
-            continue
-        found = analysed(table, measure.key, sample, known, wanted.get(measure.key))
-        with matplotlib.rc_context(SETTINGS):
-            figures = tuple(illustrate(own, folder / "figures") for own in drawings(found))
-        answers += answer(found)
-        parts.append(Part(measure.key, tuple(lines(found)), tuple(tables(found)), figures))
+        for number, (where, own) in enumerate(samples.items()):
+            if not np.isfinite(own.values[:, place]).any():
+                continue
+            found = analysed(own, measure.key, sample, known, wanted.get(measure.key))
+            into = folder / "figures" / (f"{number}" if where else "")
+            with matplotlib.rc_context(SETTINGS):
+                figures = tuple(illustrate(drawing, into) for drawing in drawings(found))
+            at = f"At {where}: " if where else ""
+            answers += (f"{at}{line}" for line in answer(found))
+            heading = f"{measure.key} at {where}" if where else measure.key
+            parts.append(Part(heading, tuple(lines(found)), tuple(tables(found)), figures))
     failed = sum(bool(reason) for reason in table.reasons)
     count = len(table.reasons)
     points = len(np.unique(table.points, axis=0))
@@ -105,6 +115,19 @@ def write_report(
     path = folder / FILE
     write_bytes(path, text.encode())
     return path
+
+
+def _samples(table: Table, crossed: int) -> dict[str, Table]:
+    """The sample at each combination of the values that it is crossed with, by these in words."""
+    if not crossed:
+        return {}
+    _, first = np.unique(table.points[:, -crossed:], axis=0, return_index=True)
+    if len(first) > MOST_SAMPLES:
+        return {}
+    return {
+        ", ".join(_told(table, row)[-crossed:]): table.at(table.points[row, -crossed:])
+        for row in np.sort(first)
+    }
 
 
 def drawings(found: Analysis) -> list[Drawing]:
@@ -185,7 +208,7 @@ def _failures(table: Table) -> Shown:
     rows = []
     for reason, count in counted.most_common(MOST_REASONS):
         first = table.reasons.index(reason)
-        rows.append((reason, whole(count), _point(table, first)))
+        rows.append((reason, whole(count), ", ".join(_told(table, first))))
     left = len(counted) - len(rows)
     if left > 0:
         rest = sum(counted.values()) - sum(count for _, count in counted.most_common(MOST_REASONS))
@@ -193,12 +216,12 @@ def _failures(table: Table) -> Shown:
     return Shown(("reason", "runs", "the first of them"), (("", tuple(rows)),), numeric=False)
 
 
-def _point(table: Table, row: int) -> str:
-    told = (
+def _told(table: Table, row: int) -> list[str]:
+    """The values of the factors in a row, in words."""
+    return [
         f"{factor.key} = {Scale.of(factor, table.points[:, k]).told(float(table.points[row, k]))}"
         for k, factor in enumerate(table.factors)
-    )
-    return ", ".join(told)
+    ]
 
 
 def _first_rows(table: Table) -> Shown:

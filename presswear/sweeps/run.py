@@ -3,7 +3,7 @@
 import math
 import time
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from presswear.sweeps.executors import Runner
@@ -46,21 +46,26 @@ class Standing:
 Gate = Callable[[float, int, int], None]
 """Hears behind the first run what it took, s, how many are left, and how many are done at once;
 raises InputError where that is too long."""
+Heard = Callable[[int, float, str], None]
+"""Hears how far a row is, 0 .. 1, and where it stands; of one that is done why it has no values."""
 
 
 def run_rows(
     work: Work,
     store: Store,
     runner: Runner,
-    rows: range,
+    rows: Sequence[int],
     told: Callable[[Standing], None] = lambda standing: None,
-    gate: Gate = lambda seconds, left, places: None,
+    gate: Gate | None = None,
     begun: Callable[[], None] = lambda: None,
+    heard: Heard = lambda row, part, word: None,
 ) -> Standing:
     """Run what is not sealed of some rows; what others are at work on is waited for.
 
     Parameters
     ----------
+    gate : callable or None
+        Where there is one, the first run is alone until it is through.
     begun : callable
         Called once the runner is there, before it is given any row.
 
@@ -71,7 +76,7 @@ def run_rows(
     InputError
         From the gate, or from a worker that has another program.
     """
-    feed = _Feed(work, store, rows, told, gate, begun)
+    feed = _Feed(work, store, rows, told, gate, begun, heard)
     runner(feed)
     store.flush()
     told(feed.standing)
@@ -85,16 +90,17 @@ class _Feed:
         self,
         work: Work,
         store: Store,
-        rows: range,
+        rows: Sequence[int],
         told: Callable[[Standing], None],
-        gate: Gate,
+        gate: Gate | None,
         begun: Callable[[], None],
+        heard: Heard,
     ) -> None:
         self._work, self._store, self._told, self._gate = work, store, told, gate
-        self._begun = begun
+        self._begun, self._heard = begun, heard
         self._rows, self._next, self._places = rows, 0, 1
         self._found = self._ran = self._failed = 0
-        self._is_open = False
+        self._is_open = gate is None
         self._busy: deque[tuple[int, str, str]] = deque()
         self._running: dict[int, tuple[str, str]] = {}
         self._parts: dict[int, float] = {}
@@ -139,13 +145,14 @@ class _Feed:
         """The job of a row that is looked at for the first time; None where it is not to run."""
         shortcut = self._work.shortcut(row)
         if self._store.is_sealed(shortcut, self._work.with_folder):
-            self._count(shortcut)
+            self._count(row, shortcut)
             return None
         try:
             name, job = self._work.job(row)
         except InputError as error:
             self._ran, self._failed = self._ran + 1, self._failed + 1
             self._store.seal(Record((shortcut,), reason=str(error)), shortcut)
+            self._heard(row, 1.0, str(error))
             return None
         return self._claimed(row, name, shortcut, job)
 
@@ -157,18 +164,20 @@ class _Feed:
             self._running[row] = name, shortcut
             return job or self._work.job(row)[1]
         if self._store.is_sealed(name, self._work.with_folder):
+            # Another plan has sealed it where it is not found as this one asks for it.
             record = self._store.get(name)
-            if record is not None:
+            if record and not self._store.is_sealed(shortcut, self._work.with_folder):
                 self._store.seal(replace(record, names=(shortcut,)), shortcut)
-            self._count(name)
+            self._count(row, name)
         else:
             self._busy.append((row, name, shortcut))
         return None
 
-    def _count(self, name: str) -> None:
+    def _count(self, row: int, name: str) -> None:
         """Count a row that was found."""
         self._found += 1
         self._failed += self._store.has_failed(name)
+        self._heard(row, 1.0, "")
 
     def ended(self, row: int, outcome: Outcome) -> None:
         """Seal what a row gave."""
@@ -188,8 +197,9 @@ class _Feed:
         )
         self._ran += 1
         self._failed += bool(outcome.reason)
+        self._heard(row, 1.0, outcome.reason)
         self._tell()
-        if not self._is_open:
+        if not self._is_open and self._gate is not None:
             self._is_open = True
             self._gate(outcome.wall_s, self._left(), self._places)
 
@@ -199,10 +209,11 @@ class _Feed:
         sealed = (self._store.is_sealed(work.shortcut(row), work.with_folder) for row in ahead)
         return len(ahead) - sum(sealed)
 
-    def told(self, row: int, part: float) -> None:
+    def told(self, row: int, part: float, word: str = "") -> None:
         """Hear how far a row is, or that time passes."""
         if row in self._running:
             self._parts[row] = part
+            self._heard(row, part, word)
         self._tell()
 
     def _tell(self) -> None:

@@ -25,8 +25,8 @@ from types import TracebackType
 from typing import Self
 
 from presswear.tools.errors import InputError
-from presswear.tools.files import digest
-from presswear.tools.folders import LOCK, FolderLock, holder
+from presswear.tools.files import PART, digest
+from presswear.tools.folders import LOCK, FolderLock, holder, is_free
 
 RECORDS, CLAIMS, RUNS = "records", "claims", "runs"
 """Folders: of the processes that write, of claims, and of whole results."""
@@ -41,6 +41,15 @@ _BLOCK = 2**22
 """Bytes that are read at a time."""
 _LONGEST = 2**20
 """Bytes of a line at most."""
+
+
+def can_begin(path: Path) -> bool:
+    """Tell whether a folder is free, or holds what a process leaves that is killed as it begins."""
+    if is_free(path):
+        return True
+    there = {item.name for item in path.iterdir()} if path.is_dir() else {""}
+    is_ours = {name for name in there if not name.endswith(PART)} <= {RECORDS, CLAIMS}
+    return is_ours and not any(own.stat().st_size for own in path.glob(f"{RECORDS}/*/{FILE}"))
 
 
 @dataclass(frozen=True)
@@ -106,11 +115,14 @@ class Records:
         with suppress(FileNotFoundError):
             for entry in sorted(os.scandir(self.path / RECORDS), key=lambda own: own.name):
                 if entry.name not in self._ended:
-                    # One without a lock has ended before its file is read.
-                    is_at_work = (Path(entry) / LOCK).exists()
+                    # Locked before its file is made, and given free before that is read.
+                    has_ended = (
+                        self._file(entry.name).exists()
+                        and not (self.path / RECORDS / entry.name / LOCK).exists()
+                    )
                     with suppress(OSError):
                         self._refresh(entry.name)
-                    if not is_at_work:
+                    if has_ended:
                         self._ended.add(entry.name)
 
     def _refresh(self, writer: str) -> None:
@@ -194,6 +206,10 @@ class Records:
         with self._file(list(self._seen)[number]).open("rb") as file:
             file.seek(start)
             return self._sound(file.read(size))
+
+    def forget(self, name: str) -> None:
+        """Take a record for none, as where what it tells of is no longer there."""
+        self._index.execute("DELETE FROM places WHERE name = ?", (bytes.fromhex(name),))
 
     def __len__(self) -> int:
         return int(self._index.execute("SELECT COUNT(*) FROM places").fetchone()[0])

@@ -3,8 +3,6 @@
 The folder holds ``sweep.json``, and the folders that ``store`` describes.
 """
 
-import os
-import secrets
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
@@ -27,15 +25,14 @@ from presswear.sweeps.measures import Asked, Own, at_last, measures_asked
 from presswear.sweeps.plan import Plan
 from presswear.sweeps.run import Gate, Standing, run_rows
 from presswear.sweeps.spread import Required, requirements
-from presswear.sweeps.store import Records, Store
+from presswear.sweeps.store import Records, Store, can_begin
 from presswear.sweeps.table import Column, Table
 from presswear.sweeps.text import cells_of, counts_of, heads_of
 from presswear.sweeps.values import texts_of
 from presswear.sweeps.work import SceneWork
 from presswear.tools.checked import checked
-from presswear.tools.documents import plain, read_json, typed, write_json
+from presswear.tools.documents import plain, read_json, typed, write_shared_json
 from presswear.tools.errors import InputError
-from presswear.tools.folders import is_free
 
 FILE = "sweep.json"
 SCHEMA = 1
@@ -122,7 +119,8 @@ class Sweep:
             self.table,
             self.path,
             f"Sweep: {title_of(plan.scene)}",
-            sample="" if plan.vary else plan.sample.partition(":")[0],
+            sample=plan.sample.partition(":")[0],
+            crossed=plan.crossed,
             distributions=plan.distributions,
             required=self.requirements,
         )
@@ -209,7 +207,7 @@ def begun(sweep: Sweep, resume: bool, is_shared: bool = False) -> Sweep:
         Where the folder holds something and nothing is to be resumed, or anything but a sweep, or
         measures of one's own that are not given again.
     """
-    if is_free(sweep.path):
+    if can_begin(sweep.path):
         return sweep
     if not resume and not is_shared:
         raise InputError(
@@ -231,7 +229,7 @@ def run_sweep(
     jobs: int | None = None,
     shard: tuple[int, int] = (1, 1),
     told: Callable[[Standing], None] = lambda standing: None,
-    gate: Gate = lambda seconds, left, places: None,
+    gate: Gate | None = None,
     say: Say = lambda line: None,
 ) -> Standing:
     """Run what is not sealed of a sweep.
@@ -262,7 +260,7 @@ def run_sweep(
 
 
 def _write(sweep: Sweep) -> None:
-    """Write ``sweep.json``; several processes may at once, and each writes it whole."""
+    """Write ``sweep.json``; several processes may at once."""
     asked = sweep.asked
     document = {
         "schema": SCHEMA,
@@ -277,9 +275,7 @@ def _write(sweep: Sweep) -> None:
         "program": sweep.program,
         "provenance": provenance(),
     }
-    own = sweep.path / f"sweep-{secrets.token_hex(4)}.json"
-    write_json(own, document)
-    os.replace(own, sweep.path / FILE)
+    write_shared_json(sweep.path / FILE, document)
 
 
 def shard_given(text: str) -> tuple[int, int]:

@@ -68,3 +68,18 @@ class Table:
         if key not in keys:
             raise unknown("measure", key, keys)
         return keys.index(key)
+
+    def at(self, values: Array) -> "Table":
+        """The rows at which the last factors have some values, without these factors."""
+        count = len(values)
+        kept = (self.points[:, -count:] == values).all(axis=1)
+        return Table(
+            self.factors[:-count],
+            self.measures,
+            self.points[kept, :-count],
+            self.values[kept],
+            self.halves[kept],
+            self.is_beyond[kept],
+            self.draws[kept],
+            tuple(own for own, is_kept in zip(self.reasons, kept, strict=True) if is_kept),
+        )

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Protocol
 
 from presswear.record.tracker import Progress, Tracker
+from presswear.results.folder import INTERVAL
 from presswear.results.provenance import program_digest
 from presswear.scene.scene import Scene
 from presswear.sweeps.measures import Asked, Found, measured
@@ -93,12 +94,18 @@ class SceneJob:
         Where its whole result is kept.
     program : str
         Digest of the program that asks; see ``program_digest``.
+    interval : float
+        Time between two checkpoints in the folder, s.
+    jobs : int
+        Starts that run at a time.
     """
 
     scene: Scene
     asked: Asked
     folder: Path | None
     program: str
+    interval: float = INTERVAL
+    jobs: int = 1
 
     def __call__(self, report: Report) -> Outcome:
         """Run the scene in this process."""
@@ -113,8 +120,15 @@ class SceneJob:
         began = time.perf_counter()
         try:
             with told_of_compiling(compiled.append):
-                trackers = (_Telling(report),)
-                result = run_scene(self.scene, self.folder, None, trackers, check=False, jobs=1)
+                result = run_scene(
+                    self.scene,
+                    self.folder,
+                    None,
+                    (_Telling(report),),
+                    check=False,
+                    jobs=self.jobs,
+                    interval=self.interval,
+                )
             wall = time.perf_counter() - began - sum(compiled)
             if result.status == "failed":
                 return Outcome(stages=len(result.stages), reason=result.message, wall_s=wall)
@@ -124,13 +138,16 @@ class SceneJob:
             raise
         except MemoryError:
             return Outcome(reason="out of memory", again=True)
-        except (InputError, RunFailed) as error:
-            return Outcome(reason=str(error), wall_s=time.perf_counter() - began)
         except Exception as error:
-            # A measure or law of one's own may raise anything: that ends its row, not the sweep.
+            # Behind a signal any error is one.
             if is_stopped():
                 raise KeyboardInterrupt from None
-            return Outcome(reason=f"{type(error).__name__}: {error}")
+            # A measure or law of one's own may raise anything: that ends its row, not the sweep.
+            is_told = isinstance(error, InputError | RunFailed)
+            reason = f"{error}" if is_told else f"{type(error).__name__}: {error}"
+            # Without a finding it failed by its folder.
+            again = isinstance(error, RunFailed) and error.finding is None
+            return Outcome(reason=reason, wall_s=time.perf_counter() - began, again=again)
 
 
 def _wait_for(folder: Path, report: Report) -> None:

@@ -2,6 +2,8 @@
 
 import json
 import math
+import os
+import secrets
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, TypeVar
@@ -9,7 +11,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from presswear.tools.errors import InputError
-from presswear.tools.files import digest, read_checked, write_bytes
+from presswear.tools.files import PART, digest, read_checked, write_bytes
 
 T = TypeVar("T")
 
@@ -110,6 +112,13 @@ def plain(value: Any) -> Any:
 def write_json(file: Path, document: Mapping[str, Any]) -> None:
     """Write a document as ``write_whole`` does."""
     write_bytes(file, json.dumps(plain(document), indent=1, allow_nan=False).encode())
+
+
+def write_shared_json(file: Path, document: Mapping[str, Any]) -> None:
+    """Write a document that other processes may write at the same time: one of them stands."""
+    own = file.with_name(f"{file.name}.{secrets.token_hex(4)}{PART}")
+    write_json(own, document)
+    os.replace(own, file)
 
 
 def sealed_json(document: Mapping[str, Any]) -> bytes:

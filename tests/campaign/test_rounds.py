@@ -175,7 +175,7 @@ def test_a_killed_process_changes_nothing(tmp_path: Path) -> None:
     whole = finished(scene, 1, tmp_path / "whole")
     store = ResultFolder(tmp_path / "killed", scene, 0.0)
     trackers: list[Tracker] = []
-    with workers_of([scene], 2, trackers, interval=0.0) as workers:
+    with workers_of(scene, 2, trackers, interval=0.0) as workers:
         assert isinstance(workers, Pool)
         kills = Kills(workers)
         trackers.append(kills)
@@ -202,7 +202,7 @@ def test_what_is_stopped_in_many_goes_on_in_one(part: float, jobs: int, tmp_path
     scene = replace(UNTIL_KNOWN, cycles=8)
     path = tmp_path / "stopped"
     with (
-        workers_of([scene], jobs) as workers,
+        workers_of(scene, jobs) as workers,
         pytest.raises(KeyboardInterrupt),
     ):
         run_into(ResultFolder(path, scene), scene, [Stops(part)], workers)
@@ -260,7 +260,7 @@ class Watches(Tracker):
 def test_a_window_is_shown_frames_wherever_a_run_is(jobs: int) -> None:
     watching = Watches()
     scene = replace(UNTIL_KNOWN, cycles=6, starts=2)
-    with workers_of([scene], jobs, [watching]) as workers:
+    with workers_of(scene, jobs, [watching]) as workers:
         run_stage(scene, 0, trackers=[watching], workers=workers)
     films = [progress.film for progress in watching.told if progress.film is not None]
     assert films

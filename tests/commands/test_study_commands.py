@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from presswear.__main__ import main
-from presswear.campaign.study import is_finished, load_study, waiting
+from presswear.studies.plan import is_finished, load_study, waiting
 
 
 @pytest.mark.parametrize(

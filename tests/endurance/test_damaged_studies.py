@@ -10,9 +10,9 @@ import pytest
 
 from endurance.forgery import NO_LEAVES, leaves
 from endurance.subject import answered
-from presswear.campaign.study import FILE, load_study, unchanged
 from presswear.commands.studies import check_study
 from presswear.results.provenance import provenance
+from presswear.studies.plan import FILE, load_study, unchanged
 from presswear.studies.runaway.variants import make as runaway
 from presswear.tools.documents import plain
 from presswear.tools.errors import InputError

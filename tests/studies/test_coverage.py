@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from presswear.campaign.parallel import run_study
-from presswear.campaign.study import results_of
 from presswear.studies.coverage.report import answer, coverages, estimates
 from presswear.studies.coverage.variants import CAMPAIGNS, TRUTHS, make
+from presswear.studies.plan import results_of
+from presswear.studies.rows import run_study
 
 SPREAD, TRUE = 4.0, 200.0
 

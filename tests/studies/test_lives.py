@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from presswear.campaign.study import results_of
 from presswear.results.folder import ResultFolder
 from presswear.results.life import Ended, LifeResult, LimitResult, PassResult
 from presswear.scene.catalog import press_blanking
@@ -16,6 +15,7 @@ from presswear.scene.settings import changed
 from presswear.studies import write_report
 from presswear.studies.lives.report import Ratio
 from presswear.studies.lives.variants import make
+from presswear.studies.plan import results_of
 from presswear.tools.errors import InputError
 
 

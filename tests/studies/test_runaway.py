@@ -10,10 +10,10 @@ import pytest
 
 from presswear.__main__ import main
 from presswear.campaign.single import run_scene
-from presswear.campaign.study import Variant, load_study, results_of
 from presswear.scene.catalog import wear_times
 from presswear.scene.settings import changed
 from presswear.studies import STUDIES
+from presswear.studies.plan import Variant, load_study, results_of
 from presswear.studies.runaway.report import (
     TwoWears,
     answer,

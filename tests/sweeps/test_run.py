@@ -52,6 +52,18 @@ def test_every_row_runs_once_wherever_it_runs(tmp_path: Path, on: str) -> None:
     assert marked(tmp_path / "marks") == dict.fromkeys(range(40), 1)
 
 
+def test_each_row_is_heard_of_with_its_reason(tmp_path: Path) -> None:
+    own, heard = MadeUpWork(14, refused=3), dict[int, tuple[float, str]]()
+
+    def hear(row: int, part: float, word: str) -> None:
+        heard[row] = part, word
+
+    with Store(tmp_path) as store:
+        run_rows(own, store, runner_of("", 1, silent), range(14), heard=hear)
+    reasons = {3: "this row cannot be made", 13: "odd luck"}
+    assert heard == {row: (1.0, reasons.get(row, "")) for row in range(14)}
+
+
 class Untouched(MadeUpWork):
     """Rows whose scenes are not to be made."""
 
@@ -112,6 +124,8 @@ def test_two_processes_in_one_folder_share_the_rows(tmp_path: Path) -> None:
     assert [process.returncode for process in both] == [0, 0]
     assert all("rows=60" in own for own in told)
     assert marked(marks) == dict.fromkeys(range(60), 1)
+    lines = [own.read_text().count("\n") for own in folder.glob("records/*/records.jsonl")]
+    assert sum(lines) == 60
 
 
 class TooLong(InputError):

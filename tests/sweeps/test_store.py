@@ -197,6 +197,43 @@ def test_a_whole_result_that_is_wanted_takes_the_place_of_numbers(tmp_path: Path
     assert opened(tmp_path).get(name(1)) == whole
 
 
+def test_a_process_that_just_begins_is_not_taken_for_one_that_has_ended(tmp_path: Path) -> None:
+    with Store(tmp_path / "its") as its:
+        its.seal(record(1), name(1))
+        (written,) = tmp_path.glob("its/records/*/records.jsonl")
+        folder = tmp_path / "ours" / RECORDS / "another"
+        folder.mkdir(parents=True)
+        found = opened(tmp_path / "ours")
+        (folder / "lock").write_text("")
+        (folder / written.name).write_bytes(written.read_bytes())
+        found.refresh()
+        assert found.get(name(1)) == record(1)
+
+
+def test_what_is_forgotten_is_sealed_anew(tmp_path: Path) -> None:
+    with Store(tmp_path) as store:
+        store.seal(record(1), name(1))
+        store.forget(name(1))
+        assert not store.is_sealed(name(1))
+        store.flush()
+        assert store.claim(name(1))
+        store.seal(record(1), name(1))
+    assert opened(tmp_path).get(name(1)) == record(1)
+
+
+def test_what_a_process_leaves_that_is_killed_as_it_begins_is_free(tmp_path: Path) -> None:
+    folder = tmp_path / "sweep"
+    assert stores.can_begin(folder)
+    with Store(folder) as store:
+        (folder / "sweep.json.5a5a.part").write_text("{")
+        assert stores.can_begin(folder)
+        store.seal(record(1), name(1))
+        assert not stores.can_begin(folder)
+    (tmp_path / "notes.txt").write_text("")
+    assert not stores.can_begin(tmp_path)
+    assert not stores.can_begin(tmp_path / "notes.txt")
+
+
 def test_a_store_that_nothing_came_of_leaves_nothing(tmp_path: Path) -> None:
     folder = tmp_path / "sweep"
     with Store(folder) as store:

@@ -161,6 +161,8 @@ def test_a_measure_of_ones_own_goes_to_the_processes(tmp_path: Path) -> None:
         (["--vary", "clearance=1mm", "--require", "bdc_error>=1"], "has no unit"),
         (["--vary", "clearance=1mm", "--require", "bdc_error"], "MEASURE>=VALUE"),
         (["--resume"], "--resume needs the folder"),
+        (["--resume", "--out", "nowhere"], "nowhere: there is no such folder"),
+        (["--resume", "--out", "."], "no folder of a sweep"),
     ],
 )
 def test_bad_input_is_one_line_and_nothing_is_written(

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas
 import pytest
-from made_up_sweep import swept
+from made_up_sweep import ishigami, random_blocks, swept
 from test_sweep_figures import REQUIRED, SPREADS, grid, table
 
 from presswear.record.sampling import Interval
@@ -18,6 +18,8 @@ from presswear.sweeps.designs import design
 from presswear.sweeps.distributions import parse
 from presswear.sweeps.figures.scales import Scale
 from presswear.sweeps.report import FIRST_ROWS, REST, write_report
+from presswear.sweeps.responses import responses
+from presswear.sweeps.sensitivity import by_blocks
 from presswear.sweeps.spread import Required
 from presswear.sweeps.table import Column, Table
 from presswear.sweeps.words import amount, parts
@@ -133,6 +135,30 @@ def test_a_grid_is_no_sample_of_anything(tmp_path: Path) -> None:
     text = page(grid(), tmp_path)
     assert "C.force_max over clearance" in text
     assert "Spread" not in text
+
+
+def test_a_sample_that_is_crossed_with_values_is_told_of_at_each(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Ishigami's function, and the same with its first two factors exchanged."""
+    monkeypatch.setitem(sys.modules, "sklearn.exceptions", None)  # surfaces take seconds
+    blocks = random_blocks(16, 3, seed=5)
+    exchanged = ishigami(blocks[:, [1, 0, 2]])
+    values = np.column_stack([ishigami(blocks), exchanged]).ravel()
+    points = np.column_stack([np.repeat(blocks, 2, axis=0), np.tile([0.0, 1.0], len(blocks))])
+    own = swept(points, values)
+    order = Column("order", "", "which is which", ("as it is", "exchanged"))
+    own = replace(own, factors=(*own.factors[:3], order))
+    path = write_report(own, tmp_path, "Ishigami", sample="saltelli", crossed=1)
+    text = unescape(re.sub(r"\s+", " ", re.sub(r"<[^>]*>", " ", path.read_text())))
+    alone = swept(blocks, exchanged)
+    found = by_blocks(responses(alone, "y"))
+    assert found is not None
+    for place, part in enumerate(text.split(" y at order = ")[1:]):
+        assert part.startswith(("as it is", "exchanged")[place])
+    assert f"x2 {parts(found.first[1])} {parts(found.total[1])}" in part
+    # Nothing is told of all of them together, which are no sample.
+    assert text.count("Shares of the variance of the means") == 2
 
 
 def test_without_scikit_learn_it_says_what_to_install(

@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from presswear.campaign.study import Study, results_of
 from presswear.record.sampling import Interval, half_width
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.scene import stage_name
 from presswear.show.report.page import render_page
 from presswear.show.report.parts import Table
 from presswear.studies.coverage.variants import TRUTH
+from presswear.studies.plan import Study, results_of
 from presswear.tools.files import write_bytes
 from presswear.tools.numbers import readable
 

@@ -7,10 +7,10 @@ its map is of, and has a meaning for that many.
 
 from dataclasses import replace
 
-from presswear.campaign.study import Change, Study, Variant, unchanged
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import wear_times
 from presswear.scene.scene import Scene
+from presswear.studies.plan import Change, Study, Variant, unchanged
 
 CAMPAIGNS = 60
 WEARS = {"paper": 2, "refined": 2}

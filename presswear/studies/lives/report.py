@@ -7,13 +7,13 @@ from pathlib import Path
 
 import matplotlib
 
-from presswear.campaign.study import Study, Variant, results_of
 from presswear.record.sampling import quantile
 from presswear.results.life import LifeResult
 from presswear.results.result import Result
 from presswear.show.figures.style import REFERENCE, SETTINGS, WIDTH, Drawing, Sheet
 from presswear.show.report.page import illustrate, render_page
 from presswear.show.report.parts import Table
+from presswear.studies.plan import Study, Variant, results_of
 from presswear.tools.files import write_bytes
 from presswear.tools.numbers import large, readable
 

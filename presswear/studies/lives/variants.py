@@ -3,10 +3,10 @@
 import re
 from collections.abc import Mapping
 
-from presswear.campaign.study import Study, Variant
 from presswear.scene.changes import title_of
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
+from presswear.studies.plan import Study, Variant
 from presswear.tools.errors import InputError
 
 PLAIN = "plain"

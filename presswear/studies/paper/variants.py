@@ -9,11 +9,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
-from presswear.campaign.study import Change, Study, Variant, unchanged
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import friction, friction_high, speed, speed_high, wear_times
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
+from presswear.studies.plan import Change, Study, Variant, unchanged
 
 STARTS = 4
 """Starts of each run of the paper's own settings, 1e-9 m apart."""

@@ -8,12 +8,12 @@ from pathlib import Path
 import matplotlib
 import numpy as np
 
-from presswear.campaign.study import Study, Variant, results_of
 from presswear.results.result import Result
 from presswear.show.figures.style import MICRONS, REFERENCE, SETTINGS, WIDTH, Axes, Drawing, Sheet
 from presswear.show.report.page import illustrate, render_page
 from presswear.show.report.parts import MILLI, Table
 from presswear.studies.paper.printed import shown_in
+from presswear.studies.plan import Study, Variant, results_of
 from presswear.studies.runaway.variants import CYCLES, LONGER, RUNAWAY, STARTS
 from presswear.tools.arrays import Array
 from presswear.tools.files import write_bytes

@@ -9,11 +9,11 @@ run as long as the paper's are run on once more, under each of the two contacts.
 from dataclasses import replace
 from typing import get_args
 
-from presswear.campaign.study import Change, Study, Variant, unchanged
 from presswear.linkage.elements import SurfaceContact
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import wear_times
 from presswear.scene.settings import changed
+from presswear.studies.plan import Change, Study, Variant, unchanged
 
 RUNAWAY = 10.0
 """A second wear that adds so many times the depth of the first has run away."""

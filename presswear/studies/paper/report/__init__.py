@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from presswear.campaign.study import Study, results_of
 from presswear.results.result import Result
 from presswear.show.report.origin import convention_set, conventions, parameters, provenance
 from presswear.show.report.page import Illustration, illustrate, render_page
@@ -21,6 +20,7 @@ from presswear.studies.paper.report.numbers import numbers_table, ranges_table, 
 from presswear.studies.paper.report.summary import STYLES, counts_table, detail, findings, headline
 from presswear.studies.paper.variants import BASE, JUDGED, SETTINGS, STARTS, variant_key
 from presswear.studies.paper.verdicts import judged
+from presswear.studies.plan import Study, results_of
 from presswear.tools.files import write_bytes
 from presswear.tools.numbers import readable, whole
 

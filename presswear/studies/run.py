@@ -5,13 +5,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import overload
 
-from presswear.campaign.parallel import run_study
 from presswear.campaign.single import run_scene, with_engine
-from presswear.campaign.study import Study, results_of
 from presswear.engines.settings import Engine
 from presswear.record.tracker import Tracker
 from presswear.results.result import Result
 from presswear.scene.scene import Scene
+from presswear.studies.plan import Study, results_of
 from presswear.tools.checked import checked
 from presswear.tools.errors import InputError
 
@@ -87,5 +86,8 @@ def run(
         raise InputError(f"the study {scene.name} needs a folder for its runs")
     variants = tuple(replace(v, scene=with_engine(v.scene, engine)) for v in scene.variants)
     study, path = replace(scene, variants=variants), Path(folder)
+    # Half of it is of no use to a scene.
+    from presswear.studies.rows import run_study
+
     run_study(study, path, jobs, True, trackers)
     return {v.key: result for v, result in results_of(study, path) if result is not None}

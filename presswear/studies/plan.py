@@ -1,7 +1,7 @@
 """Studies: scenes in several variants, and an answer drawn from all.
 
-A study's folder holds ``study.json``, which says what is to be run, and one result folder
-for each variant.
+A study's folder holds ``study.json``, which says what is to be run, one result folder for each
+variant, and the records of ``sweeps.store``, by which processes share it.
 """
 
 import re
@@ -14,9 +14,9 @@ from presswear.results.provenance import Provenance, provenance, provenance_diff
 from presswear.results.result import FINISHED, Result, load, read_document
 from presswear.scene.scene import Scene
 from presswear.scene.settings import begun_on
+from presswear.sweeps.store import CLAIMS, RECORDS, can_begin
 from presswear.tools.documents import read_json, typed
 from presswear.tools.errors import InputError
-from presswear.tools.folders import is_free
 
 Change = Callable[[Scene], Scene]
 """A change that a person asks for in the scene that a study starts from."""
@@ -58,17 +58,17 @@ class Variant:
         """Key of the variant that runs before it, or nothing."""
         return self.on.rpartition(":")[0]
 
-    def scene_in(self, folder: Path) -> Scene | None:
+    def scene_in(self, folder: Path) -> Scene:
         """The scene on the surfaces that it begins on, in the study's folder.
 
-        None where the variant that they are of never came to that stage.
+        InputError where the variant that they are of never came to that stage.
         """
         if not self.on:
             return self.scene
         path, stage = folder / self.source, int(self.on.rpartition(":")[2])
         stages = load(path).stages if (path / "result.json").exists() else ()
         if stage >= len(stages):
-            return None
+            raise InputError(f"{self.source} never came to stage {stage}, on which it begins")
         return begun_on(self.scene, stages[stage].surfaces, self.on)
 
     @property
@@ -158,7 +158,8 @@ def _study_of(stored: StoredStudy, folder: Path) -> Study:
         raise InputError(f"{file}: {error}") from None
     keys = [variant.key for variant in variants]
     # A key names a folder: it must not lead anywhere else.
-    strange = [key for key in keys if not _KEY.fullmatch(key) or keys.count(key) > 1]
+    taken = {RECORDS, CLAIMS}
+    strange = [k for k in keys if not _KEY.fullmatch(k) or keys.count(k) > 1 or k in taken]
     if strange or not keys:
         raise InputError(f"{file}: {strange[:1] or 'nothing'} cannot name a variant's folder")
     for place, variant in enumerate(variants):
@@ -189,7 +190,7 @@ def waiting(study: Study, folder: Path, resume: bool) -> list[Variant]:
         Where the folder holds something and nothing is to be resumed, or another study, or one
         begun with other versions.
     """
-    if is_free(folder):
+    if can_begin(folder):
         return list(study.variants)
     if not resume:
         raise InputError(f"--out {folder}: it exists and is not empty; name a new one or --resume")

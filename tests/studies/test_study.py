@@ -8,14 +8,15 @@ from pathlib import Path
 import pytest
 from endurance.sameness import folder_differences
 
-from presswear.campaign.parallel import run_study
 from presswear.campaign.single import run_into
-from presswear.campaign.study import Study, Variant, load_study, results_of, waiting
 from presswear.record.tracker import Progress, Tracker
 from presswear.results.folder import ResultFolder
 from presswear.results.result import load
 from presswear.scene.catalog import wear_times
 from presswear.scene.settings import changed
+from presswear.studies.plan import Study, Variant, load_study, results_of, waiting
+from presswear.studies.rows import run_study
+from presswear.sweeps.store import Store
 from presswear.tools.errors import InputError
 
 
@@ -33,10 +34,10 @@ class Hearing(Tracker):
     """Remembers which parts of variants it is told of."""
 
     def __init__(self) -> None:
-        self.heard: list[tuple[str, float]] = []
+        self.heard: list[tuple[str, float, str]] = []
 
     def variant(self, key: str, part: float, word: str) -> None:
-        self.heard.append((key, part))
+        self.heard.append((key, part, word))
 
 
 @pytest.fixture(scope="module")
@@ -59,9 +60,10 @@ def test_every_variant_has_its_folder(ran: tuple[Path, Hearing]) -> None:
     assert (one.status, len(one.stages)) == ("completed", 2)
     assert stops is not None
     assert stops.status == "failed"
-    parts = [part for key, part in hearing.heard if key == "one"]
+    parts = [part for key, part, _ in hearing.heard if key == "one"]
     assert parts == sorted(parts)
     assert parts[-1] == 1.0
+    assert ("stops", 1.0, stops.message) in hearing.heard
 
 
 def test_resuming_keeps_what_is_finished(folder: Path) -> None:
@@ -69,6 +71,28 @@ def test_resuming_keeps_what_is_finished(folder: Path) -> None:
     assert waiting(small(), folder, resume=True) == []
     run_study(small(), folder, 1, True)
     assert (folder / "one" / "result.json").stat().st_mtime_ns == before
+
+
+def test_parts_of_a_study_share_a_folder_and_run_on_any_executor(
+    folder: Path, tmp_path: Path
+) -> None:
+    """Each variant runs once, with the same numbers; what is there already is left alone."""
+    again, on = tmp_path / "study", "concurrent.futures:ThreadPoolExecutor"
+    run_study(small(), again, 1, True, on=on, shard=(2, 2))
+    assert [variant.key for variant in waiting(small(), again, resume=True)] == ["one"]
+    run_study(small(), again, 1, True, shard=(1, 2))
+    for key in ("one", "stops"):
+        assert folder_differences(again / key, folder / key) == []
+    with Store(again) as store:
+        assert len(store) == 2
+
+
+def test_a_variant_whose_folder_was_taken_away_runs_again(folder: Path, tmp_path: Path) -> None:
+    again = tmp_path / "study"
+    shutil.copytree(folder, again)
+    shutil.rmtree(again / "stops")
+    run_study(small(), again, 1, True)
+    assert folder_differences(again / "stops", folder / "stops") == []
 
 
 def test_an_interrupted_variant_goes_on_where_it_stood(folder: Path, tmp_path: Path) -> None:
@@ -138,11 +162,26 @@ def linked() -> Study:
 
 
 @pytest.fixture(scope="module")
-def chain(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def linking(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Hearing]:
     """The folder of a study in which a variant begins on the surfaces of another."""
-    folder = tmp_path_factory.mktemp("chain") / "out"
-    run_study(linked(), folder, 2, False)
-    return folder
+    folder, hearing = tmp_path_factory.mktemp("chain") / "out", Hearing()
+    # Those on others are alone in their part, and run what they begin on first.
+    run_study(linked(), folder, 2, False, [hearing], shard=(3, 4))
+    assert [v.key for v in waiting(linked(), folder, resume=True)] == ["stops", "never"]
+    run_study(linked(), folder, 2, True, [hearing])
+    return folder, hearing
+
+
+@pytest.fixture
+def chain(linking: tuple[Path, Hearing]) -> Path:
+    return linking[0]
+
+
+def test_what_begins_on_surfaces_that_never_came_is_told_why(
+    linking: tuple[Path, Hearing],
+) -> None:
+    told = ("never", 1.0, "stops never came to stage 1, on which it begins")
+    assert told in linking[1].heard
 
 
 def test_a_variant_begins_on_the_surfaces_of_another(chain: Path) -> None:
