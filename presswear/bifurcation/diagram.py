@@ -21,7 +21,7 @@ from presswear.tools.workers import Job, cores, workers_for
 Array = NDArray[np.float64]
 
 FILE = "diagram.json"
-SCHEMA = 1
+SCHEMA = 2
 WAYS = ("up", "down")
 """The branches: with rising and with falling values."""
 
@@ -127,10 +127,9 @@ def compute(
                     raise InputError(f"{folder} holds a diagram with another {name}")
         else:
             write_bytes(folder / FILE, sealed_json(document))
-        values = over.values.tolist()
-        ways = dict(zip(WAYS, (values, values[::-1]), strict=True))
+        ways = dict(zip(WAYS, (over.values, over.values[::-1]), strict=True))
         work: dict[int, Job] = {
-            k: Branch(scene, over, tuple(own), extent, folder / f"{way}.npz")
+            k: Branch(scene, over, own, extent, folder / f"{way}.npz")
             for k, (way, own) in enumerate(ways.items())
         }
         with workers_for(min(jobs or cores(), len(work)), (__name__,)) as workers:
