@@ -19,7 +19,7 @@ HIGHEST_ORDER = 1000.0
 
 def has_motion(scene: Scene, stage: StageResult) -> bool:
     """True where a whole cycle of a rattling motion was recorded, so that there is one to tell."""
-    if not scene.clearance_joints or stage.failed or stage.time.size < 2:
+    if stage.failed or not stage.has_joint_series or stage.time.size < 2:
         return False
     begin, end = settled_span(scene, stage)
     return end - begin > 0.99 * scene.mechanism.period

@@ -1,8 +1,8 @@
 """An oscillator x'' + 2 z x' + x = b cos(w t) beside a wall at s, which it leaves with -r x'.
 
-Shaw and Holmes, J. Sound Vib. 90 (1983) 129: what lands once in so many periods of the force is known
-in closed form, and so is how its neighbours move, M = S F: F is the free motion's, S that of the
-landing, the saltation matrix (Mueller, Chaos, Solitons and Fractals 5 (1995) 1671).  The
+Shaw and Holmes, J. Sound Vib. 90 (1983) 129: what lands once in so many periods of the force is
+known in closed form, and so is how its neighbours move, M = S F: F is the free motion's, S that of
+the landing, the saltation matrix (Mueller, Chaos, Solitons and Fractals 5 (1995) 1671).  The
 determinant of M is r^2 exp(-2 z T).
 """
 
