@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from presswear.bifurcation.flow import exponent
 from presswear.bifurcation.orders import HIGHEST, Orders, orders_of
-from presswear.bifurcation.over import Over
+from presswear.bifurcation.over import Extent, Over
 from presswear.campaign.starts import start_of, turned_back
 from presswear.engines.base import Plan, Start
 from presswear.engines.settings import InHouse
@@ -34,32 +34,6 @@ OPEN = 1e-4
 """Least gap of a pin where a run goes on with another value, part of the clearance."""
 _STEPS = 8
 """Newton steps that move pins to their places; three are enough."""
-
-
-@dataclass(frozen=True)
-class Extent:
-    """How long is run at each value.
-
-    Attributes
-    ----------
-    cycles : int
-        All of them.
-    kept : int
-        Of these the last ones, whose states are kept.
-    exponent_cycles, order_cycles : int
-        Further ones for the exponent, and for the orders; 0: none are sought.
-    """
-
-    cycles: int
-    kept: int
-    exponent_cycles: int
-    order_cycles: int
-
-    def __post_init__(self) -> None:
-        if not 2 <= self.kept < self.cycles:
-            raise InputError(
-                f"kept = {self.kept}: of {self.cycles} cycles allowed is 2 to {self.cycles - 1}"
-            )
 
 
 @dataclass(frozen=True)

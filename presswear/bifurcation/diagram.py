@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.bifurcation.branch import PHASES, Branch, Extent, Points, read_points
-from presswear.bifurcation.over import Over
+from presswear.bifurcation.branch import PHASES, Branch, Points, read_points
+from presswear.bifurcation.over import Extent, Over
 from presswear.dynamics.period import TOLERANCE, Periodicity, periodicity
 from presswear.scene.scene import Scene
 from presswear.tools.documents import plain, read_sealed, sealed_json, typed

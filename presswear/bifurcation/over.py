@@ -1,4 +1,4 @@
-"""A quantity of a scene and the values that it takes, as they are typed: ``KEY=VALUES``."""
+"""What is run for a diagram: a quantity, the values that it takes, and how long at each."""
 
 from dataclasses import dataclass
 
@@ -51,3 +51,29 @@ class Over:
     def scene(self, base: Scene, value: float) -> Scene:
         """A scene with another value of the quantity."""
         return changed(base, {self.key: value})
+
+
+@dataclass(frozen=True)
+class Extent:
+    """How long is run at each value.
+
+    Attributes
+    ----------
+    cycles : int
+        All of them.
+    kept : int
+        Of these the last ones, whose states are kept.
+    exponent_cycles, order_cycles : int
+        Further ones for the exponent, and for the orders; 0: none are sought.
+    """
+
+    cycles: int
+    kept: int
+    exponent_cycles: int
+    order_cycles: int
+
+    def __post_init__(self) -> None:
+        if not 2 <= self.kept < self.cycles:
+            raise InputError(
+                f"kept = {self.kept}: of {self.cycles} cycles allowed is 2 to {self.cycles - 1}"
+            )

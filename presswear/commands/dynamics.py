@@ -6,6 +6,7 @@ from typing import Any
 
 from rich.console import Console
 
+from presswear.bifurcation.over import Extent, Over
 from presswear.commands.terminal import (
     add_out,
     add_settings,
@@ -17,6 +18,7 @@ from presswear.commands.terminal import (
     settings_given,
 )
 from presswear.commands.trials import telling
+from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.tools.errors import InputError
 
@@ -72,37 +74,43 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
         for name, own in (("--exponent", arguments.exponent), ("--orders", arguments.orders))
     )
     scene = changed(scene_given(arguments.subject), settings_given(arguments.set))
-    # Imported when everything that was typed is right.
-    if arguments.over is None:
-        from presswear.bifurcation.flow import scene_exponent
-
-        if orders:
-            raise InputError("--orders goes with --over")
-        if not cycles:
-            raise InputError("--exponent 0: without --over there is nothing else to do")
-        found = scene_exponent(scene, cycles)
-        half = "too few cycles" if found.half_width is None else f"± {found.half_width:.3g}"
-        period = scene.mechanism.period
-        console.print(
-            f"{scene.name}: largest Lyapunov exponent {found.value:.4g} {half} 1/s, "
-            f"{found.value * period:.3g} a cycle, from {found.restarts} restarts",
-            highlight=False,
+    if arguments.over is not None:
+        over = Over.parsed(arguments.over, scene)
+        extent = Extent(
+            count_given("--cycles", arguments.cycles, MOST_CYCLES),
+            count_given("--kept", arguments.kept, MOST_CYCLES),
+            cycles,
+            orders,
         )
-        return 0
-    from presswear.bifurcation.branch import Extent
+        out = arguments.out or free_folder(f"{scene.name}-dynamics")
+        return _diagram(scene, over, extent, out, jobs_given(arguments.jobs), console)
+    if orders:
+        raise InputError("--orders goes with --over")
+    if not cycles:
+        raise InputError("--exponent 0: without --over there is nothing else to do")
+    return _exponent(scene, cycles, console)
+
+
+def _exponent(scene: Scene, cycles: int, console: Console) -> int:
+    from presswear.bifurcation.flow import scene_exponent
+
+    found = scene_exponent(scene, cycles)
+    half = "too few cycles" if found.half_width is None else f"± {found.half_width:.3g}"
+    console.print(
+        f"{scene.name}: largest Lyapunov exponent {found.value:.4g} {half} 1/s, "
+        f"{found.value * scene.mechanism.period:.3g} a cycle, from {found.restarts} restarts",
+        highlight=False,
+    )
+    return 0
+
+
+def _diagram(
+    scene: Scene, over: Over, extent: Extent, out: Path, jobs: int | None, console: Console
+) -> int:
     from presswear.bifurcation.diagram import compute
     from presswear.bifurcation.figure import draw, draw_orders
-    from presswear.bifurcation.over import Over
     from presswear.show.figures import save
 
-    over = Over.parsed(arguments.over, scene)
-    extent = Extent(
-        count_given("--cycles", arguments.cycles, MOST_CYCLES),
-        count_given("--kept", arguments.kept, MOST_CYCLES),
-        cycles,
-        orders,
-    )
-    out = arguments.out or free_folder(f"{scene.name}-dynamics")
     with telling(console, "bifurcation diagram") as told:
         parts = dict.fromkeys(("up", "down"), 0.0)
 
@@ -110,10 +118,10 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
             parts[way] = part
             told(f"bifurcation diagram, {way}", sum(parts.values()) / len(parts))
 
-        diagram = compute(scene, over, extent, out, jobs_given(arguments.jobs), tell)
+        diagram = compute(scene, over, extent, out, jobs, tell)
     for sentence in diagram.words:
         console.print(sentence, highlight=False)
-    for drawing in [draw(diagram), *([draw_orders(diagram)] if orders else [])]:
+    for drawing in [draw(diagram), *([draw_orders(diagram)] if extent.order_cycles else [])]:
         picture = save(drawing, out)
         console.print(f"picture in {picture}", highlight=False, soft_wrap=True)
     return 0

@@ -7,10 +7,10 @@ import pytest
 
 import presswear as pw
 from presswear.bifurcation import branch
-from presswear.bifurcation.branch import OPEN, Branch, Extent, moved, point, read_points
+from presswear.bifurcation.branch import OPEN, Branch, moved, point, read_points
 from presswear.bifurcation.diagram import WAYS, Diagram, compute, load
 from presswear.bifurcation.figure import draw
-from presswear.bifurcation.over import Over
+from presswear.bifurcation.over import Extent, Over
 from presswear.campaign.starts import start_of
 from presswear.engines.base import Plan
 from presswear.physics.constraints import constraints_of
