@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.bifurcation.branch import PHASES, Branch, Extent, Points, read_points
-from presswear.bifurcation.over import Over
+from presswear.bifurcation.branch import PHASES, Branch, Points, read_points
+from presswear.bifurcation.over import Extent, Over
 from presswear.dynamics.period import TOLERANCE, Periodicity, periodicity
 from presswear.scene.scene import Scene
 from presswear.tools.documents import plain, read_sealed, sealed_json, typed
@@ -21,7 +21,7 @@ from presswear.tools.workers import Job, cores, workers_for
 Array = NDArray[np.float64]
 
 FILE = "diagram.json"
-SCHEMA = 1
+SCHEMA = 2
 WAYS = ("up", "down")
 """The branches: with rising and with falling values."""
 
@@ -127,10 +127,9 @@ def compute(
                     raise InputError(f"{folder} holds a diagram with another {name}")
         else:
             write_bytes(folder / FILE, sealed_json(document))
-        values = over.values.tolist()
-        ways = dict(zip(WAYS, (values, values[::-1]), strict=True))
+        ways = dict(zip(WAYS, (over.values, over.values[::-1]), strict=True))
         work: dict[int, Job] = {
-            k: Branch(scene, over, tuple(own), extent, folder / f"{way}.npz")
+            k: Branch(scene, over, own, extent, folder / f"{way}.npz")
             for k, (way, own) in enumerate(ways.items())
         }
         with workers_for(min(jobs or cores(), len(work)), (__name__,)) as workers:

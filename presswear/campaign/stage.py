@@ -16,13 +16,11 @@ from presswear.linkage.surface import bin_centres
 from presswear.record.sampling import map_errors
 from presswear.record.soundness import Finding
 from presswear.results.stage import SIDES, StageResult, angle_names
+from presswear.scene.recording import Recording
 from presswear.scene.scene import Scene
 from presswear.tools.workers import outcomes
 
 Array = NDArray[np.float64]
-
-SINGLE = ("eccentricity", "penetration", "force", "sliding")
-"""Series of a joint that may be kept with 7 digits."""
 
 
 def judged(runner: Runner, ran: Ensemble) -> Ensemble:
@@ -104,7 +102,7 @@ def stage_of(
         wall_s=ran.wall,
         diagnostics=diagnostics,
         statistics=statistics,
-        arrays=_arrays(ran, added, batches, weights, scene.recording.digits),
+        arrays=_arrays(ran, added, batches, weights, scene.recording),
         joint_names=tuple(joint.name for joint in ran.linkage.clearances),
         read_film=lambda: film,
     )
@@ -116,7 +114,7 @@ def without_wear(scene: Scene, index: int, ran: Ensemble) -> StageResult:
 
 
 def _arrays(
-    ran: Ensemble, added: Array, batches: Array, weights: Array, digits: str
+    ran: Ensemble, added: Array, batches: Array, weights: Array, recording: Recording
 ) -> dict[str, Array]:
     """The arrays of one stage under their contracted names; SI units.
 
@@ -139,14 +137,17 @@ def _arrays(
         arrays["drive_torque"] = recorder.torques.copy()
     for k, joint in enumerate(joints):
         name = joint.name
-        arrays[f"{name}_eccentricity"] = stacked("eccentricity_x", "eccentricity_y", joint=k)
-        arrays[f"{name}_penetration"] = recorder.series("penetration", k).copy()
-        arrays[f"{name}_force"] = stacked("normal", "tangential", joint=k)
-        arrays[f"{name}_sliding"] = recorder.series("sliding", k).copy()
-        for series in SINGLE if digits == "single" else ():
-            # Rounded, and still doubles to whoever reads them: what is zero packs to nothing.
-            rounded = arrays[f"{name}_{series}"].astype(np.float32)
-            arrays[f"{name}_{series}"] = rounded.astype(np.float64)
+        if recording.series == "all":
+            series = {
+                "eccentricity": stacked("eccentricity_x", "eccentricity_y", joint=k),
+                "penetration": recorder.series("penetration", k).copy(),
+                "force": stacked("normal", "tangential", joint=k),
+                "sliding": recorder.series("sliding", k).copy(),
+            }
+            for word, own in series.items():
+                # Rounded, and still doubles to whoever reads them: what is zero packs to nothing.
+                kept = own.astype(np.float32) if recording.digits == "single" else own
+                arrays[f"{name}_{word}"] = kept.astype(np.float64)
         arrays[f"{name}_contacts"] = recorder.episodes(k).copy()
         for i, side in enumerate(SIDES):
             arrays[f"{name}_depth_{side}"] = worn[k, i, : joint.bins]

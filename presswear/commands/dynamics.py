@@ -6,6 +6,7 @@ from typing import Any
 
 from rich.console import Console
 
+from presswear.bifurcation.over import Extent, Over
 from presswear.commands.terminal import (
     add_out,
     add_settings,
@@ -17,6 +18,7 @@ from presswear.commands.terminal import (
     settings_given,
 )
 from presswear.commands.trials import telling
+from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.tools.errors import InputError
 
@@ -35,7 +37,9 @@ def add(commands: Any) -> None:
     )
     own.add_argument("subject", help="a result folder, a file, FILE.toml, or a scene")
     own.add_argument(
-        "--over", metavar="KEY=LOW:HIGH:COUNT", help="quantity and its values, with a unit behind"
+        "--over",
+        metavar="KEY=FIRST:LAST:COUNT",
+        help="quantity and its values, with a unit behind",
     )
     own.add_argument("--cycles", default="100", help="cycles at each value (default 100)")
     own.add_argument(
@@ -46,6 +50,12 @@ def add(commands: Any) -> None:
         default="20",
         metavar="CYCLES",
         help="cycles for the exponent, of a scene or at each value; 0: none (default 20)",
+    )
+    own.add_argument(
+        "--orders",
+        default="0",
+        metavar="CYCLES",
+        help="with --over: cycles for the amplitudes at the crank's harmonics; 0: none (default 0)",
     )
     own.add_argument("--jobs", help="processes (default: one a core)")
     add_settings(own)
@@ -59,38 +69,48 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
         if arguments.over or arguments.set:
             raise InputError(f"{folder} is a result; --over and --set go with a scene")
         return _of_result(folder, console)
-    cycles = 0
-    if arguments.exponent != "0":
-        cycles = count_given("--exponent", arguments.exponent, MOST_CYCLES)
+    cycles, orders = (
+        0 if own == "0" else count_given(name, own, MOST_CYCLES)
+        for name, own in (("--exponent", arguments.exponent), ("--orders", arguments.orders))
+    )
     scene = changed(scene_given(arguments.subject), settings_given(arguments.set))
-    # Imported when everything that was typed is right.
-    if arguments.over is None:
-        from presswear.bifurcation.flow import scene_exponent
-
-        if not cycles:
-            raise InputError("--exponent 0: without --over there is nothing else to do")
-        found = scene_exponent(scene, cycles)
-        half = "too few cycles" if found.half_width is None else f"± {found.half_width:.3g}"
-        period = scene.mechanism.period
-        console.print(
-            f"{scene.name}: largest Lyapunov exponent {found.value:.4g} {half} 1/s, "
-            f"{found.value * period:.3g} a cycle, from {found.restarts} restarts",
-            highlight=False,
+    if arguments.over is not None:
+        over = Over.parsed(arguments.over, scene)
+        extent = Extent(
+            count_given("--cycles", arguments.cycles, MOST_CYCLES),
+            count_given("--kept", arguments.kept, MOST_CYCLES),
+            cycles,
+            orders,
         )
-        return 0
-    from presswear.bifurcation.branch import Extent
+        out = arguments.out or free_folder(f"{scene.name}-dynamics")
+        return _diagram(scene, over, extent, out, jobs_given(arguments.jobs), console)
+    if orders:
+        raise InputError("--orders goes with --over")
+    if not cycles:
+        raise InputError("--exponent 0: without --over there is nothing else to do")
+    return _exponent(scene, cycles, console)
+
+
+def _exponent(scene: Scene, cycles: int, console: Console) -> int:
+    from presswear.bifurcation.flow import scene_exponent
+
+    found = scene_exponent(scene, cycles)
+    half = "too few cycles" if found.half_width is None else f"± {found.half_width:.3g}"
+    console.print(
+        f"{scene.name}: largest Lyapunov exponent {found.value:.4g} {half} 1/s, "
+        f"{found.value * scene.mechanism.period:.3g} a cycle, from {found.restarts} restarts",
+        highlight=False,
+    )
+    return 0
+
+
+def _diagram(
+    scene: Scene, over: Over, extent: Extent, out: Path, jobs: int | None, console: Console
+) -> int:
     from presswear.bifurcation.diagram import compute
-    from presswear.bifurcation.figure import draw
-    from presswear.bifurcation.over import Over
+    from presswear.bifurcation.figure import draw, draw_orders
     from presswear.show.figures import save
 
-    over = Over.parsed(arguments.over, scene)
-    extent = Extent(
-        count_given("--cycles", arguments.cycles, MOST_CYCLES),
-        count_given("--kept", arguments.kept, MOST_CYCLES),
-        cycles,
-    )
-    out = arguments.out or free_folder(f"{scene.name}-dynamics")
     with telling(console, "bifurcation diagram") as told:
         parts = dict.fromkeys(("up", "down"), 0.0)
 
@@ -98,44 +118,26 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
             parts[way] = part
             told(f"bifurcation diagram, {way}", sum(parts.values()) / len(parts))
 
-        diagram = compute(scene, over, extent, out, jobs_given(arguments.jobs), tell)
+        diagram = compute(scene, over, extent, out, jobs, tell)
     for sentence in diagram.words:
         console.print(sentence, highlight=False)
-    picture = save(draw(diagram), out)
-    console.print(f"picture in {picture}", highlight=False, soft_wrap=True)
+    for drawing in [draw(diagram), *([draw_orders(diagram)] if extent.order_cycles else [])]:
+        picture = save(drawing, out)
+        console.print(f"picture in {picture}", highlight=False, soft_wrap=True)
     return 0
 
 
 def _of_result(folder: Path, console: Console) -> int:
-    from presswear.dynamics.modes import MODES, jointly
-    from presswear.results.modes import period_of, timeline_of
     from presswear.results.result import load
+    from presswear.show.report.motion import motion
 
     result = load(folder)
-    scene, rows = result.scene, []
-    if not scene.clearance_joints:
-        raise InputError(f"{folder}: no joint has clearance, so that there are no modes of contact")
-    for stage in result.stages:
-        if stage.failed:
-            continue
-        lines = {joint: timeline_of(scene, stage, joint) for joint in scene.clearance_joints}
-        for joint, own in lines.items():
-            shares = own.shares
-            visits = [own.sojourns(name) for name in MODES]
-            for name, times in zip(MODES, visits, strict=True):
-                mean = f"{1e3 * times.mean():.3g}" if times.size else "–"
-                row = (f"{result.stage_name(stage.index)}", joint, name)
-                rows.append((*row, f"{100.0 * shares[name]:.3g}", f"{times.size}", mean))
-        if len(lines) > 1:
-            both = jointly(list(lines.values()))
-            for name, part in both.shares.items():
-                if part > 0.0:
-                    row = (f"{result.stage_name(stage.index)}", " + ".join(lines), name)
-                    rows.append((*row, f"{100.0 * part:.3g}", f"{both.sojourns(name).size}", ""))
-    heads = ("stage", "joint", "mode"), ("share (%)", "visits", "mean visit (ms)")
-    print_table(console, *heads, rows)
-    for stage in result.stages:
-        if not stage.failed:
-            words = period_of(scene, stage).words
-            console.print(f"{result.stage_name(stage.index)}: {words}", highlight=False)
+    found = motion(result)
+    if found is None:
+        raise InputError(
+            f"{folder}: no joint has clearance, or no cycle was recorded, so that there is no "
+            "motion to tell"
+        )
+    for heading, rows in found.groups:
+        print_table(console, (heading,), found.head[1:], rows)
     return 0

@@ -110,6 +110,15 @@ def longest_impacts(duration: Array, closing: Array) -> Array:
     return np.asarray(FEW * np.median(duration[fastest]) * np.maximum(slower, 1.0) ** 0.2)
 
 
+def resonance_of(duration: Array, closing: Array) -> float | None:
+    """Frequency at which a joint's contacts ring, Hz: one over twice the median impact.
+
+    None where no contact is an impact; the parameters are those of ``longest_impacts``.
+    """
+    impacts = duration[(duration > 0.0) & (duration <= longest_impacts(duration, closing))]
+    return float(0.5 / np.median(impacts)) if impacts.size else None
+
+
 def timeline(
     span: tuple[float, float],
     contacts: Array,

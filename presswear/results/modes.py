@@ -1,16 +1,28 @@
-"""What the motion of a stage is: modes of contact, periods, sections and contact resonance."""
+"""What the motion of a stage is: modes of contact, periods, sections, spectra and resonance."""
 
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.dynamics.modes import Timeline, longest_impacts, timeline
+from presswear.dynamics.modes import Timeline, resonance_of, timeline
 from presswear.dynamics.period import Periodicity, periodicity
 from presswear.dynamics.sections import section, times_at_phase
+from presswear.dynamics.spectra import Spectrum, spectrum_of
 from presswear.record.sampling import STARTUP_CYCLES
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
 
 Array = NDArray[np.float64]
+
+HIGHEST_ORDER = 1000.0
+"""Highest frequency of a spectrum, in turns of the crank; the film of rows is finer."""
+
+
+def has_motion(scene: Scene, stage: StageResult) -> bool:
+    """True where a whole cycle of a rattling motion was recorded, so that there is one to tell."""
+    if stage.failed or not stage.has_joint_series or stage.time.size < 2:
+        return False
+    begin, end = settled_span(scene, stage)
+    return end - begin > 0.99 * scene.mechanism.period
 
 
 def settled_span(scene: Scene, stage: StageResult) -> tuple[float, float]:
@@ -47,12 +59,27 @@ def timeline_of(scene: Scene, stage: StageResult, joint: str) -> Timeline:
 
 
 def resonance(stage: StageResult, joint: str) -> float | None:
-    """Frequency of the contact, Hz: one over twice the median impact; None where none is known."""
+    """Frequency of the contact, Hz; None where none is known.  See ``resonance_of``."""
     own = stage.joints[joint]
     lasting = own.contact("separation") - own.contact("touchdown")
-    impacts = lasting[lasting <= longest_impacts(lasting, own.contact("closing_speed"))]
-    impacts = impacts[impacts > 0.0]
-    return float(0.5 / np.median(impacts)) if impacts.size else None
+    return resonance_of(lasting, own.contact("closing_speed"))
+
+
+def spectra_of(scene: Scene, stage: StageResult) -> dict[str, Spectrum]:
+    """Spectra of the recorded cycles behind the start-up, up to ``HIGHEST_ORDER``.
+
+    Under a joint's name that of its normal force, N^2/Hz, under ``""`` that of the acceleration
+    of what is watched, (m/s^2)^2/Hz.
+    """
+    begin, end = settled_span(scene, stage)
+    rows = (stage.time >= begin) & (stage.time <= end)
+    series = {"": stage.acceleration}
+    series |= {name: own.force[:, 0] for name, own in stage.joints.items()}
+    period = scene.mechanism.period
+    return {
+        name: spectrum_of(stage.time[rows], values[rows], period, HIGHEST_ORDER / period)
+        for name, values in series.items()
+    }
 
 
 def section_of(scene: Scene, stage: StageResult, joint: str) -> tuple[Array, float]:

@@ -90,22 +90,27 @@ class JointResult:
     @property
     def eccentricity(self) -> Array:
         """Pin centre less bearing centre, shape (n, 2), m."""
-        return self.arrays["eccentricity"]
+        return self._series("eccentricity")
 
     @property
     def penetration(self) -> Array:
         """Penetration of the pin, shape (n,), m; below zero while open."""
-        return self.arrays["penetration"]
+        return self._series("penetration")
 
     @property
     def force(self) -> Array:
         """Normal and tangential force, shape (n, 2), N."""
-        return self.arrays["force"]
+        return self._series("force")
 
     @property
     def sliding(self) -> Array:
         """Sliding speed at the contact, shape (n,), m/s."""
-        return self.arrays["sliding"]
+        return self._series("sliding")
+
+    def _series(self, name: str) -> Array:
+        if name not in self.arrays:
+            raise InputError(f"joint {self.name}: its {name} was not kept; --set series=all does")
+        return self.arrays[name]
 
     def contact(self, name: str) -> Array:
         """A number of each recorded contact, by a name of ``CONTACT_COLUMNS``, shape (k,); SI."""
@@ -190,6 +195,11 @@ class StageResult:
             for name in self.joint_names
             for side in SIDES
         )
+
+    @property
+    def has_joint_series(self) -> bool:
+        """True where series of its joints were kept."""
+        return any(f"{name}_force" in self.arrays for name in self.joint_names)
 
     @property
     def surfaces(self) -> dict[str, tuple[Surface, Surface]]:

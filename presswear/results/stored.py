@@ -187,9 +187,8 @@ JOINT_SHAPES = {
     "penetration": "rows",
     "force": "rows 2",
     "sliding": "rows",
-    "flight": "recorded",
 }
-"""Arrays of each joint."""
+"""Series of each joint; all of them are there, or none."""
 MAP_SHAPES = {
     "depth_bearing": "bins",
     "depth_pin": "bins",
@@ -223,7 +222,9 @@ def check_arrays(arrays: Mapping[str, Array], joints: Mapping[str, int], file: P
         width = len(SECTION_NAMES) + len(SECTION_JOINT_NAMES) * len(joints)
         shapes["sections"] = f"cycles_of_first sections {width}"
     for joint, angle in angle_names(joints).items():
-        shapes |= {f"{joint}_{name}": shape for name, shape in JOINT_SHAPES.items()}
+        series = {f"{joint}_{name}": shape for name, shape in JOINT_SHAPES.items()}
+        shapes |= series if arrays.keys() & series.keys() else {}
+        shapes[f"{joint}_flight"] = "recorded"
         own = f"{joints[joint]}"
         shapes |= {f"{joint}_{name}": s.replace("bins", own) for name, s in MAP_SHAPES.items()}
         shapes[angle] = own

@@ -129,7 +129,7 @@ def table_of(result: Result, stage: int) -> dict[str, Array]:
     force = process_force(result.scene, own)
     if force is not None:
         columns["process_force"] = force
-    for name, joint in own.joints.items():
+    for name, joint in own.joints.items() if own.has_joint_series else ():
         values = (*joint.eccentricity.T, joint.penetration, *joint.force.T, joint.sliding)
         columns |= {
             f"{name}_{quantity}": value for quantity, value in zip(JOINT_UNITS, values, strict=True)

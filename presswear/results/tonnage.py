@@ -206,9 +206,8 @@ def tonnage_of(scene: Scene, stage: StageResult) -> Tonnage | None:
     if not strokes:
         return None
     phase = phases_of(stage.time, strokes)
-    joints = {
-        name: joint_tonnage(stage.time, own, strokes, phase) for name, own in stage.joints.items()
-    }
+    told = stage.joints if stage.has_joint_series else {}
+    joints = {name: joint_tonnage(stage.time, own, strokes, phase) for name, own in told.items()}
     known = {
         name: own.stroke_peak_N.mean
         for name, own in joints.items()

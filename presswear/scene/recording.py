@@ -23,10 +23,15 @@ class Recording:
     rows_per_cycle: int = count(
         2000, 100, 20_000, "chosen", "rows of a series in a cycle, at least; contacts add rows"
     )
+    series: str = choice(
+        "all",
+        ("all", "watched"),
+        "series that are kept: all, or those of the watched point without those of the joints",
+    )
     digits: str = choice(
         "double",
         ("double", "single"),
-        "of the series of joints: 16 digits, or 7 in half of the room",
+        "of the series of joints: 16 digits, or 7 in less room",
     )
     sections: int = count(
         0, 0, 360, "chosen", "Poincare sections of every cycle, at equal angles of the cycle"

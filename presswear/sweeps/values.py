@@ -1,9 +1,7 @@
 """Values that are varied, as they are typed.
 
 =====================================  ====================================================
-``clearance=0.2mm:1.0mm:9``            nine values in equal steps, both ends among them
-``stiffness=1e8N/m:1e10N/m:5:log``     five in equal ratios
-``A.friction=0.02,0.05,0.1``           a list
+``clearance=0.2mm:1.0mm:9``            a range or a list, see ``presswear.scene.ranges``
 ``engine=dae,exudyn``                  words
 ``A.friction=0.1,0.2 & C.friction=0.1,0.3``  together, place by place, not every one with every
                                        other
@@ -16,17 +14,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from presswear.scene.ranges import values_of
 from presswear.scene.scene import Scene
 from presswear.scene.settings import Setting, setting_of
 from presswear.sweeps.table import Array, Column
 from presswear.tools.errors import InputError, shown
-from presswear.tools.quantities import Choice, Meaning, parse_quantity
+from presswear.tools.quantities import Choice, Meaning
 
 TOGETHER = "&"
-_DIGITS = 12
-"""Digits of the values of a range: those of a finer one meet them."""
-_MOST = 1_000_000
-"""Values of a range."""
 Typed = str | float | int
 
 
@@ -83,7 +78,7 @@ def group_of(scene: Scene, text: str) -> Group:
         setting = setting_of(scene, key)
         words: tuple[str, ...] = ()
         if isinstance(setting.meaning, Meaning):
-            values = _numbers(key, given, setting.meaning)
+            values = values_of(key, given, setting.meaning)
         else:
             words = tuple(own.strip() for own in given.split(","))
             if isinstance(setting.meaning, Choice):
@@ -99,27 +94,6 @@ def group_of(scene: Scene, text: str) -> Group:
         counts = " and ".join(f"{len(own)}" for own in columns)
         raise InputError(f"--vary {text}: as many values of each are expected, not {counts}")
     return Group(tuple(factors), np.array(columns, dtype=float).T)
-
-
-def _numbers(key: str, text: str, meaning: Meaning) -> list[float]:
-    """The values of a range or a list."""
-    if ":" not in text:
-        return [float(parse_quantity(key, own.strip(), meaning)) for own in text.split(",")]
-    low, high, count, kind = (*(own.strip() for own in text.split(":")), "", "", "")[:4]
-    if text.count(":") not in (2, 3) or kind not in ("", "log"):
-        raise InputError(f"{key} = {text}: FIRST:LAST:COUNT or FIRST:LAST:COUNT:log is expected")
-    if not (count.isascii() and count.isdigit() and len(count) < 9 and 2 <= int(count) <= _MOST):
-        raise InputError(f"{key} = {text}: a whole number of values from 2 to {_MOST} is expected")
-    first, last = (float(parse_quantity(key, own, meaning)) for own in (low, high))
-    if first == last:
-        raise InputError(f"{key} = {text}: two ends that differ are expected")
-    if kind and min(first, last) <= 0.0:
-        raise InputError(f"{key} = {text}: equal ratios need ends above 0")
-    space = np.geomspace if kind else np.linspace
-    values = [float(f"{own:.{_DIGITS}g}") for own in space(first, last, int(count))]
-    for own in values:
-        meaning.check(key, int(own) if meaning.whole and own.is_integer() else own)
-    return values
 
 
 def texts_of(scene: Scene, varied: Mapping[str, object]) -> tuple[str, ...]:

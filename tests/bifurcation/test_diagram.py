@@ -7,39 +7,42 @@ import pytest
 
 import presswear as pw
 from presswear.bifurcation import branch
-from presswear.bifurcation.branch import OPEN, Branch, Extent, moved, point, read_points
+from presswear.bifurcation.branch import OPEN, Branch, moved, point, read_points
 from presswear.bifurcation.diagram import WAYS, Diagram, compute, load
 from presswear.bifurcation.figure import draw
-from presswear.bifurcation.over import Over
+from presswear.bifurcation.over import Extent, Over
 from presswear.campaign.starts import start_of
 from presswear.engines.base import Plan
 from presswear.physics.constraints import constraints_of
 
 SCENE = pw.scenes.slider_crank()
-EXTENT = Extent(12, 6, 0)
+EXTENT = Extent(12, 6, 0, 0)
 
 
 def test_a_quantity_is_read_with_its_unit() -> None:
     over = Over.parsed("clearance=0.01:0.05:5 mm", SCENE)
     np.testing.assert_allclose(over.values, 1e-5 * np.arange(1, 6), rtol=1e-12)
     assert over.scene(SCENE, 2e-5).bearing("B").clearance == 2e-5
-    turning = Over.parsed("speed=2pi:12pi:3", SCENE)
-    np.testing.assert_allclose(turning.values, np.pi * np.array([2.0, 7.0, 12.0]), rtol=1e-12)
+    turning = Over.parsed("speed=2pi:12pi:3 rad/s", SCENE)
+    # Values of a range have 12 digits.
+    np.testing.assert_allclose(turning.values, np.pi * np.array([2.0, 7.0, 12.0]), rtol=5e-12)
     assert turning.unit == "rad/s"
-    assert Over.parsed("B.friction=0:0.1:2", SCENE).count == 2
+    assert Over.parsed("B.friction=0.1:0:2", SCENE).values == (0.0, 0.1)
 
 
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("speed", "KEY=LOW:HIGH:COUNT"),
-        ("speed=1:2", "KEY=LOW:HIGH:COUNT"),
+        ("speed", "KEY=FIRST:LAST:COUNT"),
+        ("speed=1:2", "FIRST:LAST:COUNT"),
+        ("speed=1:2:3", "no unit"),
+        ("speed=1 rad/s", "two values that differ"),
         ("sped=1:2:3", "did you mean speed"),
-        ("speed=1:2:1", "a whole number from 2"),
-        ("speed=9:2:5", "must lie below"),
-        ("speed=0:20:5", "speed = 0"),
+        ("speed=1:2:1 rad/s", "a whole number of values from 2"),
+        ("speed=0:20:5 rad/s", "speed = 0"),
         ("speed=1:20:5 mm", "unknown unit 'mm'"),
-        ("cycles=1:20:5", "quantity of --over"),
+        ("cycles=1:20:5", "not a count"),
+        ("engine=dae,exudyn", "not a count or a choice"),
     ],
 )
 def test_what_is_no_range_is_refused(text: str, words: str) -> None:
@@ -70,7 +73,7 @@ def test_pins_keep_their_places_in_parts_of_the_clearance() -> None:
 
 def test_a_stopped_branch_goes_on_as_if_it_had_not(tmp_path: Path) -> None:
     over = Over.parsed("clearance=0.01:0.05:4 mm", SCENE)
-    values = tuple(over.values.tolist())
+    values = over.values
     whole = Branch(SCENE, over, values, EXTENT, tmp_path / "whole.npz")
     whole(lambda done, word="", rows=None: None)
     Branch(SCENE, over, values[:2], EXTENT, tmp_path / "parts.npz")(lambda *told: None)
@@ -84,7 +87,7 @@ def test_a_stopped_branch_goes_on_as_if_it_had_not(tmp_path: Path) -> None:
 def test_periods_of_a_small_clearance(tmp_path: Path) -> None:
     """At 10 um the motion settles to the crank's; at 0.3 mm it does not within 60 cycles."""
     over = Over.parsed("clearance=0.01:0.3:2 mm", SCENE)
-    diagram = compute(SCENE, over, Extent(60, 30, 4), tmp_path, 1, lambda way, part: None)
+    diagram = compute(SCENE, over, Extent(60, 30, 4, 0), tmp_path, 1, lambda way, part: None)
     for way in WAYS:
         points = diagram.branches[way]
         periods = dict(zip(points.value, diagram.periods(way), strict=True))
@@ -111,6 +114,6 @@ def test_a_run_that_fails_leaves_gaps(monkeypatch: pytest.MonkeyPatch) -> None:
     assert np.isnan(found.sections).all()
     np.testing.assert_array_equal(found.end.position, start_of(SCENE).position)
     points = branch._nothing(found).and_point(1.0, found)
-    told = Diagram(SCENE, Over.parsed("speed=1:2:2", SCENE), EXTENT, {"up": points})
+    told = Diagram(SCENE, Over.parsed("speed=1:2:2 rad/s", SCENE), EXTENT, {"up": points})
     assert told.periods("up") == [None]
     assert "1 runs failed" in told.words[0]

@@ -20,10 +20,22 @@ def test_an_exponent_and_a_diagram(tmp_path: Path, capsys: pytest.CaptureFixture
     assert main(["dynamics", "slider-crank", "--exponent", "3"]) == 0
     assert "largest Lyapunov exponent" in capsys.readouterr().out
     line = ["dynamics", "slider-crank", "--over", "clearance=0.01:0.02:2 mm", "--cycles", "12"]
-    line += ["--kept", "4", "--exponent", "0", "--jobs", "1", "--out", str(tmp_path / "d")]
+    line += [
+        "--kept",
+        "4",
+        "--exponent",
+        "0",
+        "--orders",
+        "2",
+        "--jobs",
+        "1",
+        "--out",
+        str(tmp_path / "d"),
+    ]
     assert main(line) == 0
     assert "up: of 2 values" in capsys.readouterr().out
-    assert (tmp_path / "d" / "diagram.png").stat().st_size > 10_000
+    for name in ("diagram.png", "orders.png"):
+        assert (tmp_path / "d" / name).stat().st_size > 10_000
 
 
 @pytest.mark.parametrize(
@@ -31,8 +43,10 @@ def test_an_exponent_and_a_diagram(tmp_path: Path, capsys: pytest.CaptureFixture
     [
         (["slider-crnk"], "did you mean slider-crank"),
         (["slider-crank", "--exponent", "0"], "nothing else to do"),
-        (["slider-crank", "--over", "speed=1:2"], "KEY=LOW:HIGH:COUNT"),
-        (["slider-crank", "--over", "speed=20:30:2", "--kept", "100"], "kept = 100"),
+        (["slider-crank", "--orders", "4"], "--orders goes with --over"),
+        (["slider-crank", "--orders", "four"], "--orders four: a whole number"),
+        (["slider-crank", "--over", "speed=1:2"], "FIRST:LAST:COUNT"),
+        (["slider-crank", "--over", "speed=20:30:2 rad/s", "--kept", "100"], "kept = 100"),
         (["ideal"], "without one nothing is free"),
     ],
 )

@@ -8,6 +8,7 @@ import numba
 import numpy as np
 import pytest
 from bouncing_table import BouncingTable
+from impact_oscillator import ImpactOscillator
 from numpy.typing import NDArray
 
 import presswear as pw
@@ -100,6 +101,57 @@ def test_ball_on_a_table_that_repeats_itself(part: float) -> None:
     assert told.half_width is not None
     assert abs(told.value - expected) <= told.half_width
     assert not told.is_chaotic
+
+
+@pytest.mark.parametrize(("damping", "frequency"), [(0.0, 2.6), (0.05, 2.4), (0.05, 2.0)])
+def test_oscillator_beside_a_wall_that_repeats_itself(damping: float, frequency: float) -> None:
+    """The greater multiplier of the orbit tells its exponent: a pair of complex ones, or real."""
+    own = ImpactOscillator(0.8, frequency, damping)
+    t, v, motion = own.periodic(1)
+    multipliers = np.linalg.eigvals(motion)
+    assert np.prod(multipliers).real == pytest.approx(
+        0.8**2 * math.exp(-2.0 * damping * own.period), rel=1e-9
+    )
+    begun, _ = own.after(np.array([0.0, -0.8 * v]), t, 0.35 * own.period)
+    interval = 0.9 * own.period
+    found = growths(
+        lambda x, t: (own.after(x, t, interval)[0], t + interval),
+        begun,
+        t + 0.35 * own.period,
+        400,
+        np.full(2, 1e-7),
+    )
+    told = exponent_of(found, interval)
+    expected = math.log(np.abs(multipliers).max()) / own.period
+    assert told.value == pytest.approx(expected, rel=0.03)
+    assert told.half_width is not None
+    assert abs(told.value - expected) <= told.half_width
+
+
+def test_twins_part_as_the_tangent_flow_does() -> None:
+    """Chaos beside a wall: the exponent by closed forms, with saltation, along the same motion."""
+    own = ImpactOscillator(0.8, 2.8)
+    t, v, _ = own.periodic(1)
+    state = own.after(np.array([0.0, -0.801 * v]), t, 0.35 * own.period)[0]
+    t += 0.35 * own.period
+    count = 1500
+    twins = growths(
+        lambda x, t: (own.after(x, t, own.period)[0], t + own.period),
+        state,
+        t,
+        count,
+        np.full(2, 1e-8),
+    )
+    direction, tangent = np.full(2, math.sqrt(0.5)), np.zeros(count)
+    for k in range(count):
+        state, moved = own.after(state, t, own.period)
+        t += own.period
+        direction = moved @ direction
+        size = float(np.linalg.norm(direction))
+        tangent[k], direction = math.log(size), direction / size
+    told, expected = (exponent_of(found, own.period) for found in (twins, tangent))
+    assert told.is_chaotic
+    assert told.value == pytest.approx(expected.value, rel=3e-3)
 
 
 def test_a_sum_of_logarithms_is_what_grows() -> None:

@@ -12,6 +12,7 @@ from presswear.dynamics.modes import (
     Timeline,
     jointly,
     longest_impacts,
+    resonance_of,
     timeline,
 )
 
@@ -72,6 +73,13 @@ def test_a_hertzian_impact_lasts_longer_when_it_is_slower() -> None:
     assert np.all(duration <= longest_impacts(duration, closing))
     assert not np.any(3.0 * duration <= longest_impacts(duration, closing))
     assert longest_impacts(np.zeros(0), np.zeros(0)).size == 0
+
+
+def test_contacts_ring_at_one_over_twice_an_impact() -> None:
+    """Contacts that go on are none of them."""
+    duration = np.array([1e-4, 1e-4, 1e-4, 2e-2, 1e-4])
+    assert resonance_of(duration, np.ones(5)) == pytest.approx(5000.0, rel=1e-12)
+    assert resonance_of(np.zeros(0), np.zeros(0)) is None
 
 
 def test_contacts_beyond_the_span_are_cut() -> None:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import presswear as pw
-from presswear.dynamics.modes import MODES
+from presswear.dynamics.modes import FREE, IMPACT, MODES
 from presswear.results.modes import (
     period_of,
     resonance,
@@ -13,6 +13,8 @@ from presswear.results.modes import (
     timeline_of,
 )
 from presswear.results.result import Result
+from presswear.show.report.motion import motion
+from presswear.tools.numbers import readable
 
 
 @pytest.fixture(scope="module")
@@ -47,6 +49,20 @@ def test_sections_that_were_kept_are_those_of_the_series(result: Result) -> None
         found = np.interp(at, stage.time, eccentricity[:, axis])
         np.testing.assert_allclose(kept[:3, axis], found, rtol=0.0, atol=1e-6)
     assert period_of(scene, stage).period is None
+
+
+def test_the_table_of_the_report_tells_what_the_arrays_do(result: Result) -> None:
+    scene, stage = result.scene, result.stages[0]
+    table = motion(result)
+    assert table is not None
+    cells = {name: {row[0]: row[1] for row in rows} for name, rows in table.groups}
+    own = timeline_of(scene, stage, "B")
+    for mode, share in own.shares.items():
+        assert cells["Joint B"][mode].startswith(f"{readable(100.0 * share)} %")
+    count = own.transitions[FREE, IMPACT]
+    told = cells["Joint B"]["free flight to impact, times a cycle"]
+    assert told == readable(count / 4.0)
+    assert cells["Repetition"]["period (of the clearances)"] == period_of(scene, stage).words
 
 
 def test_figures_are_drawn(result: Result) -> None:

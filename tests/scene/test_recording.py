@@ -11,7 +11,9 @@ from presswear.dynamics.sections import section
 from presswear.engines.base import Plan
 from presswear.record.recorder import Recorder
 from presswear.record.tracker import Tracker
+from presswear.results.tables import table_of
 from presswear.scene.settings import changed
+from presswear.show.report import write_report
 from presswear.tools.arrays import State
 
 SCENE = pw.scenes.slider_crank(cycles=3, starts=1)
@@ -83,7 +85,7 @@ def test_a_folder_holds_what_the_plan_asks_for(tmp_path: Path) -> None:
     wanted = {**SECTIONS, "recorded_cycles": "1", "rows_per_cycle": "300", "digits": "single"}
     result = pw.run(changed(SCENE, wanted), tmp_path, engine="dae")
     read = pw.load(tmp_path)
-    assert read.scene.recording == pw.Recording(1, 300, "single", 4, 0.5 * math.pi)
+    assert read.scene.recording == pw.Recording(1, 300, "all", "single", 4, 0.5 * math.pi)
     for name, own in read.stages[0].arrays.items():
         np.testing.assert_array_equal(own, result.stages[0].arrays[name])
     stage, full = read.stages[0], pw.run(SCENE, engine="dae").stages[0]
@@ -93,6 +95,28 @@ def test_a_folder_holds_what_the_plan_asks_for(tmp_path: Path) -> None:
     force = stage.joints["B"].force
     np.testing.assert_array_equal(force, force.astype(np.float32))
     assert not np.array_equal(full.joints["B"].force, full.joints["B"].force.astype(np.float32))
+
+
+def test_series_of_joints_may_be_left_out(tmp_path: Path) -> None:
+    """All else stays, and what is made of them is left out, or told in one line."""
+    scene = changed(SCENE, {"series": "watched"})
+    for one, folder in ((scene, "watched"), (SCENE, "full")):
+        pw.run(one, tmp_path / folder, engine="dae", jobs=1)
+    read, full = (pw.load(tmp_path / folder) for folder in ("watched", "full"))
+    own, stage = read.stages[0], full.stages[0]
+    left_out = {f"B_{name}" for name in ("eccentricity", "penetration", "force", "sliding")}
+    assert stage.arrays.keys() - own.arrays.keys() == left_out
+    for name, values in own.arrays.items():
+        np.testing.assert_array_equal(values, stage.arrays[name])
+    with pytest.raises(pw.InputError, match="joint B: its force was not kept; --set series=all"):
+        _ = own.joints["B"].force
+    with pytest.raises(pw.InputError, match="nothing to draw as 'path'"):
+        read.plot("path")
+    assert "B_normal_force" in table_of(full, 0)
+    assert "B_normal_force" not in table_of(read, 0)
+    assert "What the motion is" not in write_report(read).read_text()
+    room, whole = ((tmp_path / own / "stage-0.npz").stat().st_size for own in ("watched", "full"))
+    assert room < 0.6 * whole
 
 
 @pytest.mark.parametrize(

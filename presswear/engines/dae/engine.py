@@ -117,11 +117,11 @@ def prepare(
     y[:n], y[n : 2 * n] = x, u
     motion = Integration(y, np.zeros(size), np.zeros((DOP853.b.size + 1, size)), np.ones(2 * n))
     control = np.zeros(1, CONTROL)
-    fixed = settings.has_equal_steps
+    fixed, tolerance = settings.has_equal_steps, settings.tolerance
     control["step"] = settings.step if fixed else 1e-6
     control["longest"] = settings.longest(plan.cycle)
     control["shortest"] = 1e-14
-    control["tolerance"] = settings.tolerance
+    control["tolerance"] = tolerance
     control["projected"] = settings.projection == "on"
     tableau = DOPRI5 if settings.integrator == "dopri5" else DOP853
 
@@ -150,7 +150,7 @@ def prepare(
     def advance(end: float) -> Finding | None:
         began = clock.perf_counter()
         # The state to go on from may be that of a coarser run.
-        control["tolerance"] = settings.tolerance
+        control["tolerance"] = tolerance
         status = RUNNING
         while status == RUNNING:
             status = march(end, _CHUNK)

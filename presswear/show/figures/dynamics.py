@@ -3,16 +3,18 @@
 import numpy as np
 
 from presswear.dynamics.modes import MODES
-from presswear.dynamics.spectra import spectrum_of
 from presswear.results.modes import (
+    HIGHEST_ORDER,
+    has_motion,
     period_of,
     resonance,
     section_of,
     settled_span,
+    spectra_of,
     timeline_of,
 )
 from presswear.results.result import Result
-from presswear.show.figures.motion import moving_stages, path_pens, set_path_limits
+from presswear.show.figures.motion import path_pens, set_path_limits
 from presswear.show.figures.style import (
     REFERENCE,
     WIDTH,
@@ -26,14 +28,13 @@ from presswear.show.figures.style import (
     between,
     legend,
     length_scale,
+    shown_stages,
     wrapped,
 )
 from presswear.tools.numbers import readable
 
 BINS = 180
 """Bins of the cycle in a timeline of modes."""
-HIGHEST_ORDER = 1000.0
-"""Highest frequency of a spectrum, in turns of the crank; the film of rows is finer."""
 _MODE_COLOURS = ("0.92", "#E69F00", "#0072B2", "#009E73")
 _WORDS = ("free", "impact", "sustained", "sticking")
 _HARMONICS = 10
@@ -41,14 +42,8 @@ _HARMONICS = 10
 
 def _rattling(result: Result, stages: Stages) -> list[ShownStage]:
     """Stages with a motion of a cycle at least, of a scene with clearance."""
-    if not result.scene.clearance_joints:
-        return []
-    period = result.scene.mechanism.period
-    return [
-        stage
-        for stage in moving_stages(result, stages)
-        if np.diff(settled_span(result.scene, stage.data))[0] > 0.99 * period
-    ]
+    shown = shown_stages(result, stages)
+    return [stage for stage in shown if has_motion(result.scene, stage.data)]
 
 
 def phase_portrait(result: Result, stages: Stages) -> list[Drawing]:
@@ -178,10 +173,7 @@ def spectrum(result: Result, stages: Stages) -> list[Drawing]:
     panels = sheet.subplots(count, 1, sharex=True, squeeze=False)[:, 0]
     told = []
     for stage in shown:
-        own = between(stage.data, *settled_span(scene, stage.data))
-        series = [own.acceleration, *(own.joints[joint].force[:, 0] for joint in joints)]
-        for axes, values in zip(panels, series, strict=True):
-            found = spectrum_of(own.time, values, period, HIGHEST_ORDER / period)
+        for axes, found in zip(panels, spectra_of(scene, stage.data).values(), strict=True):
             stage.pen.draw(axes, found.order[1:], found.density[1:], linewidth=0.6)
     for axes, joint in zip(panels[1:], joints, strict=True):
         known = {stage.pen.colour: resonance(stage.data, joint) for stage in shown}

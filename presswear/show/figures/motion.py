@@ -215,8 +215,8 @@ def _draw_mean_accelerations(
 def contact_force(result: Result, stages: Stages) -> list[Drawing]:
     """Normal force at each clearance joint over time, a panel for each stage."""
     joints = result.scene.clearance_joints
-    moving = moving_stages(result, stages)
-    if not joints or not moving:
+    moving = [own for own in moving_stages(result, stages) if own.data.has_joint_series]
+    if not moving:
         return []
     shown, window = settled(result, moving)
     sheet = Sheet(figsize=(WIDTH, 0.5 + 1.35 * len(shown)), layout="constrained")
@@ -242,8 +242,8 @@ def contact_force(result: Result, stages: Stages) -> list[Drawing]:
 def centre_trajectory(result: Result, stages: Stages) -> list[Drawing]:
     """Path of each pin's centre inside its bearing, a panel for each stage."""
     joints = result.scene.clearance_joints
-    moving = moving_stages(result, stages)
-    if not joints or not moving:
+    moving = [own for own in moving_stages(result, stages) if own.data.has_joint_series]
+    if not moving:
         return []
     shown, window = settled(result, moving)
     side = (WIDTH - 0.9) / max(len(shown), 2) - 0.1

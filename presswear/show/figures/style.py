@@ -136,8 +136,8 @@ def between(stage: StageResult, begin: float, end: float) -> StageResult:
     series = ["time", "slider"]
     for joint in stage.joint_names:
         series += [f"{joint}_force", f"{joint}_eccentricity"]
-    series += ["drive_torque"] * ("drive_torque" in stage.arrays)
-    cut = {name: stage.arrays[name][rows] for name in series}
+    series.append("drive_torque")
+    cut = {name: stage.arrays[name][rows] for name in series if name in stage.arrays}
     return replace(stage, arrays={**stage.arrays, **cut})
 
 

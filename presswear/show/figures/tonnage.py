@@ -23,7 +23,7 @@ def force_over_stroke(result: Result, stages: Stages) -> list[Drawing]:
     ]
     if process is None or not shown:
         return []
-    joints = scene.clearance_joints
+    joints = scene.clearance_joints if all(own.data.has_joint_series for own, _ in shown) else ()
     reach = _REACH * process.height
     factor, unit = length_scale(reach)
     sheet = Sheet(figsize=(WIDTH, 0.8 + 1.7 * (1 + len(joints))), layout="constrained")

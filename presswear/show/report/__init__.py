@@ -18,6 +18,8 @@ from presswear.show.report.bottom import bottom, under_load
 from presswear.show.report.drives import drives
 from presswear.show.report.life import life_head
 from presswear.show.report.moments import moments
+from presswear.show.report.motion import FILES as MOTION
+from presswear.show.report.motion import motion
 from presswear.show.report.origin import (
     changed_values,
     convention_set,
@@ -93,7 +95,9 @@ def render(result: Result, figures: list[Illustration]) -> str:
         drives=drives(result),
         endings=endings(result),
         growth=growth(result),
-        figures=[figure for figure in figures if figure.file not in (*OPENING, LIFE)],
+        motion=motion(result),
+        motion_figures=[figure for figure in figures if figure.file in MOTION],
+        figures=[figure for figure in figures if figure.file not in (*OPENING, *MOTION, LIFE)],
         means=cycle_means(result),
         notes=notes(result),
         parameters=parameters(result),

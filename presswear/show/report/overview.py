@@ -274,7 +274,7 @@ def _forces(result: Result) -> Iterator[Fact]:
 
 def _peak(scene: Scene, stage: StageResult) -> _Peak | None:
     time, period = stage.time, scene.mechanism.period
-    if time.size < 2:
+    if time.size < 2 or not stage.has_joint_series:
         return None
     # The same cycles as in the statistics.
     cycles = int((float(time[-1]) - scene.run_up) / period + 1e-3)

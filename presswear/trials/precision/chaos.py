@@ -11,12 +11,13 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 from statistics import median
 
-import numpy as np
-
+from presswear.bifurcation.flow import scene_exponent
 from presswear.campaign.ensemble import FEWEST
 from presswear.campaign.starts import start_of
+from presswear.dynamics.lyapunov import Exponent
 from presswear.engines.base import Plan, Run
-from presswear.record.sampling import Estimate, half_width, map_batches, map_errors
+from presswear.physics.tree import Tree, tree_of
+from presswear.record.sampling import Estimate, map_batches, map_errors
 from presswear.record.tracker import Telling
 from presswear.scene.scene import Scene
 from presswear.tools.errors import RunFailed
@@ -43,10 +44,8 @@ class ChaosExtent:
 
     Attributes
     ----------
-    pairs : int
-        Pairs of neighbouring starts whose distance is followed.
-    duration : int
-        Cycles over which it is; one for the first.
+    exponent_cycles : int
+        Cycles that the exponent is the mean of.
     starts, cycles : int
         Those of each method.
     reference : int
@@ -55,8 +54,7 @@ class ChaosExtent:
         Steps or tolerances that are run, by family; None: all of all.
     """
 
-    pairs: int
-    duration: int
+    exponent_cycles: int
     starts: int
     cycles: int
     reference: int = 3
@@ -68,8 +66,8 @@ FEW = {
     "dae, DOPRI5": (1e-3, 1e-4, 1e-5, 1e-7),
     "dae, RK4": (1e-4, 5e-5),
 }
-QUICK = ChaosExtent(pairs=2, duration=2, starts=2, cycles=26, reference=2, few=FEW)
-FULL = ChaosExtent(pairs=6, duration=3, starts=4, cycles=30)
+QUICK = ChaosExtent(exponent_cycles=3, starts=2, cycles=26, reference=2, few=FEW)
+FULL = ChaosExtent(exponent_cycles=20, starts=4, cycles=30)
 
 
 @dataclass(frozen=True)
@@ -122,12 +120,14 @@ class StatisticPoint:
 
 @dataclass(frozen=True)
 class Chaos:
-    """Growths and statistics of a scene's unworn linkage beyond the horizon.
+    """Growth of a disturbance and statistics of a scene's unworn linkage beyond the horizon.
 
     Attributes
     ----------
-    growths : tuple of Parting
-        One a pair of starts.
+    growth : Parting
+        Over the first cycle, from a start of the scene.
+    exponent : Exponent or None
+        The largest, 1/s; None where loops stay closed, of which there is none.
     reference, points : StatisticPoint, tuple of StatisticPoint
         The finest method, with more cycles than the others, which are compared with it.
     stage_cycles : int
@@ -135,7 +135,8 @@ class Chaos:
         tolerance.
     """
 
-    growths: tuple[Parting, ...]
+    growth: Parting
+    exponent: Exponent | None
     reference: StatisticPoint
     points: tuple[StatisticPoint, ...]
     stage_cycles: int
@@ -144,14 +145,6 @@ class Chaos:
     def names(self) -> tuple[str, ...]:
         """Names of the statistics."""
         return tuple(self.reference.statistics)
-
-    @property
-    def settled_rate(self) -> Estimate:
-        """Mean growth rate of the further pairs, lulls included, 1/s."""
-        rates = np.array([growth.overall for growth in self.growths[1:]], dtype=float)
-        known = rates[np.isfinite(rates)]
-        mean = float(known.mean()) if known.size else math.nan
-        return Estimate(mean, half_width(known), known.size)
 
     def honest_cycles(self, point: StatisticPoint, name: str) -> float:
         """Cycles up to which the bound of a statistic's step error is below its sampling error.
@@ -187,8 +180,10 @@ def follow(scene: Scene, extent: ChaosExtent, told: Told) -> Chaos:
     RunFailed where the finest method fails.
     """
     growing = part_of(told, 0.0, _GROWTH_SHARE)
-    growths = measure_growth(scene, extent.duration, extent.pairs, growing)
     linkage, period = scene.linkage(), scene.mechanism.period
+    growth = measure_growth(linkage, start_of(scene), period, 1, growing)
+    is_open = isinstance(tree_of(linkage), Tree)
+    exponent = scene_exponent(scene, extent.exponent_cycles) if is_open else None
     names, few = names_of(linkage), extent.few
     methods = [
         own
@@ -227,7 +222,7 @@ def follow(scene: Scene, extent: ChaosExtent, told: Told) -> Chaos:
         )
         for point, own in zip(points, draws, strict=True)
     ]
-    return Chaos(growths, known[-1], tuple(known[:-1]), stage_cycles(scene, draws[-1]))
+    return Chaos(growth, exponent, known[-1], tuple(known[:-1]), stage_cycles(scene, draws[-1]))
 
 
 def stage_cycles(scene: Scene, reference: Draws) -> int:

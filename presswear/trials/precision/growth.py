@@ -13,13 +13,12 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.campaign.starts import APART, disturbed, start_of, turned_back
+from presswear.campaign.starts import APART, disturbed
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import InHouse
 from presswear.linkage.elements import Linkage
 from presswear.record.recorder import Recorder
 from presswear.record.tracker import Telling, Tracker
-from presswear.scene.scene import Scene
 from presswear.trials.runs import Told, finished, part_of
 
 Array = NDArray[np.float64]
@@ -108,18 +107,6 @@ class Parting:
         late = self._first(PARTED)
         return None if late is None else self.touchdowns[late]
 
-    @property
-    def overall(self) -> float:
-        """Mean growth rate from the start until HIGH or the end, 1/s; nan for an empty one.
-
-        Lulls count, unlike in ``rate``.
-        """
-        last = self._first(HIGH)
-        last = len(self.distance) - 1 if last is None else last
-        if last < 0 or self.time[last] <= 0.0 or self.distance[last] <= 0.0:
-            return math.nan
-        return math.log(self.distance[last] / APART) / self.time[last]
-
 
 @dataclass
 class _Sampler(Tracker):
@@ -147,32 +134,17 @@ def sampled_run(
     return finished(engine.simulate(linkage, start, plan)), sampler
 
 
-def measure_growth(scene: Scene, cycles: int, pairs: int, told: Told) -> tuple[Parting, ...]:
-    """Run pairs of starts that are APART, each pair from where the last one's first run ended.
-
-    So a pair each begins somewhere else on the motion; pairs beside each other would only
-    repeat one growth.  Contacts begin anew with each pair.  RunFailed where a run fails.
-
-    Parameters
-    ----------
-    cycles : int
-        Length of each run; of the first pair one, which tells whether it parts.
-    """
-    linkage, period = scene.linkage(), scene.mechanism.period
-    start, found, done = start_of(scene), [], 0
-    lengths = [1, *[cycles] * (pairs - 1)]
-    for length in lengths:
-        beside = disturbed(linkage, start, APART)
-        assert beside is not None, "a scene with a clearance joint has a free direction"
-        runs: list[tuple[Run, _Sampler]] = []
-        for own in (start, beside):
-            tell = partial(part_of(told, done, length, 2 * sum(lengths)), "growth of a disturbance")
-            runs.append(sampled_run(linkage, own, period, length, tell))
-            done += length
-        (first, calm), (_, moved) = runs
-        apart = np.abs(np.array(calm.places) - np.array(moved.places)).max(axis=(1, 2))
-        time = period / SAMPLES * np.arange(1, apart.size + 1)
-        distance = tuple(apart.tolist())
-        found.append(Parting(tuple(time.tolist()), distance, tuple(calm.touchdowns)))
-        start = turned_back(first.end, start)
-    return tuple(found)
+def measure_growth(
+    linkage: Linkage, start: Start, period: float, cycles: int, told: Told
+) -> Parting:
+    """Run a start and one APART from it; RunFailed where a run fails."""
+    beside = disturbed(linkage, start, APART)
+    assert beside is not None, "a scene with a clearance joint has a free direction"
+    samplers = []
+    for k, own in enumerate((start, beside)):
+        tell = partial(part_of(told, 0.5 * k, 0.5), "growth of a disturbance")
+        samplers.append(sampled_run(linkage, own, period, cycles, tell)[1])
+    calm, moved = samplers
+    apart = np.abs(np.array(calm.places) - np.array(moved.places)).max(axis=(1, 2))
+    time = period / SAMPLES * np.arange(1, apart.size + 1)
+    return Parting(tuple(time.tolist()), tuple(apart.tolist()), tuple(calm.touchdowns))

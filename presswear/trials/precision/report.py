@@ -66,7 +66,7 @@ def headline(precision: Precision, found: tuple[Recommendation, ...]) -> str:
 
 def growth_sentence(chaos: Chaos) -> str:
     """Tell growth rate and divergence time in a sentence."""
-    first, *others = chaos.growths
+    first = chaos.growth
     if first.window is None:
         return (
             f"Two runs whose starts are {given(APART)} m apart stay within {given(HIGH)} m over "
@@ -83,16 +83,11 @@ def growth_sentence(chaos: Chaos) -> str:
             f"; it is {given(PARTED)} m after {readable(first.divergence)} s and "
             f"{first.touchdowns_to_divergence} touches"
         )
-    if others:
-        settled = chaos.settled_rate
-        rate = readable(settled.mean)
-        if settled.half_width is not None:
-            rate = with_interval(settled.mean, settled.half_width)
-        parted = sum(growth.divergence is not None for growth in others)
+    if chaos.exponent is not None:
+        rate = with_interval(chaos.exponent.value, chaos.exponent.half_width)
         text += (
-            f". That is while the pins, which start in the middle of their bearings, settle. Of "
-            f"{len(others)} further pairs, begun later in the motion, {parted} part within "
-            f"{readable(others[0].time[-1])} s; lulls included, they grow by {rate} /s"
+            ". That is while the pins, which start in the middle of their bearings, settle; over "
+            f"longer times, lulls included, the largest Lyapunov exponent is {rate} /s"
         )
     return f"{text}."
 

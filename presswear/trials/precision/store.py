@@ -17,7 +17,7 @@ from presswear.trials.precision.study import Precision
 from presswear.trials.precision.wear import QUANTITIES, WearStudy
 from presswear.trials.stored import restored, write_document
 
-SCHEMA = 3
+SCHEMA = 4
 FILE = "precision.json"
 Cells = dict[str, Any]
 """Numbers and words by the names of their columns; None where there is none."""
@@ -47,7 +47,7 @@ def load(folder: Path) -> Precision:
         found: Precision = restored(Precision, data, "study")
     except InputError as error:
         raise InputError(f"{file}: {error}") from None
-    if not (found.diagrams and found.chaos.growths and found.wear.points):
+    if not (found.diagrams and found.chaos.points and found.wear.points):
         raise InputError(f"{file}: a part of the study is empty")
     return found
 

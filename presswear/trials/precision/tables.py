@@ -113,21 +113,20 @@ def task_table(diagram: Diagram) -> Table:
     )
 
 
-_GROWTHS: dict[str, Callable[[tuple[int, Parting]], str]] = {
-    "": lambda pair: f"pair {pair[0]}",
-    "growth rate, fitted (1/s)": lambda pair: readable(pair[1].rate),
-    "the same a touch": lambda pair: readable(pair[1].per_touchdown, 2),
-    "growth rate, lulls included (1/s)": lambda pair: readable(pair[1].overall),
-    "fitted over (s)": lambda pair: _spread(*pair[1].window) if pair[1].window else _NONE,
-    "parted after (s)": lambda pair: readable(pair[1].divergence),
-    "touches until then": lambda pair: whole(pair[1].touchdowns_to_divergence),
-    "greatest distance (m)": lambda pair: error_text(max(pair[1].distance, default=None)),
+_GROWTH: dict[str, Callable[[Parting], str]] = {
+    "": lambda pair: "pair of starts",
+    "growth rate, fitted (1/s)": lambda pair: readable(pair.rate),
+    "the same a touch": lambda pair: readable(pair.per_touchdown, 2),
+    "fitted over (s)": lambda pair: _spread(*pair.window) if pair.window else _NONE,
+    "parted after (s)": lambda pair: readable(pair.divergence),
+    "touches until then": lambda pair: whole(pair.touchdowns_to_divergence),
+    "greatest distance (m)": lambda pair: error_text(max(pair.distance, default=None)),
 }
 
 
 def growth_table(chaos: Chaos) -> Table:
-    """Each pair of neighbouring starts."""
-    return _table({"": enumerate(chaos.growths, 1)}, _GROWTHS)
+    """The pair of neighbouring starts."""
+    return _table({"": [chaos.growth]}, _GROWTH)
 
 
 def sampling_table(chaos: Chaos) -> Table:

@@ -20,7 +20,7 @@ def told() -> list[tuple[str, float]]:
 def found(told: list[tuple[str, float]]) -> Precision:
     few = {"dae, DOPRI5": (1e-5,), "dae, RK4": (1e-4,)}
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(chaos, "QUICK", ChaosExtent(1, 1, starts=1, cycles=5, reference=1, few=few))
+        patch.setattr(chaos, "QUICK", ChaosExtent(1, starts=1, cycles=5, reference=1, few=few))
         patch.setattr(wear, "QUICK", {"paper": Means((90,), (), 4)})
         return study(scene_named("wear-times"), SHORT, lambda name, part: told.append((name, part)))
 

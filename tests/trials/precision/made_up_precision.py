@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.dynamics.lyapunov import Exponent
 from presswear.engines.settings import ExudynJoints
 from presswear.record.sampling import Estimate, Interval
 from presswear.scene.catalog import wear_times
@@ -102,8 +103,7 @@ def chaos(coarsest_honest: float = 1e-6, bound: float = 0.03) -> Chaos:
     time = np.linspace(0.0, 0.57, 400)
     apart = np.minimum(1e-9 * np.exp(77.0 * np.maximum(time - 0.05, 0.0)), 1e-3)
     growth = parting(time, apart, np.floor(200.0 * time))
-    calm = replace(growth, distance=(2e-9,) * 400)
-    return Chaos((growth, calm), reference, tuple(points), STAGE_CYCLES)
+    return Chaos(growth, Exponent(33.0, 4.0, 360), reference, tuple(points), STAGE_CYCLES)
 
 
 def interval(value: float, part: float = 0.05) -> Interval:

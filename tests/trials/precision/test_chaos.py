@@ -54,7 +54,6 @@ def test_growth_rate_of_an_exponential() -> None:
     assert growth.per_touchdown == pytest.approx(0.3, rel=2e-2)
     assert growth.divergence == pytest.approx(math.log(1000.0) / 30.0, abs=1e-3)
     assert growth.touchdowns_to_divergence == math.floor(100.0 * math.log(1000.0) / 30.0)
-    assert growth.overall == pytest.approx(30.0, rel=1e-2)
     assert growth.window is not None
     assert growth.window[0] == pytest.approx(math.log(3.0) / 30.0, abs=1e-3)
     assert stored(growth) == growth
@@ -66,9 +65,6 @@ def test_rate_is_read_between_its_bounds_only() -> None:
     apart = np.where(TIME < 0.4, 1e-9, np.minimum(grown, 1e-4))
     growth = parting(TIME, apart, NO_TOUCHES)
     assert growth.rate == pytest.approx(60.0, rel=1e-3)
-    # To HIGH after 0.4 s of lull.
-    until = 0.4 + math.log(1e4) / 60.0
-    assert growth.overall == pytest.approx(math.log(1e4) / until, rel=1e-2)
     assert growth.per_touchdown is None
     assert growth.window is not None
     inside = (growth.window[0] <= TIME) & (growth.window[1] >= TIME)
@@ -78,22 +74,11 @@ def test_rate_is_read_between_its_bounds_only() -> None:
 
 def test_starts_that_never_part_have_no_rate() -> None:
     growth = parting(TIME, np.full_like(TIME, 0.5 * PARTED), NO_TOUCHES)
-    assert growth.overall == pytest.approx(math.log(500.0))
     assert growth.rate is None
     assert growth.window is None
     assert growth.divergence is None
     assert growth.touchdowns_to_divergence is None
     assert stored(growth) == growth
-
-
-def test_settled_growth_leaves_the_first_pair_out() -> None:
-    found = chaos()
-    first, calm = found.growths
-    # 1e-9 to 2e-9 over the whole time.
-    assert found.settled_rate.mean == pytest.approx(math.log(2.0) / calm.time[-1])
-    assert found.settled_rate.half_width is None
-    three = replace(found, growths=(first, calm, first, calm))
-    assert three.settled_rate.half_width is not None
 
 
 def test_two_runs_of_one_start_stay_together() -> None:
@@ -252,7 +237,7 @@ def test_measured_statistics(found: Precision) -> None:
         assert quick.step_errors[name].bound is not None
     assert quick.cost > 0.0
     assert quick.simulated == pytest.approx(5 * SCENE.mechanism.period)
-    (growth,) = measured.growths
+    growth = measured.growth
     assert growth.divergence == pytest.approx(0.14, abs=0.03)
     assert growth.rate is not None
     assert 40.0 < growth.rate < 150.0

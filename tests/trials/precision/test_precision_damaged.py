@@ -63,7 +63,7 @@ def test_parts_that_are_missing_are_refused(tmp_path: Path, document: dict[str, 
         altered = {name: value for name, value in document.items() if name != key}
         with pytest.raises(InputError, match=FILE):
             load(_written(tmp_path, altered))
-    for part, name in (("chaos", "growths"), ("wear", "points")):
+    for part, name in (("chaos", "points"), ("wear", "points")):
         altered = document | {part: document[part] | {name: []}}
         with pytest.raises(InputError, match="a part of the study is empty"):
             load(_written(tmp_path, altered))

@@ -155,12 +155,16 @@ def test_references_tell_their_own_error() -> None:
 
 def test_growth_and_statistics_in_numbers() -> None:
     found = chaos()
-    pairs = [list(row.values()) for row in cells(growth_table(found)).values()]
-    assert pairs[0][1] == "77.0"
-    assert pairs[1][1:3] == ["–", "–"]
-    assert pairs[1][4:7] == ["–"] * 3
-    assert "of two runs" in growth_sentence(found)
-    assert "Of 1 further pairs, begun later in the motion, 0 part" in growth_sentence(found)
+    (pair,) = cells(growth_table(found)).values()
+    assert pair["growth rate, fitted (1/s)"] == "77.0"
+    assert "exponent is 33.0\u00a0± 4.0 /s" in growth_sentence(found)
+    unknown = replace(found, exponent=None)
+    assert "of two runs" in growth_sentence(unknown)
+    assert "exponent" not in growth_sentence(unknown)
+    calm = replace(found.growth, distance=(2e-9,) * 400)
+    (pair,) = cells(growth_table(replace(found, growth=calm))).values()
+    assert [*pair.values()][1:6] == ["–"] * 5
+    assert "stay within" in growth_sentence(replace(found, growth=calm))
     means = cells(sampling_table(found))["wear total at A (N m a cycle)"]
     assert means["sampling error of 16 cycles"] == "5.0 %"
     rows = cells(statistics_table(found))

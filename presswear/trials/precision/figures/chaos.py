@@ -34,33 +34,29 @@ _DOTTED = (0.0, (2.0, 2.0))
 
 
 def growth_of_disturbance(chaos: Chaos) -> Drawing:
-    """Draw the distance of each pair over time, with the bounds of the fit and the touchdowns."""
+    """Draw the distance of the pair over time, with the bounds of the fit and the touchdowns."""
     sheet = Sheet(figsize=(WIDTH, 3.6), layout="constrained")
     axes = sheet.subplots()
     axes.set_yscale("log")
     top = axes.get_xaxis_transform()
-    for place, growth in enumerate(chaos.growths):
-        time, apart = np.array(growth.time), np.array(growth.distance)
-        shown = np.maximum(apart, _SMALLEST)
-        if place > 0:
-            label = "further pairs" if place == 1 else None
-            axes.plot(time, shown, color="0.65", linewidth=0.7, label=label)
-            continue
-        Pen("first pair", *LINES[0], 1.3).draw(axes, time, shown, label="first pair")
-        inside = growth.inside
-        if growth.rate is not None:
-            middle = float(np.log(apart[inside]).mean())
-            line = np.exp(middle + growth.rate * (time[inside] - time[inside].mean()))
-            Pen("fit to it", *LINES[1], 1.6).draw(axes, time[inside], line, label="fit to it")
-        touched = np.diff(growth.touchdowns, prepend=0) > 0
-        marks: dict[str, Any] = {
-            "linestyle": "none",
-            "marker": "|",
-            "markersize": 6.0,
-            "color": REFERENCE,
-        }
-        where = np.full(np.count_nonzero(touched), 0.02)
-        axes.plot(time[touched], where, transform=top, label="touches of the first", **marks)
+    growth = chaos.growth
+    time, apart = np.array(growth.time), np.array(growth.distance)
+    shown = np.maximum(apart, _SMALLEST)
+    Pen("pair of starts", *LINES[0], 1.3).draw(axes, time, shown, label="pair of starts")
+    inside = growth.inside
+    if growth.rate is not None:
+        middle = float(np.log(apart[inside]).mean())
+        line = np.exp(middle + growth.rate * (time[inside] - time[inside].mean()))
+        Pen("fit to it", *LINES[1], 1.6).draw(axes, time[inside], line, label="fit to it")
+    touched = np.diff(growth.touchdowns, prepend=0) > 0
+    marks: dict[str, Any] = {
+        "linestyle": "none",
+        "marker": "|",
+        "markersize": 6.0,
+        "color": REFERENCE,
+    }
+    where = np.full(np.count_nonzero(touched), 0.02)
+    axes.plot(time[touched], where, transform=top, label="touches of the first", **marks)
     for bound, word, colour, style, text in (
         (LOW, "fitted from", MUTED, _DOTTED, "0.3"),
         (HIGH, "fitted to", MUTED, _DOTTED, "0.3"),
@@ -81,9 +77,8 @@ def growth_of_disturbance(chaos: Chaos) -> Drawing:
         "precision-growth.png",
         "Growth of a disturbance",
         "Greatest difference of the pins' places in their bearings between two runs of one method "
-        f"(DOP853 of dae at {given(TOLERANCE)}) whose starts are {given(APART)} m apart. The first "
-        "pair starts as scenes do, with pins in the middle of their bearings; each further one "
-        "where the last one's first run was after whole cycles.",
+        f"(DOP853 of dae at {given(TOLERANCE)}) whose starts are {given(APART)} m apart, "
+        "with pins in the middle of their bearings as in every scene.",
         sheet,
     )
 

@@ -1,0 +1,59 @@
+"""Values of a quantity as they are typed, with the unit at each or once behind."""
+
+import numpy as np
+import pytest
+
+import presswear as pw
+from presswear.scene.ranges import values_of
+from presswear.scene.settings import setting_of
+from presswear.tools.quantities import Meaning
+
+SCENE = pw.scenes.wear_times()
+
+
+def read(text: str) -> list[float]:
+    """What is typed as ``KEY=VALUES``."""
+    key, _, given = text.partition("=")
+    meaning = setting_of(SCENE, key).meaning
+    assert isinstance(meaning, Meaning)
+    return values_of(key, given, meaning)
+
+
+@pytest.mark.parametrize(
+    ("text", "values"),
+    [
+        ("clearance=0.2mm:1.0mm:3", [2e-4, 6e-4, 1e-3]),
+        ("clearance=0.2:1.0:3 mm", [2e-4, 6e-4, 1e-3]),
+        ("clearance=1.0:0.2:3 mm", [1e-3, 6e-4, 2e-4]),
+        ("contact_stiffness=1e8:1e10:3 N/m^1.5:log", [1e8, 1e9, 1e10]),
+        ("contact_stiffness=1e8:1e10:3:log N/m^1.5", [1e8, 1e9, 1e10]),
+        ("clearance=0.2mm, 0.5 mm", [2e-4, 5e-4]),
+        ("friction=0:0.1:3", [0.0, 0.05, 0.1]),
+    ],
+)
+def test_texts_give_values(text: str, values: list[float]) -> None:
+    assert read(text) == values
+
+
+def test_turns_are_told_in_pi() -> None:
+    found = read("speed=2pi:12pi:200 rad/s")
+    np.testing.assert_allclose(found, np.linspace(2.0 * np.pi, 12.0 * np.pi, 200), rtol=1e-11)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("clearance=0.2:1.0:3", "has no unit"),
+        ("clearance=0.2mm:1.0mm:3 mm", "unknown unit 'mm mm'"),
+        ("clearance=1mm:2m:3", "clearance = 2 m: allowed is"),
+        ("clearance=1mm:2mm", "FIRST:LAST:COUNT"),
+        ("clearance=1:2:1 mm", "a whole number of values from 2"),
+        ("clearance=1:2:3:lin mm", "FIRST:LAST:COUNT:log"),
+        ("clearance=1:1:3 mm", "two ends that differ"),
+        ("friction=0:0.1:3:log", "ends above 0"),
+        ("starts=2:5:3", r"starts = 3\.5: a whole number is expected"),
+    ],
+)
+def test_what_cannot_be_read_is_refused(text: str, told: str) -> None:
+    with pytest.raises(pw.InputError, match=told):
+        read(text)
