@@ -5,6 +5,7 @@ SIGTERM.
 """
 
 import re
+import shlex
 import sys
 from collections.abc import Sequence
 from importlib import import_module
@@ -30,8 +31,12 @@ def parser_of(words: Sequence[str]) -> "argparse.ArgumentParser":
         def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
             found, rest = super().parse_known_args(args, namespace)
             if rest:
-                near = nearest(rest[0].partition("=")[0], self._option_string_actions)
-                raise InputError(f"unrecognized arguments: {' '.join(rest)}{near or self._see}")
+                known = self._option_string_actions
+                key, equals, _ = rest[0].partition("=")
+                hint = nearest(key, known) or self._see
+                if equals and not key.startswith("-") and "--set" in known:
+                    hint = f"; a value of the scene is set by --set {shlex.quote(rest[0])}"
+                raise InputError(f"unrecognized arguments: {' '.join(rest)}{hint}")
             return found, rest
 
         def error(self, message: str) -> NoReturn:

@@ -11,6 +11,7 @@ from rich.console import Console
 
 from presswear.commands.terminal import (
     add_required,
+    check_resumed,
     finished_part,
     folder_given,
     free_folder,
@@ -149,8 +150,7 @@ def run_or_go_on(
     """
     jobs = jobs_given(arguments.jobs)
     interval = seconds_given("--checkpoint", arguments.checkpoint)
-    if arguments.resume and arguments.out is None:
-        raise InputError("--resume needs the folder to go on in: --out DIR")
+    check_resumed(arguments.resume, arguments.out)
     goes_on = arguments.resume and (arguments.out / "result.json").exists()
     if goes_on and change is None:
         # Neither its file nor those of its laws are needed any more.

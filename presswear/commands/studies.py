@@ -10,6 +10,7 @@ from rich.progress import Progress, TaskID
 from presswear.campaign.parallel import run_study
 from presswear.campaign.study import Study, is_study, load_study, unchanged, waiting
 from presswear.commands.terminal import (
+    check_resumed,
     free_folder,
     go_on_with,
     goes_on,
@@ -88,8 +89,7 @@ def run_into(study: Study, arguments: argparse.Namespace, console: Console) -> N
     """Run a study into one folder, or go on with it, and write its report."""
     jobs = jobs_given(arguments.jobs)
     interval = seconds_given("--checkpoint", arguments.checkpoint)
-    if arguments.resume and arguments.out is None:
-        raise InputError("--resume needs the folder to go on with: --out DIR")
+    check_resumed(arguments.resume, arguments.out)
     folder = arguments.out or free_folder(study.name)
     go_on = go_on_with(arguments.scene, folder, arguments.command)
     waiting(study, folder, arguments.resume)

@@ -13,6 +13,7 @@ from rich.progress import Progress
 from presswear.commands.terminal import (
     add_required,
     add_settings,
+    check_resumed,
     count_given,
     folder_given,
     free_folder,
@@ -112,8 +113,7 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
 
     jobs = jobs_given(arguments.jobs)
     shard = shard_given(arguments.shard or "1/1")
-    if arguments.resume and arguments.out is None:
-        raise InputError("--resume needs the folder to go on in: --out DIR")
+    check_resumed(arguments.resume, arguments.out)
     sweep = _asked(arguments)
     # All jobs of an array begin together, in a folder that one of them makes.
     sweep = begun(sweep, arguments.resume, is_shared=arguments.shard is not None)

@@ -136,6 +136,18 @@ def folder_given(text: str) -> Path:
     return Path(text)
 
 
+def check_resumed(resume: bool, folder: Path | None) -> None:
+    """InputError where a folder to go on in is not named, or not there."""
+    if not resume:
+        return
+    if folder is None:
+        raise InputError("--resume needs the folder to go on in: --out DIR")
+    try:
+        check_folder(folder)
+    except InputError as error:
+        raise InputError(f"--resume --out {error}; without --resume a new one is begun") from None
+
+
 def free_folder(name: str) -> Path:
     """results/NAME, or the first of results/NAME-2, -3 ... that is free."""
     base = Path("results") / name
@@ -227,7 +239,8 @@ def goes_on(go_on: str, folder: Path, kept: Callable[[], str]) -> Iterator[None]
     except BaseException as error:
         if not isinstance(error, KeyboardInterrupt) and not is_stopped():
             raise
-        raise KeyboardInterrupt(f"interrupted; {kept()}; {go_on}") from None
+        told = f"{kept()}; {go_on}" if folder.exists() else "nothing had begun"
+        raise KeyboardInterrupt(f"interrupted; {told}") from None
 
 
 def go_on_with(name: str, folder: Path, command: str = "run") -> str:
