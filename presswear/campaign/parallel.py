@@ -5,6 +5,8 @@ fewer, the starts of one at a time share the processes.  One that is finished is
 happens to the others, and one that is stopped goes on from its checkpoint.
 """
 
+import logging
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -21,6 +23,8 @@ from presswear.tools.folders import FolderLock
 from presswear.tools.stopping import is_stopped
 from presswear.tools.workers import Job, Report, Workers, cores, workers_for
 
+_LOG = logging.getLogger(__name__)
+
 
 @dataclass
 class _Telling(Tracker):
@@ -30,6 +34,9 @@ class _Telling(Tracker):
 
     def progress(self, progress: Progress) -> None:
         self.told(progress.whole, progress.word)
+
+    def compiling(self) -> None:
+        self.told(math.nan, "compiling")
 
 
 @dataclass(frozen=True)
@@ -53,7 +60,7 @@ class _Work:
 
     def __call__(self, report: Report) -> None:
         def tell(part: float, word: str) -> None:
-            # The end is told once everything is written.
+            # The end is told once everything is written; NaN stays what it is.
             report(min(part, 0.999), word)
 
         variant = self.variant
@@ -124,11 +131,12 @@ def _run_variants(
     keys = {variant.key for variant in left}
 
     def ended(index: int, outcome: None) -> dict[int, Job | None]:
+        _LOG.info("variant %s has ended", order[index].key)
         _tell(trackers, order[index].key, 1.0, "")
         return {k: job for k, job in work.items() if order[k].source == order[index].key}
 
     def told(index: int, part: float, word: str, rows: object) -> None:
-        _tell(trackers, order[index].key, part, word)
+        _tell(trackers, order[index].key, 0.0 if math.isnan(part) else part, word)
 
     most = jobs or cores()
     is_wide, lost = len(left) >= most, partial(tell_all, trackers)

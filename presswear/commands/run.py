@@ -213,17 +213,13 @@ def _run_into(
     """Run a scene into its folder, with progress on the terminal."""
     from presswear.campaign.single import run_into, workers_of
     from presswear.commands.running import Terminal
-    from presswear.tools.compiled import told_of_compiling
 
     go_on = go_on_with(scene.name, store.path, arguments.command)
     try:
         with goes_on(go_on, store.path, lambda: store.kept), progress_bar(console) as bar:
             terminal = Terminal(bar, scene)
             trackers = [terminal, *([window] if window else [])]
-            with (
-                told_of_compiling(terminal.compiling),
-                workers_of([scene], jobs, trackers, store.interval) as workers,
-            ):
+            with workers_of([scene], jobs, trackers, store.interval) as workers:
                 run_into(store, scene, trackers, workers)
     except InputError as error:
         raise InputError(f"{arguments.scene}: {error}") from None

@@ -10,6 +10,7 @@ from rich.progress import Progress, TaskID
 from presswear.campaign.parallel import run_study
 from presswear.campaign.study import Study, is_study, load_study, unchanged, waiting
 from presswear.commands.terminal import (
+    Foretold,
     check_resumed,
     free_folder,
     go_on_with,
@@ -34,6 +35,7 @@ class Board(Tracker):
         self._parts = dict.fromkeys(self._variants, 0.0)
         self._whole = bar.add_task(study.name, total=sum(own.extent for own in study.variants))
         self._lines: dict[str, TaskID] = {}
+        self._foretold = Foretold(self.remark)
 
     def remark(self, line: str) -> None:
         """Print it."""
@@ -58,6 +60,8 @@ class Board(Tracker):
                 self._bar.remove_task(self._lines.pop(key))
         done = sum(own.extent * self._parts[key] for key, own in self._variants.items())
         self._bar.update(self._whole, completed=done)
+        if 0.0 < part < 1.0:  # those that are finished from before are no measure
+            self._foretold.hear(done / sum(own.extent for own in self._variants.values()))
 
 
 def run(

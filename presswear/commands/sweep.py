@@ -28,6 +28,7 @@ from presswear.commands.terminal import (
 from presswear.scene.files import SUFFIX
 from presswear.scene.settings import changed
 from presswear.tools.errors import InputError
+from presswear.tools.numbers import lasting
 from presswear.tools.stopping import check_stopped
 
 if TYPE_CHECKING:
@@ -229,8 +230,8 @@ class _Board:
         if not left:
             return
         line = (
-            f"{left} runs of about {_time(seconds)} (the first), {places} at a time: "
-            f"about {_time(takes)}"
+            f"{left} runs of about {lasting(seconds)} (the first), {places} at a time: "
+            f"about {lasting(takes)}"
         )
         if takes > LONG and not self._is_sure:
             raise InputError(
@@ -238,14 +239,6 @@ class _Board:
                 f"{self._path}"
             )
         self._bar.console.print(line, highlight=False, soft_wrap=True)
-
-
-def _time(seconds: float) -> str:
-    """A time as people say it."""
-    for size, unit in ((86400.0, "days"), (3600.0, "hours"), (60.0, "minutes")):
-        if seconds >= 1.5 * size:
-            return f"{seconds / size:.3g} {unit}"
-    return f"{seconds:.2g} s"
 
 
 def _print(console: Console, table: "Table") -> None:

@@ -1,6 +1,7 @@
 """The commands as a person types them."""
 
 import json
+import logging
 import re
 import signal
 import subprocess
@@ -201,6 +202,21 @@ def test_run_ideal_and_report(tmp_path: Path, capsys: pytest.CaptureFixture[str]
     assert "not empty" in capsys.readouterr().err
 
 
+def test_what_is_done_is_logged_where_that_is_asked_for(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The library itself leaves it to whoever imports it where that goes."""
+    line = ["run", "ideal", "--cycles", "1", "--engine", "dae", "--out"]
+    for first, behind in ((["-v"], []), ([], ["--verbose"]), ([], [])):
+        folder = tmp_path / f"out-{len(first)}{len(behind)}"
+        assert main([*first, *line, str(folder), *behind]) == 0
+        lines = capsys.readouterr().err.splitlines()
+        assert len(lines) == 2 * (len(first) + len(behind))
+        for told, words in zip(lines, ("stage 0 begins: no wear", "stage 0 ends"), strict=False):
+            assert re.match(rf"\d\d:\d\d:\d\d presswear\.campaign\.campaign: {words}", told)
+    assert not logging.getLogger("presswear").handlers
+
+
 @pytest.mark.parametrize(
     "command",
     [
@@ -213,6 +229,7 @@ def test_run_ideal_and_report(tmp_path: Path, capsys: pytest.CaptureFixture[str]
         ["verify"],
         ["precision"],
         ["costs"],
+        ["completion"],
     ],
 )
 def test_every_help_has_an_example(command: list[str], capsys: pytest.CaptureFixture[str]) -> None:
