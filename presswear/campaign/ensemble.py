@@ -305,8 +305,8 @@ class _Rounds:
         self._until = list(begun.until) or [*first * sets]
         self._done = [0.0 if own is None else float(own.cycles) for own in self.reached]
         # Most often the first round is enough; whether it is shows behind it.
-        self._waits = False
         self._needed, self._known = [float(max(self._until))] * sets, [""] * sets
+        self._waits = False  # for the compiler
 
     @property
     def wall(self) -> float:
