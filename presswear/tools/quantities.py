@@ -316,7 +316,7 @@ def _example(name: str, meaning: Meaning) -> str:
     if common is None or not meaning.allows(common):
         amid = 10.0 * meaning.low if meaning.low > 0.0 else meaning.high / 2.0
         amid = float(f"{amid:.0e}")
-        text = f"{_exact(amid if meaning.allows(amid) else meaning.high)}{unit}"
+        text = meaning.with_unit(_exact(amid if meaning.allows(amid) else meaning.high))
     return f", for instance {name}={text!r}"
 
 
