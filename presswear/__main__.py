@@ -4,61 +4,12 @@ Exit codes: 0 success; 1 a run that failed; 2 bad input; 130 and 143 stopped by 
 SIGTERM.
 """
 
-import re
 import sys
 from collections.abc import Sequence
-from importlib import import_module
 from importlib.metadata import version
-from typing import TYPE_CHECKING, Any, NoReturn
 
-from presswear.commands import COMMANDS
-from presswear.tools.errors import InputError, RunFailed, nearest, one_line, unknown
+from presswear.tools.errors import InputError, RunFailed, one_line
 from presswear.tools.stopping import exit_code, is_stopped, stoppable
-
-if TYPE_CHECKING:
-    import argparse
-
-
-def parser_of(words: Sequence[str]) -> "argparse.ArgumentParser":
-    """The parser of the command that is called; of the others it knows names only."""
-    # Imported when a signal is answered already: it takes most of a second.
-    import argparse
-
-    class _Parser(argparse.ArgumentParser):
-        """Tells errors of usage in one line, like every other, with the nearest right word."""
-
-        def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
-            found, rest = super().parse_known_args(args, namespace)
-            if rest:
-                near = nearest(rest[0].partition("=")[0], self._option_string_actions)
-                raise InputError(f"unrecognized arguments: {' '.join(rest)}{near or self._see}")
-            return found, rest
-
-        def error(self, message: str) -> NoReturn:
-            wrong = re.match(r"argument COMMAND: invalid choice: '(.*?)' ", message)
-            if wrong is not None:
-                raise unknown("command", wrong[1], COMMANDS)
-            raise InputError(f"{message}{self._see}")
-
-        @property
-        def _see(self) -> str:
-            return f"; see {self.prog} --help"
-
-    parser = _Parser(
-        prog="presswear",
-        description="Press linkages with worn joints: motion, contact and wear, in Exudyn.",
-        epilog="example: presswear run wear-times --cycles 5 --out results/first",
-    )
-    parser.add_argument("--version", action="store_true", help="tell the version and end")
-    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    called = next((word for word in words if not word.startswith("-")), "")
-    module = COMMANDS[called][0] if called in COMMANDS else ""
-    for name, (own, line) in COMMANDS.items():
-        if own != module:
-            commands.add_parser(name, help=line)
-    if module:
-        import_module(f"presswear.commands.{module}").add(commands)
-    return parser
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -69,10 +20,16 @@ def main(argv: Sequence[str] | None = None) -> int:
             if list(words) == ["--version"]:
                 print(f"presswear {version('presswear')}")
                 return 0
+            # Imported when a signal is answered already.
+            from presswear.commands.parser import parser_of
+
             arguments = parser_of(words).parse_args(words)
             from rich.console import Console
 
-            return int(arguments.run(arguments, Console()))
+            from presswear.commands.logs import logged
+
+            with logged("verbose" in arguments):
+                return int(arguments.run(arguments, Console()))
     except InputError as error:
         _tell(str(error))
         return 2

@@ -1,5 +1,6 @@
 """The outer loop: run, wear the surfaces, run again, from every start on its own surfaces."""
 
+import logging
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
@@ -34,6 +35,8 @@ from presswear.tools.errors import RunFailed
 from presswear.tools.workers import InProcess, Workers
 
 Array = NDArray[np.float64]
+
+_LOG = logging.getLogger(__name__)
 
 
 def begun_on(scene: Scene) -> Array:
@@ -149,6 +152,7 @@ def growths(
         if task is None:
             return
         runner.forecast.expect(2.0 * task.cycles if growth is None else 0.0)
+        _LOG.info("the wear after stage %d begins: %s", index, task.word)
         worn = _counted(runner, runner.run(ran.worn, task, begun, partial(keep, growth)))
         begun = NOTHING
         finding = worn.finding
@@ -256,6 +260,9 @@ def run_campaign(
     def finish(stage: StageResult) -> None:
         if lived is None:
             wanting.extend(unknown_wear(scene, stage))
+        how = stage.message or stage.status
+        told = stage.diagnostics
+        _LOG.info("stage %d ends: %s, %d cycles, %s", stage.index, how, stage.cycles, told)
         for tracker in trackers:
             tracker.stage(stage)
 
@@ -263,6 +270,7 @@ def run_campaign(
         worn = at.worn
         if begun is None or forecast.index != index:
             forecast.begin(index)
+        _LOG.info("stage %d begins: %s", index, scene.stage_name(index))
 
         def keep(
             ran: Ensemble | None,

@@ -17,6 +17,7 @@ press unworn, 4 starts, maps known to 3.5 %, 100 draws: 45.0 cycles for a true e
 looks; one start after another, each ending when it has done its part, 46.2 cycles for 3.4 %.
 """
 
+import logging
 import math
 import time as clock
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -44,6 +45,8 @@ from presswear.scene.scene import Scene
 from presswear.tools.workers import Workers
 
 Array = NDArray[np.float64]
+
+_LOG = logging.getLogger(__name__)
 
 FEWEST = 16
 """Samples of all starts before a stage may end because its maps are known: fewer agree by luck."""
@@ -303,6 +306,7 @@ class _Rounds:
         self._done = [0.0 if own is None else float(own.cycles) for own in self.reached]
         # Most often the first round is enough; whether it is shows behind it.
         self._needed, self._known = [float(max(self._until))] * sets, [""] * sets
+        self._waits = False  # for the compiler
 
     @property
     def wall(self) -> float:
@@ -363,6 +367,7 @@ class _Rounds:
         if len(maps) < len(members) or not all(map(self._is_over, members)):
             return ()
         error = float(map_errors(*map_batches(maps)).max())
+        _LOG.info("wear maps known to %.2g after %d cycles", error, sum(o.cycles for o in maps))
         self._known[number] = f", wear maps known to {100.0 * error:.0f} %"
         until = next_round(self._task, maps, error)
         if until is None:
@@ -375,6 +380,13 @@ class _Rounds:
 
     def told(self, index: int, done: float, word: str, rows: Array | None) -> None:
         """Tell how far a run is."""
+        if math.isnan(done):
+            if not self._waits:
+                _LOG.info("run %d waits for the compiler", index)
+            self._waits = True
+            self._runner.forecast.compiling()
+            return
+        self._waits = False
         self._done[index] = done
         number, size = index // self._size, self._size
         needed = np.repeat(self._needed, size)

@@ -72,6 +72,11 @@ class Forecast:
         """Expect so many cycles of this stage and its wear behind those at hand."""
         self.later = cycles
 
+    def compiling(self) -> None:
+        """Tell the trackers that a run waits for the compiler."""
+        for tracker in self.trackers:
+            tracker.compiling()
+
     def tell(
         self, run: float, needed: float, word: str, linkage: Linkage, film: Film | None
     ) -> None:

@@ -5,6 +5,7 @@ from, and how far; it gives the state that is reached.  Nothing of it is tied to
 machine, but for the last digits that processors differ in.
 """
 
+import math
 import time as clock
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -25,6 +26,7 @@ from presswear.record.tracker import Tracker
 from presswear.results.stage import SIDES
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import State, named, part
+from presswear.tools.compiled import told_of_compiling
 from presswear.tools.stopping import is_stopped
 from presswear.tools.workers import Report, Stopped
 
@@ -205,6 +207,10 @@ class Segment:
 
     def __call__(self, report: Report) -> Reached:
         """Run it; Stopped, with what was reached, where that is interrupted."""
+        with told_of_compiling(lambda seconds: report(math.nan, "compiling")):
+            return self._run(report)
+
+    def _run(self, report: Report) -> Reached:
         linkage = linkage_on(self.scene, self.worn)
         hearing = _Hearing(self, linkage, report)
         trackers = (hearing, *self.trackers)

@@ -17,6 +17,7 @@ COMMANDS = {
     "crosscheck": ("crosscheck", "engine against engine, or a run against a solver of yours"),
     "verify": ("verify", "both engines against published references; --hard: on hard cases"),
     "precision": ("measure", "speed against error of every engine and integrator"),
+    "completion": ("completion", "a script by which a shell completes commands and options"),
     "costs": ("measure", "what the features of a model cost, how engines compare"),
 }
 """Module and one line of help of each command."""

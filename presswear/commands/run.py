@@ -11,6 +11,7 @@ from rich.console import Console
 
 from presswear.commands.terminal import (
     add_required,
+    check_resumed,
     finished_part,
     folder_given,
     free_folder,
@@ -158,8 +159,7 @@ def run_or_go_on(
     """
     jobs = jobs_given(arguments.jobs)
     interval = seconds_given("--checkpoint", arguments.checkpoint)
-    if arguments.resume and arguments.out is None:
-        raise InputError("--resume needs the folder to go on in: --out DIR")
+    check_resumed(arguments.resume, arguments.out)
     goes_on = arguments.resume and (arguments.out / "result.json").exists()
     if goes_on and change is None:
         # Neither its file nor those of its laws are needed any more.
@@ -222,17 +222,13 @@ def _run_into(
     """Run a scene into its folder, with progress on the terminal."""
     from presswear.campaign.single import run_into, workers_of
     from presswear.commands.running import Terminal
-    from presswear.tools.compiled import told_of_compiling
 
     go_on = go_on_with(scene.name, store.path, arguments.command)
     try:
         with goes_on(go_on, store.path, lambda: store.kept), progress_bar(console) as bar:
             terminal = Terminal(bar, scene)
             trackers = [terminal, *([window] if window else [])]
-            with (
-                told_of_compiling(terminal.compiling),
-                workers_of(scene, jobs, trackers, store.interval) as workers,
-            ):
+            with workers_of(scene, jobs, trackers, store.interval) as workers:
                 run_into(store, scene, trackers, workers)
     except InputError as error:
         raise InputError(f"{arguments.scene}: {error}") from None

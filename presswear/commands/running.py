@@ -1,7 +1,10 @@
 """The tracker that tells of a run on the terminal."""
 
+import time as clock
+
 from rich.progress import Progress as Bar
 
+from presswear.commands.terminal import Foretold
 from presswear.record.tracker import Progress, Tracker
 from presswear.results.life import LifeResult
 from presswear.results.stage import StageResult
@@ -19,20 +22,25 @@ class Terminal(Tracker):
     def __init__(self, bar: Bar, scene: Scene) -> None:
         self._bar, self._scene = bar, scene
         self._compiled = 0.0  # time in which this stage compiled, s
-        self._task = bar.add_task(scene.stage_name(0), total=1.0)
+        self._waits = 0.0  # when it began to, or nothing
+        self._foretold = Foretold(self.remark)
+        self._task = bar.add_task(step_of(scene, 0, ""), total=1.0)
 
-    def compiling(self, seconds: float) -> None:
-        """Show that kernels are being compiled, until the run goes on; what it took is no speed."""
-        self._compiled += seconds
-        self._bar.update(self._task, description="compiling")
+    def compiling(self) -> None:
+        """Show that kernels are compiled, until the run goes on; what that takes is no speed."""
+        self._waits = self._waits or clock.perf_counter()
+        self._foretold.wait()
+        self._bar.update(self._task, description="compiling, once")
 
     def progress(self, progress: Progress) -> None:
         """Show where the campaign stands; ends it where a signal has come."""
         check_stopped()
-        name, word = self._scene.stage_name(progress.stage), progress.word
-        is_wear = word.startswith((self._scene.stage_name(progress.stage + 1), LIFE))
-        description = word if is_wear else f"{name}: {word}" if word else name
-        self._bar.update(self._task, description=description, completed=progress.whole)
+        if self._waits:
+            self._compiled += clock.perf_counter() - self._waits
+            self._waits = 0.0
+        step = step_of(self._scene, progress.stage, progress.word)
+        self._bar.update(self._task, description=step, completed=progress.whole)
+        self._foretold.hear(progress.whole)
 
     def remark(self, line: str) -> None:
         """Print it."""
@@ -50,6 +58,23 @@ class Terminal(Tracker):
         self._bar.console.print(model, highlight=False)
         self._bar.console.print(_stage_line(stage, self._compiled), highlight=False)
         self._compiled = 0.0
+
+
+def step_of(scene: Scene, stage: int, word: str) -> str:
+    """What a campaign does in a stage, in plain words: it runs, or wears the joints after it.
+
+    Parameters
+    ----------
+    word : str
+        Of its progress.
+    """
+    if word.startswith(LIFE):
+        return word
+    if word.startswith(scene.stage_name(stage + 1)):
+        return f"applying the {word}"
+    name = scene.stage_name(stage)
+    name = f"after the {name}" if stage else f"running, {name}"
+    return f"{name}: {word}" if word else name
 
 
 def _stage_line(stage: StageResult, compiled: float) -> str:

@@ -8,6 +8,8 @@ from rich.console import Console
 from rich.progress import Progress, TaskID
 
 from presswear.commands.terminal import (
+    Foretold,
+    check_resumed,
     free_folder,
     go_on_with,
     goes_on,
@@ -34,6 +36,7 @@ class Board(Tracker):
         self._parts = dict.fromkeys(self._variants, 0.0)
         self._whole = bar.add_task(study.name, total=sum(own.extent for own in study.variants))
         self._lines: dict[str, TaskID] = {}
+        self._foretold = Foretold(self.remark)
 
     def remark(self, line: str) -> None:
         """Print it."""
@@ -58,6 +61,8 @@ class Board(Tracker):
                 self._bar.remove_task(self._lines.pop(key))
         done = sum(own.extent * self._parts[key] for key, own in self._variants.items())
         self._bar.update(self._whole, completed=done)
+        if 0.0 < part < 1.0:  # those that are finished from before are no measure
+            self._foretold.hear(done / sum(own.extent for own in self._variants.values()))
 
 
 def run(
@@ -102,8 +107,7 @@ def run_into(
     jobs = jobs_given(arguments.jobs)
     interval = seconds_given("--checkpoint", arguments.checkpoint)
     part = shard_given(shard or "1/1")
-    if arguments.resume and arguments.out is None:
-        raise InputError("--resume needs the folder to go on with: --out DIR")
+    check_resumed(arguments.resume, arguments.out)
     folder = arguments.out or free_folder(study.name)
     go_on = go_on_with(arguments.scene, folder, arguments.command)
     # All jobs of an array begin together, in a folder that one of them makes.

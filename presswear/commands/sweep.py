@@ -13,6 +13,7 @@ from rich.progress import Progress
 from presswear.commands.terminal import (
     add_required,
     add_settings,
+    check_resumed,
     count_given,
     folder_given,
     free_folder,
@@ -27,7 +28,7 @@ from presswear.commands.terminal import (
 from presswear.scene.files import SUFFIX
 from presswear.scene.settings import changed
 from presswear.tools.errors import InputError
-from presswear.tools.folders import check_folder
+from presswear.tools.numbers import lasting
 from presswear.tools.stopping import check_stopped
 
 if TYPE_CHECKING:
@@ -113,8 +114,7 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
 
     jobs = jobs_given(arguments.jobs)
     shard = shard_given(arguments.shard or "1/1")
-    if arguments.resume and arguments.out is None:
-        raise InputError("--resume needs the folder to go on in: --out DIR")
+    check_resumed(arguments.resume, arguments.out)
     sweep = _asked(arguments)
     # All jobs of an array begin together, in a folder that one of them makes.
     sweep = begun(sweep, arguments.resume, is_shared=arguments.shard is not None)
@@ -188,7 +188,6 @@ def _asked(arguments: argparse.Namespace) -> "Sweep":
     else:
         scene, written = scene_given(arguments.scene), Written()
     if is_bare and written == Written():
-        check_folder(arguments.out)
         return load_sweep(arguments.out)  # which says what is missing in it
     keep = arguments.keep or written.keep
     if keep not in KEEP:
@@ -234,8 +233,8 @@ class _Board:
         if not left:
             return
         line = (
-            f"{left} runs of about {_time(seconds)} (the first), {places} at a time: "
-            f"about {_time(takes)}"
+            f"{left} runs of about {lasting(seconds)} (the first), {places} at a time: "
+            f"about {lasting(takes)}"
         )
         if takes > LONG and not self._is_sure:
             raise InputError(
@@ -243,14 +242,6 @@ class _Board:
                 f"{self._path}"
             )
         self._bar.console.print(line, highlight=False, soft_wrap=True)
-
-
-def _time(seconds: float) -> str:
-    """A time as people say it."""
-    for size, unit in ((86400.0, "days"), (3600.0, "hours"), (60.0, "minutes")):
-        if seconds >= 1.5 * size:
-            return f"{seconds / size:.3g} {unit}"
-    return f"{seconds:.2g} s"
 
 
 def _print(console: Console, table: "Table") -> None:

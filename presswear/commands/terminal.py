@@ -2,6 +2,7 @@
 
 import math
 import shlex
+import time as clock
 from argparse import ArgumentTypeError
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -19,7 +20,7 @@ from rich.progress import (
     TimeElapsedColumn,
     TimeRemainingColumn,
 )
-from rich.table import Table
+from rich.table import Column, Table
 
 from presswear.scene.catalog import scene_named
 from presswear.scene.files import SUFFIX, scene_from
@@ -27,6 +28,7 @@ from presswear.scene.scene import Scene
 from presswear.studies import STUDIES
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.folders import check_folder
+from presswear.tools.numbers import lasting
 from presswear.tools.quantities import Meaning, parse_quantity
 from presswear.tools.stopping import is_stopped
 
@@ -35,6 +37,14 @@ if TYPE_CHECKING:
 
 _ANY = Meaning("", -math.inf, math.inf, "", "")
 
+_LEAST_BAR = 8
+"""Characters."""
+_WIDE = 70
+"""Characters of a terminal from which on the time passed is shown as well."""
+_SHOWS = 5.0
+"""Time after which it shows how long something takes, s."""
+_LONG = 30.0
+"""Time that is worth a word, s."""
 LONGEST = 86400.0
 """Time that an option may say, s: a day."""
 
@@ -136,6 +146,18 @@ def folder_given(text: str) -> Path:
     return Path(text)
 
 
+def check_resumed(resume: bool, folder: Path | None) -> None:
+    """InputError where a folder to go on in is not named, or not there."""
+    if not resume:
+        return
+    if folder is None:
+        raise InputError("--resume needs the folder to go on in: --out DIR")
+    try:
+        check_folder(folder)
+    except InputError as error:
+        raise InputError(f"--resume --out {error}; without --resume a new one is begun") from None
+
+
 def free_folder(name: str) -> Path:
     """results/NAME, or the first of results/NAME-2, -3 ... that is free."""
     base = Path("results") / name
@@ -147,16 +169,45 @@ def free_folder(name: str) -> Path:
 
 
 def progress_bar(console: Console) -> Progress:
-    """Progress with times passed and left; silent where there is no terminal."""
+    """Progress with times passed and left; silent where there is no terminal.
+
+    Where it is narrow the words give way: bar and time left stay.
+    """
+    words = Column(ratio=3, no_wrap=True, overflow="ellipsis")
     columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TaskProgressColumn(),
-        TimeElapsedColumn(),
-        TextColumn("left"),
-        TimeRemainingColumn(),
+        TextColumn("{task.description}", table_column=words),
+        BarColumn(None, table_column=Column(ratio=2, min_width=_LEAST_BAR)),
+        TaskProgressColumn(table_column=Column(no_wrap=True)),
+        *([TimeElapsedColumn(Column(no_wrap=True))] if console.width >= _WIDE else []),
+        TextColumn("left", table_column=Column(no_wrap=True)),
+        TimeRemainingColumn(table_column=Column(no_wrap=True)),
     )
-    return Progress(*columns, console=console, disable=not console.is_terminal)
+    return Progress(*columns, console=console, disable=not console.is_terminal, expand=True)
+
+
+class Foretold:
+    """Says once, as soon as that shows, how long something takes; short things are not told of."""
+
+    def __init__(self, say: Callable[[str], None]) -> None:
+        self._say: Callable[[str], None] | None = say
+        self._began: tuple[float, float] | None = None
+
+    def wait(self) -> None:
+        """Take what follows for no progress, until it is heard again."""
+        self._began = None
+
+    def hear(self, part: float) -> None:
+        """Hear the part of the whole, 0 .. 1, that is done."""
+        now = clock.perf_counter()
+        if self._began is None:
+            self._began = now, part
+        since, first = self._began
+        if self._say is None or now - since < _SHOWS or part <= first:
+            return
+        left = (now - since) * (1.0 - first) / (part - first)
+        if left >= _LONG:
+            self._say(f"this takes about {lasting(left)}, as far as it shows by now")
+        self._say = None
 
 
 def print_table(
@@ -227,7 +278,8 @@ def goes_on(go_on: str, folder: Path, kept: Callable[[], str]) -> Iterator[None]
     except BaseException as error:
         if not isinstance(error, KeyboardInterrupt) and not is_stopped():
             raise
-        raise KeyboardInterrupt(f"interrupted; {kept()}; {go_on}") from None
+        told = f"{kept()}; {go_on}" if folder.exists() else "nothing had begun"
+        raise KeyboardInterrupt(f"interrupted; {told}") from None
 
 
 def go_on_with(name: str, folder: Path, command: str = "run") -> str:

@@ -80,6 +80,9 @@ class Tracker:
     def progress(self, progress: Progress) -> None:
         """Hear how far a campaign has come, many times a second."""
 
+    def compiling(self) -> None:
+        """Hear that a run waits for the compiler, until it tells of progress."""
+
     def checkpoint(self, checkpoint: Any, is_stage: bool) -> None:
         """Hear where a campaign stands (``Checkpoint``): now and then, and after each stage."""
 

@@ -6,6 +6,7 @@ with the same numbers.  ``result.json`` lists every file with its digest, the ch
 included, and ends with its own.
 """
 
+import logging
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -30,6 +31,8 @@ from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.files import PART, write_bytes
 from presswear.tools.folders import FolderLock, is_free
 from presswear.tools.stopping import is_stopped
+
+_LOG = logging.getLogger(__name__)
 
 INTERVAL = 60.0
 """Between two checkpoints within a stage, s."""
@@ -227,6 +230,7 @@ class ResultFolder(Tracker):
             (self.path / checkpoint_file(before["turn"])).unlink(missing_ok=True)
         self._saved = time.perf_counter()
         self._took = self._saved - began
+        _LOG.info("checkpoint in %s: %s", self.path, words)
 
     def close(self, status: str, message: str) -> None:
         """State how the run ended, and give the folder free."""

@@ -48,6 +48,8 @@ Array = NDArray[np.float64]
 
 FILE = "result.json"
 SCHEMA = 8
+_NAMED = 3
+"""Results in a folder that are named, at most."""
 FINISHED = ("completed", "unconverged", "failed")
 """Statuses of a run that has come to its end."""
 
@@ -221,8 +223,21 @@ def _short(value: float | None) -> str:
 
 def read_document(path: Path) -> dict[str, Any]:
     """Content of ``result.json`` in a folder; InputError where it is not what was written."""
-    missing = f"{path} is no result folder: it has no {FILE}"
+    missing = "" if (path / FILE).exists() else _missing(path)
     return read_sealed(path / FILE, missing, SCHEMA)
+
+
+def _missing(path: Path) -> str:
+    """Words on a folder that is no result's: which stand in it, as in a study's or a sweep's."""
+    told = f"{path} is no result folder: it has no {FILE}"
+    below = sorted(own.parent for depth in ("*", "*/*") for own in path.glob(f"{depth}/{FILE}"))
+    if below:
+        rest = len(below) - _NAMED
+        more = f" and {rest} more" if rest > 0 else ""
+        told += f"; name one that it holds: {', '.join(map(str, below[:_NAMED]))}{more}"
+    elif (path / "sweep.json").exists():
+        told += "; a sweep holds whole results where it ran with --keep all"
+    return told
 
 
 def stored_scene(path: Path) -> tuple[Scene, StoredResult]:

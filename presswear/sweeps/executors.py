@@ -12,6 +12,7 @@ taken in any order.
 """
 
 import importlib
+import math
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping
@@ -121,7 +122,8 @@ class _Local:
             return taken()
 
         def told(row: int, part: float, word: str, rows: Array | None) -> None:
-            feed.told(row, part, word)
+            # It is not a number where a row gets ready.
+            feed.told(row, 0.0 if math.isnan(part) else part, word)
 
         feed.begun(self._count)
         with workers_for(self._count, (_ROW,), lost=self._say) as workers:

@@ -1,5 +1,6 @@
 """A sweep that runs: rows are taken that nobody has sealed or claimed, and sealed as they end."""
 
+import logging
 import math
 import time
 from collections import deque
@@ -11,6 +12,8 @@ from presswear.sweeps.measures import Found
 from presswear.sweeps.store import Record, Store
 from presswear.sweeps.work import Outcome, RowJob, Work
 from presswear.tools.errors import InputError
+
+_LOG = logging.getLogger(__name__)
 
 _LOOK = 0.5
 """Time between two looks at rows that others are at work on, s."""
@@ -197,6 +200,7 @@ class _Feed:
         )
         self._ran += 1
         self._failed += bool(outcome.reason)
+        _LOG.info("run %d has ended%s", row, f": {outcome.reason}" if outcome.reason else "")
         self._heard(row, 1.0, outcome.reason)
         self._tell()
         if not self._is_open and self._gate is not None:

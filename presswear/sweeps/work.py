@@ -1,5 +1,6 @@
 """One row of a sweep as a job: a scene runs, and what was measured comes back."""
 
+import math
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -165,6 +166,9 @@ class _Telling(Tracker):
 
     def progress(self, progress: Progress) -> None:
         self.report(min(progress.whole, 0.999), progress.word)
+
+    def compiling(self) -> None:
+        self.report(math.nan, "compiling")
 
 
 def check_program(asked: str, worker: str) -> None:

@@ -40,6 +40,7 @@ def check_name(path: Path) -> None:
 
 def check_folder(path: Path) -> None:
     """InputError where there is no such folder."""
+    check_name(path)
     if not path.is_dir():
         raise InputError(f"{path}: there is no such folder{_nearest(path, Path.is_dir)}")
 

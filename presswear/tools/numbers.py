@@ -41,6 +41,14 @@ def readable(value: float | None, digits: int = 3) -> str:
     return _written(f"{rounded:,.{max(_decimals(rounded, digits), 0)}f}", power)
 
 
+def lasting(seconds: float) -> str:
+    """A time as people say it."""
+    for size, unit in ((86400.0, "days"), (3600.0, "hours"), (60.0, "minutes")):
+        if seconds >= 1.5 * size:
+            return f"{seconds / size:.3g} {unit}"
+    return f"{seconds:.2g} s"
+
+
 def count_scale(largest: float) -> tuple[float, str]:
     """Factor and word by which a large count is told; no word below a million."""
     for factor, word in ((1e-9, "billion"), (1e-6, "million")):

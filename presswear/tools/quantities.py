@@ -6,38 +6,14 @@ that the help, the error messages and the report all speak from one place.
 """
 
 import math
-import re
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import Field, asdict, dataclass, field, fields
 from typing import Any, ClassVar
 
-from presswear.tools.errors import InputError, nearest, shown
+from presswear.tools.errors import InputError, nearest, shown, unknown
 from presswear.tools.own import OwnFunction
-
-_UNITS: dict[str, tuple[str, dict[str, float]]] = {
-    "m": ("0.8mm", {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6}),
-    "rad/s": ("3.5pi rad/s", {"rad/s": 1.0, "deg/s": math.pi / 180.0, "rpm": math.pi / 30.0}),
-    "rad": ("30deg", {"rad": 1.0, "deg": math.pi / 180.0}),
-    "kg": ("0.1kg", {"kg": 1.0, "g": 1e-3}),
-    "kg m^2": ("1e-3kg m^2", dict.fromkeys(("kg m^2", "kg m2", "kgm^2", "kgm2"), 1.0)),
-    "Pa": ("200GPa", {"Pa": 1.0, "MPa": 1e6, "GPa": 1e9}),
-    "1/Pa": ("1.2e-15/Pa", {"1/Pa": 1.0, "/Pa": 1.0}),
-    "m^3": ("2mm^3", {"m^3": 1.0, "cm^3": 1e-6, "mm^3": 1e-9, "mm3": 1e-9, "mm³": 1e-9}),
-    "m/s": ("1mm/s", {"m/s": 1.0, "mm/s": 1e-3}),
-    "m/s^2": ("9.81m/s^2", {"m/s^2": 1.0, "m/s2": 1.0}),
-    "s": ("1ms", {"s": 1.0, "ms": 1e-3, "us": 1e-6}),
-    "N/m": ("1e6N/m", {"N/m": 1.0, "N/mm": 1e3, "kN/mm": 1e6}),
-    "N/m^n": ("1e10N/m^1.5", dict.fromkeys(("N/m^n", "N/m^1.5", "N/m1.5", "N/m"), 1.0)),
-    "N": ("500N", {"N": 1.0, "kN": 1e3, "MN": 1e6}),
-    "N m": ("20N m", {"N m": 1.0, "Nm": 1.0, "kN m": 1e3, "kNm": 1e3}),
-    "1/m": ("1e5/m", dict.fromkeys(("1/m", "/m"), 1.0)),
-    "s/m": ("10s/m", {"s/m": 1.0}),
-    "N s/m": ("100N s/m", dict.fromkeys(("N s/m", "Ns/m"), 1.0)),
-}
-"""An example and the known units of each dimension, by its SI unit, and their sizes in it."""
-
-_NUMBER = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(.*)$")
+from presswear.tools.units import apart, in_si, units_of
 
 
 def _exact(bound: float) -> str:
@@ -74,6 +50,11 @@ class Meaning:
         first = f"above {_exact(self.low)} up to" if self.open_low else f"{_exact(self.low)} to"
         return self.with_unit(f"{first} {_exact(self.high)}")
 
+    def allows(self, value: float) -> bool:
+        """True for a finite number in range."""
+        is_above = self.low < value if self.open_low else self.low <= value
+        return math.isfinite(value) and is_above and value <= self.high
+
     def check(self, name: str, value: Any) -> None:
         """Raise InputError unless the value is a finite number in range."""
         kind = int if self.whole else (int, float)
@@ -85,8 +66,7 @@ class Meaning:
         # Beyond all floats: a whole number that was stored may be of any length.
         if abs(value) > sys.float_info.max:
             value = math.inf if value > 0 else -math.inf
-        fits = self.low < value <= self.high if self.open_low else self.low <= value <= self.high
-        if not (math.isfinite(value) and fits):
+        if not self.allows(value):
             told = f"{value:g}"
             # What is outside by a hair must not be told as what is allowed.
             if self.low <= float(told) <= self.high:
@@ -325,36 +305,38 @@ def meaning_of(item: Field[Any]) -> Meaning | None:
     return next((own for own in told if isinstance(own, Meaning)), None)
 
 
+def _example(name: str, meaning: Meaning) -> str:
+    """Words on a value that may be typed, common where that is allowed, else amid the range."""
+    unit = meaning.unit
+    if not unit:
+        return ""
+    text = units_of(unit)[0]
+    parts = apart(text)
+    common = None if parts is None else in_si(*parts, unit)
+    if common is None or not meaning.allows(common):
+        amid = 10.0 * meaning.low if meaning.low > 0.0 else meaning.high / 2.0
+        amid = float(f"{amid:.0e}")
+        text = meaning.with_unit(_exact(amid if meaning.allows(amid) else meaning.high))
+    return f", for instance {name}={text!r}"
+
+
 def parse_quantity(name: str, text: str, meaning: Meaning) -> float | int:
     """Read a value with its unit and check its range.
 
     A quantity with a dimension needs its unit: 0.8 could be metres or millimetres,
     and a silent guess is worse than a question.
     """
-    unit = meaning.unit
-    shown, sizes = _UNITS.get(unit, (f"1{unit}", {unit: 1.0}))
-    example = f", for instance {name}={shown!r}" if unit else ""
-    match = _NUMBER.match(text)
-    if match is None:
+    unit, parts = meaning.unit, apart(text)
+    if parts is None or (unit and not parts[1]):
+        fault = f"is not a number{' with a unit' * bool(unit)}" if parts is None else "has no unit"
         raise InputError(
-            f"{name} = {text!r} is not a number{' with a unit' if unit else ''}{example}; "
-            f"allowed is {meaning.range_text()}"
+            f"{name} = {text!r} {fault}{_example(name, meaning)}; allowed is {meaning.range_text()}"
         )
-    value = float(match[1])
-    rest = re.sub(r"[\s*_]+", " ", match[2]).strip()
-    if rest.startswith("pi") and unit in ("rad", "rad/s"):
-        value, rest = value * math.pi, rest[2:].strip()
-    if not unit:
-        if rest:
-            raise InputError(f"{name} = {text!r}: a pure number, without unit, is expected")
-    elif not rest:
-        raise InputError(
-            f"{name} = {text!r} has no unit{example}; allowed is {meaning.range_text()}"
-        )
-    elif rest not in sizes:
-        raise InputError(f"{name} = {text!r}: unknown unit {rest!r}; known are {', '.join(sizes)}")
-    else:
-        value *= sizes[rest]
+    if not unit and parts[1]:
+        raise InputError(f"{name} = {text!r}: a pure number, without unit, is expected")
+    value = in_si(*parts, unit)
+    if value is None:
+        raise InputError(f"{name} = {text!r}: {unknown('unit', parts[1], units_of(unit)[1])}")
     number: float | int = int(value) if meaning.whole and value.is_integer() else value
     meaning.check(name, number)
     return number

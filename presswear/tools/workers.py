@@ -13,6 +13,7 @@ process that is killed leaves none behind.
 """
 
 import ctypes
+import logging
 import math
 import multiprocessing
 import os
@@ -37,9 +38,14 @@ from presswear.tools.stopping import is_stopped
 
 Array = NDArray[np.float64]
 
+_LOG = logging.getLogger(__name__)
+
 
 class Report(Protocol):
-    """Hears from a job how far it is, many times a second; KeyboardInterrupt stops the job."""
+    """Hears from a job how far it is, many times a second; KeyboardInterrupt stops the job.
+
+    NaN, with a word: it is getting ready, and so should no other.
+    """
 
     def __call__(self, done: float, word: str = "", rows: Array | None = None) -> None:
         """Hear how far, in the job's own measure, in words, and numbers to be shown, (n, m)."""
@@ -235,6 +241,7 @@ class Pool:
         self._pool: ProcessPoolExecutor | None = None
 
     def _begin(self) -> None:
+        _LOG.info("%d processes begin", self._count)
         context = _context(self._imports)
         self._is_warm = False
         self._board = _Board(context, self._count, self._room)
@@ -334,8 +341,9 @@ class Pool:
         """Hand on what was told."""
         for place, key, _ in running.values():
             done, word, rows = self._board.told(place)
-            if not math.isnan(done):
-                self._is_warm = True
+            is_ready = not math.isnan(done)
+            self._is_warm |= is_ready
+            if is_ready or word:
                 told(key, done, word, rows)
 
     def _replace(self) -> None:
@@ -349,10 +357,12 @@ class Pool:
                 "worker processes were ended from outside again and again, as a system does that "
                 "is out of memory"
             )
-        self._lost(
+        line = (
             "a worker process was ended from outside, as a system does that is out of memory: what "
             f"was at work is done again, {self._count} at a time"
         )
+        _LOG.warning(line)
+        self._lost(line)
 
     def _collect(
         self,

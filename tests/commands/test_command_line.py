@@ -1,6 +1,7 @@
 """The commands as a person types them."""
 
 import json
+import logging
 import re
 import signal
 import subprocess
@@ -103,6 +104,9 @@ from presswear.tools.own import OwnFunction
         (["run", "wear-times", "--cycels", "5"], ("--cycels 5; did you mean --cycles?",)),
         (["run", "wear-times", "--set", "clearence=1mm"], ("did you mean clearance?",)),
         (["run", "wear-times", "--engine", "exudyntree"], ("did you mean exudyn-tree?",)),
+        (["run", "wear-times", "clearance=0.5mm"], ("--set clearance=0.5mm",)),
+        (["sweep", "wear-times", "speed=60 rpm"], ("--set 'speed=60 rpm'",)),
+        (["run", "wear-times", "--set", "speed=200rmp"], ("'rmp'; did you mean rpm?",)),
         (["reprot", "nowhere"], ("'reprot'; did you mean report?",)),
         (["run", "wear-times", "--on", "nowhere:1"], ("nowhere: there is no such folder",)),
         (["run", "wear-times", "--on", "worn.csv"], ("worn.csv: there is no such file",)),
@@ -126,6 +130,34 @@ def test_bad_input_is_one_line_and_exit_code_2(
     for name in names:
         assert name in captured.err
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("line", ["run wear-times", "run paper", "life ideal", "sweep wear-times"])
+def test_what_is_not_there_is_not_gone_on_with(
+    line: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "results" / "first").mkdir(parents=True)
+    assert main([*line.split(), "--resume", "--out", "results/frist"]) == 2
+    told = capsys.readouterr().err
+    assert told.startswith("presswear: --resume --out results/frist: there is no such folder")
+    assert "did you mean first?" in told
+    assert told.count("\n") == 1
+    assert [own.name for own in (tmp_path / "results").iterdir()] == ["first"]
+
+
+def test_a_folder_of_several_runs_names_them(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for key in ("a", "b", "c", "runs/d"):
+        (tmp_path / key).mkdir(parents=True)
+        (tmp_path / key / "result.json").touch()
+    assert main(["replay", str(tmp_path), "--still", str(tmp_path / "a.png")]) == 2
+    named = ", ".join(str(tmp_path / key) for key in "abc")
+    assert f"name one that it holds: {named} and 1 more\n" in capsys.readouterr().err
 
 
 def test_list_names_the_scenes(capsys: pytest.CaptureFixture[str]) -> None:
@@ -170,6 +202,21 @@ def test_run_ideal_and_report(tmp_path: Path, capsys: pytest.CaptureFixture[str]
     assert "not empty" in capsys.readouterr().err
 
 
+def test_what_is_done_is_logged_where_that_is_asked_for(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The library itself leaves it to whoever imports it where that goes."""
+    line = ["run", "ideal", "--cycles", "1", "--engine", "dae", "--out"]
+    for first, behind in ((["-v"], []), ([], ["--verbose"]), ([], [])):
+        folder = tmp_path / f"out-{len(first)}{len(behind)}"
+        assert main([*first, *line, str(folder), *behind]) == 0
+        lines = capsys.readouterr().err.splitlines()
+        assert len(lines) == 2 * (len(first) + len(behind))
+        for told, words in zip(lines, ("stage 0 begins: no wear", "stage 0 ends"), strict=False):
+            assert re.match(rf"\d\d:\d\d:\d\d presswear\.campaign\.campaign: {words}", told)
+    assert not logging.getLogger("presswear").handlers
+
+
 @pytest.mark.parametrize(
     "command",
     [
@@ -182,6 +229,7 @@ def test_run_ideal_and_report(tmp_path: Path, capsys: pytest.CaptureFixture[str]
         ["verify"],
         ["precision"],
         ["costs"],
+        ["completion"],
     ],
 )
 def test_every_help_has_an_example(command: list[str], capsys: pytest.CaptureFixture[str]) -> None:

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 import presswear as pw
-from presswear.__main__ import parser_of
 from presswear.commands import COMMANDS
+from presswear.commands.parser import parser_of
 from presswear.commands.terminal import settings_given
 from presswear.scene.catalog import SCENES
 from presswear.scene.settings import changed

@@ -24,12 +24,12 @@ _PRESS, _CRANK = wear_times(), slider_crank()
 _KEYS = {scene.name: {setting.key for setting in settings_of(scene)} for scene in (_PRESS, _CRANK)}
 _NO_UNIT_OF = {
     "m": "kg, Pa, s, rad/s, m/s, %, M, MM, inch",
-    "rad/s": "m, kg, s, rad, Hz, m/s, 1/s",
+    "rad/s": "m, kg, s, rad, m/s, 1/s",
     "kg": "m, Pa, lb, kg m^2, t, N",
     "kg m^2": "kg, m, kg m, kg m^3, g m^2",
-    "Pa": "m, kg, mPa, bar, 1/Pa, N",
+    "Pa": "m, kg, mPa, 1/Pa, N",
     "1/Pa": "Pa, m, /GPa, 1/m, /",
-    "1/m": "m, 1/Pa, /mm, 1/s, /",
+    "1/m": "m, 1/Pa, 1/s, /",
     "s/m": "s, m, m/s, N s/m",
     "N s/m": "N, N/m, s/m, N m, kg",
     "N/m^n": "N, N m, Pa, N/m^2, kg",
@@ -37,7 +37,7 @@ _NO_UNIT_OF = {
     "N m": "N, m, kg, N/m, Pa",
     "m/s": "m, s, rad/s, m/s^2, km/h",
     "m/s^2": "m/s, m, g, N",
-    "s": "m, min, Hz, 1/s, h",
+    "s": "m, Hz, 1/s, h",
     "": "m, mm, %, rad, kg, x, pi",
 }
 """Units that are none of a dimension."""

@@ -116,6 +116,11 @@ def end(process: Process, patience: float | None = None) -> Answer:
     return Answer(process.returncode, output, errors)
 
 
+def goes_on(out: Path) -> tuple[str, ...]:
+    """The option that goes on in a folder, where a run that was stopped has left one."""
+    return ("--resume",) if out.exists() else ()
+
+
 @dataclass(frozen=True)
 class Subject:
     """A short run that is put through trials.

@@ -21,6 +21,7 @@ from endurance.subject import (
     check_result,
     checkpoint_of,
     end,
+    goes_on,
     is_at_work,
     is_one_line,
     wait_for,
@@ -60,7 +61,7 @@ def test_disk_full(trial: Trial, alone: Runs, tmp_path: Path, is_quick: bool) ->
             if answer.code not in (1, 2) or not told:
                 problems.append(answer.problem)
             subprocess.run(["mount", "-o", "remount,size=200m", str(disk)], check=True)
-            answer = TREE.finish(disk / "out", "--resume")
+            answer = TREE.finish(disk / "out", *goes_on(disk / "out"))
             if answer.code != 0:
                 problems.append(f"gone on, {answer.problem}")
             else:

@@ -24,6 +24,7 @@ from endurance.subject import (
     Subject,
     checkpoint_of,
     end,
+    goes_on,
     is_at_work,
     is_one_line,
     wait_for,
@@ -38,7 +39,7 @@ STOPS = 4
 
 def stop(subject: Subject, out: Path, number: signal.Signals, after: float) -> str | None:
     """Stop a run after a time, s: what is wrong with how it ended; None: before it was stopped."""
-    process = subject.start(out, "--resume")
+    process = subject.start(out, *goes_on(out))
     with contextlib.suppress(subprocess.TimeoutExpired):
         process.wait(after)
     had_begun = is_at_work(process, out)
@@ -81,7 +82,7 @@ def kill(
             stops += 1
             problems.append(problem)
         else:
-            answer = subject.finish(out, "--resume")
+            answer = subject.finish(out, *goes_on(out))
             problems.append(answer.problem if answer.code else "")
         if not stops:
             # The one that was left alone may have waited for the compiler.

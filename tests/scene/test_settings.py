@@ -14,11 +14,11 @@ from hypothesis import strategies as st
 from presswear.linkage.press import GEOMETRIES, Press
 from presswear.linkage.slider_crank import SliderCrank
 from presswear.scene.bearing import CONVENTIONS, Conventions
-from presswear.scene.catalog import scene_named, slider_crank, wear_times
+from presswear.scene.catalog import SCENES, scene_named, slider_crank, wear_times
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed, settings_of
 from presswear.tools.errors import AssemblyError, InputError
-from presswear.tools.quantities import Meaning
+from presswear.tools.quantities import Meaning, parse_quantity
 
 PRESS = Scene(name="base", title="a scene")
 CRANK = Scene(mechanism=SliderCrank(), joints="B")
@@ -36,6 +36,17 @@ def test_settings_have_one_key_and_describe_themselves_in_one_line(scene: Scene)
     assert "0.0008 m" in _described(scene, "clearance")
     others = "A | C | none | several, as AC", "A | B | none | several, as AB"
     assert f"({others[scene is CRANK]})" in _described(scene, "joints")
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_the_example_of_a_message_is_allowed(name: str) -> None:
+    for setting in settings_of(scene_named(name)):
+        if isinstance(setting.meaning, Meaning) and setting.meaning.unit:
+            with pytest.raises(InputError, match="has no unit") as refusal:
+                parse_quantity(setting.key, "1", setting.meaning)
+            key, value = str(refusal.value).split("for instance ")[1].split("'")[:2]
+            assert key == f"{setting.key}="
+            parse_quantity(setting.key, value, setting.meaning)
 
 
 def test_where_a_value_comes_from_follows_it() -> None:

@@ -203,6 +203,7 @@ class Notes:
 
     def __call__(self, report: Report) -> float:
         (self.place / f"begun-{self.key}").write_text(f"{time.monotonic()}")
+        report(math.nan, "getting ready")
         time.sleep(0.5)
         (self.place / f"told-{self.key}").write_text(f"{time.monotonic()}")
         report(1.0)
@@ -211,8 +212,15 @@ class Notes:
 
 
 def test_the_first_job_is_alone_until_it_tells(tmp_path: Path) -> None:
+    heard: dict[str, list[float]] = {}
+
+    def hears(key: int, done: float, word: str, rows: object) -> None:
+        heard.setdefault(word, []).append(done)
+
     with Pool(2) as each:
-        each.run({k: Notes(tmp_path, k) for k in range(3)}, lambda *_: {}, nothing)
+        each.run({k: Notes(tmp_path, k) for k in range(3)}, lambda *_: {}, hears)
+    assert all(map(math.isnan, heard.pop("getting ready")))
+    assert set(heard[""]) == {1.0}
     told, begun = (
         [float((tmp_path / f"{name}-{k}").read_text()) for k in range(3)]
         for name in ("told", "begun")

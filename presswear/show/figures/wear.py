@@ -33,6 +33,11 @@ _MARKED_STEPS = 60
 _NAMED_WEARS = 2
 """Most wears whose names stand beside each other above a panel; of more, the last is named."""
 
+_HARDLY = 0.05
+"""Part of the greatest depth up to which a place is hardly worn."""
+_TICKS = 60.0
+"""Between two ticks of an axis of angles, degrees."""
+
 Curve = tuple[Pen, Array]
 """Depth at the bin centres, m, and its line."""
 
@@ -93,14 +98,37 @@ def _curves(result: Result, stages: Stages, joint: str, sides: tuple[str, ...]) 
     return [(pen, depth) for pen, depth in curves if np.any(depth > 0.0)]
 
 
+def seam(angle: Array, depths: list[Array]) -> float:
+    """Angle at which to cut a full turn open, degrees: 0 where nothing is worn there.
+
+    Else amid the widest stretch that is hardly worn, so that no lobe is cut in two.
+
+    Parameters
+    ----------
+    angle, depths : ndarray, shape (n,) each
+        rad, from 0 to a turn; m.
+    """
+    deepest = np.max([depth / depth.max(initial=1e-300) for depth in depths], axis=0, initial=0.0)
+    is_worn = deepest > max(_HARDLY, float(deepest.min(initial=1.0)))
+    if not is_worn.any() or not (is_worn[0] or is_worn[-1]):
+        return 0.0
+    worn = np.degrees(angle[is_worn])
+    gaps = np.diff(worn, append=worn[0] + 360.0)
+    k = int(np.argmax(gaps))
+    return 10.0 * round(float(worn[k] + 0.5 * gaps[k]) / 10.0) % 360.0
+
+
 def _draw_depth(axes: Axes, angle: Array, curves: list[Curve]) -> None:
     peaks = [MICRONS * float(depth.max()) for _, depth in curves]
+    begin = seam(angle, [depth for _, depth in curves])
+    since = (np.degrees(angle) - begin) % 360.0
+    order = np.argsort(since)
     for pen, depth in curves:
-        pen.draw(
-            axes, np.degrees(angle), MICRONS * depth, linewidth=0.9 if pen.colour == MUTED else 1.2
-        )
-    axes.set_xlim(0.0, 360.0)
-    axes.xaxis.set_major_locator(MultipleLocator(60.0))
+        width = 0.9 if pen.colour == MUTED else 1.2
+        pen.draw(axes, begin + since[order], MICRONS * depth[order], linewidth=width)
+    axes.set_xlim(begin, begin + 360.0)
+    axes.xaxis.set_major_locator(MultipleLocator(_TICKS))
+    axes.xaxis.set_major_formatter(lambda place, _: f"{place % 360.0:.0f}")
     if peaks and max(peaks) > _LINEAR_RATIO * min(peaks):
         axes.set_yscale("log", nonpositive="mask")
         axes.set_ylim(min(peaks) / 100.0, 2.0 * max(peaks))

@@ -25,7 +25,7 @@ from presswear.tools.numbers import readable
 STYLES = {
     Verdict.HOLDS: "good",
     Verdict.FAILS: "bad",
-    Verdict.IN_PART: "bad",
+    Verdict.IN_PART: "half",
     Verdict.OPEN: "open",
     Verdict.MISSING: "open",
 }
