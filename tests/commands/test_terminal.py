@@ -10,7 +10,6 @@ import pytest
 from rich.console import Console
 from rich.progress import Progress as Bar
 
-from presswear.campaign.study import unchanged
 from presswear.commands import running, terminal
 from presswear.commands.running import Terminal, step_of
 from presswear.commands.studies import Board
@@ -20,6 +19,8 @@ from presswear.record.tracker import Progress
 from presswear.results.result import load
 from presswear.scene.catalog import wear_times
 from presswear.studies import make_study
+from presswear.studies.plan import unchanged
+from presswear.tools.numbers import lasting
 
 STORED = Path(__file__).parents[1] / "data"
 SCENE = replace(wear_times(), engine="dae", wears=2)
@@ -150,4 +151,4 @@ def test_a_study_says_how_long_it_takes_from_what_runs(clock: Clock) -> None:
     board.variant(second, 0.02, "")
     told = console.export_text()
     left = 10.0 * (sum(extents[1:]) - 0.01 * extents[1]) / (0.01 * extents[1])
-    assert f"this takes about {terminal.lasting(left)}, as" in " ".join(told.split())
+    assert f"this takes about {lasting(left)}, as" in " ".join(told.split())

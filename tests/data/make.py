@@ -3,14 +3,14 @@
 import sys
 from pathlib import Path
 
-from presswear.campaign.parallel import run_study
 from presswear.campaign.single import run_scene
-from presswear.campaign.study import SCHEMA as STUDY
 from presswear.record import film
 from presswear.results.result import SCHEMA as RESULT
 from presswear.scene.catalog import slider_crank
 from presswear.scene.settings import changed
 from presswear.studies.lives.variants import make
+from presswear.studies.plan import SCHEMA as STUDY
+from presswear.studies.rows import run_study
 from presswear.sweeps.sweep import SCHEMA as SWEEP
 from presswear.sweeps.sweep import sweep
 

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from presswear.__main__ import main
-from presswear.campaign.study import SCHEMA as STUDY
-from presswear.campaign.study import load_study, results_of
 from presswear.results.result import SCHEMA as RESULT
 from presswear.results.result import load
+from presswear.studies.plan import SCHEMA as STUDY
+from presswear.studies.plan import load_study, results_of
 from presswear.sweeps.sweep import SCHEMA as SWEEP
 from presswear.sweeps.sweep import load_sweep
 
