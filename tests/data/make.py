@@ -38,8 +38,10 @@ def write(folder: Path) -> None:
     run_study(study, folder / f"study-{STUDY}", 1, resume=False)
     swept = folder / f"sweep-{SWEEP}"
     sweep(scene, {"clearance": "0.3mm,0.4mm"}, swept, ["B.force_max"], jobs=1)
-    (own,) = (swept / "records").iterdir()
-    own.rename(own.with_name("machine-1-00000000"))
+    for records in folder.glob("*/records"):
+        # Named after the machine.
+        (own,) = records.iterdir()
+        own.rename(own.with_name("machine-1-00000000"))
 
 
 if __name__ == "__main__":
