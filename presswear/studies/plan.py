@@ -26,6 +26,8 @@ SCHEMA = 4
 _KEY = re.compile(r"[A-Za-z0-9][A-Za-z0-9.+=,_-]*")
 _CYCLES_OF_MAPS = 0.06
 """Cycles until wear maps are known to a tolerance, times its square: a rough measure."""
+_CYCLES_OF_STEPS = 4000
+"""Cycles of round surfaces that take as long as a wear in steps."""
 
 
 def unchanged(scene: Scene) -> Scene:
@@ -79,7 +81,8 @@ class Variant:
         if cycles is None:
             cycles = min(round(_CYCLES_OF_MAPS / scene.tolerance**2) + 9, scene.most_cycles)
         # Worn surfaces take more steps.
-        return cycles * scene.mechanism.period * (1.0 + 1.5 * scene.wears)
+        after = _CYCLES_OF_STEPS if scene.wears_in_steps else 1.5 * cycles
+        return (cycles + after * scene.wears) * scene.mechanism.period
 
 
 @dataclass(frozen=True)
