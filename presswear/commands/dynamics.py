@@ -138,6 +138,7 @@ def _of_result(folder: Path, console: Console) -> int:
             f"{folder}: no joint has clearance, or no cycle was recorded, so that there is no "
             "motion to tell"
         )
+    console.print(f"of each mode: {found.head[0]}", highlight=False)
     for heading, rows in found.groups:
-        print_table(console, (heading,), found.head[1:], rows)
+        print_table(console, (heading, *found.head[1:]), (), rows)
     return 0

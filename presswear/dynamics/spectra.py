@@ -42,15 +42,18 @@ class Spectrum:
         return float(np.sqrt(2.0 * self.density[near].sum() * (self.frequency[1])))
 
     @property
-    def harmonic_share(self) -> float:
-        """Part of the power that lies at whole orders, within two lines of each.
+    def lines(self) -> int:
+        """Lines in an order."""
+        return round(1.0 / self.order[1])
 
-        1 for a motion of one cycle; of noise that is even over all orders it is the part of the
-        lines that lie there.
+    @property
+    def harmonic_share(self) -> float:
+        """Part of the power that lies at whole orders, within a line of each: Hann's window.
+
+        1 for a motion of one cycle; of noise that is even over all orders 3 / ``lines``.
         """
-        lines = round(1.0 / self.order[1])
-        place = np.arange(self.order.size) % lines
-        at_whole = np.minimum(place, lines - place) <= 2
+        place = np.arange(self.order.size) % self.lines
+        at_whole = np.minimum(place, self.lines - place) <= 1
         powers = self.density[1:]
         return float(powers[at_whole[1:]].sum() / powers.sum())
 
@@ -74,7 +77,7 @@ def evenly(time: Array, values: Array, interval: float) -> tuple[Array, Array]:
 
 
 def spectrum_of(
-    time: Array, values: Array, period: float, highest: float, cycles: int = 4
+    time: Array, values: Array, period: float, highest: float, cycles: int = 8
 ) -> Spectrum:
     """Density of a series by Welch's method, its lines at parts of the order.
 

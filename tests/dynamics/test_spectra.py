@@ -32,7 +32,7 @@ def test_power_is_the_variance() -> None:
     # Linear between rows, the means of four intervals have 7/32 of the rows' variance.
     power = found.density.sum() * found.frequency[1]
     assert power == pytest.approx(4.0 * 7.0 / 32.0, rel=0.02)
-    assert found.harmonic_share == pytest.approx(5.0 / 16.0, abs=0.02)
+    assert found.harmonic_share == pytest.approx(3.0 / 16.0, abs=0.02)
     assert found.segments == 124
 
 

@@ -59,7 +59,7 @@ def phase_portrait(result: Result, stages: Stages) -> list[Drawing]:
     factor, unit = length_scale(max(scene.bearing(joint).clearance for joint in joints))
     for column, stage in zip(grid.T, shown, strict=True):
         own = between(stage.data, *settled_span(scene, stage.data))
-        look = {"color": stage.pen.colour, "linewidth": 0.4}
+        look = {"color": stage.pen.colour, "linewidth": 0.3, "alpha": 0.6}
         column[0].plot(1e3 * own.displacement, own.velocity, **look)
         column[0].set_title(wrapped(stage.pen.label, side))
         column[0].set_xlabel(f"displacement of the {scene.watched} (mm)")
@@ -101,7 +101,9 @@ def poincare_section(result: Result, stages: Stages) -> list[Drawing]:
         for axes, stage in zip(row, shown, strict=True):
             places, phase = section_of(scene, stage.data, joint)
             size = 9.0 if len(places) < 50 else 3.0
-            axes.scatter(*(factor * places.T), s=size, color=stage.pen.colour, linewidths=0.0)
+            axes.scatter(
+                *(factor * places.T), s=size, color=stage.pen.colour, linewidths=0.0, zorder=3
+            )
             circle.draw(axes, *(factor * gaps[joint] * np.array([np.cos(around), np.sin(around)])))
             widest = max(widest, float(np.hypot(*places.T).max(initial=0.0)))
             counts.append(len(places))
@@ -130,11 +132,10 @@ def contact_modes(result: Result, stages: Stages) -> list[Drawing]:
     joints, period = scene.clearance_joints, scene.mechanism.period
     sheet = Sheet(figsize=(WIDTH, 0.9 + 1.6 * len(shown)), layout="constrained")
     grid = sheet.subplots(len(shown), len(joints), squeeze=False, sharex=True, sharey=True)
-    middle = 360.0 * (np.arange(BINS) + 0.5) / BINS
     for row, stage in zip(grid, shown, strict=True):
         for axes, joint in zip(row, joints, strict=True):
             own = timeline_of(scene, stage.data, joint)
-            _stack(axes, middle, 100.0 * own.over_phase(period, BINS))
+            _stack(axes, 100.0 * own.over_phase(period, BINS))
             parts = zip(_WORDS, own.shares.values(), strict=True)
             told = ", ".join(f"{word} {100.0 * part:.2f}" for word, part in parts)
             axes.set_title(f"{stage.pen.label}, {joint}\n{told} %", fontsize=7.0)
@@ -154,9 +155,11 @@ def contact_modes(result: Result, stages: Stages) -> list[Drawing]:
     return [Drawing("modes.png", "Modes of contact", caption, sheet)]
 
 
-def _stack(axes: Axes, x: Array, parts: Array) -> None:
-    """Parts on top of each other, up to 100 %."""
-    axes.stackplot(x, parts, colors=_MODE_COLOURS, linewidth=0.0)
+def _stack(axes: Axes, parts: Array) -> None:
+    """Parts in the bins of a cycle on top of each other, up to 100 %."""
+    edges = np.linspace(0.0, 360.0, BINS + 1)
+    parts = np.column_stack([parts, parts[:, -1]])
+    axes.stackplot(edges, parts, colors=_MODE_COLOURS, linewidth=0.0, step="post")
     axes.set_xlim(0.0, 360.0)
     axes.set_ylim(0.0, 100.0)
     axes.grid(False)
@@ -180,9 +183,10 @@ def spectrum(result: Result, stages: Stages) -> list[Drawing]:
         for colour, frequency in known.items():
             if frequency is not None:
                 axes.axvline(frequency * period, color=colour, linewidth=0.9, linestyle="dashdot")
-        hertz = [frequency for frequency in known.values() if frequency is not None]
+        hertz = sorted(frequency for frequency in known.values() if frequency is not None)
         if hertz:
-            told.append(f"{joint} {readable(min(hertz))} to {readable(max(hertz))} Hz")
+            ends = dict.fromkeys(map(readable, (hertz[0], hertz[-1])))
+            told.append(f"{joint} {' to '.join(ends)} Hz")
         axes.set_ylabel(f"force at {joint}\n(N²/Hz)")
     panels[0].set_ylabel("acceleration\n((m/s²)²/Hz)")
     for axes in panels:

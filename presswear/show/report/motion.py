@@ -25,6 +25,9 @@ FILES = ("phase.png", "poincare.png", "modes.png", "spectrum.png")
 """Files of the figures that stand beside the table."""
 _HARMONICS = (1, 2, 3)
 """Orders of the crank whose amplitudes are told."""
+_LINES = 8
+"""Lines in an order, at least, where the power at whole orders is told: with fewer of them noise
+has most of its power there too."""
 
 
 @dataclass(frozen=True)
@@ -80,34 +83,39 @@ def motion(result: Result) -> Table | None:
         return {label: _of_stage(found, text) for label, text in rows.items()}
 
     def of_joint(joint: str) -> Rows[StageResult]:
-        lines = [own.timelines[joint] for own in found.values()]
-        rows = {mode: _visits(lambda own: own.timelines[joint], mode) for mode in MODES}
-        pairs = permutations(range(len(MODES)), 2)
-        for a, b in [pair for pair in pairs if any(own.transitions[pair] for own in lines)]:
-            rows[f"{MODES[a]} to {MODES[b]}, times a cycle"] = _transitions(joint, a, b)
-        rows["contact resonance (Hz)"] = lambda own: readable(own.resonances[joint])
-        return told(rows)
+        return told({mode: _visits(lambda own: own.timelines[joint], mode) for mode in MODES})
 
-    groups = by_joint(result, of_joint)
-    if len(scene.clearance_joints) > 1:
+    joints, groups = scene.clearance_joints, by_joint(result, of_joint)
+    for joint in joints:
+        lines = [own.timelines[joint] for own in found.values()]
+        pairs = permutations(range(len(MODES)), 2)
+        groups[f"Joint {joint}, changes of mode in a cycle"] = told(
+            {
+                f"{MODES[a]} to {MODES[b]}": _changes(joint, a, b)
+                for a, b in pairs
+                if any(own.transitions[a, b] for own in lines)
+            }
+        )
+    if len(joints) > 1:
         together = [own.together for own in found.values()]
         names = [name for name in together[0].names if any(own.shares[name] for own in together)]
-        heading = f"{' and '.join(scene.clearance_joints)} at once"
-        groups[heading] = told({name: _visits(lambda own: own.together, name) for name in names})
+        rows = {name: _visits(lambda own: own.together, name) for name in names}
+        groups[f"{' and '.join(joints)} at once"] = told(rows)
     groups["Repetition"] = told(
         {
-            "period (of the clearances)": lambda own: own.period.words,
+            "period, in parts of the clearance": lambda own: own.period.words,
             "recorded cycles behind the start-up": lambda own: readable(own.cycles),
         }
     )
     series = {"": f"acceleration of the {scene.watched} (m/s²)"}
-    series |= {joint: f"force at {joint} (N)" for joint in scene.clearance_joints}
+    series |= {joint: f"force at {joint} (N)" for joint in joints}
     orders = ", ".join(map(str, _HARMONICS))
     groups["Spectra"] = told(
         {f"{text}, orders {orders}": _harmonics(name) for name, text in series.items()}
         | {f"{text}, power at whole orders (%)": _at_whole(name) for name, text in series.items()}
+        | {f"contact resonance of {joint} (Hz)": _resonance(joint) for joint in joints}
     )
-    return stage_table(result, "share of the time, visits and their mean", groups)
+    return stage_table(result, "share of the time, visits in a cycle, mean visit", groups)
 
 
 def _of_stage(found: dict[int, _Motion], text: _Text) -> Callable[[StageResult], str]:
@@ -119,17 +127,17 @@ def _visits(line: Callable[[_Motion], Timeline], mode: str) -> _Text:
 
     def text(own: _Motion) -> str:
         share, visits = line(own).shares[mode], line(own).sojourns(mode)
-        told = f"{readable(100.0 * share)} %"
+        told = f"{100.0 * share:.2f} %"
         if visits.size:
-            mean = readable(MILLI * float(visits.mean()))
-            told += f", {readable(visits.size / own.cycles)} a cycle of {mean} ms"
+            mean = MILLI * float(visits.mean())
+            told += f", {visits.size / own.cycles:.3g} of {mean:.3g} ms"
         return told
 
     return text
 
 
-def _transitions(joint: str, before: int, after: int) -> _Text:
-    return lambda own: readable(own.timelines[joint].transitions[before, after] / own.cycles)
+def _changes(joint: str, before: int, after: int) -> _Text:
+    return lambda own: f"{own.timelines[joint].transitions[before, after] / own.cycles:.3g}"
 
 
 def _harmonics(name: str) -> _Text:
@@ -140,4 +148,12 @@ def _harmonics(name: str) -> _Text:
 
 
 def _at_whole(name: str) -> _Text:
-    return lambda own: readable(100.0 * own.spectra[name].harmonic_share)
+    def text(own: _Motion) -> str:
+        found = own.spectra[name]
+        return readable(100.0 * found.harmonic_share) if found.lines >= _LINES else NOTHING
+
+    return text
+
+
+def _resonance(joint: str) -> _Text:
+    return lambda own: readable(own.resonances[joint])
