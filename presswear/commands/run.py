@@ -183,7 +183,9 @@ def run_or_go_on(
     from presswear.show.report import write_report
 
     result = load(folder)
-    console.print(f"results in {folder}, report in {write_report(result)}", highlight=False)
+    with console.status("drawing the report"):
+        report = write_report(result)
+    console.print(f"results in {folder}, report in {report}", highlight=False)
     for told in deep_contacts(result.scene, result.stages):
         console.print(told, highlight=False, markup=False, soft_wrap=True)
     if result.status == "failed":

@@ -23,7 +23,7 @@ class Terminal(Tracker):
         self._bar, self._scene = bar, scene
         self._compiled = 0.0  # time in which this stage compiled, s
         self._waits = 0.0  # when it began to, or nothing
-        self._foretold = Foretold(self.remark)
+        self._foretold = self._foretelling(0)
         self._task = bar.add_task(step_of(scene, 0, ""), total=1.0)
 
     def compiling(self) -> None:
@@ -38,9 +38,18 @@ class Terminal(Tracker):
         if self._waits:
             self._compiled += clock.perf_counter() - self._waits
             self._waits = 0.0
+        if progress.stage != self._stage:
+            self._foretold = self._foretelling(progress.stage)
         step = step_of(self._scene, progress.stage, progress.word)
         self._bar.update(self._task, description=step, completed=progress.whole)
-        self._foretold.hear(progress.whole)
+        self._foretold.hear(progress.part)
+
+    def _foretelling(self, stage: int) -> Foretold:
+        """What says how long a stage takes: worn surfaces take longer, so that no more is known."""
+        self._stage, left = stage, self._scene.wears - stage
+        more = f"; {left} more on worn surfaces follow{'s' * (left == 1)}" if left else ""
+        name = step_of(self._scene, stage, "")
+        return Foretold(self.remark, f"stage {stage}, {name},", more)
 
     def remark(self, line: str) -> None:
         """Print it."""
@@ -73,7 +82,7 @@ def step_of(scene: Scene, stage: int, word: str) -> str:
     if word.startswith(scene.stage_name(stage + 1)):
         return f"applying the {word}"
     name = scene.stage_name(stage)
-    name = f"after the {name}" if stage else f"running, {name}"
+    name = f"after the {name}" if stage else name
     return f"{name}: {word}" if word else name
 
 

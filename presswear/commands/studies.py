@@ -36,7 +36,7 @@ class Board(Tracker):
         self._parts = dict.fromkeys(self._variants, 0.0)
         self._whole = bar.add_task(study.name, total=sum(own.extent for own in study.variants))
         self._lines: dict[str, TaskID] = {}
-        self._foretold = Foretold(self.remark)
+        self._foretold = Foretold(self.remark, "this study")
 
     def remark(self, line: str) -> None:
         """Print it."""

@@ -186,10 +186,19 @@ def progress_bar(console: Console) -> Progress:
 
 
 class Foretold:
-    """Says once, as soon as that shows, how long something takes; short things are not told of."""
+    """Says once, as soon as that shows, how long something takes; short things are not told of.
 
-    def __init__(self, say: Callable[[str], None]) -> None:
+    Parameters
+    ----------
+    say : callable
+        Told the words.
+    what, more : str
+        What takes it, and what stands behind the time.
+    """
+
+    def __init__(self, say: Callable[[str], None], what: str, more: str = "") -> None:
         self._say: Callable[[str], None] | None = say
+        self._what, self._more = what, more
         self._began: tuple[float, float] | None = None
 
     def wait(self) -> None:
@@ -206,7 +215,7 @@ class Foretold:
             return
         left = (now - since) * (1.0 - first) / (part - first)
         if left >= _LONG:
-            self._say(f"this takes about {lasting(left)}, as far as it shows by now")
+            self._say(f"{self._what} takes about {lasting(left)}{self._more}")
         self._say = None
 
 

@@ -89,8 +89,8 @@ def progress(stage: int, whole: float, word: str) -> Progress:
 
 def test_a_step_is_named_in_plain_words() -> None:
     words = "cycles 3 to 5 of 4 starts"
-    assert step_of(SCENE, 0, "") == "running, no wear"
-    assert step_of(SCENE, 0, words) == f"running, no wear: {words}"
+    assert step_of(SCENE, 0, "") == "no wear"
+    assert step_of(SCENE, 0, words) == f"no wear: {words}"
     assert step_of(SCENE, 0, f"first wear in 12 steps, {words}") == (
         f"applying the first wear in 12 steps, {words}"
     )
@@ -109,7 +109,7 @@ def test_compiling_is_said_and_is_no_speed(clock: Clock) -> None:
         clock.now += 8.0
         assert shown(bar, 80, clock)[0].startswith("compiling")
     told.progress(progress(0, 0.1, ""))
-    assert shown(bar, 80, clock)[0].startswith("running, no wear")
+    assert shown(bar, 80, clock)[0].startswith("no wear")
     told.stage(stage)
     assert "3.00 s per simulated second" in console.export_text()
     told.stage(stage)
@@ -118,7 +118,7 @@ def test_compiling_is_said_and_is_no_speed(clock: Clock) -> None:
 
 def test_how_long_it_takes_is_said_once_it_shows(clock: Clock) -> None:
     said: list[str] = []
-    told = Foretold(said.append)
+    told = Foretold(said.append, "it")
     told.hear(0.0)
     clock.now += 1000.0
     told.wait()  # for the compiler
@@ -129,12 +129,27 @@ def test_how_long_it_takes_is_said_once_it_shows(clock: Clock) -> None:
     clock.now += 5.0
     for _ in range(2):
         told.hear(0.13)  # 0.03 in 9 s, so that 0.9 takes 270 s
-        assert said == ["this takes about 4.5 minutes, as far as it shows by now"]
-    quick = Foretold(said.append)
+        assert said == ["it takes about 4.5 minutes"]
+    quick = Foretold(said.append, "it")
     quick.hear(0.0)
     clock.now += 6.0
     quick.hear(0.5)
     assert len(said) == 1
+
+
+def test_each_stage_says_how_long_it_takes(clock: Clock) -> None:
+    """Of the whole nothing is known before: worn surfaces take longer."""
+    console = console_of(100, clock)
+    told = Terminal(progress_bar(console), SCENE)
+    for stage, part in ((0, 0.1), (0, 0.2), (1, 0.5), (1, 0.6), (2, 0.0), (2, 0.1)):
+        told.progress(progress(stage, part, ""))
+        clock.now += 20.0
+    lines = [line.rstrip() for line in console.export_text().splitlines()]
+    assert lines == [
+        "stage 0, no wear, takes about 3 minutes; 2 more on worn surfaces follow",
+        "stage 1, after the first wear, takes about 1.67 minutes; 1 more on worn surfaces follows",
+        "stage 2, after the second wear, takes about 3.33 minutes",
+    ]
 
 
 def test_a_study_says_how_long_it_takes_from_what_runs(clock: Clock) -> None:
@@ -151,4 +166,4 @@ def test_a_study_says_how_long_it_takes_from_what_runs(clock: Clock) -> None:
     board.variant(second, 0.02, "")
     told = console.export_text()
     left = 10.0 * (sum(extents[1:]) - 0.01 * extents[1]) / (0.01 * extents[1])
-    assert f"this takes about {lasting(left)}, as" in " ".join(told.split())
+    assert f"this study takes about {lasting(left)}" in " ".join(told.split())

@@ -4,6 +4,7 @@ import re
 import shlex
 from collections.abc import Iterator
 from importlib import import_module
+from itertools import takewhile
 from pathlib import Path
 
 import pytest
@@ -53,7 +54,7 @@ def test_pages_hold_commands() -> None:
 )
 def test_a_command_line_is_one(line: str) -> None:
     """It is parsed, and a named scene takes the settings that it is given."""
-    words = shlex.split(line, comments=True)
+    words = list(takewhile(lambda word: word != ">", shlex.split(line, comments=True)))
     arguments = parser_of(words).parse_args(words)
     scene, given = getattr(arguments, "scene", None), getattr(arguments, "set", None)
     if scene not in SCENES or not given:
