@@ -16,8 +16,7 @@ def lines_of(table: Table, count: int) -> list[list[str]]:
     columns = []
     for column, values in zip(table.factors, table.points.T, strict=True):
         scale = Scale.of(column, values)
-        told = (scale.number(value, 4) for value in values[:count])
-        columns.append([scale.label, *told])
+        columns.append([scale.label, *(scale.number(value, 4) for value in values[:count])])
     measured = zip(table.measures, table.values.T, table.halves.T, table.is_beyond.T, strict=True)
     for column, *found in measured:
         scale = Scale.of(column, found[0])
