@@ -233,8 +233,8 @@ class _Board:
         if not left:
             return
         line = (
-            f"{left} runs of about {lasting(seconds)} (the first), {places} at a time: "
-            f"about {lasting(takes)}"
+            f"{left} run{'s' * (left > 1)} of about {lasting(seconds)} (the first), {places} at a "
+            f"time: about {lasting(takes)}"
         )
         if takes > LONG and not self._is_sure:
             raise InputError(
@@ -246,10 +246,9 @@ class _Board:
 
 def _print(console: Console, table: "Table") -> None:
     """The first rows of a table, with as many measures as the terminal has room for."""
-    from presswear.sweeps.text import cells_of, heads_of
+    from presswear.sweeps.text import lines_of
 
-    heads = heads_of(table)
-    rows = [cells_of(table, row) for row in range(min(_SHOWN, len(table.points)))]
+    heads, *rows = lines_of(table, _SHOWN)
     ends = accumulate(_GAP + max(map(len, cells)) for cells in zip(heads, *rows, strict=True))
     # What was varied and one measure are shown in any case.
     count = max(sum(end <= console.width for end in ends), len(table.factors) + 1)

@@ -234,15 +234,9 @@ def _first_rows(table: Table) -> Shown:
     ]
     rows = []
     for row in range(min(len(table.reasons), FIRST_ROWS)):
-        cells = []
-        for scale, values, is_bound in columns:
-            value = float(values[row])
-            if np.isnan(value):
-                cells.append(NOTHING)
-            elif scale.column.words:
-                cells.append(scale.told(value))
-            else:
-                sign = ">" if is_bound[row] else ""
-                cells.append(f"{sign}{readable(scale.factor * value, 4)}")
+        cells = (
+            f"{'>' * bool(is_bound[row])}{scale.number(float(values[row]), 4)}"
+            for scale, values, is_bound in columns
+        )
         rows.append((f"{row + 1}", *cells))
     return Shown(("run", *(scale.label for scale, *_ in columns)), (("", tuple(rows)),))

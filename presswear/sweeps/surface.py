@@ -207,7 +207,7 @@ def surface(own: Responses) -> Surface:
     if bounds > MOST_BOUNDS * count:
         raise InputError(
             f"no response surface of {name}: {bounds} of {count} points are lower bounds only; "
-            f"at most {MOST_BOUNDS:.0%} may be"
+            f"at most {100.0 * MOST_BOUNDS:.0f} % may be"
         )
     if np.ptp(kept.means) == 0.0:
         raise InputError(f"no response surface of {name}: it is the same at every point")
@@ -218,8 +218,8 @@ def surface(own: Responses) -> Surface:
     if found.left_out.explained < needed:
         raise InputError(
             f"no response surface of {name}: predicted from all others, the points explain "
-            f"{max(found.left_out.explained, 0.0):.0%} of its variance, of which chaos leaves "
-            f"{most:.0%}; at least {needed:.0%} is needed"
+            f"{100.0 * max(found.left_out.explained, 0.0):.0f} % of its variance, of which chaos "
+            f"leaves {100.0 * most:.0f} %; at least {100.0 * needed:.0f} % is needed"
         )
     return found
 

@@ -26,8 +26,8 @@ from presswear.sweeps.plan import Plan
 from presswear.sweeps.run import Gate, Standing, run_rows
 from presswear.sweeps.spread import Required, requirements
 from presswear.sweeps.store import Records, Store, can_begin
-from presswear.sweeps.table import Column, Table
-from presswear.sweeps.text import cells_of, counts_of, heads_of
+from presswear.sweeps.table import NOT_RUN, Column, Table
+from presswear.sweeps.text import counts_of, lines_of
 from presswear.sweeps.values import texts_of
 from presswear.sweeps.work import SceneWork
 from presswear.tools.checked import checked
@@ -39,7 +39,6 @@ SCHEMA = 1
 KEEP = ("measures", "all")
 LONG = 3600.0
 """Time above which a sweep is to be asked for twice, s."""
-NOT_RUN = "not run yet"
 _SHOWN = 20
 """Rows of a table in a terminal."""
 
@@ -127,16 +126,13 @@ class Sweep:
 
     def __str__(self) -> str:
         """The first rows of its table, and how many there are."""
-        table = self.table
-        lines = [heads_of(table)]
-        for row in range(min(len(table.points), _SHOWN)):
-            lines.append(cells_of(table, row))
+        lines = lines_of(self.table, _SHOWN)
         widths = [max(map(len, cells)) for cells in zip(*lines, strict=True)]
         told = [
             "  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)).rstrip()
             for line in lines
         ]
-        return "\n".join([*told, counts_of(table, self.path)])
+        return "\n".join([*told, counts_of(self.table, self.path)])
 
 
 def table_of(plan: Plan, asked: Asked, shortcut: Callable[[int], str], records: Records) -> Table:

@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 from presswear.tools.errors import unknown
 
 Array = NDArray[np.float64]
+NOT_RUN = "not run yet"
+"""Reason of a row that nobody has run."""
 
 
 @dataclass(frozen=True)

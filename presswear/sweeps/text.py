@@ -3,35 +3,38 @@
 import math
 from pathlib import Path
 
-from presswear.sweeps.table import Table
-from presswear.tools.numbers import readable
+from presswear.sweeps.table import NOT_RUN, Table
 
 
-def heads_of(table: Table) -> list[str]:
-    """Names of the columns of a table, with their units."""
-    columns = (*table.factors, *table.measures)
-    return [f"{own.key} ({own.unit})" if own.unit else own.key for own in columns]
+def lines_of(table: Table, count: int) -> list[list[str]]:
+    """The names of the columns of a table with their units, then its first rows.
 
+    A lower bound has its sign, nothing measured is a dash.
+    """
+    from presswear.sweeps.figures.scales import Scale  # slow to import
 
-def cells_of(table: Table, row: int) -> list[str]:
-    """A row of a table as text; a lower bound with its sign, nothing measured as a dash."""
-    found = []
-    for column, value in zip(table.factors, table.points[row], strict=True):
-        found.append(column.words[int(value)] if column.words else readable(value, 4))
-    for value, half, beyond in zip(
-        table.values[row], table.halves[row], table.is_beyond[row], strict=True
-    ):
-        told = readable(value, 4)
-        if beyond:
-            told = f">{told}"
-        found.append(told if math.isnan(half) else f"{told} ± {readable(half, 2)}")
-    return found
+    columns = []
+    for column, values in zip(table.factors, table.points.T, strict=True):
+        scale = Scale.of(column, values)
+        columns.append([scale.label, *(scale.number(value, 4) for value in values[:count])])
+    measured = zip(table.measures, table.values.T, table.halves.T, table.is_beyond.T, strict=True)
+    for column, *found in measured:
+        scale = Scale.of(column, found[0])
+        told = []
+        for value, half, beyond in zip(*(own[:count] for own in found), strict=True):
+            sign = ">" if beyond else ""
+            width = "" if math.isnan(half) else f" ± {scale.number(half, 2)}"
+            told.append(f"{sign}{scale.number(value, 4)}{width}")
+        columns.append([scale.label, *told])
+    return [list(line) for line in zip(*columns, strict=True)]
 
 
 def counts_of(table: Table, path: Path) -> str:
     """How many rows there are and how many have no values, with the first reason."""
-    reasons = [own for own in table.reasons if own]
-    told = f"{len(table.reasons)} rows in {path}"
+    reasons = [own for own in table.reasons if own and own != NOT_RUN]
+    told, waiting = f"{len(table.reasons)} rows in {path}", table.reasons.count(NOT_RUN)
+    if waiting:
+        told += f", {waiting} not run yet"
     if reasons:
         told += f"; {len(reasons)} without values, the first: {reasons[0]}"
     return told

@@ -114,7 +114,7 @@ def test_noise_is_refused_with_its_reason() -> None:
     points = design("sobol", 64, 3, seed=1)
     random = np.random.default_rng(1).standard_normal(64)
     with pytest.raises(
-        InputError, match=r"explain \d+% of its variance, of which chaos leaves 100%"
+        InputError, match=r"explain \d+ % of its variance, of which chaos leaves 100 %"
     ):
         surface(responses(swept(points, random), "y"))
 

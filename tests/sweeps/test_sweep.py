@@ -188,12 +188,12 @@ def test_a_sweep_is_run_gone_on_with_and_widened(
     assert main(["sweep", "wear-times", *VARY, *OPTIONS, *out, "--jobs", "1"]) == 0
     first = capsys.readouterr().out
     assert "2 points, 2 runs" in first
-    assert "1 runs of about" in first
+    assert "1 run of about" in first
     assert "2 rows in" in first
     assert main(["sweep", "wear-times", *VARY, *OPTIONS, *out]) == 2
     assert "it exists and is not empty" in capsys.readouterr().err
     assert main(["sweep", "wear-times", "--resume", *out]) == 0
-    assert "runs of about" not in capsys.readouterr().out
+    assert "of about" not in capsys.readouterr().out
     wider = [word.replace("0.6mm", "0.6mm,0.8mm") for word in VARY]
     shard = ["--shard", "1/2"]
     assert main(["sweep", "wear-times", *wider, *OPTIONS, *out, *shard]) == 2
@@ -260,7 +260,7 @@ def test_runs_of_another_program_are_told_of_and_not_mixed_in(
     assert main([*words, "--jobs", "1", "--resume"]) == 0
     told = capsys.readouterr().out
     assert "was begun by another program (numpy 0.1 there and" in told
-    assert "1 runs of about" in told
+    assert "1 run of about" in told
 
 
 def test_a_table_shows_as_many_measures_as_there_is_room_for() -> None:
@@ -303,7 +303,7 @@ def test_what_takes_longer_than_an_hour_is_asked_for_twice(
     words = ["sweep", "wear-times", *VARY, *OPTIONS, "--out", str(tmp_path / "sweep")]
     assert main([*words, "--jobs", "1"]) == 2
     told = capsys.readouterr().err
-    assert "1 runs of about" in told
+    assert "1 run of about" in told
     assert "--yes" in told
     values = load_sweep(tmp_path / "sweep").table.values[:, 0]
     assert math.isfinite(values[0])

@@ -44,7 +44,7 @@ class Scale:
     @staticmethod
     def of(column: Column, values: Array, *, is_logarithmic: bool = False) -> "Scale":
         """The scale of some values, SI."""
-        told = values[np.isfinite(values)]
+        told = values[np.isfinite(values)] if np.isfinite(values).any() else np.zeros(1)
         largest = float(np.abs(told).max(initial=0.0))
         factor, unit = unit_scale(column.unit, largest) if largest > 0.0 else (1.0, column.unit)
         power = 3 * math.floor(math.log10(factor * largest) / 3.0) if largest > 0.0 else 0
@@ -60,6 +60,12 @@ class Scale:
             return self.column.words[int(value)]
         between = "·" if self.unit.startswith("10") else " "
         return f"{readable(self.factor * value)}{between}{self.unit}".rstrip()
+
+    def number(self, value: float, digits: int = 3) -> str:
+        """A value, SI, as a text without its unit; a word as it is, a dash for none."""
+        if self.column.words and not np.isnan(value):
+            return self.column.words[int(value)]
+        return readable(self.factor * value, digits)
 
     @property
     def label(self) -> str:
