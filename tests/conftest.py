@@ -1,13 +1,30 @@
 """Settings shared by all tests."""
 
+from pathlib import PurePosixPath
+
 import pytest
 from hypothesis import settings
+from xdist.remote import Producer
+from xdist.scheduler import LoadFileScheduling
 
 # The first call of a kernel compiles it, which no deadline allows for.  Examples are
 # the same in every run; `--hypothesis-profile=explore` looks further.
 settings.register_profile("repeatable", deadline=None, derandomize=True, max_examples=60)
 settings.register_profile("explore", deadline=None, max_examples=3000)
 settings.load_profile("repeatable")
+
+
+class LoadFixtures(LoadFileScheduling):
+    """Hands out tests by file, and by folder where a whole one shares what it has measured."""
+
+    def _split_scope(self, nodeid: str) -> str:
+        file = PurePosixPath(super()._split_scope(nodeid))
+        return str(file.parent if file.parent.name == "precision" else file)
+
+
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> LoadFixtures:
+    """Tests go to processes in these parts."""
+    return LoadFixtures(config, log)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

@@ -9,10 +9,11 @@ import pytest
 import presswear as pw
 
 SCENARIOS = Path(__file__).parents[1] / "scenarios"
-QUICK = ("compare", "engines", "ideal", "one_joint", "own_linkage", "wear_times")
+QUICK = ("compare", "engines", "ideal", "one_joint", "own_linkage")
+SLOW = pytest.param("wear_times", marks=pytest.mark.slow)
 
 
-@pytest.mark.parametrize("name", QUICK)
+@pytest.mark.parametrize("name", [*QUICK, SLOW])
 def test_a_script_runs(
     name: str,
     tmp_path: Path,

@@ -266,6 +266,7 @@ def _learned(coordinates: Array, values: Array) -> Process:
         from sklearn.exceptions import ConvergenceWarning  # slow to import
         from sklearn.gaussian_process import GaussianProcessRegressor
         from sklearn.gaussian_process.kernels import ConstantKernel, Matern, WhiteKernel
+        from threadpoolctl import threadpool_limits  # with scikit-learn
     except ImportError:
         raise not_installed("a response surface", "scikit-learn", "sweep") from None
 
@@ -275,7 +276,8 @@ def _learned(coordinates: Array, values: Array) -> Process:
     learner = GaussianProcessRegressor(kernel, n_restarts_optimizer=1, random_state=1)
     count = len(values)
     picked = np.unique(np.linspace(0, count - 1, min(count, MOST_LEARNED)).round().astype(int))
-    with warnings.catch_warnings():
+    # Matrices so small take longer on several threads, which wait on each other.
+    with threadpool_limits(1), warnings.catch_warnings():
         # A length at its bound is a factor that does nothing.
         warnings.simplefilter("ignore", ConvergenceWarning)
         learner.fit(coordinates[picked], values[picked])

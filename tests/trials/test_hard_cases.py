@@ -23,6 +23,8 @@ SLOW = (
     "deeper than c, foundation",
     "100 cycles at 40 pi",
     "at rest, met at 0.14 mm/s",
+    "pin at rest in the middle",
+    "clearance at A alone",
 )
 """Cases of some ten seconds."""
 
