@@ -27,6 +27,8 @@ _MARKS = {"up": "^", "down": "v"}
 _LOOK: dict[str, Any] = {"markersize": 3.0, "fillstyle": "none", "markeredgewidth": 0.5}
 _RANGE = 1e-4
 """Smallest amplitude that is told apart, part of the greatest."""
+_DOTS = 4000.0
+"""Area of all dots of a branch, square points: few are larger."""
 _LEAST = 4.0
 """Highest period up to which the axis goes at least."""
 
@@ -63,12 +65,14 @@ def _draw_orders(diagram: Diagram) -> Drawing:
                 np.arange(1, values.shape[1] + 1),
                 np.maximum(values[rising].T, _RANGE * greatest),
                 norm=LogNorm(_RANGE * greatest, greatest),
+                cmap="cividis",
                 shading="nearest",
                 rasterized=True,
             )
             if k > 0:
                 ring.draw(axes, at, points.resonance[rising, k - 1])
             axes.set_yscale("log")
+            axes.set_ylim(0.5, values.shape[1])
             axes.grid(False)
         row[0].set_ylabel("order (turns\nof the crank)")
         sheet.colorbar(shown, ax=row.tolist(), label=f"amplitude:\n{names[k]}", pad=0.01)
@@ -81,7 +85,7 @@ def _draw_orders(diagram: Diagram) -> Drawing:
         "Amplitudes within half an order of the crank's harmonics, in "
         f"{diagram.extent.order_cycles} cycles at each of {len(over.values)} values, by Welch's "
         "method. Dash-dotted: the order at which the contacts of the joint ring, by one over twice "
-        "their median impact."
+        "their median impact, where there are any."
     )
     return Drawing("orders.png", f"Orders over {over.key}", caption, sheet)
 
@@ -101,13 +105,14 @@ def _draw(diagram: Diagram) -> Drawing:
     panels = sheet.subplots(count, 1, sharex=True, squeeze=False)[:, 0]
     pens = []
     factor, _ = unit_scale(over.unit, over.values[-1])
+    size = float(np.clip(_DOTS / (len(over.values) * diagram.extent.kept), 0.6, 6.0))
     for (way, points), (colour, _) in zip(diagram.branches.items(), LINES, strict=False):
         pens.append(Pen(f"{_WORDS[way]} {over.key}", colour))
         for k, axes in enumerate(panels[: len(joints)]):
             x, y = np.moveaxis(points.eccentricity(k)[:, :, -1], -1, 0)
             angle = np.degrees(np.arctan2(y, x))
             value = np.repeat(factor * points.value[:, None], angle.shape[1], axis=1)
-            axes.scatter(value, angle, s=0.6, color=colour, linewidths=0.0, rasterized=True)
+            axes.scatter(value, angle, s=size, color=colour, linewidths=0.0, rasterized=True)
         if has_exponent:
             low, high = (points.exponent[:, 0] + s * points.exponent[:, 1] for s in (-1.0, 1.0))
             order = np.argsort(factor * points.value)
@@ -126,8 +131,7 @@ def _draw(diagram: Diagram) -> Drawing:
         panels[-1].plot(factor * points.value, periods, _MARKS[way], color=colour, **_LOOK)
     for axes, joint in zip(panels, joints, strict=False):
         axes.set_ylabel(f"direction of the pin\nin joint {joint} (degrees)")
-        axes.set_ylim(-180.0, 180.0)
-        axes.set_yticks(np.arange(-180.0, 181.0, 90.0))
+        axes.yaxis.set_major_locator(MaxNLocator(5, steps=[1.0, 1.5, 3.0, 4.5, 9.0, 10.0]))
     if has_exponent:
         panels[-2].axhline(0.0, color=REFERENCE, linewidth=0.7)
         panels[-2].set_ylabel("largest Lyapunov\nexponent (1/s)")

@@ -63,7 +63,7 @@ def test_lorenz() -> None:
 
 def test_logistic_map() -> None:
     """ln 2 at r = 4."""
-    found = exponent(lambda x: 4.0 * x * (1.0 - x), np.array([0.3123]), 60_000, 1.0, 1e-9)
+    found = exponent(lambda x: 4.0 * x * (1.0 - x), np.array([0.3123]), 20_000, 1.0, 1e-9)
     held(found, math.log(2.0))
 
 
@@ -72,7 +72,7 @@ def test_henon_map() -> None:
     found = exponent(
         lambda x: np.array([1.0 - 1.4 * x[0] ** 2 + x[1], 0.3 * x[0]]),
         np.array([0.1, 0.1]),
-        60_000,
+        20_000,
         1.0,
         1e-9,
     )
@@ -92,7 +92,7 @@ def test_ball_on_a_table_that_repeats_itself(part: float) -> None:
     found = growths(
         lambda x, t: (ball.after(x, t, 0.9 * ball.period), t + 0.9 * ball.period),
         *ball.period_one(0.15 * ball.period),
-        4000,
+        1000,
         np.array([1e-7, 1e-7 * ball.frequency]),
     )
     told = exponent_of(found, 0.9 * ball.period)

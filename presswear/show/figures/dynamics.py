@@ -59,7 +59,7 @@ def phase_portrait(result: Result, stages: Stages) -> list[Drawing]:
     factor, unit = length_scale(max(scene.bearing(joint).clearance for joint in joints))
     for column, stage in zip(grid.T, shown, strict=True):
         own = between(stage.data, *settled_span(scene, stage.data))
-        look = {"color": stage.pen.colour, "linewidth": 0.3, "alpha": 0.6}
+        look = {"color": stage.pen.colour, "linewidth": 0.3}
         column[0].plot(1e3 * own.displacement, own.velocity, **look)
         column[0].set_title(wrapped(stage.pen.label, side))
         column[0].set_xlabel(f"displacement of the {scene.watched} (mm)")
