@@ -20,6 +20,7 @@ from presswear.record.tracker import Progress
 from presswear.results.result import load
 from presswear.scene.catalog import wear_times
 from presswear.studies import make_study
+from presswear.tools.numbers import lasting
 
 STORED = Path(__file__).parents[1] / "data"
 SCENE = replace(wear_times(), engine="dae", wears=2)
@@ -165,4 +166,4 @@ def test_a_study_says_how_long_it_takes_from_what_runs(clock: Clock) -> None:
     board.variant(second, 0.02, "")
     told = console.export_text()
     left = 10.0 * (sum(extents[1:]) - 0.01 * extents[1]) / (0.01 * extents[1])
-    assert f"this study takes about {terminal.lasting(left)}" in " ".join(told.split())
+    assert f"this study takes about {lasting(left)}" in " ".join(told.split())
