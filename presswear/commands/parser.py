@@ -29,10 +29,9 @@ class _Parser(argparse.ArgumentParser):
         found, rest = super().parse_known_args(args, namespace)
         if rest:
             known = self._option_string_actions
-            key, equals, _ = rest[0].partition("=")
-            hint = nearest(key, known) or self._see
-            if equals and not key.startswith("-") and "--set" in known:
-                hint = f"; a value of the scene is set by --set {shlex.quote(rest[0])}"
+            hint = nearest(rest[0].partition("=")[0], known) or self._see
+            if "--set" in known and (setting := _setting_meant(rest, getattr(found, "scene", ""))):
+                hint = f"; a value of the scene is set by --set {shlex.quote(setting)}"
             raise InputError(f"unrecognized arguments: {' '.join(rest)}{hint}")
         return found, rest
 
@@ -45,6 +44,26 @@ class _Parser(argparse.ArgumentParser):
     @property
     def _see(self) -> str:
         return f"; see {self.prog} --help"
+
+
+def _setting_meant(rest: Sequence[str], name: str) -> str:
+    """What ``--set`` is to take, where words that no option takes seem to say it; or nothing.
+
+    Parameters
+    ----------
+    name : str
+        Of the scene that the other words name.
+    """
+    # Imported where something is wrong already.
+    from presswear.scene.catalog import SCENES
+    from presswear.scene.settings import settings_of
+
+    key, equals, value = rest[0].partition("=")
+    if not key.startswith("-"):
+        return rest[0] if equals else "KEY=VALUE"
+    key = key.lstrip("-")
+    keys = {own.key for own in settings_of(SCENES[name].make())} if name in SCENES else set()
+    return f"{key}={value or ' '.join(rest[1:2]) or 'VALUE'}" if key in keys else ""
 
 
 class Commands:

@@ -52,8 +52,12 @@ def check_file(path: Path) -> None:
 
 
 def _nearest(path: Path, is_meant: Callable[[Path], bool]) -> str:
-    beside = path.parent.iterdir() if path.parent.is_dir() else ()
-    return nearest(path.name, (item.name for item in beside if is_meant(item)))
+    """The name beside the first part that is missing which that comes near, as a question."""
+    missing = next((own for own in (*reversed(path.parents), path) if not own.exists()), path)
+    if missing != path:
+        is_meant = Path.is_dir
+    beside = missing.parent.iterdir() if missing.parent.is_dir() else ()
+    return nearest(missing.name, (item.name for item in beside if is_meant(item)))
 
 
 def is_free(path: Path) -> bool:

@@ -40,6 +40,7 @@ from presswear.show.figures.drives import within
 from presswear.show.figures.mechanism import labelled
 from presswear.show.figures.motion import Window
 from presswear.show.figures.style import length_scale, round_down
+from presswear.show.figures.wear import seam
 from presswear.tools.errors import InputError
 from presswear.tools.numbers import given, large, readable, whole, with_interval
 
@@ -255,6 +256,42 @@ def test_depth_is_the_cumulative_total_in_microns() -> None:
     np.testing.assert_allclose(np.asarray(first.get_ydata()), expected)
     np.testing.assert_allclose(np.asarray(second.get_ydata()), 2.0 * expected)
     np.testing.assert_allclose(np.asarray(further.get_ydata()), 3.0 * expected)
+
+
+def lobe(centre: float) -> Any:
+    """A groove of some width around an angle, degrees; its depth at the middles of bins, m."""
+    away = np.angle(np.exp(1j * (bin_centres(BINS) - np.radians(centre))))
+    return 1e-6 * np.exp(-((away / np.radians(25.0)) ** 2))
+
+
+@pytest.mark.parametrize("centre", [0.0, 20.0, 100.0, 200.0, 345.0])
+def test_a_lobe_is_never_cut_in_two(centre: float) -> None:
+    angle = bin_centres(BINS)
+    begin = seam(angle, [lobe(centre), 3.0 * lobe(centre)])
+    assert begin % 10.0 == 0.0
+    around = (centre - begin) % 360.0
+    assert min(around, 360.0 - around) > 60.0
+    result = made_up(BOTH, 2)
+    worn = {**result.stages[1].arrays, "A_depth_pin": lobe(centre), "A_depth_bearing": lobe(centre)}
+    axes = sheet_of("wear", altered(result, 1, arrays={**worn, "A_wear_pin": 0.0 * angle})).axes[0]
+    low, high = axes.get_xlim()
+    assert high - low == 360.0
+    line = axes.get_lines()[0]
+    x, y = np.asarray(line.get_xdata()), np.asarray(line.get_ydata())
+    assert np.all(np.diff(x) > 0.0)
+    depth = 2e6 * lobe(centre)
+    np.testing.assert_allclose(y, np.interp(x, np.degrees(angle), depth, period=360.0), atol=1e-12)
+    assert max(y[0], y[-1]) < 0.05 * depth.max()
+    label = axes.xaxis.get_major_formatter()
+    assert label(540.0) == "180"
+
+
+def test_where_nothing_or_everything_is_worn_an_axis_begins_as_ever() -> None:
+    angle = bin_centres(BINS)
+    for depths in ([], [np.zeros(BINS)], [np.ones(BINS)], [lobe(180.0)]):
+        assert seam(angle, depths) == 0.0
+    # No place is unworn: the one that is worn least.
+    assert seam(angle, [1e-6 + lobe(0.0)]) == pytest.approx(180.0, abs=10.0)
 
 
 def test_very_different_depths_share_a_logarithmic_scale() -> None:

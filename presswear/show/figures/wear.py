@@ -70,6 +70,8 @@ def wear_depth(result: Result, stages: Stages) -> list[Drawing]:
         else "Wear depth of bearing and pin together over the direction of contact, in total "
         "after each wear."
     )
+    if any(axes.get_xlim()[0] for axes in grid.flat):
+        caption += " An axis begins where least is worn, so that no groove is cut in two."
     if any(pen.colour == MUTED for pen in pens.values()):
         jump = " in a single jump" if result.grew_in_steps else ""
         caption += f" The grey line adds what the last stage would wear off{jump}; none ran on it."

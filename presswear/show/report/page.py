@@ -1,6 +1,7 @@
 """One HTML file from a template: figures inside, opens anywhere."""
 
 import base64
+import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -28,6 +29,17 @@ def illustrate(drawing: Drawing, folder: Path) -> Illustration:
     return Illustration(drawing.file, drawing.title, drawing.caption, data)
 
 
+_INTERVAL = re.compile(r"(\d\S*) \((\S+) to (\S+?)( %)?\)")
+"""A number with the ends of its interval behind it."""
+
+
+def _on_one_line(value: Any) -> Any:
+    """What a page shows, where intervals must not be broken; what is markup already stays."""
+    if type(value) is not str:
+        return value
+    return _INTERVAL.sub(lambda found: found[0].replace(" ", "\N{NO-BREAK SPACE}"), value)
+
+
 def render_page(template: str, package: str = _ROOM, **content: Any) -> str:
     """The text of a page; everything in it is escaped.
 
@@ -43,6 +55,7 @@ def render_page(template: str, package: str = _ROOM, **content: Any) -> str:
     environment = Environment(
         loader=ChoiceLoader([PackageLoader(package), PackageLoader(_ROOM)]),
         autoescape=True,
+        finalize=_on_one_line,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,

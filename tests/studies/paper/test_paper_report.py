@@ -17,11 +17,12 @@ from presswear.studies.paper.figures import paper_drawings
 from presswear.studies.paper.printed import PRINTED
 from presswear.studies.paper.report import render
 from presswear.studies.paper.report.numbers import numbers_table, ranges_table, ratios_table
-from presswear.studies.paper.report.summary import findings, headline
+from presswear.studies.paper.report.summary import STYLES, findings, headline
 from presswear.studies.paper.variants import BASE, WEAR, make, variant_key
-from presswear.studies.paper.verdicts import judged
+from presswear.studies.paper.verdicts import Verdict, judged
 from presswear.studies.paper.words import as_printed
 
+FOLDED = ["numbers", "figures", "chosen", "statistics", "origin"]
 SCRIPT = Path(__file__).parents[3] / "scenarios" / "paper.py"
 
 
@@ -37,6 +38,29 @@ def test_every_printed_number_and_claim_is_on_the_page() -> None:
         assert re.sub(r"\s+", " ", as_printed(item.value, item.quantity)) in text
         assert all(part in text for part in item.misprint.split("; "))
     assert all(claim.quote in text for claim in CLAIMS)
+
+
+def test_all_but_summary_and_claims_is_folded_and_links_lead_into_it() -> None:
+    page = render(make(), every_evidence(), [])
+    parts = re.split(r'<details class="part">', page)
+    assert len(parts) == 6
+    assert all(f'<div id="{name}">' in own for name, own in zip(FOLDED, parts[1:], strict=True))
+    linked = re.findall(r'href="#(\w+)"', parts[0])
+    assert linked == ["claims", *FOLDED]
+
+
+def test_what_holds_in_part_is_not_coloured_as_what_does_not_hold() -> None:
+    styles = {verdict: STYLES[verdict] for verdict in Verdict}
+    assert len({styles[Verdict.HOLDS], styles[Verdict.IN_PART], styles[Verdict.FAILS]}) == 3
+    page = render(make(), every_evidence(), [])
+    for style in set(styles.values()):
+        assert re.search(rf"\.{style} {{ color: #\w+", page)
+
+
+def test_intervals_stay_on_one_line() -> None:
+    page = html.unescape(render(make(), every_evidence(), []))
+    assert re.search(r"\d\N{NO-BREAK SPACE}\(\S+\N{NO-BREAK SPACE}to\N{NO-BREAK SPACE}\S+\)", page)
+    assert not re.search(r"\d \([\d.]+ to [\d.]+\)", page)
 
 
 def test_the_page_needs_no_network() -> None:
