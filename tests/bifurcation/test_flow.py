@@ -59,7 +59,7 @@ def test_pairs_that_are_left_alone_part_as_fast() -> None:
     for _ in range(4):
         end = ENGINE.simulate(LINKAGE, start, Plan(2.0 * PERIOD, 1)).end
         start = turned_back(end, start)
-        pair = measure_growth(LINKAGE, start, PERIOD, 2, lambda word, part: None)
+        pair = measure_growth(LINKAGE, start, PERIOD, 1, lambda word, part: None)
         until = next((k for k, apart in enumerate(pair.distance) if apart >= HIGH), -1)
         found.append(math.log(pair.distance[until] / APART) / pair.time[until])
     rates = np.array(found)
