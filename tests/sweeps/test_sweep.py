@@ -364,11 +364,6 @@ def test_the_file_of_a_scene_may_hold_its_sweep(tmp_path: Path) -> None:
     assert written.vary == ("clearance=0.1mm,0.2mm",)
 
 
-def test_times_are_told_as_people_say_them() -> None:
-    told = [command._time(own) for own in (0.04, 59.0, 90.0, 5400.0, 1e6)]
-    assert told == ["0.04 s", "59 s", "1.5 minutes", "1.5 hours", "11.6 days"]
-
-
 def test_without_the_extra_one_line_says_what_to_install(tmp_path: Path) -> None:
     code = (
         "import sys; sys.modules['distributed'] = None; from presswear.__main__ import main; "
