@@ -261,8 +261,8 @@ def run_campaign(
         if lived is None:
             wanting.extend(unknown_wear(scene, stage))
         how = stage.message or stage.status
-        told = stage.diagnostics
-        _LOG.info("stage %d ends: %s, %d cycles, %s", stage.index, how, stage.cycles, told)
+        steps = {key: own for key, own in stage.diagnostics.items() if key.startswith("steps")}
+        _LOG.info("stage %d ends: %s, %d cycles, %s", stage.index, how, stage.cycles, steps)
         for tracker in trackers:
             tracker.stage(stage)
 

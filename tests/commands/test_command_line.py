@@ -6,6 +6,7 @@ import re
 import signal
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -13,7 +14,10 @@ import pytest
 from presswear.__main__ import main
 from presswear.campaign import single
 from presswear.commands import scenes
+from presswear.commands.logs import logged
+from presswear.commands.parser import parser_of
 from presswear.results.folder import ResultFolder
+from presswear.scene.catalog import ideal
 from presswear.scene.files import example_file, scene_from
 from presswear.scene.scene import Scene
 from presswear.show import report
@@ -205,20 +209,26 @@ def test_run_ideal_and_report(tmp_path: Path, capsys: pytest.CaptureFixture[str]
     assert "not empty" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("is_verbose", [True, False])
 def test_what_is_done_is_logged_where_that_is_asked_for(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    is_verbose: bool, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """The library itself leaves it to whoever imports it where that goes."""
-    line = ["run", "ideal", "--cycles", "1", "--engine", "dae", "--out"]
-    for first, behind in ((["-v"], []), ([], ["--verbose"]), ([], [])):
-        folder = tmp_path / f"out-{len(first)}{len(behind)}"
-        assert main([*first, *line, str(folder), *behind]) == 0
-        lines = capsys.readouterr().err.splitlines()
-        assert bool(lines) == bool(first + behind)
-        assert all(re.match(r"\d\d:\d\d:\d\d presswear(\.\w+)+: ", line) for line in lines)
-        for words in ("stage 0 begins: no wear", "stage 0 ends: completed, 4 cycles")[: len(lines)]:
-            assert len([line for line in lines if f".campaign.campaign: {words}" in line]) == 1
+    scene = replace(ideal(), cycles=1, engine="dae")
+    with logged(is_verbose):
+        single.run_scene(scene)
+    lines = capsys.readouterr().err.splitlines()
+    assert bool(lines) == is_verbose
+    assert all(re.match(r"\d\d:\d\d:\d\d presswear(\.\w+)+: ", line) for line in lines)
+    for words in ("stage 0 begins: no wear", "stage 0 ends: completed, 1 cycles")[: len(lines)]:
+        assert len([line for line in lines if f".campaign.campaign: {words}" in line]) == 1
     assert not logging.getLogger("presswear").handlers
+
+
+def test_that_is_asked_for_before_or_behind_the_command() -> None:
+    for words in ("-v list ideal", "list ideal --verbose", "list ideal"):
+        arguments = parser_of(words.split()).parse_args(words.split())
+        assert ("verbose" in arguments) == (words != "list ideal")
 
 
 @pytest.mark.parametrize(

@@ -29,8 +29,8 @@ def illustrate(drawing: Drawing, folder: Path) -> Illustration:
     return Illustration(drawing.file, drawing.title, drawing.caption, data)
 
 
-_INTERVAL = re.compile(r"(\d\S*) \((\S+) to (\S+?)( %)?\)")
-"""A number with the ends of its interval behind it."""
+_INTERVAL = re.compile(r" \(\S+ to \S+?( %)?\)")
+"""The ends of an interval; it begins with a blank, of which there are none in a figure's data."""
 
 
 def _on_one_line(value: Any) -> Any:
