@@ -72,7 +72,8 @@ def test_one_file_without_references(tmp_path: Path) -> None:
 
 def test_bottom_dead_centre_has_a_table() -> None:
     page = page_of(made_up(ONE, 2))
-    assert page.row("standard deviation of the height (µm)")[1] == "40.0\u00a0(30.0\u00a0to\u00a060.0)"
+    told = page.row("standard deviation of the height (µm)")[1]
+    assert told == "40.0\u00a0(30.0\u00a0to\u00a060.0)"
     assert page.row("later than the ideal (ms)")[1] == "−3.00 (too few cycles)"
     assert page.row("the same as crank angle (degrees)")[1] == "−1.8\u00a0± 1.0"
     # Each number stands once: what is told at a glance is not told again.
