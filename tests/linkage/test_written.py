@@ -163,7 +163,7 @@ ONE, OTHER = ["0 s", "1 N"], ["3 s", "1 N m"]
         (at(force="1 N", period="1 s"), "period: it means nothing beside force"),
         ({"direction": "1 rad", "force": "1 N"}, "unknown key of .* 'direction'"),
         (on(over_angle=[["1 deg", "1 N m"], ["0 deg", "0 N m"]]), r"over_angle\[1\]"),
-        (on(over_time=[ONE]), "unknown unit 'N'; known are N m"),
+        (on(over_time=[ONE]), "unknown unit 'N'; did you mean Nm"),
         (on(over_time=[OTHER], period="1 s"), "with a period of 1 s allowed is 0 to 1 s"),
         ({"over_time": [OTHER]}, "body is missing"),
     ],

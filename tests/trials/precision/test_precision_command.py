@@ -82,7 +82,7 @@ def test_the_printed_tables_are_complete(found: Precision) -> None:
         (None, "holds no study"),
         ("{", "cannot be read"),
         ('{"schema": 7}', "has schema 7"),
-        ('{"schema": 3}', "study.scene is missing"),
+        ('{"schema": 4}', "study.scene is missing"),
     ],
 )
 def test_a_broken_study_is_one_clear_line(tmp_path: Path, text: str | None, words: str) -> None:
