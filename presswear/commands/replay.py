@@ -56,10 +56,6 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
     check_folder(arguments.folder)
     size = _size(arguments.size)
     _check(arguments)
-    if arguments.still is None and arguments.movie is None:
-        from presswear.show.replay.window import check_display
-
-        check_display()
     reels = [_first(arguments, console)]
     if arguments.compare is not None:
         from presswear.show.replay.reel import alike
@@ -194,8 +190,9 @@ def _slowed(arguments: argparse.Namespace, reel: "Reel") -> float:
 
 
 def _window(arguments: argparse.Namespace, reels: "list[Reel]", size: tuple[int, int]) -> int:
-    from presswear.show.replay.window import play
+    from presswear.show.replay.window import check_display, play
 
+    check_display()
     first = reels[0]
     start = _time("--from", arguments.start, first, first.start)
     play(reels, size, start, _slowed(arguments, first))
