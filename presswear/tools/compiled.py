@@ -1,7 +1,7 @@
 """Just-in-time compilation with a cache that is never half stale.
 
 Numba keys a cached function by its own source file only: a kernel edited in
-``laws.py`` would leave the compiled callers in ``clearance.py`` untouched.  All
+``laws.py`` would leave the compiled callers in ``contact.py`` untouched.  All
 compiled code of this package therefore lives in a cache folder named after a
 digest of every source file that holds kernels; any edit starts a new folder.
 
