@@ -1,5 +1,6 @@
 """Settings shared by all tests."""
 
+import signal
 from pathlib import PurePosixPath
 
 import pytest
@@ -12,6 +13,9 @@ from xdist.scheduler import LoadFileScheduling
 settings.register_profile("repeatable", deadline=None, derandomize=True, max_examples=60)
 settings.register_profile("explore", deadline=None, max_examples=3000)
 settings.load_profile("repeatable")
+
+# A shell's background jobs have it ignored, and so would the programs that tests interrupt.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 class LoadFixtures(LoadFileScheduling):

@@ -239,6 +239,7 @@ def test_a_signal_stops_and_gives_all_claims_free(tmp_path: Path) -> None:
     command = [sys.executable, str(HERE / "submit_rows.py"), *map(str, words)]
     process = subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.DEVNULL)
     while len(marked(marks)) < 5:
+        assert process.poll() is None
         time.sleep(0.02)
     process.send_signal(signal.SIGINT)
     assert process.wait(20.0) != 0

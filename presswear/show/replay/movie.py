@@ -1,10 +1,11 @@
 """Stills and films from the renderer, without a display."""
 
 import multiprocessing
-import os
 import shutil
 import subprocess
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from itertools import chain
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -17,6 +18,7 @@ from presswear.show.replay.picture import Picture
 from presswear.show.replay.reel import Reel, instants
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.files import write_whole
+from presswear.tools.workers import cores
 
 Pixels = NDArray[np.uint8]
 Frames = Sequence[Sequence[int]]
@@ -72,11 +74,21 @@ def pictures(
         Frame of each reel in every picture.
     note : str
         Words on how they are played.
+
+    Raises
+    ------
+    RunFailed
+        Where a process is ended from outside or by the renderer.
     """
     context = multiprocessing.get_context("spawn")
-    jobs = min(os.cpu_count() or 1, len(frames))
-    with context.Pool(jobs, _begin, (reels, frames, note, size)) as pool:
-        yield from pool.imap(_draw, range(len(frames)))
+    jobs = min(cores(), len(frames))
+    pool = ProcessPoolExecutor(jobs, context, _begin, (reels, frames, note, size))
+    try:
+        yield from pool.map(_draw, range(len(frames)))
+    except BrokenProcessPool:
+        raise RunFailed("a process that draws pictures has ended by itself") from None
+    finally:
+        pool.shutdown(cancel_futures=True)
 
 
 def check_movie(file: Path) -> None:

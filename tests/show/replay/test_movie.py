@@ -1,9 +1,11 @@
 """Films: readable by others, whole or not there."""
 
+import os
 import shutil
 import subprocess
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,7 +15,7 @@ from PIL import Image
 
 from presswear.show.replay.movie import check_movie, pictures, still, write_movie, write_still
 from presswear.show.replay.reel import frames_between
-from presswear.tools.errors import InputError
+from presswear.tools.errors import InputError, RunFailed
 
 REEL = made_up_reel()
 SIZE = (320, 214)
@@ -87,3 +89,16 @@ def test_pictures_come_in_order_from_all_processes(tmp_path: Path) -> None:
     write_still(tmp_path / "one.png", one)
     with Image.open(tmp_path / "one.png") as image:
         assert np.array_equal(np.array(image), one)
+
+
+class Deadly:
+    """Ends the process that receives it."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return os._exit, (1,)
+
+
+def test_a_process_that_ends_by_itself_ends_the_film() -> None:
+    deadly: Any = Deadly()
+    with pytest.raises(RunFailed, match="has ended by itself"):
+        list(pictures([deadly], [[0]], "", SIZE))

@@ -44,7 +44,7 @@ def display(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     monkeypatch.setenv("DISPLAY", f":{number}")
     assert missing_display() == ""
     yield
-    server.terminate()
+    server.kill()
     server.wait()
 
 
