@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.engines.base import Plan
+from presswear.physics.ideal import IdealMotion
 from presswear.record.recorder import Recorder
 from presswear.scene.scene import Scene
 from presswear.tools.workers import Report
@@ -39,7 +40,7 @@ class Deviation:
     @staticmethod
     def of(scene: Scene, recorder: Recorder) -> "Deviation":
         """Take what a run has recorded, of as many cycles as there are without work."""
-        # The ideal motion at every row takes half as long as the run.
+        # A series may hold many more cycles than this takes.
         last = scene.run_up + (Plan.recorded_cycles + 1e-3) * scene.mechanism.period
         rows = slice(int(np.searchsorted(recorder.series("time"), last, side="right")))
         slider = [recorder.series(name)[rows] for name in ("time", "displacement", "velocity")]
@@ -116,7 +117,7 @@ def slider_deviation(scene: Scene, time: Array, moved: Array, speed: Array) -> l
     moved, speed : ndarray, shape (n,)
         Displacement, m, and velocity, m/s.
     """
-    ideal = scene.ideal_slider(time)
+    ideal = scene.ideal_slider(time, IdealMotion.interpolated)
     off, faster = moved - ideal[:, 0], speed - ideal[:, 1]
     wanted = ideal[:, 1]
     centred = off - mean_over_time(time, off)

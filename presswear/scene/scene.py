@@ -1,7 +1,7 @@
 """A scene: everything a person chooses, as data that prints and stores itself."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
 from typing import Any, cast
 
@@ -21,7 +21,7 @@ from presswear.linkage.topology import branches_of
 from presswear.linkage.written import written
 from presswear.physics.bottom import bottom_of
 from presswear.physics.following import followed
-from presswear.physics.ideal import IdealMotion, ideal_motion
+from presswear.physics.ideal import IdealMotion, Motion, ideal_motion
 from presswear.scene.bearing import CONVENTIONS, Bearing, Conventions
 from presswear.scene.life import LIVES, Life
 from presswear.scene.recording import Recording
@@ -453,20 +453,24 @@ class Scene:
         body = self.mechanism.linkage().probe.body
         return "slider" if body.startswith("slider") else body
 
-    def ideal_slider(self, time: Array) -> Array:
+    def ideal_slider(
+        self, time: Array, motion: Callable[[IdealMotion, Array], Motion] = IdealMotion.at
+    ) -> Array:
         """Displacement from the start, velocity and acceleration of the slider, joints closed.
 
         Parameters
         ----------
         time : ndarray, shape (n,)
             s.
+        motion : callable
+            ``IdealMotion.at``, or ``IdealMotion.interpolated`` where that is known well enough.
 
         Returns
         -------
         ndarray, shape (n, 3)
             m, m/s, m/s^2.
         """
-        slider = self.ideal.at(np.append(0.0, time)).watched(self.watching)
+        slider = motion(self.ideal, np.append(0.0, time)).watched(self.watching)
         slider[:, 0] -= slider[0, 0]
         return slider[1:]
 

@@ -31,6 +31,7 @@ from presswear.physics.motion import (
 )
 from presswear.record.recorder import Recorder
 from presswear.record.tracker import Tracker
+from presswear.scene.catalog import slider_crank, wear_times
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.tools.arrays import State
@@ -286,6 +287,18 @@ def test_steps_end_where_a_motion_breaks(engine: Engine) -> None:
     assert scene.run_up in breaks
     for own in breaks[1:-1]:
         assert np.abs(time - own).min() < 1e-12
+
+
+@pytest.mark.parametrize("scene", [wear_times(), slider_crank()], ids=["press", "slider-crank"])
+def test_between_nodes_a_smooth_motion_is_interpolated(scene: Scene) -> None:
+    """No worse than it says, and no better than ``at`` is needed for."""
+    time = np.linspace(0.0, 2.0 * scene.mechanism.period, 5003)
+    near, exact = scene.ideal.interpolated(time), scene.ideal.at(time)
+    for level, within in (("position", 1e-14), ("velocity", 1e-11), ("acceleration", 1e-8)):
+        one, other = getattr(near, level), getattr(exact, level)
+        error = np.abs(one - other).max() / np.abs(other).max()
+        assert error < within
+    assert error > 1e-12
 
 
 def test_a_run_up_starts_at_rest_and_ends_in_step() -> None:
