@@ -36,7 +36,9 @@ class Terminal(Tracker):
         """Show where the campaign stands; ends it where a signal has come."""
         check_stopped()
         if self._waits:
-            self._compiled += clock.perf_counter() - self._waits
+            # The wear after a stage is in the time of none.
+            if not is_wear(self._scene, progress.stage, progress.word):
+                self._compiled += clock.perf_counter() - self._waits
             self._waits = 0.0
         if progress.stage != self._stage:
             self._foretold = self._foretelling(progress.stage)
@@ -79,11 +81,16 @@ def step_of(scene: Scene, stage: int, word: str) -> str:
     """
     if word.startswith(LIFE):
         return word
-    if word.startswith(scene.stage_name(stage + 1)):
+    if is_wear(scene, stage, word):
         return f"applying the {word}"
     name = scene.stage_name(stage)
     name = f"after the {name}" if stage else name
     return f"{name}: {word}" if word else name
+
+
+def is_wear(scene: Scene, stage: int, word: str) -> bool:
+    """True where a word of progress is on the wear after a stage."""
+    return word.startswith(scene.stage_name(stage + 1))
 
 
 def _stage_line(stage: StageResult, compiled: float) -> str:

@@ -114,6 +114,11 @@ def test_compiling_is_said_and_is_no_speed(clock: Clock) -> None:
     assert "3.00 s per simulated second" in console.export_text()
     told.stage(stage)
     assert "15.00 s per simulated second" in console.export_text()
+    told.compiling()
+    clock.now += 8.0
+    told.progress(progress(0, 0.2, "first wear in 8 steps"))
+    told.stage(stage)
+    assert "15.00 s per simulated second" in console.export_text()
 
 
 def test_how_long_it_takes_is_said_once_it_shows(clock: Clock) -> None:
