@@ -7,7 +7,7 @@ from typing import Any
 from rich.console import Console
 
 from presswear.commands.run import add_options, is_plain, run_or_go_on, with_options
-from presswear.commands.terminal import scene_given, settings_given
+from presswear.commands.terminal import add_where, scene_given, settings_given
 from presswear.linkage.materials import MATERIALS
 from presswear.scene.life import FOLLOWED, NEW, TURNED, Life
 from presswear.scene.scene import Scene
@@ -73,6 +73,7 @@ def add(commands: Any) -> None:
         help="compare with each joint made of each pair of materials in the table",
     )
     add_options(life, "results/SCENE-life, or results/lives")
+    add_where(life, "of lives that are compared: ")
     life.set_defaults(run=_run)
 
 

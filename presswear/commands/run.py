@@ -11,6 +11,7 @@ from rich.console import Console
 
 from presswear.commands.terminal import (
     add_required,
+    add_where,
     check_resumed,
     finished_part,
     folder_given,
@@ -54,11 +55,7 @@ def add(commands: Any) -> None:
     named = ", ".join((*SCENES, *STUDIES))
     run.add_argument("scene", help=f"a file, FILE.toml, or one of: {named}")
     add_options(run, "results/SCENE")
-    run.add_argument(
-        "--shard",
-        metavar="K/N",
-        help="of a study: every N-th run from the K-th; its --on is that of presswear sweep too",
-    )
+    add_where(run, "of a study: ")
     run.add_argument("--live", action="store_true", help="show the press in a window while it runs")
     run.set_defaults(run=_run)
 
@@ -89,9 +86,9 @@ def add_options(parser: Any, folder: str) -> None:
         help="change one value, with its unit; repeatable (see presswear list SCENE)",
     )
     parser.add_argument(
-        "--on",
-        metavar="SURFACES",
-        help="begin on given surfaces: DIR:STAGE, those that a stage of another result ran on (1: "
+        "--surfaces",
+        metavar="WHENCE",
+        help="begin on worn ones: DIR:STAGE, those that a stage of another result ran on (1: "
         "those after its first wear, the mean of its starts; without :STAGE its last stage), or "
         "FILE.csv, measured ones, with a header such as joint,side,angle (deg),depth (um), side "
         "bearing or pin; other angles than the maps' own are resampled, the worn volume kept",
@@ -121,25 +118,22 @@ def with_options(scene: Scene, arguments: argparse.Namespace) -> Scene:
                 raise InputError(f"--{key} and --set {key} are both given: one of them is meant")
             settings[key] = given
     scene = changed(scene, settings)
-    if arguments.on is None:
+    if arguments.surfaces is None:
         return scene
     from presswear.results.surfaces import read_surfaces
 
-    return begun_on(scene, read_surfaces(arguments.on), arguments.on)
+    return begun_on(scene, read_surfaces(arguments.surfaces), arguments.surfaces)
 
 
 def _run(arguments: argparse.Namespace, console: Console) -> int:
     if arguments.scene in STUDIES:
-        if arguments.live:
-            raise InputError(f"--live is for scenes; {arguments.scene} is a study of several")
+        for option in ("live", "surfaces"):
+            if getattr(arguments, option):
+                raise InputError(f"--{option} is for scenes; {arguments.scene} is a study of some")
         from presswear.commands import studies
 
-        # It says what does the runs, not on which surfaces they begin.
-        on, arguments.on = arguments.on or "", None
         change = partial(with_options, arguments=arguments)
-        return studies.run(arguments, console, None if is_plain(arguments) else change, on)
-    if arguments.shard is not None:
-        raise InputError(f"--shard is for studies; {arguments.scene} is one scene")
+        return studies.run(arguments, console, None if is_plain(arguments) else change)
     make = partial(with_options, arguments=arguments)
     return run_or_go_on(arguments, console, None if is_plain(arguments) else make)
 
@@ -157,6 +151,9 @@ def run_or_go_on(
         Changes the scene that was named; None: nothing is said about it, and a run that is gone
         on with is the one in its folder.
     """
+    for option in ("on", "shard"):
+        if getattr(arguments, option):
+            raise InputError(f"--{option} is for the runs of a study; this is one run")
     jobs = jobs_given(arguments.jobs)
     interval = seconds_given("--checkpoint", arguments.checkpoint)
     check_resumed(arguments.resume, arguments.out)
@@ -197,7 +194,7 @@ def run_or_go_on(
 
 def is_plain(arguments: argparse.Namespace) -> bool:
     """True where nothing is said about the scene but its name."""
-    told = (arguments.on, *(getattr(arguments, key) for key in OPTIONS))
+    told = (arguments.surfaces, *(getattr(arguments, key) for key in OPTIONS))
     return not arguments.set and all(own is None for own in told)
 
 

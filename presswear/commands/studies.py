@@ -69,7 +69,6 @@ def run(
     arguments: argparse.Namespace,
     console: Console,
     change: Callable[[Scene], Scene] | None,
-    on: str,
 ) -> int:
     """Run a study into one folder, with a change that a person asked for.
 
@@ -77,12 +76,10 @@ def run(
     ----------
     change : callable or None
         None: none was asked for, and a study that is gone on with is the one in its folder.
-    on : str
-        What does the runs; see ``sweeps.executors``.
     """
     study = stored_study(arguments, arguments.scene) if change is None else None
     study = study or make_study(arguments.scene, change or unchanged)
-    run_into(study, arguments, console, on, arguments.shard)
+    run_into(study, arguments, console)
     return 0
 
 
@@ -96,25 +93,20 @@ def stored_study(arguments: argparse.Namespace, name: str) -> Study | None:
     return study
 
 
-def run_into(
-    study: Study,
-    arguments: argparse.Namespace,
-    console: Console,
-    on: str = "",
-    shard: str | None = None,
-) -> None:
+def run_into(study: Study, arguments: argparse.Namespace, console: Console) -> None:
     """Run a study into one folder, or go on with it, and write its report once all is there."""
     jobs = jobs_given(arguments.jobs)
     interval = seconds_given("--checkpoint", arguments.checkpoint)
-    part = shard_given(shard or "1/1")
+    part = shard_given(arguments.shard or "1/1")
     check_resumed(arguments.resume, arguments.out)
     folder = arguments.out or free_folder(study.name)
     go_on = go_on_with(arguments.scene, folder, arguments.command)
     # All jobs of an array begin together, in a folder that one of them makes.
-    resume = arguments.resume or shard is not None
+    resume = arguments.resume or arguments.shard is not None
     kept = "finished runs are kept, the others go on where they stood"
     with goes_on(go_on, folder, lambda: kept), progress_bar(console) as bar:
-        run_study(study, folder, jobs, resume, [Board(study, bar)], interval, on, part)
+        trackers = [Board(study, bar)]
+        run_study(study, folder, jobs, resume, trackers, interval, arguments.on, part)
     left = [] if part[1] == 1 else waiting(study, folder, resume=True)
     if left:
         told = f"{len(left)} of {len(study.variants)} are still to run by others: "

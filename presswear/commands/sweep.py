@@ -13,6 +13,7 @@ from rich.progress import Progress
 from presswear.commands.terminal import (
     add_required,
     add_settings,
+    add_where,
     check_resumed,
     count_given,
     folder_given,
@@ -84,16 +85,7 @@ def add(commands: Any) -> None:
         "--seed", type=place_given, metavar="N", help="draws the points of the sample anew"
     )
     parser.add_argument("--keep", help="measures (default), or all: whole result folders")
-    parser.add_argument(
-        "--on",
-        default="",
-        metavar="WHERE",
-        help="dask (a local cluster), dask://HOST:PORT, or MODULE:FACTORY, which gives a "
-        "concurrent.futures.Executor (default: the cores of this machine)",
-    )
-    parser.add_argument(
-        "--shard", metavar="K/N", help="every N-th row from the K-th, for one job of an array"
-    )
+    add_where(parser)
     parser.add_argument("--jobs", metavar="N", help="runs at a time (default: all cores)")
     parser.add_argument("--out", type=folder_given, help="folder (default results/SCENE-sweep)")
     parser.add_argument(

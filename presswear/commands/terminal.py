@@ -72,6 +72,22 @@ def add_required(parser: Any) -> None:
     )
 
 
+def add_where(parser: Any, of: str = "") -> None:
+    """Add the options ``--on`` and ``--shard``, which say what does the runs of many scenes."""
+    parser.add_argument(
+        "--on",
+        default="",
+        metavar="WHERE",
+        help=f"{of}dask (a local cluster), dask://HOST:PORT, or MODULE:FACTORY, which gives a "
+        "concurrent.futures.Executor (default: the cores of this machine)",
+    )
+    parser.add_argument(
+        "--shard",
+        metavar="K/N",
+        help=f"{of}every N-th run from the K-th, for one job of an array",
+    )
+
+
 def settings_given(items: list[str]) -> dict[str, str]:
     """Read the options ``--set``, by key."""
     settings: dict[str, str] = {}

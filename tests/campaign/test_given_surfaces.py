@@ -94,7 +94,7 @@ def test_the_source_is_needed_no_more(
 ) -> None:
     """Begun from the command line, then run from what is stored, stopped and gone on with."""
     source = shutil.copytree(f"{first.path}", tmp_path / "source")
-    words = ["run", "wear-times", "--on", f"{source}:1", "--cycles", "1", "--wears", "1"]
+    words = ["run", "wear-times", "--surfaces", f"{source}:1", "--cycles", "1", "--wears", "1"]
     for key, value in QUICK.items():
         unit = " rad/s" if key == "speed" else ""
         words += ["--set", f"{key}={value}{unit}"]
