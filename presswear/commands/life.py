@@ -92,7 +92,7 @@ def _with_life(scene: Scene, arguments: argparse.Namespace) -> Scene:
         scene = changed(scene, {"conventions": "refined"})
     if scene.wears == 0 and arguments.wears is None and not told & {"wears"}:
         scene = changed(scene, {"wears": STAGES})
-    return changed(with_options(scene, arguments), settings)
+    return with_options(scene, arguments, settings)
 
 
 def _others(scene: Scene, arguments: argparse.Namespace) -> dict[str, dict[str, str]]:

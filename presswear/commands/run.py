@@ -1,7 +1,7 @@
 """``presswear run`` and ``presswear report``: a scene or a study into its result folder."""
 
 import argparse
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, closing, nullcontext
 from functools import partial
 from pathlib import Path
@@ -108,9 +108,14 @@ def add_options(parser: Any, folder: str) -> None:
     )
 
 
-def with_options(scene: Scene, arguments: argparse.Namespace) -> Scene:
-    """A scene changed as the options of ``run`` say; InputError before anything runs."""
+def with_options(
+    scene: Scene, arguments: argparse.Namespace, more: Mapping[str, str] | None = None
+) -> Scene:
+    """A scene changed as the options of ``run`` say, and ``more``; InputError before any run."""
     settings = settings_given(arguments.set)
+    for key, value in (more or {}).items():
+        if settings.setdefault(key, value) != value:
+            raise InputError(f"{key} is given twice, as {value} and by --set: one of them is meant")
     for key in OPTIONS:
         given = getattr(arguments, key)
         if given is not None:

@@ -66,6 +66,14 @@ from presswear.tools.own import OwnFunction
         (["life", "press-blanking", "--conventions", "paper"], ("footprint", "arc")),
         (["life", "press-blanking", "--wears", "0"], ("wears = 0", "1 to 20")),
         (["life", "press-blanking", "--on", "dask"], ("--on is for the runs of a study",)),
+        (
+            ["life", "press-blanking", "--set", "life.most_cycles=0"],
+            ("life.most_cycles = 0",),
+        ),
+        (
+            ["life", "press-blanking", "--at-most", "5", "--set", "life.at_most=6"],
+            ("life.at_most is given twice, as 5 and by --set",),
+        ),
         (["life", "ideal"], ("no joint has clearance",)),
         (["life", "paper"], ("study",)),
         (["crosscheck", "nonsense"], ("nonsense",)),
