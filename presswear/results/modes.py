@@ -98,6 +98,24 @@ def section_of(scene: Scene, stage: StageResult, joint: str) -> tuple[Array, flo
     return places, 1.0
 
 
+def impacts_of(scene: Scene, stage: StageResult, joint: str) -> tuple[Array, Array]:
+    """Touchdowns of a joint in the recorded cycles behind the start-up: a section at that event.
+
+    Returns
+    -------
+    phase : ndarray, shape (n,)
+        Where in the cycle they are, in parts of it, from 0 to 1.
+    closing_speed : ndarray, shape (n,)
+        Rate of penetration, m/s.
+    """
+    begin, end = settled_span(scene, stage)
+    own = stage.joints[joint]
+    moment = own.contact("touchdown")
+    inside = (moment >= begin) & (moment <= end)
+    phase = (moment[inside] - scene.run_up) / scene.mechanism.period % 1.0
+    return phase, own.contact("closing_speed")[inside]
+
+
 def period_of(scene: Scene, stage: StageResult) -> Periodicity:
     """Period of the places of all pins, in parts of their clearances."""
     places = [section_of(scene, stage, joint)[0] for joint in stage.joint_names]

@@ -6,6 +6,7 @@ import pytest
 import presswear as pw
 from presswear.dynamics.modes import FREE, IMPACT, MODES
 from presswear.results.modes import (
+    impacts_of,
     period_of,
     resonance,
     section_of,
@@ -51,6 +52,23 @@ def test_sections_that_were_kept_are_those_of_the_series(result: Result) -> None
     assert period_of(scene, stage).period is None
 
 
+def test_sections_at_touchdown_are_those_of_the_penetration(result: Result) -> None:
+    """Where it rises through 0 between rows, and as fast."""
+    scene, stage = result.scene, result.stages[0]
+    phase, speed = impacts_of(scene, stage, "B")
+    begin, end = settled_span(scene, stage)
+    time, overlap = stage.time, stage.joints["B"].penetration
+    inside = (time[:-1] > begin) & (time[1:] < end)
+    (k,) = np.nonzero(inside & (overlap[:-1] < 0.0) & (overlap[1:] > 0.0))
+    rate = (overlap[k + 1] - overlap[k]) / (time[k + 1] - time[k])
+    found = (time[k] - overlap[k] / rate) / scene.mechanism.period % 1.0
+    # A contact that goes on at the end is not among those kept.
+    assert len(found) - len(phase) in (0, 1)
+    assert len(phase) > 20
+    np.testing.assert_allclose(phase, found[: len(phase)], rtol=0.0, atol=1e-4)
+    np.testing.assert_allclose(speed, rate[: len(phase)], rtol=0.2)
+
+
 def test_the_table_of_the_report_tells_what_the_arrays_do(result: Result) -> None:
     scene, stage = result.scene, result.stages[0]
     table = motion(result)
@@ -71,12 +89,15 @@ def test_the_table_of_the_report_tells_what_the_arrays_do(result: Result) -> Non
 
 
 def test_figures_are_drawn(result: Result) -> None:
-    axes = result.plot("phase", "poincare", "modes", "spectrum")
-    assert len(axes) == 2 + 1 + 1 + 2
+    axes = result.plot("phase", "poincare", "modes", "spectrum", "impacts")
+    assert len(axes) == 2 + 1 + 1 + 2 + 1
     labels = [own.get_xlabel() for own in axes]
     assert "|e| in joint B (µm)" in labels
     assert "frequency in turns of the cycle (orders)" in labels
     shares = timeline_of(result.scene, result.stages[0], "B").shares
     assert f"free {100.0 * shares['free flight']:.2f}," in axes[3].get_title()
+    (dots,) = axes[-1].collections
+    phase, speed = impacts_of(result.scene, result.stages[0], "B")
+    np.testing.assert_array_equal(dots.get_offsets(), np.column_stack([360.0 * phase, speed]))
     with pytest.raises(pw.InputError, match="nothing to draw as 'modes'"):
         pw.run(pw.scenes.ideal(cycles=1), engine="dae").plot("modes")

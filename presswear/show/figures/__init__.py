@@ -13,6 +13,7 @@ from presswear.show.figures.bottom import bottom_dead_centre
 from presswear.show.figures.drives import drive_work
 from presswear.show.figures.dynamics import (
     contact_modes,
+    impact_section,
     phase_portrait,
     poincare_section,
     spectrum,
@@ -51,6 +52,7 @@ NAMES: dict[str, Callable[[Result, Stages], list[Drawing]]] = {
     "path": centre_trajectory,
     "phase": phase_portrait,
     "poincare": poincare_section,
+    "impacts": impact_section,
     "modes": contact_modes,
     "spectrum": spectrum,
     "drives": drive_work,

@@ -6,6 +6,7 @@ from presswear.dynamics.modes import MODES
 from presswear.results.modes import (
     HIGHEST_ORDER,
     has_motion,
+    impacts_of,
     period_of,
     resonance,
     section_of,
@@ -122,6 +123,39 @@ def poincare_section(result: Result, stages: Stages) -> list[Drawing]:
     )
     legend(sheet, [circle], "outside upper center")
     return [Drawing("poincare.png", "Poincaré section", caption, sheet)]
+
+
+def impact_section(result: Result, stages: Stages) -> list[Drawing]:
+    """Closing speed over the cycle at every touchdown, a panel for joint and stage."""
+    shown, scene = _rattling(result, stages), result.scene
+    if not shown:
+        return []
+    joints, phase = scene.clearance_joints, scene.mechanism.linkage().phase
+    found = [[impacts_of(scene, stage.data, joint) for stage in shown] for joint in joints]
+    fastest = max(float(speed.max(initial=0.0)) for row in found for _, speed in row)
+    if fastest == 0.0:
+        return []
+    sheet = Sheet(figsize=(WIDTH, 0.7 + 1.5 * len(joints)), layout="constrained")
+    grid = sheet.subplots(len(joints), len(shown), squeeze=False, sharex=True, sharey=True)
+    for row, panels, joint in zip(found, grid, joints, strict=True):
+        for (where, speed), axes, stage in zip(row, panels, shown, strict=True):
+            axes.scatter(360.0 * where, speed, s=4.0, color=stage.pen.colour, linewidths=0.0)
+            # Most touchdowns of a pin that rests are far slower than those that end a flight.
+            axes.set_yscale("log")
+        panels[0].set_ylabel(f"joint {joint}\nclosing speed (m/s)")
+    for axes, stage in zip(grid[0], shown, strict=True):
+        axes.set_title(wrapped(stage.pen.label, (WIDTH - 0.9) / len(shown)))
+    for axes in grid[-1]:
+        axes.set_xlabel(f"{phase} in the cycle (degrees)")
+        axes.set_xticks(np.arange(0.0, 361.0, 90.0))
+        axes.set_xlim(0.0, 360.0)
+    fewest = min(len(speed) for row in found for _, speed in row)
+    caption = (
+        f"Every touchdown in the recorded cycles behind the start-up ({fewest} or more a panel): "
+        f"the {phase} at which the pin meets its bearing, and the speed at which they close. A "
+        "motion that repeats itself after k cycles shows each of its touchdowns as k points."
+    )
+    return [Drawing("impacts.png", "Section at touchdown", caption, sheet)]
 
 
 def contact_modes(result: Result, stages: Stages) -> list[Drawing]:
