@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import Linkage
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import Force
 from presswear.physics.energy import SETTLED
 from presswear.physics.load_modes import place_loads

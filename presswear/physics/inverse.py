@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import Linkage
+from presswear.linkage.linkage import Linkage
 from presswear.physics.applied import applied_forces, settle_modes
 from presswear.physics.ideal import IdealMotion
 from presswear.physics.load_modes import place_loads

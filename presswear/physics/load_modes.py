@@ -10,7 +10,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import Linkage
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import OverPosition
 from presswear.physics.load_packing import pack_laws
 from presswear.physics.loads import (

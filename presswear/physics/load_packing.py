@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from presswear.linkage.elements import Linkage
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import (
     LOAD_PARAMETERS,
     Force,

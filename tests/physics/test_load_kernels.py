@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from presswear.linkage.elements import Body, Linkage
+from presswear.linkage.elements import Body
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import (
     Force,
     Harmonics,
