@@ -15,18 +15,16 @@ if TYPE_CHECKING:
     from presswear.engines.settings import ExudynJoints as ExudynJoints
     from presswear.engines.settings import ExudynTree as ExudynTree
     from presswear.engines.settings import InHouse as InHouse
-    from presswear.linkage.elements import Attachment as Attachment
     from presswear.linkage.elements import Bar as Bar
     from presswear.linkage.elements import Body as Body
     from presswear.linkage.elements import ClearanceJoint as ClearanceJoint
     from presswear.linkage.elements import Guide as Guide
-    from presswear.linkage.elements import Linkage as Linkage
     from presswear.linkage.elements import Pin as Pin
-    from presswear.linkage.elements import Probe as Probe
     from presswear.linkage.elements import Revolute as Revolute
     from presswear.linkage.elements import WearLaw as WearLaw
     from presswear.linkage.laws import FrictionLaw as FrictionLaw
     from presswear.linkage.laws import NormalLaw as NormalLaw
+    from presswear.linkage.linkage import Linkage as Linkage
     from presswear.linkage.loads import Force as Force
     from presswear.linkage.loads import Harmonics as Harmonics
     from presswear.linkage.loads import Load as Load
@@ -38,6 +36,8 @@ if TYPE_CHECKING:
     from presswear.linkage.motions import Drive as Drive
     from presswear.linkage.motions import Follow as Follow
     from presswear.linkage.pieces import Rise as Rise
+    from presswear.linkage.points import Attachment as Attachment
+    from presswear.linkage.points import Probe as Probe
     from presswear.linkage.press import Press as Press
     from presswear.linkage.process import Blanking as Blanking
     from presswear.linkage.process import Coining as Coining
@@ -75,18 +75,16 @@ if TYPE_CHECKING:
 _ROOMS = {
     "engines.settings": ("ExudynJoints", "ExudynTree", "InHouse"),
     "linkage.elements": (
-        "Attachment",
         "Bar",
         "Body",
         "ClearanceJoint",
         "Guide",
-        "Linkage",
         "Pin",
-        "Probe",
         "Revolute",
         "WearLaw",
     ),
     "linkage.laws": ("FrictionLaw", "NormalLaw"),
+    "linkage.linkage": ("Linkage",),
     "linkage.loads": (
         "Force",
         "Harmonics",
@@ -98,6 +96,7 @@ _ROOMS = {
     ),
     "linkage.materials": ("Materials",),
     "linkage.motions": ("Drive", "Follow", "Rise"),
+    "linkage.points": ("Attachment", "Probe"),
     "linkage.press": ("Press",),
     "linkage.process": ("Blanking", "Coining", "Drawing"),
     "linkage.servo": ("Dwell", "Forming", "Pendulum"),

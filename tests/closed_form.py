@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from presswear.linkage.elements import Attachment, Linkage
+from presswear.linkage.linkage import Linkage
+from presswear.linkage.points import Attachment
 from presswear.linkage.press import CRANK_2_START, CRANK_7_START, Press
 from presswear.linkage.slider_crank import SliderCrank
 from presswear.physics.ideal import Motion

@@ -1,6 +1,7 @@
 """Linkages of which a part has no freedom once a joint is open."""
 
-from presswear.linkage.elements import Bar, Guide, Linkage, Pin
+from presswear.linkage.elements import Bar, Guide, Pin
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.motions import Drive
 
 PUMP = Linkage(

@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import presswear as pw
-from presswear.linkage.elements import GROUND, MapFrame
+from presswear.linkage.elements import MapFrame
+from presswear.linkage.points import GROUND
 from presswear.physics.contact import CONTACT, note_contacts, penetration_acceleration
 from presswear.physics.forces import JointLoad, load_of
 from presswear.physics.packed import Packed, pack

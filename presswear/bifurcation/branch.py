@@ -14,7 +14,7 @@ from presswear.bifurcation.over import Extent, Over
 from presswear.campaign.starts import start_of, turned_back
 from presswear.engines.base import Plan, Start
 from presswear.engines.settings import InHouse
-from presswear.linkage.elements import Linkage
+from presswear.linkage.linkage import Linkage
 from presswear.physics.constraints import constraints_of
 from presswear.physics.contact import CONTACT, note_contacts
 from presswear.physics.packed import pack

@@ -14,7 +14,7 @@ from presswear.engines.base import Plan, Start, recorder_of
 from presswear.engines.dae.engine import prepare
 from presswear.engines.driver import Simulation
 from presswear.engines.settings import InHouse
-from presswear.linkage.elements import Linkage
+from presswear.linkage.linkage import Linkage
 from presswear.physics.tree import Tree, tree_of
 from presswear.record.observe import Book
 from presswear.scene.scene import Scene

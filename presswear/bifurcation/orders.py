@@ -10,7 +10,7 @@ from presswear.dynamics.modes import resonance_of
 from presswear.dynamics.spectra import spectrum_of
 from presswear.engines.base import Plan, Start
 from presswear.engines.settings import InHouse
-from presswear.linkage.elements import Linkage
+from presswear.linkage.linkage import Linkage
 from presswear.physics.touchdown import CONTACT_COLUMNS
 
 Array = NDArray[np.float64]

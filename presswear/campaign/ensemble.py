@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 from presswear.campaign.progress import Forecast
 from presswear.campaign.segment import Reached, Segment, Task, linkage_on
 from presswear.engines.base import Run, Status
-from presswear.linkage.elements import Linkage
+from presswear.linkage.linkage import Linkage
 from presswear.record.film import Film
 from presswear.record.recorder import Recorder
 from presswear.record.sampling import (

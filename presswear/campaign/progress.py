@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from presswear.linkage.elements import Linkage
+from presswear.linkage.linkage import Linkage
 from presswear.record.film import Film
 from presswear.record.tracker import Progress, Tracker
 from presswear.scene.scene import Scene

@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from presswear.campaign.starts import start_of
 from presswear.engines.base import Plan, Run, Start, Status, recorder_of
-from presswear.linkage.elements import ClearanceJoint, Linkage
+from presswear.linkage.elements import ClearanceJoint
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.surface import Surface
 from presswear.physics.bottom import bottom_of
 from presswear.record.recorder import Recorder

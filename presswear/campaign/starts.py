@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from presswear.engines.base import Start
-from presswear.linkage.elements import Linkage
+from presswear.linkage.linkage import Linkage
 from presswear.physics.constraints import constraints_of
 from presswear.scene.scene import Scene
 

@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import ClearanceJoint, Linkage
+from presswear.linkage.elements import ClearanceJoint
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.surface import bin_centres
 from presswear.physics.wear import worn_volume
 from presswear.record.recorder import Recorder

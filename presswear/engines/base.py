@@ -7,10 +7,10 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import Linkage
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import Force
 from presswear.physics.energy import SETTLED
-from presswear.physics.loads import place_loads
+from presswear.physics.load_modes import place_loads
 from presswear.record.observe import ROWS_AT_LEAST
 from presswear.record.recorder import Recorder
 from presswear.record.soundness import Finding

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.engines.base import Plan, Run, Start, Status, recorder_of
-from presswear.linkage.elements import Linkage
+from presswear.linkage.linkage import Linkage
 from presswear.physics.constraints import Constraints
 from presswear.physics.energy import Ledger
 from presswear.record.observe import CONTACT_MADE, DRIVE_WORK

@@ -22,7 +22,7 @@ from presswear.tools.quantities import choice, quantity
 
 if TYPE_CHECKING:
     from presswear.engines.base import Plan, Run, Start
-    from presswear.linkage.elements import Linkage
+    from presswear.linkage.linkage import Linkage
 
 Integrator = Literal["auto", "dop853", "dopri5", "rk4", "rk4-paper"]
 Purpose = Literal["trajectory", "forces", "wear"]

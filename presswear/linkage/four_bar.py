@@ -1,6 +1,7 @@
 """A four-bar linkage, the example to begin with."""
 
-from presswear.linkage.elements import Bar, Linkage, Pin
+from presswear.linkage.elements import Bar, Pin
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.motions import Drive
 
 FOUR_BAR = Linkage(

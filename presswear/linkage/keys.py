@@ -4,7 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
-from presswear.linkage.elements import BAR, Body, Guide, Linkage
+from presswear.linkage.elements import BAR, Body, Guide
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import Force, Harmonics, Load, OverPosition, OverTime, Spring
 from presswear.linkage.motions import Drive, Follow
 from presswear.linkage.points import ANGLE as ANGLE

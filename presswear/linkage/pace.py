@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterator
 
-from presswear.linkage.elements import Linkage
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import Harmonics, Load, OverTime
 from presswear.linkage.points import GROUND
 from presswear.tools.errors import InputError

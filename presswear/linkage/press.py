@@ -12,18 +12,8 @@ from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from typing import Any, Self
 
-from presswear.linkage.elements import (
-    GROUND,
-    Attachment,
-    Body,
-    Guide,
-    Linkage,
-    Probe,
-    Revolute,
-    bar_ends,
-    gravity,
-    run_up,
-)
+from presswear.linkage.elements import Body, Guide, Revolute, bar_ends
+from presswear.linkage.linkage import Linkage, gravity, run_up
 from presswear.linkage.mechanism import (
     LONG,
     Mechanism,
@@ -32,6 +22,7 @@ from presswear.linkage.mechanism import (
     mass,
 )
 from presswear.linkage.motions import Drive, torque_limit
+from presswear.linkage.points import GROUND, Attachment, Probe
 from presswear.linkage.servo import SERVOS, Servo
 from presswear.tools.checked import checked
 from presswear.tools.errors import InputError

@@ -6,14 +6,7 @@ from itertools import chain, repeat
 from pathlib import Path
 from typing import Any
 
-from presswear.linkage.elements import (
-    Attachment,
-    Bar,
-    Body,
-    Guide,
-    Linkage,
-    Pin,
-)
+from presswear.linkage.elements import Bar, Body, Guide, Pin
 from presswear.linkage.keys import (
     ANGLE,
     ANGLES,
@@ -34,6 +27,7 @@ from presswear.linkage.keys import (
     Kind,
     known_of,
 )
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import (
     LOAD_PARAMETERS,
     AnyLoad,
@@ -47,6 +41,7 @@ from presswear.linkage.loads import (
 )
 from presswear.linkage.motions import Drive, Follow
 from presswear.linkage.pieces import Rise
+from presswear.linkage.points import Attachment
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.own import OwnFunction
 from presswear.tools.quantities import Meaning, parse_quantity

@@ -9,18 +9,8 @@ import math
 from dataclasses import dataclass
 from functools import lru_cache, partial
 
-from presswear.linkage.elements import (
-    GROUND,
-    Attachment,
-    Body,
-    Guide,
-    Linkage,
-    Probe,
-    Revolute,
-    bar_ends,
-    gravity,
-    run_up,
-)
+from presswear.linkage.elements import Body, Guide, Revolute, bar_ends
+from presswear.linkage.linkage import Linkage, gravity, run_up
 from presswear.linkage.mechanism import (
     LONG,
     Mechanism,
@@ -29,6 +19,7 @@ from presswear.linkage.mechanism import (
     mass,
 )
 from presswear.linkage.motions import Drive, torque_limit
+from presswear.linkage.points import GROUND, Attachment, Probe
 from presswear.tools.checked import checked
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import quantity

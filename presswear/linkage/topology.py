@@ -3,7 +3,9 @@
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from presswear.linkage.elements import GROUND, Attachment, Guide, Linkage, Revolute
+from presswear.linkage.elements import Guide, Revolute
+from presswear.linkage.linkage import Linkage
+from presswear.linkage.points import GROUND, Attachment
 
 Joint = Revolute | Guide
 

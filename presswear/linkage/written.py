@@ -9,12 +9,6 @@ from dataclasses import asdict
 from itertools import chain, repeat
 from typing import Any
 
-from presswear.linkage.elements import (
-    GROUND,
-    Attachment,
-    Linkage,
-    Probe,
-)
 from presswear.linkage.keys import (
     ANGLE,
     ANGLES,
@@ -29,6 +23,7 @@ from presswear.linkage.keys import (
     Kind,
     known_of,
 )
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import (
     AnyLoad,
     Harmonics,
@@ -39,6 +34,7 @@ from presswear.linkage.loads import (
     OverTime,
 )
 from presswear.linkage.motions import Drive, Follow
+from presswear.linkage.points import GROUND, Attachment, Probe
 from presswear.tools.own import OwnFunction
 from presswear.tools.quantities import Meaning
 

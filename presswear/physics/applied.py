@@ -3,7 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.physics.loads import load_forces, settle_loads
+from presswear.physics.load_modes import settle_loads
+from presswear.physics.loads import load_forces
 from presswear.physics.packed import Packed
 from presswear.physics.springs import spring_forces
 from presswear.tools.compiled import compiled, copy_to, inlined

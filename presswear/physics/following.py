@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import Linkage
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.mechanism import Mechanism
 from presswear.linkage.pieces import LEAST_PIECE, MOST_PIECES
 from presswear.physics.assembly import ROUND_OFF, closed

@@ -14,7 +14,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import Linkage
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.motions import run_up_motion
 from presswear.physics.assembly import ROUND_OFF, Levels, assembled, closed, stuck
 from presswear.physics.rows import Rows

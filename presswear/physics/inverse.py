@@ -3,10 +3,10 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import Linkage
+from presswear.linkage.linkage import Linkage
 from presswear.physics.applied import applied_forces, settle_modes
 from presswear.physics.ideal import IdealMotion
-from presswear.physics.loads import place_loads
+from presswear.physics.load_modes import place_loads
 from presswear.physics.packed import pack
 from presswear.tools.errors import InputError
 

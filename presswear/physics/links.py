@@ -12,7 +12,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import GROUND, Guide, Linkage
+from presswear.linkage.elements import Guide
+from presswear.linkage.linkage import Linkage
+from presswear.linkage.points import GROUND
 from presswear.linkage.topology import Branch
 from presswear.tools.compiled import Records, inlined
 

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from presswear.linkage.elements import Linkage
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.motions import MOST_HARMONICS, Drive
 from presswear.linkage.pieces import DEGREE, MOST_PIECES
 from presswear.tools.compiled import Records, apart, compiled, inlined

@@ -6,11 +6,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import GROUND, ClearanceJoint, Linkage
+from presswear.linkage.elements import ClearanceJoint
+from presswear.linkage.linkage import Linkage
+from presswear.linkage.points import GROUND
 from presswear.linkage.surface import Surface
 from presswear.physics.foundation import foundation_stiffness
 from presswear.physics.laws import FRICTION, NORMAL, friction_record, normal_record
-from presswear.physics.loads import Loads, pack_loads
+from presswear.physics.load_packing import pack_loads
+from presswear.physics.loads import Loads
 from presswear.physics.springs import pack_springs
 from presswear.physics.surface import AROUND, BEARING, PIN, ROWS, packed_rows
 from presswear.tools.compiled import Records

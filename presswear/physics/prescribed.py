@@ -13,7 +13,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import GROUND, Linkage
+from presswear.linkage.linkage import Linkage
+from presswear.linkage.points import GROUND
 from presswear.linkage.topology import chain_of
 from presswear.physics.links import GUIDED, LINK, arm, pack_links
 from presswear.physics.motion import MOTION, drive_motion, pack_motion

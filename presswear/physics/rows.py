@@ -8,8 +8,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import GROUND, Attachment, Linkage, Probe
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.motions import Drive, series
+from presswear.linkage.points import GROUND, Attachment, Probe
 
 Array = NDArray[np.float64]
 

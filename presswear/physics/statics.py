@@ -15,7 +15,8 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import Linkage, Revolute
+from presswear.linkage.elements import Revolute
+from presswear.linkage.linkage import Linkage
 from presswear.physics.applied import applied_forces
 from presswear.physics.assembly import ROUND_OFF
 from presswear.physics.bottom import bottom_of

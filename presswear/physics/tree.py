@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import Linkage
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.topology import branches_of, prescribed_of
 from presswear.physics.links import COORDINATES, GUIDED, LOOSE, pack_links
 from presswear.physics.prescribed import Prescribed, pack_prescribed

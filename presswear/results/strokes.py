@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.physics.loads import sizes_over
+from presswear.physics.load_modes import sizes_over
 from presswear.physics.touchdown import crossing, hermite
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import Any
 
-from presswear.linkage.elements import Linkage
+from presswear.linkage.linkage import Linkage
 from presswear.scene.catalog import SCENES
 from presswear.scene.scene import Scene
 from presswear.scene.settings import DEFAULT, IN_FILE, differences, replaced, settings_of

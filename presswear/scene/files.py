@@ -6,8 +6,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from presswear.linkage.elements import Linkage
 from presswear.linkage.four_bar import FOUR_BAR
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.press import Press
 from presswear.linkage.reading import read
 from presswear.linkage.slider_crank import SliderCrank

@@ -8,10 +8,11 @@ from typing import Any, cast
 import numpy as np
 
 from presswear.engines.settings import USUAL, Engine, ExudynJoints, ExudynTree, InHouse, Purpose
-from presswear.linkage.elements import Attachment, Linkage
 from presswear.linkage.laws import DAMPINGS
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import LOAD_PARAMETERS, Force, Load, OverPosition
 from presswear.linkage.pace import check_pace
+from presswear.linkage.points import Attachment
 from presswear.linkage.press import Press
 from presswear.linkage.process import PROCESSES, Process, laws_of
 from presswear.linkage.reading import read

@@ -10,7 +10,7 @@ from typing import ClassVar
 
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree
-from presswear.linkage.elements import Linkage
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.topology import bodies_of, joints_of
 from presswear.physics.tree import Tree, tree_of
 from presswear.tools.errors import RunFailed

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from presswear.engines.base import Plan, Run, Start, recorder_of
 from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
-from presswear.linkage.elements import Linkage
+from presswear.linkage.linkage import Linkage
 from presswear.record.recorder import Recorder
 from presswear.record.soundness import Finding
 from presswear.record.tracker import Progress, Tracker

@@ -9,7 +9,8 @@ import pytest
 
 from presswear.campaign.bottom import bottom_statistics
 from presswear.campaign.single import run_scene
-from presswear.linkage.elements import Bar, Linkage, Pin
+from presswear.linkage.elements import Bar, Pin
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.motions import Drive
 from presswear.linkage.press import GEOMETRIES, Press
 from presswear.linkage.servo import Dwell

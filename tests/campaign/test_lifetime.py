@@ -21,7 +21,7 @@ from presswear.campaign.crossing import Block
 from presswear.campaign.life import Pass
 from presswear.campaign.lifetime import problem_of, told_of
 from presswear.engines import driver
-from presswear.linkage.elements import Linkage
+from presswear.linkage.linkage import Linkage
 from presswear.record.recorder import Recorder
 from presswear.record.soundness import Condition, Finding
 from presswear.record.tracker import Progress, Tracker

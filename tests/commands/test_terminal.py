@@ -14,7 +14,7 @@ from presswear.commands import running, terminal
 from presswear.commands.running import Terminal, step_of
 from presswear.commands.studies import Board
 from presswear.commands.terminal import Foretold, progress_bar
-from presswear.linkage.elements import Linkage
+from presswear.linkage.linkage import Linkage
 from presswear.record.tracker import Progress
 from presswear.results.result import load
 from presswear.scene.catalog import wear_times

@@ -1,7 +1,9 @@
 """Two free bodies, one with a bearing, the other with a pin in it."""
 
-from presswear.linkage.elements import Attachment, Body, ClearanceJoint, Linkage, Probe
+from presswear.linkage.elements import Body, ClearanceJoint
 from presswear.linkage.laws import FrictionLaw, NormalLaw, lankarani_nikravesh_damping
+from presswear.linkage.linkage import Linkage
+from presswear.linkage.points import Attachment, Probe
 
 CLEARANCE = 0.8e-3
 FRICTIONLESS = FrictionLaw(0.0)

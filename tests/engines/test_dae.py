@@ -11,7 +11,9 @@ from presswear.campaign.starts import start_of
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.dae.dynamics import rates, system_of
 from presswear.engines.settings import InHouse
-from presswear.linkage.elements import Attachment, Body, Linkage, Probe, Revolute
+from presswear.linkage.elements import Body, Revolute
+from presswear.linkage.linkage import Linkage
+from presswear.linkage.points import Attachment, Probe
 from presswear.linkage.surface import Surface, bin_centres
 from presswear.physics.constraints import constraints_of
 from presswear.physics.multipliers import held_by, project, project_acceleration

@@ -10,8 +10,10 @@ import pytest
 from presswear.campaign.starts import start_of
 from presswear.engines.base import Plan, Start
 from presswear.engines.settings import Engine, ExudynJoints, InHouse
-from presswear.linkage.elements import GROUND, Attachment, Body, Linkage, Probe
+from presswear.linkage.elements import Body
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import Spring
+from presswear.linkage.points import GROUND, Attachment, Probe
 from presswear.linkage.press import GEOMETRIES, Press
 from presswear.scene.catalog import ideal
 from presswear.trials.runs import order_of

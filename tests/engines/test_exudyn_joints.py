@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 from presswear.campaign.starts import start_of
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import ExudynJoints
-from presswear.linkage.elements import Linkage
 from presswear.linkage.laws import (
     FrictionLaw,
     delivered_restitution,
     greatest_penetration,
     lankarani_nikravesh_damping,
 )
+from presswear.linkage.linkage import Linkage
 from presswear.record.observe import CYCLE_FIXED_COUNT, CYCLE_JOINT_COUNT, WORK_DOSE
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import ideal, wear_times

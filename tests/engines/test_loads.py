@@ -11,7 +11,8 @@ from listeners import Keeps
 from presswear.campaign.starts import start_of
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
-from presswear.linkage.elements import GROUND, Attachment, Body, Guide, Linkage, Probe
+from presswear.linkage.elements import Body, Guide
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import (
     Force,
     Harmonics,
@@ -21,6 +22,7 @@ from presswear.linkage.loads import (
     OverTime,
     Spring,
 )
+from presswear.linkage.points import GROUND, Attachment, Probe
 from presswear.physics.loads import ELASTIC, OFF, WHOLE
 from presswear.scene.catalog import ideal, wear_times
 from presswear.tools.arrays import State

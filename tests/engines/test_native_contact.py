@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from presswear.engines.base import Plan, Start
 from presswear.engines.settings import ExudynJoints, InHouse
-from presswear.linkage.elements import Linkage
 from presswear.linkage.laws import FrictionLaw
+from presswear.linkage.linkage import Linkage
 
 NOMINAL = 0.9
 DURATION = 1e-3

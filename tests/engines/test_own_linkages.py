@@ -9,8 +9,9 @@ from ten_touches import agreed_over_ten_touches
 
 from presswear.campaign.starts import start_of
 from presswear.engines.base import Plan
-from presswear.linkage.elements import Bar, Body, Guide, Linkage, Pin
+from presswear.linkage.elements import Bar, Body, Guide, Pin
 from presswear.linkage.four_bar import FOUR_BAR
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.motions import Drive
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed

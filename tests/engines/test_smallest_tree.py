@@ -11,9 +11,9 @@ from sub_chains import ARM, PUMP, STEPHENSON
 from ten_touches import agreed_over_ten_touches
 
 from presswear.engines.settings import ExudynTree
-from presswear.linkage.elements import Attachment
 from presswear.linkage.four_bar import FOUR_BAR
 from presswear.linkage.loads import Load, Spring
+from presswear.linkage.points import Attachment
 from presswear.scene.bearing import Bearing
 from presswear.scene.catalog import clearance_c, slider_crank
 from presswear.scene.scene import Scene

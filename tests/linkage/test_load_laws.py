@@ -9,7 +9,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from presswear.linkage.elements import Attachment
 from presswear.linkage.four_bar import FOUR_BAR
 from presswear.linkage.loads import (
     LEAST_GAP,
@@ -20,6 +19,7 @@ from presswear.linkage.loads import (
     OverPosition,
     OverTime,
 )
+from presswear.linkage.points import Attachment
 from presswear.tools.errors import InputError
 from presswear.tools.own import OwnFunction
 

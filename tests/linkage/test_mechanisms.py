@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from presswear.campaign.starts import start_of
 from presswear.engines.base import Plan
 from presswear.engines.settings import InHouse
-from presswear.linkage.elements import GROUND, Attachment, Linkage
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.mechanism import Mechanism
+from presswear.linkage.points import GROUND, Attachment
 from presswear.linkage.press import CRANK_2_START, CRANK_7_START, GEOMETRIES, Geometry, Press
 from presswear.linkage.slider_crank import SliderCrank
 from presswear.physics.constraints import constraints_of

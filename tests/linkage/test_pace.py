@@ -8,8 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from presswear.linkage.elements import CYCLE, MOST_TURNS, Bar, Body, Linkage, Pin
+from presswear.linkage.elements import Bar, Body, Pin
 from presswear.linkage.four_bar import FOUR_BAR
+from presswear.linkage.linkage import CYCLE, MOST_TURNS, Linkage
 from presswear.linkage.loads import Harmonics, Moment, OverPosition, OverTime, Spring
 from presswear.linkage.motions import Drive
 from presswear.linkage.pace import HEAVIER, MOST_STEPS

@@ -11,17 +11,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from presswear.linkage.elements import (
-    GROUND,
-    Attachment,
-    Bar,
-    Body,
-    Guide,
-    Linkage,
-    Pin,
-    Probe,
-)
+from presswear.linkage.elements import Bar, Body, Guide, Pin
 from presswear.linkage.four_bar import FOUR_BAR
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import (
     Force,
     Harmonics,
@@ -33,6 +25,7 @@ from presswear.linkage.loads import (
 )
 from presswear.linkage.motions import Drive, Follow
 from presswear.linkage.pieces import RISES, Rise
+from presswear.linkage.points import GROUND, Attachment, Probe
 from presswear.linkage.press import GEOMETRIES, Press
 from presswear.linkage.reading import read
 from presswear.linkage.slider_crank import SliderCrank

@@ -8,7 +8,7 @@ from branches import branching, placed, tree
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from presswear.linkage.elements import Linkage
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.press import Press
 from presswear.physics.articulated import ARTICULATED, articulate, release
 from presswear.physics.constraints import constraints_of

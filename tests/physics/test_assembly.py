@@ -10,16 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import (
-    GROUND,
-    Attachment,
-    Body,
-    Linkage,
-    Probe,
-    Revolute,
-    bar_ends,
-)
+from presswear.linkage.elements import Body, Revolute, bar_ends
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.motions import Drive
+from presswear.linkage.points import GROUND, Attachment, Probe
 from presswear.linkage.press import GEOMETRIES, Press
 from presswear.linkage.slider_crank import SliderCrank
 from presswear.physics.assembly import assembled

@@ -9,8 +9,10 @@ import pytest
 from closed_form import press_motion, slider_crank_motion
 from scipy.optimize import brentq
 
-from presswear.linkage.elements import Bar, Linkage, Pin, Probe
+from presswear.linkage.elements import Bar, Pin
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.motions import Drive
+from presswear.linkage.points import Probe
 from presswear.linkage.press import GEOMETRIES, Press
 from presswear.linkage.slider_crank import SliderCrank
 from presswear.physics.bottom import bottom_of

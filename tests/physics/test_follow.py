@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import Linkage
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.motions import Drive, Follow
 from presswear.linkage.pieces import RISES, Rise
 from presswear.linkage.press import Press

@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from presswear.linkage.elements import Body, Linkage
+from presswear.linkage.elements import Body
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import (
     Force,
     Harmonics,
@@ -20,17 +21,8 @@ from presswear.linkage.loads import (
     Sense,
     Table,
 )
-from presswear.physics.loads import (
-    OFF,
-    RISING,
-    Loads,
-    load_forces,
-    load_motion,
-    load_size,
-    next_break,
-    place_loads,
-    settle_loads,
-)
+from presswear.physics.load_modes import next_break, place_loads, settle_loads
+from presswear.physics.loads import OFF, RISING, Loads, load_forces, load_motion, load_size
 from presswear.physics.packed import pack
 
 BODY = Body("body", 1.0, 1.0, {"tip": (0.2, -0.1)})

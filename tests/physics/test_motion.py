@@ -14,8 +14,8 @@ from listeners import Keeps
 from presswear.campaign.starts import start_of
 from presswear.engines.base import Plan, Run
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
-from presswear.linkage.elements import Linkage
 from presswear.linkage.four_bar import FOUR_BAR
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.motions import Drive, run_up_motion
 from presswear.linkage.pieces import RISES, Rise
 from presswear.linkage.reading import read

@@ -11,9 +11,11 @@ from numpy.typing import NDArray
 from scipy.linalg import null_space
 from sub_chains import ARM, PUMP, STEPHENSON
 
-from presswear.linkage.elements import Attachment, Guide, Linkage, Pin
+from presswear.linkage.elements import Guide, Pin
 from presswear.linkage.four_bar import FOUR_BAR
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.motions import Drive
+from presswear.linkage.points import Attachment
 from presswear.linkage.press import GEOMETRIES, Press
 from presswear.linkage.slider_crank import SliderCrank
 from presswear.linkage.topology import prescribed_of

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 import presswear as pw
 from presswear.campaign.starts import start_of
 from presswear.engines.base import Plan
-from presswear.linkage.elements import ClearanceJoint, Linkage
+from presswear.linkage.elements import ClearanceJoint
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.press import GEOMETRIES
 from presswear.physics.bottom import bottom_of
 from presswear.physics.statics import LEAST_PULL, equilibrium, heights_at_bottom, pull_of

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import Linkage
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.press import GEOMETRIES, Press
 from presswear.physics.following import motion_of
 from presswear.physics.links import CARRIED, accelerate_links, carry_branches, gather_forces

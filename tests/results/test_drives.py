@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from presswear.campaign.single import run_scene
-from presswear.linkage.elements import Bar, Linkage, Pin
+from presswear.linkage.elements import Bar, Pin
 from presswear.linkage.four_bar import FOUR_BAR
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.motions import Drive
 from presswear.results.drives import Share, drives_of
 from presswear.results.tables import table_of, unit_of

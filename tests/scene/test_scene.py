@@ -5,6 +5,7 @@ import math
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
@@ -14,7 +15,7 @@ from presswear.linkage.press import Press
 from presswear.linkage.slider_crank import SliderCrank
 from presswear.scene.bearing import CONVENTIONS, Bearing, Conventions
 from presswear.scene.catalog import SCENES, scene_named, slider_crank, wear_times
-from presswear.scene.scene import Numerics, Scene
+from presswear.scene.scene import Numerics, Scene, stage_name
 from presswear.scene.settings import changed
 from presswear.tools.errors import InputError
 
@@ -278,3 +279,21 @@ def test_the_in_house_integrator_follows_as_well() -> None:
     assert (wear.integrator, trajectory.integrator) == ("dopri5", "dop853")
     assert (wear.integration_tolerance, trajectory.integration_tolerance) == (1e-6, 1e-9)
     assert InHouse().resolved() == trajectory
+
+
+def test_ideal_slider_is_the_closed_form() -> None:
+    scene = wear_times()
+    slider = scene.ideal_slider(np.linspace(0.0, scene.mechanism.period, 2001))
+    assert slider[0, 0] == 0.0
+    assert slider[:, 0].max() == pytest.approx(0.1061, abs=1e-4)
+    assert slider[:, 1].min() == pytest.approx(-0.889, abs=1e-3)
+    assert slider[:, 2].min() == pytest.approx(-20.0, abs=0.1)
+
+
+def test_stage_names() -> None:
+    assert [stage_name(k) for k in (0, 1, 10, 11)] == [
+        "no wear",
+        "first wear",
+        "tenth wear",
+        "wear 11",
+    ]

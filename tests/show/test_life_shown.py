@@ -7,9 +7,9 @@ from itertools import combinations
 import numpy as np
 import pytest
 from made_up_life import LIFE, STROKES, lived, made_up_life, not_passed
+from made_up_result import BODY, legend_of, made_up
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgba
-from test_figures import BODY, legend_of, made_up
 from test_report import Page, page_of
 
 from presswear.results.life import Ended, LifeResult

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_figures import BOTH, IDEAL, ONE, altered, made_up
+from made_up_result import BOTH, IDEAL, ONE, altered, made_up
 from test_report import Page, page_of
 
 from presswear.linkage.four_bar import FOUR_BAR

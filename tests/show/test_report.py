@@ -6,7 +6,7 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
-from test_figures import BODY, BOTH, IDEAL, ONE, altered, made_up
+from made_up_result import BODY, BOTH, IDEAL, ONE, altered, made_up
 
 from presswear.physics.statics import total_clearance
 from presswear.results.result import Result

@@ -13,7 +13,7 @@ import pytest
 from presswear.__main__ import main
 from presswear.campaign.starts import disturbed, start_of
 from presswear.engines.settings import ExudynJoints, ExudynTree
-from presswear.linkage.elements import Linkage
+from presswear.linkage.linkage import Linkage
 from presswear.physics.constraints import constraints_of
 from presswear.scene.catalog import ideal, wear_times
 from presswear.trials.crosscheck.check import DISTURBANCE, finer

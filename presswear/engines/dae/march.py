@@ -29,7 +29,7 @@ from presswear.engines.dormand_prince import Tableau
 from presswear.physics.applied import settle_modes
 from presswear.physics.contact import note_contacts
 from presswear.physics.forces import PRESSURE, WORK, note_forces
-from presswear.physics.loads import count_ways, next_break
+from presswear.physics.load_modes import count_ways, next_break
 from presswear.physics.motion import step_to_break
 from presswear.physics.steps import contact_step, skim_step, step_after_touchdown
 from presswear.physics.touchdown import LEAST_STEPS, remember

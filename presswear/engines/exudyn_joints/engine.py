@@ -28,7 +28,7 @@ from presswear.engines.exudyn_joints.kernels import (
 )
 from presswear.engines.exudyn_joints.model import SOLVED, JointsModel, assemble, left_out
 from presswear.engines.settings import ExudynJoints
-from presswear.linkage.elements import Linkage
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import OverPosition
 from presswear.physics.constraints import constraints_of
 from presswear.physics.energy import Ledger, stored_energy

@@ -11,16 +11,14 @@ from presswear.physics.constraints import DRIVE
 from presswear.physics.contact import note_contacts
 from presswear.physics.energy import loss_powers
 from presswear.physics.forces import add_contacts, load_of
-from presswear.physics.loads import (
-    Loads,
+from presswear.physics.load_modes import (
     count_ways,
     greatest_jump,
-    load_forces,
     next_break,
     way_at_start,
     way_out,
-    work_beyond_trapezoid,
 )
+from presswear.physics.loads import Loads, load_forces, work_beyond_trapezoid
 from presswear.physics.motion import drive_motion, step_to_break
 from presswear.physics.multipliers import Held, project, project_acceleration
 from presswear.physics.prescribed import (

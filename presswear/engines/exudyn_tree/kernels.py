@@ -29,7 +29,7 @@ from presswear.physics.forces import (
 )
 from presswear.physics.laws import bristle_rate
 from presswear.physics.links import accelerate_links, carry_branches, gather_forces, place_links
-from presswear.physics.loads import count_ways, next_break, way_at_start
+from presswear.physics.load_modes import count_ways, next_break, way_at_start
 from presswear.physics.motion import step_to_break
 from presswear.physics.prescribed import Prescribed, drive_torques, forced_power, place_prescribed
 from presswear.physics.steps import LEAST_PARTS, contact_step, skim_step, step_after_touchdown

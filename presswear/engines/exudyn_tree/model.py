@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from presswear.engines.base import Start
 from presswear.engines.exudyn import add_node, add_object
-from presswear.linkage.elements import Linkage
+from presswear.linkage.linkage import Linkage
 from presswear.physics.links import COORDINATES, GUIDED, LOOSE
 from presswear.physics.tree import Tree
 from presswear.tools.exudyn import exudyn_module

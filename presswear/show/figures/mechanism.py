@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 from matplotlib.patches import FancyArrowPatch, Polygon
 
-from presswear.linkage.elements import GROUND, Attachment, Linkage
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import AnyLoad, Force, Load
+from presswear.linkage.points import GROUND, Attachment
 from presswear.results.result import Result
 from presswear.scene.scene import Scene
 from presswear.show.figures.style import (

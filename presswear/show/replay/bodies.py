@@ -8,7 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import GROUND, Attachment, Guide, Linkage
+from presswear.linkage.elements import Guide
+from presswear.linkage.linkage import Linkage
+from presswear.linkage.points import GROUND, Attachment
 from presswear.show.replay.reel import points_of
 from presswear.show.replay.shapes import (
     Shape,

@@ -10,7 +10,7 @@ from multiprocessing.connection import Connection
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.elements import Linkage
+from presswear.linkage.linkage import Linkage
 from presswear.record.film import FILM_JOINT, Film
 from presswear.record.tracker import Progress, Tracker
 from presswear.scene.changes import short_name_of

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.engines.base import Start
-from presswear.linkage.elements import Linkage
+from presswear.linkage.linkage import Linkage
 from presswear.trials.costs.by_hand import OPEN
 
 Array = NDArray[np.float64]

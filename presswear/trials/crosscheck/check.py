@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from presswear.campaign.starts import disturbed, start_of
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
-from presswear.linkage.elements import Linkage
+from presswear.linkage.linkage import Linkage
 from presswear.record.sampling import Estimate, estimate
 from presswear.record.tracker import Telling
 from presswear.results.provenance import provenance

@@ -10,7 +10,7 @@ import numpy as np
 
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import Engine
-from presswear.linkage.elements import Linkage
+from presswear.linkage.linkage import Linkage
 from presswear.tools.errors import InputError, RunFailed
 from presswear.trials.runs import Check, finished, missing_energy
 

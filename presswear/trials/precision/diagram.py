@@ -12,7 +12,7 @@ from typing import ClassVar
 import numpy as np
 
 from presswear.engines.base import Plan, Run, Start
-from presswear.linkage.elements import Linkage
+from presswear.linkage.linkage import Linkage
 from presswear.tools.errors import InputError, RunFailed
 from presswear.trials.precision.methods import Method, grouped
 from presswear.trials.runs import Told, finished, guarded, order_of, part_of

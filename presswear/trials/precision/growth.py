@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from presswear.campaign.starts import APART, disturbed
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import InHouse
-from presswear.linkage.elements import Linkage
+from presswear.linkage.linkage import Linkage
 from presswear.record.recorder import Recorder
 from presswear.record.tracker import Telling, Tracker
 from presswear.trials.runs import Told, finished, part_of

@@ -10,7 +10,7 @@ import numpy as np
 from presswear.campaign.starts import disturbed, start_of
 from presswear.engines.base import Plan, Run
 from presswear.engines.settings import LEAST_STEPS, Engine, ExudynTree, InHouse
-from presswear.linkage.elements import Linkage
+from presswear.linkage.linkage import Linkage
 from presswear.physics.tree import Tree, tree_of
 from presswear.scene.scene import Scene
 from presswear.tools.errors import RunFailed

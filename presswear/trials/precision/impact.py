@@ -15,8 +15,9 @@ from scipy.interpolate import BPoly
 from scipy.optimize import brentq
 
 from presswear.engines.base import Plan, Run, Start
-from presswear.linkage.elements import Guide, Linkage
+from presswear.linkage.elements import Guide
 from presswear.linkage.laws import delivered_restitution
+from presswear.linkage.linkage import Linkage
 from presswear.scene.scene import Scene
 from presswear.tools.errors import RunFailed
 from presswear.trials.precision.diagram import Diagram, Numbers, Quantity, Task

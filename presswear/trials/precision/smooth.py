@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import InHouse
-from presswear.linkage.elements import Linkage
+from presswear.linkage.linkage import Linkage
 from presswear.physics.constraints import constraints_of
 from presswear.physics.following import followed
 from presswear.scene.scene import Numerics, Scene

@@ -10,22 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.engines.base import Start
-from presswear.linkage.elements import (
-    GROUND,
-    Attachment,
-    Body,
-    ClearanceJoint,
-    Linkage,
-    Probe,
-    Revolute,
-)
+from presswear.linkage.elements import Body, ClearanceJoint, Revolute
 from presswear.linkage.laws import (
     FrictionLaw,
     NormalLaw,
     greatest_penetration,
     lankarani_nikravesh_damping,
 )
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import Load, Spring
+from presswear.linkage.points import GROUND, Attachment, Probe
 
 Array = NDArray[np.float64]
 

@@ -10,8 +10,8 @@ from scipy.interpolate import CubicHermiteSpline
 
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import ExudynJoints, InHouse
-from presswear.linkage.elements import Linkage
 from presswear.linkage.laws import FrictionLaw
+from presswear.linkage.linkage import Linkage
 from presswear.record.observe import SERIES_NAMES
 from presswear.tools.errors import RunFailed
 from presswear.trials.runs import Check, Told, contacts_of, finished, order_of

@@ -1,0 +1,152 @@
+"""Results that nobody computed, and the sheets that are drawn of them."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure as Sheet
+
+from presswear.linkage.surface import bin_centres
+from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
+from presswear.results.result import Result
+from presswear.results.stage import SIDES, StageResult, WearStep
+from presswear.scene.bearing import CONVENTIONS
+from presswear.scene.catalog import wear_times
+from presswear.scene.scene import Scene
+from presswear.show.figures import drawings
+
+BINS = 72
+
+
+def made_up(scene: Scene, stages: int, status: str = "completed", message: str = "") -> Result:
+    """A result as a run of the scene would leave it, from formulas; stage depth grows."""
+    ends = [("completed", "")] * (stages - 1) + [(status, message)]
+    return Result(
+        scene,
+        tuple(_stage(scene, k, *end) for k, end in enumerate(ends)),
+        status,
+        message,
+        {
+            "python": "3.12.0",
+            "packages": {"presswear": "0.1.0"},
+            "revision": "0123456789ab",
+            "machine": "a machine",
+            "started": "2024-01-01T00:00:00Z",
+        },
+        wall_s=3.0,
+    )
+
+
+def _stage(scene: Scene, index: int, status: Any, message: str) -> StageResult:
+    time = np.linspace(0.0, 2.0 * scene.mechanism.period, 400)
+    angle = bin_centres(BINS)
+    arrays = {
+        "time": time,
+        "slider": scene.ideal_slider(time) * (1.0 + 0.01 * (index + 1)),
+        "angle": angle,
+        "cycles": np.zeros((2, len(CYCLE_FIXED) + len(CYCLE_JOINT) * len(scene.clearance_joints))),
+        "cycle_start": np.zeros(2),
+    }
+    arrays["cycles"][:, CYCLE_FIXED.index("bottom_height")] = -0.5878, -0.5879
+    if scene.drive_torque == "on":
+        arrays["drive_torque"] = np.column_stack([np.cos(40.0 * time), 1.0 + 0.0 * time])
+    joints = {}
+    for joint in scene.clearance_joints:
+        turn = 6.0 * np.pi * time / time[-1]
+        arrays[f"{joint}_eccentricity"] = 8e-4 * np.column_stack([np.cos(turn), np.sin(turn)])
+        arrays[f"{joint}_force"] = np.column_stack([100.0 * np.cos(turn) ** 8, 0.0 * turn])
+        arrays[f"{joint}_penetration"] = 1e-6 * np.sin(turn)
+        arrays[f"{joint}_sliding"] = np.cos(turn)
+        # Touchdown, separation, closing and release speed, peak force, steps.
+        arrays[f"{joint}_contacts"] = np.array(
+            [
+                [k * time[-1] / 6.0, (k + 0.5) * time[-1] / 6.0, 0.1, -0.1, 50.0, 30.0]
+                for k in range(6)
+            ]
+        )
+        one = 5e-6 * np.exp(-((angle - np.radians(92.5)) ** 2) / 0.1)
+        for side in SIDES:
+            arrays[f"{joint}_depth_{side}"] = index * one
+            arrays[f"{joint}_wear_{side}"] = one
+        each = {"mean": 80.0, "half_width": 12.0, "cycles": 2}
+        joints[joint] = {
+            "force_max_N": 100.0 + index,
+            "force_max_per_cycle_N": each,
+            "dose_per_cycle_Nm": each | {"half_width": None},
+            "contacts": 1234,
+            "fewest_steps_in_a_contact": 50,
+            "part_of_time_in_contact": 0.5,
+            "wear_volume_m3": 3e-9,
+            "wear_map_error": 0.1,
+        }
+    each = {"mean": 0.107, "half_width": 0.001, "cycles": 2}
+    slider = {
+        "displacement_max_m": 0.10731,
+        "velocity_min_m_s": -0.9,
+        "velocity_max_m_s": 1.0,
+        "acceleration_max_m_s2": 1221.0,
+        "displacement_max_per_cycle_m": each,
+        "velocity_max_per_cycle_m_s": each,
+        "acceleration_max_per_cycle_m_s2": each,
+    }
+    bdc = {
+        "strokes": 2,
+        "height_per_cycle_m": {"mean": -0.58785, "half_width": 2e-5, "cycles": 2},
+        "error_per_cycle_m": {"mean": -(7.6 + index) * 1e-4, "half_width": 3e-5, "cycles": 2},
+        "delay_per_cycle_s": {"mean": -3e-3, "half_width": None, "cycles": 2},
+        "delay_per_cycle_rad": {"mean": -0.0314159, "half_width": 0.0174533, "cycles": 2},
+        "standard_deviation_m": 4e-5,
+        "standard_deviation_interval_m": [3e-5, 6e-5],
+        "range_m": 1e-4,
+        "range_interval_m": None,
+        "range_strokes": 2,
+        "range_of_all_m": 1e-4,
+    }
+    return StageResult(
+        index,
+        status,
+        message,
+        finding=None,
+        amplification=2e6,
+        wear_steps=(),
+        simulated_s=float(time[-1]),
+        wall_s=1.0,
+        diagnostics={"model": "6 bodies, 2 drives", "steps": 4000},
+        statistics={"cycles": 2, "slider": slider, "bdc": bdc, "joints": joints},
+        arrays=arrays,
+        joint_names=scene.clearance_joints,
+    )
+
+
+def altered(result: Result, index: int, **changes: Any) -> Result:
+    """A result with one stage changed."""
+    stages = list(result.stages)
+    stages[index] = replace(stages[index], **changes)
+    return replace(result, stages=tuple(stages))
+
+
+def grown() -> Result:
+    """Three stages with two wears of three steps each between them, and torques."""
+    result = made_up(replace(BOTH, drive_torque="on"), 3)
+    for index in range(2):
+        steps = [
+            WearStep(1e6, 2, 5e5, 0.1, dict.fromkeys("AC", deepest), {"A": 9.0, "C": 9.0}, 1.0)
+            for deepest in ({"bearing": 1e-6 * (3 * index + k), "pin": 1e-6} for k in (1, 2, 3))
+        ]
+        result = altered(result, index, wear_steps=tuple(steps))
+    return result
+
+
+def sheet_of(name: str, result: Result) -> Sheet:
+    """The first sheet of one kind of figure."""
+    return next(drawings(result, [name])).sheet
+
+
+def legend_of(sheet: Sheet) -> list[str]:
+    return [text.get_text() for legend in sheet.legends for text in legend.get_texts()]
+
+
+BOTH = replace(wear_times(), cycles=2)
+ONE = replace(BOTH, joints="C")
+BODY = replace(BOTH, conventions=CONVENTIONS["refined"])
+IDEAL = replace(BOTH, joints="none", wears=0)
