@@ -66,7 +66,10 @@ def test_sections_at_touchdown_are_those_of_the_penetration(result: Result) -> N
     assert len(found) - len(phase) in (0, 1)
     assert len(phase) > 20
     np.testing.assert_allclose(phase, found[: len(phase)], rtol=0.0, atol=1e-4)
-    np.testing.assert_allclose(speed, rate[: len(phase)], rtol=0.2)
+    # Over a longer way between rows the wall has slowed the pin down.
+    ratio = speed / rate[: len(phase)]
+    assert np.median(ratio) == pytest.approx(1.0, abs=0.03)
+    assert ratio.min() > 0.95
 
 
 def test_the_table_of_the_report_tells_what_the_arrays_do(result: Result) -> None:

@@ -24,7 +24,7 @@ NOT_MADE_UP = ("life", "tonnage")
 """Figures that need what made-up results have not."""
 MOTION = [
     *("response.png", BOTTOM, "contact-force.png", "centre-trajectory.png"),
-    *("phase.png", "poincare.png", "modes.png", "spectrum.png"),
+    *("phase.png", "poincare.png", "impacts.png", "modes.png", "spectrum.png"),
 ]
 
 
@@ -70,7 +70,7 @@ def test_plot_gives_the_axes_of_every_figure_in_memory() -> None:
     assert counts.pop("mechanism") == 1
     torque = {"drives": 4}
     motion = {"stroke": 1, "response": 7, "bottom": 3, "force": 6, "path": 6}
-    moved = {"phase": 9, "poincare": 6, "modes": 6, "spectrum": 3}
+    moved = {"phase": 9, "poincare": 6, "impacts": 6, "modes": 6, "spectrum": 3}
     assert counts == {"wear": 2, "growth": 2, "surfaces": 6, **motion, **torque, **moved}
     assert len(result.plot()) == 1 + sum(counts.values())
     assert len(result.plot("path", "wear")) == counts["path"] + counts["wear"]
