@@ -53,23 +53,24 @@ def test_sections_that_were_kept_are_those_of_the_series(result: Result) -> None
 
 
 def test_sections_at_touchdown_are_those_of_the_penetration(result: Result) -> None:
-    """Where it rises through 0 between rows, and as fast."""
+    """Where it rises through 0, and as fast as the pin then moves away from the centre."""
     scene, stage = result.scene, result.stages[0]
     phase, speed = impacts_of(scene, stage, "B")
     begin, end = settled_span(scene, stage)
-    time, overlap = stage.time, stage.joints["B"].penetration
+    time, kept = np.unique(stage.time, return_index=True)
+    own = stage.joints["B"]
+    overlap, away = own.penetration[kept], np.hypot(*own.eccentricity[kept].T)
     inside = (time[:-1] > begin) & (time[1:] < end)
     (k,) = np.nonzero(inside & (overlap[:-1] < 0.0) & (overlap[1:] > 0.0))
-    rate = (overlap[k + 1] - overlap[k]) / (time[k + 1] - time[k])
-    found = (time[k] - overlap[k] / rate) / scene.mechanism.period % 1.0
+    part = overlap[k] / (overlap[k] - overlap[k + 1])
+    moment = time[k] + part * (time[k + 1] - time[k])
+    found = moment / scene.mechanism.period % 1.0
     # A contact that goes on at the end is not among those kept.
     assert len(found) - len(phase) in (0, 1)
     assert len(phase) > 20
     np.testing.assert_allclose(phase, found[: len(phase)], rtol=0.0, atol=1e-4)
-    # Over a longer way between rows the wall has slowed the pin down.
-    ratio = speed / rate[: len(phase)]
-    assert np.median(ratio) == pytest.approx(1.0, abs=0.03)
-    assert ratio.min() > 0.95
+    rate = np.interp(moment, time, np.gradient(away, time))
+    np.testing.assert_allclose(speed, rate[: len(phase)], rtol=0.05)
 
 
 def test_the_table_of_the_report_tells_what_the_arrays_do(result: Result) -> None:
