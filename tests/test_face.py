@@ -170,6 +170,9 @@ def test_settings_of_an_engine_are_checked_like_any_other() -> None:
         pw.run(pw.scenes.wear_times(), engine="exudyn-tee")
     with pytest.raises(pw.InputError, match="jobs = 0: a number from 1 is expected"):
         pw.run(pw.scenes.wear_times(), jobs=0)
+    no_study: Any = pw.scenes.wear_times()
+    with pytest.raises(pw.InputError, match="on and shard are for the runs of a study"):
+        pw.run(no_study, shard="1/2")
     with pytest.raises(pw.InputError, match="'papre'; did you mean paper"):
         pw.study("papre")
 

@@ -34,6 +34,8 @@ def run(
     jobs: int | None = None,
     trackers: Sequence[Tracker] = (),
     check: bool = True,
+    on: str = "",
+    shard: str = "1/1",
 ) -> dict[str, Result]: ...
 
 
@@ -45,6 +47,8 @@ def run(
     jobs: int | None = None,
     trackers: Sequence[Tracker] = (),
     check: bool = True,
+    on: str = "",
+    shard: str = "1/1",
 ) -> Result | dict[str, Result]:
     """Run a scene through all its stages, or each variant of a study.
 
@@ -64,6 +68,11 @@ def run(
         Told what happens.
     check : bool
         Whether a scene that failed raises.  A variant of a study that fails is a result.
+    on : str
+        What does the runs of a study: ``dask``, ``dask://HOST:PORT`` or ``MODULE:FACTORY``;
+        nothing: processes of this machine.
+    shard : str
+        ``K/N``: of a study every N-th run from the K-th.
 
     Returns
     -------
@@ -81,6 +90,8 @@ def run(
     if jobs is not None and jobs < 1:
         raise InputError(f"jobs = {jobs}: a number from 1 is expected")
     if isinstance(scene, Scene):
+        if on or shard != "1/1":
+            raise InputError("on and shard are for the runs of a study; this is one scene")
         return run_scene(scene, folder, engine, trackers, check, jobs)
     if folder is None:
         raise InputError(f"the study {scene.name} needs a folder for its runs")
@@ -88,6 +99,7 @@ def run(
     study, path = replace(scene, variants=variants), Path(folder)
     # Half of it is of no use to a scene.
     from presswear.studies.rows import run_study
+    from presswear.sweeps.sweep import shard_given
 
-    run_study(study, path, jobs, True, trackers)
+    run_study(study, path, jobs, True, trackers, on=on, shard=shard_given(shard))
     return {v.key: result for v, result in results_of(study, path) if result is not None}
