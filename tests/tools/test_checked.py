@@ -3,13 +3,13 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeVar
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from typing_extensions import TypeAliasType, TypeVar
+from typing_extensions import TypeAliasType
 
 from presswear.scene.catalog import ideal
 from presswear.tools.checked import LARGEST, checked
@@ -108,7 +108,8 @@ def test_functions_are_checked_as_classes_are() -> None:
 
 
 S = TypeVar("S", bound=np.generic)
-ListOf: Any = TypeAliasType("ListOf", np.ndarray[Any, np.dtype[S]], type_params=(S,))
+PARAMETERS: Any = (S,)
+ListOf: Any = TypeAliasType("ListOf", np.ndarray[Any, np.dtype[S]], type_params=PARAMETERS)
 Size: Any = TypeAliasType("Size", float)
 
 
