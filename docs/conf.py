@@ -25,6 +25,11 @@ from presswear.tools.quantities import meaning_of, words_of  # noqa: E402
 os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
 os.environ |= {"COLUMNS": "88", "TTY_COMPATIBLE": "0"}
 os.environ["PYTHONSTARTUP"] = str(DOCS / "kernel.py")
+# Pages show what tests against the literature find.
+tests = [DOCS.parent / "tests", DOCS.parent / "tests" / "literature"]
+os.environ["PYTHONPATH"] = os.pathsep.join(
+    [*map(str, tests), *filter(None, [os.environ.get("PYTHONPATH")])]
+)
 os.environ.pop("MPLBACKEND", None)  # pages with code show their figures
 
 project = "presswear"
@@ -55,6 +60,7 @@ nb_execution_raise_on_error = True
 nb_execution_in_temp = True
 nb_execution_timeout = 900
 nb_merge_streams = True
+nb_render_markdown_format = "myst"
 
 autosummary_generate = True
 autodoc_typehints = "none"
