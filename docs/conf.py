@@ -4,6 +4,7 @@ Needs no network: formulas are MathML, which browsers draw themselves.
 """
 
 import os
+import re
 import sys
 from dataclasses import fields, is_dataclass
 from importlib.metadata import version as version_of
@@ -67,12 +68,27 @@ autodoc_typehints = "none"
 numpydoc_show_class_members = False
 
 
+_FUNCTION = re.compile(r"(</m(?:i|n|sub|sup|frac|sqrt)>)?<m([io])>([a-z]{2,})</m\2>(<mo)?")
+_THIN = '<mspace width="0.17em"></mspace>'
+
+
+def _spaced(found: re.Match[str]) -> str:
+    """The name of a function with the spaces of print: none before a bracket."""
+    before, _, name, after = (part or "" for part in found.groups())
+    spaces = _THIN if before else "", "" if after else _THIN
+    return f"{before}<mrow>{spaces[0]}<mi>{name}</mi>{spaces[1]}</mrow>{after}"
+
+
 def _math(self: HTML5Translator, node: nodes.math | nodes.math_block) -> None:
     """Write a formula in MathML; what the converter does not know ends the build."""
     is_block = isinstance(node, nodes.math_block)
     body = convert(node.astext(), display="block" if is_block else "inline")
     if "\\" in body:
         raise SphinxError(f"a formula that MathML does not show: {node.astext()}")
+    body = _FUNCTION.sub(_spaced, body)
+    body = body.replace('<mo stretchy="false">&#x0007C;', '<mo lspace="0" rspace="0">&#x0007C;')
+    # Small as an exponent a prime would be read as the dot of a rate.
+    body = body.replace("<mi>&#x02032;", '<mi mathsize="130%">&#x02032;')
     self.body.append(f'<div class="formula">{body}</div>' if is_block else body)
     raise nodes.SkipNode
 
