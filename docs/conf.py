@@ -69,6 +69,7 @@ numpydoc_show_class_members = False
 
 
 _FUNCTION = re.compile(r"(</m(?:i|n|sub|sup|frac|sqrt)>)?<m([io])>([a-z]{2,})</m\2>(<mo)?")
+_PRIMED = re.compile(r"<m(sub)?sup>((?:<mi>[^<]*</mi>){1,2})<mi>&#x02032;</mi></m(?:sub)?sup>")
 _THIN = '<mspace width="0.17em"></mspace>'
 
 
@@ -79,6 +80,12 @@ def _spaced(found: re.Match[str]) -> str:
     return f"{before}<mrow>{spaces[0]}<mi>{name}</mi>{spaces[1]}</mrow>{after}"
 
 
+def _primed(found: re.Match[str]) -> str:
+    """A prime at its own height: small as an exponent it would be read as the dot of a rate."""
+    base = f"<msub>{found[2]}</msub>" if found[1] else found[2]
+    return f'<mrow>{base}<mo lspace="0" rspace="0">&#x02032;</mo></mrow>'
+
+
 def _math(self: HTML5Translator, node: nodes.math | nodes.math_block) -> None:
     """Write a formula in MathML; what the converter does not know ends the build."""
     is_block = isinstance(node, nodes.math_block)
@@ -87,8 +94,7 @@ def _math(self: HTML5Translator, node: nodes.math | nodes.math_block) -> None:
         raise SphinxError(f"a formula that MathML does not show: {node.astext()}")
     body = _FUNCTION.sub(_spaced, body)
     body = body.replace('<mo stretchy="false">&#x0007C;', '<mo lspace="0" rspace="0">&#x0007C;')
-    # Small as an exponent a prime would be read as the dot of a rate.
-    body = body.replace("<mi>&#x02032;", '<mi mathsize="130%">&#x02032;')
+    body = _PRIMED.sub(_primed, body)
     self.body.append(f'<div class="formula">{body}</div>' if is_block else body)
     raise nodes.SkipNode
 
