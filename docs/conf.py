@@ -4,6 +4,7 @@ Needs no network: formulas are MathML, which browsers draw themselves.
 """
 
 import os
+import re
 import sys
 from dataclasses import fields, is_dataclass
 from importlib.metadata import version as version_of
@@ -25,6 +26,11 @@ from presswear.tools.quantities import meaning_of, words_of  # noqa: E402
 os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
 os.environ |= {"COLUMNS": "88", "TTY_COMPATIBLE": "0"}
 os.environ["PYTHONSTARTUP"] = str(DOCS / "kernel.py")
+# Pages show what tests against the literature find.
+tests = [DOCS.parent / "tests", DOCS.parent / "tests" / "literature"]
+os.environ["PYTHONPATH"] = os.pathsep.join(
+    [*map(str, tests), *filter(None, [os.environ.get("PYTHONPATH")])]
+)
 os.environ.pop("MPLBACKEND", None)  # pages with code show their figures
 
 project = "presswear"
@@ -55,10 +61,29 @@ nb_execution_raise_on_error = True
 nb_execution_in_temp = True
 nb_execution_timeout = 900
 nb_merge_streams = True
+nb_render_markdown_format = "myst"
 
 autosummary_generate = True
 autodoc_typehints = "none"
 numpydoc_show_class_members = False
+
+
+_FUNCTION = re.compile(r"(</m(?:i|n|sub|sup|frac|sqrt)>)?<m([io])>([a-z]{2,})</m\2>(<mo)?")
+_PRIMED = re.compile(r"<m(sub)?sup>((?:<mi>[^<]*</mi>){1,2})<mi>&#x02032;</mi></m(?:sub)?sup>")
+_THIN = '<mspace width="0.17em"></mspace>'
+
+
+def _spaced(found: re.Match[str]) -> str:
+    """The name of a function with the spaces of print: none before a bracket."""
+    before, _, name, after = (part or "" for part in found.groups())
+    spaces = _THIN if before else "", "" if after else _THIN
+    return f"{before}<mrow>{spaces[0]}<mi>{name}</mi>{spaces[1]}</mrow>{after}"
+
+
+def _primed(found: re.Match[str]) -> str:
+    """A prime at its own height: small as an exponent it would be read as the dot of a rate."""
+    base = f"<msub>{found[2]}</msub>" if found[1] else found[2]
+    return f'<mrow>{base}<mo lspace="0" rspace="0">&#x02032;</mo></mrow>'
 
 
 def _math(self: HTML5Translator, node: nodes.math | nodes.math_block) -> None:
@@ -67,6 +92,9 @@ def _math(self: HTML5Translator, node: nodes.math | nodes.math_block) -> None:
     body = convert(node.astext(), display="block" if is_block else "inline")
     if "\\" in body:
         raise SphinxError(f"a formula that MathML does not show: {node.astext()}")
+    body = _FUNCTION.sub(_spaced, body)
+    body = body.replace('<mo stretchy="false">&#x0007C;', '<mo lspace="0" rspace="0">&#x0007C;')
+    body = _PRIMED.sub(_primed, body)
     self.body.append(f'<div class="formula">{body}</div>' if is_block else body)
     raise nodes.SkipNode
 

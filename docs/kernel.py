@@ -1,11 +1,14 @@
-"""Cells of commands, while the site is built: ``%%bash`` that gives whole lines.
+"""What pages with code have at hand while the site is built.
 
-IPython's own cuts what is printed into pieces, and minds the last command alone.
+``%%bash`` cells that give whole lines: IPython's own cuts what is printed into pieces, and minds
+the last command alone.  ``table`` shows rows as a table of the page.
 """
 
 import subprocess
+from collections.abc import Iterable, Sequence
 
 from IPython.core.magic import register_cell_magic
+from IPython.display import Markdown
 
 
 @register_cell_magic
@@ -20,3 +23,13 @@ def bash(line: str, cell: str) -> None:
     )
     print(ran.stdout, end="")
     ran.check_returncode()
+
+
+def table(columns: Sequence[str], rows: Iterable[Sequence[str]]) -> Markdown:
+    """Rows as a table; columns whose name begins with ``>`` stand to the right."""
+    lines = [
+        [name.lstrip(">") for name in columns],
+        ["---:" if name.startswith(">") else ":---" for name in columns],
+        *([cell.replace("|", "\\|") for cell in row] for row in rows),
+    ]
+    return Markdown("\n".join(f"| {' | '.join(line)} |" for line in lines))

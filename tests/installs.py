@@ -135,7 +135,9 @@ def tried(python: str, pins: list[str], wheel: Path, folder: Path, tests: bool) 
         "verify": run(commands / "presswear", "verify", folder=folder),
     }
     if tests:
-        ran["tests"] = run(commands / "pytest", "-q", "-p", "no:cacheprovider", folder=ROOT)
+        # From a folder without the package, which `python -m` would find before the installed one.
+        words = ("-q", "-p", "no:cacheprovider", "-c", ROOT / "pyproject.toml", ROOT / "tests")
+        ran["tests"] = run(commands / "pytest", *words, folder=folder)
     ended = {}
     for what, found in ran.items():
         ended[what] = (found.stdout.strip().splitlines() or [""])[-1].strip("= ")

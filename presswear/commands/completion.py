@@ -45,6 +45,7 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
         raise not_installed("presswear completion", "shtab", "completion") from None
     parser, commands = parser_with(COMMANDS)
     for own in commands.parsers.values():
+        own.description = None  # a menu has room for the line of help
         for action in own._actions:
             if action.dest in _WORDS:
                 action.choices = _WORDS[action.dest]

@@ -85,10 +85,10 @@ def _new(arguments: argparse.Namespace, console: Console) -> int:
 
 def _list(arguments: argparse.Namespace, console: Console) -> int:
     if arguments.scene is None:
-        for name, entry in SCENES.items():
-            console.print(f"{name:12} {entry.title}", highlight=False)
-        for name, title in STUDIES.items():
-            console.print(f"{name:12} {title}", highlight=False)
+        titles = {name: entry.title for name, entry in SCENES.items()} | STUDIES
+        width = max(map(len, titles))
+        for name, title in titles.items():
+            console.print(f"{name:{width}} {title}", highlight=False, soft_wrap=True)
         return 0
     scene = scene_given(arguments.scene)
     settings = tuple(settings_of(scene))

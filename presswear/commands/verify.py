@@ -40,17 +40,7 @@ def _verify(arguments: argparse.Namespace, console: Console) -> int:
         console,
         ("problem",),
         ("reference", "ours", "error", "bound"),
-        [
-            [
-                row.quantity,
-                f"{row.reference:.9g}",
-                f"{row.reference + row.value:.9g}",
-                f"{abs(row.value):.1e}",
-                f"{row.bound:.0e}",
-                verdict(row.passed),
-            ]
-            for row in rows
-        ],
+        [[*row.cells, verdict(row.passed)] for row in rows],
         ("",),
     )
     missed = sum(not row.passed for row in rows)
@@ -78,11 +68,10 @@ def _hard(console: Console, *, long: bool) -> int:
         [
             [
                 outcome.case.name,
-                "" if outcome.check is None else f"{outcome.check.value:.1e}",
-                "" if outcome.check is None else f"{outcome.check.bound:.0e}",
+                *outcome.numbers,
                 f"{outcome.seconds:.1f}",
                 outcome.case.engine,
-                escape(outcome.message or (outcome.check.quantity if outcome.check else "")),
+                escape(outcome.checked),
                 outcome.verdict if outcome.verdict != "MISS" else verdict(False),
             ]
             for outcome in found

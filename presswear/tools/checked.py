@@ -85,6 +85,7 @@ def checked(made: F) -> F:
 
 def _settled(name: str, whose: str, value: Any, kind: Any) -> Any:
     """A value as its kind has it; InputError names its place and whose it is."""
+    kind = _behind(kind)
     origin, inner = get_origin(kind) or kind, get_args(kind)
     if kind is Any:
         return value
@@ -123,6 +124,12 @@ def _settled(name: str, whose: str, value: Any, kind: Any) -> Any:
     elif callable(value) if origin is Callable else isinstance(value, origin):
         return value
     raise _refusal(name, whose, value, kind)
+
+
+def _behind(kind: Any) -> Any:
+    """The kind that an alias stands for, as numpy's ``NDArray`` is one from Python 3.12 on."""
+    meant = getattr(get_origin(kind) or kind, "__value__", kind)
+    return meant if meant is kind or not get_args(kind) else meant[get_args(kind)]
 
 
 def _refusal(name: str, whose: str, value: Any, kind: Any) -> InputError:
@@ -175,6 +182,7 @@ def _rows(name: str, whose: str, value: Any, kind: Any) -> tuple[Any, ...]:
 
 def _word(kind: Any) -> str:
     """A kind as a person reads it."""
+    kind = _behind(kind)
     origin, inner = get_origin(kind) or kind, get_args(kind)
     if origin in (Union, UnionType):
         *most, last = dict.fromkeys(map(_word, inner))

@@ -200,6 +200,7 @@ def test_list_names_the_scenes(capsys: pytest.CaptureFixture[str]) -> None:
         "runaway",
         "coverage",
     ]
+    assert len({line.index(line.split(None, 1)[1]) for line in lines}) == 1
 
 
 def test_list_shows_what_can_be_set(capsys: pytest.CaptureFixture[str]) -> None:

@@ -41,7 +41,9 @@ def test_bash_completes_commands_options_names_and_folders(
 
 def test_zsh_gets_a_script_of_its_own(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["completion", "zsh"]) == 0
-    assert capsys.readouterr().out.startswith("#compdef presswear\n")
+    told = capsys.readouterr().out
+    assert told.startswith("#compdef presswear\n")
+    assert "life:'how many strokes until a limit is passed, and how sure that is'" in told
 
 
 def test_an_unknown_shell_is_refused(capsys: pytest.CaptureFixture[str]) -> None:

@@ -80,6 +80,15 @@ def test_commands_of_a_tutorial_run_when_the_site_is_built(page: Path) -> None:
     assert list(lines_of(text)) == [line for cell in cells for line in lines_of(cell)]
 
 
+@pytest.mark.parametrize("page", TUTORIALS, ids=lambda page: page.stem)
+def test_a_tutorial_can_be_had_as_a_notebook(page: Path) -> None:
+    """The link is to the page itself; jupytext refuses a kernel without a name to show."""
+    text = page.read_text()
+    links = re.findall(r"\{nb-download\}`[^<]+<(\w+)\.ipynb>`", text)
+    assert links == ([page.stem] if "{code-cell}" in text else [])
+    assert ("\n  display_name: Python 3\n" in text) is bool(links)
+
+
 def functions_named(page: Path) -> set[str]:
     """Dotted names below presswear in a page."""
     return set(re.findall(r"`((?:[a-z_]+\.)+[A-Za-z_0-9]+)`", page.read_text()))

@@ -14,22 +14,23 @@ from presswear.linkage.laws import (
     greatest_penetration,
     lankarani_nikravesh_damping,
 )
+from presswear.trials.verify import references
 
+# Factors as they are printed.
+CHI = {
+    "lankarani-nikravesh": lambda e: 0.75 * (1.0 - e**2),
+    "hunt-crossley": lambda e: 1.5 * (1.0 - e),
+    "flores": lambda e: 8.0 * (1.0 - e) / (5.0 * e),
+    "gonthier": lambda e: (1.0 - e**2) / e,
+}
 # Law, nominal restitution, damping factor chi, restitution delivered.
 DELIVERED = [
     ("lankarani-nikravesh", 1.0, 0.0, 1.0),
-    ("lankarani-nikravesh", 0.9, 0.75 * (1.0 - 0.9**2), 0.9131766778),
-    ("lankarani-nikravesh", 0.8, 0.75 * (1.0 - 0.8**2), 0.8471022798),
-    ("lankarani-nikravesh", 0.5, 0.75 * (1.0 - 0.5**2), 0.7252411140),
-    ("hunt-crossley", 0.9, 1.5 * (1.0 - 0.9), 0.9090157413),
-    ("hunt-crossley", 0.8, 1.5 * (1.0 - 0.8), 0.8328697923),
-    ("hunt-crossley", 0.5, 1.5 * (1.0 - 0.5), 0.6629622000),
-    ("flores", 0.9, 8.0 * (1.0 - 0.9) / (5.0 * 0.9), 0.8939206927),
-    ("flores", 0.8, 8.0 * (1.0 - 0.8) / (5.0 * 0.8), 0.78853913),
-    ("flores", 0.5, 8.0 * (1.0 - 0.5) / (5.0 * 0.5), 0.47044478),
-    ("gonthier", 0.9, (1.0 - 0.9**2) / 0.9, 0.8764354239),
-    ("gonthier", 0.8, (1.0 - 0.8**2) / 0.8, 0.7679997891),
-    ("gonthier", 0.5, (1.0 - 0.5**2) / 0.5, 0.48774126),
+    *(
+        (law, nominal, CHI[law](nominal), delivered)
+        for law, values in references.DELIVERED.items()
+        for nominal, delivered in values.items()
+    ),
 ]
 EXPONENTS = [1.0, 1.5, 2.0, 2.2]
 MASS, SPEED, STIFFNESS = 0.1, 0.3, 1.25e10

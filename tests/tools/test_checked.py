@@ -3,12 +3,13 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeVar
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from typing_extensions import TypeAliasType
 
 from presswear.scene.catalog import ideal
 from presswear.tools.checked import LARGEST, checked
@@ -104,3 +105,23 @@ def test_functions_are_checked_as_classes_are() -> None:
         ideal(3)
     with pytest.raises(InputError, match="joined: too many positional arguments"):
         untyped([part], True, 3)
+
+
+S = TypeVar("S", bound=np.generic)
+PARAMETERS: Any = (S,)
+ListOf: Any = TypeAliasType("ListOf", np.ndarray[Any, np.dtype[S]], type_params=PARAMETERS)
+Size: Any = TypeAliasType("Size", float)
+
+
+def test_an_alias_is_what_it_stands_for() -> None:
+    """The kinds of numpy are aliases from its 2.5 on, which need Python 3.12."""
+
+    @checked
+    def told(depth: ListOf[np.float64], size: Size | None = None) -> tuple[Any, ...]:
+        return depth.tolist(), size
+
+    assert told([1, 2], np.float32(3.0)) == ([1.0, 2.0], 3.0)
+    with pytest.raises(InputError, match=r"depth = \['a'\]: a list of numbers is expected"):
+        told(["a"])
+    with pytest.raises(InputError, match="size = 'a': a finite number or None is expected"):
+        told([1], "a")

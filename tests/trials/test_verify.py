@@ -9,7 +9,7 @@ from presswear.__main__ import main
 from presswear.engines.settings import InHouse
 from presswear.tools.errors import RunFailed
 from presswear.trials.verify import verify as module
-from presswear.trials.verify.verify import Verified, impact_rows, stiff_limit, verify
+from presswear.trials.verify.verify import Problem, Verified, impact_rows, stiff_limit, verify
 
 
 def test_row_passes_up_to_its_bound() -> None:
@@ -27,7 +27,7 @@ def test_everything_is_within_its_bound() -> None:
     told: list[tuple[str, float]] = []
     rows = verify(lambda name, part: told.append((name, part)))
     assert [row.quantity for row in rows if not row.passed] == []
-    assert len({row.quantity for row in rows}) == len(rows) == 20
+    assert len({row.quantity for row in rows}) == len(rows) == 29
     assert [part for _, part in told] == sorted(part for _, part in told)
     assert told[-1] == ("done", 1.0)
 
@@ -45,7 +45,7 @@ def test_the_command_prints_a_table_that_fits_and_fails_on_a_miss(
     monkeypatch.setenv("COLUMNS", "100")
     name = "restitution, nominal 0.8, Exudyn, 100 steps"
     rows = [Verified.of(name, -15.75637105984, -15.756371, 1e-3)]
-    monkeypatch.setattr(module, "GROUPS", {"one": lambda: iter(rows)})
+    monkeypatch.setattr(module, "PROBLEMS", {"one": Problem(lambda: iter(rows), "")})
     assert main(["verify"]) == 0
     out = capsys.readouterr().out
     for words in (name, "-15.7563711", "pass", "1 of 1"):
@@ -64,6 +64,6 @@ def test_the_command_fails_when_a_run_fails(
     def group() -> Iterator[Verified]:
         raise RunFailed("the step vanished (t = 0.1 s)")
 
-    monkeypatch.setattr(module, "GROUPS", {"one": group})
+    monkeypatch.setattr(module, "PROBLEMS", {"one": Problem(group, "")})
     assert main(["verify"]) == 1
     assert capsys.readouterr().err == "presswear: the step vanished (t = 0.1 s)\n"

@@ -181,8 +181,9 @@ def reel_of(result: Result, index: int) -> Reel:
     forces = np.hypot(film.joints[:, :, NORMAL], film.joints[:, :, TANGENTIAL])
     largest = forces.max(axis=0, initial=0.0).tolist()
     name = short_name_of(scene)
+    folder = result.path.resolve().name if result.path else scene.name
     return Reel(
-        title=f"{result.path.resolve().name}: {name}" if result.path else name,
+        title=name if folder == scene.name else f"{folder}: {name}",
         stage=result.stage_name(index),
         linkage=linkage,
         period=scene.mechanism.period,

@@ -69,6 +69,18 @@ class HardOutcome:
     message: str
     seconds: float
 
+    @property
+    def numbers(self) -> tuple[str, str]:
+        """Figure and bound, as tables show them."""
+        if self.check is None:
+            return "", ""
+        return f"{self.check.value:.1e}", f"{self.check.bound:.0e}"
+
+    @property
+    def checked(self) -> str:
+        """Name of the figure, or the message where there is none."""
+        return self.message or (self.check.quantity if self.check else "")
+
 
 def outcomes(case: HardCase) -> Iterator[HardOutcome]:
     """Run a case; whatever it does, every figure and every way to end gives an outcome."""

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from presswear.engines.base import Start
 from presswear.linkage.elements import Body, ClearanceJoint, Revolute
 from presswear.linkage.laws import (
+    DAMPINGS,
     FrictionLaw,
     NormalLaw,
     greatest_penetration,
@@ -182,9 +183,14 @@ def andrews_angles(coordinates: Array) -> Array:
 HERTZ_DURATION = 2.9432751843
 """Duration of an elastic Hertz impact over delta_max / v: twice the integral of
 dx / sqrt(1 - x^(5/2)) from 0 to 1, which is 0.8 B(2/5, 1/2)."""
-DELIVERED = {0.9: 0.9131766778, 0.8: 0.8471022798, 0.5: 0.7252411140}
-"""Restitution that Lankarani and Nikravesh's law delivers, by the nominal value:
-(1 + e') chi = ln((1 + chi) / (1 - chi e')) with chi = 0.75 (1 - e^2)."""
+DELIVERED = {
+    "lankarani-nikravesh": {0.9: 0.9131766778, 0.8: 0.8471022798, 0.5: 0.7252411140},
+    "hunt-crossley": {0.9: 0.9090157413, 0.8: 0.8328697923, 0.5: 0.6629622000},
+    "flores": {0.9: 0.8939206927, 0.8: 0.78853913, 0.5: 0.47044478},
+    "gonthier": {0.9: 0.8764354239, 0.8: 0.7679997891, 0.5: 0.48774126},
+}
+"""Restitution that a law delivers, by its name and the nominal value: the solution e' of
+(1 + e') chi = ln((1 + chi) / (1 - chi e')) with the law's chi."""
 
 
 @dataclass(frozen=True)
@@ -194,19 +200,27 @@ class Impact:
     Attributes
     ----------
     nominal : float
-        Restitution that is put into Lankarani and Nikravesh's law.
+        Restitution that is put into the law.
     stiffness : float
         K, N/m^1.5.
     speed : float
         Closing speed, m/s.
     clearance : float
         m.
+    law : str
+        Of ``DAMPINGS``.
     """
 
     nominal: float
     stiffness: float = 1.25e10
     speed: float = 0.25
     clearance: float = 0.8e-3
+    law: str = "lankarani-nikravesh"
+
+    @property
+    def damping(self) -> float:
+        """Damping factor chi."""
+        return DAMPINGS[self.law].factor(self.nominal)
 
     @property
     def linkage(self) -> Linkage:
@@ -218,7 +232,7 @@ class Impact:
             bearing_radius=0.015,
             clearance=self.clearance,
             width=0.02,
-            normal=NormalLaw(self.stiffness, 1.5, lankarani_nikravesh_damping(self.nominal)),
+            normal=NormalLaw(self.stiffness, 1.5, self.damping),
         )
         bodies = (Body("ring", 0.3, 4e-4), Body("shaft", 0.1, 1e-4))
         return free_bodies("free impact", bodies, (joint,), "shaft")
@@ -231,8 +245,8 @@ class Impact:
     @property
     def deepest(self) -> float:
         """Greatest penetration, m."""
-        damping = lankarani_nikravesh_damping(self.nominal)
-        return greatest_penetration(0.3 * 0.1 / 0.4, self.speed, self.stiffness, 1.5, damping)
+        mass = 0.3 * 0.1 / 0.4
+        return greatest_penetration(mass, self.speed, self.stiffness, 1.5, self.damping)
 
     @property
     def elastic_duration(self) -> float:

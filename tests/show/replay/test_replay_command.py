@@ -7,13 +7,16 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from PIL import Image
 
+import presswear as pw
 from presswear.__main__ import main
+from presswear.show.replay.reel import reel_of
 from presswear.show.replay.window import missing_display
 
 REPLAY = [sys.executable, "-m", "presswear", "replay"]
@@ -53,6 +56,12 @@ def refused(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
     said = capsys.readouterr().err
     assert said.count("\n") == 1
     return said
+
+
+def test_the_title_tells_a_folder_that_is_not_named_after_its_scene(folder: Path) -> None:
+    result = pw.load(folder)
+    assert reel_of(result, 0).title == "short: wear-times, changed"
+    assert reel_of(replace(result, path=folder / "wear-times"), 0).title == "wear-times, changed"
 
 
 def test_a_still_shows_the_asked_time(folder: Path, tmp_path: Path) -> None:
