@@ -22,7 +22,7 @@ from presswear.record.recorder import Recorder
 from presswear.record.sampling import STARTUP_CYCLES
 from presswear.record.tracker import Tracker
 from presswear.scene.bearing import CONVENTIONS
-from presswear.scene.scene import Numerics
+from presswear.scene.numerics import Numerics
 
 Array = NDArray[np.float64]
 

@@ -191,6 +191,23 @@ PROCESSES: Mapping[str, type[Process]] = {own.kind: own for own in (Blanking, Dr
 """What a press may press on, by its kind."""
 
 
+def check_reach(process: Process, stroke: float, watched: str) -> None:
+    """InputError where the work is not reached in a stroke, m, or not worked through.
+
+    Parameters
+    ----------
+    watched : str
+        Word for what presses on it.
+    """
+    depth = process.curve[-1][0]
+    if not depth <= process.height < stroke:
+        raise InputError(
+            f"process.height = {process.height:g} m: over the {process.bottom} place of the "
+            f"{watched} allowed is {depth:g} m, to work it through, to below "
+            f"{stroke:.6g} m, its stroke"
+        )
+
+
 def laws_of(process: Process, contact: float, lift: float) -> dict[str, OverPosition]:
     """Laws of a process and its cushion, of forces away from the work, by their names.
 

@@ -204,6 +204,30 @@ class Bearing:
                 f"upper_speed, {self.upper_speed:g} m/s"
             )
 
+    def check_contact(self, where: str, contact: SurfaceContact, is_worn: bool) -> None:
+        """InputError where worn surfaces cannot meet in this way.
+
+        Parameters
+        ----------
+        where : str
+            What stands before its keys.
+        is_worn : bool
+            Whether its surfaces are not round, or do not stay so.
+        """
+        if contact != "foundation":
+            return
+        if self.exponent != 1.5:
+            raise InputError(
+                f"{where}exponent = {self.exponent:g}: with contact = 'foundation', which is "
+                "linear and gives the exponent 1.5 of a round joint, allowed is 1.5"
+            )
+        if is_worn and not isinstance(self.normal_law, str):
+            raise InputError(
+                f"{where}normal_law = {self.normal_law}: worn surfaces with contact = 'foundation' "
+                f"have an elastic force of their own; allowed is one of {', '.join(DAMPINGS)}, or "
+                "contact = 'radial'"
+            )
+
     def hertz(self, reading: StiffnessReading) -> float:
         """K, N/m^n: what is given, or Hertz's."""
         if self.contact_stiffness is not None:

@@ -2,19 +2,18 @@
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import asdict, dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, cast
 
 import numpy as np
 
-from presswear.engines.settings import USUAL, Engine, ExudynJoints, ExudynTree, InHouse, Purpose
-from presswear.linkage.laws import DAMPINGS
+from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse, Purpose
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import LOAD_PARAMETERS, Force, Load, OverPosition
 from presswear.linkage.pace import check_pace
 from presswear.linkage.points import Attachment
 from presswear.linkage.press import Press
-from presswear.linkage.process import PROCESSES, Process, laws_of
+from presswear.linkage.process import PROCESSES, Process, check_reach, laws_of
 from presswear.linkage.reading import read
 from presswear.linkage.slider_crank import SliderCrank
 from presswear.linkage.surface import SIDES, Surface
@@ -25,6 +24,7 @@ from presswear.physics.following import followed
 from presswear.physics.ideal import IdealMotion, Motion, ideal_motion
 from presswear.scene.bearing import CONVENTIONS, Bearing, Conventions
 from presswear.scene.life import LIVES, Life
+from presswear.scene.numerics import Numerics
 from presswear.scene.recording import Recording
 from presswear.scene.surfaces import settled
 from presswear.tools.arrays import Array
@@ -52,43 +52,6 @@ MECHANISMS: dict[str, type[Press | SliderCrank]] = {
 
 
 ENGINES = ("exudyn", ExudynTree.word, ExudynJoints.word, InHouse.word)
-
-
-@checked
-@dataclass(frozen=True)
-class Numerics:
-    """The engines, each with its settings; a run uses one of them."""
-
-    tree: ExudynTree = field(default_factory=ExudynTree)
-    joints: ExudynJoints = field(default_factory=ExudynJoints)
-    dae: InHouse = field(default_factory=InHouse)
-
-    def __post_init__(self) -> None:
-        for item in fields(self):
-            check_fields(getattr(self, item.name))
-
-    def resolved(self, purpose: Purpose, known: float = USUAL) -> "Numerics":
-        """The same with what is left open as a purpose needs it; see the engines."""
-        engines: dict[str, Any] = {item.name: getattr(self, item.name) for item in fields(self)}
-        return Numerics(**{name: own.resolved(purpose, known) for name, own in engines.items()})
-
-    def of(self, engine: Engine) -> "Numerics":
-        """The same with the settings of one engine."""
-        engines: dict[str, Any] = {item.name: getattr(self, item.name) for item in fields(self)}
-        place = next(name for name, own in engines.items() if type(own) is type(engine))
-        return Numerics(**{**engines, place: engine})
-
-    def having(self, **settings: Any) -> "Numerics":
-        """The same with some settings changed, by their own names."""
-        changed = {}
-        for item in fields(self):
-            engine = getattr(self, item.name)
-            own = {key: settings.pop(key) for key in asdict(engine).keys() & settings.keys()}
-            changed[item.name] = replace(engine, **own)
-        if settings:
-            raise TypeError(f"no engine has a setting {', '.join(settings)}")
-        return Numerics(**changed)
-
 
 DRAWS = 4
 """Starts of a scene that wears and does not say how many: the fewest with a usable interval."""
@@ -218,27 +181,16 @@ class Scene:
         object.__setattr__(self, "apart", alike)
         begun_on = settled(self.surfaces, self.clearance_joints, self.bearing)
         object.__setattr__(self, "surfaces", begun_on)
+        is_worn = self.wears > 0 or bool(self.surfaces)
         for name, own in {"": self.bearings, **self.apart}.items():
-            if self.conventions.contact == "foundation" and own.exponent != 1.5:
-                key = f"{name}.exponent" if name else "exponent"
-                raise InputError(
-                    f"{key} = {own.exponent:g}: with contact = 'foundation', which is linear "
-                    "and gives the exponent 1.5 of a round joint, allowed is 1.5"
-                )
-            worn = self.conventions.contact == "foundation" and (self.wears > 0 or self.surfaces)
-            if worn and not isinstance(own.normal_law, str):
-                key = f"{name}.normal_law" if name else "normal_law"
-                raise InputError(
-                    f"{key} = {own.normal_law}: worn surfaces with contact = 'foundation' have an "
-                    f"elastic force of their own; allowed is one of {', '.join(DAMPINGS)}, or "
-                    "contact = 'radial'"
-                )
+            own.check_contact(f"{name}." if name else "", self.conventions.contact, is_worn)
         self._check_life()
         if self.draws > 1 and not self.clearance_joints:
             raise InputError(f"starts = {self.starts}: without a clearance joint allowed is 1")
         check_pace(self.mechanism.linkage())
         _ = self.ideal
-        self._check_process()
+        if self.process is not None:
+            check_reach(self.process, self.stroke, self.watched)
         loaded = self.loaded
         if any(drive.torque_limit is not None for drive in loaded.drives):
             # Imported where something is computed.
@@ -251,19 +203,6 @@ class Scene:
             raise InputError(
                 f"engine = {ExudynTree.word!r}: a linkage without free loops is needed, but "
                 f"{reason}; allowed here is one of {others}"
-            )
-
-    def _check_process(self) -> None:
-        """InputError where the work is not reached, or not worked through."""
-        own = self.process
-        if own is None:
-            return
-        depth, stroke = own.curve[-1][0], self.stroke
-        if not depth <= own.height < stroke:
-            raise InputError(
-                f"process.height = {own.height:g} m: over the {own.bottom} place of the "
-                f"{self.watched} allowed is {depth:g} m, to work it through, to below "
-                f"{stroke:.6g} m, its stroke"
             )
 
     def _check_life(self) -> None:
@@ -522,7 +461,7 @@ class Scene:
                 apart={name: Bearing(**own) for name, own in plain.pop("apart").items()},
                 conventions=Conventions(**plain.pop("conventions")),
                 recording=Recording(**plain.pop("recording")),
-                numerics=_numerics(dict(plain.pop("numerics"))),
+                numerics=Numerics.from_dict(dict(plain.pop("numerics"))),
                 surfaces={
                     name: tuple(own[side] for side in SIDES)
                     for name, own in plain.pop("surfaces").items()
@@ -541,12 +480,6 @@ class Scene:
             raise
         except (AttributeError, KeyError, TypeError, ValueError, OverflowError) as error:
             raise InputError(f"this is not a stored scene: {error}") from None
-
-
-def _numerics(stored: Mapping[str, Any]) -> Numerics:
-    """The engines from their settings as plain data."""
-    kinds = {item.name: type(getattr(Numerics(), item.name)) for item in fields(Numerics)}
-    return Numerics(**{name: kinds[name](**settings) for name, settings in stored.items()})
 
 
 def _lacking(whole: Mapping[str, Any], data: Mapping[str, Any]) -> Iterator[str]:

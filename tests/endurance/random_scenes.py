@@ -20,7 +20,8 @@ from presswear.linkage.press import GEOMETRIES, Press
 from presswear.linkage.slider_crank import SliderCrank
 from presswear.scene.bearing import LEAST_RAMP, Bearing, Conventions
 from presswear.scene.catalog import slider_crank, wear_times
-from presswear.scene.scene import Numerics, Scene
+from presswear.scene.numerics import Numerics
+from presswear.scene.scene import Scene
 from presswear.tools.errors import AssemblyError, InputError, RunFailed
 from presswear.tools.quantities import Meaning, choice_of, meaning_of
 from presswear.trials.hard.case import ENERGY

@@ -8,7 +8,7 @@ from endurance.random_scenes import Ended, coarser, ended, random_scenes
 from endurance.trial import SEED, Trial
 from presswear.linkage.press import Press
 from presswear.scene.catalog import wear_times
-from presswear.scene.scene import Numerics
+from presswear.scene.numerics import Numerics
 
 ENGINES = ("exudyn", "dae")
 STEPS = 5000

@@ -13,7 +13,7 @@ import pytest
 import presswear as pw
 from presswear.campaign.single import run_scene
 from presswear.results.stage import StageResult
-from presswear.scene.scene import Numerics
+from presswear.scene.numerics import Numerics
 from presswear.show.report.bottom import under_load
 from presswear.show.report.overview import overview
 

@@ -15,7 +15,8 @@ from presswear.linkage.press import Press
 from presswear.linkage.slider_crank import SliderCrank
 from presswear.scene.bearing import CONVENTIONS, Bearing, Conventions
 from presswear.scene.catalog import SCENES, scene_named, slider_crank, wear_times
-from presswear.scene.scene import Numerics, Scene, stage_name
+from presswear.scene.numerics import Numerics
+from presswear.scene.scene import Scene, stage_name
 from presswear.scene.settings import changed
 from presswear.tools.errors import InputError
 

@@ -8,7 +8,8 @@ from typing import Protocol, TypeVar
 
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse, Integrator
 from presswear.physics.tree import Tree, tree_of
-from presswear.scene.scene import Numerics, Scene
+from presswear.scene.numerics import Numerics
+from presswear.scene.scene import Scene
 
 TRAPEZOIDAL = "trapezoidal rule"
 FIXED = "trapezoidal rule, equal steps"

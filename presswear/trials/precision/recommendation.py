@@ -8,7 +8,7 @@ from itertools import product, takewhile
 from operator import attrgetter
 
 from presswear.record.sampling import Interval
-from presswear.scene.scene import Numerics
+from presswear.scene.numerics import Numerics
 from presswear.trials.crosscheck.check import CLOSING_BOUND, FORCE_BOUND, SLIDER_BOUND, TIME_BOUND
 from presswear.trials.precision.chaos import Chaos, StatisticPoint
 from presswear.trials.precision.diagram import Diagram, TaskPoint

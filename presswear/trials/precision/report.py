@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from presswear.campaign.starts import APART
-from presswear.scene.scene import Numerics
+from presswear.scene.numerics import Numerics
 from presswear.show.report.page import Illustration, illustrate, render_page
 from presswear.tools.files import write_bytes
 from presswear.tools.numbers import given, readable, with_interval

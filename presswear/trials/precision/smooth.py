@@ -13,7 +13,8 @@ from presswear.engines.settings import InHouse
 from presswear.linkage.linkage import Linkage
 from presswear.physics.constraints import constraints_of
 from presswear.physics.following import followed
-from presswear.scene.scene import Numerics, Scene
+from presswear.scene.numerics import Numerics
+from presswear.scene.scene import Scene
 from presswear.trials.precision.diagram import Diagram, Numbers, Quantity, Task, check_finite
 from presswear.trials.precision.methods import Rungs, smooth_methods
 from presswear.trials.verify import references

@@ -11,7 +11,7 @@ import pytest
 from precision.made_up_precision import NAMES, SCENE, STAGE_CYCLES, chaos, parting
 from presswear.campaign.starts import start_of, turned_back
 from presswear.record.sampling import Estimate, MapBatches
-from presswear.scene.scene import Numerics
+from presswear.scene.numerics import Numerics
 from presswear.tools.documents import plain
 from presswear.trials.precision.chaos import stage_cycles
 from presswear.trials.precision.growth import (
