@@ -9,6 +9,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.campaign.chains import LifeState, growth_between
 from presswear.campaign.checkpoint import Checkpoint
 from presswear.campaign.ensemble import NOTHING, Ensemble, Partial, Runner
 from presswear.campaign.growth import (
@@ -19,7 +20,7 @@ from presswear.campaign.growth import (
     jump,
     share_of,
 )
-from presswear.campaign.lifetime import LifeState, run_life
+from presswear.campaign.lifetime import run_life
 from presswear.campaign.progress import Forecast
 from presswear.campaign.segment import Task, worn_out
 from presswear.campaign.stage import judged, stage_of, without_wear
@@ -239,26 +240,26 @@ def run_campaign(
             tracker.checkpoint(checkpoint, is_stage)
 
     wanting: list[str] = []
-    state, lived = at.life, None
+    state, strokes = at.life, 0.0
     if scene.life is not None:
 
         def alive(own: LifeState) -> None:
             tell(Checkpoint(worn=at.worn, forecast=forecast.numbers(), life=own))
 
         try:
-            lived, life = run_life(runner, begun_on(scene), state or LifeState(), alive)
+            passes, life = run_life(runner, begun_on(scene), state or LifeState(), alive)
         except RunFailed as error:
             return "failed", f"{error}", error.finding
         for tracker in trackers:
             tracker.life(life)
         wanting += unknown_life(scene, life)
-        state = LifeState(lived.passes)
+        state, strokes = LifeState(passes), life.strokes
         # What a stage tells of its wear is for the part of the life up to the next.
-        scene = replace(scene, represented_cycles=max(lived.strokes / scene.wears, 1.0))
+        scene = replace(scene, represented_cycles=max(strokes / scene.wears, 1.0))
         runner = replace(runner, scene=scene)
 
     def finish(stage: StageResult) -> None:
-        if lived is None:
+        if state is None:
             wanting.extend(unknown_wear(scene, stage))
         how = stage.message or stage.status
         steps = {key: own for key, own in stage.diagnostics.items() if key.startswith("steps")}
@@ -283,7 +284,7 @@ def run_campaign(
 
         task = stage_task(scene, index)
         is_last = index == scene.wears
-        if scene.wears_in_steps and not is_last and lived is None:
+        if scene.wears_in_steps and not is_last and state is None:
             forecast.expect(3.0 * (scene.cycles or FIRST_PASS))
         ran = at.ran or judged(
             runner,
@@ -294,8 +295,10 @@ def run_campaign(
             if ran.failure:
                 return "failed", f"stage {index}: {ran.failure}", ran.finding
             break
-        if lived is not None:
-            part = lived.growth(scene, begun_on(scene), index)
+        if state is not None:
+            since, until = (strokes * k / scene.wears for k in (index, index + 1))
+            joints = ran.linkage.clearances
+            part = growth_between(state.passes, joints, begun_on(scene), since, until)
             finish(stage_of(scene, index, ran, part, None))
             at = Checkpoint(index + 1, part.worn, forecast=forecast.numbers(), life=state)
             tell(at, is_stage=True)
@@ -305,8 +308,8 @@ def run_campaign(
         running = NOTHING if at.ran is None else at.partial
         keep(ran, growth, running)
         try:
-            passes = growths(runner, index, ran, growth, running, partial(keep, ran))
-            for reached in passes:
+            applied = growths(runner, index, ran, growth, running, partial(keep, ran))
+            for reached in applied:
                 growth, finding = reached
         finally:
             # The stage ran to its end, even where somebody stops the wear after it.

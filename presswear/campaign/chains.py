@@ -1,7 +1,7 @@
 """The starts of a scene as chains of a life: they run on, and their surfaces wear meanwhile."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,25 @@ _SPANS = 64
 """Spans in a pass at most, so that no two of them begin alike."""
 
 
+@dataclass(frozen=True)
+class LifeState:
+    """Where a life stands.
+
+    Attributes
+    ----------
+    passes : tuple of Pass
+        The last perhaps in part.
+    place : tuple of int
+        Pass and span of the runs at hand.
+    partial : Partial
+        Those runs, from the beginning of the span.
+    """
+
+    passes: tuple[Pass, ...] = ()
+    place: tuple[int, int] = (0, 0)
+    partial: Partial = NOTHING
+
+
 @dataclass
 class SceneChains:
     """The starts of a scene.
@@ -37,20 +56,16 @@ class SceneChains:
         Depth of the surfaces that they begin on, m.
     asked : tuple of str
         Numbers that limits are on.
+    state : LifeState
     keep : callable
-        Told now and then where the runs at hand stand.
-    place : tuple of int
-        Pass and span at hand.
-    partial : Partial
-        Their runs, from the beginning of the span.
+        Told now and then where the life stands.
     """
 
     runner: Runner
     begun: Array
     asked: tuple[str, ...]
-    keep: Callable[[], None] = lambda: None
-    place: tuple[int, int] = (0, 0)
-    partial: Partial = NOTHING
+    state: LifeState = field(default_factory=LifeState)
+    keep: Callable[[LifeState], None] = lambda state: None
 
     def go(self, number: int, before: Blocks, step: Step) -> Block:
         """Go on by a step; see ``Chains``."""
@@ -59,12 +74,13 @@ class SceneChains:
         first = _first_of(own, self.begun)
         ran = sum(block.cycles for block in own)
         until = STARTUP_CYCLES + ran + step.cycles
-        if self.place != (number, span):
+        partial = self.state.partial
+        if self.state.place != (number, span):
             self.finish()
-            self.place, self.partial = (number, span), Partial((None,) * scene.draws)
-        if self.partial.until != (until,) * scene.draws:
-            self.partial = replace(self.partial, until=(until,) * scene.draws)
-        strokes, wall = before[-1].strokes if before else 0.0, self.partial.wall
+            partial = Partial((None,) * scene.draws)
+        partial = replace(partial, until=(until,) * scene.draws)
+        self.state = replace(self.state, place=(number, span), partial=partial)
+        strokes, wall = before[-1].strokes if before else 0.0, partial.wall
         task = Task(
             _MOST_CYCLES,
             wear=share_of(step.share, 1, step.extra),
@@ -75,10 +91,10 @@ class SceneChains:
         self.runner.forecast.expect(_left(before, number) + scene.wears * FIRST_PASS)
 
         def keep(partial: Partial) -> None:
-            self.partial = partial
-            self.keep()
+            self.state = replace(self.state, partial=partial)
+            self.keep(self.state)
 
-        result = self.runner.run(first, task, self.partial, keep)
+        result = self.runner.run(first, task, partial, keep)
         if result.failure:
             if not before:
                 raise RunFailed(result.failure, result.finding)
@@ -111,11 +127,16 @@ class SceneChains:
             result.wall - wall,
         )
 
+    def keep_passes(self, passes: tuple[Pass, ...]) -> None:
+        """Tell of passes that have come further."""
+        self.state = replace(self.state, passes=passes)
+        self.keep(self.state)
+
     def finish(self) -> None:
         """Count the cycles of the span at hand as run."""
-        ran = sum(own.cycles for own in self.partial.reached if own is not None)
+        ran = sum(own.cycles for own in self.state.partial.reached if own is not None)
         self.runner.forecast.done += ran / self.runner.scene.draws
-        self.partial = NOTHING
+        self.state = replace(self.state, partial=NOTHING)
 
     def serve(self, number: int, before: Blocks, service: Service) -> Block:
         """See to a bush; see ``Chains``."""

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.campaign.chains import LifeState
 from presswear.campaign.crossing import Block
 from presswear.campaign.ensemble import NOTHING, Ensemble, Partial
 from presswear.campaign.growth import Growth
 from presswear.campaign.life import Pass
-from presswear.campaign.lifetime import LifeState
 from presswear.campaign.segment import Reached, Task, restored, stored
 from presswear.results.stage import WearStep
 from presswear.scene.scene import Scene

@@ -2,15 +2,13 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.campaign.chains import SceneChains, growth_between
+from presswear.campaign.chains import LifeState, SceneChains
 from presswear.campaign.crossing import Blocks, chains_of, curve, sampling_error
-from presswear.campaign.ensemble import NOTHING, Partial, Runner
-from presswear.campaign.growth import Growth
+from presswear.campaign.ensemble import Runner
 from presswear.campaign.life import Known, Pass, Problem, known_by, live
 from presswear.campaign.phases import phases_of
 from presswear.record.sampling import half_width, quantile
@@ -19,51 +17,6 @@ from presswear.scene.life import Life, Limit
 from presswear.scene.scene import Scene
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class LifeState:
-    """Where a life stands.
-
-    Attributes
-    ----------
-    passes : tuple of Pass
-        The last perhaps in part.
-    place : tuple of int
-        Pass and span of the runs at hand.
-    partial : Partial
-        Those runs.
-    """
-
-    passes: tuple[Pass, ...] = ()
-    place: tuple[int, int] = (0, 0)
-    partial: Partial = NOTHING
-
-
-@dataclass(frozen=True)
-class Lived:
-    """A life that has run: its passes, and where the stages through it stand.
-
-    Attributes
-    ----------
-    passes : tuple of Pass
-    strokes : float
-        The life, or how far the wear was followed.
-    """
-
-    passes: tuple[Pass, ...]
-    strokes: float
-
-    def growth(self, scene: Scene, begun: Array, index: int) -> Growth:
-        """The wear between a stage and the next: an equal part of the life.
-
-        Parameters
-        ----------
-        begun : ndarray, shape (starts, joints, 2, m)
-            Depth of the surfaces that every start began on, m.
-        """
-        since, until = (self.strokes * k / scene.wears for k in (index, index + 1))
-        return growth_between(self.passes, scene.linkage().clearances, begun, since, until)
 
 
 def problem_of(scene: Scene) -> Problem:
@@ -85,8 +38,8 @@ def _life(scene: Scene) -> Life:
 
 def run_life(
     runner: Runner, begun: Array, state: LifeState, keep: Callable[[LifeState], None]
-) -> tuple[Lived, LifeResult]:
-    """Run the life of a scene, or go on with it.
+) -> tuple[tuple[Pass, ...], LifeResult]:
+    """Run the life of a scene, or go on with it; gives its passes as well.
 
     Parameters
     ----------
@@ -103,22 +56,11 @@ def run_life(
         Where a run fails before anything is known.
     """
     problem = problem_of(runner.scene)
-    done = [state.passes]
     names = tuple(limit.name for limit in problem.limits)
-    chains = SceneChains(runner, begun, names, lambda: None, state.place, state.partial)
-
-    def told() -> None:
-        keep(LifeState(done[0], chains.place, chains.partial))
-
-    def kept(passes: tuple[Pass, ...]) -> None:
-        done[0] = passes
-        told()
-
-    chains.keep = told
-    passes = live(problem, chains, state.passes, kept)
+    chains = SceneChains(runner, begun, names, state, keep)
+    passes = live(problem, chains, state.passes, chains.keep_passes)
     chains.finish()
-    life = told_of(runner.scene, problem, passes)
-    return Lived(passes, life.strokes), life
+    return passes, told_of(runner.scene, problem, passes)
 
 
 def told_of(scene: Scene, problem: Problem, passes: tuple[Pass, ...]) -> LifeResult:

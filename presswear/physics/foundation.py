@@ -12,7 +12,7 @@ greatest.
 """
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -173,65 +173,122 @@ def with_whole(told: Array, i: int, bed: Bed) -> Bed:
     )
 
 
+class Row(NamedTuple):
+    """Segments side by side that lie alike in the cells of both maps.
+
+    Attributes
+    ----------
+    bearing, pin : int
+        Cells of the first in either map.
+    bearing_x, pin_x : float
+        Middle of each in its cells, rad.
+    first, half : float
+        Middle of the first, from the direction of the eccentricity, and half the length, rad.
+    segments : int
+        Their number.
+    """
+
+    bearing: int
+    pin: int
+    bearing_x: float
+    pin_x: float
+    first: float
+    half: float
+    segments: int
+
+
 @inlined
 def look_over(
     surfaces: Array,
     eccentricity: float,
     clearance: float,
-    bearing: int,
-    pin: int,
-    bearing_x: float,
-    pin_x: float,
-    turn: float,
-    first: float,
+    row: Row,
     width: float,
-    half: float,
+    turn: float,
     told: Array,
-    count: int,
 ) -> None:
-    """Integrate segments that lie alike in cells side by side, all of them at once.
+    """Integrate the segments of a row side by side, all of them at once.
 
     Parameters
     ----------
-    bearing, pin : int
-        First cell in either map.
-    bearing_x, pin_x : float
-        Middle of a segment in the cells of either, rad.
+    width : float
+        Way from each to the next, rad.
     turn : float
         An angle within half a radian of all of them, from the direction of the eccentricity, rad.
-    first, width : float
-        Middle of the first segment, from there, and the way to the next, rad.
-    half : float
-        Half the length of a segment, rad.
     told : ndarray, shape (TOLD, n)
         Filled in, a column for each segment: overlap in the middle, how far it may be from that
         elsewhere, and a bound above it, m; the sums of ``Bed`` over the whole segment.  The last
         columns, up to a multiple of LANES, are of cells behind.
     """
     cosine, sine = turned(turn)
+    first = row.first - turn
     # A multiple that the compiler sees is done by whole vectors.
-    for i in range(LANES * ((count + LANES - 1) // LANES)):
+    for i in range(LANES * ((row.segments + LANES - 1) // LANES)):
         c, s = series(first + i * width)
         g = segment_of(
             surfaces,
             eccentricity,
             clearance,
-            np.uintp(bearing + i),
-            np.uintp(pin + i),
-            bearing_x,
-            pin_x,
+            np.uintp(row.bearing + i),
+            np.uintp(row.pin + i),
+            row.bearing_x,
+            row.pin_x,
             cosine * c - sine * s,
             cosine * s + sine * c,
         )
-        whole = add_whole(g, half, NOTHING)
+        whole = add_whole(g, row.half, NOTHING)
         told[0, i] = g.a0
-        told[1, i] = change_of(g, half)
-        told[2, i] = bound_of(g, half)
+        told[1, i] = change_of(g, row.half)
+        told[2, i] = bound_of(g, row.half)
         told[3, i] = whole.along
         told[4, i] = whole.across
         told[5, i] = whole.slope
         told[6, i] = whole.square
         told[7, i] = whole.area
+
+
+@inlined
+def with_row(
+    surfaces: Array,
+    eccentricity: float,
+    clearance: float,
+    row: Row,
+    width: float,
+    told: Array,
+    bed: Bed,
+) -> Bed:
+    """The bed with a row that was looked over: whole segments as told, those cut one by one.
+
+    Before these the one with the highest bound: beside its peak few others are worth a look.
+    """
+    highest = 0
+    for i in range(row.segments):
+        if told[2, i] > told[2, highest]:
+            highest = i
+        if told[0, i] >= told[1, i]:
+            bed = with_whole(told, i, bed)
+    for k in range(-1, row.segments):
+        i = highest if k < 0 else k
+        is_cut = k >= 0 and told[2, i] > 0.0 and told[0, i] < told[1, i]
+        if is_cut or told[2, i] > bed.overlap:
+            middle = row.first + i * width
+            cosine, sine = turned(middle)
+            segment = segment_of(
+                surfaces,
+                eccentricity,
+                clearance,
+                row.bearing + i,
+                row.pin + i,
+                row.bearing_x,
+                row.pin_x,
+                cosine,
+                sine,
+            )
+            if is_cut:
+                bed = press_segment(segment, middle, row.half, bed)
+            else:
+                bed = with_peak_of(segment, middle, row.half, bed)
+    return bed
 
 
 @compiled
@@ -286,49 +343,9 @@ def press(
             for piece in range(pieces):
                 way = (2 * piece + 1) * half
                 b_way, p_way = start + way, p_start + way
-                first = left + b_way
-                look_over(
-                    surfaces,
-                    eccentricity,
-                    clearance,
-                    b,
-                    p + part,
-                    b_way,
-                    p_way,
-                    turn,
-                    first - turn,
-                    width,
-                    half,
-                    told,
-                    many,
-                )
-                highest = 0
-                for i in range(many):
-                    if told[2, i] > told[2, highest]:
-                        highest = i
-                    if told[0, i] >= told[1, i]:
-                        bed = with_whole(told, i, bed)
-                for k in range(-1, many):
-                    i = highest if k < 0 else k
-                    is_cut = k >= 0 and told[2, i] > 0.0 and told[0, i] < told[1, i]
-                    if is_cut or told[2, i] > bed.overlap:
-                        middle = first + i * width
-                        cosine, sine = turned(middle)
-                        segment = segment_of(
-                            surfaces,
-                            eccentricity,
-                            clearance,
-                            b + i,
-                            p + part + i,
-                            b_way,
-                            p_way,
-                            cosine,
-                            sine,
-                        )
-                        if is_cut:
-                            bed = press_segment(segment, middle, half, bed)
-                        else:
-                            bed = with_peak_of(segment, middle, half, bed)
+                row = Row(b, p + part, b_way, p_way, left + b_way, half, many)
+                look_over(surfaces, eccentricity, clearance, row, width, turn, told)
+                bed = with_row(surfaces, eccentricity, clearance, row, width, told, bed)
         left += many * width
         b, p = (b + many) % count, (p + many) % count
         cells -= many
