@@ -16,12 +16,6 @@ from presswear.tools.own import OwnFunction
 from presswear.tools.units import apart, in_si, units_of
 
 
-def _exact(bound: float) -> str:
-    """A bound as text that is read back as the same number, so that it can be typed."""
-    short = f"{bound:g}"
-    return short if float(short) == bound else f"{bound!r}"
-
-
 @dataclass(frozen=True)
 class Meaning:
     """Meaning of a quantity: unit (empty for a pure number), range, origin, text.
@@ -41,14 +35,26 @@ class Meaning:
         """A value as text with the unit behind it."""
         return f"{value} {self.unit}".rstrip()
 
+    def typed(self, value: float, inward: float) -> str:
+        """A value in six digits, rounded up or down so that it can be typed where it is in range.
+
+        In all digits where the range is narrower than that.
+        """
+        short = float(f"{value:g}")
+        if (short - value) * inward < 0.0:
+            short += inward * 10.0 ** (math.floor(math.log10(abs(value))) - 5)
+        text = f"{short:g}"
+        return text if self.low <= float(text) <= self.high else f"{value!r}"
+
     def range_text(self) -> str:
         """The allowed range as a person reads it, with the unit."""
         if math.isinf(self.high) and math.isinf(self.low):
             return self.with_unit(f"any finite number{' in' if self.unit else ''}")
+        low = self.typed(self.low, 1.0)
         if math.isinf(self.high):
-            return self.with_unit(f"{'above' if self.open_low else 'at least'} {_exact(self.low)}")
-        first = f"above {_exact(self.low)} up to" if self.open_low else f"{_exact(self.low)} to"
-        return self.with_unit(f"{first} {_exact(self.high)}")
+            return self.with_unit(f"{'above' if self.open_low else 'at least'} {low}")
+        first = f"above {low} up to" if self.open_low else f"{low} to"
+        return self.with_unit(f"{first} {self.typed(self.high, -1.0)}")
 
     def allows(self, value: float) -> bool:
         """True for a finite number in range."""
@@ -316,7 +322,9 @@ def _example(name: str, meaning: Meaning) -> str:
     if common is None or not meaning.allows(common):
         amid = 10.0 * meaning.low if meaning.low > 0.0 else meaning.high / 2.0
         amid = float(f"{amid:.0e}")
-        text = meaning.with_unit(_exact(amid if meaning.allows(amid) else meaning.high))
+        text = meaning.with_unit(
+            meaning.typed(amid if meaning.allows(amid) else meaning.high, -1.0)
+        )
     return f", for instance {name}={text!r}"
 
 

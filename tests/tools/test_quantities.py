@@ -5,7 +5,7 @@ import re
 from dataclasses import dataclass, fields, replace
 
 import pytest
-from hypothesis import example, given
+from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
 from presswear.tools.errors import InputError
@@ -184,10 +184,14 @@ def test_ranges(meaning: Meaning, inside: list[str], outside: list[str], said: s
             parse_quantity("key", text, meaning)
 
 
-def test_a_range_is_told_so_that_its_ends_can_be_typed() -> None:
-    meaning = Meaning("rad/s", 0.1 * math.pi, 40.0 * math.pi, "", "")
-    for end in meaning.range_text().removesuffix(" rad/s").split(" to "):
-        parse_quantity("key", f"{end} rad/s", meaning)
+@given(st.floats(-1e9, 1e9), st.floats(1e-3, 1e9))
+def test_a_range_is_told_so_that_its_ends_can_be_typed(low: float, width: float) -> None:
+    """In six digits, and within them as far as the range goes."""
+    assume(1e-5 * abs(low) < width)
+    meaning = Meaning("rad/s", low, low + width, "", "")
+    ends = meaning.range_text().removesuffix(" rad/s").split(" to ")
+    for end, bound in zip(ends, (low, low + width), strict=True):
+        assert parse_quantity("key", f"{end} rad/s", meaning) == pytest.approx(bound, rel=1e-5)
     assert _any("").range_text() == "any finite number"
     assert _any("m").range_text() == "any finite number in m"
 
