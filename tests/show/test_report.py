@@ -64,7 +64,7 @@ def test_one_file_without_references(tmp_path: Path) -> None:
     assert path == tmp_path / "report.html"
     text = path.read_text()
     page = Page(text)
-    assert len(page.links) == len(list((tmp_path / "figures").iterdir())) == 12
+    assert len(page.links) == len(list((tmp_path / "figures").iterdir())) == 13
     assert all(link.startswith("data:image/png;base64,") for link in page.links)
     own = re.sub(r"data:image/png;base64,[A-Za-z0-9+/=]+", "", text)
     assert not re.search(r"http|url\(|@import|<script|<link", own)
