@@ -134,7 +134,9 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
     if arguments.scene in STUDIES:
         for option in ("live", "surfaces"):
             if getattr(arguments, option):
-                raise InputError(f"--{option} is for scenes; {arguments.scene} is a study of some")
+                raise InputError(
+                    f"--{option} is for scenes; {arguments.scene} is a study of several"
+                )
         from presswear.commands import studies
 
         change = partial(with_options, arguments=arguments)

@@ -24,6 +24,7 @@ SLOW = (
     "at rest, met at 0.14 mm/s",
     "pin at rest in the middle",
     "clearance at A alone",
+    "100 cycles at 40 pi",
 )
 """Cases of some ten seconds."""
 

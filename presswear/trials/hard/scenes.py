@@ -64,6 +64,8 @@ GROWTH = 20.0
 Crank angles count on, 6 rad a cycle, and their round-off with them: the error grows ten
 times, from 1.4e-10 m after 200 cycles.  What feeds on itself grows a hundred times or more.
 """
+CALM = 100
+"""Cycles after which errors grow as they go on to: the first ten are too calm to tell."""
 WORN_PATIENCE = 20.0
 """Wall time after which a run on worn surfaces counts as hung, s; others take up to 8."""
 
@@ -331,7 +333,8 @@ def drifts(cycles: int, scene: Scene) -> Iterator[Check]:
     if engine == "dae":
         early, late = (float(r.diagnostics["constraint_error_m"]) for r in (first, run))
         yield Check("greatest |Phi| / clearance", late / scene.bearings.clearance, 1e-5)
-        yield Check("|Phi| over that of a tenth of the cycles", late / early, GROWTH)
+        if cycles // 10 > CALM:
+            yield Check("|Phi| over that of a tenth of the cycles", late / early, GROWTH)
     early, late = (abs(float(r.diagnostics["energy_residual_J"])) for r in (first, run))
     exchanged = float(run.diagnostics["drive_exchange_J"])
     per_cycle = (late / 10.0 - early) / (exchanged / 10.0)
@@ -339,12 +342,13 @@ def drifts(cycles: int, scene: Scene) -> Iterator[Check]:
 
 
 def drift_cases() -> Iterator[HardCase]:
-    """2,000 cycles; in-house with constraints, for those of the tree hold exactly."""
+    """A hundred cycles, and 2,000; in-house with constraints: those of the tree hold exactly."""
     fast = turning(FAST)
     held = replace(fast.numerics.dae, coordinates="all")
     fast = replace(fast, numerics=replace(fast.numerics, dae=held))
-    name = "2,000 cycles at 40 pi"
-    yield from in_both(name, "errors add up", fast, partial(drifts, 2000), long=True)
+    for cycles, long in ((100, False), (2000, True)):
+        name = f"{cycles:,} cycles at 40 pi"
+        yield from in_both(name, "errors add up", fast, partial(drifts, cycles), long=long)
 
 
 def refused(make: Callable[[], object]) -> Iterator[Check]:
