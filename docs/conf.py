@@ -6,6 +6,7 @@ Needs no network: formulas are MathML, which browsers draw themselves.
 import os
 import re
 import sys
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import fields, is_dataclass
 from importlib.metadata import version as version_of
 from pathlib import Path
@@ -19,6 +20,7 @@ from sphinx.writers.html5 import HTML5Translator
 DOCS = Path(__file__).parent
 sys.path.insert(0, str(DOCS))
 import draw  # noqa: E402
+import lines  # noqa: E402
 
 from presswear.tools.quantities import meaning_of, words_of  # noqa: E402
 
@@ -99,6 +101,23 @@ def _math(self: HTML5Translator, node: nodes.math | nodes.math_block) -> None:
     raise nodes.SkipNode
 
 
+_TYPED: list[Future[list[str]]] = []
+
+
+def _type(app: Sphinx) -> None:
+    """Begin to run the command lines of pages without cells."""
+    threads = ThreadPoolExecutor(1)
+    _TYPED.append(threads.submit(lines.failures, lines.all_lines()))
+    threads.shutdown(wait=False)
+
+
+def _typed(app: Sphinx, error: Exception | None) -> None:
+    """End the build where one of them failed."""
+    wrong = [own for typed in _TYPED for own in typed.result()]
+    if wrong and error is None:
+        raise SphinxError("\n".join(wrong))
+
+
 def _draw(app: Sphinx) -> None:
     """Draw what no page with code draws."""
     folder = DOCS / "_drawn"
@@ -129,7 +148,9 @@ def _tell_fields(
 
 
 def setup(app: Sphinx) -> None:
-    """Add formulas in MathML, pictures, and the fields of data classes."""
+    """Add formulas in MathML, pictures, commands, and the fields of data classes."""
     app.add_html_math_renderer("mathml", (_math, None), (_math, None))
+    app.connect("builder-inited", _type)
     app.connect("builder-inited", _draw)
+    app.connect("build-finished", _typed)
     app.connect("autodoc-process-docstring", _tell_fields, priority=1)  # before numpydoc

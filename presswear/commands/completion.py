@@ -26,10 +26,9 @@ def add(commands: Any) -> None:
     parser = commands.add_parser(
         "completion",
         description="Prints a script by which a shell completes commands, options, scenes, files "
-        "and folders. Bash reads it from ~/.local/share/bash-completion/completions/presswear, "
-        "zsh from a file _presswear in a folder of $fpath.",
-        epilog="example: presswear completion bash "
-        "> ~/.local/share/bash-completion/completions/presswear",
+        "and folders. Bash reads it from a file that ~/.bashrc names: source "
+        "~/.presswear-completion; zsh from a file _presswear in a folder of $fpath.",
+        epilog="example: presswear completion bash > ~/.presswear-completion",
     )
     parser.add_argument("shell", help="bash or zsh")
     parser.set_defaults(run=_run)

@@ -26,7 +26,7 @@ def add(commands: Any) -> None:
         description="Plays a stored run in the Exudyn renderer: the press, and its clearance "
         "joints enlarged. Keys in the window: space pauses, left and right step, up and down "
         "change the speed, home begins again, q quits; a click on the bar jumps in time.",
-        epilog="example: presswear replay results/wear-times --stage 1 --movie press.mp4; "
+        epilog="example: presswear replay results/wear-times --stage 1 --movie press.gif; "
         "presswear replay results/wear-times --still press.png --at 0.31s",
     )
     parser.add_argument("folder", type=Path, metavar="DIR", help="folder of a run")

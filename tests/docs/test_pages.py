@@ -2,12 +2,12 @@
 
 import re
 import shlex
-from collections.abc import Iterator
 from importlib import import_module
 from itertools import takewhile
 from pathlib import Path
 
 import pytest
+from lines import PAGES, all_lines, failures, lines_in_cells, lines_of
 
 import presswear as pw
 from presswear.commands import COMMANDS
@@ -19,26 +19,10 @@ from presswear.tools.errors import InputError
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
-PAGES = sorted(
-    page
-    for page in [*ROOT.glob("*.md"), *DOCS.rglob("*.md")]
-    if page.relative_to(ROOT).parts[1:2] != ("_build",)
-)
 THEORY = sorted((DOCS / "theory").glob("*.md"))
 TUTORIALS = sorted((DOCS / "tutorials").glob("*.md"))
 REFUSED = "clearence"
 """A mistake that a tutorial shows on purpose."""
-
-
-def lines_of(text: str) -> Iterator[str]:
-    """Command lines in blocks of code, each whole, comments and what comes before them left out."""
-    joined = re.sub(r"\\\n\s*", " ", text)
-    for line in joined.splitlines():
-        for part in re.split(r"&&|\|\|", line.strip()):
-            if found := re.match(r"(?:\S*/)?presswear (?=[a-z-])(.*)", part.strip()):
-                yield found[1]
-
-
 COMMAND_LINES = [(page, line) for page in PAGES for line in lines_of(page.read_text())]
 
 
@@ -76,8 +60,19 @@ def test_commands_in_prose_have_a_name_that_is_known() -> None:
 def test_commands_of_a_tutorial_run_when_the_site_is_built(page: Path) -> None:
     """They stand in cells, which the build runs and which end it where one fails."""
     text = page.read_text()
-    cells = re.findall(r"^```\{code-cell\} ipython3\n%%bash\n(.*?)^```", text, re.M | re.S)
-    assert list(lines_of(text)) == [line for cell in cells for line in lines_of(cell)]
+    assert list(lines_of(text)) == lines_in_cells(text)
+
+
+def test_all_other_commands_run_when_the_site_is_built_those_of_helps_too() -> None:
+    ran = {line for lines in all_lines().values() for line in lines}
+    ran |= {line for page in PAGES for line in lines_in_cells(page.read_text())}
+    assert {line for _, line in COMMAND_LINES} <= ran
+    assert all_lines()["help"]
+
+
+def test_a_command_that_fails_is_told_and_one_that_takes_long_is_stopped() -> None:
+    (told,) = failures({"page": ["list", "list wear-tims", "run wear-times --cycles 200"]})
+    assert told.startswith("page: presswear list wear-tims: exit code 2")
 
 
 @pytest.mark.parametrize("page", TUTORIALS, ids=lambda page: page.stem)
