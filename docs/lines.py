@@ -75,12 +75,12 @@ def _failure(line: str, folder: Path, longest: float | None = LONGEST) -> str:
             stdout=said,
             stderr=subprocess.STDOUT,
         )
-        allowed = {0}
+        allowed = {0}  # else stopped; while Python ends it is ended by the signal itself
         try:
             code = running.wait(longest)
         except subprocess.TimeoutExpired:
             running.send_signal(signal.SIGINT)
-            allowed.add(128 + signal.SIGINT)
+            allowed |= {128 + signal.SIGINT, -signal.SIGINT}
             try:
                 code = running.wait(LEFT)
             except subprocess.TimeoutExpired:

@@ -50,6 +50,30 @@ def stoppable() -> Iterator[None]:
             sys.unraisablehook = complain
 
 
+@contextmanager
+def deferred() -> Iterator[None]:
+    """Let no signal stop what is inside; those that come arrive behind it.
+
+    To block them does not do: another thread takes them, and Python answers in the main one.
+    """
+    came: list[int] = []
+    before = {}
+    for name in NAMES:
+        number = getattr(signal, name, None)
+        if number is not None and callable(signal.getsignal(number)):
+            try:
+                before[number] = signal.signal(number, lambda number, frame: came.append(number))
+            except ValueError:  # not in the main thread, which alone is stopped
+                break
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+        for number in came:
+            signal.raise_signal(number)
+
+
 def is_stopped() -> bool:
     """True once a signal has come."""
     return bool(_received)

@@ -34,7 +34,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.tools.errors import RunFailed
-from presswear.tools.stopping import is_stopped
+from presswear.tools.stopping import deferred, is_stopped
 
 Array = NDArray[np.float64]
 
@@ -255,7 +255,7 @@ class Pool:
 
     def _submit(self, function: Callable[..., Any], *given: Any) -> "Future[Any]":
         assert self._pool is not None, "processes have begun"
-        with _undisturbed():
+        with undisturbed():
             return self._pool.submit(function, *given)
 
     def __enter__(self) -> Self:
@@ -404,7 +404,7 @@ def _context(imports: Sequence[str]) -> Any:
 
 
 @contextmanager
-def _undisturbed() -> Iterator[None]:
+def undisturbed() -> Iterator[None]:
     """Begin processes that signals to a whole terminal do not reach, and no script's main module.
 
     They would run a script again that does not ask whether it is the main one.  Signals that are
@@ -419,7 +419,8 @@ def _undisturbed() -> Iterator[None]:
     before = mask(signal.SIG_BLOCK, held) if mask else None
     sys.modules["__main__"] = ModuleType("__main__")
     try:
-        yield
+        with deferred():
+            yield
     finally:
         sys.modules["__main__"] = main
         for name in ("PYTHONPATH", "PYTHONSAFEPATH"):

@@ -18,7 +18,7 @@ from presswear.show.replay.picture import Picture
 from presswear.show.replay.reel import Reel, instants
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.files import write_whole
-from presswear.tools.workers import cores
+from presswear.tools.workers import cores, undisturbed
 
 Pixels = NDArray[np.uint8]
 Frames = Sequence[Sequence[int]]
@@ -84,7 +84,9 @@ def pictures(
     jobs = min(cores(), len(frames))
     pool = ProcessPoolExecutor(jobs, context, _begin, (reels, frames, note, size))
     try:
-        yield from pool.map(_draw, range(len(frames)))
+        with undisturbed():
+            drawn = pool.map(_draw, range(len(frames)))
+        yield from drawn
     except BrokenProcessPool:
         raise RunFailed("a process that draws pictures has ended by itself") from None
     finally:
