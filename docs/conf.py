@@ -4,7 +4,6 @@ Needs no network: formulas are MathML, which browsers draw themselves.
 """
 
 import os
-import re
 import sys
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import fields, is_dataclass
@@ -12,7 +11,6 @@ from importlib.metadata import version as version_of
 from pathlib import Path
 
 from docutils import nodes
-from latex2mathml.converter import convert
 from sphinx.application import Sphinx
 from sphinx.errors import SphinxError
 from sphinx.writers.html5 import HTML5Translator
@@ -20,6 +18,7 @@ from sphinx.writers.html5 import HTML5Translator
 DOCS = Path(__file__).parent
 sys.path.insert(0, str(DOCS))
 import draw  # noqa: E402
+import formulas  # noqa: E402
 import lines  # noqa: E402
 
 from presswear.tools.quantities import meaning_of, words_of  # noqa: E402
@@ -70,33 +69,13 @@ autodoc_typehints = "none"
 numpydoc_show_class_members = False
 
 
-_FUNCTION = re.compile(r"(</m(?:i|n|sub|sup|frac|sqrt)>)?<m([io])>([a-z]{2,})</m\2>(<mo)?")
-_PRIMED = re.compile(r"<m(sub)?sup>((?:<mi>[^<]*</mi>){1,2})<mi>&#x02032;</mi></m(?:sub)?sup>")
-_THIN = '<mspace width="0.17em"></mspace>'
-
-
-def _spaced(found: re.Match[str]) -> str:
-    """The name of a function with the spaces of print: none before a bracket."""
-    before, _, name, after = (part or "" for part in found.groups())
-    spaces = _THIN if before else "", "" if after else _THIN
-    return f"{before}<mrow>{spaces[0]}<mi>{name}</mi>{spaces[1]}</mrow>{after}"
-
-
-def _primed(found: re.Match[str]) -> str:
-    """A prime at its own height: small as an exponent it would be read as the dot of a rate."""
-    base = f"<msub>{found[2]}</msub>" if found[1] else found[2]
-    return f'<mrow>{base}<mo lspace="0" rspace="0">&#x02032;</mo></mrow>'
-
-
 def _math(self: HTML5Translator, node: nodes.math | nodes.math_block) -> None:
     """Write a formula in MathML; what the converter does not know ends the build."""
     is_block = isinstance(node, nodes.math_block)
-    body = convert(node.astext(), display="block" if is_block else "inline")
-    if "\\" in body:
-        raise SphinxError(f"a formula that MathML does not show: {node.astext()}")
-    body = _FUNCTION.sub(_spaced, body)
-    body = body.replace('<mo stretchy="false">&#x0007C;', '<mo lspace="0" rspace="0">&#x0007C;')
-    body = _PRIMED.sub(_primed, body)
+    try:
+        body = formulas.mathml_of(node.astext(), is_block)
+    except ValueError as error:
+        raise SphinxError(str(error)) from None
     self.body.append(f'<div class="formula">{body}</div>' if is_block else body)
     raise nodes.SkipNode
 

@@ -173,7 +173,7 @@ def with_whole(told: Array, i: int, bed: Bed) -> Bed:
     )
 
 
-class Row(NamedTuple):
+class Strip(NamedTuple):
     """Segments side by side that lie alike in the cells of both maps.
 
     Attributes
@@ -202,12 +202,12 @@ def look_over(
     surfaces: Array,
     eccentricity: float,
     clearance: float,
-    row: Row,
+    strip: Strip,
     width: float,
     turn: float,
     told: Array,
 ) -> None:
-    """Integrate the segments of a row side by side, all of them at once.
+    """Integrate the segments of a strip, all of them at once.
 
     Parameters
     ----------
@@ -221,25 +221,25 @@ def look_over(
         columns, up to a multiple of LANES, are of cells behind.
     """
     cosine, sine = turned(turn)
-    first = row.first - turn
+    first = strip.first - turn
     # A multiple that the compiler sees is done by whole vectors.
-    for i in range(LANES * ((row.segments + LANES - 1) // LANES)):
+    for i in range(LANES * ((strip.segments + LANES - 1) // LANES)):
         c, s = series(first + i * width)
         g = segment_of(
             surfaces,
             eccentricity,
             clearance,
-            np.uintp(row.bearing + i),
-            np.uintp(row.pin + i),
-            row.bearing_x,
-            row.pin_x,
+            np.uintp(strip.bearing + i),
+            np.uintp(strip.pin + i),
+            strip.bearing_x,
+            strip.pin_x,
             cosine * c - sine * s,
             cosine * s + sine * c,
         )
-        whole = add_whole(g, row.half, NOTHING)
+        whole = add_whole(g, strip.half, NOTHING)
         told[0, i] = g.a0
-        told[1, i] = change_of(g, row.half)
-        told[2, i] = bound_of(g, row.half)
+        told[1, i] = change_of(g, strip.half)
+        told[2, i] = bound_of(g, strip.half)
         told[3, i] = whole.along
         told[4, i] = whole.across
         told[5, i] = whole.slope
@@ -248,46 +248,46 @@ def look_over(
 
 
 @inlined
-def with_row(
+def with_strip(
     surfaces: Array,
     eccentricity: float,
     clearance: float,
-    row: Row,
+    strip: Strip,
     width: float,
     told: Array,
     bed: Bed,
 ) -> Bed:
-    """The bed with a row that was looked over: whole segments as told, those cut one by one.
+    """The bed with a strip that was looked over: whole segments as told, those cut one by one.
 
     Before these the one with the highest bound: beside its peak few others are worth a look.
     """
     highest = 0
-    for i in range(row.segments):
+    for i in range(strip.segments):
         if told[2, i] > told[2, highest]:
             highest = i
         if told[0, i] >= told[1, i]:
             bed = with_whole(told, i, bed)
-    for k in range(-1, row.segments):
+    for k in range(-1, strip.segments):
         i = highest if k < 0 else k
         is_cut = k >= 0 and told[2, i] > 0.0 and told[0, i] < told[1, i]
         if is_cut or told[2, i] > bed.overlap:
-            middle = row.first + i * width
+            middle = strip.first + i * width
             cosine, sine = turned(middle)
             segment = segment_of(
                 surfaces,
                 eccentricity,
                 clearance,
-                row.bearing + i,
-                row.pin + i,
-                row.bearing_x,
-                row.pin_x,
+                strip.bearing + i,
+                strip.pin + i,
+                strip.bearing_x,
+                strip.pin_x,
                 cosine,
                 sine,
             )
             if is_cut:
-                bed = press_segment(segment, middle, row.half, bed)
+                bed = press_segment(segment, middle, strip.half, bed)
             else:
-                bed = with_peak_of(segment, middle, row.half, bed)
+                bed = with_peak_of(segment, middle, strip.half, bed)
     return bed
 
 
@@ -343,9 +343,9 @@ def press(
             for piece in range(pieces):
                 way = (2 * piece + 1) * half
                 b_way, p_way = start + way, p_start + way
-                row = Row(b, p + part, b_way, p_way, left + b_way, half, many)
-                look_over(surfaces, eccentricity, clearance, row, width, turn, told)
-                bed = with_row(surfaces, eccentricity, clearance, row, width, told, bed)
+                strip = Strip(b, p + part, b_way, p_way, left + b_way, half, many)
+                look_over(surfaces, eccentricity, clearance, strip, width, turn, told)
+                bed = with_strip(surfaces, eccentricity, clearance, strip, width, told, bed)
         left += many * width
         b, p = (b + many) % count, (p + many) % count
         cells -= many
