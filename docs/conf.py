@@ -24,7 +24,7 @@ import lines  # noqa: E402
 from presswear.tools.quantities import meaning_of, words_of  # noqa: E402
 
 # Tutorials call ``presswear`` and ``python`` of the environment that builds.
-os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
+os.environ["PATH"] = lines.PATH
 os.environ |= {"COLUMNS": "88", "TTY_COMPATIBLE": "0"}
 os.environ["PYTHONSTARTUP"] = str(DOCS / "kernel.py")
 # Pages show what tests against the literature find.

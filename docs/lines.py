@@ -33,6 +33,8 @@ LONGEST = 3.0
 LEFT = 60.0
 """Time that it then has to end, s."""
 PAGES_AT_ONCE = 2
+PATH = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])
+"""Where commands are looked for: in the environment that runs this, first."""
 MADE = {
     "results/wear-times": "run wear-times --engine dae --cycles 4 --wears 1",
     "results/mine": "run wear-times --engine dae --cycles 2 --wears 1 --out results/mine",
@@ -70,7 +72,7 @@ def _failure(line: str, folder: Path, longest: float | None = LONGEST) -> str:
         running = subprocess.Popen(
             ["bash", "-c", f"exec presswear {line}"],
             cwd=folder,
-            env={**os.environ, "HOME": str(folder)},
+            env={**os.environ, "HOME": str(folder), "PATH": PATH},
             stdin=subprocess.DEVNULL,
             stdout=said,
             stderr=subprocess.STDOUT,
