@@ -66,7 +66,7 @@ def lines_in_cells(text: str) -> list[str]:
     return [line for cell in cells for line in lines_of(cell)]
 
 
-def _failure(line: str, folder: Path, longest: float | None = LONGEST) -> str:
+def _failure(line: str, folder: Path, longest: float | None) -> str:
     """How a command fails, or nothing; after some time it is stopped by Ctrl-C."""
     with tempfile.TemporaryFile("w+") as said:
         running = subprocess.Popen(
@@ -109,7 +109,7 @@ def examples() -> list[str]:
     return [line for epilog in told for own in epilog.split("; ") for line in lines_of(own)]
 
 
-def _failures(made: Path, place: str, lines: list[str]) -> list[str]:
+def _failures(made: Path, longest: float, place: str, lines: list[str]) -> list[str]:
     """How the lines of a place fail."""
     failed = []
     with tempfile.TemporaryDirectory() as name:
@@ -123,7 +123,7 @@ def _failures(made: Path, place: str, lines: list[str]) -> list[str]:
                 (folder / thing).parent.mkdir(exist_ok=True)
                 copy(made / thing, folder / thing)
             if "DISPLAY" in os.environ or not _wants_window(line):
-                failed.append(_failure(line, folder))
+                failed.append(_failure(line, folder, longest))
     return [f"{place}: {own}" for own in failed if own]
 
 
@@ -161,7 +161,7 @@ def all_lines() -> dict[str, list[str]]:
     return {**places, "help": examples()}
 
 
-def failures(places: dict[str, list[str]]) -> list[str]:
+def failures(places: dict[str, list[str]], longest: float = LONGEST) -> list[str]:
     """How commands fail, by the places where they stand."""
     named = " ".join(line for lines in places.values() for line in lines)
     cache = os.environ.get("XDG_CACHE_HOME", str(Path.home() / ".cache"))
@@ -174,7 +174,7 @@ def failures(places: dict[str, list[str]]) -> list[str]:
         if any(not_made):
             return [own for own in not_made if own]
         with ThreadPoolExecutor(PAGES_AT_ONCE) as threads:
-            found = threads.map(partial(_failures, made), places, places.values())
+            found = threads.map(partial(_failures, made, longest), places, places.values())
             return [own for page in found for own in page]
 
 
