@@ -16,6 +16,7 @@ from presswear.show.replay.picture import Picture
 from presswear.show.replay.reel import Reel, frames_at, instants, played
 from presswear.tools.errors import RunFailed
 from presswear.tools.exudyn import exudyn_module
+from presswear.tools.workers import undisturbed
 
 exu = exudyn_module()
 
@@ -80,9 +81,10 @@ def opened(target: Callable[..., None], *given: Any) -> tuple[Any, Connection]:
     context = multiprocessing.get_context("spawn")
     ours, theirs = context.Pipe()
     process = context.Process(target=target, args=(theirs, *given), daemon=True)
-    process.start()
-    theirs.close()
     try:
+        with undisturbed():
+            process.start()
+        theirs.close()
         if ours.poll(_OPENS_WITHIN):
             ours.recv()
             return process, ours
@@ -91,7 +93,8 @@ def opened(target: Callable[..., None], *given: Any) -> tuple[Any, Connection]:
         process.join(1.0)
         why = f"Exudyn's renderer could not start (exit code {process.exitcode})"
     except BaseException:
-        process.kill()
+        if process.is_alive():
+            process.kill()
         raise
     process.kill()
     raise RunFailed(f"no window can be opened here: {why}; {WITHOUT_WINDOW}")
