@@ -130,7 +130,7 @@ def _wants_window(line: str) -> bool:
 
 
 @contextmanager
-def _display() -> Iterator[None]:
+def display() -> Iterator[None]:
     """A display that nobody looks at, where there is none and one can be had."""
     if "DISPLAY" in os.environ or shutil.which("Xvfb") is None:
         yield
@@ -163,7 +163,7 @@ def failures(places: dict[str, list[str]], longest: float = LONGEST) -> list[str
     named = " ".join(line for lines in places.values() for line in lines)
     cache = os.environ.get("XDG_CACHE_HOME", str(Path.home() / ".cache"))
     os.environ["XDG_CACHE_HOME"] = cache
-    with tempfile.TemporaryDirectory() as name, _display():
+    with tempfile.TemporaryDirectory() as name, display():
         made = Path(name)
         (made / "worn.csv").write_text("\n".join(WORN))
         needed = " ".join([named, *(line for thing, line in MADE.items() if thing in named)])

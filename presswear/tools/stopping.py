@@ -7,7 +7,7 @@ another error of it, as Python does inside ``__set_name__``: any error behind a 
 
 import signal
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
 
@@ -21,8 +21,26 @@ def _stop(number: int, frame: FrameType | None) -> None:
 
 
 @contextmanager
+def _answered(answer: Callable[[int, FrameType | None], None]) -> Iterator[None]:
+    """Answer signals by a function; those that somebody had ignored stay ignored."""
+    before = {}
+    for name in NAMES:
+        number = getattr(signal, name, None)
+        if number is not None and signal.getsignal(number) not in (signal.SIG_IGN, None):
+            try:
+                before[number] = signal.signal(number, answer)
+            except ValueError:  # not in the main thread: the program around decides
+                break
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+@contextmanager
 def stoppable() -> Iterator[None]:
-    """Let signals stop what is inside; those that somebody had ignored stay ignored."""
+    """Let signals stop what is inside."""
     _received.clear()
     complain = sys.unraisablehook
 
@@ -32,19 +50,10 @@ def stoppable() -> Iterator[None]:
             complain(problem)
 
     sys.unraisablehook = dropped
-    before = {}
-    for name in NAMES:
-        number = getattr(signal, name, None)
-        if number is not None and signal.getsignal(number) != signal.SIG_IGN:
-            try:
-                before[number] = signal.signal(number, _stop)
-            except ValueError:  # not in the main thread: the program around decides
-                break
     try:
-        yield
+        with _answered(_stop):
+            yield
     finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
         # Such objects may live until the program ends.
         if not is_stopped():
             sys.unraisablehook = complain
@@ -57,19 +66,10 @@ def deferred() -> Iterator[None]:
     To block them does not do: another thread takes them, and Python answers in the main one.
     """
     came: list[int] = []
-    before = {}
-    for name in NAMES:
-        number = getattr(signal, name, None)
-        if number is not None and callable(signal.getsignal(number)):
-            try:
-                before[number] = signal.signal(number, lambda number, frame: came.append(number))
-            except ValueError:  # not in the main thread, which alone is stopped
-                break
     try:
-        yield
+        with _answered(lambda number, frame: came.append(number)):
+            yield
     finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
         for number in came:
             signal.raise_signal(number)
 

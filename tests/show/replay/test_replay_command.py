@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
+import lines
 import numpy as np
 import pytest
 from PIL import Image
@@ -38,17 +39,10 @@ def display(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """A display that nobody looks at, for this process and those that it starts."""
     if shutil.which("Xvfb") is None:
         pytest.skip("Xvfb is missing")
-    read, write = os.pipe()
-    command = ["Xvfb", "-displayfd", str(write), "-screen", "0", "1280x900x24"]
-    server = subprocess.Popen(command, pass_fds=[write], stderr=subprocess.DEVNULL)
-    os.close(write)
-    with os.fdopen(read) as told:
-        number = told.readline().strip()
-    monkeypatch.setenv("DISPLAY", f":{number}")
-    assert missing_display() == ""
-    yield
-    server.kill()
-    server.wait()
+    monkeypatch.delenv("DISPLAY", raising=False)
+    with lines.display():
+        assert missing_display() == ""
+        yield
 
 
 def refused(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
