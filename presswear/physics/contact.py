@@ -11,9 +11,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.physics.foundation import press
+from presswear.physics.foundation import map_at, press
 from presswear.physics.laws import elastic_of
-from presswear.physics.overlap import Bed
+from presswear.physics.overlap import turned
 from presswear.physics.packed import JOINT, Packed
 from presswear.physics.surface import BEARING, PIN, SLOPE, SURFACES, curvature, profile
 from presswear.tools.compiled import Records, apart, compiled, inlined
@@ -217,21 +217,6 @@ def note_radial(joint: Records, surfaces: Array, contact: Records) -> None:
     contact.couple = 0.0
 
 
-@compiled
-def bed_of(joint: Records, surfaces: Array, contact: Records) -> Bed:
-    """The foundation's bed between the worn surfaces, as for ``press``."""
-    direction = direction_of(contact)
-    return press(
-        surfaces,
-        joint.surface_bins,
-        contact.eccentricity,
-        joint.clearance,
-        joint.least_depth,
-        direction - joint.map_turns * contact.bearing_angle,
-        direction - joint.map_turns * contact.pin_angle,
-    )
-
-
 @apart(None, JOINT, SURFACES, CONTACT)
 def note_foundation(joint: Records, surfaces: Array, contact: Records) -> None:
     """Fill in the contact of the pin with all of the worn arc, through an elastic foundation.
@@ -241,6 +226,7 @@ def note_foundation(joint: Records, surfaces: Array, contact: Records) -> None:
     changes.  Damping multiplies all of them, with the rate at which they are worked
     against.
     """
+    eccentricity = contact.eccentricity
     ex = contact.eccentricity_x
     ey = contact.eccentricity_y
     vx = contact.velocity_x
@@ -248,16 +234,25 @@ def note_foundation(joint: Records, surfaces: Array, contact: Records) -> None:
     bearing_spin = contact.bearing_spin
     pin_spin = contact.pin_spin
     turns = joint.map_turns
-    bed = bed_of(joint, surfaces, contact)
+    count = joint.surface_bins
     direction = direction_of(contact)
-    place = direction + bed.place
-    nx = math.cos(place)
-    ny = math.sin(place)
-    maps = surfaces[:, : joint.surface_bins]
-    _, bearing_slope = profile(
-        maps[BEARING], maps[BEARING + SLOPE], place - turns * contact.bearing_angle
+    cosine = ex / eccentricity if eccentricity > 0.0 else 1.0
+    sine = ey / eccentricity if eccentricity > 0.0 else 0.0
+    bed = press(
+        surfaces,
+        count,
+        eccentricity,
+        joint.clearance,
+        joint.least_depth,
+        direction - turns * contact.bearing_angle,
+        direction - turns * contact.pin_angle,
     )
-    pin_depth, pin_slope = profile(maps[PIN], maps[PIN + SLOPE], place - turns * contact.pin_angle)
+    place = direction + bed.place
+    along, across = turned(bed.place)
+    nx = cosine * along - sine * across
+    ny = sine * along + cosine * across
+    _, bearing_slope = map_at(surfaces, BEARING, count, place - turns * contact.bearing_angle)
+    pin_depth, pin_slope = map_at(surfaces, PIN, count, place - turns * contact.pin_angle)
     rate = vx * nx + vy * ny
     rate += turns * (bearing_slope * bearing_spin + pin_slope * pin_spin)
     elastic = 0.0
@@ -268,16 +263,14 @@ def note_foundation(joint: Records, surfaces: Array, contact: Records) -> None:
         if size > 0.0:
             k = joint.foundation
             elastic = k * size
-            cosine = math.cos(direction)
-            sine = math.sin(direction)
             nx = (cosine * bed.along - sine * bed.across) / size
             ny = (sine * bed.along + cosine * bed.across) / size
             on_bearing = -k * turns * bed.slope
             couple = elastic * (ex * ny - ey * nx) - on_bearing
-            turned = (couple * pin_spin + on_bearing * bearing_spin) / elastic
-            approach = vx * nx + vy * ny - turned
+            turned_at = (couple * pin_spin + on_bearing * bearing_spin) / elastic
+            approach = vx * nx + vy * ny - turned_at
             # Maps fixed in direction store no energy when the bodies turn.
-            closing = approach if turns > 0.0 else approach + turned
+            closing = approach if turns > 0.0 else approach + turned_at
     pin_arm = joint.pin_radius - pin_depth - 0.5 * max(bed.overlap, 0.0)
     contact.penetration = bed.overlap
     contact.rate = rate

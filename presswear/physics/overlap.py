@@ -1,9 +1,9 @@
 """Overlap of a pin and its bearing over a short arc, and its integrals.
 
-Between neighbouring nodes of the two maps the overlap is smooth: a cubic and a cosine,
-which a polynomial of degree six gives to round-off over a segment of a tenth of a radian.
-Each segment is integrated from root to root of the overlap with Gauss points enough for
-its square.
+Between neighbouring nodes of the two maps the overlap is a cubic and a cosine.  Over a segment
+of a few hundredths of a radian its values and slopes at both ends give it to round-off: the cubic
+through them, and of the cosine a term of fourth order that vanishes there.  A segment is
+integrated from root to root of the overlap in closed form.
 """
 
 import math
@@ -11,20 +11,16 @@ from typing import NamedTuple
 
 from presswear.tools.compiled import compiled, inlined
 
-ABSCISSAE = (0.8611363115940526, 0.3399810435848563)
-WEIGHTS = (0.3478548451374538, 0.6521451548625461)
-"""Four-point Gauss-Legendre quadrature, symmetric halves."""
 # Numba divides where it is told to; multiplying by these takes a fifth of the time.
-THIRD, FIFTH, SEVENTH, NINTH, TWELFTH = 1 / 3, 1 / 5, 1 / 7, 1 / 9, 1 / 12
+THIRD, FIFTH, SEVENTH, NINTH = 1 / 3, 1 / 5, 1 / 7, 1 / 9
 C2, C4, C6, C8, C10 = -1 / 2, 1 / 24, -1 / 720, 1 / 40320, -1 / 3628800
-C3, C5, C7, C9 = -1 / 6, 1 / 120, -1 / 5040, 1 / 362880
+C3, C5, C7, C9, C11 = -1 / 6, 1 / 120, -1 / 5040, 1 / 362880, -1 / 39916800
 """Coefficients of the series of cosine and sine."""
-ROOT_TOLERANCE = 1e-10
-"""rad; overlaps and sums change with the square of an error here."""
-LEAST_BEND = 1e-300
-"""m/rad^2; keeps a division from zero."""
-LAST_STEP = 1e-6
-"""rad; a step of Newton's method below it leaves its square, times a curvature, behind."""
+ROOT_TOLERANCE = 1e-8
+"""Part of half a segment; overlaps and sums change with the square of an error here."""
+LAST_STEP = 1e-3
+"""Part of half a segment; a step of Newton's method below it leaves its square, times a
+curvature, behind."""
 ROOT_STEPS = 60
 """Most steps to a root; Newton's method needs four, bisection helps where it strays."""
 
@@ -61,10 +57,10 @@ NOTHING = Bed(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 class Segment(NamedTuple):
-    """The overlap as a polynomial a0 .. a6 in x, rad from the segment's middle.
+    """The overlap as a polynomial a0 .. a4 in x, which runs from -1 to 1 over a segment.
 
-    ``b1 + b2 x + b3 x^2`` is the slope of the bearing's map; ``cosine`` and ``sine`` are
-    those of the middle, from the direction of the eccentricity.
+    ``b0 + b1 x + b2 x^2`` is the slope of the bearing's map, ``half`` half the length, rad;
+    ``cosine`` and ``sine`` are those of the middle, from the direction of the eccentricity.
     """
 
     a0: float
@@ -72,11 +68,10 @@ class Segment(NamedTuple):
     a2: float
     a3: float
     a4: float
-    a5: float
-    a6: float
+    b0: float
     b1: float
     b2: float
-    b3: float
+    half: float
     cosine: float
     sine: float
 
@@ -99,41 +94,118 @@ def series(x: float) -> tuple[float, float]:
 
 
 @inlined
-def value_at(g: Segment, x: float) -> float:
-    """Overlap at a place of a segment, m."""
-    return g.a0 + x * (g.a1 + x * (g.a2 + x * (g.a3 + x * (g.a4 + x * (g.a5 + x * g.a6)))))
+def mean_turned(half: float) -> float:
+    """By what the sum of cosines, or sines, at both ends of a segment gives that of its middle."""
+    y = half * half
+    return 0.5 + y * (0.25 + y * (5.0 / 48.0 + y * (61.0 / 1440.0)))
 
 
 @inlined
-def slope_at(g: Segment, x: float) -> float:
-    """Derivative of the overlap at a place of a segment, m/rad."""
-    return g.a1 + x * (
-        2.0 * g.a2 + x * (3.0 * g.a3 + x * (4.0 * g.a4 + x * (5.0 * g.a5 + x * 6.0 * g.a6)))
+def fourth_order(eccentricity: float, half: float) -> float:
+    """What (x^2 - 1)^2 is multiplied by in a segment about the direction of e, m."""
+    square = half * half
+    return C4 * eccentricity * square * square
+
+
+@inlined
+def segment_between(
+    left: float,
+    right: float,
+    rise_left: float,
+    rise_right: float,
+    slope_left: float,
+    slope_right: float,
+    bend: float,
+    quartic: float,
+    half: float,
+    cosine: float,
+    sine: float,
+) -> Segment:
+    """The overlap of a segment from what it is at both ends.
+
+    Parameters
+    ----------
+    left, right : float
+        Overlaps, m.
+    rise_left, rise_right : float
+        Their derivatives by x, m.
+    slope_left, slope_right : float
+        Slopes of the bearing's map, m/rad.
+    bend : float
+        Half the second derivative by x of that slope, m/rad.
+    quartic : float
+        See ``fourth_order``.
+    half, cosine, sine : float
+        See ``Segment``.
+    """
+    fourth = quartic * cosine
+    difference = 0.25 * (right - left)
+    mean = 0.25 * (rise_left + rise_right)
+    turn = 0.25 * (rise_right - rise_left)
+    return Segment(
+        0.5 * (left + right) - turn + fourth,
+        3.0 * difference - mean,
+        turn - 2.0 * fourth,
+        mean - difference,
+        fourth,
+        0.5 * (slope_left + slope_right) - bend,
+        0.5 * (slope_right - slope_left),
+        bend,
+        half,
+        cosine,
+        sine,
     )
 
 
 @inlined
+def hull(
+    left: float, right: float, rise_left: float, rise_right: float, quartic: float
+) -> tuple[float, float]:
+    """Bounds below and above the overlap of a segment, m; see ``segment_between``.
+
+    A cubic lies within its Bezier points.
+    """
+    second = left + 2.0 * THIRD * rise_left
+    third = right - 2.0 * THIRD * rise_right
+    low = min(min(left, right), min(second, third))
+    high = max(max(left, right), max(second, third))
+    return low - quartic, high + quartic
+
+
+@inlined
+def value_at(g: Segment, x: float) -> float:
+    """Overlap at a place of a segment, m."""
+    return g.a0 + x * (g.a1 + x * (g.a2 + x * (g.a3 + x * g.a4)))
+
+
+@inlined
+def rise_at(g: Segment, x: float) -> float:
+    """Derivative of the overlap by x, m."""
+    return g.a1 + x * (2.0 * g.a2 + x * (3.0 * g.a3 + x * 4.0 * g.a4))
+
+
+@inlined
 def bend_at(g: Segment, x: float) -> float:
-    """Second derivative of the overlap at a place of a segment, m/rad^2."""
-    return 2.0 * g.a2 + x * (6.0 * g.a3 + x * (12.0 * g.a4 + x * (20.0 * g.a5 + x * 30.0 * g.a6)))
+    """Second derivative of the overlap by x, m."""
+    return 2.0 * g.a2 + x * (6.0 * g.a3 + x * 12.0 * g.a4)
 
 
 @compiled
 def root_between(
-    g: Segment, of_slope: bool, low: float, high: float, at_low: float, at_high: float
+    g: Segment, of_rise: bool, low: float, high: float, at_low: float, at_high: float
 ) -> float:
-    """Root of the overlap or of its slope between two places at which their signs differ."""
+    """Root of the overlap or of its derivative between two places at which their signs differ."""
     rises = at_high > at_low
     # The root of the parabola that the first coefficients make, else the secant's.
-    c0, c1, c2 = (g.a1, 2.0 * g.a2, 3.0 * g.a3) if of_slope else (g.a0, g.a1, g.a2)
+    c0, c1, c2 = (g.a1, 2.0 * g.a2, 3.0 * g.a3) if of_rise else (g.a0, g.a1, g.a2)
     size = math.sqrt(max(c1 * c1 - 4.0 * c0 * c2, 0.0))
     slope = c1 + (size if rises else -size)
     x = -2.0 * c0 / slope if slope != 0.0 else low
     if not low < x < high:
         x = low - at_low * (high - low) / (at_high - at_low)
     for _ in range(ROOT_STEPS):
-        value = slope_at(g, x) if of_slope else value_at(g, x)
-        slope = bend_at(g, x) if of_slope else slope_at(g, x)
+        value = rise_at(g, x) if of_rise else value_at(g, x)
+        slope = bend_at(g, x) if of_rise else rise_at(g, x)
         if (value > 0.0) == rises:
             high = x
         else:
@@ -149,119 +221,78 @@ def root_between(
 
 
 @inlined
-def mean_of(g: Segment, y: float) -> float:
-    """Mean overlap of a segment, m, from the square of half its length, rad^2."""
-    return g.a0 + y * (g.a2 * THIRD + y * (g.a4 * FIFTH + y * g.a6 * SEVENTH))
-
-
-@inlined
-def add_whole(g: Segment, half: float, bed: Bed) -> Bed:
-    """The bed with all of a segment, integrated in closed form."""
-    y = half * half
-    m0 = mean_of(g, y)
-    m1 = y * (g.a1 * THIRD + y * (g.a3 * FIFTH + y * g.a5 * SEVENTH))
-    m2 = y * (g.a0 * THIRD + y * (g.a2 * FIFTH + y * g.a4 * SEVENTH))
-    m3 = y * y * (g.a1 * FIFTH + y * g.a3 * SEVENTH)
-    m4 = y * y * (g.a0 * FIFTH + y * g.a2 * SEVENTH)
+def add_whole(g: Segment, bed: Bed) -> Bed:
+    """The bed with all of a segment."""
+    # Means of p x^n.
+    m0 = g.a0 + g.a2 * THIRD + g.a4 * FIFTH
+    m1 = g.a1 * THIRD + g.a3 * FIFTH
+    m2 = g.a0 * THIRD + g.a2 * FIFTH + g.a4 * SEVENTH
+    m3 = g.a1 * FIFTH + g.a3 * SEVENTH
+    m4 = g.a0 * FIFTH + g.a2 * SEVENTH
     s2 = g.a1 * g.a1 + 2.0 * g.a0 * g.a2
     s4 = g.a2 * g.a2 + 2.0 * (g.a0 * g.a4 + g.a1 * g.a3)
-    s6 = g.a3 * g.a3 + 2.0 * (g.a0 * g.a6 + g.a1 * g.a5 + g.a2 * g.a4)
-    s8 = g.a4 * g.a4 + 2.0 * (g.a2 * g.a6 + g.a3 * g.a5)
-    square = y * (s2 * THIRD + y * (s4 * FIFTH + y * (s6 * SEVENTH + y * s8 * NINTH)))
-    square += g.a0 * g.a0
-    return with_moments(g, 2.0 * half, m0, m1, m2, m3, m4, square, bed)
-
-
-@inlined
-def with_moments(
-    g: Segment,
-    scale: float,
-    m0: float,
-    m1: float,
-    m2: float,
-    m3: float,
-    m4: float,
-    square: float,
-    bed: Bed,
-) -> Bed:
-    """The bed with a part whose moments of p about the segment's middle are given."""
-    # Integrals of p cos x and p sin x.
-    even = scale * (m0 + C2 * m2 + C4 * m4)
-    odd = scale * (m1 + C3 * m3)
+    s6 = g.a3 * g.a3 + 2.0 * g.a2 * g.a4
+    square = g.a0 * g.a0 + s2 * THIRD + s4 * FIFTH + s6 * SEVENTH + g.a4 * g.a4 * NINTH
+    length = 2.0 * g.half
+    y = g.half * g.half
+    # Integrals of p cos and p sin of the way from the middle.
+    even = length * (m0 + y * (C2 * m2 + y * C4 * m4))
+    odd = length * g.half * (m1 + y * C3 * m3)
     return Bed(
         bed.overlap,
         bed.place,
         bed.along + g.cosine * even - g.sine * odd,
         bed.across + g.sine * even + g.cosine * odd,
-        bed.slope + scale * (g.b1 * m0 + g.b2 * m1 + g.b3 * m2),
-        bed.square + scale * square,
-        bed.area + scale * m0,
+        bed.slope + length * (g.b0 * m0 + g.b1 * m1 + g.b2 * m2),
+        bed.square + length * square,
+        bed.area + length * m0,
     )
 
 
-@compiled
-def add_pressed(g: Segment, low: float, high: float, bed: Bed) -> Bed:
-    """The bed with the part of a segment between two places, by Gauss points."""
-    middle = 0.5 * (low + high)
-    half = 0.5 * (high - low)
-    m0 = m1 = m2 = m3 = m4 = square = 0.0
-    for i in range(2):
-        for side in (-1.0, 1.0):
-            x = middle + side * half * ABSCISSAE[i]
-            p = value_at(g, x)
-            share = WEIGHTS[i] * p
-            square += share * p
-            m0 += share
-            share *= x
-            m1 += share
-            share *= x
-            m2 += share
-            share *= x
-            m3 += share
-            m4 += share * x
-    return with_moments(g, half, m0, m1, m2, m3, m4, square, bed)
+@inlined
+def part_of(g: Segment, low: float, high: float) -> Segment:
+    """The part of a segment between two of its places, as a segment."""
+    m, s = 0.5 * (low + high), 0.5 * (high - low)
+    square = s * s
+    cosine, sine = series(g.half * m)
+    return Segment(
+        value_at(g, m),
+        s * rise_at(g, m),
+        square * 0.5 * bend_at(g, m),
+        s * square * (g.a3 + 4.0 * m * g.a4),
+        square * square * g.a4,
+        g.b0 + m * (g.b1 + m * g.b2),
+        s * (g.b1 + 2.0 * m * g.b2),
+        square * g.b2,
+        s * g.half,
+        g.cosine * cosine - g.sine * sine,
+        g.cosine * sine + g.sine * cosine,
+    )
 
 
 @inlined
-def inflection(g: Segment, half: float) -> float:
+def inflection(g: Segment) -> float:
     """Inflection of the overlap in a segment, or its end where there is none.
 
     The second derivative is all but linear: two steps of Newton's method from the
     secant's root leave nothing.
     """
-    low = bend_at(g, -half)
-    high = bend_at(g, half)
+    low = bend_at(g, -1.0)
+    high = bend_at(g, 1.0)
     if (low > 0.0) == (high > 0.0):
-        return half
-    x = half * (low + high) / (low - high)
+        return 1.0
+    x = (low + high) / (low - high)
     for _ in range(2):
-        third = 6.0 * g.a3 + x * (24.0 * g.a4 + x * (60.0 * g.a5 + x * 120.0 * g.a6))
+        third = 6.0 * g.a3 + x * 24.0 * g.a4
         if third != 0.0:
-            x = min(max(x - bend_at(g, x) / third, -half), half)
+            x = min(max(x - bend_at(g, x) / third, -1.0), 1.0)
     return x
 
 
 @inlined
-def is_monotone(g: Segment, half: float) -> bool:
+def is_monotone(g: Segment) -> bool:
     """True where the coefficients tell that the overlap rises, or falls, all over a segment."""
-    bend = 4.0 * abs(g.a4) + half * (5.0 * abs(g.a5) + half * 6.0 * abs(g.a6))
-    bend = half * (2.0 * abs(g.a2) + half * (3.0 * abs(g.a3) + half * bend))
-    return abs(g.a1) > bend
-
-
-@inlined
-def change_of(g: Segment, half: float) -> float:
-    """Bound of how far the overlap in a segment is from that in its middle, m."""
-    high = abs(g.a4) + half * (abs(g.a5) + half * abs(g.a6))
-    return half * (abs(g.a1) + half * (abs(g.a2) + half * (abs(g.a3) + half * high)))
-
-
-@inlined
-def bound_of(g: Segment, half: float) -> float:
-    """Bound above the overlap of a segment, m: the parabola's vertex or end, and the rest."""
-    rest = abs(g.a3) + half * (abs(g.a4) + half * (abs(g.a5) + half * abs(g.a6)))
-    x = min(abs(g.a1) / max(-2.0 * g.a2, LEAST_BEND), half)
-    return g.a0 + x * (abs(g.a1) + x * g.a2) + half * half * half * rest
+    return abs(g.a1) > 2.0 * abs(g.a2) + 3.0 * abs(g.a3) + 4.0 * abs(g.a4)
 
 
 @inlined
@@ -269,11 +300,34 @@ def extremum(g: Segment, low: float, high: float) -> float:
     """Extremum of the overlap between two places with a monotone slope, or the second place."""
     if high <= low:
         return high
-    at_low = slope_at(g, low)
-    at_high = slope_at(g, high)
+    at_low = rise_at(g, low)
+    at_high = rise_at(g, high)
     if (at_low > 0.0) == (at_high > 0.0):
         return high
     return root_between(g, True, low, high, at_low, at_high)
+
+
+@inlined
+def between_roots(
+    g: Segment, low: float, high: float, at_low: float, at_high: float
+) -> tuple[float, float]:
+    """Ends of the pressed part between two places with a monotone overlap of which one is."""
+    if at_low < 0.0:
+        low = root_between(g, False, low, high, at_low, at_high)
+    elif at_high < 0.0:
+        high = root_between(g, False, low, high, at_low, at_high)
+    return low, high
+
+
+@compiled
+def pressed_part(g: Segment) -> tuple[float, float]:
+    """Ends of the only pressed part of a segment; the second before the first where others are."""
+    start, end = value_at(g, -1.0), value_at(g, 1.0)
+    if not is_monotone(g):
+        return 1.0, -1.0
+    if start <= 0.0 and end <= 0.0:
+        return 1.0, 1.0
+    return between_roots(g, -1.0, 1.0, start, end)
 
 
 @compiled
@@ -283,11 +337,30 @@ def add_monotone(
     """The bed with the pressed part between two places with a monotone overlap."""
     if high <= low or (at_low <= 0.0 and at_high <= 0.0):
         return bed
-    if at_low < 0.0:
-        low = root_between(g, False, low, high, at_low, at_high)
-    elif at_high < 0.0:
-        high = root_between(g, False, low, high, at_low, at_high)
-    return add_pressed(g, low, high, bed)
+    low, high = between_roots(g, low, high, at_low, at_high)
+    return add_whole(part_of(g, low, high), bed)
+
+
+@compiled
+def add_pressed(g: Segment, bed: Bed) -> Bed:
+    """The bed with the pressed parts of a segment.
+
+    Most are monotone, as their coefficients tell.  Else the overlap is so between the ends, the
+    inflection and the extremes to both sides of that.
+    """
+    start, end = value_at(g, -1.0), value_at(g, 1.0)
+    if is_monotone(g):
+        return add_monotone(g, -1.0, 1.0, start, end, bed)
+    turn = inflection(g)
+    first = extremum(g, -1.0, turn)
+    second = extremum(g, turn, 1.0)
+    at_first = value_at(g, first)
+    at_turn = at_first if first == turn else value_at(g, turn)
+    at_second = at_turn if second == turn else value_at(g, second)
+    bed = add_monotone(g, -1.0, first, start, at_first, bed)
+    bed = add_monotone(g, first, turn, at_first, at_turn, bed)
+    bed = add_monotone(g, turn, second, at_turn, at_second, bed)
+    return add_monotone(g, second, 1.0, at_second, end, bed)
 
 
 @inlined
@@ -299,57 +372,10 @@ def with_peak(bed: Bed, overlap: float, place: float) -> Bed:
 
 
 @compiled
-def press_segment(g: Segment, middle: float, half: float, bed: Bed) -> Bed:
-    """The bed with a segment added: its greatest overlap and its pressed parts.
-
-    Most are monotone, as their coefficients tell.  Else the overlap is so between the ends, the
-    inflection and the extremes to both sides of that.
-    """
-    if is_monotone(g, half):
-        start, end = value_at(g, -half), value_at(g, half)
-        bed = with_peak(bed, start, middle - half)
-        bed = with_peak(bed, end, middle + half)
-        if min(start, end) >= 0.0:
-            return add_whole(g, half, bed)
-        return add_monotone(g, -half, half, start, end, bed)
-    turn = inflection(g, half)
-    first = extremum(g, -half, turn)
-    second = extremum(g, turn, half)
-    start = value_at(g, -half)
-    at_first = value_at(g, first)
-    at_turn = at_first if first == turn else value_at(g, turn)
-    at_second = at_turn if second == turn else value_at(g, second)
-    end = at_second if second == half else value_at(g, half)
-    bed = with_peak(bed, start, middle - half)
-    bed = with_peak(bed, at_first, middle + first)
-    bed = with_peak(bed, at_second, middle + second)
-    bed = with_peak(bed, end, middle + half)
-    if min(min(start, at_first), min(at_second, end)) >= 0.0:
-        return add_whole(g, half, bed)
-    bed = add_monotone(g, -half, first, start, at_first, bed)
-    bed = add_monotone(g, first, turn, at_first, at_turn, bed)
-    bed = add_monotone(g, turn, second, at_turn, at_second, bed)
-    return add_monotone(g, second, half, at_second, end, bed)
-
-
-@compiled
-def with_peak_of(g: Segment, middle: float, half: float, bed: Bed) -> Bed:
-    """The bed with the greatest overlap of a segment, where it is the greatest so far."""
-    if is_monotone(g, half):
-        x = math.copysign(half, g.a1)
-        return with_peak(bed, value_at(g, x), middle + x)
-    bed = with_peak(bed, value_at(g, -half), middle - half)
-    bed = with_peak(bed, value_at(g, half), middle + half)
-    turn = inflection(g, half)
-    first = extremum(g, -half, turn)
-    bed = with_peak(bed, value_at(g, first), middle + first)
-    second = extremum(g, turn, half)
-    return with_peak(bed, value_at(g, second), middle + second)
-
-
-@compiled
-def area_of(g: Segment, half: float) -> float:
-    """Integral of the overlap of a segment where it is above zero, m rad."""
-    if g.a0 > change_of(g, half):
-        return 2.0 * half * mean_of(g, half * half)
-    return press_segment(g, 0.0, half, NOTHING).area
+def with_peak_of(g: Segment, middle: float, bed: Bed) -> Bed:
+    """The bed with the greatest overlap inside a segment, where it is the greatest so far."""
+    turn = inflection(g)
+    first = extremum(g, -1.0, turn)
+    bed = with_peak(bed, value_at(g, first), middle + g.half * first)
+    second = extremum(g, turn, 1.0)
+    return with_peak(bed, value_at(g, second), middle + g.half * second)

@@ -15,15 +15,12 @@ from numpy.typing import NDArray
 
 from presswear.linkage.elements import ClearanceJoint
 from presswear.physics.contact import CONTACT, direction_of
-from presswear.physics.foundation import spread
+from presswear.physics.foundation import spread, spread_round
 from presswear.physics.packed import JOINT
-from presswear.physics.surface import ROWS, bin_of
+from presswear.physics.surface import SURFACES, bin_of
 from presswear.tools.compiled import Records, apart, compiled, inlined
 
 Array = NDArray[np.float64]
-
-ROUND = np.zeros((ROWS, 1))
-"""Surfaces without wear, as a map of one bin."""
 
 
 @inlined
@@ -100,7 +97,7 @@ def deposit_in_bin(
     depth[1, pin_bin] += (1.0 - joint.bearing_share) * added
 
 
-@apart(None, 2, JOINT, 2, CONTACT, 0, 2)
+@apart(None, 2, JOINT, SURFACES, CONTACT, 0, 2)
 def deposit_over_arc(
     depth: Array, joint: Records, surfaces: Array, contact: Records, dose: float, shares: Array
 ) -> None:
@@ -111,6 +108,7 @@ def deposit_over_arc(
     depth : ndarray, shape (2, n)
         Depth of bearing and pin, m.
     surfaces : ndarray, shape (ROWS, m)
+        Not looked at while they are round.
     shares : ndarray, shape (2, n)
         Working space; zero, and left so.
     """
@@ -118,15 +116,22 @@ def deposit_over_arc(
     bearing_zero = joint.map_turns * contact.bearing_angle
     pin_zero = joint.map_turns * contact.pin_angle
     direction = direction_of(contact)
-    total = spread(
-        surfaces if surfaces.shape[1] > 0 else ROUND,
-        contact.eccentricity,
-        joint.clearance,
-        joint.least_depth,
-        direction - bearing_zero,
-        direction - pin_zero,
-        shares,
-    )
+    bearing_place, pin_place = direction - bearing_zero, direction - pin_zero
+    if joint.surface_bins == 0:
+        total = spread_round(
+            contact.eccentricity, joint.clearance, bearing_place, pin_place, shares
+        )
+    else:
+        total = spread(
+            surfaces,
+            joint.surface_bins,
+            contact.eccentricity,
+            joint.clearance,
+            joint.least_depth,
+            bearing_place,
+            pin_place,
+            shares,
+        )
     if total == 0.0:
         # A step that ends with the separation leaves its wear where the pin last was, and so
         # does an overlap so slight that round-off hides it.

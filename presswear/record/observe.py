@@ -167,7 +167,7 @@ def deposit(book: Book, k: int) -> None:
         deposit_over_arc(
             depth,
             joint,
-            book.packed.surfaces[k, :, : joint.surface_bins],
+            book.packed.surfaces[k],
             contact,
             book.doses[k].work,
             book.shares[:, :bins],

@@ -84,7 +84,7 @@ def _cache_is_usable() -> bool:
     return True
 
 
-_OPTIONS = {"error_model": "numpy", "_nrt": False, "no_cfunc_wrapper": True}
+_OPTIONS = {"error_model": "numpy", "_nrt": False, "no_cfunc_wrapper": True, "fastmath": {"contract"}}
 
 
 class Kernel:

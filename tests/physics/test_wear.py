@@ -47,7 +47,7 @@ def _deposited(pair: Pair, count: int, dose: float) -> Array:
         deposit_over_arc(
             depth,
             packed,
-            pair.surfaces,
+            pair.packed.surfaces[0],
             contact,
             dose,
             shares,
@@ -300,7 +300,7 @@ def test_a_state_far_off_is_no_endless_arc(eccentricity: float) -> None:
     pair = placed(WORN, 0.0, 0.0)
     state = eccentricity, 8e-4, 0.0, 4.1e17, -1.9e15
     press(pair.packed.surfaces[0], 360, *state)
-    spread(pair.surfaces, *state, np.zeros((2, 360)))
+    spread(pair.packed.surfaces[0], 360, *state, np.zeros((2, 360)))
 
 
 def test_uniform_wear_has_the_volume_of_a_sleeve() -> None:
