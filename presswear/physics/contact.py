@@ -11,7 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.physics.foundation import map_at, press
+from presswear.physics.arcs import map_at
+from presswear.physics.foundation import press
 from presswear.physics.laws import elastic_of
 from presswear.physics.overlap import turned
 from presswear.physics.packed import JOINT, Packed

@@ -9,7 +9,7 @@ integrated from root to root of the overlap in closed form.
 import math
 from typing import NamedTuple
 
-from presswear.tools.compiled import compiled, inlined
+from presswear.tools.compiled import fused, fused_inlined
 
 # Numba divides where it is told to; multiplying by these takes a fifth of the time.
 THIRD, FIFTH, SEVENTH, NINTH = 1 / 3, 1 / 5, 1 / 7, 1 / 9
@@ -76,7 +76,7 @@ class Segment(NamedTuple):
     sine: float
 
 
-@inlined
+@fused_inlined
 def turned(x: float) -> tuple[float, float]:
     """Cosine and sine, the quicker way."""
     if abs(x) > 0.5:
@@ -84,7 +84,7 @@ def turned(x: float) -> tuple[float, float]:
     return series(x)
 
 
-@inlined
+@fused_inlined
 def series(x: float) -> tuple[float, float]:
     """Cosine and sine of at most half a radian, to round-off."""
     y = x * x
@@ -93,21 +93,21 @@ def series(x: float) -> tuple[float, float]:
     return cosine, sine
 
 
-@inlined
+@fused_inlined
 def mean_turned(half: float) -> float:
     """By what the sum of cosines, or sines, at both ends of a segment gives that of its middle."""
     y = half * half
     return 0.5 + y * (0.25 + y * (5.0 / 48.0 + y * (61.0 / 1440.0)))
 
 
-@inlined
+@fused_inlined
 def fourth_order(eccentricity: float, half: float) -> float:
     """What (x^2 - 1)^2 is multiplied by in a segment about the direction of e, m."""
     square = half * half
     return C4 * eccentricity * square * square
 
 
-@inlined
+@fused_inlined
 def segment_between(
     left: float,
     right: float,
@@ -157,7 +157,7 @@ def segment_between(
     )
 
 
-@inlined
+@fused_inlined
 def hull(
     left: float, right: float, rise_left: float, rise_right: float, quartic: float
 ) -> tuple[float, float]:
@@ -172,25 +172,25 @@ def hull(
     return low - quartic, high + quartic
 
 
-@inlined
+@fused_inlined
 def value_at(g: Segment, x: float) -> float:
     """Overlap at a place of a segment, m."""
     return g.a0 + x * (g.a1 + x * (g.a2 + x * (g.a3 + x * g.a4)))
 
 
-@inlined
+@fused_inlined
 def rise_at(g: Segment, x: float) -> float:
     """Derivative of the overlap by x, m."""
     return g.a1 + x * (2.0 * g.a2 + x * (3.0 * g.a3 + x * 4.0 * g.a4))
 
 
-@inlined
+@fused_inlined
 def bend_at(g: Segment, x: float) -> float:
     """Second derivative of the overlap by x, m."""
     return 2.0 * g.a2 + x * (6.0 * g.a3 + x * 12.0 * g.a4)
 
 
-@compiled
+@fused
 def root_between(
     g: Segment, of_rise: bool, low: float, high: float, at_low: float, at_high: float
 ) -> float:
@@ -220,7 +220,7 @@ def root_between(
     return x
 
 
-@inlined
+@fused_inlined
 def add_whole(g: Segment, bed: Bed) -> Bed:
     """The bed with all of a segment."""
     # Means of p x^n.
@@ -249,7 +249,7 @@ def add_whole(g: Segment, bed: Bed) -> Bed:
     )
 
 
-@inlined
+@fused_inlined
 def part_of(g: Segment, low: float, high: float) -> Segment:
     """The part of a segment between two of its places, as a segment."""
     m, s = 0.5 * (low + high), 0.5 * (high - low)
@@ -270,7 +270,7 @@ def part_of(g: Segment, low: float, high: float) -> Segment:
     )
 
 
-@inlined
+@fused_inlined
 def inflection(g: Segment) -> float:
     """Inflection of the overlap in a segment, or its end where there is none.
 
@@ -289,13 +289,13 @@ def inflection(g: Segment) -> float:
     return x
 
 
-@inlined
+@fused_inlined
 def is_monotone(g: Segment) -> bool:
     """True where the coefficients tell that the overlap rises, or falls, all over a segment."""
     return abs(g.a1) > 2.0 * abs(g.a2) + 3.0 * abs(g.a3) + 4.0 * abs(g.a4)
 
 
-@inlined
+@fused_inlined
 def extremum(g: Segment, low: float, high: float) -> float:
     """Extremum of the overlap between two places with a monotone slope, or the second place."""
     if high <= low:
@@ -307,7 +307,7 @@ def extremum(g: Segment, low: float, high: float) -> float:
     return root_between(g, True, low, high, at_low, at_high)
 
 
-@inlined
+@fused_inlined
 def between_roots(
     g: Segment, low: float, high: float, at_low: float, at_high: float
 ) -> tuple[float, float]:
@@ -319,7 +319,7 @@ def between_roots(
     return low, high
 
 
-@compiled
+@fused
 def pressed_part(g: Segment) -> tuple[float, float]:
     """Ends of the only pressed part of a segment; the second before the first where others are."""
     start, end = value_at(g, -1.0), value_at(g, 1.0)
@@ -330,7 +330,7 @@ def pressed_part(g: Segment) -> tuple[float, float]:
     return between_roots(g, -1.0, 1.0, start, end)
 
 
-@compiled
+@fused
 def add_monotone(
     g: Segment, low: float, high: float, at_low: float, at_high: float, bed: Bed
 ) -> Bed:
@@ -341,7 +341,7 @@ def add_monotone(
     return add_whole(part_of(g, low, high), bed)
 
 
-@compiled
+@fused
 def add_pressed(g: Segment, bed: Bed) -> Bed:
     """The bed with the pressed parts of a segment.
 
@@ -363,7 +363,7 @@ def add_pressed(g: Segment, bed: Bed) -> Bed:
     return add_monotone(g, second, 1.0, at_second, end, bed)
 
 
-@inlined
+@fused_inlined
 def with_peak(bed: Bed, overlap: float, place: float) -> Bed:
     """The bed with an overlap at a place, where it is the greatest so far."""
     if overlap <= bed.overlap:
@@ -371,9 +371,13 @@ def with_peak(bed: Bed, overlap: float, place: float) -> Bed:
     return Bed(overlap, place, bed.along, bed.across, bed.slope, bed.square, bed.area)
 
 
-@compiled
+@fused
 def with_peak_of(g: Segment, middle: float, bed: Bed) -> Bed:
-    """The bed with the greatest overlap inside a segment, where it is the greatest so far."""
+    """The bed with the greatest overlap of a segment, where it is the greatest so far."""
+    bed = with_peak(bed, value_at(g, -1.0), middle - g.half)
+    bed = with_peak(bed, value_at(g, 1.0), middle + g.half)
+    if is_monotone(g):
+        return bed
     turn = inflection(g)
     first = extremum(g, -1.0, turn)
     bed = with_peak(bed, value_at(g, first), middle + g.half * first)

@@ -84,23 +84,26 @@ def _cache_is_usable() -> bool:
     return True
 
 
-_OPTIONS = {"error_model": "numpy", "_nrt": False, "no_cfunc_wrapper": True, "fastmath": {"contract"}}
+_OPTIONS = {"error_model": "numpy", "_nrt": False, "no_cfunc_wrapper": True}
 
 
 class Kernel:
     """A compiled function: a part of those kernels that call it, a whole where Python does."""
 
-    def __init__(self, function: Callable[..., Any], is_inlined: bool = False) -> None:
+    def __init__(
+        self, function: Callable[..., Any], is_inlined: bool = False, is_fused: bool = False
+    ) -> None:
         update_wrapper(self, function)
         self.py_func = function
-        self.whole = _NUMBA.njit(pipeline_class=WholeCompiler, **_OPTIONS)(function)
+        options = {**_OPTIONS, "fastmath": {"contract"}} if is_fused else _OPTIONS
+        self.whole = _NUMBA.njit(pipeline_class=WholeCompiler, **options)(function)
         if _of_package(function) and _cache_is_usable():
             self.whole._cache = kept_code(function)
         part = _NUMBA.njit(
             pipeline_class=PartCompiler,
             no_cpython_wrapper=True,
             forceinline=is_inlined,
-            **_OPTIONS,
+            **options,
         )
         self._part = part(function)
 
@@ -133,6 +136,19 @@ def inlined(function: F) -> F:
     long as what they compute.
     """
     return cast(F, Kernel(function, is_inlined=True))
+
+
+def fused(function: F) -> F:
+    """Compile a kernel in which a product and a sum may be one operation, which rounds once.
+
+    For long sums that nobody compares digit by digit; it takes a quarter of their time.
+    """
+    return cast(F, Kernel(function, is_fused=True))
+
+
+def fused_inlined(function: F) -> F:
+    """Compile a kernel as both ``fused`` and ``inlined`` do."""
+    return cast(F, Kernel(function, is_inlined=True, is_fused=True))
 
 
 def _of_package(function: Callable[..., Any]) -> bool:
