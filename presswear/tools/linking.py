@@ -7,6 +7,13 @@ kept as it was written, and all parts are linked and optimised once, in the kern
 calls.  The numbers stay what they are: nothing here is allowed to change one.
 """
 
+import gc
+import hashlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from copy import copy
+from functools import cache
+from types import BuiltinFunctionType
 from typing import Any
 
 from numba.core import types
@@ -14,7 +21,15 @@ from numba.core.caching import FunctionCache
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompilerBase, DefaultPassBuilder
 from numba.core.compiler_machinery import LoweringPass, register_pass
-from numba.core.typed_passes import InlineOverloads, NativeLowering, NopythonRewrites
+from numba.core.cpu import CPUContext
+from numba.core.datamodel.packer import ArgPacker
+from numba.core.typed_passes import (
+    InlineOverloads,
+    IRLegalization,
+    NativeLowering,
+    NopythonRewrites,
+)
+from numba.core.typing.context import Context
 from numba.core.untyped_passes import (
     FindLiterallyCalls,
     InlineClosureLikes,
@@ -90,22 +105,68 @@ class _Known(LoweringPass):
         return True
 
 
-class _Typing:
+class _InOnePiece:
+    """Hands over an argument of a call as it is."""
+
+    def __init__(self, model: Any) -> None:
+        self.get_argument_type = model.get_value_type
+
+    def as_argument(self, builder: Any, value: Any) -> Any:
+        """What the caller hands over."""
+        return value
+
+    def from_argument(self, builder: Any, value: Any) -> Any:
+        """What the callee makes of it."""
+        return value
+
+
+class _Models:
+    """Numba's knowledge of how arguments are handed over, with named tuples in one piece.
+
+    Numba takes them apart in each call, into the addresses, shapes and strides of all their arrays,
+    and puts them together again in each callee.  The machine code becomes the same.
+    """
+
+    def __init__(self, models: Any) -> None:
+        self._models = models
+
+    def lookup(self, kind: Any) -> Any:
+        """How an argument of a type is handed over."""
+        model = self._models.lookup(kind)
+        return _InOnePiece(model) if isinstance(kind, types.BaseNamedTuple) else model
+
+
+class _Target(CPUContext):
+    """Numba's knowledge of machine code, as kernels need it."""
+
+    def get_arg_packer(self, given: Any) -> Any:
+        """How the arguments of a call are handed over."""
+        pack: Any = ArgPacker
+        return pack(_Models(self.data_model_manager), given)
+
+    def mangler(self, name: Any, types: Any, *, abi_tags: Any = (), uid: Any = None) -> Any:
+        """The name of machine code.  With its types spelt out it has up to 16 000 letters."""
+        digest = hashlib.sha256(" ".join(map(str, types)).encode()).hexdigest()[:16]
+        named: Any = super().mangler
+        return named(f"{name}.{digest}", (), abi_tags=abi_tags, uid=uid)
+
+    def get_function(self, function: Any, signature: Any, _firstcall: bool = True) -> Any:
+        """What generates a call.  Each access to an array asks for a conversion that it has not."""
+        find: Any = super().get_function
+        return find(function, signature, _firstcall and function != "__array__")
+
+
+class _Typing(Context):
     """Numba's knowledge of types, asked once where it is asked for the same again and again."""
-
-    def __init__(self, context: Any) -> None:
-        self._context = context
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._context, name)
 
     def resolve_function_type(self, function: Any, given: Any, named: Any) -> Any:
         """The signature of a call.  Kernels ask thousands of times what adding two floats gives."""
-        if named or not isinstance(function, types.Function):
-            return self._context.resolve_function_type(function, given, named)
+        resolve: Any = super().resolve_function_type
+        if named or not isinstance(function, types.Function | BuiltinFunctionType):
+            return resolve(function, given, named)
         known = function, tuple(given)
         if known not in _RESOLVED:
-            _RESOLVED[known] = self._context.resolve_function_type(function, given, named)
+            _RESOLVED[known] = resolve(function, given, named)
         return _RESOLVED[known]
 
 
@@ -113,18 +174,42 @@ _RESOLVED: dict[Any, Any] = {}
 
 _NEEDLESS = (
     *(WithLifting, InlineClosureLikes, MakeFunctionToJitFunction, InlineOverloads),
-    *(InlineInlinables, NopythonRewrites, FindLiterallyCalls, LiteralUnroll),
+    *(InlineInlinables, NopythonRewrites, FindLiterallyCalls, LiteralUnroll, IRLegalization),
 )
-"""Passes of numba that change no kernel: for closures, arrays as a whole and the like."""
+"""Passes of numba that change no kernel: for closures, arrays as a whole, counted references and
+the like."""
+
+
+@cache
+def _as(kind: Any, context: Any) -> Any:
+    """A context of numba's as one of another kind that shares what it knows."""
+    made = copy(context)
+    made.__class__ = kind
+    return made
+
+
+@contextmanager
+def _uncollected() -> Iterator[None]:
+    """Leave garbage where it lies.  Most of what a compiler makes stays until its end."""
+    was = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was:
+            gc.enable()
 
 
 class _Quick(CompilerBase):
     """Numba's compiler without what kernels do not need."""
 
+    def __init__(self, typing: Any, target: Any, *given: Any) -> None:
+        begin: Any = super().__init__
+        begin(_as(_Typing, typing), _as(_Target, target), *given)
+
     def _passes(self, library: Any, after: Any = None) -> list[Any]:
         state = self.state
         state.library = library(state.targetctx.codegen(), state.func_id.func_qualname)
-        state.typingctx = _Typing(state.typingctx)
         passes = _PASSES.define_nopython_pipeline(state)
         passes.passes = [each for each in passes.passes if each[0] not in _NEEDLESS]
         if after is not None:
@@ -162,6 +247,12 @@ class PartCompiler(_Quick):
 
 class WholeCompiler(_Quick):
     """Compiles a kernel for Python, or for calls by its address."""
+
+    def compile_extra(self, function: Any) -> Any:
+        """Compile it with all its parts."""
+        with _uncollected():
+            compiled: Any = super().compile_extra
+            return compiled(function)
 
     def define_pipelines(self) -> list[Any]:
         """Tell numba how it is compiled."""

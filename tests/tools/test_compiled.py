@@ -1,13 +1,15 @@
 """Kernels that call each other: linked once, compiled apart, at once, and told of."""
 
+import gc
 import os
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from numba.core.errors import NumbaError
 from numpy.typing import NDArray
 
 from presswear.tools.compiled import apart, compiled, specialised, told_of_compiling
@@ -45,6 +47,61 @@ def test_a_kernel_takes_all_that_it_calls_with_it_and_none_of_it_is_compiled_alo
     for part in (_leaf, _left, _right):
         assert not signatures(part)
     assert _left(3.0) == 20.0
+
+
+class _Inner(NamedTuple):
+    numbers: Array
+    is_odd: bool
+    nothing: Array | None
+
+
+class _Outer(NamedTuple):
+    inner: _Inner
+    columns: Array
+    factor: float
+
+
+@compiled
+def _inner_sum(inner: _Inner, from_place: int) -> float:
+    total = 0.0 if inner.nothing is None else 1e3
+    for x in inner.numbers[from_place:]:
+        total += x
+    return -total if inner.is_odd else total
+
+
+@compiled
+def _outer_sum(outer: _Outer, k: int) -> float:
+    cut = _Inner(outer.columns[:, k], not outer.inner.is_odd, None)
+    return outer.factor * (_inner_sum(outer.inner, 1) + _inner_sum(cut, 0))
+
+
+def test_named_tuples_within_each_other_are_handed_over_whole() -> None:
+    columns = np.arange(6.0).reshape(3, 2)
+    for is_odd, sign in ((True, -1.0), (False, 1.0)):
+        bare = _Outer(_Inner(np.array([1.0, 2.0, 4.0]), is_odd, None), columns, 2.0)
+        assert _outer_sum(bare, 1) == 2.0 * sign * (6.0 - 9.0)
+        full = bare._replace(inner=bare.inner._replace(nothing=columns[0]))
+        assert _outer_sum(full, 0) == 2.0 * sign * (1006.0 - 6.0)
+
+
+def test_garbage_is_collected_again_behind_the_compiler() -> None:
+    @compiled
+    def twice(x: float) -> float:
+        return 2.0 * _leaf(x)
+
+    @compiled
+    def nonsense(x: float) -> float:
+        return _leaf(x).no_attribute  # type: ignore[attr-defined]
+
+    with pytest.raises(NumbaError):
+        nonsense(1.0)
+    assert gc.isenabled()
+    gc.disable()
+    try:
+        assert twice(1.0) == 4.0
+        assert not gc.isenabled()
+    finally:
+        gc.enable()
 
 
 PAIR = np.dtype([("one", np.float64), ("other", np.int64)])
