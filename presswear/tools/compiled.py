@@ -20,7 +20,8 @@ import time as clock
 from _thread import interrupt_main
 from collections.abc import Callable
 from contextlib import AbstractContextManager
-from functools import cache, update_wrapper
+from functools import cache, cached_property, update_wrapper
+from importlib import import_module
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -31,7 +32,6 @@ from numba import config
 from numba.core import cgutils, event, types, typing
 from numba.core.errors import NumbaError
 from numba.extending import intrinsic, lower_builtin
-from numba.np.arrayobj import populate_array
 from numpy.typing import NDArray
 
 from presswear.tools.errors import InputError
@@ -54,7 +54,6 @@ _TYPING: Any = typing
 _EVENT: Any = event
 _COMPILING = "numba:compile"
 _LOWER: Any = lower_builtin
-_POPULATE: Any = populate_array
 _PACKAGE = Path(__file__).resolve().parents[1]
 
 
@@ -94,18 +93,27 @@ class Kernel:
         self, function: Callable[..., Any], is_inlined: bool = False, is_fused: bool = False
     ) -> None:
         update_wrapper(self, function)
-        self.py_func = function
-        options = {**_OPTIONS, "fastmath": {"contract"}} if is_fused else _OPTIONS
-        self.whole = _NUMBA.njit(pipeline_class=WholeCompiler, **options)(function)
-        if _of_package(function) and _cache_is_usable():
-            self.whole._cache = kept_code(function)
+        self.py_func, self._is_inlined = function, is_inlined
+        self._options = {**_OPTIONS, "fastmath": {"contract"}} if is_fused else _OPTIONS
+
+    @cached_property
+    def whole(self) -> Any:
+        """What Python calls."""
+        made = _NUMBA.njit(pipeline_class=WholeCompiler, **self._options)(self.py_func)
+        if _of_package(self.py_func) and _cache_is_usable():
+            made._cache = kept_code(self.py_func)
+        return made
+
+    @cached_property
+    def _part(self) -> Any:
+        """What kernels call."""
         part = _NUMBA.njit(
             pipeline_class=PartCompiler,
             no_cpython_wrapper=True,
-            forceinline=is_inlined,
-            **options,
+            forceinline=self._is_inlined,
+            **self._options,
         )
-        self._part = part(function)
+        return part(self.py_func)
 
     def __call__(self, *arguments: Any) -> Any:
         """Run it, compiled or loaded if need be."""
@@ -284,8 +292,10 @@ def _spacing(typing: Any, rows: Any, columns: Any) -> Any:
         size = context.get_abi_sizeof(double)
         sizes = (*shape, shape[1] * size, size, size)
         rows, columns, row, item, width = (context.get_constant(types.intp, n) for n in sizes)
+        # It is no part of what runs compiled code.
+        populate: Any = import_module("numba.np.arrayobj").populate_array
         made = context.make_array(kind)(context, builder)
-        _POPULATE(made, space, (rows, columns), (row, item), width, meminfo=None)
+        populate(made, space, (rows, columns), (row, item), width, meminfo=None)
         return made._getvalue()
 
     return kind(rows, columns), generate
