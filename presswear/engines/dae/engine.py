@@ -10,7 +10,6 @@ from presswear.engines.dae.dynamics import (
     DRIVE_INTEGRALS,
     JOINT_INTEGRALS,
     System,
-    place,
     system_of,
     tree_system_of,
 )
@@ -137,9 +136,8 @@ def prepare(
     ready = clock.perf_counter()
 
     def state() -> tuple[float, Array, Array]:
-        time = float(control["time"][0])
-        place(system, time, y)
-        return time, system.state[0].copy(), system.state[1].copy()
+        march(0.0, 0)  # places all bodies
+        return float(control["time"][0]), system.state[0].copy(), system.state[1].copy()
 
     def stored() -> float:
         return stored_energy(book.packed, book.memory["energy"], *state()[1:])

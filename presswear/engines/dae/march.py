@@ -78,14 +78,18 @@ def finish_step(
 
 
 @compiled
-def begin(system: System, book: Book, control: Records, motion: Integration) -> None:
-    """Account for the start, once, and find the slopes of a state where they are not known."""
+def begin(system: System, book: Book, control: Records, motion: Integration, most: int) -> None:
+    """Find the slopes of a state where they are not known, and account for the start, once.
+
+    Where no steps are to follow all bodies are placed in the state, and nothing else is done.
+    """
     state, y, slope = control[0], motion.y, motion.slopes[0]
-    if not state.known:
+    if most > 0 and not state.known:
         rates(system, book.onset, state.time, y, slope)
         state.known = True
+    if most == 0 or not state.begun:
+        place(system, state.time, y)
     if not state.begun:
-        place(system, 0.0, y)
         accelerate(system, slope)
         q, v, a, _, _ = system.state
         note_torques(system, book.torque)
@@ -123,7 +127,7 @@ def march_controlled(
     """Integrate towards ``end`` for at most so many steps; returns how far it got."""
     n = system.size
     state = control[0]
-    begin(system, book, control, motion)
+    begin(system, book, control, motion, most)
     hold_open(book)
     for _ in range(most):
         t = state.time
@@ -199,7 +203,7 @@ def march_fixed(
     """Integrate with equal steps of order 4; contact state changes between steps only."""
     n = system.size
     state = control[0]
-    begin(system, book, control, motion)
+    begin(system, book, control, motion, most)
     for _ in range(most):
         t = state.time
         left = end - t
