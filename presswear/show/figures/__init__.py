@@ -2,11 +2,15 @@
 
 import sys
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
 from typing import BinaryIO
 
 import matplotlib
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from PIL import Image
 
 from presswear.results.result import Result
 from presswear.show.figures.bottom import bottom_dead_centre
@@ -112,13 +116,29 @@ def _show(sheet: Sheet) -> None:
         import_module(_PYPLOT).figure(FigureClass=lambda **_: sheet)
 
 
+@contextmanager
+def _at(sheet: Sheet, dots_per_inch: float) -> Iterator[None]:
+    """Draw a sheet at another resolution than that of its screen."""
+    before, canvas = sheet.dpi, sheet.canvas
+    try:
+        sheet.dpi = dots_per_inch
+        yield
+    finally:
+        sheet.dpi = before
+        sheet.set_canvas(canvas)
+
+
 def save(drawing: Drawing, folder: Path) -> Path:
     """Write a drawing into a folder, which is made where needed; gives the file."""
 
     def write(file: BinaryIO) -> None:
-        drawing.sheet.savefig(file, format="png", dpi=DOTS_PER_INCH)
+        # Drawn once: ``savefig`` draws all of it before, to lay it out.
+        canvas = FigureCanvasAgg(drawing.sheet)
+        canvas.draw()
+        opaque = np.asarray(canvas.buffer_rgba())[..., :3]
+        Image.fromarray(opaque).save(file, "png", dpi=(DOTS_PER_INCH, DOTS_PER_INCH))
 
     folder.mkdir(parents=True, exist_ok=True)
-    with matplotlib.rc_context(SETTINGS):
+    with matplotlib.rc_context(SETTINGS), _at(drawing.sheet, DOTS_PER_INCH):
         write_whole(folder / drawing.file, write)
     return folder / drawing.file
