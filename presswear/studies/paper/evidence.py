@@ -175,8 +175,13 @@ class Evidence:
             is_of_cycles = quantity in CYCLES
             stage = place.wears if is_of_cycles else place.wears - 1
             result = self.at_stage(case, place.setting, stage, place.joint)
-            measure = _of_cycles if is_of_cycles else _of_maps
-            self._known[key] = None if result is None else measure(result, place, quantity)
+            if result is None:
+                self._known[key] = None
+            elif is_of_cycles:
+                self._known[key] = _of_cycles(result, place, quantity)
+            else:
+                found = _of_maps(result, place, _added(place, quantity))
+                self._known.update({(case, place, name): own for name, own in found.items()})
         return self._known[key]
 
     def wear_map(self, case: str, place: Place) -> WearMap | None:
@@ -231,27 +236,36 @@ def _of_cycles(result: Result, place: Place, quantity: str) -> Measured | None:
     )
 
 
-def _of_maps(result: Result, place: Place, quantity: str) -> Measured | None:
+def _added(place: Place, quantity: str) -> range:
+    """The stages whose wears are added up for a quantity of maps."""
+    return range(place.wears - 1 if quantity in _LAST else 0, place.wears)
+
+
+def _of_maps(result: Result, place: Place, stages: range) -> dict[str, Measured | None]:
+    """All quantities for which the wears of some stages are added up: to draw them is dear."""
+    names = [own for own in (*_MAPS, "angle") if _added(place, own) == stages]
     # The wear that the last stage would cause is a single jump, no measure of one in steps.
     if result.scene.wears_in_steps and place.wears > result.scene.wears:
-        return None
-    last = place.wears - 1
-    stages = range(last if quantity in _LAST else 0, place.wears)
+        return dict.fromkeys(names)
     wear = _drawn(result, place.joint, stages)
-    if quantity in _MAPS:
-        functional = _MAPS[quantity]
-        centre = float(functional(wear.centre))
-        interval = basic_interval(centre, functional(wear.draws), wear.count)
-        found = about(float(functional(wear.mean)), interval)
-    elif len(wear.mean) == 1:
-        found = peak_of(wear.mean[0], wear.draws[:, 0], wear.count).angle
-    else:
-        return None
-    ends = None if found.low is None or found.high is None else (found.low, found.high)
-    rows = _samples(result, Place(place.setting, last, place.joint), "dose")
+    rows = _samples(result, Place(place.setting, place.wears - 1, place.joint), "dose")
     rows = rows[: result.scene.draws]
     cycles = sum(after_startup(own).size for own in rows)
-    return Measured(found.value, ends, samples=cycles, starts=len(rows))
+
+    def measured(quantity: str) -> Measured | None:
+        if quantity in _MAPS:
+            functional = _MAPS[quantity]
+            centre = float(functional(wear.centre))
+            interval = basic_interval(centre, functional(wear.draws), wear.count)
+            found = about(float(functional(wear.mean)), interval)
+        elif len(wear.mean) == 1:
+            found = peak_of(wear.mean[0], wear.draws[:, 0], wear.count).angle
+        else:
+            return None
+        ends = None if found.low is None or found.high is None else (found.low, found.high)
+        return Measured(found.value, ends, samples=cycles, starts=len(rows))
+
+    return {name: measured(name) for name in names}
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """Peaks of single cycles: our mean and scatter, and what the paper prints."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -38,14 +38,14 @@ class PeakPanel:
     ----------
     quantity, label, joint : str
         Without a joint it is the slider's.
-    ideal : callable or None
-        Gives the peak of the ideal motion.
+    ideal : sequence of float
+        Peaks of the ideal motion of the lines; empty: none are shown.
     """
 
     quantity: str
     label: str
     joint: str = ""
-    ideal: Callable[[ShownLine], float] | None = None
+    ideal: Sequence[float] = ()
 
 
 def sheet_over_peaks(upper: float, lower: float) -> tuple[Sheet, SubFigure, SubFigure]:
@@ -96,8 +96,8 @@ def _draw_panel(
             if known.ends is not None:
                 axes.plot(known.ends, (row, row), color=colour, linewidth=1.8)
             axes.plot(known.value, row, color=colour, marker="o", markersize=4.5, gid="mean")
-        if peak.ideal is not None:
-            axes.plot((peak.ideal(one),) * 2, (row - 0.34, row + 0.34), **_IDEAL)
+        if peak.ideal:
+            axes.plot((peak.ideal[row],) * 2, (row - 0.34, row + 0.34), **_IDEAL)
         axes.plot(one.peak(peak.quantity, peak.joint), row, color=colour, gid="shown", **_CYCLE)
         printed = printed_at(place, peak.quantity)
         if printed is not None:

@@ -1,7 +1,6 @@
 """Figures 17 to 25: motion of the slider, contact forces and paths of the pin centres."""
 
 from collections.abc import Sequence
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -56,9 +55,10 @@ def responses(evidence: Evidence, number: int, lines: Lines) -> Drawn:
     handles += [one.line.pen(one.line.name).handle() for one in shown]
     columns_of_legend = len(handles) if len(shown) <= _BESIDE else -(-len(handles) // 2)
     top.legend(handles=handles, loc="outside upper center", ncols=columns_of_legend)
+    ideal = zip(*map(_ideal_peaks, shown), strict=True)
     panels = [
-        PeakPanel(name, f"largest {name}\nof a cycle ({unit})", ideal=partial(_ideal_peak, column))
-        for column, (name, unit) in enumerate(_QUANTITIES)
+        PeakPanel(name, f"largest {name}\nof a cycle ({unit})", ideal=peaks)
+        for (name, unit), peaks in zip(_QUANTITIES, ideal, strict=True)
     ]
     caption = (
         f"Time histories: {ONE_CYCLE}. Dashed: the ideal motion in closed form; the second row "
@@ -138,10 +138,11 @@ def _draw_acceleration(axes: Axes, one: ShownLine, time: Array, ideal: Array) ->
     note(axes, f"{one.line.name}, largest {readable(one.peak('acceleration'))} m/s²")
 
 
-def _ideal_peak(column: int, one: ShownLine) -> float:
-    """Largest value of the ideal motion in a cycle; the acceleration's has either sign."""
-    values = one.result.scene.ideal_slider(np.linspace(0.0, one.period, 2001))[:, column]
-    return float(np.abs(values).max() if column == 2 else values.max())
+def _ideal_peaks(one: ShownLine) -> tuple[float, ...]:
+    """Largest values of the ideal motion in a cycle; the acceleration's has either sign."""
+    values = one.result.scene.ideal_slider(np.linspace(0.0, one.period, 2001))
+    values[:, 2] = np.abs(values[:, 2])
+    return tuple(map(float, values.max(axis=0)))
 
 
 def contact_forces(evidence: Evidence, number: int, lines: Lines) -> Drawn:
