@@ -118,4 +118,5 @@ def spectrum_of(
     power[1 : (size + 1) // 2] *= 2.0
     interval = period / each
     density = power * interval / (window**2).sum()
-    return Spectrum(np.fft.rfftfreq(size, interval), density, period, len(segments))
+    frequency = np.asarray(np.fft.rfftfreq(size, interval), dtype=np.float64)
+    return Spectrum(frequency, density, period, len(segments))
