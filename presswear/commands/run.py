@@ -32,6 +32,7 @@ from presswear.scene.settings import begun_on, changed
 from presswear.studies import STUDIES
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.folders import check_folder
+from presswear.tools.workers import foresee
 
 if TYPE_CHECKING:
     from presswear.results.folder import ResultFolder
@@ -251,6 +252,7 @@ def _window(arguments: argparse.Namespace, scene: Scene) -> "AbstractContextMana
 
 def _report(arguments: argparse.Namespace, console: Console) -> int:
     check_folder(arguments.folder)
+    foresee(("presswear.show.report.page",))
     if (arguments.folder / "sweep.json").exists():
         from presswear.commands import sweep
 

@@ -403,6 +403,16 @@ def _context(imports: Sequence[str]) -> Any:
     return context
 
 
+def foresee(imports: Sequence[str]) -> None:
+    """Have imported what the jobs of a ``Pool`` will need while this process does other things."""
+    if sys.platform == "linux" and cores() > 1 and not multiprocessing.current_process().daemon:
+        from multiprocessing import forkserver  # elsewhere there is none
+
+        _context(imports)
+        with undisturbed():
+            forkserver.ensure_running()
+
+
 @contextmanager
 def undisturbed() -> Iterator[None]:
     """Begin processes that signals to a whole terminal do not reach, and no script's main module.

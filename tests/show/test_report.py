@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from functools import partial
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -13,8 +14,11 @@ from presswear.results.result import Result
 from presswear.scene.bearing import CONVENTIONS, Conventions
 from presswear.scene.catalog import slider_crank
 from presswear.scene.settings import settings_of
-from presswear.show.figures import drawings
+from presswear.show.figures import Drawing, drawings
+from presswear.show.figures.style import Sheet
 from presswear.show.report import notes, render, write_report
+from presswear.show.report.page import illustrations
+from presswear.tools.errors import InputError
 
 
 class Page(HTMLParser):
@@ -68,6 +72,24 @@ def test_one_file_without_references(tmp_path: Path) -> None:
     assert all(link.startswith("data:image/png;base64,") for link in page.links)
     own = re.sub(r"data:image/png;base64,[A-Za-z0-9+/=]+", "", text)
     assert not re.search(r"http|url\(|@import|<script|<link", own)
+
+
+def numbered(number: int) -> list[Drawing]:
+    """As many empty sheets as a number says; there is no third."""
+    if number == 3:
+        raise InputError("there is no third")
+    return [Drawing(f"{number}-{k}.png", f"{number}", "", Sheet((1, 1))) for k in range(number)]
+
+
+@pytest.mark.parametrize("at_once", [1, 2])
+def test_figures_of_several_processes_come_in_order(tmp_path: Path, at_once: int) -> None:
+    drawers = [partial(numbered, number) for number in (2, 0, 1, 4, 1)]
+    found = illustrations(drawers, tmp_path, at_once)
+    assert [own.title for own in found] == ["2", "2", "1", "4", "4", "4", "4", "1"]
+    files = {own.file for own in found}
+    assert {path.name for path in tmp_path.iterdir()} == files == {*files, "4-3.png"}
+    with pytest.raises(InputError, match="there is no third"):
+        illustrations([partial(numbered, number) for number in (1, 2, 3, 4)], tmp_path, at_once)
 
 
 def test_bottom_dead_centre_has_a_table() -> None:

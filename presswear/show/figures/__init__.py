@@ -90,12 +90,17 @@ def drawings(
             raise unknown("figure", name, NAMES)
     stages = result.stages if stage is None else (result.stage(stage),)
     for name in names or NAMES:
-        with matplotlib.rc_context(SETTINGS):
-            found = NAMES[name](result, stages) if stages else []
+        found = drawn(name, result, stages)
         if names and not found:
             of = f"stage {stage} of " if stage is not None else ""
             raise InputError(f"{of}{result.scene.name} has nothing to draw as {name!r}")
         yield from found
+
+
+def drawn(name: str, result: Result, stages: Stages) -> list[Drawing]:
+    """Draw a figure of ``NAMES``, or nothing where it would say nothing."""
+    with matplotlib.rc_context(SETTINGS):
+        return NAMES[name](result, stages) if stages else []
 
 
 def plot(result: Result, names: Sequence[str] = (), stage: int | None = None) -> list[Axes]:

@@ -1,5 +1,6 @@
 """The report of a result folder: one HTML file that opens anywhere."""
 
+from functools import partial
 from pathlib import Path
 
 from presswear.linkage.laws import DAMPINGS, KELVIN_VOIGT, delivered_restitution
@@ -11,7 +12,7 @@ from presswear.scene.bearing import Bearing
 from presswear.scene.changes import title_of
 from presswear.scene.scene import Scene
 from presswear.scene.settings import SET, settings_of
-from presswear.show.figures import drawings
+from presswear.show.figures import NAMES, drawn
 from presswear.show.figures.life import FILE as LIFE
 from presswear.show.figures.style import stage_names
 from presswear.show.report.bottom import bottom, under_load
@@ -33,7 +34,7 @@ from presswear.show.report.overview import (
     in_short,
     overview,
 )
-from presswear.show.report.page import Illustration, illustrate, render_page
+from presswear.show.report.page import Illustration, illustrations, render_page
 from presswear.show.report.parts import (
     CUBIC_MILLIMETRES,
     MICRONS,
@@ -63,8 +64,10 @@ def write_report(result: Result) -> Path:
     """
     if result.path is None:
         raise InputError(f"{result.scene.name} ran in memory: a report needs a folder")
-    folder = result.path / "figures"
-    text = render(result, [illustrate(drawing, folder) for drawing in drawings(result)])
+    drawers = [partial(drawn, name, result, result.stages) for name in NAMES]
+    # Of an ideal motion there are few: processes would take longer to begin.
+    at_once = None if result.scene.clearance_joints else 1
+    text = render(result, illustrations(drawers, result.path / "figures", at_once))
     path = result.path / "report.html"
     write_bytes(path, text.encode())
     return path

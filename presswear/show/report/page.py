@@ -2,13 +2,16 @@
 
 import base64
 import re
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
 
 from presswear.show.figures import Drawing, save
+from presswear.tools.workers import Report, cores, outcomes, workers_for
 
 _ROOM = "presswear.show.report"
 
@@ -27,6 +30,38 @@ def illustrate(drawing: Drawing, folder: Path) -> Illustration:
     """Write a drawing into a folder, and give it for a page."""
     data = base64.b64encode(save(drawing, folder).read_bytes()).decode()
     return Illustration(drawing.file, drawing.title, drawing.caption, data)
+
+
+Drawer = Callable[[], list[Drawing]]
+"""Draws some figures; can be pickled."""
+
+
+def illustrations(
+    drawers: Sequence[Drawer], folder: Path, at_once: int | None = None
+) -> list[Illustration]:
+    """Draw figures in processes of their own, and write them into a folder; in their order.
+
+    Parameters
+    ----------
+    at_once : int or None
+        Processes, at most; one: this one.  None: as many as there are cores.
+    """
+    count = min(at_once or cores(), len(drawers))
+    # What drawers have in common goes to a process once.
+    shares = [partial(_share, drawers[k::count], folder) for k in range(count)]
+    with workers_for(count, (__name__,)) as workers:
+        found = outcomes(workers, shares)
+    drawn = (found[k % count][k // count] for k in range(len(drawers)))
+    return [illustration for own in drawn for illustration in own]
+
+
+def _share(drawers: Sequence[Drawer], folder: Path, report: Report) -> list[list[Illustration]]:
+    """Draw what falls to one process."""
+    found = []
+    for k, draw in enumerate(drawers):
+        report(float(k))
+        found.append([illustrate(drawing, folder) for drawing in draw()])
+    return found
 
 
 _INTERVAL = re.compile(r" \(\S+ to \S+?( %)?\)")

@@ -6,17 +6,20 @@ from functools import partial
 import matplotlib
 
 from presswear.show.figures.style import SETTINGS, Drawing
+from presswear.show.report.page import Drawer
 from presswear.studies.paper.evidence import Evidence
 from presswear.studies.paper.figures.lines import FRICTIONS, SPEEDS, WEARS, Drawn, Lines
 from presswear.studies.paper.figures.response import centre_paths, contact_forces, responses
 from presswear.studies.paper.figures.wear import depths, surfaces
+from presswear.studies.paper.variants import BASE, variant_key
+from presswear.studies.paper.variants import SETTINGS as RUN_SETTINGS
 
-_Drawer = Callable[[Evidence, int, Lines], Drawn]
+_Figure = Callable[[Evidence, int, Lines], Drawn]
 """Draws a figure of the paper, given by its number, from its lines."""
 
-_AT_A: _Drawer = partial(surfaces, "A")
-_AT_C: _Drawer = partial(surfaces, "C")
-_FIGURES: dict[int, tuple[_Drawer, Lines, str]] = {
+_AT_A: _Figure = partial(surfaces, "A")
+_AT_C: _Figure = partial(surfaces, "C")
+_FIGURES: dict[int, tuple[_Figure, Lines, str]] = {
     8: (depths, WEARS, "Wear depth after the first and the second wear"),
     9: (_AT_A, WEARS, "Worn surfaces at A after the first and the second wear"),
     10: (_AT_C, WEARS, "Worn surfaces at C after the first and the second wear"),
@@ -39,10 +42,24 @@ _FIGURES: dict[int, tuple[_Drawer, Lines, str]] = {
 """Drawer, lines and title by the number in the paper."""
 
 
+def drawers(evidence: Evidence) -> list[Drawer]:
+    """What draws the figures, by their numbers in the paper; it holds the runs that they show."""
+    keys = [variant_key(BASE, setting) for setting in RUN_SETTINGS]
+    shown = Evidence({key: evidence.results[key] for key in keys if key in evidence.results})
+    return [partial(_drawn, shown, number) for number in _FIGURES]
+
+
+def _drawn(evidence: Evidence, number: int) -> list[Drawing]:
+    """Draw a figure; nothing where there are no runs for it."""
+    draw, lines, title = _FIGURES[number]
+    with matplotlib.rc_context(SETTINGS):
+        drawn = draw(evidence, number, lines)
+    if drawn is None:
+        return []
+    return [Drawing(f"fig-{number:02d}.png", f"Fig. {number} {title}", *drawn)]
+
+
 def paper_drawings(evidence: Evidence) -> Iterator[Drawing]:
     """Draw the figures for which there are runs, by their numbers in the paper."""
-    for number, (draw, lines, title) in _FIGURES.items():
-        with matplotlib.rc_context(SETTINGS):
-            drawn = draw(evidence, number, lines)
-        if drawn is not None:
-            yield Drawing(f"fig-{number:02d}.png", f"Fig. {number} {title}", *drawn)
+    for draw in drawers(evidence):
+        yield from draw()

@@ -5,10 +5,10 @@ from pathlib import Path
 
 from presswear.results.result import Result
 from presswear.show.report.origin import convention_set, conventions, parameters, provenance
-from presswear.show.report.page import Illustration, illustrate, render_page
+from presswear.show.report.page import Illustration, illustrations, render_page
 from presswear.show.report.parts import Table
 from presswear.studies.paper.evidence import Evidence
-from presswear.studies.paper.figures import paper_drawings
+from presswear.studies.paper.figures import drawers
 from presswear.studies.paper.report.chosen import (
     distances_table,
     fit_table,
@@ -28,7 +28,7 @@ from presswear.tools.numbers import readable, whole
 def write_report(study: Study, folder: Path) -> tuple[str, Path]:
     """Write ``report.html`` and its figures into a study's folder; returns answer and path."""
     evidence = Evidence({v.key: found for v, found in results_of(study, folder) if found})
-    figures = [illustrate(drawing, folder / "figures") for drawing in paper_drawings(evidence)]
+    figures = illustrations(drawers(evidence), folder / "figures")
     text = render(study, evidence, figures)
     path = folder / "report.html"
     write_bytes(path, text.encode())
