@@ -34,6 +34,8 @@ def illustrate(drawing: Drawing, folder: Path) -> Illustration:
 
 Drawer = Callable[[], list[Drawing]]
 """Draws some figures; can be pickled."""
+_SHARES = 3
+"""Of the figures for each process, so that all end at about the same time."""
 
 
 def illustrations(
@@ -47,16 +49,17 @@ def illustrations(
         Processes, at most; one: this one.  None: as many as there are cores.
     """
     count = min(at_once or cores(), len(drawers))
-    # What drawers have in common goes to a process once.
-    shares = [partial(_share, drawers[k::count], folder) for k in range(count)]
+    # What drawers have in common goes to a process once a share.
+    parts = min(_SHARES * count, len(drawers))
+    shares = [partial(_share, drawers[k::parts], folder) for k in range(parts)]
     with workers_for(count, (__name__,)) as workers:
         found = outcomes(workers, shares)
-    drawn = (found[k % count][k // count] for k in range(len(drawers)))
+    drawn = (found[k % parts][k // parts] for k in range(len(drawers)))
     return [illustration for own in drawn for illustration in own]
 
 
 def _share(drawers: Sequence[Drawer], folder: Path, report: Report) -> list[list[Illustration]]:
-    """Draw what falls to one process."""
+    """Draw some of them, one after the other."""
     found = []
     for k, draw in enumerate(drawers):
         report(float(k))
