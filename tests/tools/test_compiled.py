@@ -4,6 +4,7 @@ import gc
 import os
 import subprocess
 import sys
+from fractions import Fraction
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -12,7 +13,7 @@ import pytest
 from numba.core.errors import NumbaError
 from numpy.typing import NDArray
 
-from presswear.tools.compiled import apart, compiled, specialised, told_of_compiling
+from presswear.tools.compiled import apart, compiled, fused, specialised, told_of_compiling
 
 Array = NDArray[np.float64]
 
@@ -181,3 +182,16 @@ def test_a_first_start_compiles_few_kernels(tmp_path: Path, engine: str, most: i
     compiled, unused = map(int, _told(tmp_path, COUNTED % engine))
     assert 20 < compiled <= most
     assert unused == 0
+
+
+def _product_and_sum(a: float, b: float, c: float) -> float:
+    return a * b + c
+
+
+def test_a_fused_kernel_rounds_once_or_as_others_do() -> None:
+    plain, quick = compiled(_product_and_sum), fused(_product_and_sum)
+    for n in range(1, 50):
+        a, b, c = 1.0 + 1.0 / (3.0 * n), 1.0 - 1.0 / (7.0 * n), -1.0 - 0.1 / n
+        assert plain(a, b, c) == a * b + c
+        once = float(Fraction(a) * Fraction(b) + Fraction(c))
+        assert quick(a, b, c) in (once, a * b + c)
