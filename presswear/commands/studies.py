@@ -37,6 +37,7 @@ class Board(Tracker):
         self._whole = bar.add_task(study.name, total=sum(own.extent for own in study.variants))
         self._lines: dict[str, TaskID] = {}
         self._foretold = Foretold(self.remark, "this study")
+        self._has_begun = False
 
     def remark(self, line: str) -> None:
         """Print it."""
@@ -61,7 +62,11 @@ class Board(Tracker):
                 self._bar.remove_task(self._lines.pop(key))
         done = sum(own.extent * self._parts[key] for key, own in self._variants.items())
         self._bar.update(self._whole, completed=done)
-        if 0.0 < part < 1.0:  # those that are finished from before are no measure
+        # Those that are finished from before are no measure, nor is the part of a run whose slow
+        # cycles come last.
+        begins = 0.0 < part < 1.0 and not self._has_begun
+        if begins or (is_news and self._has_begun):
+            self._has_begun = True
             self._foretold.hear(done / sum(own.extent for own in self._variants.values()))
 
 

@@ -10,11 +10,11 @@ from presswear.tools.compiled import compiled
 
 Array = NDArray[np.float64]
 
-BEARING, PIN = 0, 5
+BEARING, PIN = 0, 4
 """First of the rows that the kernels keep of a surface: see ``packed_rows``."""
-SLOPE, SQUARE, CUBE, LEAST = 1, 2, 3, 4
+SLOPE, SQUARE, CUBE = 1, 2, 3
 """Rows behind the depth."""
-ROWS = 10
+ROWS = 8
 """Number of rows that the kernels keep of a bearing and its pin."""
 AROUND = 48
 """Bins that they keep behind the last, which are the first again."""
@@ -72,13 +72,13 @@ def bin_of(angle: float, count: int) -> int:
 
 
 def packed_rows(surface: Surface, count: int) -> Array:
-    """A surface as the kernels see it, shape (5, count + AROUND).
+    """A surface as the kernels see it, shape (4, count + AROUND).
 
     Depth and slope at the bin centres; coefficients of x^2 and x^3 of the cubic behind
-    each centre, m/rad^2 and m/rad^3; its least depth.  Behind the last bin it begins anew, so
+    each centre, m/rad^2 and m/rad^3.  Behind the last bin it begins anew, so
     that bins side by side are side by side everywhere.
     """
-    rows = np.zeros((5, count))
+    rows = np.zeros((PIN, count))
     if surface.is_worn:
         depth, slope = surface.depth, surface.slope
         width = 2.0 * math.pi / count
@@ -87,6 +87,4 @@ def packed_rows(surface: Surface, count: int) -> Array:
         rows[0], rows[SLOPE] = depth, slope
         rows[SQUARE] = (3.0 * secant - 2.0 * slope - following_slope) / width
         rows[CUBE] = (slope + following_slope - 2.0 * secant) / width**2
-        # Monotone between the centres.
-        rows[LEAST] = np.minimum(depth, following)
     return np.take(rows, np.arange(count + AROUND), axis=1, mode="wrap")

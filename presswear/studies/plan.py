@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from presswear.campaign.ensemble import most_runs
+from presswear.record.sampling import STARTUP_CYCLES
 from presswear.results.provenance import Provenance, provenance, provenance_differs
 from presswear.results.result import FINISHED, Result, load, read_document
 from presswear.scene.scene import Scene
@@ -24,10 +26,12 @@ Change = Callable[[Scene], Scene]
 FILE = "study.json"
 SCHEMA = 4
 _KEY = re.compile(r"[A-Za-z0-9][A-Za-z0-9.+=,_-]*")
-_CYCLES_OF_MAPS = 0.06
+_CYCLES_OF_MAPS = 0.2
 """Cycles until wear maps are known to a tolerance, times its square: a rough measure."""
-_CYCLES_OF_STEPS = 4000
-"""Cycles of round surfaces that take as long as a wear in steps."""
+_CYCLES_OF_STEPS = 250
+"""Cycles in a wear in steps, about."""
+_WORN = {"radial": 2.0, "foundation": 5.0}
+"""What a cycle on worn surfaces takes beside one on round ones, about."""
 
 
 def unchanged(scene: Scene) -> Scene:
@@ -75,14 +79,22 @@ class Variant:
 
     @property
     def extent(self) -> float:
-        """Simulated time that it takes, s: of a run that ends by itself a rough guess."""
+        """What it takes, in cycles on round surfaces: a rough guess."""
         scene = self.scene
-        cycles = scene.cycles
-        if cycles is None:
-            cycles = min(round(_CYCLES_OF_MAPS / scene.tolerance**2) + 9, scene.most_cycles)
-        # Worn surfaces take more steps.
-        after = _CYCLES_OF_STEPS if scene.wears_in_steps else 1.5 * cycles
-        return (cycles + after * scene.wears) * scene.mechanism.period
+        worn = _WORN[scene.conventions.contact]
+        known = round(_CYCLES_OF_MAPS / scene.tolerance**2) + STARTUP_CYCLES * scene.draws
+        cycles = 0.0
+        for index in range(scene.wears + 1):
+            jumps = index < scene.wears and not scene.wears_in_steps
+            own = scene.most_cycles if jumps else min(known, scene.most_cycles)
+            own = own if scene.cycles is None else scene.cycles * scene.draws
+            if index == 0:
+                cycles += own
+            else:
+                cycles += worn * own * most_runs(scene) / scene.draws
+            if index < scene.wears and scene.wears_in_steps:
+                cycles += worn * _CYCLES_OF_STEPS
+        return cycles
 
 
 @dataclass(frozen=True)

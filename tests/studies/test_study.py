@@ -151,7 +151,7 @@ def linked() -> Study:
     base = small().variants[0].scene
     stops = small().variants[1].scene
     # Longer than what it waits for: the longest are begun first.
-    alone = replace(base, wears=0, cycles=3)
+    alone = replace(base, wears=0, cycles=21)
     assert Variant("on", "", alone).extent > Variant("base", "", base).extent
     variants = (
         Variant("base", "worn", base),
