@@ -28,10 +28,12 @@ CLEARANCES = {"none": "none", "A": "A", "C": "C", "A and C": "AC"}
 SWITCHES = (
     ("friction", "no friction", "the scene"),
     ("worn surfaces", "the scene", "worn surfaces"),
+    ("foundation", "worn surfaces", "on a foundation"),
     ("wear account", "no wear account", "the scene"),
     ("torques stored", "the scene", "torques stored"),
 )
 """Feature, and the names of the runs without it and with it."""
+_WORN = ("worn surfaces", "on a foundation")
 
 
 @dataclass(frozen=True)
@@ -124,17 +126,18 @@ def clearance_rows(scene: Scene, cycles: float, repeats: int, told: Told) -> tup
 def switched_rows(
     scene: Scene, worn: Array, cycles: float, repeats: int, told: Told
 ) -> tuple[FeatureRow, ...]:
-    """Time a scene with friction, worn surfaces, wear account and stored torques on and off."""
+    """Time a scene with friction, worn surfaces and others of SWITCHES off and on."""
     bearings = scene.bearings
     scenes = {
         "the scene": scene,
         "no friction": replace(scene, bearings=replace(bearings, friction=0.0)),
         "worn surfaces": scene,
+        "on a foundation": changed(scene, {"contact": "foundation"}),
         "no wear account": changed(scene, {"wear_coefficient": 0.0}),
         "torques stored": replace(scene, drive_torque="on"),
     }
     runs = [
-        timed_run(name, own, cycles, worn if name == "worn surfaces" else None)
+        timed_run(name, own, cycles, worn if name in _WORN else None)
         for name, own in scenes.items()
     ]
     timings = dict(zip(scenes, _timed(runs, repeats, told), strict=True))
