@@ -268,10 +268,10 @@ def note_foundation(joint: Records, surfaces: Array, contact: Records) -> None:
             ny = (sine * bed.along + cosine * bed.across) / size
             on_bearing = -k * turns * bed.slope
             couple = elastic * (ex * ny - ey * nx) - on_bearing
-            turned_at = (couple * pin_spin + on_bearing * bearing_spin) / elastic
-            approach = vx * nx + vy * ny - turned_at
+            by_turning = (couple * pin_spin + on_bearing * bearing_spin) / elastic
+            approach = vx * nx + vy * ny - by_turning
             # Maps fixed in direction store no energy when the bodies turn.
-            closing = approach if turns > 0.0 else approach + turned_at
+            closing = approach if turns > 0.0 else approach + by_turning
     pin_arm = joint.pin_radius - pin_depth - 0.5 * max(bed.overlap, 0.0)
     contact.penetration = bed.overlap
     contact.rate = rate

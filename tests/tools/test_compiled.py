@@ -92,7 +92,7 @@ def test_garbage_is_collected_again_behind_the_compiler() -> None:
 
     @compiled
     def nonsense(x: float) -> float:
-        return _leaf(x).no_attribute  # type: ignore[attr-defined]
+        return _leaf(x).no_attribute  # type: ignore[attr-defined]  # wrong on purpose
 
     with pytest.raises(NumbaError):
         nonsense(1.0)

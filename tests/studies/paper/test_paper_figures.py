@@ -12,7 +12,7 @@ from invented import cut, every_evidence, every_result
 from presswear.show.figures import Drawing
 from presswear.show.figures.style import SETTINGS
 from presswear.studies.paper.evidence import Evidence
-from presswear.studies.paper.figures import paper_drawings
+from presswear.studies.paper.figures import drawers
 from presswear.studies.paper.printed import JOINTS, Place, shown_in
 from presswear.studies.paper.variants import BASE, variant_key
 
@@ -37,7 +37,7 @@ def drawn() -> dict[int, Drawing]:
 
 
 def by_number(evidence: Evidence) -> dict[int, Drawing]:
-    drawings = list(paper_drawings(evidence))
+    drawings = [drawing for draw in drawers(evidence) for drawing in draw()]
     found = {int(drawing.title.split()[1]): drawing for drawing in drawings}
     assert len(found) == len(drawings)
     return found
@@ -163,5 +163,5 @@ def test_closed_joint_is_left_out() -> None:
 
 def test_settings_of_matplotlib_are_left_alone() -> None:
     before = dict(matplotlib.rcParams)
-    next(paper_drawings(every_evidence()))
+    assert drawers(every_evidence())[0]()
     assert dict(matplotlib.rcParams) == before

@@ -13,7 +13,7 @@ from presswear.__main__ import main
 from presswear.show.report.page import Illustration
 from presswear.studies.paper.claims import CLAIMS
 from presswear.studies.paper.evidence import Evidence
-from presswear.studies.paper.figures import paper_drawings
+from presswear.studies.paper.figures import drawers
 from presswear.studies.paper.printed import PRINTED
 from presswear.studies.paper.report import render
 from presswear.studies.paper.report.numbers import numbers_table, ranges_table, ratios_table
@@ -125,7 +125,7 @@ def test_a_study_that_was_interrupted_says_what_is_missing() -> None:
 def test_a_joint_without_clearance_is_left_out() -> None:
     """A person may have closed joint C in all runs: its rows stay, empty."""
     evidence = Evidence({key: cut(found, joints="A") for key, found in every_result().items()})
-    drawings = paper_drawings(evidence)
+    drawings = [drawing for draw in drawers(evidence) for drawing in draw()]
     figures = [
         Illustration(drawing.file, drawing.title, drawing.caption, "") for drawing in drawings
     ]

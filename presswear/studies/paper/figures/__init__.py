@@ -1,6 +1,6 @@
 """Counterparts of the paper's figures 8 to 25, from the runs of a study."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import partial
 
 import matplotlib
@@ -57,9 +57,3 @@ def _drawn(evidence: Evidence, number: int) -> list[Drawing]:
     if drawn is None:
         return []
     return [Drawing(f"fig-{number:02d}.png", f"Fig. {number} {title}", *drawn)]
-
-
-def paper_drawings(evidence: Evidence) -> Iterator[Drawing]:
-    """Draw the figures for which there are runs, by their numbers in the paper."""
-    for draw in drawers(evidence):
-        yield from draw()
