@@ -25,6 +25,9 @@ class Tableau(NamedTuple):
         blends in (zero where there is none).
     exponent : float
         The error goes with the step to minus one over this.
+    ends_at_corners : bool
+        Whether steps end where a law of friction has a corner.  Now and then one lies between the
+        stages of order 8 where no estimate sees it.
     """
 
     a: Array
@@ -33,6 +36,7 @@ class Tableau(NamedTuple):
     error: Array
     second_error: Array
     exponent: float
+    ends_at_corners: bool
 
 
 def _lower(count: int, entries: tuple[float, ...]) -> Array:
@@ -56,6 +60,7 @@ DOPRI5 = Tableau(
     np.array([-71 / 57600, 0, 71 / 16695, -71 / 1920, 17253 / 339200, -22 / 525, 1 / 40]),
     np.zeros(7),
     -1.0 / 5.0,
+    False,
 )
 """Order 5 with an estimate of order 4."""
 
@@ -100,6 +105,6 @@ _E3 = (
 )
 
 DOP853 = Tableau(
-    _lower(12, _A), np.array(_B), np.array(_C), np.array(_E5), np.array(_E3), -1.0 / 8.0
+    _lower(12, _A), np.array(_B), np.array(_C), np.array(_E5), np.array(_E3), -1.0 / 8.0, True
 )
 """Order 8 with estimates of orders 5 and 3."""

@@ -178,6 +178,27 @@ def friction_ramp(speed: float, lower: float, upper: float) -> float:
 
 
 @compiled
+def corner_ahead(sliding: float, sense: float, law: Records) -> float:
+    """Speed at which the ramp of friction has its next corner, m/s; infinite without one.
+
+    Parameters
+    ----------
+    sliding : float
+        Where it is looked for from, m/s.
+    sense : float
+        1: upwards, -1: downwards.
+    """
+    found = math.inf
+    if law.force == INLINE and law.coefficient > 0.0:
+        for corner in (-law.upper, -law.lower, law.lower, law.upper):
+            ahead = sense * (corner - sliding)
+            # A ramp that begins at rest is straight there.
+            if ahead > 0.0 and corner != 0.0:
+                found = min(found, ahead)
+    return sliding + sense * found
+
+
+@compiled
 def smooth_friction(
     sliding: float, normal: float, coefficient: float, lower: float, upper: float
 ) -> float:

@@ -10,7 +10,7 @@ from scipy.linalg import null_space
 from presswear.campaign.starts import start_of
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.dae.dynamics import rates, system_of
-from presswear.engines.settings import InHouse
+from presswear.engines.settings import InHouse, Integrator
 from presswear.linkage.elements import Body, Revolute
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.points import Attachment, Probe
@@ -169,12 +169,12 @@ def test_states_converge_with_the_tolerance_in_both_coordinates() -> None:
         .simulate(PRESS.linkage(), start_of(PRESS), Plan(0.05, 1))
         .end.position
         for coordinates in ("all", "fewest")
-        for tolerance in (1e-6, 1e-9, 1e-12)
+        for tolerance in (1e-5, 1e-9, 1e-12)
     }
     exact = ends["all", 1e-12]
     assert np.abs(ends["fewest", 1e-12] - exact).max() < 1e-10
     for coordinates in ("all", "fewest"):
-        coarse, fine = (np.abs(ends[coordinates, t] - exact) for t in (1e-6, 1e-9))
+        coarse, fine = (np.abs(ends[coordinates, t] - exact) for t in (1e-5, 1e-9))
         assert fine.max() < 5e-9
         assert fine.max() < 0.1 * coarse.max()
 
@@ -304,3 +304,26 @@ def test_events_of_two_joints_in_one_step_are_taken_in_their_order() -> None:
         float(run.diagnostics[name]) for name in ("energy_residual_J", "drive_exchange_J")
     )
     assert abs(missing) < 1e-4 * exchanged
+
+
+@pytest.mark.parametrize(("integrator", "ends_there"), [("dop853", True), ("dopri5", False)])
+def test_steps_of_order_8_end_where_friction_has_a_corner(
+    integrator: Integrator, ends_there: bool
+) -> None:
+    """Nearly all other steps past one are sent back by their error, but not all."""
+    scene = speed_high()
+    engine = InHouse(integrator, 1e-10, free_step=6e-5)
+    # With an interval so short every step is kept that takes any time.
+    plan = Plan(3e-4, 100, 100, rows_per_cycle=10**12)
+    run = engine.simulate(scene.linkage(), start_of(scene), plan)
+    lower, upper = scene.bearings.lower_speed, scene.bearings.upper_speed
+    corners = np.array([-upper, -lower, lower, upper])
+    passed = ended = 0
+    for k in range(2):
+        off = run.recorder.series("sliding", k)[:, np.newaxis] - corners
+        closed = run.recorder.series("penetration", k) > 0.0
+        there = np.abs(off) < 1e-9
+        beyond = ((off[1:] > 0.0) != (off[:-1] > 0.0)) & ~there[1:] & ~there[:-1]
+        passed += int(beyond[closed[1:] & closed[:-1]].sum())
+        ended += int(there.any(axis=1).sum())
+    assert (passed, ended > 10) == (0, True) if ends_there else (passed > 10, ended) == (True, 0)

@@ -17,7 +17,7 @@ from presswear.linkage.laws import (
     greatest_penetration,
     hertz_stiffness,
 )
-from presswear.physics.laws import friction_force, friction_record
+from presswear.physics.laws import corner_ahead, friction_force, friction_record
 
 
 @given(
@@ -61,6 +61,37 @@ def test_friction_is_equation_9(
     assert force == -friction_force(-speed, normal, law)
     assert force * speed <= 0.0
     assert abs(force) == full if abs(speed) >= 1e-3 else abs(force) <= full
+
+
+@given(
+    speed=st.floats(-2e-3, 2e-3),
+    sense=st.sampled_from([1.0, -1.0]),
+    lower=st.sampled_from([0.0, 1e-4]),
+)
+@example(1e-4, -1.0, 1e-4)
+@example(1e-4, 1.0, 1e-4)
+def test_friction_is_straight_up_to_its_next_corner(
+    speed: float, sense: float, lower: float
+) -> None:
+    law = friction_record(FrictionLaw(0.5, lower, 1e-3))
+    corner = corner_ahead(speed, sense, law)
+    end = corner if math.isfinite(corner) else speed + sense
+
+    def force(part: float) -> float:
+        return friction_force(speed + part * (end - speed), 1.0, law)
+
+    assert sense * (end - speed) > 0.0
+    assert force(0.5) == pytest.approx(0.5 * (force(0.0) + force(1.0)), abs=1e-12)
+    if math.isfinite(corner):
+        before, there, behind = (
+            friction_force(corner + sense * own, 1.0, law) for own in (-5e-5, 0.0, 5e-5)
+        )
+        assert abs(before + behind - 2.0 * there) > 1e-3
+
+
+@pytest.mark.parametrize("law", [FrictionLaw(0.0, 1e-4, 1e-3), FrictionLaw(0.1, name="smooth")])
+def test_other_friction_has_no_corners(law: FrictionLaw) -> None:
+    assert math.isinf(corner_ahead(0.0, 1.0, friction_record(law)))
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,5 @@
-"""Events of a trial step: touchdowns, separations and changes of the laws of loads, located.
+"""Events of a trial step, located: touchdowns, separations, corners of friction, changes of the
+laws of loads.
 
 A step that holds one is repeated until it ends there, so that no step ever crosses a change
 of law.
@@ -12,11 +13,13 @@ from numpy.typing import NDArray
 from presswear.engines.dae.dynamics import System, accelerate, place
 from presswear.engines.dae.runge_kutta import Integration, classical_step, embedded_step
 from presswear.engines.dormand_prince import Tableau
+from presswear.physics.contact import sliding_acceleration
+from presswear.physics.laws import corner_ahead
 from presswear.physics.load_modes import count_ways, way_at_start, way_out
 from presswear.physics.loads import Loads
 from presswear.physics.touchdown import crossing, separate, touch_down
 from presswear.record.observe import Book
-from presswear.tools.compiled import Records, compiled
+from presswear.tools.compiled import Records, compiled, inlined
 
 Array = NDArray[np.float64]
 
@@ -31,6 +34,7 @@ CONTROL = np.dtype(
         ("projected", np.bool_),
         ("begun", np.bool_),  # the start is accounted for
         ("known", np.bool_),  # ... and the slopes of the state are
+        ("past_corners", np.bool_),  # the next step does not end where friction has a corner
         ("steps", np.int64),
         ("rejected", np.int64),
         ("events", np.int64),
@@ -43,6 +47,8 @@ CONTROL = np.dtype(
 
 NEWTON_STEPS = 60
 """Most repetitions that locate an event; four do, halving helps where Newton strays."""
+SHORTEST_MOVE = 1e-15
+"""Change of a step, s, below which Newton's method stands still."""
 EVENT_DEPTH = 1e-17
 """Penetration at which an event is located, m."""
 FOUND_DEPTH = 1e-12
@@ -81,7 +87,8 @@ def event_value(
     """Switching function of event ``k`` at the end of a trial step, and its rate.
 
     Events are those of the joints, for which slopes were evaluated last in that state, then the
-    ways out of the modes of the loads.
+    ways out of the modes of the loads, then the corners of friction: of each joint the next one
+    upwards and the next one downwards.
     """
     joints = system.contacts.shape[0]
     if k < joints:
@@ -89,13 +96,59 @@ def event_value(
         return (-depth, -rate) if book.onset[k] > 0.0 else (depth, rate)
     reach_end(system, tableau, motion, t, h)
     q, v, a, _, _ = system.state
-    return way_out(system.packed.loads, k - joints, q, v, a)
+    corners = first_of_corners(system)
+    if k < corners:
+        return way_out(system.packed.loads, k - joints, q, v, a)
+    k, sense = corner_of(k - corners)
+    contact, joint = system.contacts[k], system.packed.joints[k]
+    corner = corner_ahead(book.contacts[k].sliding, sense, joint.friction)
+    rate = sliding_acceleration(joint, contact, a)
+    return sense * (contact.sliding - corner), sense * rate
+
+
+@inlined
+def corner_of(number: int) -> tuple[int, float]:
+    """The joint of a corner of friction, and the sense in which its sliding speed goes there."""
+    return number // 2, 1.0 if number % 2 == 0 else -1.0
+
+
+@inlined
+def first_of_corners(system: System) -> int:
+    """The first event that is a corner of friction; see ``event_value``."""
+    return system.contacts.shape[0] + count_ways(system.packed.loads)
 
 
 @compiled
 def event_count(system: System) -> int:
-    """Number of events that are looked for."""
-    return system.contacts.shape[0] + count_ways(system.packed.loads)
+    """Number of events that are looked for, at most."""
+    return first_of_corners(system) + 2 * system.contacts.shape[0]
+
+
+@compiled
+def first_corner(
+    system: System, book: Book, first: int, apart: int, joints: int
+) -> tuple[int, float]:
+    """Corner of friction that a closed joint slides past first in a trial step; or -1.
+
+    Parameters
+    ----------
+    first : int
+        The first event that is one.
+    joints : int
+        Number of joints that are looked at.
+    """
+    found = -1
+    part = 2.0
+    for number in range(2 * joints):
+        k, sense = corner_of(number)
+        if book.onset[k] <= 0.0 or first + number == apart:
+            continue
+        start, end = book.contacts[k].sliding, system.contacts[k].sliding
+        ahead = sense * (corner_ahead(start, sense, system.packed.joints[k].friction) - start)
+        way = sense * (end - start)
+        if way > ahead + 2.0 * BEHIND and ahead < part * way:
+            found, part = first + number, ahead / way
+    return found, part
 
 
 @compiled
@@ -124,7 +177,7 @@ def first_change(
     reach_end(system, tableau, motion, t, h)
     q, v, a, _, _ = system.state
     joints = system.contacts.shape[0]
-    for k in range(joints, event_count(system)):
+    for k in range(joints, joints + count_ways(loads)):
         value, rate = way_out(loads, k - joints, q, v, a)
         if k == apart or value == -math.inf:
             continue
@@ -142,6 +195,7 @@ def first_event(
     system: System,
     tableau: Tableau | None,
     book: Book,
+    control: Records,
     motion: Integration,
     t: float,
     h: float,
@@ -152,7 +206,8 @@ def first_event(
 
     Slopes were last evaluated at the end of the step.
 
-    Where a load's law changes sooner, it is that event; see ``first_change``.
+    Where a load's law changes sooner, or friction's, it is that event; see ``first_change`` and
+    ``first_corner``.
 
     Parameters
     ----------
@@ -173,7 +228,13 @@ def first_event(
         if s < part and (s * h > 1e-14 or sign * memory.rate > 0.0):
             found, part = k, s
     k, s = first_change(system.packed.loads, system, tableau, motion, t, h, apart)
-    return (k, s) if s < part else (found, part)
+    if s < part:
+        found, part = k, s
+    if tableau is not None and tableau.ends_at_corners and not control[0].past_corners:
+        k, s = first_corner(system, book, first_of_corners(system), apart, joints)
+        if s < part:
+            found, part = k, s
+    return found, part
 
 
 @compiled
@@ -225,6 +286,7 @@ def locate(
         aim, near, found = BEHIND, 0.5 * BEHIND, FOUND_BEHIND
     low, high = 0.0, h
     length = part * h
+    further = SHORTEST_MOVE
     is_last = False
     for _ in range(NEWTON_STEPS):
         trial_step(system, tableau, book, control, motion, t, length)
@@ -239,11 +301,13 @@ def locate(
         following = length - value / rate if rate != 0.0 else -1.0
         if not low < following < high:
             following = 0.5 * (low + high)
-        if abs(following - length) <= 1e-15:
+        if abs(following - length) <= SHORTEST_MOVE:
             if aim == 0.0 or value > 0.0:
                 break
             # Round-off keeps it from ending just behind: the nearest that is behind.
-            following, is_last = high, True
+            following = min(length + further, high)
+            further *= 4.0
+            is_last = following == high
         length = following
     if aim > 0.0:
         return length, -near <= value <= found
@@ -292,7 +356,7 @@ def end_on_event(
         located, found = locate(system, tableau, book, control, motion, t, k, located, part)
         if not found:
             break
-        earlier, part = first_event(system, tableau, book, motion, t, located, k, joints)
+        earlier, part = first_event(system, tableau, book, control, motion, t, located, k, joints)
     return k, located, found
 
 
