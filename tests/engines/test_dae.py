@@ -7,7 +7,7 @@ import pytest
 from scipy.interpolate import CubicSpline
 from scipy.linalg import null_space
 
-from presswear.campaign.starts import start_of
+from presswear.campaign.starts import GOLDEN, disturbed, start_of
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.dae.dynamics import rates, system_of
 from presswear.engines.settings import InHouse, Integrator
@@ -18,6 +18,7 @@ from presswear.linkage.surface import Surface, bin_centres
 from presswear.physics.constraints import constraints_of
 from presswear.physics.multipliers import held_by, project, project_acceleration
 from presswear.physics.packed import pack
+from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import ideal, speed_high, wear_times
 from presswear.scene.settings import changed
 from presswear.tools.errors import InputError
@@ -327,3 +328,13 @@ def test_steps_of_order_8_end_where_friction_has_a_corner(
         passed += int(beyond[closed[1:] & closed[:-1]].sum())
         ended += int(there.any(axis=1).sum())
     assert (passed, ended > 10) == (0, True) if ends_there else (passed > 10, ended) == (True, 0)
+
+
+def test_a_parting_as_slow_as_round_off_is_located() -> None:
+    """The start of a run whose pin at C left at 4 um/s, where Newton's method does not settle."""
+    scene = replace(PRESS, conventions=CONVENTIONS["refined"])
+    start = disturbed(scene.linkage(), start_of(scene), (3.0 + 10.0 * GOLDEN % 1.0) * 1e-5)
+    assert start is not None
+    plan = Plan(scene.mechanism.period, 1, 1)
+    run = InHouse("dopri5", 1e-6).simulate(scene.linkage(), start, plan)
+    assert run.status == "completed", run.message

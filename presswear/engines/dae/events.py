@@ -53,6 +53,8 @@ EVENT_DEPTH = 1e-17
 """Penetration at which an event is located, m."""
 FOUND_DEPTH = 1e-12
 """Penetration up to which a place that round-off keeps from it is one, m."""
+AT_ONCE = 1e-14
+"""Time, s, after which an event on which the last step has ended is another one."""
 HELD_OPEN = -1.0
 """Closing speed of a joint whose touchdown ends a step: up to there no step feels a contact."""
 CLASSICAL_STAGES = 4
@@ -185,7 +187,8 @@ def first_change(
         # What goes no further behind is round-off, or comes with that on which the step ends.
         reach = 2.0 * BEHIND
         s = crossing(min(start, 0.0) - reach, first_rate, value - reach, rate, h)
-        if s < part and (s * h > 1e-14 or first_rate > 0.0):
+        comes_back = first_rate > 0.0 or value - reach > FOUND_BEHIND
+        if s < part and (s * h > AT_ONCE or comes_back):
             found, part = k, s
     return found, part
 
@@ -224,8 +227,10 @@ def first_event(
         sign = -1.0 if book.onset[k] > 0.0 else 1.0
         start = min(sign * memory.penetration, 0.0)
         s = crossing(start, sign * memory.rate, sign * depth, sign * rate, h)
-        # A state that was just placed on an event moves away from it and does not repeat it.
-        if s < part and (s * h > 1e-14 or sign * memory.rate > 0.0):
+        # A state that was just placed on an event moves away from it and does not repeat it, but
+        # where it is drawn back at once.
+        comes_back = sign * memory.rate > 0.0 or sign * depth > FOUND_DEPTH
+        if s < part and (s * h > AT_ONCE or comes_back):
             found, part = k, s
     k, s = first_change(system.packed.loads, system, tableau, motion, t, h, apart)
     if s < part:
@@ -285,10 +290,12 @@ def locate(
     if k >= system.contacts.shape[0]:
         aim, near, found = BEHIND, 0.5 * BEHIND, FOUND_BEHIND
     low, high = 0.0, h
-    length = part * h
+    following = part * h
     further = SHORTEST_MOVE
     is_last = False
     for _ in range(NEWTON_STEPS):
+        # The state is that of the length tried last, however the search ends.
+        length = following
         trial_step(system, tableau, book, control, motion, t, length)
         value, rate = event_value(system, tableau, book, motion, k, t, length)
         value -= aim
@@ -308,7 +315,6 @@ def locate(
             following = min(length + further, high)
             further *= 4.0
             is_last = following == high
-        length = following
     if aim > 0.0:
         return length, -near <= value <= found
     return length, abs(value) <= found

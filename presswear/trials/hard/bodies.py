@@ -113,6 +113,18 @@ def rests(engine: Engine, duration: float, speed: float, damping: float) -> Iter
     yield _energy_check("that at the start", run, begun, REST_ENERGY[engine.word])
 
 
+def comes_back(engine: Engine, speed: float) -> Iterator[Check]:
+    """See a block that leaves the floor at next to no speed be drawn back onto it at once."""
+    linkage, start = block(0.0, GRAVITY, FRICTION, 0.0)
+    sunk = -float(start.position[1])
+    leaving = Start(np.zeros(3), np.array([0.0, speed, 0.0]))
+    run = ran(linkage, leaving, engine, guarded(0.01))
+    yield _energy_check("of its fall", run, GRAVITY * sunk, REST_ENERGY[engine.word])
+    pressed = ran(linkage, Start(leaving.position, -leaving.velocity), engine, guarded(0.01))
+    depth = float(run.end.position[1] / pressed.end.position[1])
+    yield Check("depth over that of one that is pressed down, less 1", depth - 1.0, 1e-9)
+
+
 def creeps(engine: Engine, slope: float) -> Iterator[Check]:
     """See a block on an incline, from rest, creep at the speed at which friction holds it."""
     run = ran(*on_incline(slope, 0.0), engine, guarded(0.2))
@@ -291,6 +303,9 @@ def _cases(engine: Engine) -> Iterator[tuple[str, str, Callable[[], Iterator[Che
     for slope in (0.05, 0.0999):
         yield f"creep at a slope of {slope:g}", "starts at rest", partial(creeps, calm, slope)
     yield "sticking on the flat", "friction's ramp", partial(sticks, calm)
+    for speed in (0.0, 1e-15):
+        back = partial(comes_back, engine, speed)
+        yield f"leaves the floor at {speed:g} m/s", "two touches at once", back
     yield HOUR, "its closing speed is long past", partial(rests, calm, 3600.0, 0.1, chi)
     stronger = "damping a thousand times stronger"
     yield "at rest, met at 0.14 mm/s", stronger, partial(rests, calm, 60.0, 0.0, chi)
