@@ -47,4 +47,6 @@ def test_friction_takes_the_energy_that_is_missing() -> None:
     assert lost == pytest.approx(0.1 * references.SDND100_GRAVITY * path, rel=1e-5)
     residual = run.diagnostics["energy_residual_J"]
     assert isinstance(residual, float)
-    assert abs(residual) < 1e-9 * lost
+    # At every tolerance: the weight times the last digit of the way to the middle of the floor.
+    weight = lost / (0.1 * path)
+    assert abs(residual) < weight * math.ulp(references.sdnd100(UPPER)[0].clearances[0].clearance)
