@@ -9,12 +9,7 @@ from numpy.typing import NDArray
 import presswear as pw
 from presswear.linkage.elements import MapFrame
 from presswear.linkage.points import GROUND
-from presswear.physics.contact import (
-    CONTACT,
-    note_contacts,
-    penetration_acceleration,
-    sliding_acceleration,
-)
+from presswear.physics.contact import CONTACT, note_contacts, penetration_acceleration
 from presswear.physics.forces import JointLoad, load_of
 from presswear.physics.packed import Packed, pack
 from presswear.tools.compiled import Records
@@ -93,10 +88,6 @@ class Pair:
         """Second time derivative of the penetration, m/s^2, at given accelerations."""
         packed = self.packed
         return penetration_acceleration(packed.joints[0], self.surfaces, self.contact(), a)
-
-    def sliding_acceleration(self, a: Array) -> float:
-        """Rate of the sliding speed, m/s^2, at given accelerations."""
-        return sliding_acceleration(self.packed.joints[0], self.contact(), a)
 
     def load(self, onset: float) -> JointLoad:
         """Forces, for a closing speed at first touch."""

@@ -304,40 +304,6 @@ def end_acceleration(
 
 
 @compiled
-def sliding_acceleration(joint: Records, contact: Records, a: Array) -> float:
-    """Rate of the sliding speed of a closed joint, m/s^2, as if its surfaces were round.
-
-    Parameters
-    ----------
-    contact : record of CONTACT
-        In the state whose accelerations are given.
-    a : ndarray, shape (3 bodies,)
-    """
-    pin_x, pin_y, pin_spin_t = end_acceleration(
-        joint.pin_body, contact.pin_lever_x, contact.pin_lever_y, contact.pin_spin, a
-    )
-    bearing_x, bearing_y, bearing_spin_t = end_acceleration(
-        joint.bearing_body,
-        contact.bearing_lever_x,
-        contact.bearing_lever_y,
-        contact.bearing_spin,
-        a,
-    )
-    nx, ny = contact.normal_x, contact.normal_y
-    along = contact.velocity_x * nx + contact.velocity_y * ny
-    # The normal turns, and half of the penetration is taken off one arm and added to the other.
-    changes = along * contact.turning
-    changes += 0.5 * contact.rate * (contact.pin_spin + contact.bearing_spin)
-    return (
-        (pin_y - bearing_y) * nx
-        - (pin_x - bearing_x) * ny
-        + pin_spin_t * contact.pin_arm
-        - bearing_spin_t * contact.bearing_arm
-        - changes
-    )
-
-
-@compiled
 def penetration_acceleration(joint: Records, surfaces: Array, contact: Records, a: Array) -> float:
     """Second time derivative of the penetration, m/s^2.
 

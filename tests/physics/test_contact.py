@@ -180,22 +180,6 @@ def test_penetration_acceleration_is_the_derivative_of_the_rate(
     )
 
 
-@given(st.floats(1e-7, 1e-4), directions, rates(0.1, 3.0), rates(1e2, 1e3))
-def test_sliding_acceleration_is_the_derivative_of_sliding(
-    penetration: float, direction: float, v: Array, acceleration: Array
-) -> None:
-    pair = placed(JOINT, penetration, direction, rates=v)
-    eccentricity, speed = pair.contact().eccentricity, 1.5
-    # As long as it stays closed, and as above.
-    step = min(2e-5 * eccentricity, 0.1 * penetration) / speed
-    ahead = pair.after(step, acceleration).contact().sliding
-    behind = pair.after(-step, acceleration).contact().sliding
-    noise = 8e-16 / eccentricity * speed / step
-    assert pair.sliding_acceleration(acceleration) == pytest.approx(
-        (ahead - behind) / (2.0 * step), abs=1e-8 * (speed**2 / eccentricity + 2e3) + 4.0 * noise
-    )
-
-
 @pytest.mark.parametrize("joint", [JOINT, worn_joint("fixed"), worn_joint("body")])
 def test_centred_pin_touches_nothing(joint: ClearanceJoint) -> None:
     centred = replace(joint, bearing=Attachment("bearing", 0.0, 0.0), pin=NO_CENTRE)

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from presswear.engines.dae.dynamics import System, accelerate, place
 from presswear.engines.dae.runge_kutta import Integration, classical_step, embedded_step
 from presswear.engines.dormand_prince import Tableau
-from presswear.physics.contact import sliding_acceleration
 from presswear.physics.laws import corner_ahead
 from presswear.physics.load_modes import count_ways, way_at_start, way_out
 from presswear.physics.loads import Loads
@@ -101,29 +100,18 @@ def event_value(
     corners = first_of_corners(system)
     if k < corners:
         return way_out(system.packed.loads, k - joints, q, v, a)
-    k, sense = corner_of(k - corners)
-    contact, joint = system.contacts[k], system.packed.joints[k]
-    corner = corner_ahead(book.contacts[k].sliding, sense, joint.friction)
-    rate = sliding_acceleration(joint, contact, a)
-    return sense * (contact.sliding - corner), sense * rate
-
-
-@inlined
-def corner_of(number: int) -> tuple[int, float]:
-    """The joint of a corner of friction, and the sense in which its sliding speed goes there."""
-    return number // 2, 1.0 if number % 2 == 0 else -1.0
+    sense = 1.0 - 2.0 * ((k - corners) & 1)
+    k = (k - corners) >> 1
+    start, end = book.contacts[k].sliding, system.contacts[k].sliding
+    corner = corner_ahead(start, sense, system.packed.joints[k].friction)
+    # The mean rate over the step: sliding bends little in one.
+    return sense * (end - corner), sense * (end - start) / h
 
 
 @inlined
 def first_of_corners(system: System) -> int:
     """The first event that is a corner of friction; see ``event_value``."""
     return system.contacts.shape[0] + count_ways(system.packed.loads)
-
-
-@compiled
-def event_count(system: System) -> int:
-    """Number of events that are looked for, at most."""
-    return first_of_corners(system) + 2 * system.contacts.shape[0]
 
 
 @compiled
@@ -141,15 +129,17 @@ def first_corner(
     """
     found = -1
     part = 2.0
-    for number in range(2 * joints):
-        k, sense = corner_of(number)
-        if book.onset[k] <= 0.0 or first + number == apart:
-            continue
+    for k in range(joints):
         start, end = book.contacts[k].sliding, system.contacts[k].sliding
-        ahead = sense * (corner_ahead(start, sense, system.packed.joints[k].friction) - start)
-        way = sense * (end - start)
-        if way > ahead + 2.0 * BEHIND and ahead < part * way:
-            found, part = first + number, ahead / way
+        for down in range(2):
+            sense = 1.0 - 2.0 * down
+            number = first + 2 * k + down
+            if book.onset[k] <= 0.0 or number == apart:
+                continue
+            ahead = sense * (corner_ahead(start, sense, system.packed.joints[k].friction) - start)
+            way = sense * (end - start)
+            if way > ahead + 2.0 * BEHIND and ahead < part * way:
+                found, part = number, ahead / way
     return found, part
 
 
@@ -355,7 +345,7 @@ def end_on_event(
     """
     located, found, earlier = h, True, k
     # The cubics may see events of two joints in the wrong order.
-    for _ in range(1 + event_count(system)):
+    for _ in range(1 + first_of_corners(system) + 2 * system.contacts.shape[0]):
         if earlier < 0:
             break
         k = earlier

@@ -5,6 +5,8 @@ integration starts anew from it.  A load's law changes in the same way, with equ
 steps too: one of them is cut in two where it does.
 """
 
+import numpy as np
+
 from presswear.engines.dae.dynamics import (
     DRIVE_INTEGRALS,
     JOINT_INTEGRALS,
@@ -159,7 +161,9 @@ def march_controlled(
         factor = GREATEST_FACTOR if error == 0.0 else SAFETY * error**tableau.exponent
         state.step = h * min(max(factor, LEAST_FACTOR), GREATEST_FACTOR)
         joints = system.contacts.shape[0]
-        k, part = first_event(system, tableau, book, control, motion, t, h, -1, joints)
+        # No literal: for one the compiler would make all that looks for events twice.
+        apart = np.int64(-1)
+        k, part = first_event(system, tableau, book, control, motion, t, h, apart, joints)
         if k >= 0:
             k, located, found = end_on_event(
                 system, tableau, book, control, motion, t, h, k, part, joints
@@ -220,7 +224,7 @@ def march_fixed(
         whole = h
         h = min(step_to_break(book.motions, t, h), next_break(system.packed.loads) - t)
         trial_step(system, None, book, control, motion, t, h)
-        k, part = first_event(system, None, book, control, motion, t, h, -1, 0)
+        k, part = first_event(system, None, book, control, motion, t, h, np.int64(-1), 0)
         if k >= 0:
             k, located, found = end_on_event(system, None, book, control, motion, t, h, k, part, 0)
             if found:
