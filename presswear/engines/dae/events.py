@@ -116,7 +116,7 @@ def first_of_corners(system: System) -> int:
 
 @compiled
 def first_corner(
-    system: System, book: Book, first: int, apart: int, joints: int
+    system: System, book: Book, first: int, apart: int | np.int64, joints: int
 ) -> tuple[int, float]:
     """Corner of friction that a closed joint slides past first in a trial step; or -1.
 
@@ -151,7 +151,7 @@ def first_change(
     motion: Integration,
     t: float,
     h: float,
-    apart: int,
+    apart: int | np.int64,
 ) -> tuple[int, float]:
     """Change of a load's law that comes first in a trial step, and at which part; or -1.
 
@@ -192,7 +192,7 @@ def first_event(
     motion: Integration,
     t: float,
     h: float,
-    apart: int,
+    apart: int | np.int64,
     joints: int,
 ) -> tuple[int, float]:
     """Joint that touches down or separates first in a trial step, and at which part; or -1.

@@ -224,7 +224,7 @@ def march_fixed(
         whole = h
         h = min(step_to_break(book.motions, t, h), next_break(system.packed.loads) - t)
         trial_step(system, None, book, control, motion, t, h)
-        k, part = first_event(system, None, book, control, motion, t, h, np.int64(-1), 0)
+        k, part = first_event(system, None, book, control, motion, t, h, -1, 0)
         if k >= 0:
             k, located, found = end_on_event(system, None, book, control, motion, t, h, k, part, 0)
             if found:
