@@ -22,8 +22,9 @@ from presswear.campaign.growth import (
 )
 from presswear.campaign.lifetime import run_life
 from presswear.campaign.progress import Forecast
+from presswear.campaign.resolution import StepErrors
 from presswear.campaign.segment import Task, worn_out
-from presswear.campaign.stage import judged, stage_of, without_wear
+from presswear.campaign.stage import stage_of, without_wear
 from presswear.linkage.elements import ClearanceJoint
 from presswear.physics.wear import map_shape
 from presswear.record.sampling import STARTUP_CYCLES
@@ -110,11 +111,24 @@ def run_stage(
     forecast.begin(index)
     runner = Runner(scene, forecast, workers or InProcess())
     worn = begun_on(scene) if worn is None else worn
-    ran = judged(runner, _counted(runner, runner.run(worn, stage_task(scene, index))))
+    ran = _stage(runner, index, worn)
     stage = without_wear(scene, index, ran)
     for tracker in trackers:
         tracker.stage(stage)
     return stage, ran
+
+
+def _stage(
+    runner: Runner,
+    index: int,
+    worn: Array,
+    begun: Partial = NOTHING,
+    keep: Callable[[Partial], None] = lambda partial: None,
+) -> Ensemble:
+    """The runs of a stage; see ``Runner.run``."""
+    scene = runner.scene
+    task, errors = stage_task(scene, index), StepErrors(scene, worn[0])
+    return _counted(runner, runner.run(worn, task, begun, keep, errors))
 
 
 def _counted(runner: Runner, ran: Ensemble) -> Ensemble:
@@ -282,14 +296,10 @@ def run_campaign(
         ) -> None:
             tell(Checkpoint(index, worn, ran, growth, running, forecast.numbers(), state))
 
-        task = stage_task(scene, index)
         is_last = index == scene.wears
         if scene.wears_in_steps and not is_last and state is None:
             forecast.expect(3.0 * (scene.cycles or FIRST_PASS))
-        ran = at.ran or judged(
-            runner,
-            _counted(runner, runner.run(worn, task, at.partial, partial(keep, None, None))),
-        )
+        ran = at.ran or _stage(runner, index, worn, at.partial, partial(keep, None, None))
         if ran.failure or is_last:
             finish(without_wear(scene, index, ran))
             if ran.failure:

@@ -79,7 +79,6 @@ class Checkpoint:
             ]
             errors = dict(self.ran.step_errors)
             document["ran"] = {"runs": runs, "wall": self.ran.wall, "step_errors": errors}
-            arrays |= named("deviations", self.ran.deviations)
         if self.growth is not None:
             growth = self.growth
             arrays |= {"growth/worn": growth.worn, "growth/added": growth.added}
@@ -98,9 +97,9 @@ class Checkpoint:
                 restored(f"ran/{k}", own, arrays).run(scene, Task(1), worn[k])
                 for k, own in enumerate(document["ran"]["runs"])
             )
-            told, far = document["ran"], part(arrays, "deviations")
-            linkage, errors = scene.linkage(), told["step_errors"]
-            ran = Ensemble(linkage, worn, runs, scene.draws, told["wall"], errors, far)
+            told, linkage = document["ran"], scene.linkage()
+            errors = told["step_errors"]
+            ran = Ensemble(linkage, worn, runs, scene.draws, told["wall"], errors)
         if "growth" in document:
             growth = Growth(
                 arrays["growth/worn"],

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -12,7 +11,6 @@ from presswear.engines.base import Plan
 from presswear.physics.ideal import IdealMotion
 from presswear.record.recorder import Recorder
 from presswear.scene.scene import Scene
-from presswear.tools.workers import Report
 
 Array = NDArray[np.float64]
 
@@ -20,54 +18,42 @@ COLUMNS = ("displacement_off", "velocity_off", "lag", "stroke")
 """Columns of ``deviation``: root mean square distances, m and m/s; delay, s; stroke, m."""
 
 
-@dataclass(frozen=True)
-class Deviation:
-    """How far one run is from the ideal motion, as a job.
+def deviation(scene: Scene, recorder: Recorder) -> Array:
+    """How far one run is from the ideal motion, cycle by cycle.
 
-    Attributes
-    ----------
-    scene : Scene
-    slider : ndarray, shape (3, n)
-        Time, s, displacement, m, and velocity, m/s, as recorded.
-    flight : ndarray, shape (joints, n)
-        1 where a joint is out of contact, else 0.
+    Of as many cycles as are recorded of a scene without work.
+
+    Returns
+    -------
+    ndarray, shape (cycles, 4 + joints)
+        COLUMNS, and of each clearance joint the part of the time out of contact.
     """
-
-    scene: Scene
-    slider: Array
-    flight: Array
-
-    @staticmethod
-    def of(scene: Scene, recorder: Recorder) -> "Deviation":
-        """Take what a run has recorded, of as many cycles as there are without work."""
-        # A series may hold many more cycles than this takes.
-        last = scene.run_up + (Plan.recorded_cycles + 1e-3) * scene.mechanism.period
-        rows = slice(int(np.searchsorted(recorder.series("time"), last, side="right")))
-        slider = [recorder.series(name)[rows] for name in ("time", "displacement", "velocity")]
-        joints = range(recorder.book.memory.size)
-        flight = [recorder.series("penetration", k)[rows] <= 0.0 for k in joints]
-        return Deviation(scene, np.array(slider), np.array(flight, dtype=np.float64))
-
-    def __call__(self, report: Report) -> Array:
-        """Give a row for each cycle: COLUMNS, and of each joint the part of time out of contact."""
-        time, moved, speed = self.slider
-        found: list[list[float]] = []
-        for rows in whole_cycles(time - self.scene.run_up, self.scene.mechanism.period):
-            report(len(found))
-            own = slider_deviation(self.scene, time[rows], moved[rows], speed[rows])
-            found.append(own + [mean_over_time(time[rows], each[rows]) for each in self.flight])
-        return np.array(found).reshape(len(found), len(COLUMNS) + len(self.flight))
+    # A series may hold many more cycles than this takes.
+    last = scene.run_up + (Plan.recorded_cycles + 1e-3) * scene.mechanism.period
+    taken = slice(int(np.searchsorted(recorder.series("time"), last, side="right")))
+    names = ("time", "displacement", "velocity")
+    time, moved, speed = (recorder.series(name)[taken] for name in names)
+    joints = range(recorder.book.memory.size)
+    flights = [(recorder.series("penetration", k)[taken] <= 0.0).astype(np.float64) for k in joints]
+    found = [
+        slider_deviation(scene, time[rows], moved[rows], speed[rows])
+        + [mean_over_time(time[rows], flight[rows]) for flight in flights]
+        for rows in whole_cycles(time - scene.run_up, scene.mechanism.period)
+    ]
+    return np.array(found).reshape(len(found), len(COLUMNS) + len(flights))
 
 
-def deviations(joints: Sequence[str], starts: Sequence[Array]) -> dict[str, Array]:
+def deviations(
+    scene: Scene, joints: Sequence[str], recorders: Sequence[Recorder]
+) -> dict[str, Array]:
     """Arrays of a stage, a row for each recorded cycle of each start.
 
     Parameters
     ----------
     joints : sequence of str
         Names of the clearance joints.
-    starts : sequence of ndarray
-        What ``Deviation`` gave of each start.
+    recorders : sequence of Recorder
+        Of the starts.
 
     Returns
     -------
@@ -75,6 +61,7 @@ def deviations(joints: Sequence[str], starts: Sequence[Array]) -> dict[str, Arra
         ``deviation_start`` (n,): the start that a row is of; ``deviation`` (n, 4): see COLUMNS;
         ``J_flight`` (n,) of each clearance joint J: part of the time out of contact.
     """
+    starts = [deviation(scene, recorder) for recorder in recorders]
     rows = np.concatenate(starts)
     flights = rows[:, len(COLUMNS) :].T
     return {

@@ -22,11 +22,13 @@ import math
 import time as clock
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from presswear.campaign.progress import Forecast
+from presswear.campaign.resolution import WORTH
 from presswear.campaign.segment import Reached, Segment, Task, linkage_on
 from presswear.engines.base import Run, Status
 from presswear.linkage.linkage import Linkage
@@ -42,7 +44,7 @@ from presswear.record.sampling import (
 )
 from presswear.record.soundness import Finding
 from presswear.scene.scene import Scene
-from presswear.tools.workers import Workers
+from presswear.tools.workers import Job, Workers
 
 Array = NDArray[np.float64]
 
@@ -52,6 +54,9 @@ FEWEST = 16
 """Samples of all starts before a stage may end because its maps are known: fewer agree by luck."""
 PART = 0.5
 """Part of the cycles that seem to be lacking which another round takes."""
+
+ASIDE = -1
+"""Key of the job that is done beside the runs, whose keys are their indices."""
 
 _LARGEST = ("deepest_touch_m", "constraint_error_m", "constraint_velocity_error_m_s")
 """Diagnostics of which the largest counts, not the sum."""
@@ -75,8 +80,6 @@ class Ensemble:
         s.
     step_errors : mapping
         What finer steps would change; see ``StepErrors``.
-    deviations : mapping
-        How far the motion is from the ideal one; see ``deviations``.
     """
 
     linkage: Linkage
@@ -85,7 +88,6 @@ class Ensemble:
     starts: int
     wall: float
     step_errors: Mapping[str, float] = field(default_factory=dict)
-    deviations: Mapping[str, Array] = field(default_factory=dict)
 
     @property
     def together(self) -> "Ensemble":
@@ -214,6 +216,7 @@ class Runner:
         task: Task,
         begun: Partial = NOTHING,
         keep: Callable[[Partial], None] = lambda partial: None,
+        step_errors: Job | None = None,
     ) -> Ensemble:
         """Run every start on its surfaces, in one set or two.
 
@@ -227,16 +230,19 @@ class Runner:
             What has run already.
         keep : callable
             Told what has run, whenever some more has.
+        step_errors : job or None
+            Finds ``Ensemble.step_errors`` beside the runs, where these are worth it.
         """
         scene = self.scene
-        rounds = _Rounds(self, worn, task, begun, keep)
-        self.workers.run(rounds.segments(range(len(worn))), rounds.ended, rounds.told)
+        rounds = _Rounds(self, worn, task, begun, keep, step_errors)
+        self.workers.run(rounds.jobs(), rounds.ended, rounds.told)
         runs = tuple(
             reached.run(scene, task, own)
             for reached, own in zip(rounds.reached[: rounds.last + 1], worn, strict=False)
             if reached is not None
         )
-        return Ensemble(scene.linkage(), worn, runs, scene.draws, rounds.wall)
+        errors = {} if runs[-1].status == "failed" else rounds.step_errors
+        return Ensemble(scene.linkage(), worn, runs, scene.draws, rounds.wall, errors)
 
 
 def most_runs(scene: Scene) -> int:
@@ -293,9 +299,14 @@ class _Rounds:
         task: Task,
         begun: Partial,
         keep: Callable[[Partial], None],
+        aside: Job | None,
     ) -> None:
         scene = runner.scene
         self._runner, self._worn, self._task, self._keep = runner, worn, task, keep
+        self._aside = aside
+        self.step_errors: Mapping[str, float] = {}
+        self.wall = begun.wall
+        """Wall time until the last of the runs ended or was handed over, s."""
         self._linkages = [linkage_on(scene, own) for own in worn]
         self._began = clock.perf_counter() - begun.wall
         self._size = scene.draws
@@ -309,11 +320,6 @@ class _Rounds:
         self._waits = False  # for the compiler
 
     @property
-    def wall(self) -> float:
-        """Wall time so far, s."""
-        return clock.perf_counter() - self._began
-
-    @property
     def last(self) -> int:
         """Index of the last run that counts: the first that failed."""
         failed = (k for k, own in enumerate(self.reached) if own and own.status == "failed")
@@ -325,6 +331,17 @@ class _Rounds:
         if own is None or own.status is None:
             return False
         return own.status != "enough" or own.cycles >= self._until[index]
+
+    def jobs(self) -> dict[int, Job]:
+        """What there is to do at first."""
+        return {**self.segments(range(len(self.reached))), **self._worth()}
+
+    def _worth(self) -> dict[int, Job]:
+        """The job that is done beside the runs, once, as soon as they are long enough for it."""
+        if self._aside is None or sum(self._until) < WORTH:
+            return {}
+        found, self._aside = {ASIDE: self._aside}, None
+        return found
 
     def segments(self, runs: Iterable[int]) -> dict[int, Segment]:
         """What some runs lack until the end of their round."""
@@ -345,16 +362,21 @@ class _Rounds:
                 )
         return found
 
-    def ended(self, index: int, reached: Reached) -> dict[int, Segment | None]:
+    def ended(self, index: int, outcome: Any) -> dict[int, Job | None]:
         """Note how far a run is; gives what is to run next, None for what is not wanted."""
+        if index == ASIDE:
+            self.step_errors = outcome
+            return {}
+        reached: Reached = outcome
         self.reached[index], self._done[index] = reached, float(reached.cycles)
-        following: dict[int, Segment | None] = {}
+        self.wall = clock.perf_counter() - self._began
+        following: dict[int, Job | None] = {}
         if reached.status is None:
             following |= self.segments([index])
         elif reached.status == "failed":
-            following |= dict.fromkeys(range(index + 1, len(self.reached)))
+            following |= dict.fromkeys([*range(index + 1, len(self.reached)), ASIDE])
         else:
-            following |= self.segments(self._decided(index // self._size))
+            following |= {**self.segments(self._decided(index // self._size)), **self._worth()}
         self._keep(Partial(tuple(self.reached), tuple(self._until), self.wall))
         return following
 
@@ -379,7 +401,7 @@ class _Rounds:
         return members
 
     def told(self, index: int, done: float, word: str, rows: Array | None) -> None:
-        """Tell how far a run is."""
+        """Tell how far the runs are."""
         if math.isnan(done):
             if not self._waits:
                 _LOG.info("run %d waits for the compiler", index)
@@ -387,8 +409,9 @@ class _Rounds:
             self._runner.forecast.compiling()
             return
         self._waits = False
-        self._done[index] = done
-        number, size = index // self._size, self._size
+        if index != ASIDE:
+            self._done[index] = done
+        number, size = max(index, 0) // self._size, self._size
         needed = np.repeat(self._needed, size)
         low, high = (
             int(end(self._done[number * size : (number + 1) * size])) for end in (min, max)

@@ -96,10 +96,14 @@ def workers_of(
     if any(own.hears_runs for own in trackers):
         count = 1
     needed, lost = (_SEGMENT, scene.solver.room), partial(tell_all, trackers)
-    return workers_for(count, needed, interval / _SHARES, room, lost)
+    # Alone, a process hands over to nobody.
+    lasts = interval / _SHARES if count == 1 else min(interval / _SHARES, TURN)
+    return workers_for(count, needed, lasts, room, lost)
 
 
 _SEGMENT = "presswear.campaign.segment"
+TURN = 1.0
+"""Segments of runs that several processes share, s: they come to their ends together."""
 _SHARES = 4.0
 """Segments of a run between two checkpoints: so much of the interval a state may be old."""
 

@@ -1,37 +1,22 @@
 """A stage that ran, as results keep it."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from presswear.campaign.bottom import bottom_statistics
-from presswear.campaign.deviation import Deviation, deviations
-from presswear.campaign.ensemble import Ensemble, Runner
+from presswear.campaign.deviation import deviations
+from presswear.campaign.ensemble import Ensemble
 from presswear.campaign.growth import Growth, error_of
-from presswear.campaign.resolution import WORTH, StepErrors
 from presswear.campaign.statistics import Wear, stage_statistics
 from presswear.linkage.surface import bin_centres
 from presswear.record.sampling import map_errors
 from presswear.record.soundness import Finding
 from presswear.results.stage import SIDES, StageResult, angle_names
-from presswear.scene.recording import Recording
 from presswear.scene.scene import Scene
-from presswear.tools.workers import outcomes
 
 Array = NDArray[np.float64]
-
-
-def judged(runner: Runner, ran: Ensemble) -> Ensemble:
-    """The runs of a stage with what takes long to be said of them, done beside each other."""
-    scene, names = runner.scene, [joint.name for joint in ran.linkage.clearances]
-    is_worth = not ran.failure and ran.cycles >= WORTH
-    steps = [StepErrors(scene, ran.worn[0])] if is_worth else []
-    off = [Deviation.of(scene, recorder) for recorder in ran.recorders]
-    found = outcomes(runner.workers, [*steps, *off])
-    errors = found.pop(0) if is_worth else {}
-    return replace(ran, step_errors=errors, deviations=deviations(names, found))
 
 
 def stage_of(
@@ -102,7 +87,7 @@ def stage_of(
         wall_s=ran.wall,
         diagnostics=diagnostics,
         statistics=statistics,
-        arrays=_arrays(ran, added, batches, weights, scene.recording),
+        arrays=_arrays(scene, ran, added, batches, weights),
         joint_names=tuple(joint.name for joint in ran.linkage.clearances),
         read_film=lambda: film,
     )
@@ -114,14 +99,14 @@ def without_wear(scene: Scene, index: int, ran: Ensemble) -> StageResult:
 
 
 def _arrays(
-    ran: Ensemble, added: Array, batches: Array, weights: Array, recording: Recording
+    scene: Scene, ran: Ensemble, added: Array, batches: Array, weights: Array
 ) -> dict[str, Array]:
     """The arrays of one stage under their contracted names; SI units.
 
     Series, contacts and torques are those of the first run; behind the starts of the first set
     stand those of the other.
     """
-    joints = ran.linkage.clearances
+    joints, recording = ran.linkage.clearances, scene.recording
     recorder = ran.recorders[0]
     worn = ran.together.worn.mean(axis=0)
 
@@ -163,4 +148,4 @@ def _arrays(
     arrays["cycle_start"] = np.repeat(
         np.arange(float(len(starts))), [len(own.cycles) for own in starts]
     )
-    return {**arrays, **ran.deviations}
+    return arrays | deviations(scene, list(bins), starts)

@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 from presswear.campaign.campaign import run_campaign, run_stage
-from presswear.campaign.deviation import COLUMNS, Deviation, whole_cycles
+from presswear.campaign.deviation import COLUMNS, deviation, whole_cycles
 from presswear.campaign.ensemble import FEWEST, Ensemble
 from presswear.campaign.starts import APART, start_of
 from presswear.record.sampling import STARTUP_CYCLES
@@ -127,7 +127,7 @@ def delayed(scene: Scene, delay: float) -> NDArray[np.float64]:
     ensemble = run_stage(replace(scene, cycles=2), 0)[1]
     rows = ensemble.recorders[0].rows
     rows[:, 1:4] = scene.ideal_slider(rows[:, 0] - delay)
-    return Deviation.of(scene, ensemble.recorders[0])(lambda *_: None)
+    return deviation(scene, ensemble.recorders[0])
 
 
 def test_a_late_slider_lags_by_its_delay() -> None:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from endurance.sameness import folder_differences
 
-from presswear.campaign import stage
+from presswear.campaign import ensemble
 from presswear.campaign.campaign import run_stage
 from presswear.campaign.checkpoint import Checkpoint
 from presswear.campaign.ensemble import FEWEST, PART, Ensemble, dealt, first_round, next_round
@@ -88,7 +88,7 @@ def finished(scene: Scene, jobs: int, path: Path) -> Path:
 @pytest.fixture
 def each_is_examined(monkeypatch: pytest.MonkeyPatch) -> None:
     """Stages of few cycles tell what finer steps would change as well."""
-    monkeypatch.setattr(stage, "WORTH", 1)
+    monkeypatch.setattr(ensemble, "WORTH", 1)
 
 
 @pytest.mark.usefixtures("each_is_examined")
