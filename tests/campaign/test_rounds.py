@@ -13,10 +13,18 @@ from endurance.sameness import folder_differences
 from presswear.campaign import ensemble
 from presswear.campaign.campaign import run_stage
 from presswear.campaign.checkpoint import Checkpoint
-from presswear.campaign.ensemble import FEWEST, PART, Ensemble, dealt, first_round, next_round
+from presswear.campaign.ensemble import (
+    ASIDE,
+    FEWEST,
+    PART,
+    Ensemble,
+    dealt,
+    first_round,
+    next_round,
+)
 from presswear.campaign.resolution import StepErrors
 from presswear.campaign.segment import Reached, Segment, Task
-from presswear.campaign.single import run_into, run_scene, workers_of
+from presswear.campaign.single import TURN, run_into, run_scene, workers_of
 from presswear.record.sampling import STARTUP_CYCLES, MapBatches
 from presswear.record.tracker import Progress, Tracker
 from presswear.results.folder import ResultFolder
@@ -123,6 +131,45 @@ class Reversed(InProcess):
                 waiting.pop(other, None)
                 if job is not None:
                     waiting[other] = job
+
+
+class Noting(InProcess):
+    """Notes the runs that have ended whenever a job is given besides them."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.ended: list[int] = []
+        self.beside: list[int] = []
+
+    def run(self, jobs: Mapping[int, Job], ended: Ended, told: Told) -> None:
+        def noted(given: Mapping[int, Job | None]) -> Mapping[int, Job | None]:
+            self.beside += [len(self.ended)] * (given.get(ASIDE) is not None)
+            return given
+
+        def heard(key: int, outcome: object) -> Mapping[int, Job | None]:
+            self.ended += [key] * (key != ASIDE)
+            return noted(ended(key, outcome))
+
+        noted(jobs)
+        super().run(jobs, heard, told)
+
+
+@pytest.mark.parametrize(("worth", "ended"), [(20, 0), (25, 4), (1000, None)])
+def test_finer_steps_are_taken_beside_the_runs(
+    worth: int, ended: int | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As soon as it is known that the runs are long enough: 24 cycles in the first round."""
+    monkeypatch.setattr(ensemble, "WORTH", worth)
+    workers = Noting()
+    stage = run_stage(UNTIL_KNOWN, 0, workers=workers)[0]
+    assert workers.beside == ([] if ended is None else [ended])
+    assert ("step_error_of_dose" in stage.statistics) == (ended is not None)
+
+
+def test_runs_that_processes_share_take_turns() -> None:
+    with workers_of(JUMP, 2, interval=100.0) as shared, workers_of(JUMP, 1, interval=100.0) as own:
+        assert shared.lasts == TURN
+        assert own.lasts == 25.0
 
 
 def told(ran: Ensemble) -> list[bytes]:

@@ -146,6 +146,13 @@ def test_a_damaged_study_is_named(tmp_path: Path, text: str, words: str) -> None
         load_study(tmp_path)
 
 
+def test_a_slow_engine_is_begun_first() -> None:
+    """Or a process is left with it when the others are done."""
+    base = small().variants[0].scene
+    own, other = (Variant(word, "", replace(base, engine=word)) for word in ("dae", "exudyn"))
+    assert other.extent > own.extent
+
+
 def linked() -> Study:
     """A variant on the surfaces of another's last stage, and one on a stage that never comes."""
     base = small().variants[0].scene
