@@ -26,7 +26,7 @@ from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import wear_times
 from presswear.scene.scene import DRAWS, Scene
 from presswear.show.figures import drawings
-from presswear.show.report import notes, render
+from presswear.show.report import notes, render, words_of
 from presswear.show.report.wear import growth as growth_table
 
 Array = NDArray[np.float64]
@@ -408,7 +408,7 @@ def test_growth_is_a_table_and_a_figure(real: Path) -> None:
             assert y[0] == 0.0
             deepest = result.stages[0].wear_steps[-1].deepest_m[joint][side]
             assert y[-1] == pytest.approx(1e6 * deepest)
-    assert "how the wear was applied" in render(result, [])
+    assert "how the wear was applied" in render(words_of(result), [])
     assert notes(result)
 
 

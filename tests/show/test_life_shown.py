@@ -16,7 +16,7 @@ from presswear.results.life import Ended, LifeResult
 from presswear.results.result import Result
 from presswear.show.figures import drawings
 from presswear.show.figures.style import LINES
-from presswear.show.report import notes, render
+from presswear.show.report import notes, render, words_of
 from presswear.show.report.life import answer, life_head
 from presswear.show.report.page import Illustration
 from presswear.tools.errors import InputError
@@ -175,7 +175,7 @@ def test_a_limit_that_may_be_the_first_is_named() -> None:
 
 def test_the_life_comes_first_and_only_where_there_is_one() -> None:
     figure = Illustration("life.png", "Service life", "All.", "")
-    page = Page(render(RESULT, [figure]))
+    page = Page(render(words_of(RESULT), [figure]))
     words = [word for word in page.words if word in ("How long it lasts", "At a glance")]
     assert words == ["How long it lasts", "At a glance"]
     assert page.words.count("Service life") == 1

@@ -14,7 +14,7 @@ from presswear.results.stage import StageResult, WearStep
 from presswear.scene.bearing import Bearing
 from presswear.scene.catalog import press_blanking, wear_times
 from presswear.scene.scene import Scene
-from presswear.show.report import render
+from presswear.show.report import render, words_of
 from presswear.show.report.moments import moments
 from presswear.show.report.origin import changed_values
 from presswear.show.report.overview import OPENING, compared, in_short
@@ -23,7 +23,7 @@ from presswear.show.report.page import Illustration
 
 def head_of(result: Result) -> Page:
     """The part before the mechanics."""
-    return Page(render(result, []).partition("<h2>Mechanics</h2>")[0])
+    return Page(render(words_of(result), []).partition("<h2>Mechanics</h2>")[0])
 
 
 def numbers(page: Page, label: str) -> list[str]:
@@ -161,7 +161,7 @@ def test_the_title_says_what_was_changed() -> None:
 
 def test_the_opening_figures_stand_before_the_mechanics() -> None:
     some = [Illustration(file, file, "", "") for file in (*OPENING, "wear-depth.png")]
-    head, _, rest = render(made_up(ONE, 1), some).partition("<h2>Mechanics</h2>")
+    head, _, rest = render(words_of(made_up(ONE, 1)), some).partition("<h2>Mechanics</h2>")
     assert all(f"<h3>{file}</h3>" in head for file in OPENING)
     assert "<h3>wear-depth.png</h3>" in rest
     assert "<h3>wear-depth.png</h3>" not in head

@@ -16,8 +16,8 @@ from presswear.scene.catalog import slider_crank
 from presswear.scene.settings import settings_of
 from presswear.show.figures import Drawing, drawings
 from presswear.show.figures.style import Sheet
-from presswear.show.report import notes, render, write_report
-from presswear.show.report.page import illustrations
+from presswear.show.report import notes, render, words_of, write_report
+from presswear.show.report.page import illustrated
 from presswear.tools.errors import InputError
 
 
@@ -59,7 +59,7 @@ class Page(HTMLParser):
 
 
 def page_of(result: Result) -> Page:
-    return Page(render(result, []))
+    return Page(render(words_of(result), []))
 
 
 def test_one_file_without_references(tmp_path: Path) -> None:
@@ -84,12 +84,13 @@ def numbered(number: int) -> list[Drawing]:
 @pytest.mark.parametrize("at_once", [1, 2])
 def test_figures_of_several_processes_come_in_order(tmp_path: Path, at_once: int) -> None:
     drawers = [partial(numbered, number) for number in (2, 0, 1, 4, 1)]
-    found = illustrations(drawers, tmp_path, at_once)
+    said, found = illustrated(partial(dict, title="some"), drawers, tmp_path, at_once)
+    assert said == {"title": "some"}
     assert [own.title for own in found] == ["2", "2", "1", "4", "4", "4", "4", "1"]
     files = {own.file for own in found}
     assert {path.name for path in tmp_path.iterdir()} == files == {*files, "4-3.png"}
     with pytest.raises(InputError, match="there is no third"):
-        illustrations([partial(numbered, number) for number in (1, 2, 3, 4)], tmp_path, at_once)
+        illustrated(dict, [partial(numbered, number) for number in (1, 2, 3, 4)], tmp_path, at_once)
 
 
 def test_bottom_dead_centre_has_a_table() -> None:
@@ -115,7 +116,7 @@ def test_bottom_dead_centre_has_a_table() -> None:
 
 def test_hostile_title_is_text() -> None:
     title = "<script>alert('x')</script> & \"more\""
-    text = render(made_up(replace(BOTH, title=title), 1), [])
+    text = render(words_of(made_up(replace(BOTH, title=title), 1)), [])
     assert "script" not in Page(text).tags
     assert title in Page(text).words
 

@@ -1,5 +1,6 @@
 """The report of a result folder: one HTML file that opens anywhere."""
 
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
@@ -34,7 +35,7 @@ from presswear.show.report.overview import (
     in_short,
     overview,
 )
-from presswear.show.report.page import Illustration, illustrations, render_page
+from presswear.show.report.page import Illustration, Words, illustrated, render_page
 from presswear.show.report.parts import (
     CUBIC_MILLIMETRES,
     MICRONS,
@@ -67,48 +68,57 @@ def write_report(result: Result) -> Path:
     drawers = [partial(drawn, name, result, result.stages) for name in NAMES]
     # Of an ideal motion there are few: processes would take longer to begin.
     at_once = None if result.scene.clearance_joints else 1
-    text = render(result, illustrations(drawers, result.path / "figures", at_once))
+    words, figures = illustrated(
+        partial(words_of, result), drawers, result.path / "figures", at_once
+    )
     path = result.path / "report.html"
-    write_bytes(path, text.encode())
+    write_bytes(path, render(words, figures).encode())
     return path
 
 
-def render(result: Result, figures: list[Illustration]) -> str:
+def render(words: Words, figures: Sequence[Illustration]) -> str:
     """The page as text."""
-    loaded = under_load(result)
-    differs, changes = changed_values(result)
     return render_page(
         "report.html",
-        scene=result.scene,
-        title=title_of(result.scene),
-        differs=differs,
-        changes=changes,
-        life=life_head(result),
+        **words,
         life_figures=[figure for figure in figures if figure.file == LIFE],
-        in_short=in_short(result),
-        overview=overview(result, loaded),
-        moments=moments(result),
         opening=[figure for figure in figures if figure.file in OPENING],
-        status=status(result),
-        style=result.status if result.status in FINISHED else "unfinished",
-        modelled=modelled(result),
-        key_numbers=key_numbers(result),
-        bottom=bottom(result, loaded),
-        tonnage=tonnage(result),
-        drives=drives(result),
-        endings=endings(result),
-        growth=growth(result),
-        motion=motion(result),
         motion_figures=[figure for figure in figures if figure.file in MOTION],
         figures=[figure for figure in figures if figure.file not in (*OPENING, *MOTION, LIFE)],
-        means=cycle_means(result),
-        notes=notes(result),
-        parameters=parameters(result),
-        convention_set=convention_set(result.scene.conventions),
-        conventions=conventions(result),
-        provenance=provenance(result),
-        diagnostics=diagnostics(result),
     )
+
+
+def words_of(result: Result) -> Words:
+    """What the page says of a result."""
+    loaded = under_load(result)
+    differs, changes = changed_values(result)
+    return {
+        "scene": result.scene,
+        "title": title_of(result.scene),
+        "differs": differs,
+        "changes": changes,
+        "life": life_head(result),
+        "in_short": in_short(result),
+        "overview": overview(result, loaded),
+        "moments": moments(result),
+        "status": status(result),
+        "style": result.status if result.status in FINISHED else "unfinished",
+        "modelled": modelled(result),
+        "key_numbers": key_numbers(result),
+        "bottom": bottom(result, loaded),
+        "tonnage": tonnage(result),
+        "drives": drives(result),
+        "endings": endings(result),
+        "growth": growth(result),
+        "motion": motion(result),
+        "means": cycle_means(result),
+        "notes": notes(result),
+        "parameters": parameters(result),
+        "convention_set": convention_set(result.scene.conventions),
+        "conventions": conventions(result),
+        "provenance": provenance(result),
+        "diagnostics": diagnostics(result),
+    }
 
 
 def status(result: Result) -> str:

@@ -32,30 +32,49 @@ def illustrate(drawing: Drawing, folder: Path) -> Illustration:
     return Illustration(drawing.file, drawing.title, drawing.caption, data)
 
 
+Words = dict[str, Any]
+"""What a page says, by the names in its template."""
 Drawer = Callable[[], list[Drawing]]
 """Draws some figures; can be pickled."""
 _SHARES = 3
 """Of the figures for each process, so that all end at about the same time."""
 
 
-def illustrations(
-    drawers: Sequence[Drawer], folder: Path, at_once: int | None = None
-) -> list[Illustration]:
-    """Draw figures in processes of their own, and write them into a folder; in their order.
+def illustrated(
+    words: Callable[[], Words], drawers: Sequence[Drawer], folder: Path, at_once: int | None = None
+) -> tuple[Words, list[Illustration]]:
+    """What a page says and its figures, found in processes of their own.
 
     Parameters
     ----------
+    words : callable
+        Gives what the page says; can be pickled.
+    drawers : sequence of callable
+    folder : path
+        Where figures are written.
     at_once : int or None
         Processes, at most; one: this one.  None: as many as there are cores.
+
+    Returns
+    -------
+    words : dict
+    figures : list of Illustration
+        In the order of what draws them.
     """
     count = min(at_once or cores(), len(drawers))
     # What drawers have in common goes to a process once a share.
     parts = min(_SHARES * count, len(drawers))
     shares = [partial(_share, drawers[k::parts], folder) for k in range(parts)]
     with workers_for(count, (__name__,)) as workers:
-        found = outcomes(workers, shares)
+        said, *found = outcomes(workers, [partial(_said, words), *shares])
     drawn = (found[k % parts][k // parts] for k in range(len(drawers)))
-    return [illustration for own in drawn for illustration in own]
+    return said, [illustration for own in drawn for illustration in own]
+
+
+def _said(words: Callable[[], Words], report: Report) -> Words:
+    """What a page says."""
+    report(0.0)
+    return words()
 
 
 def _share(drawers: Sequence[Drawer], folder: Path, report: Report) -> list[list[Illustration]]:

@@ -15,7 +15,7 @@ from presswear.studies.paper.claims import CLAIMS
 from presswear.studies.paper.evidence import Evidence
 from presswear.studies.paper.figures import drawers
 from presswear.studies.paper.printed import PRINTED
-from presswear.studies.paper.report import render
+from presswear.studies.paper.report import render, words_of
 from presswear.studies.paper.report.numbers import numbers_table, ranges_table, ratios_table
 from presswear.studies.paper.report.summary import STYLES, findings, headline
 from presswear.studies.paper.variants import BASE, WEAR, make, variant_key
@@ -28,7 +28,7 @@ SCRIPT = Path(__file__).parents[3] / "scenarios" / "paper.py"
 
 def words(evidence: Evidence, figures: Sequence[Illustration] = ()) -> str:
     """Text of the page, each run of blanks as one."""
-    page = html.unescape(re.sub(r"<[^>]*>", " ", render(make(), evidence, figures)))
+    page = html.unescape(re.sub(r"<[^>]*>", " ", render(words_of(make(), evidence), figures)))
     return re.sub(r"\s+", " ", page)
 
 
@@ -41,7 +41,7 @@ def test_every_printed_number_and_claim_is_on_the_page() -> None:
 
 
 def test_all_but_summary_and_claims_is_folded_and_links_lead_into_it() -> None:
-    page = render(make(), every_evidence(), [])
+    page = render(words_of(make(), every_evidence()), [])
     parts = re.split(r'<details class="part">', page)
     assert len(parts) == 6
     assert all(f'<div id="{name}">' in own for name, own in zip(FOLDED, parts[1:], strict=True))
@@ -52,19 +52,19 @@ def test_all_but_summary_and_claims_is_folded_and_links_lead_into_it() -> None:
 def test_what_holds_in_part_is_not_coloured_as_what_does_not_hold() -> None:
     styles = {verdict: STYLES[verdict] for verdict in Verdict}
     assert len({styles[Verdict.HOLDS], styles[Verdict.IN_PART], styles[Verdict.FAILS]}) == 3
-    page = render(make(), every_evidence(), [])
+    page = render(words_of(make(), every_evidence()), [])
     for style in set(styles.values()):
         assert re.search(rf"\.{style} {{ color: #\w+", page)
 
 
 def test_intervals_stay_on_one_line() -> None:
-    page = html.unescape(render(make(), every_evidence(), []))
+    page = html.unescape(render(words_of(make(), every_evidence()), []))
     assert re.search(r"\d\N{NO-BREAK SPACE}\(\S+\N{NO-BREAK SPACE}to\N{NO-BREAK SPACE}\S+\)", page)
     assert not re.search(r"\d \([\d.]+ to [\d.]+\)", page)
 
 
 def test_the_page_needs_no_network() -> None:
-    page = render(make(), every_evidence(), [])
+    page = render(words_of(make(), every_evidence()), [])
     links = re.findall(r"""(?:src|href|srcset)\s*=\s*["']?([^"'>]*)""", page)
     assert links
     assert all(link.startswith("#") for link in links)

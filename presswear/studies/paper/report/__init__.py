@@ -1,11 +1,12 @@
 """The report of the study ``paper``: one HTML file with every number, claim and figure."""
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 
 from presswear.results.result import Result
 from presswear.show.report.origin import convention_set, conventions, parameters, provenance
-from presswear.show.report.page import Illustration, illustrations, render_page
+from presswear.show.report.page import Illustration, Words, illustrated, render_page
 from presswear.show.report.parts import Table
 from presswear.studies.paper.evidence import Evidence
 from presswear.studies.paper.figures import drawers
@@ -28,15 +29,20 @@ from presswear.tools.numbers import readable, whole
 def write_report(study: Study, folder: Path) -> tuple[str, Path]:
     """Write ``report.html`` and its figures into a study's folder; returns answer and path."""
     evidence = Evidence({v.key: found for v, found in results_of(study, folder) if found})
-    figures = illustrations(drawers(evidence), folder / "figures")
-    text = render(study, evidence, figures)
+    words = partial(words_of, study, evidence)
+    said, figures = illustrated(words, drawers(evidence), folder / "figures")
     path = folder / "report.html"
-    write_bytes(path, text.encode())
+    write_bytes(path, render(said, figures).encode())
     return headline(evidence, judged(evidence)), path
 
 
-def render(study: Study, evidence: Evidence, figures: Sequence[Illustration]) -> str:
+def render(words: Words, figures: Sequence[Illustration]) -> str:
     """The page as text."""
+    return render_page("paper.html", package="presswear.studies", **words, figures=figures)
+
+
+def words_of(study: Study, evidence: Evidence) -> Words:
+    """What the page says."""
     claims, results = judged(evidence), evidence.results
     failures = {
         key.partition("--")[0]: result.message
@@ -46,34 +52,31 @@ def render(study: Study, evidence: Evidence, figures: Sequence[Illustration]) ->
     standard = (results.get(variant_key(BASE, setting)) for setting in SETTINGS)
     first = next(filter(None, standard), None)
     numbers, remarks = numbers_table(evidence)
-    return render_page(
-        "paper.html",
-        package="presswear.studies",
-        study=study,
-        missing=len(study.variants) - len(results),
-        starts=STARTS,
-        headline=headline(evidence, claims),
-        findings=findings(evidence, failures),
-        counts=counts_table(claims),
-        cases=JUDGED,
-        claims=[(own, [detail(evidence, part) for part in own.claim.parts]) for own in claims],
-        styles=STYLES,
-        numbers=numbers,
-        remarks=remarks,
-        ratios=ratios_table(evidence),
-        ranges=ranges_table(evidence),
-        figures=figures,
-        geometries=geometry_table(evidence),
-        fit=fit_table(evidence),
-        sensitivities=sensitivity_table(evidence, failures),
-        stopped=stopped_table(evidence),
-        distances=distances_table(evidence),
-        runs=_runs_table(study, results),
-        convention_set="" if first is None else convention_set(first.scene.conventions),
-        conventions=None if first is None else conventions(first),
-        parameters=None if first is None else parameters(first),
-        provenance=None if first is None else provenance(first),
-    )
+    return {
+        "study": study,
+        "missing": len(study.variants) - len(results),
+        "starts": STARTS,
+        "headline": headline(evidence, claims),
+        "findings": findings(evidence, failures),
+        "counts": counts_table(claims),
+        "cases": JUDGED,
+        "claims": [(own, [detail(evidence, part) for part in own.claim.parts]) for own in claims],
+        "styles": STYLES,
+        "numbers": numbers,
+        "remarks": remarks,
+        "ratios": ratios_table(evidence),
+        "ranges": ranges_table(evidence),
+        "geometries": geometry_table(evidence),
+        "fit": fit_table(evidence),
+        "sensitivities": sensitivity_table(evidence, failures),
+        "stopped": stopped_table(evidence),
+        "distances": distances_table(evidence),
+        "runs": _runs_table(study, results),
+        "convention_set": "" if first is None else convention_set(first.scene.conventions),
+        "conventions": None if first is None else conventions(first),
+        "parameters": None if first is None else parameters(first),
+        "provenance": None if first is None else provenance(first),
+    }
 
 
 def _runs_table(study: Study, results: Mapping[str, Result]) -> Table:
