@@ -96,8 +96,10 @@ def workers_of(
     if any(own.hears_runs for own in trackers):
         count = 1
     needed, lost = (_SEGMENT, scene.solver.room), partial(tell_all, trackers)
-    # Alone, a process hands over to nobody.
-    lasts = interval / _SHARES if count == 1 else min(interval / _SHARES, TURN)
+    lasts = interval / _SHARES
+    # Alone, a process hands over to nobody; and a run that is watched does not wait for others.
+    if count > 1 and not frames:
+        lasts = min(lasts, TURN)
     return workers_for(count, needed, lasts, room, lost)
 
 

@@ -167,9 +167,10 @@ def test_finer_steps_are_taken_beside_the_runs(
 
 
 def test_runs_that_processes_share_take_turns() -> None:
-    with workers_of(JUMP, 2, interval=100.0) as shared, workers_of(JUMP, 1, interval=100.0) as own:
-        assert shared.lasts == TURN
-        assert own.lasts == 25.0
+    """But for the one that a window shows, and where there is a single process."""
+    assert workers_of(JUMP, 2, interval=100.0).lasts == TURN
+    assert workers_of(JUMP, 2, [Watches()], interval=100.0).lasts == 25.0
+    assert workers_of(JUMP, 1, interval=100.0).lasts == 25.0
 
 
 def told(ran: Ensemble) -> list[bytes]:
