@@ -3,6 +3,7 @@
 import math
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -18,6 +19,8 @@ from presswear.engines.settings import InHouse
 from presswear.linkage.press import CRANK_2_START, CRANK_7_START, Press
 from presswear.physics.constraints import constraints_of
 from presswear.scene.catalog import scene_named
+from presswear.tools.errors import RunFailed
+from presswear.trials.costs import scipy_codes
 from presswear.trials.costs.by_hand import OPEN, evaluate, numbers_of
 from presswear.trials.costs.outcome import Outcome, state_of
 from presswear.trials.costs.scipy_codes import METHODS, solve
@@ -171,6 +174,21 @@ def test_codes_of_scipy_come_to_the_same_end(code: str, tolerance: float) -> Non
     error, apart = errors(solve(NUMBERS, HAND, SHORT, code, tolerance, LONGEST))
     assert error < 30.0 * tolerance
     assert apart < 1e-5
+
+
+def test_a_code_that_stands_at_a_touch_fails(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As Radau does at some coarse tolerances: a pin parts in the moment in which it touches."""
+
+    def stands(
+        slopes: object, span: tuple[float, float], y: Array, *_: object, **__: object
+    ) -> SimpleNamespace:
+        event = [np.array([span[0]]), np.zeros(0)]
+        times, states = np.full(2, span[0]), np.column_stack([y, y])
+        return SimpleNamespace(status=1, t=times, y=states, t_events=event, nfev=1)
+
+    monkeypatch.setattr(scipy_codes, "solve_ivp", stands)
+    with pytest.raises(RunFailed, match=r"Radau at 3e-05: touches at 0 s without end"):
+        solve(NUMBERS, HAND, SHORT, "Radau", 3e-5, LONGEST)
 
 
 @pytest.mark.parametrize(("package", "value"), [("mujoco", 2e-6), ("pydrake", 1e-6)])

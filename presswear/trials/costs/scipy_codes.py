@@ -15,6 +15,8 @@ Array = NDArray[np.float64]
 
 METHODS = {"LSODA": 7, "DOP853": 7, "Radau": 3}
 """How many of the tolerances each is run at: Radau, with a Jacobian by differences, takes long."""
+STOOD = 10
+"""Touches and partings one after another without any time between them: there will be more."""
 
 
 def solve(
@@ -38,7 +40,7 @@ def solve(
         return event
 
     def run() -> Found:
-        t, y, steps, evaluations = 0.0, start.copy(), 0, 0
+        t, y, steps, evaluations, stood = 0.0, start.copy(), 0, 0, 0
         touches = []
         onset[:] = OPEN
         while t < end:
@@ -50,6 +52,9 @@ def solve(
             )
             if found.status < 0:
                 raise RunFailed(f"{method} at {tolerance:g}: {found.message}")
+            stood = 0 if found.t[-1] > t else stood + 1
+            if stood > STOOD:
+                raise RunFailed(f"{method} at {tolerance:g}: touches at {t:g} s without end")
             t, y = float(found.t[-1]), found.y[:, -1].copy()
             steps, evaluations = steps + len(found.t) - 1, evaluations + found.nfev
             kernel(press, t, y, onset, out, gaps)
