@@ -57,7 +57,9 @@ def add(commands: Any) -> None:
     add_out(costs, "costs")
     costs.add_argument("--repeats", help="how often each run is timed (default 5)")
     costs.add_argument(
-        "--quick", action="store_true", help="short runs, twice each: rough, two minutes"
+        "--quick",
+        action="store_true",
+        help="short runs, twice each: rough, two minutes without peers",
     )
     costs.set_defaults(run=_costs)
 
