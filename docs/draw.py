@@ -30,15 +30,15 @@ from presswear.linkage.loads import Force, OverPosition
 from presswear.linkage.motions import Drive
 from presswear.linkage.pieces import RISES, Rise
 from presswear.linkage.slider_crank import SliderCrank
-from presswear.record.sampling import STARTUP_CYCLES, half_width
+from presswear.recording.sampling import STARTUP_CYCLES, half_width
 from presswear.scene.life import Limit
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.show.figures.style import LINES, SETTINGS, WIDTH
 from presswear.tools.arrays import Array
 from presswear.tools.workers import Workers
-from presswear.trials.verify import references
-from presswear.trials.verify.verify import delivered
+from presswear.validation.verify import references
+from presswear.validation.verify.verify import delivered
 
 matplotlib.use("agg")
 COLOURS = [colour for colour, _ in LINES]
@@ -88,7 +88,9 @@ def load(axes: Axes) -> None:
     table = [(0.150, 0.0), (0.151, -2.5e3), (0.158, -3e3), (0.160, -2.9e3)]
     blanking = Force("slider.centre", 0.0, OverPosition(table, sense="along", release=True))
     for label, loads in {"free": (), "blanking": (blanking,)}.items():
-        scene = Scene(replace(free, loads=loads), bearings={}, wears=0, cycles=2, drive_torque="on")
+        scene = Scene(
+            replace(free, loads=loads), bearings={}, wear_updates=0, cycles=2, drive_torque="on"
+        )
         stage = presswear.run(scene, engine="dae").stages[0]
         axes.plot(1e3 * stage.displacement, stage.arrays["drive_torque"][:, 0], label=label)
     axes.set_xlabel("slider from where it starts, mm")
@@ -108,7 +110,7 @@ JUMP = 10
 def life(axes: Axes) -> None:
     """Error of a life of wear-times over cycles: cycle by cycle, and in jumps of ten cycles."""
     scene = changed(presswear.scenes.wear_times(), {"conventions": "refined", "engine": "dae"})
-    scene = replace(scene, starts=STARTS)
+    scene = replace(scene, replicates=STARTS)
     with workers_of(scene, None) as workers:
         right = np.log(_steps(scene, TINY, workers)[1])
         truth = float(right.mean())
@@ -148,7 +150,9 @@ def _jumps(scene: Scene, change: float, workers: Workers) -> tuple[int, Array]:
     depth = [np.zeros(scene.draws)]
     joint = scene.linkage().clearances[0]
     while np.any(depth[-1] < UNTIL.value):
-        seeded = replace(scene, cycles=STARTUP_CYCLES + JUMP, seed=jumps, wears=0, purpose="wear")
+        seeded = replace(
+            scene, cycles=STARTUP_CYCLES + JUMP, seed=jumps, wear_updates=0, purpose="wear"
+        )
         maps = run_stage(seeded, 0, worn, workers=workers)[1].depths()
         share = change * joint.clearance / float(maps[:, 0].mean(axis=0).max())
         worn = worn + share * maps

@@ -18,8 +18,8 @@ from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 
-from presswear.commands import COMMANDS
-from presswear.commands.parser import parser_with
+from presswear.cli import COMMANDS
+from presswear.cli.parser import parser_with
 
 DOCS = Path(__file__).resolve().parent
 ROOT = DOCS.parent
@@ -36,12 +36,12 @@ PAGES_AT_ONCE = 2
 PATH = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])
 """Where commands are looked for: in the environment that runs this, first."""
 MADE = {
-    "results/wear-times": "run wear-times --engine dae --cycles 4 --wears 1",
-    "results/mine": "run wear-times --engine dae --cycles 2 --wears 1 --out results/mine",
-    "results/press-blanking-life": "life press-blanking --engine dae --set starts=2 --tolerance 1 "
-    "--until 'C.depth > 0.01 um'",
+    "results/wear-times": "run wear-times --engine dae --cycles 4 --wear-updates 1",
+    "results/mine": "run wear-times --engine dae --cycles 2 --wear-updates 1 --out results/mine",
+    "results/press-blanking-life": "life press-blanking --engine dae --set replicates=2 "
+    "--tolerance 1 --until 'C.depth > 0.01 um'",
     "results/clearances": "sweep wear-times --vary clearance=0.2mm,1.0mm --measure A.force_max "
-    "--set engine=dae --set cycles=2 --set wears=0 --out results/clearances",
+    "--set engine=dae --set cycles=2 --set wear_updates=0 --out results/clearances",
     "theirs.csv": "export results/mine theirs.csv",
     "my-press.toml": "new four-bar my-press.toml",
     "press.toml": "new press press.toml",

@@ -49,8 +49,8 @@ if TYPE_CHECKING:
     from presswear.linkage.surface import Surface as Surface
     from presswear.physics.statics import deflection as deflection
     from presswear.physics.statics import total_clearance as total_clearance
-    from presswear.record.tracker import Progress as Progress
-    from presswear.record.tracker import Tracker as Tracker
+    from presswear.recording.tracker import Progress as Progress
+    from presswear.recording.tracker import Tracker as Tracker
     from presswear.results.result import Result as Result
     from presswear.results.result import load as load
     from presswear.results.stage import JointResult as JointResult
@@ -103,7 +103,7 @@ _ROOMS = {
     "linkage.slider_crank": ("SliderCrank",),
     "linkage.surface": ("Surface",),
     "physics.statics": ("deflection", "total_clearance"),
-    "record.tracker": ("Progress", "Tracker"),
+    "recording.tracker": ("Progress", "Tracker"),
     "results.result": ("Result", "load"),
     "results.stage": ("JointResult", "StageResult"),
     "results.surfaces": ("read_surfaces",),

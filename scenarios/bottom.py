@@ -6,13 +6,15 @@ Run:  python scenarios/bottom.py [SCENE or FILE.toml]
 import sys
 
 import presswear as pw
-from presswear.commands.terminal import scene_given
+from presswear.cli.terminal import scene_given
 from presswear.scene.settings import changed, settings_of
 from presswear.show.report.bottom import bottom_between, bottom_mean, risen
 
 
-def main(name: str = "press-blanking", cycles: int = 12, starts: int = 4) -> None:
-    scene = changed(scene_given(name), {"wears": 0, "cycles": cycles, "starts": starts})
+def main(name: str = "press-blanking", cycles: int = 12, replicates: int = 4) -> None:
+    scene = changed(
+        scene_given(name), {"wear_updates": 0, "cycles": cycles, "replicates": replicates}
+    )
     speed = {own.key: own.value for own in settings_of(scene)}[
         "speed"
     ]  # of a press or slider-crank

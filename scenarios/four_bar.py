@@ -25,6 +25,6 @@ bearings = {
     "A": pw.Bearing(clearance=0.1e-3, normal_law="flores", restitution=0.6),
     "B": pw.Bearing(clearance=0.3e-3, friction=0.1, friction_law=rub),
 }
-result = pw.run(pw.Scene(four_bar, bearings=bearings, wears=0, cycles=4), engine="dae")
+result = pw.run(pw.Scene(four_bar, bearings=bearings, wear_updates=0, cycles=4), engine="dae")
 for name, joint in result.stages[0].joints.items():
     print(f"{name}: mean peak force {joint.statistics['force_max_per_cycle_N']['mean']:.0f} N")

@@ -8,12 +8,14 @@ import presswear as pw
 ROWS = ("error_per_cycle_m", "force_max_per_cycle_N", "dose_per_cycle_Nm")
 
 
-def main(cycles: int = 7, starts: int = 4) -> None:
+def main(cycles: int = 7, replicates: int = 4) -> None:
     for name in ("press_blanking", "press_servo_dwell", "press_servo_forming", "press_pendulum"):
         make = getattr(pw.scenes, name)
-        scene = make(wears=0, cycles=cycles, starts=starts)
+        scene = make(wear_updates=0, cycles=cycles, replicates=replicates)
         stage = pw.run(scene, engine="dae").stages[0]
-        ideal = pw.run(make(joints="none", wears=0, starts=1, cycles=1, drive_torque="on"))
+        ideal = pw.run(
+            make(joints="none", wear_updates=0, replicates=1, cycles=1, drive_torque="on")
+        )
         torques = abs(ideal.stages[0].arrays["drive_torque"]).max(axis=0)
         speed = abs(scene.ideal.velocity[:, scene.mechanism.linkage().index("crank 7"), 2]).max()
         print(f"{scene.title}\n  ideal: stroke {scene.stroke:.4f} m, torques of cranks 2 and 7 "

@@ -15,12 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 import presswear as pw
-from presswear.campaign.starts import start_of
+from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Run
 from presswear.linkage.materials import Materials
-from presswear.record.recorder import Recorder
-from presswear.record.sampling import STARTUP_CYCLES
-from presswear.record.tracker import Tracker
+from presswear.recording.recorder import Recorder
+from presswear.recording.sampling import STARTUP_CYCLES
+from presswear.recording.tracker import Tracker
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.numerics import Numerics
 
@@ -108,7 +108,7 @@ def bush(
         angles=angles,
     )
     numerics = Numerics(*(ENGINES[name] for name in ("exudyn-tree", "exudyn-joints", "dae")))
-    given = {"engine": "dae", "starts": 1, "conventions": CONVENTIONS["refined"], **settings}
+    given = {"engine": "dae", "replicates": 1, "conventions": CONVENTIONS["refined"], **settings}
     return pw.Scene(linkage, bearings={"B": bearing}, numerics=numerics, **given)
 
 
@@ -145,7 +145,7 @@ class Worn:
     run: Run
     bush: Array
     pin: Array
-    dose: Array
+    load_distance: Array
     strokes: Array
     area: float
 
@@ -181,9 +181,9 @@ def worn(
     run = scene.solver.simulate(scene.linkage(), start_of(scene), plan)
     assert run.status == "completed", run.message
     depth = np.array(history.depth)
-    dose = run.recorder.each_cycle("dose", 0)[STARTUP_CYCLES:]
+    load_distance = run.recorder.each_cycle("load_distance", 0)[STARTUP_CYCLES:]
     area = WIDTH * joint.bearing_radius * 2.0 * math.pi / joint.bins
-    return Worn(run, depth[:, 0], depth[:, 1], dose, strokes, area)
+    return Worn(run, depth[:, 0], depth[:, 1], load_distance, strokes, area)
 
 
 def _share(strokes: Array, done: int, added: Array) -> Array:

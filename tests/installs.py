@@ -30,7 +30,7 @@ from typing import Any
 ROOT = Path(__file__).resolve().parents[1]
 PROJECT: dict[str, Any] = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 NAMES = ("python3.11", "python3.12", "python3.13", "python3.14")
-SCENE = ("run", "wear-times", "--cycles", "2", "--wears", "1", "--out", "out")
+SCENE = ("run", "wear-times", "--cycles", "2", "--wear-updates", "1", "--out", "out")
 FAILED = "FAILED"
 DIGITS = 1e-9
 """Relative difference allowed between two environments."""

@@ -3,8 +3,8 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from presswear.record.recorder import Recorder
-from presswear.record.tracker import Tracker
+from presswear.recording.recorder import Recorder
+from presswear.recording.tracker import Tracker
 from presswear.tools.arrays import State
 
 

@@ -28,48 +28,75 @@ from presswear.__main__ import main as presswear
 FILE = Path(__file__).with_suffix(".json")
 
 TREE, JOINTS, DAE = "exudyn-tree", "exudyn-joints", "dae"
-STEPS = ("--conventions", "refined", "--set", "extrapolation=steps", "--set", "starts=2")
-ONE = ("--set", "starts=1")
+STEPS = ("--conventions", "refined", "--set", "extrapolation=steps", "--set", "replicates=2")
+ONE = ("--set", "replicates=1")
 CASES = {
-    "tree unworn": ("wear-times", "--engine", TREE, "--wears", "0", "--cycles", "3"),
-    "tree worn paper": ("wear-times", "--engine", TREE, "--wears", "2", "--cycles", "4", *ONE),
-    "tree worn refined": ("wear-times", "--engine", TREE, "--wears", "1", "--cycles", "2", *STEPS),
-    "tree starts": (
-        *("friction", "--engine", TREE, "--wears", "1", "--cycles", "4"),
-        *("--set", "starts=3", "--set", "drive_torque=on"),
+    "tree unworn": ("wear-times", "--engine", TREE, "--wear-updates", "0", "--cycles", "3"),
+    "tree worn paper": (
+        "wear-times",
+        "--engine",
+        TREE,
+        "--wear-updates",
+        "2",
+        "--cycles",
+        "4",
+        *ONE,
     ),
-    "tree until known": ("speed", "--engine", TREE, "--wears", "1", "--tolerance", "0.3", *ONE),
+    "tree worn refined": (
+        "wear-times",
+        "--engine",
+        TREE,
+        "--wear-updates",
+        "1",
+        "--cycles",
+        "2",
+        *STEPS,
+    ),
+    "tree starts": (
+        *("friction", "--engine", TREE, "--wear-updates", "1", "--cycles", "4"),
+        *("--set", "replicates=3", "--set", "drive_torque=on"),
+    ),
+    "tree until known": (
+        "speed",
+        "--engine",
+        TREE,
+        "--wear-updates",
+        "1",
+        "--tolerance",
+        "0.3",
+        *ONE,
+    ),
     "tree C": (
-        *("clearance-c", "--wears", "1", "--cycles", "1", "--conventions", "refined"),
+        *("clearance-c", "--wear-updates", "1", "--cycles", "1", "--conventions", "refined"),
         *("--set", "extrapolation=single", "--set", "angles=36", "--set", "drive_torque=on", *ONE),
     ),
     "tree loose rod": ("slider-crank", "--set", "joints=AB", "--engine", TREE, "--cycles", "2"),
     "tree slider-crank": ("slider-crank", "--engine", TREE, "--cycles", "4"),
     "joints ideal": ("ideal", "--set", "drive_torque=on"),
     "joints A": (
-        *("clearance-a", "--wears", "1", "--cycles", "1", "--set", "drive_torque=on", *ONE),
+        *("clearance-a", "--wear-updates", "1", "--cycles", "1", "--set", "drive_torque=on", *ONE),
     ),
     "joints C": (
-        *("clearance-c", "--engine", JOINTS, "--wears", "0", "--cycles", "1"),
+        *("clearance-c", "--engine", JOINTS, "--wear-updates", "0", "--cycles", "1"),
         *("--set", "drive_torque=on"),
     ),
     "joints A and C": (
-        *("speed-8pi", "--engine", JOINTS, "--wears", "0", "--cycles", "1"),
-        *("--set", "starts=2"),
+        *("speed-8pi", "--engine", JOINTS, "--wear-updates", "0", "--cycles", "1"),
+        *("--set", "replicates=2"),
     ),
     "joints slider-crank": ("slider-crank", "--engine", JOINTS, "--cycles", "2"),
     "dae ideal": ("ideal", "--engine", DAE, "--set", "drive_torque=on"),
-    "dae unworn": ("wear-times", "--engine", DAE, "--wears", "0", "--cycles", "4"),
-    "dae worn paper": ("wear-times", "--engine", DAE, "--wears", "2", "--cycles", "6", *ONE),
+    "dae unworn": ("wear-times", "--engine", DAE, "--wear-updates", "0", "--cycles", "4"),
+    "dae worn paper": ("wear-times", "--engine", DAE, "--wear-updates", "2", "--cycles", "6", *ONE),
     "dae worn refined": (
-        *("wear-times", "--engine", DAE, "--wears", "2", "--cycles", "3", *STEPS),
+        *("wear-times", "--engine", DAE, "--wear-updates", "2", "--cycles", "3", *STEPS),
         *("--set", "integrator=dopri5"),
     ),
-    "dae starts": ("friction-0.1", "--engine", DAE, "--cycles", "5", "--set", "starts=2"),
+    "dae starts": ("friction-0.1", "--engine", DAE, "--cycles", "5", "--set", "replicates=2"),
     "dae C": ("clearance-c", "--engine", DAE, "--cycles", "2", "--set", "projection=on"),
     "dae slider-crank": ("slider-crank", "--engine", DAE, "--cycles", "5"),
     "dae equal steps": (
-        *("wear-times", "--engine", DAE, "--wears", "1", "--cycles", "2"),
+        *("wear-times", "--engine", DAE, "--wear-updates", "1", "--cycles", "2"),
         *("--set", "integrator=rk4", *ONE),
     ),
     "study runaway": (
@@ -78,7 +105,7 @@ CASES = {
         DAE,
         "--cycles",
         "2",
-        "--wears",
+        "--wear-updates",
         "1",
         "--jobs",
         "2",

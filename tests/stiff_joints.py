@@ -11,7 +11,7 @@ from presswear.physics.inverse import joint_forces
 
 def off(clearance: float, power: float = 0.75, **changes: str) -> dict[str, float]:
     joint = {"clearance": clearance, "contact_stiffness": 1e12 * (1e-4 / clearance) ** power}
-    scene = pw.scenes.press_blanking(**joint, friction=0.0, wears=0, cycles=3, **changes)
+    scene = pw.scenes.press_blanking(**joint, friction=0.0, wear_updates=0, cycles=3, **changes)
     result = pw.run(scene, engine="dae")
     time, ideal = result.stages[0].time, scene.ideal
     rows, needed = time > 2.0 * ideal.period, joint_forces(scene.loaded, ideal, time)

@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from presswear.campaign.starts import start_of
+from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Run
 from presswear.engines.settings import ExudynTree, InHouse
 from presswear.scene.scene import Scene
-from presswear.trials.runs import contacts_of
+from presswear.validation.runs import contacts_of
 
 TOUCHES = 10
 

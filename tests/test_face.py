@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 
 import presswear as pw
 from presswear.linkage.four_bar import FOUR_BAR
-from presswear.record.recorder import Recorder
+from presswear.recording.recorder import Recorder
 
 QUICK = {"engine": "dae", "integrator": "dopri5", "integration_tolerance": 1e-6}
 
@@ -123,15 +123,15 @@ class Stops(pw.Tracker):
         return len(recorder.cycles) == 2
 
 
-@pytest.mark.parametrize("starts", [1, 2])
-def test_a_tracker_can_end_a_run(starts: int) -> None:
-    scene = pw.scenes.wear_times(wears=0, cycles=9, starts=starts, **QUICK)
+@pytest.mark.parametrize("replicates", [1, 2])
+def test_a_tracker_can_end_a_run(replicates: int) -> None:
+    scene = pw.scenes.wear_times(wear_updates=0, cycles=9, replicates=replicates, **QUICK)
     result = pw.run(scene, trackers=[Stops()], jobs=2)
-    assert (result.stages[0].cycles, result.stages[0].status) == (2 * starts, "enough")
+    assert (result.stages[0].cycles, result.stages[0].status) == (2 * replicates, "enough")
 
 
 def test_a_run_goes_on_in_its_folder_and_is_read_when_it_is_finished(tmp_path: Path) -> None:
-    scene = pw.scenes.wear_times(wears=1, cycles=2, **QUICK)
+    scene = pw.scenes.wear_times(wear_updates=1, cycles=2, **QUICK)
 
     class Breaks(pw.Tracker):
         def stage(self, stage: pw.StageResult) -> None:
@@ -145,11 +145,11 @@ def test_a_run_goes_on_in_its_folder_and_is_read_when_it_is_finished(tmp_path: P
     again = pw.run(scene, tmp_path / "run", trackers=[Breaks()])
     assert str(again) == str(result)
     with pytest.raises(pw.InputError, match="another scene: cycles is 2 there and 3 here"):
-        pw.run(pw.scenes.wear_times(wears=1, cycles=3, **QUICK), tmp_path / "run")
+        pw.run(pw.scenes.wear_times(wear_updates=1, cycles=3, **QUICK), tmp_path / "run")
 
 
 def test_a_run_that_failed_raises_with_its_finding(tmp_path: Path) -> None:
-    scene = pw.scenes.wear_times(wears=0, cycles=1)
+    scene = pw.scenes.wear_times(wear_updates=0, cycles=1)
     paper = pw.InHouse(integrator="rk4-paper")
     with pytest.raises(pw.RunFailed, match="no longer finite") as failed:
         pw.run(scene, tmp_path / "run", engine=paper)

@@ -11,14 +11,14 @@ from numpy.typing import NDArray
 from presswear.bifurcation.flow import exponent
 from presswear.bifurcation.orders import HIGHEST, Orders, orders_of
 from presswear.bifurcation.over import Extent, Over
-from presswear.campaign.starts import start_of, turned_back
+from presswear.campaign.replicates import start_of, turned_back
 from presswear.engines.base import Plan, Start
 from presswear.engines.settings import InHouse
 from presswear.linkage.linkage import Linkage
 from presswear.physics.constraints import constraints_of
 from presswear.physics.contact import CONTACT, note_contacts
 from presswear.physics.packed import pack
-from presswear.record.observe import SECTION_JOINT_NAMES, SECTION_NAMES
+from presswear.recording.observe import SECTION_JOINT_NAMES, SECTION_NAMES
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import read_numbers, write_arrays
 from presswear.tools.errors import InputError, RunFailed

@@ -117,6 +117,7 @@ def compute(
     """
     if not scene.clearance_joints:
         raise InputError("a diagram needs a joint with clearance")
+    scene.check_trusted()
     document = _document(scene, over, extent)
     lock = FolderLock(folder)
     try:

@@ -8,21 +8,23 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.campaign.starts import start_of
+from presswear.campaign.replicates import start_of
 from presswear.dynamics.lyapunov import Exponent, exponent_of, growths
 from presswear.engines.base import Plan, Start, recorder_of
+from presswear.engines.dae.dynamics import bristle_place
 from presswear.engines.dae.engine import prepare
 from presswear.engines.driver import Simulation
 from presswear.engines.settings import InHouse
 from presswear.linkage.linkage import Linkage
+from presswear.physics.laws import ONSET_SPEED_FLOOR, elastic_of, normal_force
 from presswear.physics.tree import Tree, tree_of
-from presswear.record.observe import Book
+from presswear.recording.observe import Book
 from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError, RunFailed
 
 Array = NDArray[np.float64]
 Carried = Mapping[str, NDArray[Any]]
-"""What belongs to a state beside coordinates and rates: time, step, contacts that have begun."""
+"""What belongs to a state beside its numbers: time, step, contacts that have begun."""
 
 ENGINE = InHouse("dop853", 1e-11)
 """Logarithms of the growths of a slider-crank differ by 1e-3 at most from those at 1e-13; at 1e-10
@@ -32,30 +34,38 @@ APART = 1e-5
 FASTER = 30.0
 """Rates at which contacts change a motion, in those of the crank: the scale of velocities."""
 RESTARTS = 20
-"""Restarts in a cycle: of a contact that goes on in one, the twin's own closing speed is lost."""
-
-_CONTACT = ("contacts", "onset", "memory")
-"""Arrays of a book that a motion goes on from."""
+"""Restarts in a cycle."""
 
 
 @dataclass(frozen=True)
 class Flow:
-    """The motion of a linkage as a map over a part of its cycle.
+    """Motion of a linkage as a map of its state over a part of its cycle.
+
+    The numbers of a state are coordinates, rates, deflections of bristles, and the closing speed
+    at touchdown of each contact whose force depends on it.  That speed is NaN while the joint is
+    open, and where it is so low that the force takes ``ONSET_SPEED_FLOOR`` in its place.
 
     Attributes
     ----------
     running : Simulation
-        What integrates; one for all states.
+        Integrator of all states.
     book : Book
         Of its recorder.
-    coordinates : int
+    places : ndarray, shape (n,)
+        Indices of coordinates, rates and bristles in the vector that is integrated.
+    latching : ndarray of bool, shape (joints,)
+        True for a joint whose force depends on the closing speed at touchdown.
+    apart : ndarray, shape (n + joints,)
+        Distance of twins at a restart in each number of a state.
     interval : float
-        Time of a step, s.
+        Duration of a step, s.
     """
 
     running: Simulation
     book: Book
-    coordinates: int
+    places: NDArray[np.int64]
+    latching: NDArray[np.bool_]
+    apart: Array
     interval: float
 
     @staticmethod
@@ -71,27 +81,65 @@ class Flow:
         recorder = recorder_of(linkage, start, plan)
         recorder.stop_recording()
         running = prepare(linkage, start, ENGINE, plan, recorder)
-        return Flow(running, recorder.book, tree.size, period / parts)
+        joints = recorder.book.packed.joints
+        friction = joints["friction"]
+        bristles = np.flatnonzero(friction["bristle_stiffness"] > 0.0)
+        deflections = [bristle_place(2 * tree.size, int(k)) for k in bristles]
+        slip = friction["static"][bristles] / friction["bristle_stiffness"][bristles]
+        length = APART * min(joint.clearance for joint in linkage.clearances)
+        speed = length * FASTER * 2.0 * math.pi / period
+        return Flow(
+            running,
+            recorder.book,
+            np.array([*range(2 * tree.size), *deflections]),
+            np.array([_depends_on_onset(joint["normal"]) for joint in joints]),
+            np.concatenate(
+                [
+                    np.repeat([length, speed], tree.size),
+                    APART * slip,  # slip: deflection at which bristles slide
+                    np.full(len(joints), speed),
+                ]
+            ),
+            period / parts,
+        )
+
+    @property
+    def _arrays(self) -> Carried:
+        """Live arrays that the motion goes on from."""
+        book, loads = self.book, self.book.packed.loads
+        contact = {"contacts": book.contacts, "onset": book.onset, "memory": book.memory}
+        modes = {} if loads is None else {"modes": loads.modes}
+        return {**self.running.arrays, **contact, **modes}
 
     def state(self) -> tuple[Array, Carried]:
-        """Coordinates and rates as they are now, and what belongs to them; copies."""
-        carried = {name: own.copy() for name, own in self.running.arrays.items()}
-        carried |= {name: getattr(self.book, name).copy() for name in _CONTACT}
-        return self.running.arrays["y"][: 2 * self.coordinates].copy(), carried
+        """Numbers of the present state, and what belongs to them; copies."""
+        latched = self.latching & (self.book.onset > ONSET_SPEED_FLOOR)
+        onset = np.where(latched, self.book.onset, math.nan)
+        carried = {name: array.copy() for name, array in self._arrays.items()}
+        return np.concatenate([self.running.arrays["y"][self.places], onset]), carried
 
     def step(self, state: Array, carried: Carried) -> tuple[Array, Carried]:
         """The state an interval later; RunFailed where the motion ends."""
-        for name, own in self.running.arrays.items():
-            own[...] = carried[name]
-        for name in _CONTACT:
-            getattr(self.book, name)[...] = carried[name]
+        for name, array in self._arrays.items():
+            array[...] = carried[name]
         control = self.running.arrays["control"]
-        self.running.arrays["y"][: 2 * self.coordinates] = state
+        self.running.arrays["y"][self.places] = state[: self.places.size]
+        onset = state[self.places.size :]
+        latched = ~np.isnan(onset)
+        self.book.onset[latched] = np.maximum(onset[latched], ONSET_SPEED_FLOOR)
         control["known"] = False
         finding = self.running.advance(float(control["time"][0]) + self.interval)
         if finding is not None:
             raise RunFailed(finding.words)
         return self.state()
+
+
+def _depends_on_onset(law: Any) -> bool:
+    """Return whether a normal force depends on the closing speed at touchdown."""
+    depth = 1e-3 * law["clearance"]
+    elastic, _ = elastic_of(law, depth)
+    slow, fast = (normal_force(law, elastic, depth, 1.0, onset) for onset in (1.0, 2.0))
+    return bool(slow != fast)
 
 
 def exponent(
@@ -119,11 +167,8 @@ def exponent(
     if not linkage.clearances:
         raise InputError("an exponent needs a joint with clearance: without one nothing is free")
     flow = Flow.of(linkage, start, period, parts)
-    smallest = min(joint.clearance for joint in linkage.clearances)
-    apart = np.full(2 * flow.coordinates, APART * smallest)
-    apart[flow.coordinates :] *= FASTER * 2.0 * math.pi / period
-    found = growths(flow.step, *flow.state(), cycles * parts, apart)
-    return exponent_of(found, flow.interval)
+    found = growths(flow.step, *flow.state(), cycles * parts, flow.apart)
+    return exponent_of(found, flow.interval, parts)
 
 
 def scene_exponent(scene: Scene, cycles: int) -> Exponent:

@@ -10,8 +10,8 @@ from typing import Any
 
 from presswear.campaign.statistics import ends, mean_of
 from presswear.physics.bottom import DWELL, bottom_of, dwell_of
-from presswear.record.recorder import Recorder
-from presswear.record.sampling import Interval, after_startup, mean_range, spread
+from presswear.recording.recorder import Recorder
+from presswear.recording.sampling import Interval, after_startup, mean_range, spread
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 

@@ -27,9 +27,9 @@ from presswear.campaign.segment import Task, worn_out
 from presswear.campaign.stage import stage_of, without_wear
 from presswear.linkage.elements import ClearanceJoint
 from presswear.physics.wear import map_shape
-from presswear.record.sampling import STARTUP_CYCLES
-from presswear.record.soundness import Finding
-from presswear.record.tracker import Tracker
+from presswear.recording.sampling import STARTUP_CYCLES
+from presswear.recording.soundness import Finding
+from presswear.recording.tracker import Tracker
 from presswear.results.life import LifeResult
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene, stage_name
@@ -58,8 +58,8 @@ def stage_task(scene: Scene, index: int) -> Task:
     # A jump multiplies the noise of its map, which moves whatever comes behind long before it
     # shows in the map: all the cycles that may be, as in the paper.  Without a joint that is open
     # there is no map.
-    jumps = index < scene.wears and not scene.wears_in_steps
-    most = max(scene.most_cycles // scene.draws, 1)
+    jumps = index < scene.wear_updates and not scene.wears_in_steps
+    most = max(scene.max_cycles // scene.draws, 1)
     return Task(most, None if jumps or not scene.clearance_joints else scene.tolerance)
 
 
@@ -79,15 +79,15 @@ def pass_task(scene: Scene, index: int, growth: Growth | None) -> Task | None:
         cycles = scene.cycles if done else max(scene.cycles // 2, 1)
         is_enough = done == scene.cycles
     else:
-        cycles = 2 * done or min(FIRST_PASS, max(scene.most_cycles // scene.draws, 1))
+        cycles = 2 * done or min(FIRST_PASS, max(scene.max_cycles // scene.draws, 1))
         joints = scene.linkage().clearances
         is_enough = growth is not None and (
-            error_of(joints, growth) <= scene.tolerance or cycles * scene.draws > scene.most_cycles
+            error_of(joints, growth) <= scene.tolerance or cycles * scene.draws > scene.max_cycles
         )
     if is_enough:
         return None
     word = f"{stage_name(index + 1)} in {cycles} steps"
-    wear = share_of(scene.represented_cycles, cycles)
+    wear = share_of(scene.cycles_per_update, cycles)
     return Task(STARTUP_CYCLES + cycles, wear=wear, number=1 + done, word=word)
 
 
@@ -107,7 +107,7 @@ def run_stage(
     workers : Workers or None
         Does the runs; None: this process.
     """
-    forecast = Forecast(replace(scene, wears=index), trackers)
+    forecast = Forecast(replace(scene, wear_updates=index), trackers)
     forecast.begin(index)
     runner = Runner(scene, forecast, workers or InProcess())
     worn = begun_on(scene) if worn is None else worn
@@ -157,7 +157,7 @@ def growths(
         Told now and then where those runs stand.
     """
     scene, joints = runner.scene, ran.linkage.clearances
-    represented = scene.represented_cycles
+    represented = scene.cycles_per_update
     if not scene.wears_in_steps:
         found = jump(ran, represented)
         yield found, _gone(joints, found.worn, f"after stage {index}", ran.time)
@@ -195,7 +195,7 @@ def unknown_wear(scene: Scene, stage: StageResult) -> list[str]:
         needed = 2.0 ** math.ceil(math.log2(more)) * steps * scene.draws
     return [
         f"the wear of stage {stage.index} is known to {100.0 * error:.2g} % where "
-        f"tolerance = {100.0 * scene.tolerance:.2g} % was asked: about most_cycles = "
+        f"tolerance = {100.0 * scene.tolerance:.2g} % was asked: about max_cycles = "
         f"{needed:.2g} would do"
     ]
 
@@ -210,7 +210,7 @@ def unknown_life(scene: Scene, life: LifeResult) -> list[str]:
     known = "not at all" if math.isinf(error) else f"to {100.0 * error:.2g} %"
     return [
         f"the life is known {known} where tolerance = {100.0 * scene.tolerance:.2g} % was asked: "
-        "a larger life.most_cycles would do"
+        "a larger life.max_cycles would do"
     ]
 
 
@@ -269,7 +269,7 @@ def run_campaign(
         wanting += unknown_life(scene, life)
         state, strokes = LifeState(passes), life.strokes
         # What a stage tells of its wear is for the part of the life up to the next.
-        scene = replace(scene, represented_cycles=max(strokes / scene.wears, 1.0))
+        scene = replace(scene, cycles_per_update=max(strokes / scene.wear_updates, 1.0))
         runner = replace(runner, scene=scene)
 
     def finish(stage: StageResult) -> None:
@@ -281,7 +281,7 @@ def run_campaign(
         for tracker in trackers:
             tracker.stage(stage)
 
-    for index in range(at.index, scene.wears + 1):
+    for index in range(at.index, scene.wear_updates + 1):
         worn = at.worn
         if begun is None or forecast.index != index:
             forecast.begin(index)
@@ -296,7 +296,7 @@ def run_campaign(
         ) -> None:
             tell(Checkpoint(index, worn, ran, growth, running, forecast.numbers(), state))
 
-        is_last = index == scene.wears
+        is_last = index == scene.wear_updates
         if scene.wears_in_steps and not is_last and state is None:
             forecast.expect(3.0 * (scene.cycles or FIRST_PASS))
         ran = at.ran or _stage(runner, index, worn, at.partial, partial(keep, None, None))
@@ -306,7 +306,7 @@ def run_campaign(
                 return "failed", f"stage {index}: {ran.failure}", ran.finding
             break
         if state is not None:
-            since, until = (strokes * k / scene.wears for k in (index, index + 1))
+            since, until = (strokes * k / scene.wear_updates for k in (index, index + 1))
             joints = ran.linkage.clearances
             part = growth_between(state.passes, joints, begun_on(scene), since, until)
             finish(stage_of(scene, index, ran, part, None))

@@ -13,7 +13,7 @@ from presswear.campaign.growth import FIRST_PASS, Growth, by_side, largest_chang
 from presswear.campaign.life import FEWEST_CYCLES, LEAST_BLOCK, Pass, Step
 from presswear.campaign.segment import Task, worn_out
 from presswear.linkage.elements import ClearanceJoint
-from presswear.record.sampling import STARTUP_CYCLES
+from presswear.recording.sampling import STARTUP_CYCLES
 from presswear.results.stage import WearStep
 from presswear.scene.life import Service
 from presswear.tools.errors import RunFailed
@@ -88,7 +88,7 @@ class SceneChains:
             word=f"life, pass {number}, {strokes:.3g} strokes",
         )
 
-        self.runner.forecast.expect(_left(before, number) + scene.wears * FIRST_PASS)
+        self.runner.forecast.expect(_left(before, number) + scene.wear_updates * FIRST_PASS)
 
         def keep(partial: Partial) -> None:
             self.state = replace(self.state, partial=partial)
@@ -218,7 +218,7 @@ def growth_between(
         there, cycles = own.at(end, own.depth), block.cycles * len(begun)
         steps.append(
             WearStep(
-                represented_cycles=end - at,
+                cycles_per_update=end - at,
                 cycles=cycles,
                 factor=(end - at) * len(begun) / cycles,
                 largest_change_of_clearance=largest_change(

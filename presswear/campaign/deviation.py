@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from presswear.engines.base import Plan
 from presswear.physics.ideal import IdealMotion
-from presswear.record.recorder import Recorder
+from presswear.recording.recorder import Recorder
 from presswear.scene.scene import Scene
 
 Array = NDArray[np.float64]
@@ -61,11 +61,11 @@ def deviations(
         ``deviation_start`` (n,): the start that a row is of; ``deviation`` (n, 4): see COLUMNS;
         ``J_flight`` (n,) of each clearance joint J: part of the time out of contact.
     """
-    starts = [deviation(scene, recorder) for recorder in recorders]
-    rows = np.concatenate(starts)
+    replicates = [deviation(scene, recorder) for recorder in recorders]
+    rows = np.concatenate(replicates)
     flights = rows[:, len(COLUMNS) :].T
     return {
-        "deviation_start": np.repeat(np.arange(float(len(starts))), list(map(len, starts))),
+        "deviation_start": np.repeat(np.arange(float(len(replicates))), list(map(len, replicates))),
         "deviation": rows[:, : len(COLUMNS)].copy(),
         **{f"{name}_flight": own.copy() for name, own in zip(joints, flights, strict=True)},
     }

@@ -1,6 +1,6 @@
 """One linkage run from several starts: draws of a chaotic motion, put together.
 
-Starts differ by a hair's breadth.  Within a cycle or two that makes the runs
+Starts differ by up to 2 % of the smallest clearance.  Within a cycle or two that makes the runs
 independent, which cycles of one run need not be.  Each start has worn surfaces of its own, so
 that what follows a wear is independent too.  Behind a wear in one jump they run in two sets:
 together on the surfaces that all their maps give, and each alone.
@@ -32,9 +32,9 @@ from presswear.campaign.resolution import WORTH
 from presswear.campaign.segment import Reached, Segment, Task, linkage_on
 from presswear.engines.base import Run, Status
 from presswear.linkage.linkage import Linkage
-from presswear.record.film import Film
-from presswear.record.recorder import Recorder
-from presswear.record.sampling import (
+from presswear.recording.film import Film
+from presswear.recording.recorder import Recorder
+from presswear.recording.sampling import (
     LEAST_SAMPLES,
     STARTUP_CYCLES,
     MapBatches,
@@ -42,7 +42,7 @@ from presswear.record.sampling import (
     map_errors,
     mean_map,
 )
-from presswear.record.soundness import Finding
+from presswear.recording.soundness import Finding
 from presswear.scene.scene import Scene
 from presswear.tools.workers import Job, Workers
 
@@ -85,21 +85,23 @@ class Ensemble:
     linkage: Linkage
     worn: Array
     runs: tuple[Run, ...]
-    starts: int
+    replicates: int
     wall: float
     step_errors: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def together(self) -> "Ensemble":
         """The first set, which the numbers of a stage are from."""
-        return self._set(slice(self.starts))
+        return self._set(slice(self.replicates))
 
     @property
     def alone(self) -> "Ensemble":
         """The last set, whose runs are independent: each start on surfaces of its own."""
         # Where one of them failed there are fewer runs than surfaces.
         return (
-            self._set(slice(self.starts, len(self.runs))) if len(self.runs) > self.starts else self
+            self._set(slice(self.replicates, len(self.runs)))
+            if len(self.runs) > self.replicates
+            else self
         )
 
     def _set(self, part: slice) -> "Ensemble":
@@ -166,7 +168,7 @@ class Ensemble:
             abs(float(run.diagnostics["energy_residual_J"])) for run in self.runs
         )
         if len(self.runs) > 1:
-            found["starts"] = len(self.runs)
+            found["replicates"] = len(self.runs)
         return found
 
 
@@ -247,7 +249,7 @@ class Runner:
 
 def most_runs(scene: Scene) -> int:
     """Most runs of an ensemble of a scene: behind a jump the starts run together and alone."""
-    is_twice = scene.wears > 0 and not scene.wears_in_steps and scene.draws > 1
+    is_twice = scene.wear_updates > 0 and not scene.wears_in_steps and scene.draws > 1
     return scene.draws * (2 if is_twice else 1)
 
 

@@ -10,7 +10,7 @@ from presswear.linkage.elements import ClearanceJoint
 from presswear.physics.bottom import bottom_of
 from presswear.physics.statics import total_clearance
 from presswear.physics.wear import worn_volume
-from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
+from presswear.recording.observe import CYCLE_FIXED, CYCLE_JOINT
 from presswear.scene.scene import Scene
 
 Array = NDArray[np.float64]

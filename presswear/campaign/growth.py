@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 from presswear.campaign.ensemble import Ensemble
 from presswear.linkage.elements import ClearanceJoint
 from presswear.physics.wear import worn_volume
-from presswear.record.sampling import STARTUP_CYCLES, after_startup, half_width
+from presswear.recording.sampling import STARTUP_CYCLES, after_startup, half_width
 from presswear.results.stage import SIDES, WearStep
 
 Array = NDArray[np.float64]
@@ -101,7 +101,7 @@ def jump(ran: Ensemble, represented: float) -> Growth:
     together, alone = ran.together, ran.alone
     mean = np.broadcast_to(together.depth(), together.worn.shape)
     sets = [(together.worn, mean), (alone.worn, alone.depths())]
-    if ran.starts == 1:
+    if ran.replicates == 1:
         sets = sets[:1]
     before, depths = (np.concatenate(own) for own in zip(*sets, strict=True))
     added = represented * depths
@@ -113,7 +113,7 @@ def jump(ran: Ensemble, represented: float) -> Growth:
         for k in range(len(joints))
     ]
     step = WearStep(
-        represented_cycles=represented,
+        cycles_per_update=represented,
         cycles=cycles,
         factor=represented * len(recorders) / cycles,
         largest_change_of_clearance=largest_change(joints, added[0]),
@@ -148,7 +148,7 @@ def cycle_by_cycle(ran: Ensemble, represented: float, coarser: Growth | None) ->
     cycles = growth.shape[1]
     steps = tuple(
         WearStep(
-            represented_cycles=represented / cycles,
+            cycles_per_update=represented / cycles,
             cycles=len(recorders),
             factor=represented / cycles,
             largest_change_of_clearance=float(change[n]),

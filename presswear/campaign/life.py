@@ -26,7 +26,7 @@ from presswear.campaign.crossing import (
     passed,
     sampling_error,
 )
-from presswear.record.sampling import half_width
+from presswear.recording.sampling import half_width
 from presswear.scene.life import Limit, Service
 from presswear.tools.errors import InputError
 
@@ -73,7 +73,7 @@ class Problem:
     services: tuple[Service, ...]
     at_most: float
     tolerance: float
-    most_cycles: int
+    max_cycles: int
 
 
 @dataclass(frozen=True)
@@ -135,7 +135,7 @@ def next_step(problem: Problem, own: Pass) -> Step | Service | None:
     if len(blocks) > SURELY and first_passed(blocks, problem.limits) == 0.0:
         return None
     run = chains_of(blocks) * sum(block.cycles for block in blocks)
-    if run >= 2 * problem.most_cycles or is_beyond(blocks, problem.limits):
+    if run >= 2 * problem.max_cycles or is_beyond(blocks, problem.limits):
         return None
     is_served = served == len(problem.services)
     until = problem.at_most if is_served else problem.services[served].strokes
@@ -188,7 +188,7 @@ def next_pass(problem: Problem, passes: Sequence[Pass]) -> Pass | None:
     if math.isfinite(known.sampling):
         more = min(max((known.sampling / (ROOM * problem.tolerance)) ** 2, more), MOST_MORE)
     wanted = max(more * run, FEWEST_CYCLES)
-    if len(passes) > 1 and wanted * chains_of(last.blocks) > problem.most_cycles:
+    if len(passes) > 1 and wanted * chains_of(last.blocks) > problem.max_cycles:
         return None
     return Pass(
         last.change * max(run, 1.0) / wanted, max(round(LONGER * math.sqrt(wanted)), LEAST_BLOCK)

@@ -11,7 +11,7 @@ from presswear.campaign.crossing import Blocks, chains_of, curve, sampling_error
 from presswear.campaign.ensemble import Runner
 from presswear.campaign.life import Known, Pass, Problem, known_by, live
 from presswear.campaign.phases import phases_of
-from presswear.record.sampling import half_width, quantile
+from presswear.recording.sampling import half_width, quantile
 from presswear.results.life import Ended, LifeResult, LimitResult, PassResult
 from presswear.scene.life import Life, Limit
 from presswear.scene.scene import Scene
@@ -27,7 +27,7 @@ def problem_of(scene: Scene) -> Problem:
         own.services(scene.clearance_joints),
         own.at_most,
         scene.tolerance,
-        own.most_cycles,
+        own.max_cycles,
     )
 
 
@@ -77,11 +77,9 @@ def told_of(scene: Scene, problem: Problem, passes: tuple[Pass, ...]) -> LifeRes
         else:
             ended = "cycles"
             message = f"no limit is passed within {_cycles(blocks)} cycles of all starts"
-    scatter = None
-    if _life(scene).scatter == "on":
-        # A life is as long as the wear coefficients are small, all of them together.
-        worst = max(scene.bearing(name).materials.wear_scatter for name in scene.clearance_joints)
-        scatter = quantile(math.inf) * math.sqrt(math.log1p(worst**2))
+    # A life is inversely proportional to the wear coefficients, all of them high or low together.
+    worst = max(scene.bearing(name).materials.wear_scatter for name in scene.clearance_joints)
+    scatter = quantile(math.inf) * math.sqrt(math.log1p(worst**2))
     return LifeResult(
         ended,
         message,

@@ -5,8 +5,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from presswear.linkage.linkage import Linkage
-from presswear.record.film import Film
-from presswear.record.tracker import Progress, Tracker
+from presswear.recording.film import Film
+from presswear.recording.tracker import Progress, Tracker
 from presswear.scene.scene import Scene
 
 _NUMBERS = ("index", "earlier", "done", "later", "worn_by", "_shown", "_shown_whole")
@@ -89,7 +89,7 @@ class Forecast:
         """
         now, stage = self.done + run, self.done + needed + self.later
         self._shown = max(self._shown, min(now / stage, 1.0))
-        rest = (self.scene.wears - self.index) * max(self.worn_by, stage)
+        rest = (self.scene.wear_updates - self.index) * max(self.worn_by, stage)
         whole = (self.earlier + now) / (self.earlier + stage + rest)
         self._shown_whole = max(self._shown_whole, min(whole, 1.0))
         progress = Progress(self.index, self._shown, self._shown_whole, word, linkage, film)

@@ -12,11 +12,11 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.campaign.replicates import start_of
 from presswear.campaign.segment import linkage_on
-from presswear.campaign.starts import start_of
 from presswear.engines.base import Plan
-from presswear.record.recorder import Recorder
-from presswear.record.tracker import Telling, Tracker
+from presswear.recording.recorder import Recorder
+from presswear.recording.tracker import Telling, Tracker
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import State
 from presswear.tools.workers import Report
@@ -34,7 +34,7 @@ SETTLING = 2
 WORTH = 50
 """Cycles of a stage that are enough for this to cost a twentieth of it at most."""
 
-_TOLD = {"dose": "step_error_of_dose", "force_max": "step_error_of_force"}
+_TOLD = {"load_distance": "step_error_of_dose", "force_max": "step_error_of_force"}
 """Numbers of a piece that are compared, and the names of what changes them."""
 
 

@@ -14,16 +14,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.campaign.starts import start_of
+from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Run, Start, Status, recorder_of
 from presswear.linkage.elements import ClearanceJoint
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.surface import Surface
 from presswear.physics.bottom import bottom_of
-from presswear.record.recorder import Recorder
-from presswear.record.sampling import RANGE_STROKES, STARTUP_CYCLES, MapBatches
-from presswear.record.soundness import Finding
-from presswear.record.tracker import Tracker
+from presswear.recording.recorder import Recorder
+from presswear.recording.sampling import RANGE_STROKES, STARTUP_CYCLES, MapBatches
+from presswear.recording.soundness import Finding
+from presswear.recording.tracker import Tracker
 from presswear.results.stage import SIDES
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import State, named, part

@@ -10,9 +10,9 @@ from presswear.campaign.campaign import run_campaign
 from presswear.campaign.checkpoint import Checkpoint
 from presswear.campaign.ensemble import most_runs
 from presswear.engines.settings import Engine
-from presswear.record.film import columns_of
-from presswear.record.soundness import Finding
-from presswear.record.tracker import Tracker, tell_all
+from presswear.recording.film import columns_of
+from presswear.recording.soundness import Finding
+from presswear.recording.tracker import Tracker, tell_all
 from presswear.results.folder import INTERVAL, ResultFolder
 from presswear.results.life import LifeResult
 from presswear.results.provenance import provenance

@@ -11,8 +11,8 @@ from presswear.campaign.ensemble import Ensemble
 from presswear.campaign.growth import Growth, error_of
 from presswear.campaign.statistics import Wear, stage_statistics
 from presswear.linkage.surface import bin_centres
-from presswear.record.sampling import map_errors
-from presswear.record.soundness import Finding
+from presswear.recording.sampling import map_errors
+from presswear.recording.soundness import Finding
 from presswear.results.stage import SIDES, StageResult, angle_names
 from presswear.scene.scene import Scene
 
@@ -29,12 +29,15 @@ def stage_of(
     growth : Growth or None
         The wear after it as far as it is known; None: what one jump would add is told.
     """
-    represented = scene.represented_cycles
+    represented = scene.cycles_per_update
     together, alone = ran.together, ran.alone
     if growth is None:
         added, by_start = represented * together.depth(), represented * alone.depths()
     else:
-        added, by_start = growth.added[: ran.starts].mean(axis=0), growth.added[-ran.starts :]
+        added, by_start = (
+            growth.added[: ran.replicates].mean(axis=0),
+            growth.added[-ran.replicates :],
+        )
     errors = map_errors(*together.batches())
     # Depth that one wear adds by each batch of the stage's cycles alone.
     batches, weights = together.batches()
@@ -143,9 +146,9 @@ def _arrays(
     arrays["wear_batch_cycles"] = weights
     if recorder.sections_per_cycle:
         arrays["sections"] = recorder.sections
-    starts = ran.recorders
-    arrays["cycles"] = np.concatenate([own.cycles for own in starts])
+    replicates = ran.recorders
+    arrays["cycles"] = np.concatenate([own.cycles for own in replicates])
     arrays["cycle_start"] = np.repeat(
-        np.arange(float(len(starts))), [len(own.cycles) for own in starts]
+        np.arange(float(len(replicates))), [len(own.cycles) for own in replicates]
     )
-    return arrays | deviations(scene, list(bins), starts)
+    return arrays | deviations(scene, list(bins), replicates)

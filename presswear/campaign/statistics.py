@@ -17,8 +17,8 @@ from presswear.linkage.elements import ClearanceJoint
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.surface import bin_centres
 from presswear.physics.wear import worn_volume
-from presswear.record.recorder import Recorder
-from presswear.record.sampling import (
+from presswear.recording.recorder import Recorder
+from presswear.recording.sampling import (
     Interval,
     after_startup,
     half_width,
@@ -95,11 +95,11 @@ def joint_statistics(
         "force_max_N": float(max(after_startup(own).max() for own in force)),
         "force_max_per_cycle_N": mean(lambda own: own.each_cycle("force_max", k)),
         "contacts": contacts,
-        "contacts_per_cycle": mean(lambda own: np.diff(own.each_cycle("contacts", k), prepend=0.0)),
+        "contacts_per_cycle": mean(lambda own: own.each_cycle("contacts", k)),
         "unresolved_contacts": int(tallies["unresolved"].sum()),
         "fewest_steps_in_a_contact": fewest,
         "part_of_time_in_contact": float(tallies["closed_time"].sum()) / time,
-        "dose_per_cycle_Nm": mean(lambda own: own.each_cycle("dose", k)),
+        "dose_per_cycle_Nm": mean(lambda own: own.each_cycle("load_distance", k)),
         "wear_volume_m3": volume,
         "wear_volume_half_width_m3": None,
         "wear_map_error": float(map_errors(maps[:, np.newaxis], weights)[0]),
@@ -173,12 +173,8 @@ def stage_statistics(
     )
     return {
         "cycles": sum(len(own) for own in displacement),
-        "energy_made_per_cycle_J": mean(
-            lambda own: np.diff(own.each_cycle("contact_made"), prepend=0.0)
-        ),
-        "drive_work_per_cycle_J": mean(
-            lambda own: np.diff(own.each_cycle("drive_work"), prepend=0.0)
-        ),
+        "energy_made_per_cycle_J": mean(lambda own: own.each_cycle("contact_made")),
+        "drive_work_per_cycle_J": mean(lambda own: own.each_cycle("drive_work")),
         "slider": {
             "displacement_max_m": float(max(after_startup(own).max() for own in displacement)),
             "velocity_min_m_s": float(min(after_startup(own).min() for own in slowest)),

@@ -13,7 +13,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.record.sampling import batched, half_width
+from presswear.recording.sampling import batched, half_width
 from presswear.tools.errors import InputError
 
 Array = NDArray[np.float64]
@@ -31,7 +31,7 @@ class Exponent:
     ----------
     value : float
     half_width : float or None
-        Of its 95 % interval, from batches of restarts; None: too few.
+        Of its 95 % interval, from batches of cycles; None: too few.
     restarts : int
         Restarts that it is the mean of.
     """
@@ -63,9 +63,11 @@ def growths(
         The state, and what is carried with it, after the time between two restarts; it changes
         neither of its arguments.
     state : ndarray, shape (d,)
+        A number is NaN while the motion does not depend on it.  Twins have no distance in a number
+        that is NaN in either of them.
     carried
-        What belongs to a state and is not moved, such as contacts that have begun: the twin
-        takes its brother's at each restart.
+        What belongs to a state and is not moved, such as time and which contacts have begun.  The
+        twin takes it from the other motion at each restart.
     apart : ndarray, shape (d,)
         Distance of each number at a restart, in its own unit; also the scale in which distances
         are measured.
@@ -74,15 +76,19 @@ def growths(
         raise InputError(f"restarts = {restarts}: a number from 1 is expected")
     if not np.all(apart > 0.0):
         raise InputError(f"apart = {apart.tolist()}: numbers above 0 are expected")
+
+    def difference(twin: Array) -> Array:
+        return np.nan_to_num((twin - state) / apart, nan=0.0, posinf=math.inf, neginf=-math.inf)
+
     direction = np.full(state.size, 1.0 / math.sqrt(state.size))
     found = np.empty(restarts)
     for k in range(restarts):
         twin = state + apart * direction
         # Of what was asked for, round-off leaves another distance.
-        before = float(np.linalg.norm((twin - state) / apart))
+        before = float(np.linalg.norm(difference(twin)))
         moved, _ = step(twin, carried)
         state, carried = step(state, carried)
-        direction = (moved - state) / apart
+        direction = difference(moved)
         distance = float(np.linalg.norm(direction))
         if not 0.0 < distance < math.inf:
             raise InputError(
@@ -94,16 +100,22 @@ def growths(
     return found
 
 
-def exponent_of(logarithms: Array, duration: float) -> Exponent:
-    """The exponent, and its interval, from ``growths``.
+def exponent_of(logarithms: Array, duration: float, parts: int = 1) -> Exponent:
+    """Return the exponent, and its interval, from ``growths``.
 
     Parameters
     ----------
     logarithms : ndarray, shape (restarts,)
     duration : float
         Between two restarts; the exponent is per unit of it.
+    parts : int
+        Restarts in a cycle of what drives the motion.  The interval is of means over whole cycles,
+        because growth varies within a cycle.
     """
     rates = logarithms[math.ceil(SETTLE * len(logarithms)) :] / duration
     if not rates.size:
         return Exponent(math.nan, None, 0)
-    return Exponent(float(rates.mean()), half_width(batched(rates)), rates.size)
+    parts = min(parts, rates.size)
+    rates = rates[rates.size % parts :]
+    half = half_width(batched(rates.reshape(-1, parts).mean(axis=1)))
+    return Exponent(float(rates.mean()), half, rates.size)

@@ -11,10 +11,10 @@ from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import Force
 from presswear.physics.energy import SETTLED
 from presswear.physics.load_modes import place_loads
-from presswear.record.observe import ROWS_AT_LEAST
-from presswear.record.recorder import Recorder
-from presswear.record.soundness import Finding
-from presswear.record.tracker import Tracker
+from presswear.recording.observe import ROWS_AT_LEAST
+from presswear.recording.recorder import Recorder
+from presswear.recording.soundness import Finding
+from presswear.recording.tracker import Tracker
 from presswear.tools.arrays import State
 
 Array = NDArray[np.float64]

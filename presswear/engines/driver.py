@@ -11,9 +11,9 @@ from presswear.engines.base import Plan, Run, Start, Status, recorder_of
 from presswear.linkage.linkage import Linkage
 from presswear.physics.constraints import Constraints
 from presswear.physics.energy import Ledger
-from presswear.record.observe import CONTACT_MADE, DRIVE_WORK
-from presswear.record.recorder import Recorder
-from presswear.record.soundness import Condition, Finding, examine
+from presswear.recording.observe import CONTACT_MADE, DRIVE_WORK
+from presswear.recording.recorder import Recorder
+from presswear.recording.soundness import Condition, Finding, examine
 from presswear.tools.arrays import State, named, numbers, part, set_numbers
 
 Array = NDArray[np.float64]
@@ -65,6 +65,8 @@ Prepare = Callable[[Linkage, Start, Any, Plan, Recorder], Simulation]
 
 _WORN_OFF = "worn_off"
 """Elastic energy of what was worn off under load, J, among the sums."""
+_MADE, _DRIVE_WORK = "made", "drive_work"
+"""Energies of the ledger up to the end of the last cycle, J, among the sums."""
 
 
 def _balance(running: Simulation) -> Ledger:
@@ -79,7 +81,7 @@ def simulate(prepare: Prepare, linkage: Linkage, start: Start, settings: Any, pl
     for tracker in plan.trackers:
         tracker.begun(recorder)
     running = prepare(linkage, start, settings, plan, recorder)
-    running.sums[_WORN_OFF] = 0.0
+    running.sums.update({_WORN_OFF: 0.0, _MADE: 0.0, _DRIVE_WORK: 0.0})
     if plan.resume is not None:
         for name, array in running.arrays.items():
             array[...] = plan.resume[name]
@@ -121,8 +123,9 @@ def _cycles(
             return finding
         time, position, velocity = running.state()
         ledger = _balance(running)
-        recorder.book.cycle[CONTACT_MADE] = ledger.made
-        recorder.book.cycle[DRIVE_WORK] = ledger.drive_work
+        recorder.book.cycle[CONTACT_MADE] = ledger.made - running.sums[_MADE]
+        recorder.book.cycle[DRIVE_WORK] = ledger.drive_work - running.sums[_DRIVE_WORK]
+        running.sums.update({_MADE: ledger.made, _DRIVE_WORK: ledger.drive_work})
         now = Condition(time, ledger, position, velocity, running.remedy, running.constraints)
         return examine(linkage, recorder, now)
 

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from presswear.engines.base import Plan
-from presswear.physics.energy import MADE_REMEDY, made_energy
-from presswear.record.recorder import Recorder
-from presswear.record.soundness import Finding
+from presswear.physics.energy import made_energy, made_remedy
+from presswear.recording.recorder import Recorder
+from presswear.recording.soundness import Finding
 from presswear.tools.exudyn import exudyn_module
 
 exu = exudyn_module()
@@ -88,9 +88,11 @@ class Solve:
 
     def is_sound(self) -> bool:
         """True while the contacts have made no energy; False ends the run."""
-        ledger = self.recorder.book.ledger[0]
+        book = self.recorder.book
+        ledger = book.ledger[0]
         if self.time > self.plan.settled:
-            self.reason = made_energy(ledger["contact_loss"], ledger["drive_exchange"])
+            lost, exchange = ledger["contact_loss"], ledger["drive_exchange"]
+            self.reason = made_energy(book.packed, lost, exchange)
         return not self.reason
 
 
@@ -278,7 +280,8 @@ def run_to_end(
     if solve.reached:
         return None
     if solve.reason:
-        return Finding("energy", solve.reason, solve.time, "", MADE_REMEDY)
+        advice = made_remedy(solve.recorder.book.packed, remedy)
+        return Finding("energy", solve.reason, solve.time, "", advice)
     if solver.output.simulationStoppedByUser and not solve.is_broken:
         raise KeyboardInterrupt
     if not message and not solve.is_broken:

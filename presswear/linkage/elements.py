@@ -19,8 +19,14 @@ SurfaceContact = Literal["radial", "foundation"]
 
 MASS = Meaning("kg", 1e-9, 1e9, "", "mass")
 INERTIA = Meaning(
-    "kg m^2", 1e-18, 1e15, "", "about the mass centre; of a bar m l^2 / 12 if not given"
+    "kg m^2",
+    0.0,
+    1e15,
+    "",
+    "about the mass centre; of a bar m l^2 / 12 if not given; 0 for a body that cannot turn",
 )
+LEAST_INERTIA = 1e-18
+"""Of a body that can turn, kg m^2."""
 
 
 @checked
@@ -31,7 +37,7 @@ class Body:
     Attributes
     ----------
     mass, inertia : float
-        kg; about its mass centre, kg m^2.
+        kg; about its mass centre, kg m^2.  It may be 0 where the body cannot turn.
     points : tuple of (str, (float, float))
         Names for some of its points, in its frame with origin at the mass centre, m; a mapping
         may be given.
@@ -39,7 +45,7 @@ class Body:
 
     name: str
     mass: Annotated[float, MASS]
-    inertia: Annotated[float, INERTIA]
+    inertia: Annotated[float, INERTIA] = 0.0
     points: Mapping[str, Place] | tuple[tuple[str, Place], ...] = ()
 
     def __post_init__(self) -> None:
@@ -50,6 +56,14 @@ class Body:
         if points.get("centre", (0.0, 0.0)) != (0.0, 0.0):
             raise InputError(f"points.centre of {self.name}: this is the name of the mass centre")
         object.__setattr__(self, "points", tuple(points.items()))
+
+    @property
+    def effective_inertia(self) -> float:
+        """Inertia in the equations of motion, kg m^2.
+
+        A body without inertia cannot turn, so that any value gives the same motion.
+        """
+        return self.inertia or self.mass  # mass times 1 m^2
 
 
 BAR = Meaning("m", 1e-6, LARGE, "", "of a bar: from its tail to its head, its mass centre halfway")
@@ -155,7 +169,7 @@ class WearLaw:
 
     coefficient: float
     slip: Slip = "sliding"
-    footprint: Footprint = "arc"
+    wear_distribution: Footprint = "arc"
     bearing_share: float = 0.5
     angles: int = 360
 

@@ -9,9 +9,17 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from itertools import permutations
 from typing import Any, ClassVar
 
-from presswear.linkage.elements import Body, ClearanceJoint, Guide, Pin, Revolute
+from presswear.linkage.elements import (
+    LEAST_INERTIA,
+    Body,
+    ClearanceJoint,
+    Guide,
+    Pin,
+    Revolute,
+)
 from presswear.linkage.loads import AnyLoad, Force, Load, Moment, OverTime, Spring
 from presswear.linkage.motions import Drive
 from presswear.linkage.points import GROUND, Attachment, End, Probe
@@ -43,8 +51,8 @@ def gravity() -> Any:
 class Linkage:
     """A planar mechanism, driven, with or without clearance joints.
 
-    Points may be given as text, ``body.point``, and those on the frame as coordinates; sequences
-    become tuples.
+    Points may be given as text, ``body.point`` or ``body`` for its mass centre, and those on the
+    frame as coordinates; sequences become tuples.
 
     Attributes
     ----------
@@ -97,10 +105,16 @@ class Linkage:
         _check_names("body", [GROUND, *(body.name for body in self.bodies)])
         put("joints", tuple(self._joined(joint) for joint in self.joints))
         _check_names("joint", ["none", *(own.name for own in (*self.joints, *self.clearances))])
+        for one, other in permutations(self.joints, 2):
+            if other.name.startswith(f"{one.name}_"):
+                raise InputError(
+                    f"name of a joint = {other.name!r}: must not begin with {one.name}_, "
+                    f"because {one.name} is a joint too"
+                )
         _check_names("spring", [spring.name for spring in self.springs])
         _check_names("drive of", [drive.body for drive in self.drives])
         if isinstance(self.watch, str):
-            end = self.point(self.watch or f"{self.bodies[-1].name}.centre", "watch")
+            end = self.point(self.watch or self.bodies[-1].name, "watch")
             put("watch", self.watching(end))
         put("loads", tuple(self._loaded(load) for load in self.loads))
         put("springs", tuple(self._hung(spring) for spring in self.springs))
@@ -112,6 +126,19 @@ class Linkage:
             ("watch", self.probe.body),
         ):
             self._check_body(name, where)
+        self._check_inertia()
+
+    def _check_inertia(self) -> None:
+        """Raise InputError for a body that can turn and has no inertia."""
+        held = {guide.body for guide in self.guides}
+        held |= {drive.body for drive in self.drives if drive.speed == 0.0 and not drive.repeats}
+        for body in self.bodies:
+            if body.inertia < LEAST_INERTIA and not (body.inertia == 0.0 and body.name in held):
+                raise InputError(
+                    f"inertia of {body.name} = {body.inertia:g} kg m^2: must be "
+                    f"{LEAST_INERTIA:g} kg m^2 or more; 0 is allowed for a body that a guide, or "
+                    "a drive at rest, keeps from turning"
+                )
 
     def _check_body(self, name: str, where: str) -> None:
         names = [body.name for body in self.bodies]
@@ -134,10 +161,7 @@ class Linkage:
             law.check("cycle", self.period)
         if not isinstance(load, Force):
             return load
-        point = load.point
-        if isinstance(point, str) and "." not in point:
-            point = f"{point}.centre"
-        return replace(load, point=self.point(point, "loads"))
+        return replace(load, point=self.point(load.point, "loads"))
 
     def _hung(self, spring: Spring) -> Spring:
         """A spring with its points found."""
@@ -158,7 +182,8 @@ class Linkage:
     def point(self, end: End, where: str) -> Attachment:
         """A point that is given in any way; InputError names it and where it stands."""
         if isinstance(end, str):
-            body, _, name = end.partition(".")
+            body, dot, name = end.partition(".")
+            name = name if dot else "centre"
             self._check_body(body, where)
             points = dict(self.bodies[self.index(body)].points) | {"centre": (0.0, 0.0)}
             if name not in points:

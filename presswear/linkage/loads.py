@@ -284,7 +284,7 @@ class Force:
     Attributes
     ----------
     point : Attachment or str
-        As ``body.point``, or a body, at whose mass centre it acts.
+        As ``body.point``, or as ``body`` for its mass centre.
     direction : float
         rad.
     law : Law

@@ -63,4 +63,5 @@ class Probe:
 
 
 End = Attachment | str | Place
-"""A point: as it is, as ``body.point``, or as coordinates on the frame, m."""
+"""A point: as it is, as ``body.point``, as ``body`` for its mass centre, or as coordinates on the
+frame, m."""

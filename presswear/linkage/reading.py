@@ -143,8 +143,6 @@ def _body(row: dict[str, Any]) -> Body:
     if "length" in row:
         found = Bar(**row)
         return Body(found.name, found.mass, found.inertia, {**dict(found.points), **points})
-    if "inertia" not in row:
-        raise InputError(f"inertia of {row['name']}: it is needed where no length is given")
     return Body(points=points, **row)
 
 
@@ -170,8 +168,13 @@ class _Reader:
     folder: Path
 
     def _own(self, place: str, value: Any) -> OwnFunction:
+        if not self.units:
+            if isinstance(value, str):
+                raise InputError(f"{place} = {value!r}: a stored law is source code, not a file")
+            return OwnFunction.asking(place, value, LOAD_PARAMETERS)
+        # The user wrote this file, with the source code that stands in it.
         given = f"{self.folder / value}" if isinstance(value, str) else value
-        return OwnFunction.asking(place, given, LOAD_PARAMETERS)
+        return OwnFunction.asking(place, given, LOAD_PARAMETERS).trusted()
 
     def table_row(self, table: str, row: Any, place: str) -> dict[str, Any]:
         """The values of a row of one of TABLES."""

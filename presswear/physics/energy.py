@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.physics.packed import Packed
+from presswear.physics.packed import Packed, depths_of
 from presswear.physics.springs import spring_energy
 from presswear.tools.compiled import Records, inlined
 
@@ -74,7 +74,12 @@ SETTLED = 0.05
 """Part of the first cycle before which that is not judged, nor in a run-up."""
 
 
-def made_energy(contact_loss: float, exchange: float) -> str:
+def has_worn_radial_contact(packed: Packed) -> bool:
+    """Return whether a joint with radial contact has a worn surface."""
+    return bool(depths_of(packed)[packed.joints["foundation"] == 0.0].any())
+
+
+def made_energy(packed: Packed, contact_loss: float, exchange: float) -> str:
     """Say what is wrong where contacts gave back more than they took; else nothing.
 
     A radial force over a steep worn profile is not the gradient of an energy: pin and
@@ -82,20 +87,28 @@ def made_energy(contact_loss: float, exchange: float) -> str:
 
     Parameters
     ----------
+    packed : Packed
+        The linkage with its present surfaces.
     contact_loss, exchange : float
         So far, J; see ``Ledger``.
     """
     # Energies that are no numbers come from a broken state, which is told elsewhere.
     if not (exchange > 0.0 and contact_loss < -MADE * exchange):
         return ""
+    cause = "the steps are too coarse"
+    if has_worn_radial_contact(packed):
+        cause = f"the worn surfaces are too steep for contact = radial, or {cause}"
     return (
         f"the contacts made {-contact_loss:.3g} J, where the drives exchanged {exchange:.3g} J: "
-        "the worn surfaces are too steep for contact = radial, or the steps are too coarse"
+        f"{cause}"
     )
 
 
-MADE_REMEDY = "contact = foundation can follow steep surfaces; else finer steps"
-"""This may help where contacts made energy."""
+def made_remedy(packed: Packed, finer: str) -> str:
+    """Return advice where contacts made energy; ``finer`` says how the engine takes finer steps."""
+    if has_worn_radial_contact(packed):
+        return f"contact = foundation can follow steep surfaces; else finer steps: {finer}"
+    return finer
 
 
 @dataclass(frozen=True)

@@ -180,11 +180,15 @@ def ideal_motion(linkage: Linkage, period: float) -> IdealMotion:
     start = closed(rows, np.zeros(1), begun[np.newaxis])
     coarse = _followed(rows, start, np.linspace(0.0, period, _COARSE + 1))
     ahead = coarse._ahead(_NODES)
-    motion = IdealMotion(rows, period, *closed(rows, np.linspace(0.0, period, _NODES + 1), ahead))
-    if not _near(motion.position, ahead) or np.any(
-        rows.side(motion.position) != rows.side(start.q)
-    ):
-        motion = _followed(rows, start, motion.times)
+    times = np.linspace(0.0, period, _NODES + 1)
+    try:
+        motion = IdealMotion(rows, period, *closed(rows, times, ahead))
+        is_near = _near(motion.position, ahead)
+        is_near = is_near and not np.any(rows.side(motion.position) != rows.side(start.q))
+    except AssemblyError:  # Newton's method strays from a place that is predicted badly.
+        is_near = False
+    if not is_near:
+        motion = _followed(rows, start, times)
     _check(motion)
     return motion
 
@@ -194,7 +198,10 @@ def _near(found: Array, expected: Array) -> bool:
 
 
 def _followed(rows: Rows, start: Levels, times: Array) -> IdealMotion:
-    """Follow a linkage from one instant to the next, in shorter steps where it turns fast."""
+    """Follow a linkage from one instant to the next, in shorter steps where it turns fast.
+
+    A step is halved where it fails, and doubled behind one that succeeds.
+    """
     found = [start]
     side = rows.side(start.q)
     for before, time in pairwise(map(float, times)):
@@ -210,7 +217,7 @@ def _followed(rows: Rows, start: Levels, times: Array) -> IdealMotion:
             except AssemblyError:
                 is_near = False
             if is_near:
-                levels, now = reached, there
+                levels, now, step = reached, there, 2.0 * step
             elif step < (time - before) / 2.0**_HALVINGS:
                 raise stuck(rows, np.array([now]), levels.q)
             else:

@@ -128,10 +128,21 @@ def kelvin_voigt_force(
 
 
 @inlined
+def elastic_at(law: Records, penetration: float) -> float:
+    """Return the elastic force, N, at a penetration, m, by a record of NORMAL."""
+    if law.elastic == INLINE:
+        return elastic_force(penetration, law.stiffness, law.exponent)
+    if penetration <= 0.0:
+        return 0.0
+    rest = (law.stiffness, law.exponent, law.damping, law.clearance)
+    return call(law.elastic, (penetration, *rest))
+
+
+@inlined
 def elastic_of(law: Records, penetration: float) -> tuple[float, float]:
     """Elastic force, N, and its energy, J, at a penetration, m, by a record of NORMAL."""
+    elastic = elastic_at(law, penetration)
     if law.elastic == INLINE:
-        elastic = elastic_force(penetration, law.stiffness, law.exponent)
         return elastic, elastic * penetration / (law.exponent + 1.0)
     if penetration <= 0.0:
         return 0.0, 0.0
@@ -141,7 +152,7 @@ def elastic_of(law: Records, penetration: float) -> tuple[float, float]:
         # In the root of the penetration, which nearly all laws are smooth in.
         x = 0.5 * (1.0 + ABSCISSAE[i])
         energy += WEIGHTS[i] * x * call(law.elastic, (penetration * x * x, *rest))
-    return call(law.elastic, (penetration, *rest)), energy * penetration
+    return elastic, energy * penetration
 
 
 @inlined
@@ -233,6 +244,13 @@ def friction_force(sliding: float, normal: float, law: Records) -> float:
     return call(law.force, (sliding, normal, law.coefficient, law.lower, law.upper))
 
 
+@inlined
+def stribeck_coefficient(sliding: float, law: Records) -> float:
+    """Return the friction coefficient g of LuGre's law in steady sliding at a speed, m/s."""
+    ratio = sliding / law.stribeck
+    return law.coefficient + (law.static - law.coefficient) * math.exp(-ratio * ratio)
+
+
 @compiled
 def bristle_rate(sliding: float, bristle: float, is_closed: bool, law: Records) -> float:
     """Rate of the mean deflection z of the bristles of LuGre's law, m/s.
@@ -249,29 +267,40 @@ def bristle_rate(sliding: float, bristle: float, is_closed: bool, law: Records) 
     """
     if not is_closed:
         return -law.bristle_stiffness / law.bristle_damping * bristle
-    ratio = sliding / law.stribeck
-    held = law.coefficient + (law.static - law.coefficient) * math.exp(-ratio * ratio)
+    held = stribeck_coefficient(sliding, law)
     return sliding - law.bristle_stiffness * abs(sliding) * bristle / held
 
 
 @compiled
-def bristle_after(
-    sliding: float, before: float, rate: float, h: float, is_closed: bool, law: Records
+def bristle_in_contact(
+    bristle: float, started: float, sliding: float, h: float, law: Records
 ) -> float:
-    """Deflection of the bristles at the end of a step of the trapezoidal rule, m.
+    """Return the deflection of the bristles after a step in contact, m.
+
+    z' = v - b z with b = sigma_0 |v| / g is solved with the mean of v and of b at both ends.  The
+    rule is of second order, exact at constant speed, and does not oscillate where b h is large.
 
     Parameters
     ----------
-    sliding : float
-        At the end of the step, m/s.
-    before, rate, h : float
-        Deflection, m, and its rate, m/s, at the start, and the step, s.
+    bristle : float
+        z at the start of the step, m.
+    started, sliding : float
+        v at the start and at the end of the step, m/s.
+    h : float
+        Step, s.
+    law : record of FRICTION
     """
-    half = 0.5 * h
-    # The rate is a line in z: a + b z.
-    a = bristle_rate(sliding, 0.0, is_closed, law)
-    b = bristle_rate(sliding, 1.0, is_closed, law) - a
-    return (before + half * (rate + a)) / (1.0 - half * b)
+    b = abs(started) / stribeck_coefficient(started, law)
+    b += abs(sliding) / stribeck_coefficient(sliding, law)
+    b *= 0.5 * law.bristle_stiffness
+    weight = -math.expm1(-b * h) / b if b > 0.0 else h
+    return bristle + weight * (0.5 * (started + sliding) - b * bristle)
+
+
+@compiled
+def bristle_in_flight(bristle: float, h: float, law: Records) -> float:
+    """Return the deflection of the bristles, m, after a time ``h``, s, without contact."""
+    return bristle * math.exp(-law.bristle_stiffness / law.bristle_damping * h)
 
 
 @compiled

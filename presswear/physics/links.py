@@ -214,7 +214,7 @@ def pack_links(linkage: Linkage, branches: Sequence[Branch]) -> Records:
         link["before_x"], link["before_y"] = before.x, before.y
         link["own_x"], link["own_y"] = own.x, own.y
         body = linkage.bodies[linkage.index(own.body)]
-        link["mass"], link["inertia"] = body.mass, body.inertia
+        link["mass"], link["inertia"] = body.mass, body.effective_inertia
         if isinstance(joint, Guide):
             link["kind"] = GUIDED
             link["cosine"], link["sine"] = math.cos(joint.direction), math.sin(joint.direction)

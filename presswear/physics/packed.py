@@ -63,6 +63,8 @@ class Packed(NamedTuple):
     loads : Loads or None
     mass, weight : ndarray, shape (3 bodies,)
         Diagonal of the mass matrix; constant generalized forces.
+    driven : ndarray of int, shape (drives,)
+        Indices of the angles of the driven bodies in q.
     """
 
     joints: Records
@@ -71,6 +73,7 @@ class Packed(NamedTuple):
     loads: Loads | None
     mass: Array
     weight: Array
+    driven: NDArray[np.int64]
 
 
 def pack(linkage: Linkage, wearing: bool = False) -> Packed:
@@ -95,6 +98,7 @@ def pack(linkage: Linkage, wearing: bool = False) -> Packed:
         pack_loads(linkage),
         mass_of(linkage),
         weight_of(linkage),
+        np.array([3 * linkage.index(drive.body) + 2 for drive in linkage.drives], dtype=np.int64),
     )
     for k, pair in enumerate(pairs):
         pack_surfaces(packed, k, pair)
@@ -103,7 +107,9 @@ def pack(linkage: Linkage, wearing: bool = False) -> Packed:
 
 def mass_of(linkage: Linkage) -> Array:
     """Diagonal of the mass matrix, shape (3 bodies,): m, m, I of each body."""
-    return np.array([x for body in linkage.bodies for x in (body.mass, body.mass, body.inertia)])
+    return np.array(
+        [x for body in linkage.bodies for x in (body.mass, body.mass, body.effective_inertia)]
+    )
 
 
 def weight_of(linkage: Linkage) -> Array:
@@ -141,7 +147,7 @@ def pack_joints(linkage: Linkage) -> Records:
             record["wear_coefficient"] = joint.wear.coefficient
             record["bearing_share"] = joint.wear.bearing_share
             record["slip_by_angle"] = joint.wear.slip == "angle"
-            record["over_arc"] = joint.wear.footprint == "arc"
+            record["over_arc"] = joint.wear.wear_distribution == "arc"
     return joints
 
 
@@ -156,7 +162,7 @@ def effective_mass(linkage: Linkage, joint: ClearanceJoint) -> float:
     for end in (joint.bearing, joint.pin):
         for body in linkage.bodies:
             if body.name == end.body and body.name not in driven:
-                mobility += 1.0 / body.mass + (end.x**2 + end.y**2) / body.inertia
+                mobility += 1.0 / body.mass + (end.x**2 + end.y**2) / body.effective_inertia
     return 1.0 / mobility if mobility > 0.0 else math.inf
 
 

@@ -35,6 +35,9 @@ FLIGHT_STEPS_PER_BIN = 4.0
 LEAST_PARTS = 15
 """Steps of an error-controlled method in a free impact, at least: enough to show its peak."""
 
+STEPS_PER_FLIGHT = 20.0
+"""Steps in the time in which a pin would cross the clearance from rest, at least."""
+
 SKIM_STEPS = 2.0
 """Steps of an error-controlled method in which a pin crosses one bin of a worn map, at least."""
 
@@ -231,7 +234,11 @@ def next_step(
             chosen = min(chosen, max(wanted, steps[0].least))
             last.acceleration = acceleration
             continue
-        # Free flight: the time at which the present motion closes the gap.
+        # Free flight: part of the time in which the present acceleration crosses the clearance,
+        # and the time at which the present motion closes the gap.
+        if acceleration != 0.0:
+            flight = math.sqrt(2.0 * joint.clearance / abs(acceleration))
+            chosen = min(chosen, max(flight / STEPS_PER_FLIGHT, steps[0].least))
         root = rate * rate - 2.0 * acceleration * depth
         if root >= 0.0:
             denominator = rate + math.sqrt(root)

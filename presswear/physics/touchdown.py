@@ -11,7 +11,13 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.physics.laws import bristle_after, bristle_rate
+from presswear.physics.laws import (
+    ONSET_SPEED_FLOOR,
+    bristle_in_contact,
+    bristle_in_flight,
+    elastic_at,
+    normal_force,
+)
 from presswear.tools.compiled import Records, compiled, inlined
 
 Array = NDArray[np.float64]
@@ -21,17 +27,21 @@ MEMORY = np.dtype(
         ("time", np.float64),  # of the last accepted state, s
         ("step", np.float64),  # that led to it, s
         ("penetration", np.float64),
+        ("earlier_penetration", np.float64),  # of the state before the last, m
         ("rate", np.float64),
         ("acceleration", np.float64),  # of the penetration, m/s^2
+        ("closing", np.float64),  # rate that damps the elastic force, m/s
+        ("elastic", np.float64),  # force, N
         ("energy", np.float64),  # elastic, J
+        ("step_peak", np.float64),  # normal force at a maximum within the last step, N; else 0
         ("sweep", np.float64),  # speed at which the contact runs over the wear maps, rad/s
         ("touchdown_time", np.float64),  # of the present contact, s
         ("started_closed", np.bool_),  # the run began inside the present contact
         ("steps", np.int64),  # accepted in the present contact
         ("longest_step", np.float64),  # allowed by the expected duration of the contact
         ("peak_force", np.float64),  # of the present contact, N
-        ("bristle", np.float64),  # deflection of the bristles of its friction, m, and its rate
-        ("bristle_rate", np.float64),
+        ("bristle", np.float64),  # deflection of the bristles of its friction, m
+        ("sliding", np.float64),  # m/s, where its friction has bristles
     ]
 )
 """Memory of a joint between accepted steps: its last state and its present contact."""
@@ -39,6 +49,7 @@ MEMORY = np.dtype(
 TALLY = np.dtype(
     [
         ("contacts", np.int64),  # that have ended
+        ("contacts_before", np.int64),  # ... before the present cycle
         ("rows", np.int64),  # of them kept
         ("full", np.bool_),  # no further ones are kept
         ("unresolved", np.int64),  # of too few steps
@@ -66,6 +77,12 @@ CONTACT_COLUMNS: tuple[str, ...] = PAST_CONTACT.names or ()
 
 POSITION_NOISE = 1e-14
 """Round-off of a penetration, some times over, m."""
+
+FORCE_SLOPE = 1e-3
+"""Part of a step over which the slope of the force is taken."""
+
+PEAK_HALVINGS = 12
+"""Halvings that locate a maximum of the force to 2e-4 of a step: 1e-8 of the force."""
 
 LEAST_STEPS = 20
 """Steps that every contact gets, unless it is shorter than so many shortest steps."""
@@ -167,20 +184,110 @@ def separate(
         tally.rows += 1
 
 
+@compiled
+def force_within(
+    joint: Records,
+    onset: float,
+    last: Records,
+    contact: Records,
+    h: float,
+    quartic: float,
+    s: float,
+) -> float:
+    """Return the normal force, N, at the part ``s`` of a step between two closed states.
+
+    The law is evaluated on a polynomial through both penetrations and rates.  On a foundation the
+    elastic force follows the power of the penetration that force and energy of each state give.
+
+    Parameters
+    ----------
+    last, contact : records of MEMORY and CONTACT
+        The states at the beginning and at the end of the step of length ``h``, s.
+    quartic : float
+        Factor of s^2 (1 - s)^2, which is added to the cubic, m.
+    """
+    start, end = last.penetration, contact.penetration
+    depth, rate = hermite(start, last.rate, end, contact.rate, h, s)
+    product = s * (1.0 - s)
+    depth += quartic * product * product
+    rate += 2.0 * quartic * product * (1.0 - 2.0 * s) / h
+    if depth <= 0.0:
+        return 0.0
+    rate += (1.0 - s) * (last.closing - last.rate) + s * (contact.closing - contact.rate)
+    if joint.foundation > 0.0 and joint.surface_bins > 0:
+        first = last.elastic * (depth / start) ** (last.elastic * start / last.energy - 1.0)
+        second = contact.elastic * (depth / end) ** (contact.elastic * end / contact.energy - 1.0)
+        elastic = (1.0 - s) * first + s * second
+    else:
+        elastic = elastic_at(joint.normal, depth)
+    return normal_force(joint.normal, elastic, depth, rate, onset)
+
+
+@compiled
+def peak_within(
+    joint: Records, onset_speed: float, last: Records, contact: Records, h: float
+) -> float:
+    """Return the maximum of the normal force, N, within a step of a contact; 0 if there is none.
+
+    There is one if the force rises at the beginning of the step and falls at its end.  The
+    polynomial of ``force_within`` also passes through the state before, if that was closed.
+    """
+    start, end = last.penetration, contact.penetration
+    if not (onset_speed > 0.0 and h > 0.0 and start > 0.0 and end > 0.0):
+        return 0.0
+    # A power that holds near a state says little about a penetration far from it.
+    if joint.foundation > 0.0 and max(start, end) > 2.0 * min(start, end):
+        return 0.0
+    onset = max(onset_speed, ONSET_SPEED_FLOOR)
+    low, high = 0.0, 1.0 - FORCE_SLOPE
+    for i in range(2):
+        # While the pin goes deeper the force mostly rises up to the end, which is tested first.
+        if (i == 0) == (last.rate > 0.0):
+            force = normal_force(joint.normal, contact.elastic, end, contact.closing, onset)
+            near = force_within(joint, onset, last, contact, h, 0.0, high)
+        else:
+            force = normal_force(joint.normal, last.elastic, start, last.closing, onset)
+            near = force_within(joint, onset, last, contact, h, 0.0, FORCE_SLOPE)
+        if near <= force:
+            return 0.0
+    quartic = 0.0
+    # Behind a short step the round-off of the penetrations would be magnified.
+    if last.earlier_penetration > 0.0 and last.step > 0.5 * h:
+        s = -last.step / h
+        cubic = hermite(start, last.rate, end, contact.rate, h, s)[0]
+        quartic = (last.earlier_penetration - cubic) / (s * (1.0 - s)) ** 2
+    force = 0.0
+    for _ in range(PEAK_HALVINGS):
+        s = 0.5 * (low + high)
+        force = force_within(joint, onset, last, contact, h, quartic, s)
+        if force_within(joint, onset, last, contact, h, quartic, s + FORCE_SLOPE) > force:
+            low = s
+        else:
+            high = s
+    return force
+
+
 @inlined
-def remember(last: Records, joint: Records, contact: Records, t: float) -> None:
-    """Keep what the next step needs of an accepted state."""
+def remember(last: Records, joint: Records, onset_speed: float, contact: Records, t: float) -> None:
+    """Keep what the next step needs of an accepted state, and the peak of the step to it.
+
+    A state that is noted again at the same time leaves the peak as it is.
+    """
     turns = joint.map_turns
-    last.step = t - last.time
+    h = t - last.time
+    if h > 0.0:
+        last.step_peak = peak_within(joint, onset_speed, last, contact, h)
+        last.earlier_penetration = last.penetration
+    last.step = h
     last.time = t
     last.penetration = contact.penetration
     last.rate = contact.rate
+    last.closing = contact.closing
+    last.elastic = contact.elastic
     last.energy = contact.energy
     if joint.friction.bristle_stiffness > 0.0:
         last.bristle = contact.bristle
-        last.bristle_rate = bristle_rate(
-            contact.sliding, contact.bristle, contact.penetration > 0.0, joint.friction
-        )
+        last.sliding = contact.sliding
     last.sweep = max(
         abs(contact.turning - turns * contact.bearing_spin),
         abs(contact.turning - turns * contact.pin_spin),
@@ -189,19 +296,34 @@ def remember(last: Records, joint: Records, contact: Records, t: float) -> None:
 
 @compiled
 def advance_bristles(joints: Records, memory: Records, contacts: Records, t: float) -> None:
-    """Fill in the bristles at ``t``, s, the end of a step of the trapezoidal rule."""
+    """Fill in the bristles at ``t``, s, the end of a step of the trapezoidal rule.
+
+    A step in which the pin touches down or separates is divided there: the bristles bend in
+    contact only.
+    """
     for k in range(joints.shape[0]):
-        if joints[k].friction.bristle_stiffness > 0.0:
+        law = joints[k].friction
+        if law.bristle_stiffness > 0.0:
             last = memory[k]
             contact = contacts[k]
-            contact.bristle = bristle_after(
-                contact.sliding,
-                last.bristle,
-                last.bristle_rate,
-                t - last.time,
-                contact.penetration > 0.0,
-                joints[k].friction,
-            )
+            h = t - last.time
+            p0, r0 = last.penetration, last.rate
+            p1, r1 = contact.penetration, contact.rate
+            bristle, started = last.bristle, last.sliding
+            if p0 <= 0.0 < p1:
+                flight = min(crossing(p0, r0, p1, r1, h), 1.0) * h
+                bristle = bristle_in_flight(bristle, flight, law)
+                # Only the part behind the touchdown slides in contact, at nearly the final speed.
+                h, started = h - flight, contact.sliding
+            if p1 > 0.0:
+                bristle = bristle_in_contact(bristle, started, contact.sliding, h, law)
+            elif p0 > 0.0:
+                closed = min(crossing(-p0, -r0, -p1, -r1, h), 1.0) * h
+                bristle = bristle_in_contact(bristle, started, contact.sliding, closed, law)
+                bristle = bristle_in_flight(bristle, h - closed, law)
+            else:
+                bristle = bristle_in_flight(bristle, h, law)
+            contact.bristle = bristle
 
 
 @compiled
@@ -251,5 +373,5 @@ def settle(
             events += 1
         if onset[k] > 0.0:
             last.steps += 1
-        remember(last, joints[k], contact, t)
+        remember(last, joints[k], onset[k], contact, t)
     return events

@@ -99,7 +99,12 @@ def deposit_in_bin(
 
 @apart(None, 2, JOINT, SURFACES, CONTACT, 0, 2)
 def deposit_over_arc(
-    depth: Array, joint: Records, surfaces: Array, contact: Records, dose: float, shares: Array
+    depth: Array,
+    joint: Records,
+    surfaces: Array,
+    contact: Records,
+    load_distance: float,
+    shares: Array,
 ) -> None:
     """Add the wear of a dose F_n ds, N m, wherever the surfaces overlap.
 
@@ -140,7 +145,7 @@ def deposit_over_arc(
         shares[1, bin_of(place - pin_zero, count)] = 1.0
         total = 1.0
     bin_area = joint.width * joint.bearing_radius * 2.0 * math.pi / count
-    volume = joint.wear_coefficient * dose
+    volume = joint.wear_coefficient * load_distance
     for side in range(2):
         part = joint.bearing_share if side == 0 else 1.0 - joint.bearing_share
         scale = part * volume / (bin_area * total)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.physics.bottom import bottom_of
-from presswear.record.sampling import Interval
+from presswear.recording.sampling import Interval
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
 

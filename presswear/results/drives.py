@@ -1,4 +1,4 @@
-"""Torque, power and energy of the drives, from what a stage recorded, beside the ideal ones."""
+"""Torque, power and energy of the drives in a stage, beside those of ideal joints."""
 
 # ruff: noqa: N815 - units end the names
 
@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.physics.inverse import needed_torques
-from presswear.record.sampling import STARTUP_CYCLES, Estimate
+from presswear.recording.observe import CYCLE_DRIVE
+from presswear.recording.sampling import Estimate, after_startup
 from presswear.results.stage import StageResult
 from presswear.results.tonnage import tonnage_of
 from presswear.scene.scene import Scene
@@ -31,7 +32,7 @@ those of the cycle before it, through which laws of loads are followed.
 
 @dataclass(frozen=True)
 class Duty:
-    """A quantity of a drive over the recorded cycles that are samples, or all if none is whole.
+    """A quantity of a drive over the settled cycles of all starts.
 
     Attributes
     ----------
@@ -102,18 +103,6 @@ class DriveCurve:
     torque: Array
     power: Array
 
-    def halved(self, rows: slice) -> "DriveCurve":
-        """The part of it in n rows, with the middles between them, shape (2 n - 1,)."""
-
-        def with_middles(values: Array) -> Array:
-            own = values[rows]
-            found = np.repeat(own, 2)[:-1]
-            found[1::2] = 0.5 * (own[:-1] + own[1:])
-            return found
-
-        own = (self.time, self.angle, self.torque, self.power)
-        return DriveCurve(*map(with_middles, own))
-
 
 @dataclass(frozen=True)
 class DriveResult:
@@ -124,8 +113,8 @@ class DriveResult:
     recorded : DriveCurve
         At the times of the series.
     duty, ideal : DriveDuty
-        Of the run, torque and power taken as linear between two rows, and of the linkage with
-        all joints closed.
+        Of the run, integrated step by step, whatever rows are kept; and of the linkage with all
+        joints closed.
     """
 
     recorded: DriveCurve
@@ -143,7 +132,7 @@ class Energy:
         Work that the process takes, over the recorded settled strokes.
     process_ideal_J : float or None
         The same with all joints closed, without a cushion, which gives back what it takes.
-    drives_J : Estimate or None
+    drives_J : Estimate
         Net work of all drives, over the settled cycles of all starts.
     drives_ideal_J : float
     residual_part : float
@@ -153,28 +142,30 @@ class Energy:
 
     process_J: Estimate | None
     process_ideal_J: float | None
-    drives_J: Estimate | None
+    drives_J: Estimate
     drives_ideal_J: float
     residual_part: float
 
 
 def drives_of(scene: Scene, stage: StageResult) -> dict[str, DriveResult]:
-    """The drives of a stage by their bodies; none where torques were not stored."""
-    if "drive_torque" not in stage.arrays or stage.time.size < 2:
+    """The drives of a stage by their bodies.
+
+    None where torques were not stored, or no cycle is whole.
+
+    Raises
+    ------
+    UntrustedLaw
+        If the ideal torques would need source code stored in a result; so for all below.
+    """
+    if "drive_torque" not in stage.arrays or not stage.arrays["cycles"].size:
         return {}
-    time, period = stage.time, scene.mechanism.period
-    rows, ran = slice(None), float(time[-1] - time[0]) / period
-    count = int((float(time[-1]) - scene.run_up) / period + 1e-3)
-    if count > 0:
-        first = min(STARTUP_CYCLES, count - 1)
-        ends = scene.run_up + period * np.array([first, count])
-        begin, end = np.searchsorted(time, ends - 1e-9 * period)
-        rows, ran = slice(int(begin), int(end) + 1), float(count - first)
+    start, period = stage.arrays["cycle_start"], scene.mechanism.period
+    # Behind the starts of the first set stand those on surfaces of their own.
+    replicates = [stage.drive_cycles[start == k] for k in range(scene.draws)]
+    cycles = np.concatenate([after_startup(own) for own in replicates])
     recorded, ideal = curves_of(scene, stage), ideal_drives(scene)
-    # Exact for the squares of what is linear between two rows.
-    weights = _simpson(time[rows])
     duties = _shared(
-        {body: _duty(own.halved(rows), weights, ran) for body, own in recorded.items()}
+        {body: _duty_of_cycles(cycles[:, k], period) for k, body in enumerate(recorded)}
     )
     return {body: DriveResult(own, duties[body], ideal[body]) for body, own in recorded.items()}
 
@@ -198,12 +189,10 @@ def energy_of(scene: Scene, stage: StageResult) -> Energy | None:
         return None
     residual = abs(float(stage.statistics.get("energy_residual_J") or 0.0))
     tonnage = tonnage_of(scene, stage)
-    # The first cycle's work is counted with that of the run-up.
-    is_counted = scene.run_up == 0.0 or stage.cycles > scene.draws
     return Energy(
         None if tonnage is None else tonnage.work_J,
         None if scene.process is None else scene.process.work,
-        Estimate(**told) if is_counted else None,
+        Estimate(**told),
         sum(own.work_J for own in ideal_drives(scene).values()),
         residual / exchange if exchange > 0.0 else 0.0,
     )
@@ -282,18 +271,28 @@ def _bends(scene: Scene, time: Array) -> Array:
     return np.array(found)
 
 
-def _simpson(time: Array) -> Array:
-    """Weights, s, of instants and the middles between them in Simpson's rule, shape (2 n - 1,)."""
-    weights = np.zeros(2 * time.size - 1)
-    sixth = np.diff(time) / 6.0
-    weights[:-1:2] += sixth
-    weights[1::2] = 4.0 * sixth
-    weights[2::2] += sixth
-    return weights
+def _duty_of_cycles(cycles: Array, period: float) -> DriveDuty:
+    """Return the numbers of a drive from those of its cycles, shape (n, columns CYCLE_DRIVE)."""
+    mean = dict(zip(CYCLE_DRIVE, cycles.mean(axis=0).tolist(), strict=True))
+
+    def peak(name: str) -> float:
+        values = cycles[:, CYCLE_DRIVE.index(name)]
+        return float(values[np.abs(values).argmax()])
+
+    def rms(name: str) -> float:
+        return math.sqrt(mean[name] / period)
+
+    given, returned = mean["work_given"], mean["work_returned"]
+    return DriveDuty(
+        Duty(mean["torque_integral"] / period, rms("torque_square_integral"), peak("torque_peak")),
+        Duty((given - returned) / period, rms("power_square_integral"), peak("power_peak")),
+        given,
+        returned,
+    )
 
 
-def _duty(curve: DriveCurve, weights: Array, cycles: float = 1.0) -> DriveDuty:
-    """Numbers of a drive from the weights, s, of its instants in a sum over time."""
+def _duty(curve: DriveCurve, weights: Array) -> DriveDuty:
+    """Numbers of a drive from the weights, s, of its instants in a sum over a cycle."""
 
     def duty(values: Array) -> Duty:
         duration = float(weights.sum())
@@ -303,9 +302,7 @@ def _duty(curve: DriveCurve, weights: Array, cycles: float = 1.0) -> DriveDuty:
             float(values[np.abs(values).argmax()]),
         )
 
-    given, returned = (
-        float(weights @ np.maximum(sign * curve.power, 0.0)) / cycles for sign in (1.0, -1.0)
-    )
+    given, returned = (float(weights @ np.maximum(sign * curve.power, 0.0)) for sign in (1.0, -1.0))
     return DriveDuty(duty(curve.torque), duty(curve.power), given, returned)
 
 

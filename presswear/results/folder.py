@@ -16,7 +16,7 @@ from typing import Any, Protocol, Self
 
 import numpy as np
 
-from presswear.record.tracker import Progress, Tracker
+from presswear.recording.tracker import Progress, Tracker
 from presswear.results.life import FILE as LIFE
 from presswear.results.life import LifeResult
 from presswear.results.provenance import Provenance, provenance, provenance_differs
@@ -85,6 +85,7 @@ class ResultFolder(Tracker):
         resume : bool
             True: go on with a run of the same scene that is in it.
         """
+        scene.check_trusted()
         free = is_free(path)
         if not free and not resume:
             raise InputError(

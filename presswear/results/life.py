@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.record.sampling import Interval
+from presswear.recording.sampling import Interval
 from presswear.scene.life import FOLLOWED
 from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError
@@ -123,9 +123,10 @@ class LifeResult:
         What ended it, where no limit did.
     strokes : float
         The life; where no limit was passed, how far the wear was followed.
-    sampling, step, scatter : float or None
-        Half widths of its logarithm: by the chance in the motion, by the step of the wear, and by
-        the scatter of the wear coefficients where that was asked.
+    sampling, step : float or None
+        Half widths of its logarithm: by the chance in the motion, and by the step of the wear.
+    scatter : float
+        Half width of its logarithm by the scatter of the wear coefficients.
     limits : tuple of LimitResult
     passes : tuple of PassResult
     phases : tuple of Phase
@@ -140,7 +141,7 @@ class LifeResult:
     strokes: float
     sampling: float | None
     step: float | None
-    scatter: float | None
+    scatter: float
     limits: tuple[LimitResult, ...]
     passes: tuple[PassResult, ...]
     phases: tuple[Phase, ...]
@@ -155,14 +156,19 @@ class LifeResult:
 
     @property
     def error(self) -> float | None:
-        """Half width of the logarithm of the life, all causes together; None: not known."""
+        """Half width of the logarithm of the life for its wear coefficients; None: not known."""
         if self.sampling is None or self.step is None:
             return None
-        return math.hypot(self.sampling, self.step, self.scatter or 0.0)
+        return math.hypot(self.sampling, self.step)
+
+    @property
+    def total_error(self) -> float | None:
+        """Half width of the logarithm with that of the wear coefficients; None: not known."""
+        return None if self.error is None else math.hypot(self.error, self.scatter)
 
     @property
     def interval(self) -> Interval:
-        """The life with the ends of its interval, strokes."""
+        """The life with the ends of its interval for its wear coefficients, strokes."""
         if self.error is None:
             return Interval(self.strokes, None, None)
         factor = math.exp(self.error)
@@ -174,7 +180,7 @@ class LifeResult:
 
     def strokes_at(self, scene: Scene, index: int) -> float:
         """Strokes after which the surfaces are those of a stage: equal parts of the life."""
-        return self.strokes * index / scene.wears
+        return self.strokes * index / scene.wear_updates
 
     @property
     def words(self) -> str:
@@ -190,7 +196,9 @@ class LifeResult:
             told = (f"{words_of(own.key)} {own.last:.3g} {own.unit}" for own in self.limits)
             return f"no life is known: {self.message}; reached: {', '.join(told)}"
         limit = f"{words_of(first.key)} is over {first.value:.3g} {first.unit}"
-        return f"life: {self.words} until {limit}"
+        total = span_of(self.strokes, self.total_error)
+        scatter = f"; {total} with the scatter of the wear coefficient" if total else ""
+        return f"life: {self.words} until {limit}{scatter}"
 
     def as_dict(self) -> dict[str, Any]:
         """It as plain data, without the curves."""

@@ -7,7 +7,7 @@ from presswear.dynamics.modes import Timeline, resonance_of, timeline
 from presswear.dynamics.period import Periodicity, periodicity
 from presswear.dynamics.sections import section, times_at_phase
 from presswear.dynamics.spectra import Spectrum, spectrum_of
-from presswear.record.sampling import STARTUP_CYCLES
+from presswear.recording.sampling import STARTUP_CYCLES
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.record.film import Film
+from presswear.recording.film import Film
 from presswear.results.conformity import deep_contacts
 from presswear.results.drives import DriveResult, Energy, drives_of, energy_of
 from presswear.results.life import FILE as LIFE
@@ -252,25 +252,34 @@ def stored_scene(path: Path) -> tuple[Scene, StoredResult]:
     for key, told in {"engine": stored.engine, "conventions": stored.conventions}.items():
         if told != stored.scene[key]:
             raise InputError(f"{file}: {key!r} is not what it is in 'scene', {stored.scene[key]!r}")
-    check_joints(stored, scene.clearance_joints, scene.wears, file)
+    check_joints(stored, scene.clearance_joints, scene.wear_updates, file)
     return scene, stored
 
 
 @checked
-def load(path: str | Path) -> Result:
+def load(path: str | Path, trust: bool = False) -> Result:
     """Read a result folder; InputError names what is missing, cut off, altered or too new.
 
     A checkpoint is left to whoever goes on from it: a run that is at work may replace it.
+
+    Parameters
+    ----------
+    trust : bool
+        Whether this process may execute the Python source code of user laws that the result
+        stores.  Running the scene again, static equilibria and ideal torques need it.
     """
     path = Path(path)
     scene, stored = stored_scene(path)
+    if trust:
+        scene.trust()
     joints = scene.clearance_joints
-    bins = {joint.name: joint.bins for joint in scene.linkage().clearances}
+    linkage = scene.linkage()
+    bins = {joint.name: joint.bins for joint in linkage.clearances}
     stages = []
     for stage in stored.stages:
         name, film = files_of(stage.index)
         arrays = read_numbers(path / name, stored.files[name])
-        check_arrays(arrays, bins, path / name)
+        check_arrays(arrays, bins, len(linkage.drives), path / name)
         read_checked(path / film, stored.files[film])
         read = partial(_film, path / film, stored.files[film], scene)
         stages.append(replace(stage, arrays=arrays, joint_names=joints, read_film=read))
@@ -316,6 +325,6 @@ def unfinished(result: Result) -> str:
     else:
         how = "interrupted" if result.status == "interrupted" else "killed, or stopped by an error"
     return (
-        f"{result.path} is unfinished ({how}): {len(result.stages)} of {result.scene.wears + 1} "
-        "stages are stored"
+        f"{result.path} is unfinished ({how}): {len(result.stages)} of "
+        f"{result.scene.wear_updates + 1} stages are stored"
     )

@@ -11,18 +11,22 @@ from presswear.engines.base import Status
 from presswear.linkage.surface import SIDES as SIDES
 from presswear.linkage.surface import Surface, bin_centres
 from presswear.physics.touchdown import CONTACT_COLUMNS
-from presswear.record.film import Film
-from presswear.record.observe import (
+from presswear.recording.film import Film
+from presswear.recording.observe import (
+    CYCLE_DRIVE,
     CYCLE_FIXED,
     CYCLE_JOINT,
     SECTION_JOINT_NAMES,
     SECTION_NAMES,
 )
-from presswear.record.soundness import Finding
+from presswear.recording.soundness import Finding
 from presswear.scene.scene import stage_name
 from presswear.tools.errors import InputError
 
 Array = NDArray[np.float64]
+
+JOINT_SERIES = ("eccentricity", "penetration", "force", "sliding")
+"""Arrays of a joint with a row at each of the times of a stage."""
 
 
 def angle_names(bins: Mapping[str, int]) -> dict[str, str]:
@@ -61,7 +65,7 @@ class WearStep:
         Wall time of the run, s.
     """
 
-    represented_cycles: float
+    cycles_per_update: float
     cycles: int
     factor: float
     largest_change_of_clearance: float
@@ -299,6 +303,13 @@ class StageResult:
     def each_cycle(self, name: str) -> Array:
         """A number of each cycle, by its name in ``CYCLE_FIXED``, shape (cycles,); SI units."""
         return self.arrays["cycles"][:, CYCLE_FIXED.index(name)]
+
+    @property
+    def drive_cycles(self) -> Array:
+        """Numbers of the drives in each cycle, shape (cycles, drives, columns CYCLE_DRIVE); SI."""
+        first = len(CYCLE_FIXED) + len(CYCLE_JOINT) * len(self.joint_names)
+        rows = self.arrays["cycles"][:, first:]
+        return rows.reshape(len(rows), -1, len(CYCLE_DRIVE))
 
     def as_dict(self) -> dict[str, Any]:
         """Give everything but its arrays, film and joints, as ``result.json`` holds it."""

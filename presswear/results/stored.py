@@ -15,12 +15,7 @@ from numpy.typing import NDArray
 
 from presswear.linkage.surface import bin_centres
 from presswear.physics.touchdown import CONTACT_COLUMNS
-from presswear.record.observe import (
-    CYCLE_FIXED,
-    CYCLE_JOINT,
-    SECTION_JOINT_NAMES,
-    SECTION_NAMES,
-)
+from presswear.recording.observe import SECTION_JOINT_NAMES, SECTION_NAMES, cycle_columns
 from presswear.results.life import FILE as LIFE
 from presswear.results.life import LifeResult
 from presswear.results.provenance import Provenance
@@ -140,19 +135,23 @@ def kind_of(name: str) -> Any:
     return tuple[float, float] | None if "_interval" in name else Number
 
 
-def check_joints(stored: StoredResult, joints: tuple[str, ...], wears: int, file: Path) -> None:
+def check_joints(
+    stored: StoredResult, joints: tuple[str, ...], wear_updates: int, file: Path
+) -> None:
     """InputError where a result and its scene do not fit together.
 
     Parameters
     ----------
     joints : tuple of str
         With clearance.
-    wears : int
+    wear_updates : int
         How often they are worn.
     """
-    if len(stored.stages) > wears + 1:
+    if len(stored.stages) > wear_updates + 1:
         count = len(stored.stages)
-        raise InputError(f"{file}: {count} stages, where the scene has wears = {wears}")
+        raise InputError(
+            f"{file}: {count} stages, where the scene has wear_updates = {wear_updates}"
+        )
     for stage in stored.stages:
         told: list[Mapping[str, Any]] = []
         if "joints" in stage.statistics:
@@ -201,34 +200,37 @@ DEPTHS = ("depth_bearing", "depth_pin", "wear_bearing", "wear_pin")
 """Endings of the arrays of which no value is below zero."""
 
 
-def check_arrays(arrays: Mapping[str, Array], joints: Mapping[str, int], file: Path) -> None:
+def check_arrays(
+    arrays: Mapping[str, Array], joints: Mapping[str, int], drives: int, file: Path
+) -> None:
     """InputError naming the first array of a stage that is missing, misshapen or not finite.
 
     Parameters
     ----------
     joints : mapping of str to int
         Bins of the wear maps of the joints with clearance, by name.
+    drives : int
+        Number of drives.
     """
     for name, values in arrays.items():
         if not np.all(np.abs(values) <= LARGEST_ENTRY):
             raise InputError(
                 f"{file}: {name} holds a value that is not finite, or beyond {LARGEST_ENTRY:g}"
             )
-    columns = len(CYCLE_FIXED) + len(CYCLE_JOINT) * len(joints)
-    shapes = {**SHAPES, "cycles": f"cycles {columns}"}
+    shapes = {**SHAPES, "cycles": f"cycles {cycle_columns(len(joints), drives)}"}
     if "drive_torque" in arrays:
-        shapes["drive_torque"] = "rows drives"
+        shapes["drive_torque"] = f"rows {drives}"
     if "sections" in arrays:
         width = len(SECTION_NAMES) + len(SECTION_JOINT_NAMES) * len(joints)
         shapes["sections"] = f"cycles_of_first sections {width}"
-    for joint, angle in angle_names(joints).items():
+    for k, (joint, angle) in enumerate(angle_names(joints).items()):
         series = {f"{joint}_{name}": shape for name, shape in JOINT_SHAPES.items()}
         shapes |= series if arrays.keys() & series.keys() else {}
         shapes[f"{joint}_flight"] = "recorded"
         own = f"{joints[joint]}"
         shapes |= {f"{joint}_{name}": s.replace("bins", own) for name, s in MAP_SHAPES.items()}
         shapes[angle] = own
-        shapes[f"{joint}_contacts"] = f"contacts_{joint} {len(CONTACT_COLUMNS)}"
+        shapes[f"{joint}_contacts"] = f"contacts_{k} {len(CONTACT_COLUMNS)}"
     lengths: dict[str, int] = {}
     for name, shape in shapes.items():
         _check_shape(arrays, name, shape.split(), lengths, file)

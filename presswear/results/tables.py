@@ -106,19 +106,16 @@ def unit_of(column: str) -> str:
     units = UNITS | MOMENT_UNITS | LIFE_UNITS
     if column in units:
         return units[column]
-    body, _, quantity = column.rpartition("_")
-    if body and quantity in DRIVE_UNITS:
-        return DRIVE_UNITS[quantity]
-    joint, _, quantity = column.partition("_")
-    if joint and quantity in LIFE_JOINT_UNITS:
-        return LIFE_JOINT_UNITS[quantity]
-    if not joint or quantity not in JOINT_UNITS:
-        names = [*UNITS, *(f"J_{n}" for n in JOINT_UNITS), *(f"D_{n}" for n in DRIVE_UNITS)]
-        raise InputError(
-            f"unknown column {column!r}; known are {', '.join(names)}, J a joint such as A, D a "
-            "driven body"
-        )
-    return JOINT_UNITS[quantity]
+    # Names of joints and bodies may hold underscores too.
+    of_parts = DRIVE_UNITS | LIFE_JOINT_UNITS | JOINT_UNITS
+    for quantity in sorted(of_parts, key=len, reverse=True):
+        if column.removesuffix(f"_{quantity}") not in ("", column):
+            return of_parts[quantity]
+    names = [*UNITS, *(f"J_{n}" for n in JOINT_UNITS), *(f"D_{n}" for n in DRIVE_UNITS)]
+    raise InputError(
+        f"unknown column {column!r}; known are {', '.join(names)}, J a joint such as A, D a "
+        "driven body"
+    )
 
 
 def table_of(result: Result, stage: int) -> dict[str, Array]:

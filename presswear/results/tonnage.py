@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.physics.bottom import bottom_of
-from presswear.record.sampling import STARTUP_CYCLES, Estimate, batched, half_width
+from presswear.recording.sampling import STARTUP_CYCLES, Estimate, batched, half_width
 from presswear.results.stage import JointResult, StageResult
 from presswear.results.strokes import Strokes, height_of, process_force, strokes_of
 from presswear.scene.scene import Scene

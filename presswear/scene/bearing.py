@@ -1,6 +1,6 @@
 """A joint with clearance as a person chooses it, and how the wear model is read."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from typing import Any, get_args
 
@@ -31,7 +31,7 @@ from presswear.linkage.laws import (
 from presswear.linkage.materials import MATERIALS, Materials
 from presswear.linkage.surface import Surface
 from presswear.tools.checked import checked
-from presswear.tools.errors import InputError, unknown
+from presswear.tools.errors import InputError, shown, unknown
 from presswear.tools.own import OwnFunction
 from presswear.tools.quantities import (
     check_fields,
@@ -55,7 +55,7 @@ class Conventions:
     map_frame: MapFrame = choice(
         "fixed", get_args(MapFrame), "wear maps fixed in direction, or turning with their bodies"
     )
-    footprint: Footprint = choice(
+    wear_distribution: Footprint = choice(
         "bin", get_args(Footprint), "wear into the one bin of the contact, or over the contact arc"
     )
     contact: SurfaceContact = choice(
@@ -228,6 +228,15 @@ class Bearing:
                 "contact = 'radial'"
             )
 
+    @staticmethod
+    def from_dict(data: Mapping[str, Any]) -> "Bearing":
+        """A bearing from stored data, in which a law is a name or source code, never a file."""
+        for key in ("normal_law", "friction_law"):
+            law = data.get(key)
+            if isinstance(law, str) and ".py:" in law:
+                raise InputError(f"{key} = {shown(law)}: a stored law is a name or source code")
+        return Bearing(**data)
+
     def hertz(self, reading: StiffnessReading) -> float:
         """K, N/m^n: what is given, or Hertz's."""
         if self.contact_stiffness is not None:
@@ -289,7 +298,7 @@ class Bearing:
         law = WearLaw(
             self.materials.wear_coefficient,
             conventions.slip,
-            conventions.footprint,
+            conventions.wear_distribution,
             self.materials.bearing_share,
             self.angles,
         )

@@ -55,7 +55,7 @@ ideal = _named(
     "ideal",
     "The press without clearance, against the closed form",
     joints="none",
-    wears=0,
+    wear_updates=0,
     cycles=2,
 )
 wear_times = _named(
@@ -63,7 +63,7 @@ wear_times = _named(
     "Clearance at A and C, worn twice (paper, sections 5.3.1 and 5.4.1)",
     mechanism=Press(speed=3.5 * math.pi),
     bearings=Bearing(clearance=0.8e-3, friction=0.02),
-    wears=2,
+    wear_updates=2,
 )
 friction = _named(
     "friction",
@@ -71,7 +71,7 @@ friction = _named(
     wear_times,
     mechanism=Press(speed=6.0 * math.pi),
     bearings=Bearing(clearance=0.6e-3, friction=0.05),
-    wears=1,
+    wear_updates=1,
 )
 friction_high = _named(
     "friction-0.1",
@@ -85,7 +85,7 @@ speed = _named(
     wear_times,
     mechanism=Press(speed=4.0 * math.pi),
     bearings=Bearing(clearance=0.8e-3, friction=0.03),
-    wears=1,
+    wear_updates=1,
 )
 speed_high = _named(
     "speed-8pi",
@@ -98,7 +98,7 @@ clearance_a = _named(
     "The press with clearance at A alone",
     wear_times,
     joints="A",
-    wears=0,
+    wear_updates=0,
     cycles=5,
 )
 clearance_c = _named("clearance-c", "The press with clearance at C alone", clearance_a, joints="C")
@@ -109,7 +109,7 @@ press_blanking = _named(
     "The press cuts a sheet: clearance at A and C, worn once",
     wear_times,
     process=Blanking(),
-    wears=1,
+    wear_updates=1,
 )
 press_drawing = _named(
     "press-drawing",
@@ -151,11 +151,11 @@ slider_crank = _named(
     ),
     conventions=CONVENTIONS["refined"],
     joints="B",
-    wears=0,
+    wear_updates=0,
     cycles=10,
     statuses=dict.fromkeys((*_KNOWN, "exponent"), LITERATURE)
     | dict.fromkeys(("friction", "lower_speed", "upper_speed", "bearing_share"), "assumed")
-    | dict.fromkeys(("wears", "most_cycles", "represented_cycles"), "chosen"),
+    | dict.fromkeys(("wear_updates", "max_cycles", "cycles_per_update"), "chosen"),
 )
 
 

@@ -58,7 +58,7 @@ def changes_of(scene: Scene) -> tuple[Change, ...]:
         own = scene.mechanism
         base = Scene(own if isinstance(own, Linkage) else type(own)())
         if DEFAULT in scene.statuses.values():
-            base = replace(base, wears=0)  # a file that says nothing on it
+            base = replace(base, wear_updates=0)  # a file that says nothing on it
     found, before = [], dict(_before(scene, base))
     for joint, own_bearing in scene.apart.items():
         before |= {f"{joint}.{key}": was for key, was in _before(own_bearing, base.bearing(joint))}

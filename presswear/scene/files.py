@@ -1,5 +1,6 @@
 """Scenes from TOML files: a mechanism and settings, every number with its unit."""
 
+import re
 import tomllib
 from collections.abc import Mapping
 from dataclasses import replace
@@ -15,6 +16,7 @@ from presswear.linkage.written import toml_of
 from presswear.scene.scene import MECHANISMS, OneMechanism, Scene
 from presswear.scene.settings import DEFAULT, IN_FILE, begun_on, changed, settings_of
 from presswear.scene.surfaces import TABLE, read_profiles
+from presswear.tools.checked import LARGEST
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.files import read_checked
 
@@ -24,6 +26,8 @@ SWEEP = "sweep"
 """Table of what a sweep of the scene varies, which the scene itself does not need."""
 _KEYS = ("title", "mechanism", *_PARTS, "settings", "surfaces", SWEEP)
 _MOST_BYTES = 2**20
+_DEEP_KEY = re.compile(r"""(?:(?:(?<![\w-])[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){20}""")
+"""A key of more than 20 parts: the time that the parser takes grows with their square."""
 
 
 EXAMPLES: Mapping[str, tuple[Press | SliderCrank | Linkage, str]] = {
@@ -47,8 +51,43 @@ def example_file(kind: str) -> str:
         f"{toml_of(mechanism.linkage())}\n"
         "[settings]  # every key that presswear list FILE shows\n"
         f'joints = "{joints}"\nclearance = "0.3 mm"\nfriction = 0.02\n'
-        'conventions = "refined"\nwears = 1\n'
+        'conventions = "refined"\nwear_updates = 1\n'
     )
+
+
+def read_toml(file: Path) -> dict[str, Any]:
+    """Return the tables of a TOML file; InputError says what is wrong with the file."""
+    if not file.is_file():
+        raise InputError(f"{file}: there is no such file")
+    if file.stat().st_size > _MOST_BYTES:
+        raise InputError(f"{file}: it has more than {_MOST_BYTES} bytes")
+    try:
+        text = read_checked(file).decode()
+        if deep := _DEEP_KEY.search(text):
+            line = text.count("\n", 0, deep.start()) + 1
+            raise InputError(f"{file}: line {line}: a key has up to 20 parts with dots between")
+        data = tomllib.loads(text)
+        _check_integers(data, f"{file}: ")
+        return data
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
+        raise InputError(f"{file}: {error}") from None
+    except InputError:
+        raise
+    except ValueError:
+        # Python reads no integer of more than 4300 digits.
+        raise InputError(f"{file}: an integer is too long; allowed is up to {LARGEST:g}") from None
+
+
+def _check_integers(value: Any, place: str) -> None:
+    """Raise InputError for an integer beyond all numbers of a machine, in any notation."""
+    if isinstance(value, dict):
+        for key, inner in value.items():
+            _check_integers(inner, f"{place}{key}.")
+    elif isinstance(value, list):
+        for inner in value:
+            _check_integers(inner, place)
+    elif isinstance(value, int) and abs(value) > LARGEST:
+        raise InputError(f"{place[:-1]}: an integer is too large; allowed is up to {LARGEST:g}")
 
 
 def scene_from(file: Path) -> Scene:
@@ -60,11 +99,7 @@ def scene_from(file: Path) -> Scene:
         Naming the file, the key and the value that does not fit.
     """
     try:
-        if not file.is_file():
-            raise InputError("there is no such file")
-        if file.stat().st_size > _MOST_BYTES:
-            raise InputError(f"it has more than {_MOST_BYTES} bytes")
-        data = tomllib.loads(read_checked(file).decode())
+        data = read_toml(file)
         for key in data:
             if key not in _KEYS:
                 raise unknown("key", key, _KEYS)
@@ -74,7 +109,7 @@ def scene_from(file: Path) -> Scene:
             settings |= _part(name, data[name])
         title = data.get("title", f"The linkage of {file.name}")
         # Without a word on it, nothing wears.
-        plain = Scene(mechanism, file.stem, title, wears=0)
+        plain = Scene(mechanism, file.stem, title, wear_updates=0)
         statuses = dict.fromkeys((setting.key for setting in settings_of(plain)), DEFAULT)
         scene = changed(replace(plain, statuses=statuses), settings)
         scene = replace(scene, statuses={**scene.statuses, **dict.fromkeys(settings, IN_FILE)})
@@ -84,7 +119,7 @@ def scene_from(file: Path) -> Scene:
         if not isinstance(source, str) or not source.endswith(TABLE):
             raise InputError(f"surfaces = {source!r}: a name that ends in {TABLE} is expected")
         return begun_on(scene, read_profiles(file.parent / source), source)
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
+    except RecursionError as error:
         raise InputError(f"{file}: {error}") from None
     except InputError as error:
         told = str(error)

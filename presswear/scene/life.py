@@ -11,7 +11,6 @@ from presswear.tools.errors import InputError, unknown
 from presswear.tools.quantities import (
     Meaning,
     check_fields,
-    choice,
     count,
     parse_quantity,
     quantity,
@@ -116,13 +115,7 @@ class Life:
     )
     replaced: str = words("", "'A@2e6, C@4e6'", "bushes that are made new after so many strokes")
     turned: str = words("", "'A@2e6'", "bushes that are turned by half after so many strokes")
-    scatter: str = choice(
-        "off",
-        ("off", "on"),
-        "whether the interval of the life holds the scatter of the wear coefficients as well, "
-        "which are taken to be high or low together",
-    )
-    most_cycles: int = count(
+    max_cycles: int = count(
         10_000, 16, 10_000_000, "chosen", "cycles of all starts at most in one pass over the life"
     )
 

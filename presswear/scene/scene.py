@@ -121,7 +121,7 @@ class Scene:
         ("auto", "off", "on"),
         "whether drive torques are stored; auto: where the press has work to do",
     )
-    wears: int = count(2, 0, 20, "paper, per study", "how often the joints are worn")
+    wear_updates: int = count(2, 0, 20, "paper, per study", "how often the joints are worn")
     cycles: int | None = count(
         None,
         1,
@@ -132,8 +132,8 @@ class Scene:
     tolerance: float = quantity(
         0.1, "", 1e-3, 1.0, "chosen", "how well the wear maps must be known, part of their rms"
     )
-    most_cycles: int = count(200, 1, 100_000, "paper", "cycles of a stage at most without --cycles")
-    represented_cycles: float = quantity(
+    max_cycles: int = count(200, 1, 100_000, "paper", "cycles of a stage at most without --cycles")
+    cycles_per_update: float = quantity(
         4e6,
         "",
         1.0,
@@ -147,12 +147,12 @@ class Scene:
         "how a wear is applied: in a single jump, as the paper does, in steps of a cycle each, "
         "or in steps only where the footprint is an arc",
     )
-    starts: int | None = count(
+    replicates: int | None = count(
         None,
         1,
         100,
         "chosen",
-        "starts 1e-9 m apart, each through all stages on surfaces of its own: independent draws; "
+        "independent runs from slightly different starts, each on its own surfaces in all stages; "
         "none given: 4 where something wears, else 1",
     )
     seed: int = count(0, 0, 100_000, "chosen", "draws the starts anew, for an independent run")
@@ -160,7 +160,7 @@ class Scene:
     recording: Recording = field(default_factory=Recording)
     process: Process | None = one_of(PROCESSES, "what the point that is watched presses on")
     life: Life | None = one_of(
-        LIVES, "limits until which the joints are worn, in as many stages as wears says"
+        LIVES, "limits until which the joints are worn, in as many stages as wear_updates says"
     )
     statuses: Mapping[str, str] = field(default_factory=dict, hash=False)
 
@@ -181,18 +181,22 @@ class Scene:
         object.__setattr__(self, "apart", alike)
         begun_on = settled(self.surfaces, self.clearance_joints, self.bearing)
         object.__setattr__(self, "surfaces", begun_on)
-        is_worn = self.wears > 0 or bool(self.surfaces)
+        is_worn = self.wear_updates > 0 or bool(self.surfaces)
         for name, own in {"": self.bearings, **self.apart}.items():
             own.check_contact(f"{name}." if name else "", self.conventions.contact, is_worn)
         self._check_life()
         if self.draws > 1 and not self.clearance_joints:
-            raise InputError(f"starts = {self.starts}: without a clearance joint allowed is 1")
+            raise InputError(
+                f"replicates = {self.replicates}: without a clearance joint allowed is 1"
+            )
         check_pace(self.mechanism.linkage())
         _ = self.ideal
         if self.process is not None:
             check_reach(self.process, self.stroke, self.watched)
         loaded = self.loaded
-        if any(drive.torque_limit is not None for drive in loaded.drives):
+        is_limited = any(drive.torque_limit is not None for drive in loaded.drives)
+        # Stored text is not executed: whoever trusts it has stored a scene that was checked.
+        if is_limited and not self.has_untrusted_loads:
             # Imported where something is computed.
             from presswear.physics.inverse import check_drives
 
@@ -212,16 +216,16 @@ class Scene:
             return
         if not self.clearance_joints:
             raise InputError("life: no joint has clearance, so that none wears")
-        if self.wears < 1:
-            raise InputError("wears = 0: with a life allowed is 1 to 20")
-        if self.starts == 1:
+        if self.wear_updates < 1:
+            raise InputError("wear_updates = 0: with a life allowed is 1 to 20")
+        if self.replicates == 1:
             raise InputError(
-                "starts = 1: with a life, whose interval is theirs, allowed is 2 to 100"
+                "replicates = 1: with a life, whose interval is theirs, allowed is 2 to 100"
             )
-        if self.conventions.footprint != "arc":
+        if self.conventions.wear_distribution != "arc":
             raise InputError(
-                "footprint = 'bin': depths go with the width of the bins, and a life with them; "
-                "allowed is 'arc', which conventions = 'refined' has"
+                "wear_distribution = 'bin': the depth depends on the width of the bins, and so "
+                "would a life; allowed is 'arc', which conventions = 'refined' has"
             )
         if not any(joint.wear for joint in self.linkage().clearances):
             raise InputError("wear_coefficient = 0: of joints that do not wear there is no life")
@@ -259,12 +263,50 @@ class Scene:
 
     def check_own_laws(self) -> None:
         """InputError where a law of one's own gives no number or makes energy; runs its text."""
+        self.check_trusted()
         for joint in self.clearance_joints:
             self.bearing(joint).check_own_laws(joint, self.conventions.stiffness)
-        for k, load in enumerate(self.mechanism.linkage().loads):
-            own = None if isinstance(load, Load) else load.law
-            if isinstance(own, OwnFunction):
-                own.check_compiles(f"loads[{k}].function", LOAD_PARAMETERS)
+        for key, law in self.load_laws.items():
+            law.check_compiles(key, LOAD_PARAMETERS)
+
+    @property
+    def joint_laws(self) -> dict[str, OwnFunction]:
+        """User laws of contact and friction, by keys such as ``A.normal_law``."""
+        laws = {
+            f"{joint}.{key}": getattr(self.bearing(joint), key)
+            for joint in self.clearance_joints
+            for key in ("normal_law", "friction_law")
+        }
+        return {key: law for key, law in laws.items() if isinstance(law, OwnFunction)}
+
+    @property
+    def load_laws(self) -> dict[str, OwnFunction]:
+        """User laws of loads, by keys such as ``loads[0].function``."""
+        return {
+            f"loads[{k}].function": load.law
+            for k, load in enumerate(self.mechanism.linkage().loads)
+            if not isinstance(load, Load) and isinstance(load.law, OwnFunction)
+        }
+
+    @property
+    def has_untrusted_loads(self) -> bool:
+        """Whether ideal torques would execute source code that was read from a result."""
+        return not all(law.is_trusted for law in self.load_laws.values())
+
+    @property
+    def user_laws(self) -> dict[str, OwnFunction]:
+        """All user laws, which are Python source code, by their keys."""
+        return self.joint_laws | self.load_laws
+
+    def check_trusted(self) -> None:
+        """Raise UntrustedLaw if a run would execute source code that was read from a result."""
+        for key, law in self.user_laws.items():
+            law.check_trusted(key)
+
+    def trust(self) -> None:
+        """Allow this process to execute the source code of the user laws."""
+        for law in self.user_laws.values():
+            law.trusted()
 
     def bearing(self, joint: str) -> Bearing:
         """The bearing of a joint."""
@@ -273,11 +315,11 @@ class Scene:
     @property
     def draws(self) -> int:
         """Number of independent starts."""
-        if self.starts is not None:
-            return self.starts
+        if self.replicates is not None:
+            return self.replicates
         if self.life is not None:
             return DRAWS_OF_A_LIFE
-        return DRAWS if self.wears > 0 and self.clearance_joints else 1
+        return DRAWS if self.wear_updates > 0 and self.clearance_joints else 1
 
     @property
     def stores_torques(self) -> bool:
@@ -294,7 +336,7 @@ class Scene:
         the width of its bins has no step that is small enough.
         """
         if self.extrapolation == "conventions":
-            return self.conventions.footprint == "arc"
+            return self.conventions.wear_distribution == "arc"
         return self.extrapolation == "steps"
 
     def linkage(self, worn: Mapping[str, tuple[Surface, Surface]] | None = None) -> Linkage:
@@ -371,7 +413,7 @@ class Scene:
         if word == "exudyn":
             is_tree = not isinstance(branches_of(self.linkage()), str)
             word = ExudynTree.word if is_tree else ExudynJoints.word
-        purpose: Purpose = "wear" if self.wears > 0 else "trajectory"
+        purpose: Purpose = "wear" if self.wear_updates > 0 else "trajectory"
         if self.purpose != "auto":
             purpose = cast(Purpose, self.purpose)
         own = self.numerics.resolved(purpose, self.tolerance)
@@ -422,7 +464,7 @@ class Scene:
         """What is computed as plain data; how finely, by what and how often is left out."""
         names = (
             *("mechanism", "bearings", "apart", "conventions"),
-            *("extrapolation", "represented_cycles", "surfaces", "process", "life"),
+            *("extrapolation", "cycles_per_update", "surfaces", "process", "life"),
         )
         return {name: value for name, value in self.as_dict().items() if name in names}
 
@@ -457,8 +499,8 @@ class Scene:
                 mechanism=read(mechanism, "mechanism")
                 if is_own
                 else MECHANISMS[kind].from_dict(mechanism),
-                bearings=Bearing(**plain.pop("bearings")),
-                apart={name: Bearing(**own) for name, own in plain.pop("apart").items()},
+                bearings=Bearing.from_dict(plain.pop("bearings")),
+                apart={n: Bearing.from_dict(own) for n, own in plain.pop("apart").items()},
                 conventions=Conventions(**plain.pop("conventions")),
                 recording=Recording(**plain.pop("recording")),
                 numerics=Numerics.from_dict(dict(plain.pop("numerics"))),

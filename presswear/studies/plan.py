@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from presswear.campaign.ensemble import most_runs
-from presswear.record.sampling import STARTUP_CYCLES
+from presswear.recording.sampling import STARTUP_CYCLES
 from presswear.results.provenance import Provenance, provenance, provenance_differs
 from presswear.results.result import FINISHED, Result, load, read_document
 from presswear.scene.scene import Scene
@@ -86,15 +86,15 @@ class Variant:
         worn = _WORN[scene.conventions.contact]
         known = round(_CYCLES_OF_MAPS / scene.tolerance**2) + STARTUP_CYCLES * scene.draws
         cycles = 0.0
-        for index in range(scene.wears + 1):
-            jumps = index < scene.wears and not scene.wears_in_steps
-            own = scene.most_cycles if jumps else min(known, scene.most_cycles)
+        for index in range(scene.wear_updates + 1):
+            jumps = index < scene.wear_updates and not scene.wears_in_steps
+            own = scene.max_cycles if jumps else min(known, scene.max_cycles)
             own = own if scene.cycles is None else scene.cycles * scene.draws
             if index == 0:
                 cycles += own
             else:
                 cycles += worn * own * most_runs(scene) / scene.draws
-            if index < scene.wears and scene.wears_in_steps:
+            if index < scene.wear_updates and scene.wears_in_steps:
                 cycles += worn * _CYCLES_OF_STEPS
         return cycles if scene.engine == "dae" else _EXUDYN * cycles
 

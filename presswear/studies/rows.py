@@ -11,7 +11,7 @@ from functools import partial
 from itertools import groupby
 from pathlib import Path
 
-from presswear.record.tracker import Tracker, tell_all
+from presswear.recording.tracker import Tracker, tell_all
 from presswear.results.folder import INTERVAL
 from presswear.results.provenance import program_digest, provenance
 from presswear.studies.plan import FILE, Study, is_study, waiting
@@ -23,7 +23,7 @@ from presswear.sweeps.store import Store
 from presswear.sweeps.work import SceneJob
 from presswear.tools.documents import write_shared_json
 from presswear.tools.errors import RunFailed
-from presswear.tools.files import digest
+from presswear.tools.files import digest, inside
 from presswear.tools.workers import cores
 
 
@@ -102,6 +102,9 @@ def run_study(
     RunFailed
         Where variants failed by what is around them, behind all others.
     """
+    for variant in study.variants:
+        variant.scene.check_trusted()
+        inside(folder, variant.key)
     variants, left = study.variants, {v.key for v in waiting(study, folder, resume)}
     places, say = jobs or cores(), partial(tell_all, trackers)
     work = StudyWork(study, folder.resolve(), program_digest(), interval)

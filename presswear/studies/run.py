@@ -7,7 +7,7 @@ from typing import overload
 
 from presswear.campaign.single import run_scene, with_engine
 from presswear.engines.settings import Engine
-from presswear.record.tracker import Tracker
+from presswear.recording.tracker import Tracker
 from presswear.results.result import Result
 from presswear.scene.scene import Scene
 from presswear.studies.plan import Study, results_of

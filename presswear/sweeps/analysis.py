@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from presswear.record.sampling import Interval
+from presswear.recording.sampling import Interval
 from presswear.sweeps.chaos import chaos_share
 from presswear.sweeps.distributions import Distribution
 from presswear.sweeps.one_plan import first_order

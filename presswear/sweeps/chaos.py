@@ -8,7 +8,7 @@ that of the points and that of the draws at a point.
 
 import numpy as np
 
-from presswear.record.sampling import LEAST_SAMPLES, Interval
+from presswear.recording.sampling import LEAST_SAMPLES, Interval
 from presswear.sweeps.estimates import jackknife
 from presswear.sweeps.responses import Responses
 from presswear.tools.arrays import Array

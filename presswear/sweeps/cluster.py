@@ -22,6 +22,7 @@ RETRIES = 3
 """Times that a row is done again whose worker was lost, and an executor is made anew with
 nothing done in between."""
 _POLL = 0.2
+_HERE = "127.0.0.1"  # a local cluster accepts connections from this machine only
 Say = Callable[[str], None]
 """Told lines for the person who waits."""
 
@@ -44,7 +45,8 @@ def needs_distributed() -> None:
 def cluster(address: str, jobs: int | None, patience: float, say: Say) -> Iterator[Executor]:
     """The executor of a cluster of Dask, whose workers have this program.
 
-    InputError where no scheduler answers within a time, s, or a worker has another program.
+    InputError where no scheduler answers within a time, s, or a worker has another program;
+    ConnectionError where the cluster is lost while it starts.
     """
     import dask
     from distributed import Client, LocalCluster
@@ -60,26 +62,40 @@ def cluster(address: str, jobs: int | None, patience: float, say: Say) -> Iterat
         if address:
             client = keep(_connected(address, patience))
         else:
-            cluster = keep(
-                LocalCluster(
-                    n_workers=jobs or cores(),
-                    threads_per_worker=1,
-                    dashboard_address=":0",
-                    silence_logs=logging.CRITICAL,
+            try:
+                cluster = keep(
+                    LocalCluster(
+                        host=_HERE,
+                        n_workers=jobs or cores(),
+                        threads_per_worker=1,
+                        dashboard_address=f"{_HERE}:0",
+                        silence_logs=logging.CRITICAL,
+                    )
                 )
-            )
-            client = keep(Client(cluster, timeout=ANSWER))
+                client = keep(Client(cluster, timeout=ANSWER))
+            except (RuntimeError, OSError) as error:
+                raise ConnectionError(f"the cluster did not start: {error}") from None
             say(
                 f"cluster at dask{cluster.scheduler_address.removeprefix('tcp')}, dashboard at "
                 f"{cluster.dashboard_link}"
             )
-        for worker, found in client.run(program_digest, on_error="return").items():
+        for worker, found in _digests(client).items():
+            if isinstance(found, OSError):
+                raise ConnectionError(f"worker {worker} has ended")
             if found != program_digest():
                 raise WrongProgram(
                     f"--on dask://{address}: worker {worker} has another program ({found}; here "
                     f"{program_digest()}): its numbers would not agree; install the same there"
                 )
         yield client.get_executor(pure=False)
+
+
+def _digests(client: "Client") -> dict[str, Any]:
+    """Program digest of each worker, or the error with which the worker answers."""
+    try:
+        return cast(dict[str, Any], client.run(program_digest, on_error="return"))
+    except OSError as error:
+        raise ConnectionError(f"{error}") from None
 
 
 @contextmanager

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from presswear.record.sampling import Interval, quantile
+from presswear.recording.sampling import Interval, quantile
 from presswear.tools.arrays import Array
 
 

@@ -12,17 +12,15 @@ seed = 0
 keep = "measures"
 """
 
-import tomllib
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Literal
 
 from presswear.scene.catalog import scene_named
-from presswear.scene.files import SUFFIX, SWEEP, scene_from
+from presswear.scene.files import SUFFIX, SWEEP, read_toml, scene_from
 from presswear.scene.scene import Scene
 from presswear.tools.documents import typed
 from presswear.tools.errors import InputError, unknown
-from presswear.tools.files import read_checked
 from presswear.tools.folders import check_file
 
 
@@ -47,10 +45,7 @@ def read_sweep(file: Path) -> tuple[Scene, Written]:
     InputError naming the file, the key and what does not fit.
     """
     check_file(file)
-    try:
-        data = tomllib.loads(read_checked(file).decode())
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise InputError(f"{file}: {error}") from None
+    data = read_toml(file)
     told = data.get(SWEEP, {})
     if not isinstance(told, dict):
         raise InputError(f"{file}: {SWEEP} = {told!r}: a table is expected")

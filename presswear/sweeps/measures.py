@@ -112,7 +112,7 @@ def _volume(result: Result, stage: StageResult, joint: JointResult) -> Found:
 
 
 def _rate(result: Result, stage: StageResult, joint: JointResult) -> Found | None:
-    told, cycles = joint.statistics, result.scene.represented_cycles
+    told, cycles = joint.statistics, result.scene.cycles_per_update
     volume, half = told.get("wear_volume_m3"), told.get("wear_volume_half_width_m3")
     if volume is None:
         return None
@@ -232,8 +232,10 @@ def measures_asked(scene: Scene, measures: Sequence[str | Own]) -> Asked:
         measure = known[name]
         if at and (measure.whole or not (stage.isascii() and stage.isdigit())):
             raise InputError(f"measure {one}: NAME or NAME@STAGE, of a stage from 0, is expected")
-        if at and int(stage) > scene.wears:
-            raise InputError(f"measure {one}: allowed is a stage from 0 to wears = {scene.wears}")
+        if at and int(stage) > scene.wear_updates:
+            raise InputError(
+                f"measure {one}: allowed is a stage from 0 to wear_updates = {scene.wear_updates}"
+            )
         columns.append(Column(one.strip(), measure.unit, measure.text))
         keys.append(name if measure.whole else f"{name}@{int(stage) if at else LAST}")
         if measure.is_dear and name not in dear:

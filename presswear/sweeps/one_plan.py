@@ -10,7 +10,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.record.sampling import Interval, quantile
+from presswear.recording.sampling import Interval, quantile
 from presswear.sweeps.estimates import jackknife
 from presswear.sweeps.responses import Responses
 from presswear.sweeps.sensitivity import Indices

@@ -29,7 +29,7 @@ from presswear.sweeps.figures.scales import Scale
 from presswear.sweeps.spread import Required
 from presswear.sweeps.table import Table
 from presswear.sweeps.words import answer, lines, tables
-from presswear.tools.files import write_bytes
+from presswear.tools.files import inside, write_bytes
 from presswear.tools.numbers import readable, whole
 
 FILE = "report.html"
@@ -83,7 +83,7 @@ def write_report(
             if not np.isfinite(own.values[:, place]).any():
                 continue
             found = analysed(own, measure.key, sample, known, wanted.get(measure.key))
-            into = folder / "figures" / (f"{number}" if where else "")
+            into = inside(folder, "figures", *([f"{number}"] if where else []))
             with matplotlib.rc_context(SETTINGS):
                 figures = tuple(illustrate(drawing, into) for drawing in drawings(found))
             at = f"At {where}: " if where else ""

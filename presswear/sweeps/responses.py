@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.record.sampling import Interval, quantile
+from presswear.recording.sampling import Interval, quantile
 from presswear.sweeps.table import Column, Table
 from presswear.tools.arrays import Array
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from presswear.record.sampling import Interval, half_width
+from presswear.recording.sampling import Interval, half_width
 from presswear.sweeps.estimates import intervals, jackknife
 from presswear.sweeps.responses import Responses
 from presswear.tools.arrays import Array

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.record.sampling import LEVEL, Interval
+from presswear.recording.sampling import LEVEL, Interval
 from presswear.sweeps.designs import design
 from presswear.sweeps.distributions import Distribution
 from presswear.sweeps.surface import Surface

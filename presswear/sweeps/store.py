@@ -25,7 +25,7 @@ from types import TracebackType
 from typing import Self
 
 from presswear.tools.errors import InputError
-from presswear.tools.files import PART, digest
+from presswear.tools.files import PART, digest, inside
 from presswear.tools.folders import LOCK, FolderLock, holder, is_free
 
 RECORDS, CLAIMS, RUNS = "records", "claims", "runs"
@@ -232,10 +232,10 @@ class Store(Records):
         """Begin a file of records of this process; OSError, InputError where that cannot be."""
         super().__init__(path)
         self._writer = f"{platform.node()}-{os.getpid()}-{secrets.token_hex(4)}"
-        self._own = path / RECORDS / self._writer
+        self._own = inside(path, RECORDS) / self._writer
         self._lock = FolderLock(self._own)
         self.warning = self._lock.warning
-        self._claims = path / CLAIMS
+        self._claims = inside(path, CLAIMS)
         self._held: set[str] = set()
         self._done: list[str] = []
         self._out = (self._own / FILE).open("ab", buffering=0)
@@ -310,7 +310,7 @@ class Store(Records):
     def _clear(self, writer: str) -> None:
         """Take away all claims of a process that has ended, one process at a time."""
         try:
-            lock = FolderLock(self.path / _CLEARING)
+            lock = FolderLock(inside(self.path, _CLEARING))
         except InputError:
             return
         try:

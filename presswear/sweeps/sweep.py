@@ -25,7 +25,7 @@ from presswear.sweeps.measures import Asked, Own, at_last, measures_asked
 from presswear.sweeps.plan import Plan
 from presswear.sweeps.run import Gate, Standing, run_rows
 from presswear.sweeps.spread import Required, requirements
-from presswear.sweeps.store import Records, Store, can_begin
+from presswear.sweeps.store import RUNS, Records, Store, can_begin
 from presswear.sweeps.table import NOT_RUN, Column, Table
 from presswear.sweeps.text import counts_of, lines_of
 from presswear.sweeps.values import texts_of
@@ -33,6 +33,7 @@ from presswear.sweeps.work import SceneWork
 from presswear.tools.checked import checked
 from presswear.tools.documents import plain, read_json, typed, write_shared_json
 from presswear.tools.errors import InputError
+from presswear.tools.files import inside
 
 FILE = "sweep.json"
 SCHEMA = 1
@@ -241,6 +242,8 @@ def run_sweep(
     say : callable
         Told lines for the person who waits.
     """
+    sweep.plan.scene.check_trusted()
+    inside(sweep.path, RUNS)
     runner = runner_of(on, jobs, say)
     if is_sweep(sweep.path):
         other = provenance_differs(_stored(sweep.path).provenance, provenance())

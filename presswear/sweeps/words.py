@@ -5,7 +5,7 @@ from itertools import combinations
 
 import numpy as np
 
-from presswear.record.sampling import Interval
+from presswear.recording.sampling import Interval
 from presswear.show.report.parts import NOTHING, Row, Table
 from presswear.sweeps.analysis import Analysis
 from presswear.sweeps.estimates import as_share

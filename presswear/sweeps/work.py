@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol
 
-from presswear.record.tracker import Progress, Tracker
+from presswear.recording.tracker import Progress, Tracker
 from presswear.results.folder import INTERVAL
 from presswear.results.provenance import program_digest
 from presswear.scene.scene import Scene
@@ -14,7 +14,7 @@ from presswear.sweeps.measures import Asked, Found, measured
 from presswear.sweeps.plan import Plan, scene_digest
 from presswear.sweeps.store import RUNS
 from presswear.tools.errors import InputError, RunFailed
-from presswear.tools.files import digest
+from presswear.tools.files import digest, inside
 from presswear.tools.folders import holder
 from presswear.tools.stopping import is_stopped
 from presswear.tools.workers import Report
@@ -218,7 +218,7 @@ class SceneWork:
         """Digest of a row's scene, and its run."""
         scene = self.plan.scene_of(row)
         name = self._named(scene_digest(scene))
-        folder = None if self.path is None else self.path / RUNS / name
+        folder = None if self.path is None else inside(self.path, RUNS, name)
         return name, SceneJob(scene, self.asked, folder, self.program)
 
     def _named(self, what: str) -> str:

@@ -12,6 +12,20 @@ PART = ".part"
 """Ending of a file that is being written."""
 
 
+def check_link(path: Path) -> None:
+    """Raise InputError if a file or folder that is written into is a symbolic link."""
+    if path.is_symlink():
+        raise InputError(f"{path}: this is a link; nothing is written through it, so remove it")
+
+
+def inside(folder: Path, *names: str) -> Path:
+    """Return a folder inside another one; InputError where a link leads out of it."""
+    for name in names:
+        folder = folder / name
+        check_link(folder)
+    return folder
+
+
 def write_whole(path: Path, write: Callable[[BinaryIO], object]) -> None:
     """Write a file so that it is there whole or not at all, even when power fails.
 
@@ -19,8 +33,11 @@ def write_whole(path: Path, write: Callable[[BinaryIO], object]) -> None:
     ------
     OSError
         Naming the file: what was there before is untouched.
+    InputError
+        Where a link would lead the bytes elsewhere.  A link in place of the file is replaced.
     """
     part = path.with_name(path.name + PART)
+    check_link(part)
     try:
         try:
             with part.open("wb") as file:

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import IO
 
 from presswear.tools.errors import InputError, nearest
+from presswear.tools.files import check_link
 
 LOCK = "lock"
 """Name of the file that is locked."""
@@ -99,10 +100,12 @@ class FolderLock:
     def __init__(self, path: Path) -> None:
         """Lock a folder, made where it is not there.
 
-        InputError where nothing can be written there, or naming who is at work in it.
+        InputError where nothing can be written there, or naming who is at work in it, or where
+        the lock is a link.
         """
         self.path = path
         self.warning = ""
+        check_link(path / LOCK)
         self._made = tuple(folder for folder in (path, *path.parents) if not folder.exists())
         try:
             path.mkdir(parents=True, exist_ok=True)

@@ -1,4 +1,8 @@
-"""Functions of one's own: plain Python, kept as text, so that a result knows its laws."""
+"""Functions of one's own: plain Python, kept as text, so that a result knows its laws.
+
+The text is executed only where the user supplied it in this process: as a function, as a file, or
+by trusting a result.  Text that was merely read from a result is never executed.
+"""
 
 import ast
 import hashlib
@@ -26,6 +30,13 @@ _FORBIDDEN: dict[type[ast.AST], str] = {
     ast.DictComp: "makes a list",
 }
 """What no law does, in words."""
+
+_trusted: set[str] = set()
+"""SHA-256 of the texts that may be executed in this process."""
+
+
+class UntrustedLaw(InputError):
+    """A law whose stored source code would have to be executed, which nobody has allowed."""
 
 
 def _is_short(loop: ast.For) -> bool:
@@ -64,9 +75,35 @@ class OwnFunction:
     source: str
 
     @property
+    def _checksum(self) -> str:
+        return hashlib.sha256(self.source.encode()).hexdigest()
+
+    @property
     def digest(self) -> str:
         """First digits of the SHA-256 of its text."""
-        return hashlib.sha256(self.source.encode()).hexdigest()[:8]
+        return self._checksum[:8]
+
+    @property
+    def is_trusted(self) -> bool:
+        """Whether its text may be executed in this process."""
+        return self._checksum in _trusted
+
+    def trusted(self) -> "OwnFunction":
+        """Allow this process, and the processes it starts, to execute the text."""
+        _trusted.add(self._checksum)
+        return self
+
+    def check_trusted(self, key: str) -> None:
+        """Raise UntrustedLaw unless the text may be executed."""
+        if not self.is_trusted:
+            raise UntrustedLaw(
+                f"{key} = {self}: source code that is stored in a result is not executed; use "
+                "--trust, or pw.load(folder, trust=True), if you trust where it comes from"
+            )
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # A worker process executes what the process that started it may execute.
+        return _unpickled, (self.name, self.source, self.is_trusted)
 
     def __str__(self) -> str:
         """Its name, and by which text it is known."""
@@ -75,6 +112,8 @@ class OwnFunction:
     @staticmethod
     def of(key: str, given: Any) -> "OwnFunction":
         """A function that is given as itself, as ``FILE.py:NAME``, or as stored.
+
+        The first two are trusted; stored text is not.
 
         Raises
         ------
@@ -89,7 +128,8 @@ class OwnFunction:
             return OwnFunction(**given)
         if callable(given):
             try:
-                return OwnFunction(given.__name__, textwrap.dedent(inspect.getsource(given)))
+                source = textwrap.dedent(inspect.getsource(given))
+                return OwnFunction(given.__name__, source).trusted()
             except (OSError, TypeError, AttributeError):
                 raise InputError(
                     f"{key}: the source of {given!r} cannot be read: a function defined in a file "
@@ -102,7 +142,7 @@ class OwnFunction:
         if path.stat().st_size > _MOST_BYTES:
             raise InputError(f"{key} = {given!r}: it has more than {_MOST_BYTES} bytes")
         try:
-            return OwnFunction(name, read_checked(path).decode())
+            return OwnFunction(name, read_checked(path).decode()).trusted()
         except UnicodeDecodeError:
             raise InputError(f"{key} = {given!r}: this is no text") from None
 
@@ -151,7 +191,8 @@ class OwnFunction:
             raise InputError(f"{key}: {error}") from None
 
     def space(self) -> dict[str, Any]:
-        """What its text defines; runs the text, which is the user's own."""
+        """Execute its text and return what it defines; UntrustedLaw unless that is allowed."""
+        self.check_trusted("law")
         space: dict[str, Any] = {"math": math, "__name__": self.name}
         exec(compile(self.source, f"<{self.name}>", "exec"), space)
         return space
@@ -162,6 +203,8 @@ class OwnFunction:
         told = ", ".join(f"{name} = {value:g}" for name, value in given.items())
         try:
             found = self.space()[self.name](**given)
+        except UntrustedLaw:
+            raise
         except (Exception, SystemExit) as error:
             inside = ""
             if isinstance(error, NameError):
@@ -171,3 +214,8 @@ class OwnFunction:
         if not number or not math.isfinite(found):
             raise InputError(f"{key}: {self.name} gives {found!r} at {told}: a number is expected")
         return float(found)
+
+
+def _unpickled(name: str, source: str, is_trusted: bool) -> OwnFunction:
+    found = OwnFunction(name, source)
+    return found.trusted() if is_trusted else found

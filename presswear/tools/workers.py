@@ -8,8 +8,11 @@ Processes are forked from a server that has imported what jobs need and done not
 Linux; elsewhere they begin from nothing): a fork of this process would copy the locks of
 threads that it does not copy, of numerical libraries, of a progress bar, of a window.  The
 first job runs alone until it first tells how far it is, so that one process compiles what is not
-compiled yet and the others load it.  What they tell stands in shared memory without a lock: a
-process that is killed leaves none behind.
+compiled yet and the others load it.
+
+A process may be killed at any moment.  Progress is therefore written to shared memory without a
+lock, and results are written to files.  In the pipe of an executor, which all processes share,
+half of a result would leave the reader waiting forever.
 """
 
 import ctypes
@@ -17,8 +20,11 @@ import logging
 import math
 import multiprocessing
 import os
+import pickle
+import shutil
 import signal
 import sys
+import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -157,10 +163,16 @@ class _Board:
     """What processes tell, and which are to stop: a place for each, in shared memory.
 
     A word or rows may be read while they are written: they are there to be looked at.
+
+    Attributes
+    ----------
+    folder : str
+        Folder of the files with results.
     """
 
     def __init__(self, context: Any, places: int, room: int) -> None:
         self._room = room
+        self.folder = tempfile.mkdtemp(prefix="presswear-")
         self.halt = context.RawValue(ctypes.c_bool, False)
         self.stops = context.RawArray(ctypes.c_bool, places)
         self.done = context.RawArray(ctypes.c_double, [math.nan] * places)
@@ -273,6 +285,7 @@ class Pool:
         if self._pool is not None:
             self._board.stop()
             self._pool.shutdown(wait, cancel_futures=True)
+            shutil.rmtree(self._board.folder, ignore_errors=True)
             self._pool = None
 
     def run(self, jobs: Mapping[int, Job], ended: Ended, told: Told) -> None:
@@ -296,7 +309,7 @@ class Pool:
                         is_lost = True
                         break
                     _, key, _ = running[future]
-                    further = {} if key in dropped else ended(key, future.result())
+                    further = {} if key in dropped else ended(key, _outcome(future.result()))
                     del running[future]
                     dropped.discard(key)
                     self._is_warm, self._is_again = True, False
@@ -374,11 +387,8 @@ class Pool:
         self._board.stop()
         wait(running)
         for future, (_, key, _) in running.items():
-            problem = future.exception()
-            if key not in dropped and isinstance(problem, Stopped):
-                ended(key, problem.outcome)
-            elif key not in dropped and problem is None:
-                ended(key, future.result())
+            if key not in dropped and future.exception() is None:
+                ended(key, _outcome(future.result()))
 
 
 def workers_for(
@@ -441,6 +451,21 @@ def undisturbed() -> Iterator[None]:
             mask(signal.SIG_SETMASK, before)
 
 
+def end_with_parent() -> None:
+    """End this process when its parent has ended, even if that was killed.
+
+    A process of an executor would wait for jobs forever: it holds both ends of their pipe.
+    """
+    parent = multiprocessing.parent_process()
+    assert parent is not None, "a process of an executor has a parent"
+
+    def watch() -> None:
+        wait_for([parent.sentinel])
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
+
+
 _BOARD: list[_Board] = []
 """In a process of a pool: where it tells how far it is."""
 _STOPS = threading.Event()
@@ -465,11 +490,20 @@ def _outlive_nobody(board: _Board) -> None:
         if wait_for([parent.sentinel], 1.0):
             break
         halted += board.halt.value and not _STOPS.is_set()
+    else:
+        os._exit(1)
+    shutil.rmtree(board.folder, ignore_errors=True)
     os._exit(1)
 
 
-def _do(place: int, job: Job) -> Any:
-    """Do a job in a process of a pool."""
+def _outcome(path: str) -> Any:
+    """Return the result that a process has written to a file."""
+    with open(path, "rb") as file:
+        return pickle.load(file)
+
+
+def _do(place: int, job: Job) -> str:
+    """Do a job in a process of a pool; return the path of the file with its result."""
     (board,) = _BOARD
     shown = -math.inf
 
@@ -486,4 +520,11 @@ def _do(place: int, job: Job) -> Any:
                 _STOPS.set()
             raise KeyboardInterrupt
 
-    return job(report)
+    try:
+        outcome = job(report)
+    except Stopped as stopped:
+        outcome = stopped.outcome
+    handle, path = tempfile.mkstemp(dir=board.folder)
+    with open(handle, "wb") as file:
+        pickle.dump(outcome, file)
+    return path

@@ -11,7 +11,7 @@ from presswear.bifurcation.branch import OPEN, Branch, moved, point, read_points
 from presswear.bifurcation.diagram import WAYS, Diagram, compute, load
 from presswear.bifurcation.figure import draw
 from presswear.bifurcation.over import Extent, Over
-from presswear.campaign.starts import start_of
+from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan
 from presswear.physics.constraints import constraints_of
 

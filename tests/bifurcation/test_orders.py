@@ -6,7 +6,7 @@ import pytest
 import presswear as pw
 from presswear.bifurcation.branch import ENGINE
 from presswear.bifurcation.orders import HIGHEST, Orders, orders_of
-from presswear.campaign.starts import start_of
+from presswear.campaign.replicates import start_of
 from presswear.linkage.slider_crank import SliderCrank
 
 SCENE = pw.scenes.slider_crank(clearance="10 um")

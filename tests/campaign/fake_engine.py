@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from presswear.engines.base import Plan, Run, Start, recorder_of
 from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.linkage import Linkage
-from presswear.record.recorder import Recorder
-from presswear.record.soundness import Finding
-from presswear.record.tracker import Progress, Tracker
+from presswear.recording.recorder import Recorder
+from presswear.recording.soundness import Finding
+from presswear.recording.tracker import Progress, Tracker
 from presswear.results.stage import StageResult
 from presswear.tools.arrays import named, part
 

@@ -28,7 +28,7 @@ class MadeUp:
     bedded: float = 1e-5
     noise: float = 0.5
     scatter: float = 5e-6
-    starts: int = 8
+    replicates: int = 8
     begun: float = 0.0
     _depth: Array = field(default_factory=lambda: np.zeros(0))
 
@@ -45,14 +45,14 @@ class MadeUp:
     def go(self, number: int, before: Blocks, step: Step) -> Block:
         """Go on by a step."""
         if not before:
-            self._depth = np.full(self.starts, self.begun)
+            self._depth = np.full(self.replicates, self.begun)
         draw = np.random.default_rng([self.seed, number, len(before)])
         begun, seen = self._depth.copy(), []
         for _ in range(step.cycles):
             law = self.rate * (1.0 + self.fresh * np.exp(-self._depth / self.bedded))
             size = math.sqrt(math.log1p(self.noise**2))
-            factor = draw.lognormal(-0.5 * size**2, size, self.starts)
-            seen.append(0.5 * self._depth + draw.normal(0.0, self.scatter, self.starts))
+            factor = draw.lognormal(-0.5 * size**2, size, self.replicates)
+            seen.append(0.5 * self._depth + draw.normal(0.0, self.scatter, self.replicates))
             self._depth = self._depth + step.share * law * factor + float(np.mean(step.extra))
         strokes = (before[-1].strokes if before else 0.0) + step.cycles * step.share
         gained = float((self._depth - begun).mean()) / (step.cycles * step.share)
@@ -60,8 +60,8 @@ class MadeUp:
 
     def serve(self, number: int, before: Blocks, service: Service) -> Block:
         """Make the bush new, or turn it by half, where it has lost nothing."""
-        self._depth = np.zeros(self.starts)
-        block = self._block(before[-1].strokes, 0, before, np.zeros(self.starts), 0.0)
+        self._depth = np.zeros(self.replicates)
+        block = self._block(before[-1].strokes, 0, before, np.zeros(self.replicates), 0.0)
         return replace(block, span=before[-1].span + 1, samples={}, rate=0.0)
 
     def _block(

@@ -15,7 +15,7 @@ from presswear.linkage.motions import Drive
 from presswear.linkage.press import GEOMETRIES, Press
 from presswear.linkage.servo import Dwell
 from presswear.physics.bottom import bottom_of
-from presswear.record.sampling import STARTUP_CYCLES, pooled
+from presswear.recording.sampling import STARTUP_CYCLES, pooled
 from presswear.results.bottom import rise, strokes_of
 from presswear.scene.catalog import clearance_c, ideal, wear_times
 from presswear.scene.scene import Scene
@@ -104,7 +104,7 @@ def test_ideal_press_is_accurate_and_repeats_itself(geometry: str) -> None:
 
 
 def test_stages_keep_them_in_memory_and_on_disk(tmp_path: Path) -> None:
-    scene = clearance_c(cycles=4, wears=1, starts=2, engine="dae")
+    scene = clearance_c(cycles=4, wear_updates=1, replicates=2, engine="dae")
     held, stored = (run_scene(scene, folder, jobs=1) for folder in (None, tmp_path / "run"))
     for one, other in zip(held.stages, stored.stages, strict=True):
         assert one.bdc == other.bdc
@@ -129,10 +129,10 @@ def test_what_stands_has_no_bottom() -> None:
         joints=[Pin("O", (0.0, 0.0), "bar.centre")],
         drives=[Drive("bar", speed=5.0)],
     )
-    stage = run_scene(Scene(mechanism=linkage, wears=0, cycles=2, engine="dae")).stages[0]
+    stage = run_scene(Scene(mechanism=linkage, wear_updates=0, cycles=2, engine="dae")).stages[0]
     assert stage.bdc == {}
     assert rise(stage, stage) is None
-    assert strokes_of(Scene(mechanism=linkage, wears=0), stage) == []
+    assert strokes_of(Scene(mechanism=linkage, wear_updates=0), stage) == []
 
 
 @pytest.mark.parametrize("part", [0.04, 1.0 / 9.0])

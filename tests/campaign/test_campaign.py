@@ -34,10 +34,10 @@ def short(conventions: str) -> Scene:
         scene,
         conventions=CONVENTIONS[conventions],
         cycles=1,
-        wears=1,
-        represented_cycles=1e6,
+        wear_updates=1,
+        cycles_per_update=1e6,
         extrapolation="single",
-        starts=1,
+        replicates=1,
     )
 
 
@@ -53,7 +53,7 @@ def test_the_next_stage_runs_on_the_amplified_wear(
 ) -> None:
     scene, result, _ = campaign
     first, second = result.stages
-    assert first.amplification == scene.represented_cycles
+    assert first.amplification == scene.cycles_per_update
     _, ran = run_stage(scene, 0)
     for k, joint in enumerate(second.joints.values()):
         expected = 1e6 * ran.recorders[0].maps.sampled[k]

@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 from presswear.campaign.campaign import run_campaign, run_stage
 from presswear.campaign.deviation import COLUMNS, deviation, whole_cycles
 from presswear.campaign.ensemble import FEWEST, Ensemble
-from presswear.campaign.starts import APART, start_of
-from presswear.record.sampling import STARTUP_CYCLES
-from presswear.record.tracker import Progress, Tracker
+from presswear.campaign.replicates import SPREAD, start_of
+from presswear.physics.constraints import constraints_of
+from presswear.physics.touchdown import CONTACT_COLUMNS
+from presswear.recording.sampling import STARTUP_CYCLES
+from presswear.recording.tracker import Progress, Tracker
 from presswear.results.folder import ResultFolder
 from presswear.results.result import load
 from presswear.results.stage import SIDES, StageResult
@@ -22,7 +24,7 @@ from presswear.scene.settings import changed
 from presswear.tools.errors import InputError
 
 QUICK = changed(
-    replace(wear_times(), wears=0),
+    replace(wear_times(), wear_updates=0),
     {"engine": "dae", "integrator": "dopri5", "integration_tolerance": "1e-6"},
 )
 
@@ -30,16 +32,37 @@ QUICK = changed(
 @pytest.fixture(scope="module")
 def two() -> tuple[StageResult, Ensemble]:
     """Two starts of six cycles each."""
-    return run_stage(replace(QUICK, starts=2, cycles=6), 0)
+    return run_stage(replace(QUICK, replicates=2, cycles=6), 0)
 
 
-def test_starts_are_a_hair_apart_and_part(two: tuple[StageResult, Ensemble]) -> None:
-    first, second = (start_of(QUICK, index) for index in (0, 1))
-    assert np.abs(second.position - first.position).max() == pytest.approx(APART)
+def test_replicates_start_within_a_part_of_the_clearance_and_diverge(
+    two: tuple[StageResult, Ensemble],
+) -> None:
+    linkage = QUICK.linkage()
+    replicates = [start_of(changed(QUICK, {"seed": seed}), k) for seed in "012" for k in range(4)]
+    away = [np.abs(start.position - replicates[0].position).max() for start in replicates]
+    assert away[0] == 0.0
+    apart = np.diff(np.sort(away))
+    assert max(away) < SPREAD * 0.8e-3
+    assert apart.min() > 0.01 * SPREAD * 0.8e-3
+    for start in replicates:
+        phi, phi_t, _, _ = constraints_of(linkage).evaluate(0.0, start.position, start.velocity)
+        assert np.abs(phi).max() < 1e-15
+        assert np.abs(phi_t).max() < 1e-14
     one, other = (recorder.each_cycle("force_max", 0) for recorder in two[1].recorders)
     assert one.shape == other.shape
     # That of the sixth cycle has nothing in common.
     assert abs(one[5] - other[5]) > 1e-3 * one[5] > 0.0
+
+
+def test_contacts_are_counted_cycle_by_cycle(two: tuple[StageResult, Ensemble]) -> None:
+    kept = 5
+    edges = QUICK.mechanism.period * np.arange(kept + 1)
+    for recorder in two[1].recorders:
+        separations = recorder.episodes(0)[:, CONTACT_COLUMNS.index("separation")]
+        found = recorder.each_cycle("contacts", 0)[:kept]
+        assert found.tolist() == np.histogram(separations, edges)[0].tolist()
+    assert two[0].joints["A"].each_cycle("contacts")[0] > 0
 
 
 def test_statistics_are_of_all_starts(two: tuple[StageResult, Ensemble]) -> None:
@@ -51,7 +74,7 @@ def test_statistics_are_of_all_starts(two: tuple[StageResult, Ensemble]) -> None
     expected = np.concatenate(peaks)
     assert force["force_max_per_cycle_N"]["mean"] == pytest.approx(expected.mean())
     assert force["force_max_per_cycle_N"]["cycles"] == 8
-    assert force["contacts"] == sum(int(own.each_cycle("contacts", 0)[-1]) for own in recorders)
+    assert force["contacts"] == sum(own.each_cycle("contacts", 0).sum() for own in recorders)
     joint = two[0].joints["A"]
     batches = joint.arrays["wear_batches"]
     assert len(batches) == 8
@@ -64,7 +87,7 @@ def test_statistics_are_of_all_starts(two: tuple[StageResult, Ensemble]) -> None
 def test_rows_are_stored_with_their_start(
     two: tuple[StageResult, Ensemble], tmp_path: Path
 ) -> None:
-    scene = replace(QUICK, starts=2, cycles=6)
+    scene = replace(QUICK, replicates=2, cycles=6)
     folder = ResultFolder(tmp_path / "out", scene)
     folder.stage(two[0])
     folder.close("completed", "")
@@ -76,11 +99,11 @@ def test_rows_are_stored_with_their_start(
     assert arrays["deviation"].shape == (10, len(COLUMNS))
     assert arrays["deviation_start"].tolist() == [0.0] * 5 + [1.0] * 5
     assert np.all((arrays["A_flight"] >= 0.0) & (arrays["A_flight"] < 1.0))
-    assert stored.scene.starts == 2
+    assert stored.scene.replicates == 2
 
 
-def ends_early(starts: int, tolerance: float) -> Ensemble:
-    scene = replace(QUICK, starts=starts, cycles=None, tolerance=tolerance)
+def ends_early(replicates: int, tolerance: float) -> Ensemble:
+    scene = replace(QUICK, replicates=replicates, cycles=None, tolerance=tolerance)
     return run_stage(scene, 0)[1]
 
 
@@ -98,7 +121,7 @@ def test_a_stage_ends_when_all_starts_together_know_the_maps() -> None:
 
 
 def test_no_stage_runs_longer_than_the_most_cycles() -> None:
-    scene = replace(QUICK, starts=3, cycles=None, tolerance=1e-3, most_cycles=13)
+    scene = replace(QUICK, replicates=3, cycles=None, tolerance=1e-3, max_cycles=13)
     ensemble = run_stage(scene, 0)[1]
     assert [len(recorder.cycles) for recorder in ensemble.recorders] == [4, 4, 4]
     assert ensemble.status == "completed"
@@ -111,15 +134,15 @@ def test_progress_goes_through_all_starts() -> None:
         def progress(self, progress: Progress) -> None:
             parts.append(progress.whole)
 
-    run_campaign(replace(QUICK, starts=3, cycles=1), [Heard()])
+    run_campaign(replace(QUICK, replicates=3, cycles=1), [Heard()])
     assert parts == sorted(parts)
     assert parts[0] < 0.1
     assert parts[-1] > 0.95
 
 
 def test_starts_need_a_clearance_joint() -> None:
-    with pytest.raises(InputError, match=r"starts = 2: .* allowed is 1"):
-        changed(ideal(), {"starts": "2"})
+    with pytest.raises(InputError, match=r"replicates = 2: .* allowed is 1"):
+        changed(ideal(), {"replicates": "2"})
 
 
 def delayed(scene: Scene, delay: float) -> NDArray[np.float64]:

@@ -6,14 +6,14 @@ import pytest
 from presswear.campaign.followed import levels, samples
 from presswear.physics.bottom import bottom_of
 from presswear.physics.wear import map_shape
-from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
+from presswear.recording.observe import CYCLE_FIXED, CYCLE_JOINT
 from presswear.results.life import WORDS
 from presswear.scene.catalog import press_blanking
 from presswear.scene.life import FOLLOWED
 
 
 def test_every_number_is_followed_and_has_words() -> None:
-    scene = press_blanking(conventions="refined", starts=2)
+    scene = press_blanking(conventions="refined", replicates=2)
     joints = scene.linkage().clearances
     worn = np.zeros((2, *map_shape(joints)))
     rows = np.zeros((2, 4, len(CYCLE_FIXED) + 2 * len(CYCLE_JOINT)))
@@ -28,7 +28,7 @@ def test_every_number_is_followed_and_has_words() -> None:
 
 
 def test_they_are_what_surfaces_and_strokes_give() -> None:
-    scene = press_blanking(conventions="refined", starts=2)
+    scene = press_blanking(conventions="refined", replicates=2)
     joints = scene.linkage().clearances
     worn = np.zeros((2, *map_shape(joints)))
     worn[0, 0, 1, 7] = 3e-6  # the pin of A in one bin

@@ -19,7 +19,7 @@ from presswear.campaign.segment import worn_out
 from presswear.campaign.single import run_scene
 from presswear.linkage.surface import bin_centres
 from presswear.physics.wear import worn_volume
-from presswear.record.sampling import STARTUP_CYCLES, MapBatches, half_width, mean_map
+from presswear.recording.sampling import STARTUP_CYCLES, MapBatches, half_width, mean_map
 from presswear.results.result import load
 from presswear.results.stage import SIDES, JointResult
 from presswear.scene.bearing import CONVENTIONS
@@ -40,9 +40,9 @@ RATE = 0.05 * CLEARANCE / REPRESENTED
 SCENE = replace(
     wear_times(),
     cycles=CYCLES,
-    wears=2,
-    starts=2,
-    represented_cycles=REPRESENTED,
+    wear_updates=2,
+    replicates=2,
+    cycles_per_update=REPRESENTED,
     extrapolation="steps",
 )
 SHAPE = np.stack([np.exp(np.cos(bin_centres(360)) - 1.0), 0.3 + 0.2 * np.sin(bin_centres(360))])
@@ -88,17 +88,17 @@ def campaign(monkeypatch: pytest.MonkeyPatch) -> Campaign:
 def test_a_constant_rate_is_exact_in_any_number_of_steps(campaign: Campaign, cycles: int) -> None:
     seen = campaign(replace(SCENE, cycles=cycles), FakeEngine(constant))
     assert seen.status == "completed"
-    wears = dict(zip("AC", REPRESENTED * constant(0, np.zeros(0)), strict=True))
+    wear_updates = dict(zip("AC", REPRESENTED * constant(0, np.zeros(0)), strict=True))
     for name, joint in seen.stages[2].joints.items():
-        np.testing.assert_allclose(both(joint, joint.depth), 2.0 * wears[name], rtol=1e-12)
+        np.testing.assert_allclose(both(joint, joint.depth), 2.0 * wear_updates[name], rtol=1e-12)
     for stage in seen.stages[:2]:
         assert len(stage.wear_steps) == cycles
         for name, joint in stage.joints.items():
-            np.testing.assert_allclose(both(joint, joint.wear), wears[name], rtol=1e-12)
+            np.testing.assert_allclose(both(joint, joint.wear), wear_updates[name], rtol=1e-12)
             deepest = stage.wear_steps[-1].deepest_m[name]
             after = both(joint, joint.depth) + both(joint, joint.wear)
             np.testing.assert_allclose(list(deepest.values()), after.max(axis=1), rtol=1e-12)
-        total = math.fsum(step.represented_cycles for step in stage.wear_steps)
+        total = math.fsum(step.cycles_per_update for step in stage.wear_steps)
         assert total == pytest.approx(REPRESENTED, rel=1e-14)
 
 
@@ -107,7 +107,9 @@ def test_the_error_of_the_step_is_told_by_the_coarser_pass(campaign: Campaign) -
     exact = RATE * REPRESENTED * (math.e - 1.0)
     errors = []
     for cycles in (32, 64, 128):
-        seen = campaign(replace(SCENE, cycles=cycles, wears=1, starts=3), FakeEngine(exponential))
+        seen = campaign(
+            replace(SCENE, cycles=cycles, wear_updates=1, replicates=3), FakeEngine(exponential)
+        )
         found = seen.stages[0].statistics["joints"]["A"]
         errors.append(exact - found["wear_depth_max_bearing_m"] / SHAPE[0].max())
         told = found["wear_depth_max_bearing_step_m"]
@@ -120,11 +122,11 @@ def test_the_error_of_the_step_is_told_by_the_coarser_pass(campaign: Campaign) -
 
 
 def test_passes_go_on_until_the_wear_is_known(campaign: Campaign) -> None:
-    scene = replace(SCENE, cycles=None, wears=1, tolerance=0.02)
+    scene = replace(SCENE, cycles=None, wear_updates=1, tolerance=0.02)
     stage = campaign(scene, FakeEngine(exponential)).stages[0]
     # The error of the step is e / (e - 1) / 2, part of the wear, over the cycles.
     assert len(stage.wear_steps) == 8 * FIRST_PASS
-    short = campaign(replace(scene, most_cycles=70), FakeEngine(exponential)).stages[0]
+    short = campaign(replace(scene, max_cycles=70), FakeEngine(exponential)).stages[0]
     assert len(short.wear_steps) == 4 * FIRST_PASS
 
 
@@ -136,7 +138,7 @@ def test_noise_is_worn_away_cycle_by_cycle_and_kept_by_a_jump(campaign: Campaign
         noise = generator.uniform(0.0, 2.0, depth.shape)
         return (noise * RATE * REPRESENTED + 10.0 * (RATE * REPRESENTED - depth)) / REPRESENTED
 
-    scene = replace(SCENE, cycles=40, wears=1, starts=1)
+    scene = replace(SCENE, cycles=40, wear_updates=1, replicates=1)
     steps = campaign(scene, FakeEngine(noisy)).stages[1].joints["A"].depth("pin")
     one = replace(scene, extrapolation="single")
     jumped = campaign(one, FakeEngine(noisy)).stages[1].joints["A"].depth("pin")
@@ -155,7 +157,7 @@ def test_starts_share_no_surface(campaign: Campaign) -> None:
     def own(run: int, depth: Array) -> Array:
         return constant(run, depth) * (1.0 + 0.1 * (run % 2))
 
-    stages = campaign(replace(SCENE, wears=1, cycles=1), FakeEngine(own)).stages
+    stages = campaign(replace(SCENE, wear_updates=1, cycles=1), FakeEngine(own)).stages
     joint = stages[0].joints["A"]
     assert len(joint.arrays["wear_batches"]) == 2
     np.testing.assert_allclose(joint.depth("bearing"), 0.0)
@@ -201,7 +203,7 @@ def test_behind_a_jump_starts_run_together_and_alone(campaign: Campaign) -> None
 def test_single_jumps_are_those_of_the_paper(campaign: Campaign) -> None:
     """To the last bit: depth of the cycles times represented cycles over cycles."""
     engine = FakeEngine(uneven)
-    seen = campaign(replace(SCENE, extrapolation="single", cycles=7, starts=1), engine)
+    seen = campaign(replace(SCENE, extrapolation="single", cycles=7, replicates=1), engine)
     assert engine.runs == 3
     worn = np.zeros((2, 2, 360))
     for run, stage in enumerate(seen.stages, start=1):
@@ -262,7 +264,7 @@ def test_failure_of_a_stage_is_told(campaign: Campaign) -> None:
 
 def test_a_set_that_fails_does_not_mix_with_the_other(campaign: Campaign) -> None:
     """Five runs of two sets of three: what is told of those alone is of the last two only."""
-    scene = replace(SCENE, extrapolation="single", wears=1, starts=3)
+    scene = replace(SCENE, extrapolation="single", wear_updates=1, replicates=3)
     seen = campaign(scene, FakeEngine(constant, fails=8))
     assert seen.status == "failed"
     force = seen.stages[1].statistics["joints"]["A"]["force_max_per_cycle_N"]
@@ -280,7 +282,7 @@ def test_a_set_that_fails_does_not_mix_with_the_other(campaign: Campaign) -> Non
 def test_a_surface_worn_through_is_named(
     campaign: Campaign, extrapolation: str, where: str
 ) -> None:
-    scene = replace(SCENE, extrapolation=extrapolation, represented_cycles=1e3 * REPRESENTED)
+    scene = replace(SCENE, extrapolation=extrapolation, cycles_per_update=1e3 * REPRESENTED)
     seen = campaign(scene, FakeEngine(constant))
     assert seen.status == "failed"
     assert seen.message.startswith(f"joint A: {where} the bearing would lose")
@@ -324,7 +326,7 @@ def test_progress_never_falls_and_names_the_pass(campaign: Campaign, cycles: int
 
 
 def test_progress_of_single_jumps_is_that_of_the_runs(campaign: Campaign) -> None:
-    seen = campaign(replace(SCENE, extrapolation="single", starts=1), FakeEngine(uneven))
+    seen = campaign(replace(SCENE, extrapolation="single", replicates=1), FakeEngine(uneven))
     expected = (np.arange(3 * CYCLES) + 0.5) / CYCLES
     np.testing.assert_allclose([told.stage + told.part for told in seen.told], expected)
     np.testing.assert_allclose(seen.wholes, expected / 3.0)
@@ -355,7 +357,7 @@ def test_conventions_decide_unless_the_scene_does(
     scene = replace(wear_times(), conventions=CONVENTIONS[conventions], extrapolation=extrapolation)
     assert scene.wears_in_steps == in_steps
     assert scene.draws == DRAWS
-    assert replace(scene, wears=0).draws == 1
+    assert replace(scene, wear_updates=0).draws == 1
 
 
 @pytest.fixture(scope="module")
@@ -367,9 +369,9 @@ def real(tmp_path_factory: pytest.TempPathFactory) -> Path:
         conventions=CONVENTIONS["refined"],
         engine="dae",
         cycles=4,
-        starts=2,
-        wears=1,
-        represented_cycles=1e6,
+        replicates=2,
+        wear_updates=1,
+        cycles_per_update=1e6,
     )
     path = tmp_path_factory.mktemp("result") / "steps"
     run_scene(scene, path)
@@ -421,12 +423,12 @@ def test_a_wear_without_a_coarser_pass_is_not_known() -> None:
 
 
 def test_what_is_not_reached_says_what_it_would_take(campaign: Campaign) -> None:
-    scene = replace(SCENE, cycles=None, wears=1, tolerance=0.02, most_cycles=70)
+    scene = replace(SCENE, cycles=None, wear_updates=1, tolerance=0.02, max_cycles=70)
     seen = campaign(scene, FakeEngine(exponential))
     assert seen.status == "unconverged"
     assert "the wear of stage 0 is known to 2.3 % where tolerance = 2 % was asked" in seen.message
-    assert "about most_cycles = 1.3e+02 would do" in seen.message
-    enough = campaign(replace(scene, most_cycles=130), FakeEngine(exponential))
+    assert "about max_cycles = 1.3e+02 would do" in seen.message
+    enough = campaign(replace(scene, max_cycles=130), FakeEngine(exponential))
     assert (enough.status, enough.message) == ("completed", "")
 
 

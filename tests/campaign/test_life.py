@@ -20,10 +20,10 @@ def problem(
     services: tuple[Service, ...] = (),
     at_most: float = 1e12,
     tolerance: float = 0.1,
-    most_cycles: int = 10_000,
+    max_cycles: int = 10_000,
 ) -> Problem:
     """A problem with limits."""
-    return Problem(limits, services, at_most, tolerance, most_cycles)
+    return Problem(limits, services, at_most, tolerance, max_cycles)
 
 
 def known(asked: Problem, chains: MadeUp) -> tuple[Known, tuple[Pass, ...]]:
@@ -86,7 +86,7 @@ def test_the_first_of_several_limits_counts() -> None:
 def test_steps_are_chosen_by_cycles_before() -> None:
     """By its own wear a cycle that wears little would stand for more strokes: a biased mean."""
     own = MadeUp(3, noise=2.0, fresh=0.0)
-    found, _ = known(problem(DEPTH, tolerance=0.05, most_cycles=200_000), own)
+    found, _ = known(problem(DEPTH, tolerance=0.05, max_cycles=200_000), own)
     truth = own.life_until(DEPTH.value)
     assert abs(math.log(found.strokes / truth)) <= found.error < 0.06
 
@@ -124,10 +124,10 @@ def test_a_bush_made_new_lives_longer() -> None:
 
 def test_no_pass_has_more_cycles_than_may_be() -> None:
     own = MadeUp(8, noise=3.0)
-    asked = problem(DEPTH, tolerance=0.001, most_cycles=1000)
+    asked = problem(DEPTH, tolerance=0.001, max_cycles=1000)
     passes = live(asked, own)
     run = [8 * sum(block.cycles for block in one.blocks) for one in passes]
-    assert max(run) <= 2 * asked.most_cycles
+    assert max(run) <= 2 * asked.max_cycles
     assert next_pass(asked, passes) is None
     assert known_by(asked, passes).error > asked.tolerance
 

@@ -1,6 +1,7 @@
 """Whether finer steps would change what a stage says."""
 
 from dataclasses import replace
+from statistics import median
 
 import pytest
 
@@ -15,7 +16,7 @@ from presswear.scene.settings import changed
 
 def scene_of(engine: str, tolerance: float) -> Scene:
     key = {"dae": "integration_tolerance", "exudyn-tree": "tree_tolerance"}[engine]
-    return changed(replace(wear_times(), wears=0), {"engine": engine, key: str(tolerance)})
+    return changed(replace(wear_times(), wear_updates=0), {"engine": engine, key: str(tolerance)})
 
 
 def step_errors(scene: Scene, start: int = -1) -> dict[str, float]:
@@ -37,23 +38,24 @@ def test_pieces_that_are_run_again_as_they_were_are_what_they_were(
 
 
 def test_the_error_falls_with_the_tolerance() -> None:
+    # The median, because chaos magnifies a small error in some pieces.
     coarse, fine = (
-        [step_errors(scene, start)["step_error_of_dose"] for start in (-1, -2)]
-        for scene in (scene_of("exudyn-tree", 1e-4), scene_of("exudyn-tree", 1e-8))
+        median(step_errors(scene, start)["step_error_of_dose"] for start in (-1, -2, -3))
+        for scene in (scene_of("exudyn-tree", 3e-5), scene_of("exudyn-tree", 1e-8))
     )
-    assert min(coarse) > 10.0 * max(fine) > 0.0
+    assert coarse > 10.0 * fine > 0.0
 
 
 def test_equal_steps_and_closed_joints_have_none() -> None:
     scene = changed(wear_times(), {"engine": "dae", "integrator": "rk4"})
     assert step_errors(scene) == {}
-    scene = replace(wear_times(), joints="none", wears=0)
+    scene = replace(wear_times(), joints="none", wear_updates=0)
     assert step_errors(scene) == {}
 
 
 def test_a_stage_of_many_cycles_tells_it_beside_what_is_known_of_its_wear() -> None:
     many, few = (
-        run_scene(replace(scene_of("dae", 1e-5), starts=1, cycles=cycles)).stages[0].statistics
+        run_scene(replace(scene_of("dae", 1e-5), replicates=1, cycles=cycles)).stages[0].statistics
         for cycles in (resolution.WORTH, resolution.WORTH - 1)
     )
     assert 0.0 < many["step_error_of_dose"] < many["wear_error"]

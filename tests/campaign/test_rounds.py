@@ -25,8 +25,8 @@ from presswear.campaign.ensemble import (
 from presswear.campaign.resolution import StepErrors
 from presswear.campaign.segment import Reached, Segment, Task
 from presswear.campaign.single import TURN, run_into, run_scene, workers_of
-from presswear.record.sampling import STARTUP_CYCLES, MapBatches
-from presswear.record.tracker import Progress, Tracker
+from presswear.recording.sampling import STARTUP_CYCLES, MapBatches
+from presswear.recording.tracker import Progress, Tracker
 from presswear.results.folder import ResultFolder
 from presswear.results.result import load
 from presswear.scene.catalog import wear_times
@@ -42,12 +42,19 @@ QUICK = {
     "angles": "90",
 }
 JUMP = changed(
-    replace(wear_times(), wears=1, starts=3, represented_cycles=1e5, most_cycles=9, tolerance=1.0),
+    replace(
+        wear_times(),
+        wear_updates=1,
+        replicates=3,
+        cycles_per_update=1e5,
+        max_cycles=9,
+        tolerance=1.0,
+    ),
     QUICK,
 )
 """All the cycles that may be, a wear in a jump, and rounds behind it, together and alone."""
-UNTIL_KNOWN = changed(replace(wear_times(), wears=0, starts=4, tolerance=0.06), QUICK)
-STEPS = replace(JUMP, extrapolation="steps", cycles=3, starts=2)
+UNTIL_KNOWN = changed(replace(wear_times(), wear_updates=0, replicates=4, tolerance=0.06), QUICK)
+STEPS = replace(JUMP, extrapolation="steps", cycles=3, replicates=2)
 
 SCENES = {"jump": JUMP, "until known": UNTIL_KNOWN, "steps": STEPS}
 
@@ -66,14 +73,14 @@ def test_cycles_are_dealt_out_one_by_one() -> None:
     assert all(sum(dealt(total, 7)) == total for total in range(50))
 
 
-@pytest.mark.parametrize("starts", [1, 3, 4, 16, 40])
-def test_the_first_round_has_the_fewest_samples(starts: int) -> None:
-    until = first_round(Task(1000, 0.1), starts)
+@pytest.mark.parametrize("replicates", [1, 3, 4, 16, 40])
+def test_the_first_round_has_the_fewest_samples(replicates: int) -> None:
+    until = first_round(Task(1000, 0.1), replicates)
     samples = [own - STARTUP_CYCLES for own in until]
-    assert sum(samples) == max(FEWEST, 3 * starts)
+    assert sum(samples) == max(FEWEST, 3 * replicates)
     assert min(samples) >= 3
-    assert first_round(Task(4, 0.1), starts) == (4,) * starts
-    assert first_round(Task(50), starts) == (50,) * starts
+    assert first_round(Task(4, 0.1), replicates) == (4,) * replicates
+    assert first_round(Task(50), replicates) == (50,) * replicates
 
 
 def test_a_round_takes_half_of_what_is_lacking() -> None:
@@ -196,7 +203,7 @@ def test_a_failed_run_is_the_last(workers: InProcess, monkeypatch: pytest.Monkey
         return reached
 
     monkeypatch.setattr(Segment, "__call__", failing)
-    ran = run_stage(replace(UNTIL_KNOWN, cycles=3, starts=3), 0, workers=workers)[1]
+    ran = run_stage(replace(UNTIL_KNOWN, cycles=3, replicates=3), 0, workers=workers)[1]
     assert [run.status for run in ran.runs] == ["completed", "failed"]
     assert len(ran.recorders[0].cycles) == 3
 
@@ -307,7 +314,7 @@ class Watches(Tracker):
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_a_window_is_shown_frames_wherever_a_run_is(jobs: int) -> None:
     watching = Watches()
-    scene = replace(UNTIL_KNOWN, cycles=6, starts=2)
+    scene = replace(UNTIL_KNOWN, cycles=6, replicates=2)
     with workers_of(scene, jobs, [watching]) as workers:
         run_stage(scene, 0, trackers=[watching], workers=workers)
     films = [progress.film for progress in watching.told if progress.film is not None]

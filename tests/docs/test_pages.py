@@ -1,5 +1,6 @@
 """What the documentation says can be typed, imported and called, is there."""
 
+import math
 import re
 import shlex
 from importlib import import_module
@@ -10,9 +11,10 @@ import pytest
 from lines import PAGES, all_lines, failures, lines_in_cells, lines_of
 
 import presswear as pw
-from presswear.commands import COMMANDS
-from presswear.commands.parser import parser_of
-from presswear.commands.terminal import settings_given
+from presswear.cli import COMMANDS
+from presswear.cli.parser import parser_of
+from presswear.cli.terminal import settings_given
+from presswear.linkage.materials import Materials
 from presswear.scene.catalog import SCENES
 from presswear.scene.settings import changed
 from presswear.tools.errors import InputError
@@ -107,7 +109,7 @@ def test_what_a_page_of_theory_names_is_there(page: Path) -> None:
 
 def test_theory_names_functions_of_every_part() -> None:
     named = {name.partition(".")[0] for page in THEORY for name in functions_named(page)}
-    assert {"physics", "linkage", "record", "campaign", "engines"} <= named
+    assert {"physics", "linkage", "recording", "campaign", "engines"} <= named
 
 
 def test_the_reference_lists_everything_that_may_be_imported() -> None:
@@ -121,3 +123,22 @@ def test_pictures_and_pages_that_are_linked_are_there(page: Path) -> None:
     for target in re.findall(r"\]\(([^)#]+)(?:#[^)]*)?\)", page.read_text()):
         drawn = "_drawn" in target  # by the build, from docs/draw.py
         assert drawn or "://" in target or (page.parent / target).exists(), target
+
+
+def test_a_life_in_the_readme_carries_the_scatter_of_its_wear_coefficient() -> None:
+    """The second interval is the one that the program prints for the first."""
+    text = (ROOT / "README.md").read_text().replace("\n", " ")
+    found = re.search(
+        r"makes ([\d.]+) million strokes \(([\d.]+) to ([\d.]+) million\).*?"
+        r"\((\d+) %, literature\) ([\d.]+) to ([\d.]+) million",
+        text,
+    )
+    assert found
+    strokes, low, high, scatter, total_low, total_high = map(float, found.groups())
+    assert scatter == 100.0 * Materials().wear_scatter
+    factor = math.sqrt(
+        math.log(high / low) ** 2 / 4.0 + 1.96**2 * math.log1p((scatter / 100.0) ** 2)
+    )
+    assert [total_low, total_high] == pytest.approx(
+        [strokes / math.exp(factor), strokes * math.exp(factor)], rel=0.01
+    )

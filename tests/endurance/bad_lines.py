@@ -22,9 +22,10 @@ FILE, FOLDER = "../a-file", "../a-folder"
 """A file and a folder that holds something, as seen from where the lines are given."""
 _PRESS, _CRANK = wear_times(), slider_crank()
 _KEYS = {scene.name: {setting.key for setting in settings_of(scene)} for scene in (_PRESS, _CRANK)}
-_NO_UNIT_OF = {
+NOT_UNITS_OF = {
     "m": "kg, Pa, s, rad/s, m/s, %, M, MM, inch",
     "rad/s": "m, kg, s, rad, m/s, 1/s",
+    "rad": "m, rad/s, °, grad, s",
     "kg": "m, Pa, lb, kg m^2, t, N",
     "kg m^2": "kg, m, kg m, kg m^3, g m^2",
     "Pa": "m, kg, mPa, 1/Pa, N",
@@ -62,11 +63,11 @@ run clearance-a --engine=exudyn-tree
 run ideal --engine=exudyn-tree
 run slider-crank --set=joints=none --engine=exudyn-tree
 run slider-crank --set=joints=AC
-run ideal --set=starts=2
-run wear-times --set=joints=none --set=starts=3
+run ideal --set=replicates=2
+run wear-times --set=joints=none --set=replicates=3
 run wear-times --set=contact=foundation --set=exponent=1.2
 run runaway --set=exponent=1.2
-run wear-times --wears=1 --set=wears=21
+run wear-times --wear-updates=1 --set=wear_updates=21
 run wear-times --set=friction=0.1 --set=friction=0.2
 run wear-times --jobs=0
 run wear-times --resume
@@ -77,8 +78,8 @@ precision --quick --set=wear_coefficient=0/Pa
 precision --quick --set=exponent=2
 """
 _OPTIONS = {
-    "run {scene}": "cycles={count} wears={text} wears=-1 wears={many} tolerance={count} "
-    "engine={text} conventions={text} out={place} on=no/{text}",
+    "run {scene}": "cycles={count} wear_updates={text} wear_updates=-1 wear_updates={many} "
+    "tolerance={count} engine={text} conventions={text} out={place} on=no/{text}",
     "run paper": "jobs={count}",
     "run ideal": "set={word}",
     "crosscheck": "duration={text} duration=1e300 until={no_count} set=clearance=1",
@@ -171,7 +172,7 @@ def _no_number(draw: Random, meaning: Meaning) -> str:
 
 def _wrong_unit(draw: Random, meaning: Meaning) -> str:
     """A number with the unit of something else, or none; only a pure number has none to forget."""
-    units = _NO_UNIT_OF[meaning.unit].split(", ") + ([""] if meaning.unit else [])
+    units = NOT_UNITS_OF[meaning.unit].split(", ") + ([""] if meaning.unit else [])
     return f"{_within(draw, 0.0, 100.0)!r} {draw.choice(units)}".strip()
 
 

@@ -10,7 +10,7 @@ from rich.markup import escape
 
 from endurance.subject import Alone, Subject
 from endurance.trial import Trial
-from presswear.commands.terminal import print_table
+from presswear.cli.terminal import print_table
 
 TRIALS = pytest.StashKey[list[Trial]]()
 

@@ -102,7 +102,7 @@ def altered_document(draw: Random, folder: Path) -> None:
             *(lambda: draw.choice(stages).update(index=draw.choice(indices)),) * 3,
             lambda: document.update(engine="exudyn-joints"),
             lambda: document.update(conventions={}),
-            lambda: scene.update(wears=0),
+            lambda: scene.update(wear_updates=0),
             lambda: scene.update(joints="A"),
             lambda: scene["bearings"].update(angles=90),
             lambda: scene["bearings"].update(clearance=0.02),

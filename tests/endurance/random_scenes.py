@@ -24,7 +24,7 @@ from presswear.scene.numerics import Numerics
 from presswear.scene.scene import Scene
 from presswear.tools.errors import AssemblyError, InputError, RunFailed
 from presswear.tools.quantities import Meaning, choice_of, meaning_of
-from presswear.trials.hard.case import ENERGY
+from presswear.validation.hard.case import ENERGY
 
 COARSEST = {"integration_tolerance": 1e-5, "tree_tolerance": 1e-4}
 """Coarsest tolerances drawn: those at which statistics are still honest in ``precision``.
@@ -184,8 +184,8 @@ def scene_of(draw: Random) -> Scene:
         conventions=conventions,
         numerics=_numerics(draw),
         joints=joints,
-        wears=0,
-        starts=1,
+        wear_updates=0,
+        replicates=1,
         statuses={},
     )
 

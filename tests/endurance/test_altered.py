@@ -58,7 +58,7 @@ def refuse(trial: Trial, sound: Path, here: Path, count: int, seed: int) -> None
 def sound(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A result folder: a cycle, a wear, a cycle, in the in-house solver."""
     folder = tmp_path_factory.mktemp("sound") / "out"
-    line = ["run", "wear-times", "--engine", "dae", "--cycles", "1", "--wears", "1"]
+    line = ["run", "wear-times", "--engine", "dae", "--cycles", "1", "--wear-updates", "1"]
     assert answered([*line, "--out", str(folder)]).code == 0
     return folder
 

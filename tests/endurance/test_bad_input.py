@@ -5,10 +5,12 @@ from pathlib import Path
 
 import pytest
 
-from endurance.bad_lines import FAMILIES, FILE, FOLDER, bad_line
+from endurance.bad_lines import FAMILIES, FILE, FOLDER, NOT_UNITS_OF, bad_line
 from endurance.subject import PATIENCE, Answer, Ran, answered, begin, end
 from endurance.trial import SEED, Trial
 from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
+from presswear.scene.catalog import slider_crank, wear_times
+from presswear.scene.settings import settings_of
 from presswear.tools.errors import one_line
 
 
@@ -85,6 +87,12 @@ def test_a_line_that_runs_or_breaks_is_no_refusal(tmp_path: Path) -> None:
         Answer(2, "something", "presswear: no\n"),
     ):
         assert not answer.is_refusal
+
+
+def test_lines_can_be_drawn_for_every_unit_of_a_setting() -> None:
+    for scene in (wear_times(), slider_crank()):
+        units = {setting.meaning.unit for setting in settings_of(scene)}
+        assert units <= set(NOT_UNITS_OF)
 
 
 def test_lines_are_those_of_their_seed() -> None:

@@ -10,7 +10,7 @@ import pytest
 
 from endurance.forgery import NO_LEAVES, leaves
 from endurance.subject import answered
-from presswear.commands.studies import check_study
+from presswear.cli.studies import check_study
 from presswear.results.provenance import provenance
 from presswear.studies.plan import FILE, load_study, unchanged
 from presswear.studies.runaway.variants import make as runaway

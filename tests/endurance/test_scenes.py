@@ -71,7 +71,7 @@ def test_scenes_are_those_of_their_seed_and_differ() -> None:
 
 
 def test_a_run_that_needs_more_steps_runs_in_part() -> None:
-    scene = replace(wear_times(), wears=0, engine="dae")
+    scene = replace(wear_times(), wear_updates=0, engine="dae")
     whole, part = ended(scene, 60_000), ended(scene, 3000)
     assert whole.part == 1.0
     assert 0.0 < part.part < 1.0
@@ -85,7 +85,7 @@ def test_what_fails_or_loses_energy_does_not_pass() -> None:
     assert not Ended(1.0, 0.0, 1e-6, "it stopped").passed
     assert Ended(1.0, 1e-6, 1e-6).passed
     coarse = Numerics().having(integrator="rk4", equal_step=1e-2)
-    stopped = replace(wear_times(), wears=0, engine="dae", numerics=coarse)
+    stopped = replace(wear_times(), wear_updates=0, engine="dae", numerics=coarse)
     assert "no longer finite" in ended(stopped, 60_000).failure
 
 

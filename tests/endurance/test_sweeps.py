@@ -259,13 +259,16 @@ def test_a_study_that_two_processes_share(trial: Trial, is_quick: bool, tmp_path
     """One of them is killed: the other runs what is left, and no variant is sealed twice."""
     trial.what = "SIGKILL of one of two processes that share a study"
     wait, stops = Random(SEED), 1 if is_quick else 5
-    settings = ["cycles=1", "starts=1", "represented_cycles=1e5", "speed=60rad/s"]
+    settings = ["cycles=1", "replicates=1", "cycles_per_update=1e5", "speed=60rad/s"]
     while trial.tried < stops:
         folder = tmp_path / f"{trial.tried}"
-        words = ["--engine", "dae", "--jobs", "1", "--resume", "--out", f"{folder}"]
+        words = ["--engine", "dae", "--jobs", "1", "--out", f"{folder}"]
         words += [word for own in settings for word in ("--set", own)]
         command = [sys.executable, "-m", "presswear", "run", "runaway", *words]
-        both = [subprocess.Popen(command, stdout=subprocess.DEVNULL) for _ in range(2)]
+        both = [subprocess.Popen(command, stdout=subprocess.DEVNULL)]
+        while both[0].poll() is None and not (folder / "study.json").exists():
+            time.sleep(0.1)
+        both.append(subprocess.Popen([*command, "--resume"], stdout=subprocess.DEVNULL))
         most = wait.randint(1, 20)
         while both[0].poll() is None and len(list(folder.glob("*/result.json"))) < most:
             time.sleep(0.1)

@@ -41,6 +41,8 @@ class Trial:
         self.tried += times
         self.survived += 0 if problem else times
         self.miss = self.miss or problem
+        if problem:
+            print(problem)  # pytest shows every miss of a trial that fails
 
     @property
     def passed(self) -> bool:

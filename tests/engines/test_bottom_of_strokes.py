@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from closed_form import press_motion
 
+from presswear.campaign.replicates import start_of
 from presswear.campaign.segment import Task, plan_of
-from presswear.campaign.starts import start_of
 from presswear.engines.settings import Engine, ExudynTree, InHouse
 from presswear.linkage.press import GEOMETRIES, Press
 from presswear.physics.bottom import bottom_of

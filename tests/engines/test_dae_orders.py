@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from presswear.campaign.starts import start_of
+from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Start
 from presswear.engines.settings import Engine, ExudynJoints, InHouse
 from presswear.linkage.elements import Body
@@ -16,8 +16,8 @@ from presswear.linkage.loads import Spring
 from presswear.linkage.points import GROUND, Attachment, Probe
 from presswear.linkage.press import GEOMETRIES, Press
 from presswear.scene.catalog import ideal
-from presswear.trials.runs import order_of
-from presswear.trials.verify import references
+from presswear.validation.runs import order_of
+from presswear.validation.verify import references
 
 FREQUENCY, AMPLITUDE, DURATION = 1000.0, 0.01, 0.5
 

@@ -8,8 +8,8 @@ import pytest
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import ExudynJoints, InHouse
 from presswear.linkage.elements import WearLaw
-from presswear.record.observe import CYCLE_FIXED
-from presswear.trials.verify import references
+from presswear.recording.observe import CYCLE_FIXED
+from presswear.validation.verify import references
 
 SPIN = 30.0
 """Of the pin, rad/s: without friction it slides at R_j SPIN throughout the impact."""
@@ -23,9 +23,9 @@ def _spinning() -> tuple[references.Impact, Start]:
 
 
 def _dose_and_impulse(run: Run, impact: references.Impact) -> tuple[float, float]:
-    dose = float(run.recorder.cycles[0][len(CYCLE_FIXED) + 1])
+    load_distance = float(run.recorder.cycles[0][len(CYCLE_FIXED) + 1])
     ring = impact.linkage.bodies[0]
-    return dose, abs(ring.mass * float(run.end.velocity[0] - impact.start.velocity[0]))
+    return load_distance, abs(ring.mass * float(run.end.velocity[0] - impact.start.velocity[0]))
 
 
 @pytest.mark.parametrize(("engine", "error"), [("exudyn", 3e-4), ("dae", 1e-8)])
@@ -41,11 +41,13 @@ def test_dose_is_impulse_times_sliding(engine: str, error: float) -> None:
     else:
         run = ExudynJoints(50, 10, free_step=2e-5).simulate(linkage, start, plan)
     assert run.recorder.book.tally["contacts"][0] == 1
-    dose, impulse = _dose_and_impulse(run, impact)
+    load_distance, impulse = _dose_and_impulse(run, impact)
     joint = impact.linkage.clearances[0]
     # The arm is R_j - delta / 2, and the penetration is some micrometres.
     deepest = float(np.max(run.recorder.rows[:, 6]))
     sliding = SPIN * joint.pin_radius
     assert impulse > 0.01
-    assert dose >= sliding * (1.0 - 0.5 * deepest / joint.pin_radius) * impulse * (1.0 - error)
-    assert dose <= sliding * impulse * (1.0 + error)
+    assert load_distance >= sliding * (1.0 - 0.5 * deepest / joint.pin_radius) * impulse * (
+        1.0 - error
+    )
+    assert load_distance <= sliding * impulse * (1.0 + error)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from listeners import Interrupts
 
-from presswear.campaign.starts import start_of
+from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Start
 from presswear.engines.settings import Engine
 from presswear.linkage.press import GEOMETRIES, Press

@@ -9,7 +9,7 @@ from free_pair import CLEARANCE, STIFFNESS, free_pair
 from listeners import EndsAfter
 from numpy.typing import NDArray
 
-from presswear.campaign.starts import start_of
+from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import ExudynJoints
 from presswear.linkage.laws import (
@@ -19,7 +19,7 @@ from presswear.linkage.laws import (
     lankarani_nikravesh_damping,
 )
 from presswear.linkage.linkage import Linkage
-from presswear.record.observe import CYCLE_FIXED_COUNT, CYCLE_JOINT_COUNT, WORK_DOSE
+from presswear.recording.observe import CYCLE_FIXED_COUNT, CYCLE_JOINT_COUNT, WORK_DOSE
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import ideal, wear_times
 
@@ -144,10 +144,10 @@ def test_worn_volume_is_the_dose(press_runs: dict[str, Run]) -> None:
     bins = recorder.maps.sampled.shape[2]
     area = joint.width * joint.bearing_radius * 2.0 * math.pi / bins
     for k in range(2):
-        dose = recorder.cycles[0][CYCLE_FIXED_COUNT + CYCLE_JOINT_COUNT * k + WORK_DOSE]
-        assert dose > 0.0
+        load_distance = recorder.cycles[0][CYCLE_FIXED_COUNT + CYCLE_JOINT_COUNT * k + WORK_DOSE]
+        assert load_distance > 0.0
         volume = recorder.maps.sampled[k].sum() * area
-        assert volume == pytest.approx(joint.wear.coefficient * dose, rel=1e-12)
+        assert volume == pytest.approx(joint.wear.coefficient * load_distance, rel=1e-12)
 
 
 def test_the_drives_turn_exactly(press_runs: dict[str, Run]) -> None:

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from presswear.campaign.starts import start_of
+from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Run
 from presswear.engines.exudyn_joints.model import left_out
 from presswear.engines.settings import InHouse

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from listeners import EndsAfter, Keeps
 
-from presswear.campaign.starts import start_of
+from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Run
-from presswear.record.tracker import Tracker
+from presswear.recording.tracker import Tracker
 from presswear.scene.catalog import clearance_c, slider_crank, wear_times
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed

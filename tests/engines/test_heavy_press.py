@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import presswear as pw
-from presswear.campaign.starts import start_of
+from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Run
 from presswear.engines.settings import Engine, ExudynTree, InHouse
 from presswear.results.conformity import conformities

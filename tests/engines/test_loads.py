@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from listeners import Keeps
 
-from presswear.campaign.starts import start_of
+from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.elements import Body, Guide
@@ -26,7 +26,7 @@ from presswear.linkage.points import GROUND, Attachment, Probe
 from presswear.physics.loads import ELASTIC, OFF, WHOLE
 from presswear.scene.catalog import ideal, wear_times
 from presswear.tools.arrays import State
-from presswear.trials.runs import order_of
+from presswear.validation.runs import order_of
 
 UP = 0.5 * math.pi
 FREE = 0.01

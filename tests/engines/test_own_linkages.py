@@ -7,14 +7,16 @@ import numpy as np
 import pytest
 from ten_touches import agreed_over_ten_touches
 
-from presswear.campaign.starts import start_of
+from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan
 from presswear.linkage.elements import Bar, Body, Guide, Pin
 from presswear.linkage.four_bar import FOUR_BAR
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.motions import Drive
+from presswear.linkage.slider_crank import SliderCrank
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
+from presswear.tools.errors import InputError
 
 TOGGLE = Linkage(
     bodies=[
@@ -69,7 +71,7 @@ SCENES = {
 
 def scene_of(name: str) -> Scene:
     linkage, joints, settings = SCENES[name]
-    return changed(Scene(mechanism=linkage, joints=joints, wears=0), settings)
+    return changed(Scene(mechanism=linkage, joints=joints, wear_updates=0), settings)
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -91,3 +93,34 @@ def test_clearance_on_the_frame_runs_in_every_engine() -> None:
         ends.append(run.end.position)
     assert np.abs(ends[0] - ends[1]).max() < 1e-5
     assert np.abs(ends[1] - ends[2]).max() < 1e-5
+
+
+@pytest.mark.parametrize("word", ["exudyn-tree", "exudyn-joints", "dae", "dae in all coordinates"])
+def test_a_slider_without_inertia_moves_as_one_with_inertia(word: str) -> None:
+    """The guide keeps the slider from turning, so that its inertia has no effect."""
+    crank, ends = SliderCrank().linkage(), []
+    for inertia in (0.0, 1e-3):
+        slider = replace(crank.bodies[2], inertia=inertia)
+        scene = Scene(replace(crank, bodies=[*crank.bodies[:2], slider]), joints="B")
+        engine = {own.word: own for own in vars(scene.numerics).values()}[word.split()[0]]
+        if word.endswith("coordinates"):
+            engine = replace(engine, coordinates="all")
+        plan = Plan(0.1 * crank.period, 1)
+        run = engine.over(crank.period).simulate(scene.linkage(), start_of(scene), plan)
+        assert run.status == "completed"
+        assert len(run.recorder.episodes(0)) > 0
+        ends.append(np.array([run.end.position, run.end.velocity]))
+    np.testing.assert_allclose(ends[0], ends[1], rtol=1e-9, atol=1e-9)
+
+
+def test_a_body_that_can_turn_needs_inertia() -> None:
+    bodies = [*TOGGLE.bodies[:3], Body("lower", 0.5, 0.0), Body("slider", 1.0)]
+    with pytest.raises(InputError, match=r"inertia of lower = 0 kg m\^2: must be 1e-18") as refusal:
+        replace(TOGGLE, bodies=bodies)
+    assert len(str(refusal.value).splitlines()) == 1
+    with pytest.raises(InputError, match=r"inertia of crank = 0 kg m\^2: must be 1e-18"):
+        Linkage([Body("crank", 1.0)], [Pin("O", (0.0, 0.0), "crank.centre")], [Drive("crank", 1.0)])
+    held = Linkage(
+        [Body("crank", 1.0)], [Pin("O", (0.0, 0.0), "crank.centre")], [Drive("crank")], cycle=1.0
+    )
+    assert held.bodies[0].inertia == 0.0

@@ -9,7 +9,7 @@ from closed_form import needed_by_virtual_work, press_motion
 from scipy.optimize import brentq
 
 import presswear as pw
-from presswear.campaign.starts import start_of
+from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan
 from presswear.linkage.process import Process
 from presswear.results.strokes import Strokes, strokes_of
@@ -118,7 +118,7 @@ def check_moments(process: Process, stage: pw.StageResult, strokes: Strokes) -> 
 
 def test_work_of_an_elastic_load_needs_no_short_steps() -> None:
     """Loose on the sheet, the slider swings in some sixteen steps: its work stays the sheet's."""
-    scene = pw.scenes.press_blanking(wears=0, starts=1, cycles=1, steps_per_contact=50)
+    scene = pw.scenes.press_blanking(wear_updates=0, replicates=1, cycles=1, steps_per_contact=50)
     diagnostics = pw.run(scene, engine="exudyn-joints").stages[0].diagnostics
     assert scene.process is not None
     exchange = float(diagnostics["drive_exchange_J"] or 0.0)
@@ -132,7 +132,9 @@ def test_energies_of_bodies_and_joints_balance_with_the_square_of_the_step() -> 
     """What does not add up is the trapezoidal rule's own error in impacts."""
     off = {}
     for steps in (100, 400):
-        scene = pw.scenes.press_blanking(wears=0, starts=1, cycles=1, steps_per_contact=steps)
+        scene = pw.scenes.press_blanking(
+            wear_updates=0, replicates=1, cycles=1, steps_per_contact=steps
+        )
         told = pw.run(scene, engine="exudyn-joints").stages[0].diagnostics
         residual, exchange = (
             float(told[f"{name}_J"] or 0.0) for name in ("energy_residual", "drive_exchange")
@@ -145,7 +147,9 @@ def test_energies_of_bodies_and_joints_balance_with_the_square_of_the_step() -> 
 @pytest.mark.parametrize("engine", ["dae", "exudyn-tree"])
 @pytest.mark.parametrize("name", ["press_blanking", "press_drawing"])
 def test_energies_balance_with_clearances_and_moments_have_rows(name: str, engine: str) -> None:
-    scene: Any = replace(getattr(pw.scenes, name)(), engine=engine, wears=0, starts=1, cycles=2)
+    scene: Any = replace(
+        getattr(pw.scenes, name)(), engine=engine, wear_updates=0, replicates=1, cycles=2
+    )
     # A cushion would be held down at the end of a cycle.
     scene = replace(scene, process=replace(scene.process, cushion=0.0))
     result = pw.run(scene)
@@ -170,7 +174,7 @@ def test_work_under_the_highest_place_is_worked_through_as_well(engine: str) -> 
     """Of a slider-crank, whose slider is farthest where it starts: closed form of the moments."""
     crank = pw.SliderCrank(speed=30.0)
     sheet = pw.Blanking(height=3e-3, bottom="highest", cushion=20.0)
-    scene = pw.Scene(crank, process=sheet, joints="none", wears=0, cycles=2, engine=engine)
+    scene = pw.Scene(crank, process=sheet, joints="none", wear_updates=0, cycles=2, engine=engine)
     result = pw.run(scene)
     stage, strokes = result.stages[0], result.strokes(0)
     assert strokes is not None

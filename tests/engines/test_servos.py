@@ -89,7 +89,7 @@ def test_the_ideal_press_with_a_servo_works_as_closed_forms_say(
     scene = pw.Scene(
         pw.Press(servo=servo),
         joints="none",
-        wears=0,
+        wear_updates=0,
         cycles=1,
         engine=engine,
         drive_torque="on",

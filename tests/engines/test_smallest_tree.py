@@ -37,15 +37,17 @@ SPRUNG = replace(
 )
 SCENES = {
     "press, C": clearance_c(),
-    "press, C, drives uneven": Scene(mechanism=UNEVEN, joints="C", wears=0),
+    "press, C, drives uneven": Scene(mechanism=UNEVEN, joints="C", wear_updates=0),
     "slider-crank, A and B": slider_crank(
         joints="AB", **{"A.clearance": "0.2 mm", "B.friction": 0.05, "B.normal_law": "flores"}
     ),
-    "slider, springs and loads": Scene(mechanism=SPRUNG, joints="D", bearings=TIGHT, wears=0),
-    "driven forearm": Scene(mechanism=ARM, joints="K", bearings=TIGHT, wears=0),
-    "coupler of a six-bar": Scene(mechanism=STEPHENSON, joints="C", bearings=TIGHT, wears=0),
-    "loose rocker": Scene(mechanism=FOUR_BAR, joints="BP", bearings=TIGHT, wears=0),
-    "loose pair": Scene(mechanism=STEPHENSON, joints="CQ", bearings=TIGHT, wears=0),
+    "slider, springs and loads": Scene(
+        mechanism=SPRUNG, joints="D", bearings=TIGHT, wear_updates=0
+    ),
+    "driven forearm": Scene(mechanism=ARM, joints="K", bearings=TIGHT, wear_updates=0),
+    "coupler of a six-bar": Scene(mechanism=STEPHENSON, joints="C", bearings=TIGHT, wear_updates=0),
+    "loose rocker": Scene(mechanism=FOUR_BAR, joints="BP", bearings=TIGHT, wear_updates=0),
+    "loose pair": Scene(mechanism=STEPHENSON, joints="CQ", bearings=TIGHT, wear_updates=0),
 }
 
 

@@ -32,6 +32,10 @@ def heavy(mass: float) -> list[Body]:
             "drive of crank turns 50000 times in it, with 50000 rad/s; allowed are 1000",
         ),
         (
+            {"drives": [Drive("crank", 30.0, table=[(0, 0), (3, 0), (3.0001, 1), (6, 0)])]},
+            r"greatest speed of the drive of crank = 3e\+05 rad/s: allowed is 3e\+04 rad/s",
+        ),
+        (
             {"loads": [Moment("rocker", OverTime([(0.0, 1.0)], 2e-9))]},
             r"loads\[0\] = 2e-09 s: in a",
         ),

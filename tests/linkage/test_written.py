@@ -206,6 +206,11 @@ def test_what_names_nothing_is_told(changes: dict[str, Any], says: str) -> None:
         replace(FOUR_BAR, **changes)
 
 
+def test_a_body_without_a_point_stands_for_its_mass_centre() -> None:
+    whole = replace(FOUR_BAR, watch="rocker.centre", loads=[Force("rocker.centre", 0.0, 1.0)])
+    assert replace(FOUR_BAR, watch="rocker", loads=[Force("rocker", 0.0, 1.0)]) == whole
+
+
 @pytest.mark.parametrize(
     ("speeds", "turns"), [((30.0,), 1), ((30.0, -30.0), 1), ((30.0, 20.0), 3), ((2.0, 3.0), 2)]
 )
@@ -244,7 +249,7 @@ def broken(*path: Any, value: Any) -> dict[str, Any]:
         (("bodies", 0, "mass"), "0.3 m", r"unknown unit 'm'; known are kg, g"),
         (("bodies", 0, "mass"), "-1 kg", r"mass = -1 kg: allowed is 1e-09 to"),
         (("bodies", 0, "mass"), None, r"bodies\[0\]: mass is missing"),
-        (("bodies", 0, "inertia"), None, "inertia of crank: it is needed"),
+        (("bodies", 0, "inertia"), None, r"inertia of crank = 0 kg m\^2: must be"),
         (
             ("bodies", 0, "mas"),
             "1 kg",

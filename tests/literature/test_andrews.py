@@ -7,11 +7,11 @@ import pytest
 from numpy.typing import NDArray
 
 from presswear.engines.base import Plan
-from presswear.engines.dae.dynamics import rates, system_of
+from presswear.engines.dae.dynamics import rates, state_size, system_of
 from presswear.engines.settings import InHouse
 from presswear.physics.constraints import constraints_of
 from presswear.physics.packed import pack
-from presswear.trials.verify import references
+from presswear.validation.verify import references
 
 ANGLES = np.array(references.ANDREWS_ANGLES)
 RATES = np.array(references.ANDREWS_RATES)
@@ -34,9 +34,9 @@ def test_accelerations_at_the_start() -> None:
     start = references.andrews_start()
     linkage = references.andrews()
     system = system_of(pack(linkage), constraints_of(linkage), 20.0, 20.0)
-    state = np.zeros(44)
+    state = np.zeros(state_size(system))
     state[:21] = start.position
-    slope = np.zeros(44)
+    slope = np.zeros_like(state)
     rates(system, np.zeros(0), 0.0, state, slope)
     found = references.andrews_angles(slope[21:42])
     np.testing.assert_allclose(

@@ -6,9 +6,9 @@ import pytest
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import ExudynJoints, InHouse
 from presswear.linkage.laws import delivered_restitution, lankarani_nikravesh_damping
-from presswear.trials.runs import order_of
-from presswear.trials.verify import references
-from presswear.trials.verify.verify import (
+from presswear.validation.runs import order_of
+from presswear.validation.verify import references
+from presswear.validation.verify.verify import (
     TIGHT,
     bounced,
     deepest_penetration,

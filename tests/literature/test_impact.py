@@ -14,7 +14,7 @@ from presswear.linkage.laws import (
     greatest_penetration,
     lankarani_nikravesh_damping,
 )
-from presswear.trials.verify import references
+from presswear.validation.verify import references
 
 # Factors as they are printed.
 CHI = {

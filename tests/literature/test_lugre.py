@@ -8,12 +8,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from presswear.engines.base import Plan, Run
 from presswear.engines.settings import Engine, ExudynJoints, InHouse
 from presswear.linkage.laws import FrictionLaw
 from presswear.linkage.loads import Force, OverTime
-from presswear.trials.verify import references
+from presswear.physics.laws import bristle_in_contact, friction_record
+from presswear.validation.verify import references
 
 PRESS, DYNAMIC, STATIC, STRIBECK, STIFF = 10.0, 0.1, 0.15, 1e-3, 1e4
 LUGRE = FrictionLaw(DYNAMIC, 0.0, 1e-3, "lugre", None, STATIC, STRIBECK, STIFF, 30.0)
@@ -77,3 +79,33 @@ def test_engines_agree_and_nothing_is_lost_but_by_friction() -> None:
         work = 1.3 * run.end.position[0]
         assert float(run.diagnostics["friction_loss_J"]) <= work + 1e-12
     assert np.isfinite(one)
+
+
+def bristle_after(time: float, steps: int, speed: float) -> float:
+    """Deflection of bristles after a time, s, in equal steps, at a speed that swings about 0."""
+    law, h = friction_record(LUGRE), time / steps
+    bristle = 0.0
+    for i in range(steps):
+        before, after = (speed * math.cos(k * h / time) for k in (i, i + 1))
+        bristle = bristle_in_contact(bristle, before, after, h, law)
+    return bristle
+
+
+def test_bristles_follow_a_changing_speed_at_second_order() -> None:
+    time, speed = 1e-2, 2e-3
+
+    def rate(t: float, z: np.ndarray) -> np.ndarray:
+        v = speed * math.cos(t / time)
+        held = DYNAMIC + (STATIC - DYNAMIC) * math.exp(-((v / STRIBECK) ** 2))
+        return v - STIFF * abs(v) * z / held
+
+    exact = solve_ivp(rate, (0.0, time), [0.0], "DOP853", rtol=1e-12, atol=1e-20).y[0, -1]
+    coarse, fine = (abs(bristle_after(time, steps, speed) - exact) for steps in (50, 200))
+    assert fine < 1e-5 * exact
+    assert coarse / fine == pytest.approx(16.0, rel=0.1)
+
+
+def test_bristles_do_not_oscillate_where_steps_are_long() -> None:
+    """At 10 m/s they are bent after 1 us; a step of 1 ms ends at g / sigma_0."""
+    law = friction_record(LUGRE)
+    assert bristle_in_contact(0.0, 10.0, 10.0, 1e-3, law) == pytest.approx(DYNAMIC / STIFF)

@@ -115,12 +115,14 @@ def test_the_deepest_place_lies_where_friction_turns_the_load(alone: Worn) -> No
 def test_volume_grows_as_archard_says(alone: Worn) -> None:
     """V = K_d F s: by the dose of each cycle to round-off, and that is force times way."""
     gained = np.diff(alone.bush.sum(axis=1), prepend=0.0) * alone.area
-    assert gained == pytest.approx(COEFFICIENT * alone.dose * alone.strokes, rel=1e-11, abs=0.0)
+    assert gained == pytest.approx(
+        COEFFICIENT * alone.load_distance * alone.strokes, rel=1e-11, abs=0.0
+    )
     new = worn(bush(), volume(0.02, 1e-6 * CLEARANCE), 10, recorded=12)
     recorder = new.run.recorder
     force = recorder.series("normal", 0)[-1]
     way = abs(recorder.series("sliding", 0)[-1]) * CYCLE
-    assert new.dose[-1] == pytest.approx(force * way, rel=1e-6)
+    assert new.load_distance[-1] == pytest.approx(force * way, rel=1e-6)
     assert force == pytest.approx(100.0 / math.hypot(1.0, FRICTION), rel=1e-4)
     # Its own turning, at the radius of a pin indented by half the overlap.
     overlap = (force / 1e9) ** (2.0 / 3.0)
@@ -130,7 +132,7 @@ def test_volume_grows_as_archard_says(alone: Worn) -> None:
 def test_contact_begins_indented_and_widens(alone: Worn) -> None:
     """Half the arc is that of the elastic overlap when new, and that of two circles when worn."""
     fine = worn(bush(angles=1440), volume(0.02, 1e-5 * CLEARANCE), 8)
-    force = fine.dose[-1] / (2.0 * math.pi * 0.019)
+    force = fine.load_distance[-1] / (2.0 * math.pi * 0.019)
     overlap = (force / 1e9) ** (2.0 / 3.0)
     elastic = math.acos(CLEARANCE / (CLEARANCE + overlap))
     bin_width = 2.0 * math.pi / 1440
@@ -160,7 +162,7 @@ def test_a_pin_alone_is_worn_evenly() -> None:
     """It turns under a load that does not: V / 2 pi R b everywhere."""
     own = worn(bush(share=0.0), volume(0.02, 0.1 * CLEARANCE), 60)
     assert uneven(own.pin[-1]) < 1e-3
-    even = COEFFICIENT * float(own.dose @ own.strokes) / (2.0 * math.pi * 0.02 * WIDTH)
+    even = COEFFICIENT * float(own.load_distance @ own.strokes) / (2.0 * math.pi * 0.02 * WIDTH)
     assert own.pin[-1].mean() == pytest.approx(even, rel=1e-9, abs=0.0)
     assert not own.bush.any()
 
@@ -215,7 +217,7 @@ def test_a_life_ends_where_two_circles_say(engine: str) -> None:
     part, count = 0.3, 120
     goal = part * CLEARANCE
     life = Life(until=f"B.depth > {goal!r} m", at_most=1e12)
-    scene = bush(life=life, engine=engine, starts=2, wears=1, cycles=8, tolerance=0.1)
+    scene = bush(life=life, engine=engine, replicates=2, wear_updates=1, cycles=8, tolerance=0.1)
     result = pw.run(scene)
     found = result.life
     assert found is not None
@@ -226,8 +228,8 @@ def test_a_life_ends_where_two_circles_say(engine: str) -> None:
         return float(profile(count, TILT, CLEARANCE + reached, CLEARANCE).max()) - goal
 
     reached = brentq(deepest, goal, 1.1 * goal)
-    dose = result.stages[0].joints["B"].each_cycle("dose")[-1]
-    wanted = volume(0.02, float(reached)) / (COEFFICIENT * dose)
+    load_distance = result.stages[0].joints["B"].each_cycle("load_distance")[-1]
+    wanted = volume(0.02, float(reached)) / (COEFFICIENT * load_distance)
     assert found.strokes == pytest.approx(wanted, rel=1e-3 + found.error)
     assert found.error < 5e-3
 
@@ -240,4 +242,6 @@ def test_every_engine(engine: str) -> None:
     assert abs(deepest) < 1e-3
     assert whole < 3e-3
     lost = float(own.bush[-1].sum()) * own.area
-    assert lost == pytest.approx(COEFFICIENT * float(own.dose @ own.strokes), rel=1e-11, abs=0.0)
+    assert lost == pytest.approx(
+        COEFFICIENT * float(own.load_distance @ own.strokes), rel=1e-11, abs=0.0
+    )

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from presswear.trials.hard.bodies import (
+from presswear.validation.hard.bodies import (
     PAIR_CLEARANCE,
     angular_momentum,
     kept,

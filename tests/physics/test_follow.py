@@ -5,6 +5,7 @@ import re
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -18,6 +19,8 @@ from presswear.linkage.pieces import RISES, Rise
 from presswear.linkage.press import Press
 from presswear.linkage.slider_crank import SliderCrank
 from presswear.linkage.written import written
+from presswear.physics import ideal
+from presswear.physics.assembly import closed
 from presswear.physics.following import FOLLOWED, followed, motion_of
 from presswear.physics.ideal import ideal_motion
 from presswear.physics.motion import motions_of
@@ -227,7 +230,7 @@ def test_nothing_runs_before_the_motion_is_found() -> None:
 
 
 def test_a_scene_holds_the_curve_and_runs_the_motion() -> None:
-    scene = Scene(mechanism=dwelling(), joints="A,C", wears=0)
+    scene = Scene(mechanism=dwelling(), joints="A,C", wear_updates=0)
     again = Scene.from_dict(scene.as_dict())
     assert again == scene
     follow = written(dwelling())["drives"][1]["follow"]
@@ -298,3 +301,33 @@ def test_a_curve_is_followed_from_a_file(tmp_path: Path) -> None:
         with pytest.raises(ValueError, match=told) as refusal:
             scene_from(file)
         assert re.fullmatch(rf"{re.escape(str(file))}: [^\n]*", str(refusal.value))
+
+
+@pytest.mark.parametrize(
+    ("rises", "most"),
+    [
+        # A short rise in one interval of the cycle.
+        ([Rise(3.01, 3.011, 0.3), Rise(5.01, 5.011, -0.3)], 1700),
+        # 40 turns in a cycle, of which 36 instants tell nothing.
+        ([Rise(1.0, 6.0, 40 * TURN)], 3500),
+    ],
+)
+def test_a_fast_motion_takes_few_steps(
+    rises: list[Rise], most: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Steps are long again behind a fast part; the slider is where the closed form has it."""
+    steps = []
+
+    def counted(*given: Any) -> Any:
+        steps.append(given)
+        return closed(*given)
+
+    monkeypatch.setattr(ideal, "closed", counted)
+    drive = Drive("crank", 0.0, 0.0, 30.0, rises=rises)
+    motion = ideal_motion(replace(CRANK, drives=[drive]), TURN / 30.0)
+    time = np.linspace(0.0, TURN / 30.0, 500)
+    slider = motion.at(time).position[:, 3 * CRANK.index("slider")]
+    angle = drive.motion(time)[0]
+    exact = R * np.cos(angle) + np.sqrt(ROD**2 - (R * np.sin(angle)) ** 2)
+    assert np.abs(slider - exact).max() < 1e-14
+    assert len(steps) < most

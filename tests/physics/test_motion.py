@@ -11,7 +11,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from listeners import Keeps
 
-from presswear.campaign.starts import start_of
+from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Run
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.four_bar import FOUR_BAR
@@ -29,8 +29,8 @@ from presswear.physics.motion import (
     motions_of,
     step_to_break,
 )
-from presswear.record.recorder import Recorder
-from presswear.record.tracker import Tracker
+from presswear.recording.recorder import Recorder
+from presswear.recording.tracker import Tracker
 from presswear.scene.catalog import slider_crank, wear_times
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
@@ -167,7 +167,7 @@ def test_every_engine_follows_an_uneven_drive(
     name: str, engine: str, joints: str, bound: float
 ) -> None:
     """Without clearance the closed motion; with it the drive, and an energy that adds up."""
-    scene = Scene(mechanism=MOTIONS[name], joints=joints, wears=0, engine=engine)
+    scene = Scene(mechanism=MOTIONS[name], joints=joints, wear_updates=0, engine=engine)
     period = scene.mechanism.period
     plan = Plan(period, 1, run_up=scene.run_up)
     run = scene.solver.over(period).simulate(scene.linkage(), start_of(scene), plan)
@@ -192,7 +192,7 @@ def test_every_engine_follows_an_uneven_drive(
 @pytest.mark.parametrize("name", MOTIONS)
 def test_the_trapezoidal_rule_keeps_to_uneven_drives_in_every_row(name: str) -> None:
     """All levels of what is watched, over the border of two cycles: nothing drifts or swings."""
-    scene = Scene(mechanism=MOTIONS[name], joints="none", wears=0)
+    scene = Scene(mechanism=MOTIONS[name], joints="none", wear_updates=0)
     period = scene.mechanism.period
     engine = ExudynJoints(free_step=period / 500)
     plan = Plan(period, 2, 2, run_up=scene.run_up)
@@ -219,7 +219,7 @@ FAR = {"clearance": "0.9 m", "bearing_radius": "1 m"}
 def test_a_drive_turns_exactly_where_joints_are_loose(joint: str, is_far: bool) -> None:
     """Its own hinge, or one behind which the loop keeps freedom; with touches and without."""
     own = FAR if is_far else {"clearance": "0.2 mm"}
-    scene = changed(Scene(mechanism=UNEVEN, joints=joint, wears=0), own)
+    scene = changed(Scene(mechanism=UNEVEN, joints=joint, wear_updates=0), own)
     linkage, period = scene.linkage(), scene.mechanism.period
     kept: list[State] = []
     plan = Plan(0.07 * period, 3, trackers=(Keeps(kept.append),))
@@ -236,7 +236,7 @@ def test_a_drive_turns_exactly_where_joints_are_loose(joint: str, is_far: bool) 
 
 
 def flying(linkage: Linkage) -> Scene:
-    return changed(Scene(mechanism=linkage, joints="B", wears=0), FAR)
+    return changed(Scene(mechanism=linkage, joints="B", wear_updates=0), FAR)
 
 
 def flown(scene: Scene, engine: Engine, cycles: float = 1.37) -> Run:
@@ -352,7 +352,7 @@ def test_closed_cycles_behind_a_run_up_are_those_at_speed() -> None:
     """Nothing of the start from rest is in the numbers of the cycles."""
     rows = []
     for linkage in (PIECES["table"], PIECES["table, run-up"]):
-        scene = Scene(mechanism=linkage, joints="none", wears=0, engine="dae")
+        scene = Scene(mechanism=linkage, joints="none", wear_updates=0, engine="dae")
         plan = Plan(linkage.period, 1, run_up=scene.run_up)
         rows.append(InHouse().simulate(scene.linkage(), start_of(scene), plan).recorder.cycles[0])
     np.testing.assert_allclose(rows[0][:4], rows[1][:4], rtol=1e-3)

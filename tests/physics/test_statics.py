@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import presswear as pw
-from presswear.campaign.starts import start_of
+from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan
 from presswear.linkage.elements import ClearanceJoint
 from presswear.linkage.linkage import Linkage
@@ -19,7 +19,7 @@ from presswear.physics.bottom import bottom_of
 from presswear.physics.statics import LEAST_PULL, equilibrium, heights_at_bottom, pull_of
 from presswear.tools.arrays import Array
 
-LIGHT = pw.Scene(pw.SliderCrank(gravity=0.0), joints="AB", wears=0)
+LIGHT = pw.Scene(pw.SliderCrank(gravity=0.0), joints="AB", wear_updates=0)
 
 
 def play(joint: ClearanceJoint, force: float, worn: float = 0.0) -> float:
@@ -140,7 +140,7 @@ def test_engine_that_runs_to_rest_stands_there(conventions: str, force: float) -
         conventions=pw.scenes.wear_times(conventions=conventions).conventions,
         engine="dae",
         purpose="trajectory",
-        wears=0,
+        wear_updates=0,
     )
     linkage = scene.linkage()
     found = equilibrium(linkage, 0.0)

@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
 from two_bodies import JOINT, Pair, joint_load
 
 from presswear.linkage.elements import Body
@@ -252,7 +253,10 @@ def test_free_flight_away_from_the_bearing_takes_the_longest_step() -> None:
     assert _Line().start(0.5e-3, 1.0).wanted() == FREE
     assert _Line().start(LINE.clearance - 1e-6, -1.0).wanted() == FREE
     # Turned back before it arrives.
-    assert _Line(-1e6).start(LINE.clearance - 1e-6, 1.0).wanted() == FREE
+    assert _Line(-100.0).start(LINE.clearance - 1e-4, 0.1).wanted() == FREE
+    # A large acceleration: twenty steps in the time in which it crosses the clearance from rest.
+    flight = math.sqrt(2.0 * LINE.clearance / 1e6)
+    assert _Line(-1e6).start(LINE.clearance - 1e-6, 1.0).wanted() == pytest.approx(flight / 20.0)
     # Departing, but pulled back within the step.
     pulled = _Line(1e5).start(LINE.clearance - 1e-7, -0.1)
     arrival = (0.1 + math.sqrt(0.01 + 2e5 * 1e-7)) / 1e5
@@ -399,3 +403,45 @@ def test_settle_takes_the_speed_at_touchdown_not_at_the_step() -> None:
     assert line.onset[0] == pytest.approx(closing, rel=1e-9)
     assert line.memory["touchdown_time"][0] == pytest.approx(touchdown, rel=1e-9)
     assert abs(line.contacts["rate"][0] - closing) > 1e-3
+
+
+@pytest.mark.parametrize("shift", [0.05, 0.35, 0.65, 0.95])
+def test_peak_between_fifteen_steps_of_a_contact(shift: float) -> None:
+    """A contact of half a sine; the greatest force of the law along it, by scipy."""
+    line, depth, duration = _Line(), 1e-5, 1e-4
+    line.packed.joints["normal"]["damping"] = chi = 0.5
+    stiffness = LINE.normal.stiffness
+
+    def motion(t: float) -> tuple[float, float]:
+        phase = math.pi * t / duration
+        return depth * math.sin(phase), depth * math.pi / duration * math.cos(phase)
+
+    def force(t: float) -> float:
+        penetration, rate = motion(t)
+        return float(stiffness * penetration**1.5 * (1.0 + chi * rate / line.onset[0]))
+
+    h = duration / 15.0
+    accepted = found = 0.0
+    for i in range(16):
+        penetration, rate = motion((i - shift) * h)
+        line.accept(h, LINE.clearance + penetration, rate)
+        found = max(found, float(line.memory["step_peak"][0]))
+        if penetration > 0.0:
+            accepted = max(accepted, force((i - shift) * h))
+    assert line.onset[0] > 0.0
+    top = minimize_scalar(
+        lambda part: -force(part * duration), bounds=(0.2, 0.7), options={"xatol": 1e-9}
+    )
+    assert found == pytest.approx(-float(top.fun), rel=1e-5)
+    assert found > accepted * (1.0 - 1e-8)
+    # Open at its end: no peak is left of the contact.
+    line.accept(h, LINE.clearance - 1e-6, -1.0)
+    assert line.memory["step_peak"][0] == 0.0
+
+
+def test_a_contact_of_one_state_has_no_peak_between_steps() -> None:
+    line = _Line().start(LINE.clearance - 1e-6, 0.5)
+    for x, speed in ((1e-6, 0.4), (-1e-6, -0.4), (-2e-6, -0.4)):
+        line.accept(4e-6, LINE.clearance + x, speed)
+        assert line.memory["step_peak"][0] == 0.0
+    assert line.tally["contacts"][0] == 1

@@ -34,11 +34,11 @@ TURN = 2.0 * math.pi
 SLIDING = np.array([0.1, -0.2, 3.0, 0.2, 0.1, -7.0])
 
 
-def _law(footprint: Footprint, share: float = 0.5) -> WearLaw:
-    return WearLaw(COEFFICIENT, "sliding", footprint, share)
+def _law(wear_distribution: Footprint, share: float = 0.5) -> WearLaw:
+    return WearLaw(COEFFICIENT, "sliding", wear_distribution, share)
 
 
-def _deposited(pair: Pair, count: int, dose: float) -> Array:
+def _deposited(pair: Pair, count: int, load_distance: float) -> Array:
     """Depths that a dose F_n ds adds to empty maps of bearing and pin, shape (2, count)."""
     contact = pair.contact()
     packed = pair.packed.joints[0]
@@ -49,15 +49,15 @@ def _deposited(pair: Pair, count: int, dose: float) -> Array:
             packed,
             pair.packed.surfaces[0],
             contact,
-            dose,
+            load_distance,
             shares,
         )
         assert not shares.any()
     else:
         # The force that makes the dose at the contact's own slip.
         slip = slip_speed(bool(packed["slip_by_angle"]), JOINT.pin_radius, contact)
-        work, pressure = dose_rates(packed, contact, dose / slip)
-        assert work == pytest.approx(dose, rel=1e-14)
+        work, pressure = dose_rates(packed, contact, load_distance / slip)
+        assert work == pytest.approx(load_distance, rel=1e-14)
         deposit_in_bin(depth, packed, contact, pressure)
     return depth
 
@@ -113,7 +113,7 @@ def test_one_bin_gets_all_of_equation_29(frame: str, worn: bool, count: int) -> 
     if not worn:
         joint = replace(joint, bearing_surface=Surface(), pin_surface=Surface())
     joint = replace(joint, wear=_law("bin", 0.3))
-    direction, angles, dose = 2.5, (0.4, -2.1), 7.0
+    direction, angles, load_distance = 2.5, (0.4, -2.1), 7.0
     pair = placed(joint, 2e-6, direction, angles=angles, rates=SLIDING)
     contact = pair.contact()
     places = [np.array([direction - turning * angle]) for angle in angles]
@@ -122,8 +122,8 @@ def test_one_bin_gets_all_of_equation_29(frame: str, worn: bool, count: int) -> 
     # The same penetration as the kernel saw: the position carries round-off of 1e-16 m.
     e = bearing - pin + Decimal(contact.penetration)
     area = float(_area_as_printed(e, bearing, pin, Decimal(joint.width)))
-    total = COEFFICIENT * dose / area
-    depth = _deposited(pair, count, dose)
+    total = COEFFICIENT * load_distance / area
+    depth = _deposited(pair, count, load_distance)
     expected = np.zeros((2, count))
     expected[0, int(float(places[0][0]) % TURN * count / TURN)] = 0.3 * total
     expected[1, int(float(places[1][0]) % TURN * count / TURN)] = 0.7 * total
@@ -192,26 +192,26 @@ def test_volume_identity(
     penetration: float,
     direction: float,
     share: float,
-    dose: float,
+    load_distance: float,
 ) -> None:
     wearing = replace(joint, wear=_law("arc", share))
-    depth = _deposited(placed(wearing, penetration, direction), count, dose)
+    depth = _deposited(placed(wearing, penetration, direction), count, load_distance)
     assert depth.min() >= 0.0
     # Sum over bins of depth times bin area is K_d times force times slip, at any bin count.
-    assert worn_volume(wearing, depth) == pytest.approx(COEFFICIENT * dose, rel=1e-12)
+    assert worn_volume(wearing, depth) == pytest.approx(COEFFICIENT * load_distance, rel=1e-12)
     bin_area = wearing.width * wearing.bearing_radius * TURN / count
     for side, part in ((0, share), (1, 1.0 - share)):
         volume = float(depth[side].sum()) * bin_area
-        assert volume == pytest.approx(part * COEFFICIENT * dose, rel=1e-12)
+        assert volume == pytest.approx(part * COEFFICIENT * load_distance, rel=1e-12)
 
 
 @pytest.mark.parametrize("count", [48, 96, 200, 360])
 @pytest.mark.parametrize("penetration", [1e-9, 1e-6, 1e-4])
 def test_arc_of_a_round_joint_is_exact(count: int, penetration: float) -> None:
     joint = replace(JOINT, map_frame="fixed", wear=_law("arc", 1.0))
-    direction, dose = 0.777, 3.0
+    direction, load_distance = 0.777, 3.0
     pair = placed(joint, penetration, direction)
-    depth = _deposited(pair, count, dose)[0]
+    depth = _deposited(pair, count, load_distance)[0]
     # The same penetration as the kernel saw: the position carries round-off of 1e-16 m.
     penetration = pair.contact().penetration
     e = joint.clearance + penetration
@@ -230,7 +230,7 @@ def test_arc_of_a_round_joint_is_exact(count: int, penetration: float) -> None:
     edges = np.arange(count + 1) * TURN / count - direction
     parts = np.diff(held(edges)) / (2.0 * held(np.array(reach)))
     bin_area = joint.width * joint.bearing_radius * TURN / count
-    analytic = COEFFICIENT * dose * parts / bin_area
+    analytic = COEFFICIENT * load_distance * parts / bin_area
     np.testing.assert_allclose(depth, analytic, rtol=0.0, atol=1e-9 * analytic.max())
 
 

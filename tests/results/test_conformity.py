@@ -40,7 +40,9 @@ def test_a_contact_is_small_as_long_as_the_laws_agree() -> None:
 def test_a_result_says_where_pins_sink_in_deep(force: str, joints: int) -> None:
     """The paper's press stays in small contact, and is told of where it is overloaded."""
     changes = {"process.force": force, "clearance": "0.5 mm"}
-    scene = pw.scenes.press_blanking(wears=0, starts=1, cycles=1, engine="dae", **changes)
+    scene = pw.scenes.press_blanking(
+        wear_updates=0, replicates=1, cycles=1, engine="dae", **changes
+    )
     result = pw.run(scene)
     told = deep_contacts(scene, result.stages)
     assert [line[:7] for line in told] == ["joint A", "joint C"][:joints]

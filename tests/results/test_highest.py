@@ -44,7 +44,7 @@ def both() -> list[pw.Result]:
                 mechanism,
                 process=process,
                 bearings={"B": BEARING},
-                wears=0,
+                wear_updates=0,
                 cycles=3,
                 engine="dae",
                 numerics=Numerics(dae=pw.InHouse(integration_tolerance=1e-12)),

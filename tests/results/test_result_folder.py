@@ -18,7 +18,7 @@ from presswear.__main__ import main
 from presswear.campaign.checkpoint import Checkpoint
 from presswear.campaign.single import run_into
 from presswear.linkage.surface import bin_centres
-from presswear.record.tracker import Tracker
+from presswear.recording.tracker import Tracker
 from presswear.results.folder import INTERVAL, LEAST_WAIT, ResultFolder
 from presswear.results.result import load, read_document, unfinished
 from presswear.results.stage import SIDES
@@ -38,9 +38,9 @@ SCENE = changed(
         wear_times(),
         conventions=CONVENTIONS["refined"],
         cycles=2,
-        starts=2,
-        wears=1,
-        represented_cycles=2e4,
+        replicates=2,
+        wear_updates=1,
+        cycles_per_update=2e4,
     ),
     {
         "speed": "60rad/s",

@@ -20,7 +20,7 @@ from presswear.tools.numbers import readable
 
 @pytest.fixture(scope="module")
 def result() -> Result:
-    scene = pw.scenes.slider_crank(cycles=6, starts=1, recorded_cycles=6, sections=1)
+    scene = pw.scenes.slider_crank(cycles=6, replicates=1, recorded_cycles=6, sections=1)
     return pw.run(scene, engine="dae", jobs=1)
 
 

@@ -29,7 +29,7 @@ NO_LEAVES: tuple[Any, ...] = (True, False, [], {})
 def document(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     """A run of two stages, as if it had failed and left a checkpoint."""
     scene = wear_times(speed=60.0)
-    scene = replace(scene, engine="dae", cycles=5, wears=1)
+    scene = replace(scene, engine="dae", cycles=5, wear_updates=1)
     path = tmp_path_factory.mktemp("result") / "run"
     run_scene(scene, path)
     found = read_document(path)
@@ -142,7 +142,7 @@ def _step(document: Any) -> Any:
 
 def test_more_stages_than_wears_are_refused(document: dict[str, Any]) -> None:
     stored = stored_result(document, FILE_PATH)
-    with pytest.raises(InputError, match="2 stages, where the scene has wears = 0"):
+    with pytest.raises(InputError, match="2 stages, where the scene has wear_updates = 0"):
         check_joints(stored, JOINTS, 0, FILE_PATH)
 
 
@@ -203,7 +203,7 @@ STAGE = {
     "drive_torque": np.zeros((ROWS, 1)),
     "angle": bin_centres(BINS),
     "wear_batch_cycles": np.ones(2),
-    "cycles": np.zeros((3, 12)),
+    "cycles": np.zeros((3, 19)),
     "cycle_start": np.zeros(3),
     "deviation": np.zeros((4, 4)),
     "deviation_start": np.zeros(4),
@@ -224,29 +224,29 @@ STAGE = {
 @pytest.mark.parametrize("name", STAGE)
 def test_arrays_that_are_missing_or_misshapen_are_named(name: str) -> None:
     file = Path("stage-0.npz")
-    check_arrays(STAGE, {"A": BINS}, file)
-    check_arrays({**STAGE, "more": np.zeros(7)}, {"A": BINS}, file)
+    check_arrays(STAGE, {"A": BINS}, 1, file)
+    check_arrays({**STAGE, "more": np.zeros(7)}, {"A": BINS}, 1, file)
     less = {key: values for key, values in STAGE.items() if key != name}
     if name != "drive_torque":
         with pytest.raises(InputError, match=f"stage-0.npz: the array {name} is missing"):
-            check_arrays(less, {"A": BINS}, file)
+            check_arrays(less, {"A": BINS}, 1, file)
     whole = STAGE[name]
     # Contacts are as many as there were.
     for wrong in (whole[np.newaxis], whole[:-1] if name != "A_contacts" else whole[:, 1:]):
         with pytest.raises(InputError, match=r"stage-0\.npz: (\w+ has the shape|angle does not)"):
-            check_arrays({**STAGE, name: wrong}, {"A": BINS}, file)
+            check_arrays({**STAGE, name: wrong}, {"A": BINS}, 1, file)
     for value in (np.nan, np.inf, -np.inf, 1e101):
         wrong = whole.copy()
         wrong.flat[-1] = value
         with pytest.raises(InputError, match=f"stage-0.npz: {name} holds a value that is not"):
-            check_arrays({**STAGE, name: wrong}, {"A": BINS}, file)
+            check_arrays({**STAGE, name: wrong}, {"A": BINS}, 1, file)
 
 
 @pytest.mark.parametrize(
     ("name", "value", "says"),
     [
         ("slider", np.zeros((3, 3)), r"slider has the shape \(3, 3\); \(5, 3\) is expected"),
-        ("cycles", np.zeros((3, 8)), r"cycles has the shape \(3, 8\); \(3, 12\) is expected"),
+        ("cycles", np.zeros((3, 8)), r"cycles has the shape \(3, 8\); \(3, 19\) is expected"),
         ("time", -STAGE["time"], "time goes backwards"),
         ("time", STAGE["time"] - 1.0, "time goes backwards"),
         ("angle", np.zeros(BINS), "angle does not hold the middles of 36 bins"),
@@ -257,4 +257,4 @@ def test_arrays_that_are_missing_or_misshapen_are_named(name: str) -> None:
 )
 def test_what_is_wrong_with_an_array_is_said(name: str, value: Any, says: str) -> None:
     with pytest.raises(InputError, match=f"stage-0.npz: {says}"):
-        check_arrays({**STAGE, name: value}, {"A": BINS}, Path("stage-0.npz"))
+        check_arrays({**STAGE, name: value}, {"A": BINS}, 1, Path("stage-0.npz"))

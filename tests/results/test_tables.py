@@ -168,7 +168,7 @@ def test_a_table_that_does_not_belong_to_the_run_is_refused() -> None:
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """One fast cycle of the in-house solver, worn once."""
     scene = wear_times(speed=60.0)
-    scene = replace(scene, engine="dae", cycles=1, wears=0)
+    scene = replace(scene, engine="dae", cycles=1, wear_updates=0)
     path = tmp_path_factory.mktemp("result") / "run"
     run_scene(scene, path)
     return path
@@ -237,7 +237,7 @@ def test_export_refuses_in_one_line(
 
 
 def test_moments_of_strokes_are_exported(folder: Path, tmp_path: Path) -> None:
-    scene = press_blanking(engine="dae", cycles=1, wears=0, starts=1)
+    scene = press_blanking(engine="dae", cycles=1, wear_updates=0, replicates=1)
     result = run_scene(scene)
     table = strokes_table(result, 0)
     assert list(table) == list(MOMENT_UNITS)
@@ -260,7 +260,7 @@ def test_a_life_is_exported_with_units(tmp_path: Path) -> None:
     """Every followed number with both ends of its band, as the curves have them."""
     strokes, depth = np.array([4.0, 1e6]), np.array([[1e-9, 0.0, 2e-9], [3e-5, 2e-5, 4e-5]])
     curves = {"strokes": strokes, "A.depth": depth, "bdc_drift": 10.0 * depth}
-    life = LifeResult("at_most", "", 1e6, None, None, None, (), (), (), (), curves)
+    life = LifeResult("at_most", "", 1e6, None, None, 0.9, (), (), (), (), curves)
     result = Result(press_blanking(), (), "completed", "", {}, 1.0, life=life)
     table = life_table(result)
     low, high = (f"A_depth_{end}" for end in ("low", "high"))

@@ -29,10 +29,10 @@ def test_a_named_scene_keeps_its_title(name: str) -> None:
 
 
 def test_changes_stand_behind_the_title_with_what_they_were() -> None:
-    scene = wear_times(clearance="0.5 mm", wears=1)
-    assert told(scene) == {"clearance": ("0.5", "0.8", "mm"), "wears": ("1", "2", "")}
-    assert title_of(scene) == f"{TITLE}, changed: clearance 0.5 mm, wears 1"
-    assert name_of(scene) == "wear-times, changed: clearance 0.5 mm, wears 1"
+    scene = wear_times(clearance="0.5 mm", wear_updates=1)
+    assert told(scene) == {"clearance": ("0.5", "0.8", "mm"), "wear_updates": ("1", "2", "")}
+    assert title_of(scene) == f"{TITLE}, changed: clearance 0.5 mm, wear updates 1"
+    assert name_of(scene) == "wear-times, changed: clearance 0.5 mm, wear updates 1"
     assert short_name_of(scene) == "wear-times, changed"
     assert title_of(Scene.from_dict(scene.as_dict())) == title_of(scene)
 
@@ -49,7 +49,7 @@ def test_changes_stand_behind_the_title_with_what_they_were() -> None:
         (press_blanking(**{"process.force": "200 N"}), {"process.force": ("200", "500", "N")}),
         (wear_times(**{"A.clearance": "0.4 mm"}), {"A.clearance": ("0.4", "0.8", "mm")}),
         (wear_times(cycles=3), {"cycles": ("3", "none", "")}),
-        (replace(wear_times(), wears=1, name="mine"), {"wears": ("1", "2", "")}),
+        (replace(wear_times(), wear_updates=1, name="mine"), {"wear_updates": ("1", "2", "")}),
         (
             replace(wear_times(), mechanism=FOUR_BAR, joints="B"),
             {"joints": ("B", "AC", ""), "mechanism": ("four-bar", "press", "")},
@@ -69,14 +69,16 @@ def test_surfaces_that_were_given_are_told() -> None:
 
 
 def test_a_long_title_counts_what_is_left_out() -> None:
-    scene = wear_times(clearance="0.5 mm", friction=0.1, wears=1, cycles=3, starts=2)
-    assert title_of(scene).endswith(", changed: clearance 0.5 mm, friction 0.1, wears 1, 2 more")
+    scene = wear_times(clearance="0.5 mm", friction=0.1, wear_updates=1, cycles=3, replicates=2)
+    assert title_of(scene).endswith(
+        ", changed: clearance 0.5 mm, friction 0.1, wear updates 1, 2 more"
+    )
 
 
 def test_a_title_of_ones_own_is_kept() -> None:
-    scene = replace(wear_times(wears=1), title="Mine")
+    scene = replace(wear_times(wear_updates=1), title="Mine")
     assert title_of(scene) == "Mine"
-    assert name_of(scene) == "wear-times, changed: wears 1"
+    assert name_of(scene) == "wear-times, changed: wear updates 1"
 
 
 def test_a_file_is_told_beside_the_defaults_and_renamed_where_it_was_changed(
@@ -85,7 +87,7 @@ def test_a_file_is_told_beside_the_defaults_and_renamed_where_it_was_changed(
     file = tmp_path / "mine.toml"
     file.write_text(example_file("four-bar"))
     scene = scene_from(file)
-    assert told(scene)["wears"] == ("1", "0", "")
+    assert told(scene)["wear_updates"] == ("1", "0", "")
     assert title_of(scene) == "A four-bar of my own"
     assert title_of(changed(scene, {"clearance": "0.5 mm"})) == (
         "A four-bar of my own, changed: clearance 0.5 mm"
@@ -100,7 +102,7 @@ def test_a_file_is_told_beside_the_defaults_and_renamed_where_it_was_changed(
         ({"conventions": "paper"}, ("paper", "refined", "")),
         ({"B.clearance": "0.6 mm"}, ("0.6", "0.4", "mm")),
         ({"cycles": "5"}, ("5", "none", "")),
-        ({"starts": "4"}, ("4", "3", "")),
+        ({"replicates": "4"}, ("4", "3", "")),
     ],
 )
 def test_what_a_file_gave_is_what_it_was(
@@ -108,7 +110,9 @@ def test_what_a_file_gave_is_what_it_was(
 ) -> None:
     """Also where it was changed twice, and stored; set back, it is told as the file's again."""
     file = tmp_path / "mine.toml"
-    file.write_text(example_file("four-bar") + 'starts = 3\n[settings.B]\nclearance = "0.4 mm"\n')
+    file.write_text(
+        example_file("four-bar") + 'replicates = 3\n[settings.B]\nclearance = "0.4 mm"\n'
+    )
     scene = scene_from(file)
     (key,) = setting
     found = changed(changed(scene, setting), setting)

@@ -51,7 +51,7 @@ def test_turns_are_told_in_pi() -> None:
         ("clearance=1:2:3:lin mm", "FIRST:LAST:COUNT:log"),
         ("clearance=1:1:3 mm", "two ends that differ"),
         ("friction=0:0.1:3:log", "ends above 0"),
-        ("starts=2:5:3", r"starts = 3\.5: a whole number is expected"),
+        ("replicates=2:5:3", r"replicates = 3\.5: a whole number is expected"),
     ],
 )
 def test_what_cannot_be_read_is_refused(text: str, told: str) -> None:

@@ -9,14 +9,14 @@ import pytest
 import presswear as pw
 from presswear.dynamics.sections import section
 from presswear.engines.base import Plan
-from presswear.record.recorder import Recorder
-from presswear.record.tracker import Tracker
+from presswear.recording.recorder import Recorder
+from presswear.recording.tracker import Tracker
 from presswear.results.tables import table_of
 from presswear.scene.settings import changed
 from presswear.show.report import write_report
 from presswear.tools.arrays import State
 
-SCENE = pw.scenes.slider_crank(cycles=3, starts=1)
+SCENE = pw.scenes.slider_crank(cycles=3, replicates=1)
 SECTIONS = {"sections": "4", "section_angle": "90 deg"}
 
 
@@ -69,7 +69,7 @@ class _Half(Tracker):
 
 
 def test_a_run_goes_on_with_its_sections() -> None:
-    from presswear.campaign.starts import start_of
+    from presswear.campaign.replicates import start_of
 
     half, linkage, start = _Half(), SCENE.linkage(), start_of(SCENE)
     plan = Plan(SCENE.mechanism.period, 4, 1, sections=(0.25, 0.5), trackers=(half,))

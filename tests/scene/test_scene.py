@@ -36,7 +36,7 @@ def test_defaults_are_the_papers() -> None:
 def test_named_scenes_differ_from_the_central_study_as_they_say() -> None:
     for letter in "AC":
         scene = scene_named(f"clearance-{letter.lower()}")
-        study = replace(wear_times(), joints=letter, wears=0, cycles=5)
+        study = replace(wear_times(), joints=letter, wear_updates=0, cycles=5)
         assert scene == replace(study, name=scene.name, title=scene.title)
         assert f"at {letter} alone" in scene.title
 
@@ -99,7 +99,7 @@ def test_scene_makes_the_linkage_it_describes() -> None:
 def test_conventions_reach_the_joint(conventions: str, expected: tuple[str, ...]) -> None:
     joint = replace(BASE, conventions=CONVENTIONS[conventions]).linkage().clearances[0]
     assert joint.wear is not None
-    told = (joint.map_frame, joint.contact, joint.wear.slip, joint.wear.footprint)
+    told = (joint.map_frame, joint.contact, joint.wear.slip, joint.wear.wear_distribution)
     assert told == expected
     reading = CONVENTIONS[conventions].stiffness
     stiffness = hertz_stiffness(0.015, 0.0142, 2.0 * (1.0 - 0.3**2) / 200e9, reading)
@@ -186,8 +186,8 @@ def stored_part(part: str, **other: Any) -> dict[str, Any]:
         pytest.param(stored_part("mechanism", geometry="standard"), id="geometry a word"),
         pytest.param(stored_part("mechanism", speed=None), id="no speed"),
         pytest.param(stored(name=1), id="a number for a name"),
-        pytest.param(stored(wears=None), id="no wears"),
-        pytest.param(stored(wears=1.5), id="one and a half wears"),
+        pytest.param(stored(wear_updates=None), id="no wears"),
+        pytest.param(stored(wear_updates=1.5), id="one and a half wears"),
         pytest.param(stored(cycles="many"), id="cycles a word"),
         pytest.param(stored(joints=["A"]), id="joints a list"),
         pytest.param(stored(engine="none"), id="unknown engine"),
@@ -207,7 +207,7 @@ def test_bearings_by_joint_open_those_joints() -> None:
     assert scene == Scene(joints="AC", bearings=one, apart={"C": other})
     assert scene.bearing("C") == other
     assert Scene(bearings={"C": other}).clearance_joints == ("C",)
-    assert Scene(bearings={}, wears=0).clearance_joints == ()
+    assert Scene(bearings={}, wear_updates=0).clearance_joints == ()
     assert Scene.from_dict(scene.as_dict()) == scene
     with pytest.raises(InputError, match="unknown joint in bearings 'D'"):
         Scene(bearings={"D": one})
@@ -255,10 +255,10 @@ def test_laws_that_do_not_fit_are_refused(settings: dict[str, str], words: str) 
         ({}, 1e-5),
         ({"tolerance": 0.01}, 1e-6),
         ({"tolerance": 1.0}, 1e-5),
-        ({"wears": 0}, 1e-8),
+        ({"wear_updates": 0}, 1e-8),
         ({"purpose": "trajectory"}, 1e-8),
         ({"purpose": "forces"}, 1e-6),
-        ({"purpose": "wear", "wears": 0}, 1e-5),
+        ({"purpose": "wear", "wear_updates": 0}, 1e-5),
     ],
 )
 def test_a_tolerance_that_is_not_given_follows_from_what_the_numbers_are_for(

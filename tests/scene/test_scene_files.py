@@ -1,6 +1,8 @@
 """Scenes from files: those that ``presswear new`` writes, and any other text."""
 
 import re
+import time
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,6 +15,7 @@ from presswear.engines.settings import InHouse
 from presswear.scene.catalog import wear_times
 from presswear.scene.files import EXAMPLES, example_file, scene_from
 from presswear.scene.scene import Scene
+from presswear.sweeps.files import read_sweep
 from presswear.tools.errors import InputError, one_line
 from presswear.tools.own import OwnFunction
 
@@ -35,7 +38,7 @@ def test_every_example_is_a_scene_and_keeps_all(kind: str, tmp_path: Path) -> No
 def test_the_press_from_a_file_is_the_named_one_bit_for_bit(tmp_path: Path) -> None:
     file = tmp_path / "press.toml"
     file.write_text(example_file("press"))
-    named = replace(wear_times(), engine=InHouse.word, cycles=1, wears=0)
+    named = replace(wear_times(), engine=InHouse.word, cycles=1, wear_updates=0)
     own = replace(named, mechanism=scene_from(file).mechanism, joints="A,C")
     runs = [run_scene(scene).stages[0].arrays for scene in (named, own)]
     assert runs[0].keys() == runs[1].keys()
@@ -68,7 +71,7 @@ def test_one_joint_may_be_set_apart(key: str, tmp_path: Path) -> None:
         ("mechanism = 'press'\nsetings = 1", "unknown key 'setings'; did you mean settings"),
         ("mechanism = 'press'\n[settings]\nclearence = '1 mm'", "did you mean clearance"),
         ("mechanism = 'press'\n[settings]\nclearance = 0.001", "clearance = '0.001' has no unit"),
-        ("mechanism = 'press'\n[settings]\nwears = true", "a text or a number is expected"),
+        ("mechanism = 'press'\n[settings]\nwear_updates = true", "a text or a number is expected"),
         ("mechanism = 'press'\nsettings = 1", "settings = 1: a table is expected"),
         ("mechanism = 'press'\ntitle = 1", "title = 1: a text is expected"),
         ("[mechanism", "Expected ']' at the end of a table"),
@@ -168,3 +171,34 @@ def test_laws_of_ones_own_stand_beside_the_file(tmp_path: Path) -> None:
             scene_from(file)
         assert str(file) in str(told.value)
         assert "friction_law" in str(told.value)
+
+
+DEEP = ".".join(["a"] * 20_000)
+
+
+@pytest.mark.parametrize("read", [scene_from, read_sweep])
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (f"[settings]\ncycles = {'9' * 5000}\n", "an integer is too long; allowed is up to 1e+15"),
+        (f"[settings]\ncycles = -{'9' * 4301}\n", "an integer is too long; allowed is"),
+        (f"[settings]\ncycles = 0x{'f' * 5000}\n", "settings.cycles: an integer is too large"),
+        (f"[sweep]\ndraws = 0b{'1' * 50000}\n", "sweep.draws: an integer is too large"),
+        ("[settings]\nrows = [1, 9000000000000000]\n", "settings.rows: an integer is too large"),
+        (f"title = 'a'\n{DEEP} = 1\n", "line 2: a key has up to 20 parts"),
+        (f"[{DEEP}]\n", "line 1: a key has up to 20 parts"),
+        (f"x = {{ {DEEP} = 1 }}\n", "line 1: a key has up to 20 parts"),
+        (".".join(["'a b'", '"c"'] * 10_000) + " = 1\n", "line 1: a key has up to 20 parts"),
+        (f'a{"b" * 900_000} = ""', "unknown key"),
+    ],
+)
+def test_numbers_and_keys_beyond_all_use_are_refused_at_once(
+    read: Callable[[Path], object], text: str, words: str, tmp_path: Path
+) -> None:
+    file = tmp_path / "large.toml"
+    file.write_text(text)
+    began = time.perf_counter()
+    with pytest.raises(InputError, match=re.escape(words)) as told:
+        read(file)
+    assert time.perf_counter() - began < 2.0
+    assert str(told.value).startswith(str(file))

@@ -168,5 +168,5 @@ def test_stored_scenes_with_a_damaged_process_are_refused() -> None:
 def test_named_scenes_press_on_something() -> None:
     for scene in (pw.scenes.press_blanking(), pw.scenes.press_drawing()):
         assert scene.process is not None
-        assert scene.wears == 1
+        assert scene.wear_updates == 1
         assert np.isfinite(scene.process.work)

@@ -63,14 +63,14 @@ def test_where_a_value_comes_from_follows_it() -> None:
 
 def test_changed_sets_every_part_and_nothing_else() -> None:
     assert changed(PRESS, {}) == PRESS
-    values = {"speed": "4pi rad/s", "hx": "241mm", "clearance": "0.6mm", "footprint": "arc"}
-    scene = changed(PRESS, {**values, "joints": "C", "wears": "3", "cycles": "7"})
+    values = {"speed": "4pi rad/s", "hx": "241mm", "clearance": "0.6mm", "wear_distribution": "arc"}
+    scene = changed(PRESS, {**values, "joints": "C", "wear_updates": "3", "cycles": "7"})
     geometry = replace(GEOMETRIES["standard"], name="standard, changed", hx=0.241)
     assert scene.mechanism == Press(geometry=geometry, speed=4.0 * math.pi)
     assert scene.bearings == replace(PRESS.bearings, clearance=0.6e-3)
-    assert scene.conventions == replace(Conventions(), footprint="arc")
+    assert scene.conventions == replace(Conventions(), wear_distribution="arc")
     assert scene.clearance_joints == ("C",)
-    assert (scene.wears, scene.cycles) == (3, 7)
+    assert (scene.wear_updates, scene.cycles) == (3, 7)
     crank = changed(CRANK, {"crank_length": "60mm", "speed": "3000rpm", "clearance": "0.2mm"})
     assert crank.mechanism == SliderCrank(crank_length=0.06, speed=100.0 * math.pi)
     assert crank.bearings.clearance == 0.2e-3
@@ -127,7 +127,7 @@ def test_every_geometry_can_be_named(name: str) -> None:
             {"contact": "foundation", "exponent": "1.2"},
             r"exponent = 1\.2.*allowed is 1.5",
         ),
-        (PRESS, {"joints": "none", "starts": "2"}, "starts = 2: without a clearance joint"),
+        (PRESS, {"joints": "none", "replicates": "2"}, "replicates = 2: without a clearance joint"),
         (PRESS, {"joints": "A", "engine": "exudyn-tree"}, "engine = 'exudyn-tree'.*closes a loop"),
     ],
 )

@@ -125,7 +125,7 @@ def test_surfaces_that_do_not_fit_are_refused_in_one_line(surfaces: Any, says: s
 
 def test_a_joint_without_clearance_has_no_surface() -> None:
     with pytest.raises(InputError, match="surfaces of A: no joint of the scene has clearance"):
-        on(np.full(360, 1e-6), joints="none", wears=0)
+        on(np.full(360, 1e-6), joints="none", wear_updates=0)
     with pytest.raises(InputError, match="unknown joint in surfaces 'A'; known are C"):
         on(np.full(360, 1e-6), joints="C")
 
@@ -134,7 +134,7 @@ def test_a_law_of_ones_own_does_not_meet_given_surfaces_on_a_foundation() -> Non
     def soft(penetration: float) -> float:
         return 1e9 * penetration
 
-    own = {"normal_law": soft, "contact": "foundation", "wears": 0}
+    own = {"normal_law": soft, "contact": "foundation", "wear_updates": 0}
     with pytest.raises(InputError, match="have an elastic force of their own"):
         on(np.full(360, 1e-6), **own)
 

@@ -31,7 +31,7 @@ def made_up_life(sampling: float | None = 0.03, step: float | None = 0.04) -> Li
         strokes=LIFE,
         sampling=sampling,
         step=step,
-        scatter=None,
+        scatter=0.5,
         limits=(LimitResult("A.depth", "m", 5e-5, None, None, None, 2e-5, 1e-6), depth, drift),
         passes=(PassResult(5e-3, 64, 5.2e6, 0.08), PassResult(1e-3, 320, LIFE, sampling)),
         phases=(
@@ -55,7 +55,7 @@ def made_up_life(sampling: float | None = 0.03, step: float | None = 0.04) -> Li
 
 def lived(result: Result, life: LifeResult | None = None) -> Result:
     """A result with a life."""
-    scene = replace(result.scene, life=ASKED, wears=2)
+    scene = replace(result.scene, life=ASKED, wear_updates=2)
     return replace(result, scene=scene, life=life or made_up_life())
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure as Sheet
 
 from presswear.linkage.surface import bin_centres
-from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
+from presswear.recording.observe import CYCLE_FIXED, cycle_columns
 from presswear.results.result import Result
 from presswear.results.stage import SIDES, StageResult, WearStep
 from presswear.scene.bearing import CONVENTIONS
@@ -44,7 +44,7 @@ def _stage(scene: Scene, index: int, status: Any, message: str) -> StageResult:
         "time": time,
         "slider": scene.ideal_slider(time) * (1.0 + 0.01 * (index + 1)),
         "angle": angle,
-        "cycles": np.zeros((2, len(CYCLE_FIXED) + len(CYCLE_JOINT) * len(scene.clearance_joints))),
+        "cycles": np.zeros((2, cycle_columns(len(scene.clearance_joints), 2))),
         "cycle_start": np.zeros(2),
     }
     arrays["cycles"][:, CYCLE_FIXED.index("bottom_height")] = -0.5878, -0.5879
@@ -149,4 +149,4 @@ def legend_of(sheet: Sheet) -> list[str]:
 BOTH = replace(wear_times(), cycles=2)
 ONE = replace(BOTH, joints="C")
 BODY = replace(BOTH, conventions=CONVENTIONS["refined"])
-IDEAL = replace(BOTH, joints="none", wears=0)
+IDEAL = replace(BOTH, joints="none", wear_updates=0)

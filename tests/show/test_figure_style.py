@@ -1,8 +1,10 @@
 """Scales of figures."""
 
+import numpy as np
 import pytest
+from made_up_result import grown
 
-from presswear.show.figures.style import length_scale, round_down
+from presswear.show.figures.style import between, length_scale, round_down
 
 
 @pytest.mark.parametrize(
@@ -16,3 +18,15 @@ def test_length_scale_reads_naturally() -> None:
     assert length_scale(1.2e-5) == (1e6, "µm")
     assert length_scale(0.0015) == (1e3, "mm")
     assert length_scale(0.0)[1] == "pm"
+
+
+def test_all_series_are_cut_to_the_same_rows() -> None:
+    stage = grown().stage(0)
+    rows = len(stage.time)
+    cut = between(stage, stage.time[rows // 4], stage.time[rows // 2])
+    left = rows // 2 - rows // 4 + 1
+    np.testing.assert_array_equal(cut.time, stage.time[rows // 4 : rows // 2 + 1])
+    series = {name for name, array in stage.arrays.items() if len(array) == rows}
+    assert {name for name, array in cut.arrays.items() if len(array) == left} == series
+    for joint in cut.joints.values():
+        assert len(joint.sliding) == len(joint.penetration) == len(joint.force) == left

@@ -16,7 +16,7 @@ from presswear.linkage.four_bar import FOUR_BAR
 from presswear.linkage.motions import Drive
 from presswear.linkage.pieces import Rise
 from presswear.linkage.process import Blanking
-from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
+from presswear.recording.observe import CYCLE_FIXED, CYCLE_JOINT
 from presswear.results.drives import ideal_curves
 from presswear.scene.catalog import ideal
 from presswear.show.figures import drawings

@@ -83,7 +83,7 @@ def test_a_single_stroke_says_that_it_has_no_interval() -> None:
 
 @pytest.mark.parametrize("part", [0.25, 0.6])
 def test_the_largest_force_is_told_with_its_moment(part: float) -> None:
-    result = made_up(replace(ONE, wears=0), 1)
+    result = made_up(replace(ONE, wear_updates=0), 1)
     (stage,) = result.stages
     # The made-up run has two cycles, of which the second is settled.
     row = int((1.0 + part) * (stage.time.size - 1) / 2.0)
@@ -98,14 +98,14 @@ def test_the_largest_force_is_told_with_its_moment(part: float) -> None:
 
 
 def test_a_force_before_the_settled_cycles_is_not_the_largest() -> None:
-    result = made_up(replace(ONE, wears=0), 1)
+    result = made_up(replace(ONE, wear_updates=0), 1)
     (stage,) = result.stages
     stage = struck(stage, "C", [50], 900.0)
     assert "900 at C" not in head_of(replace(result, stages=(stage,))).text
 
 
 def test_moments_of_the_made_up_strokes() -> None:
-    scene = replace(ONE, process=Blanking(), wears=0)
+    scene = replace(ONE, process=Blanking(), wear_updates=0)
     result = made_up(scene, 1)
     stage = replace(
         result.stages[0],
@@ -133,7 +133,7 @@ def test_a_press_on_work_says_so_and_others_do_not() -> None:
 
 
 def test_a_linkage_of_ones_own_is_no_press() -> None:
-    scene = Scene(FOUR_BAR, bearings={"B": Bearing(clearance=0.3e-3)}, wears=0)
+    scene = Scene(FOUR_BAR, bearings={"B": Bearing(clearance=0.3e-3)}, wear_updates=0)
     result = replace(made_up(IDEAL, 1), scene=scene)
     text = " ".join([*in_short(result), changed_values(result)[0]])
     assert "The rocker moves between its lowest and its highest place, 111 mm apart" in text
@@ -149,8 +149,8 @@ def test_without_clearance_nothing_is_said_of_errors() -> None:
 
 
 def test_the_title_says_what_was_changed() -> None:
-    page = page_of(made_up(wear_times(clearance="0.5 mm", wears=1), 1))
-    title = f"{wear_times().title}, changed: clearance 0.5 mm, wears 1"
+    page = page_of(made_up(wear_times(clearance="0.5 mm", wear_updates=1), 1))
+    title = f"{wear_times().title}, changed: clearance 0.5 mm, wear updates 1"
     assert page.words.count(title) == 2
     assert page.row("clearance")[:4] == ["clearance", "0.5", "0.8", "mm"]
     assert wear_times().title not in page.words

@@ -70,7 +70,7 @@ def test_campaigns_share_no_start_with_each_other_or_the_truth() -> None:
 @pytest.mark.slow
 def test_intervals_of_a_wear_cycle_by_cycle_hold(tmp_path: Path) -> None:
     """Of twenty intervals of 95 % fewer than seventeen hold by chance in one of forty."""
-    whole = make(lambda scene: replace(scene, wears=1))
+    whole = make(lambda scene: replace(scene, wear_updates=1))
     refined = [variant for variant in whole.variants if variant.key.startswith("refined")]
     long = [replace(v, scene=replace(v.scene, cycles=100)) for v in refined[:8]]
     campaigns = refined[TRUTHS : TRUTHS + 20]

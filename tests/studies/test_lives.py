@@ -30,7 +30,7 @@ def lived(strokes: float, sampling: float, ended: Ended = "limit") -> LifeResult
         strokes,
         sampling,
         0.0,
-        None,
+        0.9,
         (limit,),
         (PassResult(1e-3, 100, reached, sampling),),
         (),

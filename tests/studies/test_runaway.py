@@ -52,7 +52,8 @@ def test_the_answer_names_what_runs_away_and_what_stops() -> None:
 
 def test_outcomes_are_read_from_results() -> None:
     short = changed(
-        replace(wear_times(), wears=1, cycles=1, starts=1), {"engine": "dae", "angles": "360"}
+        replace(wear_times(), wear_updates=1, cycles=1, replicates=1),
+        {"engine": "dae", "angles": "360"},
     )
     result = run_scene(short)
     one = read_wears(Variant("one", "", short), result)
@@ -77,13 +78,13 @@ def test_runaway_changes_one_thing_at_a_time_and_only_what_it_says() -> None:
         scene = variant.scene
         changes = [
             getattr(scene.conventions, name) != getattr(paper.conventions, name)
-            for name in ("stiffness", "slip", "map_frame", "footprint", "contact")
+            for name in ("stiffness", "slip", "map_frame", "wear_distribution", "contact")
         ]
         assert sum(changes) + (scene.extrapolation != paper.extrapolation) == 1
     for variant in study.variants:
         # The second wear in steps needs the stage behind it.
-        wears = 2 if variant.scene.wears_in_steps or variant.key == LONGER else 1
-        assert variant.scene.wears == (0 if variant.on else wears)
+        wear_updates = 2 if variant.scene.wears_in_steps or variant.key == LONGER else 1
+        assert variant.scene.wear_updates == (0 if variant.on else wear_updates)
 
 
 def test_both_contacts_run_on_the_surfaces_of_one_run() -> None:
@@ -93,7 +94,7 @@ def test_both_contacts_run_on_the_surfaces_of_one_run() -> None:
         (f"{LONGER}:{stage}", contact) for stage in (1, 2) for contact in ("radial", "foundation")
     ]
     (source,) = (variant.scene for variant in study.variants if variant.key == LONGER)
-    assert (source.cycles, source.starts, source.wears) == (200, 1, 2)
+    assert (source.cycles, source.replicates, source.wear_updates) == (200, 1, 2)
     for one in same:
         alike = replace(one.scene.conventions, contact="radial")
         assert alike == source.conventions
@@ -101,7 +102,7 @@ def test_both_contacts_run_on_the_surfaces_of_one_run() -> None:
 
 def test_what_both_contacts_make_is_told_from_results() -> None:
     scene = changed(
-        replace(wear_times(), wears=0, cycles=4, starts=2),
+        replace(wear_times(), wear_updates=0, cycles=4, replicates=2),
         {"engine": "dae", "integrator": "dopri5", "integration_tolerance": 1e-6},
     )
     scene = replace(scene, surfaces={"A": (1e-5 * (1.0 + np.sin(np.arange(360))), None)})
@@ -139,7 +140,7 @@ def test_the_script_runs_and_its_study_can_be_gone_on_with(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     folder = tmp_path / "runaway"
-    quick = {"engine": "dae", "cycles": 1, "starts": 1, "represented_cycles": 1e5, "speed": 60.0}
+    quick = {"engine": "dae", "cycles": 1, "replicates": 1, "cycles_per_update": 1e5, "speed": 60.0}
     runpy.run_path(str(SCRIPT))["main"](str(folder), **quick)
     said = capsys.readouterr().out
     assert "of 20 readings that can be computed" in said

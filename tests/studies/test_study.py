@@ -10,7 +10,7 @@ from endurance.sameness import folder_differences
 
 import presswear as pw
 from presswear.campaign.single import run_into
-from presswear.record.tracker import Progress, Tracker
+from presswear.recording.tracker import Progress, Tracker
 from presswear.results.folder import ResultFolder
 from presswear.results.result import load
 from presswear.scene.catalog import wear_times
@@ -24,7 +24,7 @@ from presswear.tools.errors import InputError
 def small(**settings: str) -> Study:
     """Two quick variants: one cycle each in the in-house solver, and one that fails at once."""
     # With fewer bins a single cycle may leave surfaces on which the next stage drives itself.
-    short = replace(wear_times(), wears=1, cycles=1, purpose="trajectory")
+    short = replace(wear_times(), wear_updates=1, cycles=1, purpose="trajectory")
     base = changed(short, {"engine": "dae", "angles": "360", **settings})
     stops = changed(base, {"integrator": "rk4-paper"})
     variants = (Variant("one", "the first", base), Variant("stops", "the paper's step", stops))
@@ -158,7 +158,7 @@ def linked() -> Study:
     base = small().variants[0].scene
     stops = small().variants[1].scene
     # Longer than what it waits for: the longest are begun first.
-    alone = replace(base, wears=0, cycles=21)
+    alone = replace(base, wear_updates=0, cycles=21)
     assert Variant("on", "", alone).extent > Variant("base", "", base).extent
     variants = (
         Variant("base", "worn", base),

@@ -10,7 +10,12 @@ import presswear as pw
 from presswear.scene.settings import changed
 
 SCENE = pw.scenes.wear_times(
-    engine="dae", integrator="dopri5", integration_tolerance=1e-6, wears=0, cycles=1, starts=1
+    engine="dae",
+    integrator="dopri5",
+    integration_tolerance=1e-6,
+    wear_updates=0,
+    cycles=1,
+    replicates=1,
 )
 
 

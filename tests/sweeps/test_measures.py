@@ -22,9 +22,9 @@ SCENE = pw.scenes.wear_times(
     engine="dae",
     integrator="dopri5",
     integration_tolerance=1e-6,
-    wears=1,
+    wear_updates=1,
     cycles=3,
-    starts=3,
+    replicates=3,
 )
 
 
@@ -63,7 +63,7 @@ def test_depth_and_volume_are_those_of_the_surfaces(result: pw.Result) -> None:
 def test_a_rate_is_a_wear_over_the_strokes_that_it_stands_for(result: pw.Result) -> None:
     told = result.stages[0].joints["A"].statistics
     found = measured(result)["A.wear_rate@0"]
-    strokes = SCENE.represented_cycles
+    strokes = SCENE.cycles_per_update
     assert found.value == pytest.approx(told["wear_volume_m3"] / strokes, abs=0)
     assert found.half == pytest.approx(told["wear_volume_half_width_m3"] / strokes, abs=0)
 
@@ -94,10 +94,10 @@ def test_a_life_that_no_limit_ends_is_a_lower_bound() -> None:
         integrator="dopri5",
         integration_tolerance=1e-6,
         conventions="refined",
-        starts=2,
-        wears=1,
+        replicates=2,
+        wear_updates=1,
         cycles=1,
-        **{"life": "limits", "life.until": "depth > 1 um", "life.most_cycles": 64},
+        **{"life": "limits", "life.until": "depth > 1 um", "life.max_cycles": 64},
     )
     result = pw.run(scene, jobs=1, check=False)
     assert result.life is not None
@@ -164,7 +164,7 @@ def test_all_usual_measures_are_found_and_asked_for_where_none_is_named(
         ("A.forcemax", r"did you mean A\.force_max"),
         ("B.depth", "unknown measure 'B.depth'"),
         ("bdc_eror", "did you mean bdc_error"),
-        ("A.depth@2", "a stage from 0 to wears = 1"),
+        ("A.depth@2", "a stage from 0 to wear_updates = 1"),
         ("A.depth@x", "NAME@STAGE"),
         ("life", "unknown measure 'life'"),
     ],

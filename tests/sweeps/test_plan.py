@@ -11,7 +11,7 @@ import presswear as pw
 from presswear.sweeps.plan import Plan, scene_digest
 from presswear.tools.documents import plain
 
-SCENE = pw.scenes.wear_times(engine="dae", wears=0, cycles=1)
+SCENE = pw.scenes.wear_times(engine="dae", wear_updates=0, cycles=1)
 VARY = ("clearance=0.2mm,0.4mm", "A.friction=0.1,0.2 & C.friction=0.3,0.4", "engine=dae,exudyn")
 
 
@@ -50,7 +50,7 @@ def test_names_are_of_what_decides_the_numbers() -> None:
     assert len({plan.shortcut(row) for row in range(4)}) == 4
     assert len({scene_digest(plan.scene_of(row)) for row in range(4)}) == 4
     # The same scene, however it came about, is one: of another plan, or under another title.
-    other = Plan(pw.scenes.wear_times(wears=0, cycles=1, clearance="0.4mm"), ("engine=dae",))
+    other = Plan(pw.scenes.wear_times(wear_updates=0, cycles=1, clearance="0.4mm"), ("engine=dae",))
     assert scene_digest(other.scene_of(0)) == scene_digest(plan.scene_of(2))
     assert other.shortcut(0) != plan.shortcut(2)
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from made_up_sweep import swept
 
-from presswear.record.sampling import Interval, quantile
+from presswear.recording.sampling import Interval, quantile
 from presswear.sweeps.responses import responses
 from presswear.sweeps.table import Table
 from presswear.tools.errors import InputError

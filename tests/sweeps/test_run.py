@@ -1,5 +1,6 @@
 """Rows that run, on every executor: sealed once, in any order, with the same numbers."""
 
+import asyncio
 import os
 import signal
 import subprocess
@@ -8,12 +9,15 @@ import time
 from collections.abc import Callable
 from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
 from pathlib import Path
-from typing import ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeVar
 
+import psutil
 import pytest
+from distributed import Nanny
 from made_up_rows import KEY, MadeUpJob, MadeUpWork, marked
 
 from presswear.sweeps import cluster, executors, work
+from presswear.sweeps.cluster import RETRIES
 from presswear.sweeps.executors import Runner, runner_of
 from presswear.sweeps.run import Standing, run_rows
 from presswear.sweeps.store import Records, Store
@@ -218,6 +222,45 @@ def test_a_scheduler_that_does_not_answer_is_told_of(
         ran(tmp_path / "sweep", MadeUpWork(3), runner_of("dask://127.0.0.1:9", 1, silent))
     assert time.monotonic() - began < 8.0
     assert not (tmp_path / "sweep").exists()
+
+
+def test_a_local_cluster_accepts_connections_from_this_machine_only() -> None:
+    """Addresses that this process and its workers listen at, as the system lists them."""
+    with cluster.cluster("", 1, 10.0, silent):
+        owners = [psutil.Process(), *psutil.Process().children(recursive=True)]
+        found = [own for process in owners for own in process.net_connections()]
+    listening = [own.laddr.ip for own in found if own.status == psutil.CONN_LISTEN]
+    assert len(listening) > 2  # scheduler, dashboard, worker
+    assert set(listening) == {"127.0.0.1"}
+
+
+@pytest.mark.parametrize("kills", [1, RETRIES + 1])
+def test_a_cluster_whose_workers_end_while_they_start_is_begun_anew(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kills: int
+) -> None:
+    """Once it goes on; again and again the sweep ends with one line."""
+    left = [kills]
+    instantiate = Nanny.instantiate
+
+    async def killed(nanny: Nanny) -> Any:
+        started = asyncio.ensure_future(instantiate(nanny))
+        if left[0]:
+            left[0] -= 1
+            while nanny.process is None or nanny.process.pid is None:
+                await asyncio.sleep(0.01)
+            os.kill(nanny.process.pid, signal.SIGKILL)
+        return await started
+
+    monkeypatch.setattr(Nanny, "instantiate", killed)
+    own, lines = MadeUpWork(3), list[str]()
+    runner = runner_of("dask", 1, lines.append)
+    if kills == 1:
+        assert ran(tmp_path / "sweep", own, runner).ran == 3
+        assert any("the cluster did not start" in line for line in lines)
+    else:
+        with pytest.raises(RunFailed, match="the cluster did not start") as told:
+            ran(tmp_path / "sweep", own, runner)
+        assert "\n" not in str(told.value)
 
 
 def test_workers_of_another_program_are_refused(

@@ -21,7 +21,7 @@ from made_up_sweep import (
 from SALib.analyze import morris as salib_morris
 from scipy.stats import sobol_indices
 
-from presswear.record.sampling import Interval
+from presswear.recording.sampling import Interval
 from presswear.sweeps.chaos import chaos_share
 from presswear.sweeps.designs import JUMP, design
 from presswear.sweeps.one_plan import WAVES, are_independent, by_waves, first_order

@@ -8,7 +8,7 @@ from made_up_sweep import swept
 from numpy.typing import NDArray
 from scipy import stats
 
-from presswear.record.sampling import Interval
+from presswear.recording.sampling import Interval
 from presswear.sweeps.designs import design
 from presswear.sweeps.distributions import Distribution, parse
 from presswear.sweeps.responses import responses

@@ -14,7 +14,7 @@ from rich.console import Console
 
 import presswear as pw
 from presswear.__main__ import main
-from presswear.commands import sweep as command
+from presswear.cli import sweep as command
 from presswear.results.provenance import program_digest
 from presswear.sweeps import sweep as sweeps
 from presswear.sweeps import work as works
@@ -30,9 +30,9 @@ QUICK = {
     "engine": "dae",
     "integrator": "dopri5",
     "integration_tolerance": 1e-6,
-    "wears": 0,
+    "wear_updates": 0,
     "cycles": 1,
-    "starts": 1,
+    "replicates": 1,
 }
 SCENE = pw.scenes.wear_times(**QUICK)
 OPTIONS = [word for key, value in QUICK.items() for word in ("--set", f"{key}={value}")]
@@ -152,7 +152,10 @@ def test_a_measure_of_ones_own_goes_to_the_processes(tmp_path: Path) -> None:
         (["--vary", "clearance=1mm", "--draws", "0"], "--draws 0: a whole number from 1 to 10000"),
         (["--vary", "clearance=1mm", "--draws", "1e5"], "a whole number from 1 to 10000"),
         (["--vary", "clearance=1mm", "--seed", "-1"], "a whole number from 0 is expected"),
-        (["--vary", "clearance=1mm", "--measure", "bdc_error@7"], "a stage from 0 to wears = 2"),
+        (
+            ["--vary", "clearance=1mm", "--measure", "bdc_error@7"],
+            "a stage from 0 to wear_updates = 2",
+        ),
         (["--vary", "clearance=1mm", "--draws", "few"], "--draws few"),
         (["--vary", "clearance=1mm", "--keep", "most"], "allowed is one of measures, all"),
         (["--vary", "clearance=1mm", "--set", "colour=red"], "unknown key 'colour'"),

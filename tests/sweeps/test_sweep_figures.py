@@ -13,7 +13,7 @@ from matplotlib.collections import PathCollection
 from matplotlib.patches import Rectangle
 from matplotlib.text import Text
 
-from presswear.record.sampling import Interval
+from presswear.recording.sampling import Interval
 from presswear.show.figures.style import SETTINGS, Drawing
 from presswear.sweeps.analysis import Analysis, analysed
 from presswear.sweeps.designs import design

@@ -12,7 +12,7 @@ import pytest
 from made_up_sweep import ishigami, random_blocks, swept
 from test_sweep_figures import REQUIRED, SPREADS, grid, table
 
-from presswear.record.sampling import Interval
+from presswear.recording.sampling import Interval
 from presswear.sweeps.analysis import analysed
 from presswear.sweeps.designs import design
 from presswear.sweeps.distributions import parse

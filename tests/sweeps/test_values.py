@@ -16,7 +16,7 @@ SCENE = pw.scenes.wear_times()
         ("wear_coefficient=1e-16/Pa:1e-14/Pa:3:log", [[1e-16], [1e-15], [1e-14]]),
         ("A.friction=0.02,0.05,0.1", [[0.02], [0.05], [0.1]]),
         ("engine=dae,exudyn", [[0.0], [1.0]]),
-        ("starts=2:4:3", [[2.0], [3.0], [4.0]]),
+        ("replicates=2:4:3", [[2.0], [3.0], [4.0]]),
         ("A.friction=0.1,0.2 & C.friction=0.1,0.3", [[0.1, 0.1], [0.2, 0.3]]),
     ],
 )
@@ -25,7 +25,7 @@ def test_texts_give_values(text: str, values: list[list[float]]) -> None:
 
 
 def test_values_are_typed_as_settings_need_them() -> None:
-    whole, word = group_of(SCENE, "starts=2,3"), group_of(SCENE, "engine=dae,exudyn")
+    whole, word = group_of(SCENE, "replicates=2,3"), group_of(SCENE, "engine=dae,exudyn")
     assert [repr(whole.factors[0].typed(own)) for own in (2.0, 3.0)] == ["2", "3"]
     assert [word.factors[0].typed(own) for own in (0.0, 1.0)] == ["dae", "exudyn"]
     column = group_of(SCENE, "A.friction=0.02").factors[0].column
@@ -65,7 +65,7 @@ def test_lists_of_a_script_are_those_that_would_be_typed() -> None:
         "clearance": np.array([1e-4, 2.5e-4]),
         "A.friction & C.friction": [(0.1, 0.2), (0.3, 0.4)],
         "engine": ["dae", "exudyn"],
-        "starts": [2, 3],
+        "replicates": [2, 3],
         "friction": "0:0.1:3",
     }
     groups = [group_of(SCENE, text) for text in texts_of(SCENE, varied)]

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from presswear.record.observe import RECORD
+from presswear.recording.observe import RECORD
 from presswear.tools import arrays
 from presswear.tools.arrays import named, part, read_arrays, read_numbers, write_arrays
 from presswear.tools.errors import InputError

@@ -38,7 +38,9 @@ def drawn(seed: int, sizes: tuple[int, int, int]) -> Packed:
     joints["over_arc"] = numbers.random(sizes[0]) < 0.5
     joints["clearance"] = numbers.random(sizes[0])
     mass, weight = numbers.random((2, sizes[1]))
-    return Packed(joints, numbers.random(sizes), joints[:0], None, mass, weight)
+    return Packed(
+        joints, numbers.random(sizes), joints[:0], None, mass, weight, np.zeros(0, np.int64)
+    )
 
 
 def total_of(part: Packed) -> float:

@@ -170,7 +170,7 @@ class Count(event.Listener):
     def on_end(self, told): pass
 
 event.register("numba:compile", Count())
-pw.run(pw.scenes.wear_times(cycles=1, wears=0), engine="%s")
+pw.run(pw.scenes.wear_times(cycles=1, wear_updates=0), engine="%s")
 print(Count.compiled, len(note_foundation.whole.overloads) + len(deposit_over_arc.whole.overloads))
 """
 

@@ -13,7 +13,7 @@ from presswear.tools.exudyn import wanted
 RUN = """
 import json
 import presswear.engines.exudyn
-from presswear.campaign.starts import start_of
+from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan
 from presswear.engines.settings import ExudynJoints, ExudynTree
 from presswear.scene.catalog import wear_times

@@ -6,6 +6,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
@@ -187,6 +188,50 @@ def test_a_killed_process_is_replaced(number: int, tmp_path: Path) -> None:
     assert came == {number: "done", 1 - number: 0}
     (line,) = lines
     assert "2 at a time" in line
+
+
+@dataclass(frozen=True)
+class Large:
+    """A large result; its process is killed some time after it begins to be sent, s."""
+
+    delay: float
+
+    def __reduce__(self) -> Any:
+        threading.Timer(self.delay, os.kill, (os.getpid(), signal.SIGKILL)).start()
+        return len, (bytes(200_000_000),)
+
+
+@dataclass(frozen=True)
+class GivesLarge:
+    """Returns a large result once, then a small one."""
+
+    noted: Path
+    delay: float
+
+    def __call__(self, report: Report) -> Any:
+        report(0.0)
+        if self.noted.exists():
+            return 0
+        self.noted.touch()
+        return Large(self.delay)
+
+
+@pytest.mark.parametrize("delay", [0.02, 0.05, 0.1, 0.2])
+def test_half_a_result_does_not_stop_the_pool(delay: float, tmp_path: Path) -> None:
+    came: list[int] = []
+
+    def ended(key: int, outcome: Any) -> Mapping[int, Job | None]:
+        came.append(outcome)
+        return {}
+
+    def run() -> None:
+        with Pool(2) as each:
+            each.run({0: GivesLarge(tmp_path / "given", delay)}, ended, nothing)
+
+    thread = threading.Thread(target=run, daemon=True)
+    thread.start()
+    thread.join(PATIENCE)
+    assert came in ([0], [200_000_000])
 
 
 def test_processes_that_are_killed_again_and_again_end_the_run() -> None:

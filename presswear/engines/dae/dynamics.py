@@ -5,8 +5,8 @@ In all coordinates they are of index 1 (equations 14 to 20 of the paper): M q'' 
 a freedom, the coordinates of the open tree do, and there are no constraints.
 
 The state is y = (x, x', integrals): coordinates, rates, and as quadratures the drive
-work, its absolute value, and per clearance joint the rates of ``add_contacts``; last, where
-there is any, the work of loads and dampers.
+work, its absolute value, per clearance joint the rates of ``add_contacts``, and per drive its
+torque and power and their squares; last, where there is any, the work of loads and dampers.
 """
 
 from typing import NamedTuple
@@ -22,8 +22,8 @@ from presswear.physics.forces import BRISTLE, JOINT_RATES, add_contacts
 from presswear.physics.links import (
     CARRIED,
     accelerate_links,
+    arm,
     carry_branches,
-    gather_forces,
     place_links,
 )
 from presswear.physics.motion import drive_motion
@@ -46,6 +46,10 @@ DRIVE_INTEGRALS = 2
 """Integrals before those of the joints: drive work and its absolute value, J."""
 JOINT_INTEGRALS = JOINT_RATES
 """Integrals per joint: those of the rates of ``add_contacts``."""
+TORQUE, TORQUE_SQUARE, POWER, POWER_SQUARE = range(4)
+"""Integrals per drive."""
+TORQUE_INTEGRALS = 4
+"""Their number."""
 
 
 class Hung(NamedTuple):
@@ -85,6 +89,10 @@ class System(NamedTuple):
     felt : int
         Number of components of the state, the first ones, that slopes depend on.
     contacts : records of CONTACT
+    torque : ndarray, shape (drives,)
+        Working space.
+    first_torque : int
+        Index in the state of the integrals of the first drive.
     alpha, beta : float
         Baumgarte's coefficients, 1/s.
     has_work : bool
@@ -98,6 +106,8 @@ class System(NamedTuple):
     state: Array
     felt: int
     contacts: Records
+    torque: Array
+    first_torque: int
     alpha: float
     beta: float
     has_work: bool
@@ -107,13 +117,6 @@ class System(NamedTuple):
 def bristle_place(coordinates: int, k: int) -> int:
     """Place in the state of the deflection of the bristles of joint ``k``."""
     return coordinates + DRIVE_INTEGRALS + JOINT_INTEGRALS * k + BRISTLE
-
-
-@inlined
-def note_bristles(contacts: Records, y: Array, n: int) -> None:
-    """Fill in the deflections of bristles, which are among the integrals of a state."""
-    for k in range(contacts.shape[0]):
-        contacts[k].bristle = y[bristle_place(2 * n, k)]
 
 
 @inlined
@@ -151,8 +154,14 @@ def accelerate(system: System, slope: Array) -> None:
 
 
 @inlined
-def evaluate(system: System, onset: Array, t: float, y: Array, out: Array) -> None:
-    """Fill dy/dt, and all of the state but for accelerations; leaves multipliers behind."""
+def evaluate(system: System, onset: Array, t: float, y: Array, out: Array, torques: bool) -> None:
+    """Fill dy/dt, and all of the state but for accelerations; leaves multipliers behind.
+
+    Parameters
+    ----------
+    torques : bool
+        Whether the rates of the drives' integrals are needed.
+    """
     n = system.size
     place(system, t, y)
     q, v, _, force, axes = system.state
@@ -161,18 +170,30 @@ def evaluate(system: System, onset: Array, t: float, y: Array, out: Array) -> No
         out[out.shape[0] - 1] = power
     rest = out[2 * n + DRIVE_INTEGRALS :]
     _meet(system.hung, system, q, v, axes)
-    note_bristles(system.contacts, y, n)
+    for k in range(system.contacts.shape[0]):
+        system.contacts[k].bristle = y[bristle_place(2 * n, k)]
     add_contacts(system.packed.joints, onset, system.contacts, force, rest)
     power = _solve(system.held, system.hung, system, t, out[n : 2 * n])
     out[2 * n] = power
     out[2 * n + 1] = abs(power)
     copy_to(out[:n], y[n : 2 * n])
+    if not torques:
+        return
+    _note_torques(system.held, system.hung, system.state, system.torque)
+    for k in range(system.torque.shape[0]):
+        base = system.first_torque + TORQUE_INTEGRALS * k
+        torque = system.torque[k]
+        power = torque * v[system.packed.driven[k]]
+        out[base + TORQUE] = torque
+        out[base + TORQUE_SQUARE] = torque * torque
+        out[base + POWER] = power
+        out[base + POWER_SQUARE] = power * power
 
 
 @compiled
 def rates(system: System, onset: Array, t: float, y: Array, out: Array) -> None:
     """Do what ``evaluate`` does, once for all that do it now and then."""
-    evaluate(system, onset, t, y, out)
+    evaluate(system, onset, t, y, out, True)
 
 
 @inlined
@@ -251,20 +272,26 @@ def _note_torques(held: Held | None, hung: Hung | None, state: Array, torque: Ar
                 drive += 1
     if hung is not None:
         q, _, a, force, axes = state
-        subtract_inertia(hung.links, a, force)
+        # Add to the forces on prescribed bodies those of the branches, less their inertia.
+        for i in range(hung.links.shape[0] - 1, -1, -1):
+            link = hung.links[i]
+            b, p = link.body, link.before
+            fx = force[b] - link.mass * a[b]
+            fy = force[b + 1] - link.mass * a[b + 1]
+            if p >= 0:
+                force[p] += fx
+                force[p + 1] += fy
+                if link.parent < 0:
+                    # Links of a branch need only the sums of forces: hinges bear no moment.
+                    rx, ry = arm(link.before_x, link.before_y, axes, p)
+                    force[p + 2] += rx * fy - ry * fx
         subtract_inertia(hung.prescribed.parts, a, force)
-        gather_forces(hung.links, q, axes, force, hung.balance)
         drive_torques(hung.prescribed, q, axes, force, torque)
 
 
-@inlined
-def note_torques(system: System, torque: Array) -> None:
-    """Fill the torques of the drives, N m, in the state of the last slopes, with accelerations."""
-    _note_torques(system.held, system.hung, system.state, torque)
-
-
 @compiled
-def _drift(held: Held | None) -> tuple[float, float]:
+def drift(held: Held | None) -> tuple[float, float]:
+    """Return the largest errors of the constraints and their rates in the last evaluation."""
     position = velocity = 0.0
     if held is not None:
         for row in range(held.phi.shape[0]):
@@ -274,27 +301,22 @@ def _drift(held: Held | None) -> tuple[float, float]:
 
 
 @compiled
-def drift(system: System) -> tuple[float, float]:
-    """Greatest errors of the constraints and their rates, where slopes were evaluated last."""
-    return _drift(system.held)
-
-
-@compiled
-def _project(held: Held | None, t: float, q: Array, v: Array) -> None:
-    if held is not None:
-        project(held, t, q, v)
-
-
-@compiled
-def keep_constraints(system: System, t: float, y: Array) -> None:
+def keep_constraints(held: Held | None, t: float, y: Array) -> None:
     """Move a state onto the constraints, where it could leave them."""
-    _project(system.held, t, y[: system.size], y[system.size : 2 * system.size])
+    if held is not None:
+        n = held.inverse_mass.shape[0]
+        project(held, t, y[:n], y[n : 2 * n])
 
 
 def system_of(packed: Packed, constraints: Constraints, alpha: float, beta: float) -> System:
     """The equations of a linkage in all its coordinates; see ``System``."""
     held = held_by(constraints, packed.mass)
     return _system(packed, held, None, packed.mass.size, alpha, beta)
+
+
+def state_size(system: System) -> int:
+    """Return the number of components of the state of a system."""
+    return system.first_torque + TORQUE_INTEGRALS * system.torque.size + system.has_work
 
 
 def tree_system_of(packed: Packed, tree: Tree, position: Array) -> System:
@@ -324,6 +346,8 @@ def _system(
         state=np.zeros((5, packed.mass.size)),
         felt=max((1 + bristle_place(2 * size, int(k)) for k in bristles), default=2 * size),
         contacts=np.zeros(len(packed.joints), CONTACT),
+        torque=np.zeros(packed.driven.size),
+        first_torque=2 * size + DRIVE_INTEGRALS + JOINT_INTEGRALS * len(packed.joints),
         alpha=alpha,
         beta=beta,
         has_work=has_work(packed),

@@ -10,6 +10,7 @@ from presswear.engines.dae.dynamics import (
     DRIVE_INTEGRALS,
     JOINT_INTEGRALS,
     System,
+    state_size,
     system_of,
     tree_system_of,
 )
@@ -28,11 +29,11 @@ from presswear.engines.settings import InHouse
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.topology import prescribed_of
 from presswear.physics.constraints import Constraints, constraints_of
-from presswear.physics.energy import MADE_REMEDY, Ledger, made_energy, stored_energy
+from presswear.physics.energy import Ledger, made_energy, made_remedy, stored_energy
 from presswear.physics.forces import CONTACT_LOSS, FRICTION_LOSS, MADE
 from presswear.physics.tree import Tree, tree_of
-from presswear.record.recorder import Recorder
-from presswear.record.soundness import Finding
+from presswear.recording.recorder import Recorder
+from presswear.recording.soundness import Finding
 from presswear.tools.errors import InputError
 
 Array = NDArray[np.float64]
@@ -111,7 +112,7 @@ def prepare(
         x, u = start.position, start.velocity
     n = system.size
     joints_end = 2 * n + DRIVE_INTEGRALS + JOINT_INTEGRALS * len(linkage.clearances)
-    size = joints_end + system.has_work
+    size = state_size(system)
     y = np.zeros(size)
     y[:n], y[n : 2 * n] = x, u
     motion = Integration(y, np.zeros(size), np.zeros((DOP853.b.size + 1, size)), np.ones(2 * n))
@@ -155,9 +156,10 @@ def prepare(
             time = float(control["time"][0])
             plan.advanced(time)
             lost = float(y[2 * n + DRIVE_INTEGRALS : joints_end : JOINT_INTEGRALS].sum())
-            made = made_energy(lost, float(y[2 * n + 1])) if time > plan.settled else ""
+            exchange = float(y[2 * n + 1])
+            made = made_energy(book.packed, lost, exchange) if time > plan.settled else ""
             if made:
-                return Finding("energy", made, time, "", MADE_REMEDY)
+                return Finding("energy", made, time, "", made_remedy(book.packed, REMEDY))
         sums["solve"] += clock.perf_counter() - began
         return None if status == DONE else _problem(status, constraints, *state())
 
@@ -165,7 +167,7 @@ def prepare(
         losses = y[2 * n + DRIVE_INTEGRALS : joints_end].reshape(-1, JOINT_INTEGRALS).sum(axis=0)
         work, exchange = y[2 * n : 2 * n + DRIVE_INTEGRALS]
         contact, friction, made = map(float, losses[[CONTACT_LOSS, FRICTION_LOSS, MADE]])
-        given = float(y[joints_end:].sum())
+        given = float(y[-1]) if system.has_work else 0.0
         return Ledger(
             float(work), float(exchange), stored() - energy_before, contact, friction, made, given
         )

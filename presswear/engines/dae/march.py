@@ -10,11 +10,15 @@ import numpy as np
 from presswear.engines.dae.dynamics import (
     DRIVE_INTEGRALS,
     JOINT_INTEGRALS,
+    POWER,
+    POWER_SQUARE,
+    TORQUE,
+    TORQUE_INTEGRALS,
+    TORQUE_SQUARE,
     System,
     accelerate,
     drift,
     keep_constraints,
-    note_torques,
     place,
     rates,
 )
@@ -27,7 +31,7 @@ from presswear.engines.dae.events import (
     switch,
     trial_step,
 )
-from presswear.engines.dae.runge_kutta import Integration, embedded_step
+from presswear.engines.dae.runge_kutta import POSITION_SCALE, Integration, embedded_step
 from presswear.engines.dormand_prince import Tableau
 from presswear.physics.applied import settle_modes
 from presswear.physics.contact import note_contacts
@@ -36,13 +40,11 @@ from presswear.physics.load_modes import count_ways, next_break
 from presswear.physics.motion import step_to_break
 from presswear.physics.steps import contact_step, skim_step, step_after_touchdown
 from presswear.physics.touchdown import LEAST_STEPS, remember
-from presswear.record.observe import Book, observe, settle_state
+from presswear.recording.observe import Book, observe, settle_state
 from presswear.tools.compiled import Records, compiled, copy_to, inlined
 
 RUNNING, DONE, BROKEN, STUCK = 0, 1, 2, 3
 
-POSITION_SCALE = 1e-3
-"""The tolerance times this is the error allowed in a position, m or rad, per step."""
 FIRST_PARTS = 40.0
 """First step behind a touchdown, as a part of the expected contact."""
 SAFETY, LEAST_FACTOR, GREATEST_FACTOR = 0.9, 0.2, 5.0
@@ -65,17 +67,25 @@ def finish_step(
         book.doses[k].pressure = y[base + PRESSURE]
         y[base + WORK] = y[base + PRESSURE] = 0.0
         last = book.memory[k]
-        remember(last, book.packed.joints[k], book.contacts[k], t)
+        remember(last, book.packed.joints[k], book.onset[k], book.contacts[k], t)
         if book.onset[k] > 0.0:
             last.steps += 1
     accelerate(system, motion.slopes[0])
-    note_torques(system, book.torque)
+    for k in range(book.drives.shape[0]):
+        base = system.first_torque + TORQUE_INTEGRALS * k
+        drive = book.drives[k]
+        drive.torque_integral = y[base + TORQUE]
+        drive.torque_square_integral = y[base + TORQUE_SQUARE]
+        drive.work = y[base + POWER]
+        drive.power_square_integral = y[base + POWER_SQUARE]
+        y[base : base + TORQUE_INTEGRALS] = 0.0
+        book.torque[k] = motion.slopes[0, base + TORQUE]
     q, v, a, _, _ = system.state
     observe(book, t, h, q, v, a)
     state = control[0]
     state.time = t
     state.steps += 1
-    position, velocity = drift(system)
+    position, velocity = drift(system.held)
     state.position_error = max(state.position_error, position)
     state.velocity_error = max(state.velocity_error, velocity)
 
@@ -94,20 +104,12 @@ def begin(system: System, book: Book, control: Records, motion: Integration, mos
         place(system, state.time, y)
     if not state.begun:
         accelerate(system, slope)
+        copy_to(book.torque, system.torque)
         q, v, a, _, _ = system.state
-        note_torques(system, book.torque)
         note_contacts(book.packed, book.contacts, q, v)
         settle_state(book, 0.0, LEAST_STEPS)
         observe(book, 0.0, 0.0, q, v, a)
         state.begun = True
-
-
-@compiled
-def hold_open(book: Book) -> None:
-    """Let no step feel a contact before it has begun: where it does, steps end."""
-    for k in range(book.onset.shape[0]):
-        if book.onset[k] == 0.0:
-            book.onset[k] = HELD_OPEN
 
 
 @compiled
@@ -131,7 +133,10 @@ def march_controlled(
     n = system.size
     state = control[0]
     begin(system, book, control, motion, most)
-    hold_open(book)
+    # No step feels a contact before its touchdown, because steps end there.
+    for k in range(book.onset.shape[0]):
+        if book.onset[k] == 0.0:
+            book.onset[k] = HELD_OPEN
     for _ in range(most):
         t = state.time
         left = end - t
@@ -189,7 +194,7 @@ def march_controlled(
             part = contact_step(system.packed.joints[k], 0.0, rate, FIRST_PARTS)
             state.step = min(state.step, part)
         if state.projected:
-            keep_constraints(system, t, motion.y)
+            keep_constraints(system.held, t, motion.y)
         if state.projected or k >= 0 or changed > 0:
             rates(system, book.onset, t, motion.y, motion.slopes[0])
             state.evaluations += 1
@@ -247,7 +252,7 @@ def march_fixed(
         note_contacts(book.packed, book.contacts, q, v)
         settle_state(book, t, LEAST_STEPS)
         if state.projected:
-            keep_constraints(system, t, motion.y)
+            keep_constraints(system.held, t, motion.y)
         rates(system, book.onset, t, motion.y, motion.slopes[0])
         finish_step(system, book, control, motion, t, h)
     return RUNNING

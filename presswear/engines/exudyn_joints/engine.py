@@ -36,8 +36,8 @@ from presswear.physics.forces import JOINT_RATES
 from presswear.physics.motion import is_steady
 from presswear.physics.multipliers import held_by
 from presswear.physics.steps import STEPS
-from presswear.record.recorder import Recorder
-from presswear.record.soundness import Finding
+from presswear.recording.recorder import Recorder
+from presswear.recording.soundness import Finding
 from presswear.tools.bound import bind
 from presswear.tools.compiled import Records
 from presswear.tools.exudyn import exudyn_module

@@ -30,7 +30,7 @@ from presswear.physics.prescribed import (
 from presswear.physics.steps import next_step, shorter_step
 from presswear.physics.touchdown import LEAST_STEPS, advance_bristles, crossing
 from presswear.physics.wear import dose_rates
-from presswear.record.observe import Book, observe, settle_state
+from presswear.recording.observe import Book, observe, settle_state, sum_drives
 from presswear.tools.bound import Bound, bound
 from presswear.tools.compiled import Records, all_finite, compiled
 
@@ -270,6 +270,7 @@ def accept_joint_step(run: Bound, t: float) -> float:
         return math.nan
     settle_state(book, t, LEAST_STEPS)
     sum_step(book, power, given, t, h)
+    sum_drives(book, h, frame.v)
     packed = book.packed
     book.ledger[0].load_work += work_beyond_trapezoid(packed.loads, t, frame.q, frame.v)
     changes = settle_modes(packed, t, frame.q, frame.v, frame.a)

@@ -27,7 +27,7 @@ from presswear.linkage.topology import bodies_of, joints_of, prescribed_of
 from presswear.physics.contact import CONTACT
 from presswear.physics.motion import drive_motion, is_steady
 from presswear.physics.prescribed import begin_motion, pack_prescribed
-from presswear.record.recorder import Recorder
+from presswear.recording.recorder import Recorder
 from presswear.tools.bound import bind
 from presswear.tools.compiled import Records
 from presswear.tools.exudyn import exudyn_module
@@ -99,7 +99,11 @@ def assemble(linkage: Linkage, start: Start, recorder: Recorder) -> JointsModel:
             initialVelocities=list(start.velocity[3 * i : 3 * i + 3]),
         )
         rigid = add_object(
-            system, "RigidBody2D", mass=body.mass, inertia=body.inertia, nodeNumber=node
+            system,
+            "RigidBody2D",
+            mass=body.mass,
+            inertia=body.effective_inertia,
+            nodeNumber=node,
         )
         if linkage.gravity != 0.0:
             marker = add_marker(system, "BodyMass", bodyNumber=rigid)

@@ -29,6 +29,7 @@ from presswear.engines.exudyn import (
 from presswear.engines.exudyn_tree.kernels import (
     PACE,
     STAGES,
+    Inside,
     TreeSystem,
     accept_tree_step,
     hinge_power_integral,
@@ -44,9 +45,9 @@ from presswear.physics.forces import JOINT_RATES
 from presswear.physics.links import CARRIED
 from presswear.physics.prescribed import begin_motion
 from presswear.physics.tree import Tree, tree_of
-from presswear.record.observe import Book
-from presswear.record.recorder import Recorder
-from presswear.record.soundness import Finding
+from presswear.recording.observe import Book
+from presswear.recording.recorder import Recorder
+from presswear.recording.soundness import Finding
 from presswear.tools.bound import Bound, bind
 from presswear.tools.compiled import specialised
 from presswear.tools.errors import InputError
@@ -91,6 +92,26 @@ def system_of(tree: Tree, linkage: Linkage, start: Start, longest: float) -> Tre
     )
 
 
+def inside_of(system: TreeSystem, book: Book) -> Inside:
+    """Working space for the states inside a step of a tree."""
+    state = np.zeros((3, system.balance.size))
+    prescribed = system.prescribed._replace(work=system.prescribed.work.copy())
+    return Inside(
+        system=system._replace(
+            prescribed=prescribed,
+            pace=system.pace.copy(),
+            stages=np.zeros_like(system.stages),
+            state=np.zeros_like(system.state),
+            carried=np.zeros_like(system.carried),
+            balance=np.zeros_like(system.balance),
+        ),
+        book=book._replace(contacts=book.contacts.copy(), torque=book.torque.copy()),
+        start=state,
+        state=state.copy(),
+        bristles=np.zeros(len(book.contacts)),
+    )
+
+
 def _settings(accuracy: ExudynTree, longest: float) -> Any:
     settings = settings_of(longest, SHORTEST_STEP)
     integration = settings.timeIntegration
@@ -117,7 +138,7 @@ def _accelerations_at_start(model: TreeModel) -> Array:
 
 
 def _build(
-    tree: Tree, linkage: Linkage, start: Start, system: TreeSystem, book: Book
+    tree: Tree, linkage: Linkage, start: Start, system: TreeSystem, book: Book, inside: Inside
 ) -> tuple[TreeModel, Accept]:
     """The tree with its user function, and what accounts for a step and chooses the next."""
     packed, contacts = book.packed, book.contacts
@@ -148,9 +169,9 @@ def _build(
     if is_bristly:
         given = system, packed, contacts.copy(), x, u, model.bristles, rates
         bristles = bind(stage_bristles, *given)
-    end = bind(accept_tree_step, system, book, x, u, model.u_t, filled)
+    end = bind(accept_tree_step, system, book, inside, x, u, model.u_t)
     at_start = _accelerations_at_start(model)
-    begin = bind(accept_tree_step, system, book, x, u, at_start, filled)
+    begin = bind(accept_tree_step, system, book, inside, x, u, at_start)
     system.pace["evaluations"] = 0
 
     def accept(t: float) -> float:
@@ -181,7 +202,8 @@ def prepare(
     with timed(times, "wall_build_s"):
         book = recorder.book
         system = system_of(tree, linkage, start, longest)
-        model, accept = _build(tree, linkage, start, system, book)
+        inside = inside_of(system, book)
+        model, accept = _build(tree, linkage, start, system, book, inside)
         counts = {"sent_back": "rejectedAutomaticStepSizeSteps"}
         solve = Solve.of(recorder, plan, counts, FIRST_STEP)
         limit = StepLimit(solve)
@@ -235,6 +257,8 @@ def prepare(
             "pace": system.pace,
             "state": system.state,
             "prescribed": system.prescribed.work,
+            "step_start": inside.start,
+            "bristles": inside.bristles,
         },
         solve.sums,
         diagnostics,
@@ -249,7 +273,9 @@ def _warm_up(tree: Tree, linkage: Linkage, start: Start) -> None:
     system = system_of(tree, linkage, start, 1.0)
     x = np.zeros(tree.size)
     run = Bound()
-    run.arguments = system, book, x, x, x, x
+    run.arguments = system, book, inside_of(system, book), x, x, x
     specialised(accept_tree_step, run, 0.0)
+    run = Bound()
+    run.arguments = system, book, x, x, x, x
     specialised(stage_forces, run, 0.0)
     specialised(hinge_power_integral, system)

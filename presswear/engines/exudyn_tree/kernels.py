@@ -33,9 +33,9 @@ from presswear.physics.load_modes import count_ways, next_break, way_at_start
 from presswear.physics.motion import step_to_break
 from presswear.physics.prescribed import Prescribed, drive_torques, forced_power, place_prescribed
 from presswear.physics.steps import LEAST_PARTS, contact_step, skim_step, step_after_touchdown
-from presswear.record.observe import Book, observe, settle_state
+from presswear.recording.observe import Book, observe, settle_state
 from presswear.tools.bound import Bound, bound
-from presswear.tools.compiled import Records, all_finite, compiled
+from presswear.tools.compiled import Records, all_finite, compiled, copy_to
 
 Array = NDArray[np.float64]
 
@@ -103,6 +103,28 @@ class TreeSystem(NamedTuple):
     state: Array
     carried: Array
     balance: Array
+
+
+class Inside(NamedTuple):
+    """Working space for the states inside a step, at which torques are evaluated.
+
+    Attributes
+    ----------
+    system, book : TreeSystem and Book
+        With contacts, torques and states of their own.
+    start : ndarray, shape (3, coordinates)
+        Coordinates of the tree, rates and accelerations at the start of the step.
+    state : ndarray, shape (3, coordinates)
+        The same inside the step.
+    bristles : ndarray, shape (joints,)
+        Deflections of the bristles at the start of the step, m.
+    """
+
+    system: TreeSystem
+    book: Book
+    start: Array
+    state: Array
+    bristles: Array
 
 
 @compiled
@@ -349,6 +371,80 @@ def tree_state(system: TreeSystem, book: Book, t: float, x: Array, u: Array, u_t
 
 
 @compiled
+def interpolate(inside: Inside, s: float, h: float, x: Array, u: Array, u_t: Array) -> None:
+    """Fill the state at a part ``s`` of a step of length ``h``, s, that ends in the given state.
+
+    Coordinates follow the quintic through both ends, rates the cubic, and accelerations its
+    derivative: by it the rates change by as much as in the step.
+    """
+    # Rows by index are contiguous for the compiler; rows of an unpacked array are not.
+    x0, u0, a0 = inside.start[0], inside.start[1], inside.start[2]
+    xs, us, accelerations = inside.state[0], inside.state[1], inside.state[2]
+    for i in range(x.shape[0]):
+        c1 = h * u0[i]
+        c2 = 0.5 * h * h * a0[i]
+        d0 = x[i] - x0[i] - c1 - c2
+        d1 = h * u[i] - c1 - 2.0 * c2
+        d2 = h * h * u_t[i] - 2.0 * c2
+        c3 = 10.0 * d0 - 4.0 * d1 + 0.5 * d2
+        c4 = -15.0 * d0 + 7.0 * d1 - d2
+        c5 = 6.0 * d0 - 3.0 * d1 + 0.5 * d2
+        xs[i] = x0[i] + s * (c1 + s * (c2 + s * (c3 + s * (c4 + s * c5))))
+        change = u[i] - u0[i]
+        bend = 3.0 * change - h * (2.0 * a0[i] + u_t[i])
+        rest = h * (a0[i] + u_t[i]) - 2.0 * change
+        us[i] = u0[i] + s * (h * a0[i] + s * (bend + s * rest))
+        accelerations[i] = a0[i] + s * (2.0 * bend + s * 3.0 * rest) / h
+
+
+@compiled
+def sum_torques(
+    inside: Inside,
+    system: TreeSystem,
+    book: Book,
+    t: float,
+    h: float,
+    x: Array,
+    u: Array,
+    u_t: Array,
+) -> None:
+    """Integrate torque and power of the drives over a step by Gauss's rule with two points.
+
+    Both lie inside the step, so that a load that jumps at an end has the force of the step.
+    """
+    known = system.prescribed.work
+    for i in range(known.shape[0]):
+        copy_to(inside.system.prescribed.work[i], known[i])
+    for k in range(book.drives.shape[0]):
+        drive = book.drives[k]
+        drive.torque_integral = drive.torque_square_integral = 0.0
+        drive.work = drive.power_square_integral = 0.0
+    if h > 0.0:
+        for side in range(2):
+            s = 0.5 + (side - 0.5) / math.sqrt(3.0)
+            interpolate(inside, s, h, x, u, u_t)
+            for k in range(inside.bristles.shape[0]):
+                begun = inside.bristles[k]
+                inside.book.contacts[k].bristle = begun + s * (book.contacts[k].bristle - begun)
+            xs, us, accelerations = inside.state[0], inside.state[1], inside.state[2]
+            tree_state(inside.system, inside.book, t - h + s * h, xs, us, accelerations)
+            v = inside.system.state[1]
+            for k in range(book.drives.shape[0]):
+                drive = book.drives[k]
+                torque = inside.book.torque[k]
+                power = torque * v[book.packed.driven[k]]
+                drive.torque_integral += 0.5 * h * torque
+                drive.torque_square_integral += 0.5 * h * torque * torque
+                drive.work += 0.5 * h * power
+                drive.power_square_integral += 0.5 * h * power * power
+    copy_to(inside.start[0], x)
+    copy_to(inside.start[1], u)
+    copy_to(inside.start[2], u_t)
+    for k in range(inside.bristles.shape[0]):
+        inside.bristles[k] = book.contacts[k].bristle
+
+
+@compiled
 def next_tree_step(book: Book, system: TreeSystem, t: float, h: float, events: int) -> float:
     """Limit of the step from a time, s, after one of length ``h``; error control may go below."""
     pace = system.pace[0]
@@ -379,14 +475,15 @@ def accept_tree_step(run: Bound, t: float) -> float:
     Parameters
     ----------
     run : Bound
-        See ``stage_forces``; the accelerations are those in the state.
+        TreeSystem, Book, Inside, coordinates of the tree, rates, and accelerations in the state.
     """
-    system, book, x, u, u_t, _ = bound(run)
+    system, book, inside, x, u, u_t = bound(run)
     system.pace[0].accepted = system.pace[0].evaluations
     if not all_finite(x, u) or not all_finite(u, u_t):
         return math.nan
     h = t - book.record[0].now
     sum_stages(book, system, h)
+    sum_torques(inside, system, book, t, h, x, u, u_t)
     power = tree_state(system, book, t, x, u, u_t)
     ledger = book.ledger[0]
     ledger.drive_exchange += 0.5 * h * (abs(ledger.drive_power) + abs(power))

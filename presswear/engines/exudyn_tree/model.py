@@ -80,7 +80,7 @@ def assemble(
         offsets.append([*offset, 0.0])
         centres.append([*-own, 0.0])
         masses.append(body.mass if body else 0.0)
-        inertias.append(np.diag([0.0, 0.0, body.inertia if body else 0.0]))
+        inertias.append(np.diag([0.0, 0.0, body.effective_inertia if body else 0.0]))
 
     kinds, still = exu.JointType, np.zeros(2)
     last = [int(link["place"]) + COORDINATES[link["kind"]] - 1 for link in tree.links]

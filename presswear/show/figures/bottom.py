@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.ticker import MaxNLocator
 
-from presswear.record.sampling import STARTUP_CYCLES
+from presswear.recording.sampling import STARTUP_CYCLES
 from presswear.results.bottom import strokes_of
 from presswear.results.result import Result
 from presswear.show.figures.style import (
@@ -29,19 +29,21 @@ def bottom_dead_centre(result: Result, stages: Stages) -> list[Drawing]:
         return []
     strokes = [strokes_of(scene, stage.data) for stage in shown]
     factor, unit = length_scale(
-        max(float(np.abs(rows).max(initial=0.0)) for starts in strokes for _, rows in starts)
+        max(
+            float(np.abs(rows).max(initial=0.0)) for replicates in strokes for _, rows in replicates
+        )
     )
     sheet = Sheet(figsize=(WIDTH, 2.6), layout="constrained")
     panels = sheet.subplots(1, len(shown), squeeze=False, sharey=True)[0]
-    for axes, stage, starts in zip(panels, shown, strokes, strict=True):
-        for number, rows in starts:
+    for axes, stage, replicates in zip(panels, shown, strokes, strict=True):
+        for number, rows in replicates:
             stage.pen.draw(axes, number, factor * rows, linewidth=0.7, marker=".", markersize=3.0)
         mean = stage.data.bdc["error_per_cycle_m"]
         half = mean["half_width"] or 0.0
         ends = (factor * (mean["mean"] + sign * half) for sign in (-1.0, 1.0))
         axes.axhspan(*ends, color=stage.pen.colour, alpha=0.2, linewidth=0.0)
         axes.axvspan(0.5, STARTUP_CYCLES + 0.5, color=MUTED, alpha=0.12, linewidth=0.0)
-        axes.set_xlim(0.5, max(float(number[-1]) for number, _ in starts if number.size) + 0.5)
+        axes.set_xlim(0.5, max(float(number[-1]) for number, _ in replicates if number.size) + 0.5)
         axes.xaxis.set_major_locator(MaxNLocator(6, integer=True))
         axes.set_xlabel(wrapped("since the start (strokes)", (WIDTH - 0.7) / len(shown) - 0.1))
     panels[0].set_ylabel(f"lowest place of the {scene.watched}\nless ideal ({unit})")

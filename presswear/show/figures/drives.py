@@ -21,14 +21,14 @@ _BEYOND = 0.005
 def drive_work(result: Result, stages: Stages) -> list[Drawing]:
     """Torque and power of each drive over the phase of the cycle, beside those of ideal joints.
 
-    Only where torques were stored.
+    Only where torques were stored, and ideal ones need no source code stored in the result.
     """
     scene = result.scene
     shown = [
         stage for stage in moving_stages(result, stages) if "drive_torque" in stage.data.arrays
     ]
     drives = [drive.body for drive in scene.mechanism.linkage().drives]
-    if not shown or not drives:
+    if not shown or not drives or scene.has_untrusted_loads:
         return []
     shown, window = settled(result, shown)
     sheet = Sheet(figsize=(WIDTH, 0.6 + 1.9 * len(drives)), layout="constrained")

@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 from numpy.typing import ArrayLike, NDArray
 
 from presswear.results.result import Result
-from presswear.results.stage import StageResult
+from presswear.results.stage import JOINT_SERIES, StageResult
 
 __all__ = ["Axes", "Sheet"]
 
@@ -130,13 +130,11 @@ def stage_names(result: Result, stages: Iterable[StageResult]) -> list[str]:
 
 
 def between(stage: StageResult, begin: float, end: float) -> StageResult:
-    """The stage with its motion, torques and its joints' forces and paths between two times, s."""
+    """Return the stage with the rows of all its series between two times, s."""
     first = int(np.searchsorted(stage.time, begin))
     rows = slice(first, int(np.searchsorted(stage.time, end, side="right")))
-    series = ["time", "slider"]
-    for joint in stage.joint_names:
-        series += [f"{joint}_force", f"{joint}_eccentricity"]
-    series.append("drive_torque")
+    series = ["time", "slider", "drive_torque"]
+    series += [f"{joint}_{name}" for joint in stage.joint_names for name in JOINT_SERIES]
     cut = {name: stage.arrays[name][rows] for name in series if name in stage.arrays}
     return replace(stage, arrays={**stage.arrays, **cut})
 

@@ -148,7 +148,7 @@ def wear_growth(result: Result, stages: Stages) -> list[Drawing]:
         return []
     joints = result.scene.clearance_joints
     steps = [step for stage in result.stages for step in stage.wear_steps]
-    cycles = list(accumulate((_MILLIONS * step.represented_cycles for step in steps), initial=0.0))
+    cycles = list(accumulate((_MILLIONS * step.cycles_per_update for step in steps), initial=0.0))
     first = sum(len(stage.wear_steps) for stage in result.stages if stage.index < stages[0].index)
     last, ends = first, []
     for stage in stages:

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.linkage.linkage import Linkage
-from presswear.record.film import FILM_JOINT, Film
-from presswear.record.tracker import Progress, Tracker
+from presswear.recording.film import FILM_JOINT, Film
+from presswear.recording.tracker import Progress, Tracker
 from presswear.scene.changes import short_name_of
 from presswear.scene.scene import Scene
 from presswear.show.replay.picture import Picture

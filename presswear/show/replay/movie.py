@@ -18,7 +18,7 @@ from presswear.show.replay.picture import Picture
 from presswear.show.replay.reel import Reel, instants
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.files import write_whole
-from presswear.tools.workers import cores, undisturbed
+from presswear.tools.workers import cores, end_with_parent, undisturbed
 
 Pixels = NDArray[np.uint8]
 Frames = Sequence[Sequence[int]]
@@ -50,6 +50,7 @@ _worker: dict[str, Any] = {}
 
 
 def _begin(reels: Sequence[Reel], frames: Frames, note: str, size: tuple[int, int]) -> None:
+    end_with_parent()
     picture = Picture(reels, size)
     picture.container.visualizationSettings.raytracer.numberOfThreads = 1
     _worker.update(reels=reels, frames=frames, note=note, picture=picture)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.points import GROUND, Attachment
 from presswear.linkage.surface import Surface
-from presswear.record.film import FILM_JOINT, FRAMES_PER_CYCLE, Film
+from presswear.recording.film import FILM_JOINT, FRAMES_PER_CYCLE, Film
 from presswear.results.result import Result
 from presswear.results.stage import StageResult
 from presswear.scene.changes import short_name_of

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from typing import Any
 
-from presswear.record.film import FRAMES_PER_CYCLE
+from presswear.recording.film import FRAMES_PER_CYCLE
 from presswear.show.replay.picture import Picture
 from presswear.show.replay.reel import Reel, frames_at, instants, played
 from presswear.tools.errors import RunFailed

@@ -53,7 +53,7 @@ from presswear.show.report.parts import (
 from presswear.show.report.tonnage import tonnage
 from presswear.show.report.wear import deepest, growth, one_wear, spread
 from presswear.tools.errors import InputError
-from presswear.tools.files import write_bytes
+from presswear.tools.files import inside, write_bytes
 from presswear.tools.numbers import large, readable, whole, with_interval
 from presswear.tools.quantities import Meaning
 
@@ -65,12 +65,11 @@ def write_report(result: Result) -> Path:
     """
     if result.path is None:
         raise InputError(f"{result.scene.name} ran in memory: a report needs a folder")
+    into = inside(result.path, "figures")
     drawers = [partial(drawn, name, result, result.stages) for name in NAMES]
     # Of an ideal motion there are few: processes would take longer to begin.
     at_once = None if result.scene.clearance_joints else 1
-    words, figures = illustrated(
-        partial(words_of, result), drawers, result.path / "figures", at_once
-    )
+    words, figures = illustrated(partial(words_of, result), drawers, into, at_once)
     path = result.path / "report.html"
     write_bytes(path, render(words, figures).encode())
     return path
@@ -123,7 +122,7 @@ def words_of(result: Result) -> Words:
 
 def status(result: Result) -> str:
     """The status of a result in plain words."""
-    stored, wanted = len(result.stages), result.scene.wears + 1
+    stored, wanted = len(result.stages), result.scene.wear_updates + 1
     match result.status:
         case "completed":
             return f"Completed: {_stages(stored)} run to the end.{_known(result)}"
@@ -311,7 +310,7 @@ def _one_wear(result: Result) -> str:
     """What a wear between two stages stands for."""
     last = "The wear that the last stage would cause is given, but no stage ran on it."
     if result.life is None:
-        return f"{last} One wear stands for {whole(result.scene.represented_cycles)} cycles."
+        return f"{last} One wear stands for {whole(result.scene.cycles_per_update)} cycles."
     part = large(result.life.strokes_at(result.scene, 1))
     return (
         f"Stages stand at equal parts of the life: a wear from one to the next is of {part} "
@@ -375,7 +374,7 @@ def notes(result: Result) -> list[str]:
                 "cause is a single jump at its rate, of which only the volume is told: its deepest "
                 "places would be noise."
             )
-        elif scene.wears > 0:
+        elif scene.wear_updates > 0:
             first = result.stages[0].statistics.get("joints", {}).get(scene.clearance_joints[0], {})
             samples = first.get("force_max_per_cycle_N", {}).get("cycles")
             found.append(
@@ -386,7 +385,7 @@ def notes(result: Result) -> list[str]:
                 "each has run on its own map as well, which is of as many times fewer cycles: how "
                 "they scatter, and how far they are from the others, is in the intervals."
             )
-        if scene.conventions.footprint == "bin":
+        if scene.conventions.wear_distribution == "bin":
             widths = dict.fromkeys(f"{360 / own.angles:g}°" for own in bearings)
             found.append(
                 "All wear of a moment goes into one bin of the map, as in the paper. Depth and "

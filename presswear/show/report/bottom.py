@@ -94,10 +94,12 @@ def risen(stage: StageResult, first: StageResult) -> str:
 def under_load(result: Result) -> Rows[StageResult]:
     """Heights under a static force either way and by weight alone, on each stage's surfaces.
 
-    The first row is the total clearance; there is none without a joint with clearance.
+    The first row is the total clearance; there is none without a joint with clearance, nor
+    where that would execute source code stored in the result.
     """
     scene = result.scene
-    if not scene.clearance_joints:
+    untrusted = not all(law.is_trusted for law in scene.joint_laws.values())
+    if not scene.clearance_joints or untrusted:
         return {}
     pull = pull_of(scene.linkage())
 

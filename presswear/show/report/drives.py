@@ -3,8 +3,8 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from presswear.record.sampling import Estimate
-from presswear.record.soundness import RESIDUAL
+from presswear.recording.sampling import Estimate
+from presswear.recording.soundness import RESIDUAL
 from presswear.results.drives import (
     ENERGY_BOUND,
     DriveDuty,
@@ -28,7 +28,12 @@ class _Column:
 
 
 def drives(result: Result) -> Table | None:
-    """What the overview leaves of each drive, with clearance and without; None if not stored."""
+    """What the overview leaves of each drive, with clearance and without; None if not stored.
+
+    None too where ideal torques would execute source code stored in the result.
+    """
+    if result.scene.has_untrusted_loads:
+        return None
     scene, heads, columns = result.scene, [], []
     for name, stage in zip(stage_names(result, result.stages), result.stages, strict=True):
         found, energy = drives_of(scene, stage), energy_of(scene, stage)

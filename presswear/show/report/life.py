@@ -61,9 +61,14 @@ def answer(scene: Scene, life: LifeResult) -> str:
             f"reached there: {reached}."
         )
     known = ", how well that is known cannot be told" if life.error is None else ""
+    total = span_of(life.strokes, life.total_error)
+    worst = max(scene.bearing(name).materials.wear_scatter for name in scene.clearance_joints)
+    scatter = (
+        f" The wear coefficient itself scatters by {100.0 * worst:g} %: with that, {total} strokes."
+    )
     return (
         f"The first limit, {words_of(first.key)} over {limit_told(first)}, is passed after "
-        f"{life.words}{known}, {_time(scene, life)}."
+        f"{life.words}{known}, {_time(scene, life)}.{scatter if total else ''}"
     )
 
 
@@ -85,7 +90,7 @@ def _reached(limit: LimitResult) -> str:
 
 
 def _lines(result: Result, life: LifeResult) -> list[str]:
-    scene, first = result.scene, life.first
+    first = life.first
     found = []
     match life.ended:
         case "at_most":
@@ -93,7 +98,7 @@ def _lines(result: Result, life: LifeResult) -> list[str]:
         case "worn":
             found.append(f"There the model ends: {life.message}.")
         case "cycles":
-            found.append("There the cycles that may run (life.most_cycles) were used up.")
+            found.append("There the cycles that may run (life.max_cycles) were used up.")
         case "limit" if first is not None and life.interval.high is not None:
             later = [own for own in life.limits if own.strokes is not None and own is not first]
             may = [words_of(own.key) for own in later if _low(own) <= life.interval.high]
@@ -103,13 +108,6 @@ def _lines(result: Result, life: LifeResult) -> list[str]:
                     "begins before that of the life ends."
                 )
     found += [_service(own) for own in services_done(result)]
-    if life.ended == "limit" and life.scatter is None:
-        worst = max(scene.bearing(name).materials.wear_scatter for name in scene.clearance_joints)
-        found.append(
-            f"The interval does not hold the scatter of the wear coefficient, {100.0 * worst:g} % "
-            "from pair to pair: a life is as much shorter as that is larger. life.scatter = on "
-            "puts it in."
-        )
     return found
 
 
@@ -157,13 +155,12 @@ def _causes(scene: Scene, life: LifeResult) -> Table:
         f"chance in the motion: {scene.draws} starts differ": life.sampling,
         "step of the wear, by passes in coarser steps": life.step,
         "scatter of the wear coefficients": life.scatter,
-        "all together": life.error,
+        "all together": life.total_error,
     }
-    missing = {"scatter of the wear coefficients": "not asked"}
     rows = tuple(
         (
             name,
-            missing.get(name, "not known") if error is None else f"{readable(_percent(error), 2)}",
+            "not known" if error is None else f"{readable(_percent(error), 2)}",
             span_of(life.strokes, error) or _NOTHING,
         )
         for name, error in causes.items()

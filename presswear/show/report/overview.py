@@ -7,7 +7,7 @@ import numpy as np
 
 from presswear.physics.bottom import bottom_of
 from presswear.physics.statics import pull_of
-from presswear.record.sampling import STARTUP_CYCLES, Estimate
+from presswear.recording.sampling import STARTUP_CYCLES, Estimate
 from presswear.results.drives import DriveDuty, drives_of
 from presswear.results.result import Result
 from presswear.results.stage import StageResult
@@ -111,15 +111,15 @@ def _strokes(result: Result) -> Iterator[Fact]:
     meaning = "those of the computed motion, each a cycle"
     if result.scene.draws > 1:
         meaning += (
-            f", of {result.scene.draws} starts together; a start is a run begun 1e-9 m apart "
-            "from the others, so that its impacts are a draw of their own"
+            f", of {result.scene.draws} starts together; each start is an "
+            "independent run that begins in a slightly different position"
         )
     yield Fact("strokes computed", meaning, lambda stage: whole(stage.cycles))
 
 
 def _worn_strokes(result: Result, stage: StageResult) -> float:
     earlier = (own for own in result.stages if own.index < stage.index)
-    return sum(step.represented_cycles for own in earlier for step in own.wear_steps)
+    return sum(step.cycles_per_update for own in earlier for step in own.wear_steps)
 
 
 def _bottom(result: Result) -> Iterator[Fact]:
@@ -311,6 +311,8 @@ def _phase(scene: Scene, stage: StageResult, row: int) -> str:
 
 
 def _drives(result: Result) -> Iterator[Fact]:
+    if result.scene.has_untrusted_loads:
+        return
     found = {stage.index: drives_of(result.scene, stage) for stage in compared(result)}
 
     def of(body: str, own: Callable[[DriveDuty], float]) -> Text:
@@ -391,7 +393,15 @@ def in_short(result: Result) -> list[str]:
     failed = [stage.name for stage in result.stages if stage.failed]
     if failed:
         found.append(f"Not told here, since it failed: {', '.join(failed)}.")
-    if stages and not any(drives_of(scene, stage) for stage in stages):
+    untrusted = [key for key, law in scene.user_laws.items() if not law.is_trusted]
+    if untrusted:
+        found.append(
+            f"Python source code is stored for {', '.join(untrusted)}. A report does not execute "
+            "it, so numbers that need it are left out: heights at rest under a load for a law of a "
+            "joint, torques of the drives for a law of a load."
+        )
+    has_torques = scene.has_untrusted_loads or any(drives_of(scene, stage) for stage in stages)
+    if stages and not has_torques:
         found.append("Torques of the drives were not stored; drive_torque = on stores them.")
     found.append(
         "± is half the width of a 95 % interval, and what stands in brackets its ends; a number "

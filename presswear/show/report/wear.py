@@ -91,7 +91,7 @@ def growth(result: Result) -> Table | None:
     how: Rows[Steps] = {
         "steps": lambda steps: whole(len(steps)),
         "cycles that it stands for": lambda steps: readable(
-            sum(step.represented_cycles for step in steps)
+            sum(step.cycles_per_update for step in steps)
         ),
         "cycles run": lambda steps: whole(sum(step.cycles for step in steps)),
         "depth multiplied by": spread,

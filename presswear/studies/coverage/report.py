@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from presswear.record.sampling import Interval, half_width
+from presswear.recording.sampling import Interval, half_width
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.scene import stage_name
 from presswear.show.report.page import render_page

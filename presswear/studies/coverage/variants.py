@@ -26,7 +26,9 @@ def make(change: Change = unchanged) -> Study:
     base = change(replace(scene, name="coverage", engine="dae", purpose="wear"))
     variants = []
     for name, conventions in CONVENTIONS.items():
-        own = replace(base, conventions=conventions, wears=min(base.wears, WEARS[name]))
+        own = replace(
+            base, conventions=conventions, wear_updates=min(base.wear_updates, WEARS[name])
+        )
         variants += [
             Variant(f"{name}-{TRUTH}-{k}", f"{name}, {TRUTH} {k}", longest(own, k))
             for k in range(1, TRUTHS + 1)
@@ -46,4 +48,4 @@ def make(change: Change = unchanged) -> Study:
 
 def longest(scene: Scene, number: int) -> Scene:
     """One of the campaigns that are taken for the truth."""
-    return replace(scene, starts=1, cycles=scene.most_cycles, seed=CAMPAIGNS + number)
+    return replace(scene, replicates=1, cycles=scene.max_cycles, seed=CAMPAIGNS + number)

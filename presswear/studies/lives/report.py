@@ -7,7 +7,7 @@ from pathlib import Path
 
 import matplotlib
 
-from presswear.record.sampling import quantile
+from presswear.recording.sampling import quantile
 from presswear.results.life import LifeResult
 from presswear.results.result import Result
 from presswear.show.figures.style import REFERENCE, SETTINGS, WIDTH, Drawing, Sheet

@@ -83,17 +83,19 @@ def more(quantity: str, pairs: Pairs, expected: Expected = "more") -> tuple[Comp
     return tuple(Comparison(quantity, (second,), (first,), expected) for first, second in pairs)
 
 
-def by_wear(joints: Sequence[str], *wears: int, setting: str = WEAR) -> Pairs:
+def by_wear(joints: Sequence[str], *wear_updates: int, setting: str = WEAR) -> Pairs:
     """Pair each number of wears with the next one, at each joint."""
     return [
         (Place(setting, before, joint), Place(setting, after, joint))
         for joint in joints
-        for before, after in pairwise(wears)
+        for before, after in pairwise(wear_updates)
     ]
 
 
-def _between(first: str, second: str, joints: Sequence[str], *wears: int) -> Pairs:
-    return [(Place(first, k, joint), Place(second, k, joint)) for joint in joints for k in wears]
+def _between(first: str, second: str, joints: Sequence[str], *wear_updates: int) -> Pairs:
+    return [
+        (Place(first, k, joint), Place(second, k, joint)) for joint in joints for k in wear_updates
+    ]
 
 
 by_friction = partial(_between, FRICTION, HIGH_FRICTION)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.campaign.deviation import COLUMNS
-from presswear.record.sampling import (
+from presswear.recording.sampling import (
     LEAST_SAMPLES,
     about,
     after_startup,
@@ -56,7 +56,7 @@ class Measured:
     draws: Ends | None = None
     first: Ends | None = None
     samples: int = 0
-    starts: int = 0
+    replicates: int = 0
     differ: bool = False
 
 
@@ -86,7 +86,7 @@ CYCLES: Mapping[str, str] = {
     "acceleration": "acceleration_max",
     "force": "force_max",
     "contact_rate": "contacts",
-    "dose": "dose",
+    "load_distance": "load_distance",
     "flight": "flight",
     **{name: name for name in COLUMNS},
 }
@@ -100,7 +100,7 @@ def each_cycle(stage: StageResult, joint: str, name: str) -> Array:
 
 def _samples(result: Result, place: Place, quantity: str) -> list[Array]:
     """One number a cycle, by start, and behind the starts of the first set those of the other."""
-    stage, name = result.stages[place.wears], CYCLES[quantity]
+    stage, name = result.stages[place.wear_updates], CYCLES[quantity]
     if name in COLUMNS:
         values = stage.arrays["deviation"][:, COLUMNS.index(name)]
     elif name == "flight":
@@ -110,9 +110,8 @@ def _samples(result: Result, place: Place, quantity: str) -> list[Array]:
     is_recorded = name in (*COLUMNS, "flight")
     start = stage.arrays["deviation_start" if is_recorded else "cycle_start"]
     rows = [values[start == index] for index in np.unique(start)]
-    if quantity == "contact_rate":  # stored counted through, given in a second
-        period = result.scene.mechanism.period
-        rows = [np.asarray(np.diff(own, prepend=0.0) / period) for own in rows]
+    if quantity == "contact_rate":
+        rows = [own / result.scene.mechanism.period for own in rows]
     return rows
 
 
@@ -166,14 +165,14 @@ class Evidence:
 
     def worn_at(self, case: str, place: Place) -> Result | None:
         """The run of a case whose stage gave a place its last wear."""
-        return self.at_stage(case, place.setting, place.wears - 1, place.joint)
+        return self.at_stage(case, place.setting, place.wear_updates - 1, place.joint)
 
     def measured(self, case: str, place: Place, quantity: str) -> Measured | None:
         """A quantity under a case, pooled over its starts; None where nothing says it."""
         key = (case, place, quantity)
         if key not in self._known:
             is_of_cycles = quantity in CYCLES
-            stage = place.wears if is_of_cycles else place.wears - 1
+            stage = place.wear_updates if is_of_cycles else place.wear_updates - 1
             result = self.at_stage(case, place.setting, stage, place.joint)
             if result is None:
                 self._known[key] = None
@@ -189,7 +188,7 @@ class Evidence:
         result = self.worn_at(case, place)
         if result is None:
             return None
-        wear = _drawn(result, place.joint, range(place.wears))
+        wear = _drawn(result, place.joint, range(place.wear_updates))
         mean, centre = wear.mean[0], wear.centre[0]
         low, high = pointwise_interval(centre, wear.draws[:, 0], wear.count)
         low, high = (
@@ -203,7 +202,7 @@ class Evidence:
         result = self.worn_at(case, place)
         if result is None:
             return None
-        arrays = result.stages[place.wears - 1].arrays
+        arrays = result.stages[place.wear_updates - 1].arrays
         maps = arrays[f"{place.joint}_wear_batches"][:, np.newaxis]
         error = float(map_errors(maps, arrays["wear_batch_cycles"])[0])
         return error if math.isfinite(error) else None
@@ -215,7 +214,7 @@ def _of_cycles(result: Result, place: Place, quantity: str) -> Measured | None:
         return None
     draws_of = result.scene.draws
     # Behind a wear each start runs on surfaces of its own.
-    alone = rows[-draws_of:] if place.wears > 0 else ()
+    alone = rows[-draws_of:] if place.wear_updates > 0 else ()
     rows = rows[:draws_of]
     estimate, apart = pooled(rows, alone)
     mean, half = estimate.mean, estimate.half_width
@@ -238,17 +237,19 @@ def _of_cycles(result: Result, place: Place, quantity: str) -> Measured | None:
 
 def _added(place: Place, quantity: str) -> range:
     """The stages whose wears are added up for a quantity of maps."""
-    return range(place.wears - 1 if quantity in _LAST else 0, place.wears)
+    return range(place.wear_updates - 1 if quantity in _LAST else 0, place.wear_updates)
 
 
 def _of_maps(result: Result, place: Place, stages: range) -> dict[str, Measured | None]:
     """All quantities for which the wears of some stages are added up: to draw them is dear."""
     names = [own for own in (*_MAPS, "angle") if _added(place, own) == stages]
     # The wear that the last stage would cause is a single jump, no measure of one in steps.
-    if result.scene.wears_in_steps and place.wears > result.scene.wears:
+    if result.scene.wears_in_steps and place.wear_updates > result.scene.wear_updates:
         return dict.fromkeys(names)
     wear = _drawn(result, place.joint, stages)
-    rows = _samples(result, Place(place.setting, place.wears - 1, place.joint), "dose")
+    rows = _samples(
+        result, Place(place.setting, place.wear_updates - 1, place.joint), "load_distance"
+    )
     rows = rows[: result.scene.draws]
     cycles = sum(after_startup(own).size for own in rows)
 
@@ -263,7 +264,7 @@ def _of_maps(result: Result, place: Place, stages: range) -> dict[str, Measured 
         else:
             return None
         ends = None if found.low is None or found.high is None else (found.low, found.high)
-        return Measured(found.value, ends, samples=cycles, starts=len(rows))
+        return Measured(found.value, ends, samples=cycles, replicates=len(rows))
 
     return {name: measured(name) for name in names}
 
@@ -291,7 +292,7 @@ class _Drawn:
 def _drawn(result: Result, joint: str, stages: range) -> _Drawn:
     """Add up the wears after some stages."""
     turns = result.scene.conventions.map_frame == "body"
-    pools, wears = [], []
+    pools, wear_updates = [], []
     for stage in stages:
         arrays = result.stages[stage].arrays
         maps, weights = arrays[f"{joint}_wear_batches"], arrays["wear_batch_cycles"]
@@ -299,7 +300,7 @@ def _drawn(result: Result, joint: str, stages: range) -> _Drawn:
         if not len(maps):
             # Too few cycles for batches: the wear is one.
             maps, weights = wear[np.newaxis], np.ones(1)
-        wears.append(wear if turns else wear.sum(axis=0, keepdims=True))
+        wear_updates.append(wear if turns else wear.sum(axis=0, keepdims=True))
         pools.append((maps if turns else maps.sum(axis=1, keepdims=True), weights))
     shape = pools[0][0].shape[1:]
     centre = sum((np.tensordot(w / w.sum(), m, 1) for m, w in pools), np.zeros(shape))
@@ -307,5 +308,5 @@ def _drawn(result: Result, joint: str, stages: range) -> _Drawn:
         (resampled(m.reshape(len(m), -1), w, seed) for seed, (m, w) in enumerate(pools)),
         np.zeros((1, centre.size)),
     )
-    mean = np.sum(wears, axis=0)
+    mean = np.sum(wear_updates, axis=0)
     return _Drawn(mean, centre, draws.reshape(-1, *shape), min(len(m) for m, _ in pools))

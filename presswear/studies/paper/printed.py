@@ -36,14 +36,14 @@ class Place:
     ----------
     setting : str
         Key of SETTINGS.
-    wears : int
+    wear_updates : int
         Wears before the stage; of wear depths the wears that are added up.
     joint : str
         Name of the joint, or nothing for the slider.
     """
 
     setting: str
-    wears: int
+    wear_updates: int
     joint: str = ""
 
 
@@ -117,14 +117,14 @@ _PEAKS = (
 
 PRINTED: tuple[Printed, ...] = (
     *(
-        Printed(section, figure, Place(setting, wears, joint), *told)
-        for section, figure, setting, wears, joint, depth, angle, misprint in _DEPTHS
+        Printed(section, figure, Place(setting, wear_updates, joint), *told)
+        for section, figure, setting, wear_updates, joint, depth, angle, misprint in _DEPTHS
         for told in (("depth", depth, misprint), ("angle", radians(angle)))
     ),
     *(
-        Printed(section, figure, Place(setting, wears, joint), quantity, value, misprint)
+        Printed(section, figure, Place(setting, wear_updates, joint), quantity, value, misprint)
         for section, figure, setting, first, joint, quantity, values, misprint in _PEAKS
-        for wears, value in enumerate(values, first)
+        for wear_updates, value in enumerate(values, first)
     ),
 )
 """Every single printed value; angular ranges are in RANGES."""

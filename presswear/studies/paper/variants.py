@@ -16,7 +16,7 @@ from presswear.scene.settings import changed
 from presswear.studies.plan import Change, Study, Variant, unchanged
 
 STARTS = 4
-"""Starts of each run of the paper's own settings, 1e-9 m apart."""
+"""Starts of each run of the paper's own settings."""
 FEW = 3
 """Starts of every other run: the fewest with an interval."""
 TOLERANCE = 0.05
@@ -91,12 +91,12 @@ SENSITIVITIES: dict[str, tuple[str, Change]] = {
     "angles": ("720 angles instead of 360", _with(angles=720)),
     "half-wear": (
         "a wear of 2 million cycles, as the paper's text says",
-        _with(represented_cycles=2e6),
+        _with(cycles_per_update=2e6),
     ),
     "stiffness": ("refined stiffness (R_i − R_j)", _with(stiffness="refined")),
     "slip": ("slip is true sliding", _with(slip="sliding")),
     "map-frame": ("wear maps turn with the bodies", _with(map_frame="body")),
-    "footprint": ("wear over the contact arc, in steps", _with(footprint="arc")),
+    "wear_distribution": ("wear over the contact arc, in steps", _with(wear_distribution="arc")),
     "contact": ("worn surfaces meet on a foundation", _with(contact="foundation")),
     "steps": ("wear in steps", _with(extrapolation="steps")),
     "finer": ("steps 100 times more accurate", _finer),
@@ -122,7 +122,7 @@ class PaperCase:
         Keys of SETTINGS.
     change : callable
         Scene -> Scene.
-    wears : int
+    wear_updates : int
         Most wears.
     coarser : float
         The wear maps are known so many times worse than asked for.
@@ -132,8 +132,8 @@ class PaperCase:
     label: str
     settings: tuple[str, ...]
     change: Change
-    wears: int = 1
-    starts: int = FEW
+    wear_updates: int = 1
+    replicates: int = FEW
     coarser: float = 2.0
 
 
@@ -153,7 +153,7 @@ CASES = (
         LONG,
         "200 cycles",
         LONG_SETTINGS,
-        lambda scene: replace(scene, cycles=scene.most_cycles),
+        lambda scene: replace(scene, cycles=scene.max_cycles),
         coarser=1.0,
     ),
     *(PaperCase(key, label, (WEAR,), change) for key, (label, change) in SENSITIVITIES.items()),
@@ -180,8 +180,8 @@ def make(change: Change = unchanged) -> Study:
             scene = replace(
                 scene,
                 tolerance=min(scene.tolerance * case.coarser, 1.0),
-                wears=min(scene.wears, case.wears),
-                starts=case.starts,
+                wear_updates=min(scene.wear_updates, case.wear_updates),
+                replicates=case.replicates,
             )
             label = f"{case.label}, {SETTINGS[setting].label}"
             variants.append(Variant(variant_key(case.key, setting), label, case.change(scene)))

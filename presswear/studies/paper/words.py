@@ -28,7 +28,7 @@ QUANTITIES: dict[str, Quantity] = {
     "acceleration": Quantity("peak acceleration", "m/s²"),
     "force": Quantity("peak contact force", "N"),
     "contact_rate": Quantity("contacts in a second", "1/s"),
-    "dose": Quantity("force times slip in a cycle", "N m"),
+    "load_distance": Quantity("force times slip in a cycle", "N m"),
     "displacement_off": Quantity("distance from the ideal displacement (rms)", "mm", 1e3),
     "velocity_off": Quantity("distance from the ideal velocity (rms)", "m/s"),
     "stroke": Quantity("stroke", "m", 1.0, 4),
@@ -86,7 +86,7 @@ def ratio_text(ours: Measured | None, factor: float = 1.0) -> str:
 
 def stage_text(place: Place, quantity: str) -> str:
     """Name the wear that a place belongs to."""
-    stage = stage_name(place.wears)
+    stage = stage_name(place.wear_updates)
     return stage if quantity in CYCLES else f"after the {stage}"
 
 

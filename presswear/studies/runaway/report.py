@@ -106,7 +106,7 @@ class TwoWears:
 
     def row(self) -> tuple[str, ...]:
         """Its row in the report."""
-        wears = [
+        wear_updates = [
             ", ".join(
                 readable(MICRONS * float(np.median(own))) if own.size else "-"
                 for own in wear.values()
@@ -120,7 +120,7 @@ class TwoWears:
             counted = told(self.away, self.growth.size)
         return (
             self.variant.label,
-            *wears,
+            *wear_updates,
             growth,
             counted,
             ", ".join(f"{force:.0f}" for force in self.force) or "-",
@@ -206,7 +206,7 @@ def read_wears(variant: Variant, result: Result | None) -> TwoWears:
     if result is None:
         return TwoWears(variant, nothing, nothing, (), math.nan, "it stopped in the first stage")
     stages = [stage for stage in result.stages if not stage.failed]
-    wears = [
+    wear_updates = [
         {
             name: np.array(joint.statistics["wear_depth_max_by_start_m"])
             for name, joint in stage.joints.items()
@@ -217,7 +217,7 @@ def read_wears(variant: Variant, result: Result | None) -> TwoWears:
     residuals = [abs(own["energy_residual_J"]) / own["energy_exchanged_J"] for own in statistics]
     force = [own["joints"][joints[0]]["force_max_per_cycle_N"]["mean"] for own in statistics]
     failure = result.message if result.status == "failed" else ""
-    first, second = [*wears, nothing, nothing][:2]
+    first, second = [*wear_updates, nothing, nothing][:2]
     residual = max(residuals, default=math.nan)
     return TwoWears(variant, first, second, tuple(map(float, force)), residual, failure)
 
@@ -231,10 +231,10 @@ def answer(outcomes: Sequence[TwoWears], clearance: float) -> str:
     parts = []
     if calm:
         medians = [float(np.median(o.growth)) for o in calm]
-        starts, deepest = sum(o.growth.size for o in calm), max(o.deepest for o in calm)
+        replicates, deepest = sum(o.growth.size for o in calm), max(o.deepest for o in calm)
         parts.append(
             f"Under {len(calm)} of {len(ran)} readings that can be computed the second wear runs "
-            f"away from none of {starts} starts: as a median it adds {min(medians):.2g} to "
+            f"away from none of {replicates} starts: as a median it adds {min(medians):.2g} to "
             f"{max(medians):.2g} times the depth of the first; no wear is deeper than "
             f"{MICRONS * deepest:.0f} µm, {100.0 * deepest / clearance:.1f} % of the clearance."
         )
@@ -344,7 +344,7 @@ def write_report(study: Study, folder: Path) -> tuple[str, Path]:
     outcomes = [read_wears(*one) for one in results if not one[0].on]
     same = [read_same(*one) for one in results if one[0].on]
     scene = study.variants[0].scene
-    clearance, million = scene.bearings.clearance, 1e-6 * scene.represented_cycles
+    clearance, million = scene.bearings.clearance, 1e-6 * scene.cycles_per_update
     sentence = f"{answer(outcomes, clearance)} {contacts_compared(same)}".strip()
     with matplotlib.rc_context(SETTINGS):
         drawing = draw_wears(outcomes, same, clearance)

@@ -26,7 +26,7 @@ LONGER = "longer"
 """Key of the run of 200 cycles, as the paper's, on whose surfaces both contacts run."""
 
 _FOUNDATION = {"contact": "foundation"}
-_ARC = {"footprint": "arc", "extrapolation": "single"}
+_ARC = {"wear_distribution": "arc", "extrapolation": "single"}
 _READINGS: dict[str, tuple[str, str, dict[str, str]]] = {
     "paper": ("paper", "paper, as printed", {}),
     "foundation": ("paper", "paper, contact on a foundation", _FOUNDATION),
@@ -35,7 +35,7 @@ _READINGS: dict[str, tuple[str, str, dict[str, str]]] = {
     "steps": ("paper", "paper, wear in steps", {"extrapolation": "steps"}),
     "arc": ("paper", "paper, wear over the arc", _ARC),
     "arc-foundation": ("paper", "paper, arc, contact on a foundation", _ARC | _FOUNDATION),
-    "arc-steps": ("paper", "paper, arc, wear in steps", {"footprint": "arc"}),
+    "arc-steps": ("paper", "paper, arc, wear in steps", {"wear_distribution": "arc"}),
     "arc-once": ("once", "paper, arc, multiplied from one cycle", _ARC),
     "arc-once-foundation": (
         "once",
@@ -66,7 +66,9 @@ _READINGS: dict[str, tuple[str, str, dict[str, str]]] = {
 def make(change: Change = unchanged) -> Study:
     """The study ``runaway``, from the paper's scene with a change."""
     # What a second wear would add in one jump is known once the first one has been run on.
-    paper = change(replace(wear_times(), name="runaway", cycles=CYCLES, starts=STARTS, wears=1))
+    paper = change(
+        replace(wear_times(), name="runaway", cycles=CYCLES, replicates=STARTS, wear_updates=1)
+    )
     bases = {
         "paper": paper,
         "once": replace(paper, cycles=1),
@@ -77,15 +79,15 @@ def make(change: Change = unchanged) -> Study:
     for key, (base, label, settings) in _READINGS.items():
         scene = changed(bases[base], settings)
         # In steps it needs the stage behind it.
-        scene = replace(scene, wears=2) if scene.wears_in_steps else scene
+        scene = replace(scene, wear_updates=2) if scene.wears_in_steps else scene
         variants.append(Variant(key, label, scene))
     # Fewer where somebody asks for less.
     cycles = max(200 * (paper.cycles or CYCLES) * paper.draws // (CYCLES * STARTS), 1)
-    longer = replace(paper, cycles=cycles, starts=1, wears=2)
+    longer = replace(paper, cycles=cycles, replicates=1, wear_updates=2)
     variants.append(Variant(LONGER, f"paper, one start of {cycles} cycles", longer))
     for stage, wear in enumerate(("first", "second"), start=1):
         for contact in get_args(SurfaceContact):
-            scene = replace(changed(paper, {"contact": contact}), wears=0)
+            scene = replace(changed(paper, {"contact": contact}), wear_updates=0)
             label = f"after the {wear} wear, {contact}"
             variants.append(Variant(f"on-{stage}-{contact}", label, scene, f"{LONGER}:{stage}"))
     return Study(

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from presswear.record.sampling import Interval
+from presswear.recording.sampling import Interval
 from presswear.show.figures.style import (
     LINES,
     MUTED,

@@ -3,7 +3,7 @@
 import numpy as np
 
 from presswear.linkage.surface import Surface, bin_centres
-from presswear.record.film import FILM_JOINT, Film
+from presswear.recording.film import FILM_JOINT, Film
 from presswear.scene.catalog import scene_named
 from presswear.show.replay.reel import Reel
 

@@ -7,7 +7,7 @@ import pytest
 from made_up_reel import FRAMES, made_up_reel
 
 from presswear.campaign.single import run_scene
-from presswear.record.film import FRAMES_PER_CYCLE
+from presswear.recording.film import FRAMES_PER_CYCLE
 from presswear.results.life import LifeResult
 from presswear.results.result import Result
 from presswear.scene.catalog import wear_times
@@ -16,13 +16,15 @@ from presswear.show.replay.picture import Picture
 from presswear.show.replay.reel import Chapter, Reel, life_reel
 from presswear.tools.errors import InputError
 
-LIFE = LifeResult("at_most", "", 3e6, None, None, None, (), (), ())
+LIFE = LifeResult("at_most", "", 3e6, None, None, 0.9, (), (), ())
 
 
 @pytest.fixture(scope="module")
 def result() -> Result:
     """Two stages of three cycles, as if the second stood at the end of a life."""
-    ran = run_scene(wear_times(engine="dae", cycles=3, wears=1, starts=2, conventions="refined"))
+    ran = run_scene(
+        wear_times(engine="dae", cycles=3, wear_updates=1, replicates=2, conventions="refined")
+    )
     return replace(ran, scene=replace(ran.scene, life=Life()), life=LIFE)
 
 

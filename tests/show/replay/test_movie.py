@@ -2,12 +2,17 @@
 
 import os
 import shutil
+import signal
 import subprocess
+import sys
+import time
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import psutil
 import pytest
 from made_up_reel import made_up_reel
 from numpy.typing import NDArray
@@ -102,3 +107,56 @@ def test_a_process_that_ends_by_itself_ends_the_film() -> None:
     deadly: Any = Deadly()
     with pytest.raises(RunFailed, match="has ended by itself"):
         list(pictures([deadly], [[0]], "", SIZE))
+
+
+KILLED = """
+import time
+from made_up_reel import made_up_reel
+from presswear.show.replay.movie import pictures
+
+if __name__ == "__main__":
+    drawn = pictures([made_up_reel()], [[k] for k in range(4)], "", (160, 160))
+    print("begun", flush=True)
+    for _ in range({taken}):
+        next(drawn)
+    print("taken", flush=True)
+    time.sleep(60.0)
+"""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="sessions are those of POSIX")
+@pytest.mark.parametrize(("taken", "delay"), [(1, 0.0), (4, 0.0), (4, 1.0)])
+def test_a_killed_film_leaves_no_process(tmp_path: Path, taken: int, delay: float) -> None:
+    """Killed while pictures are drawn, and while those that draw wait for the next."""
+    script = tmp_path / "film.py"
+    script.write_text(KILLED.format(taken=taken))
+    paths = os.pathsep.join([str(Path(__file__).parent), *sys.path])
+    process = subprocess.Popen(
+        [sys.executable, str(script)],
+        env={**os.environ, "PYTHONPATH": paths},
+        stdout=subprocess.PIPE,
+        start_new_session=True,
+    )
+
+    def left() -> list[int]:
+        found = []
+        for pid in psutil.pids():
+            with suppress(OSError, psutil.Error):
+                if os.getsid(pid) == process.pid and psutil.Process(pid).status() != "zombie":
+                    found.append(pid)
+        return found
+
+    assert process.stdout is not None
+    assert [process.stdout.readline() for _ in range(2)] == [b"begun\n", b"taken\n"]
+    time.sleep(delay)
+    assert len(left()) > 1
+    process.kill()
+    process.wait()
+    try:
+        until = time.monotonic() + 10.0
+        while left() and time.monotonic() < until:
+            time.sleep(0.1)
+        assert left() == []
+    finally:
+        for pid in left():
+            os.kill(pid, signal.SIGKILL)

@@ -29,7 +29,7 @@ NO_DISPLAY = {key: value for key, value in os.environ.items() if key != "DISPLAY
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A run of two cycles and one wear."""
     path = tmp_path_factory.mktemp("replay") / "short"
-    options = ["--cycles", "2", "--wears", "1", "--engine", "dae", "--out", str(path)]
+    options = ["--cycles", "2", "--wear-updates", "1", "--engine", "dae", "--out", str(path)]
     assert main(["run", "wear-times", *options]) == 0
     return path
 
@@ -165,7 +165,7 @@ def test_ctrl_c_closes_the_window(folder: Path, display: None) -> None:
 
 @needs_xdotool
 def test_a_run_goes_on_when_its_window_is_closed(tmp_path: Path, display: None) -> None:
-    options = ["--engine", "dae", "--cycles", "40", "--wears", "0", "--live"]
+    options = ["--engine", "dae", "--cycles", "40", "--wear-updates", "0", "--live"]
     command = [*REPLAY[:3], "run", "wear-times", *options, "--out", str(tmp_path / "live")]
     run = subprocess.Popen(command, stdout=subprocess.DEVNULL)
     press(run, "q")

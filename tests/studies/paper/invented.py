@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.linkage.surface import bin_centres
-from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
+from presswear.recording.observe import CYCLE_FIXED, CYCLE_JOINT
 from presswear.results.result import Result
 from presswear.results.stage import StageResult
 from presswear.studies.paper.evidence import Evidence
@@ -24,7 +24,7 @@ EVEN = {"A": 200.0, "C": 100.0}
 
 
 def cycle_rows(count: int, seed: int, force: Mapping[str, float]) -> Array:
-    """A row a cycle: forces scatter by a tenth about their means; contacts count through."""
+    """A row a cycle: forces scatter by a tenth about their means; seven contacts in each."""
     draw = np.random.default_rng(seed)
 
     def scatter(part: float) -> Array:
@@ -43,8 +43,12 @@ def cycle_rows(count: int, seed: int, force: Mapping[str, float]) -> Array:
     }
     columns = [rows[name] for name in CYCLE_FIXED]
     for mean in force.values():
-        contacts = 7.0 * np.arange(1, count + 1)
-        own = {"force_max": mean * scatter(0.1), "dose": 3.0 * scatter(0.03), "contacts": contacts}
+        contacts = np.full(count, 7.0)
+        own = {
+            "force_max": mean * scatter(0.1),
+            "load_distance": 3.0 * scatter(0.03),
+            "contacts": contacts,
+        }
         columns += [own[name] for name in CYCLE_JOINT]
     return np.column_stack(columns)
 
@@ -59,7 +63,7 @@ def wear_batches(peak: float, place: int, seed: int, count: int) -> Array:
 
 def stage(
     setting: str,
-    wears: int,
+    wear_updates: int,
     seed: int,
     force: Sequence[Mapping[str, float]] = (EVEN,),
     peak: Sequence[float] = (20e-6, 8e-6),
@@ -78,13 +82,13 @@ def stage(
         "cycle_start": np.repeat(np.arange(float(count)), CYCLES),
         "wear_batch_cycles": np.ones(count * (CYCLES - 1)),
         "deviation_start": np.repeat(np.arange(float(count)), 3),
-        "deviation": np.tile([3e-4, 0.02 + 0.01 * wears, 1e-4, 0.1071], (3 * count, 1)),
+        "deviation": np.tile([3e-4, 0.02 + 0.01 * wear_updates, 1e-4, 0.1071], (3 * count, 1)),
     }
     turn = 6.0 * np.pi * time / time[-1]
     for k, joint in enumerate(("A", "C")):
         batches = wear_batches(peak[k], 18 + 20 * k, seed + k, count * (CYCLES - 1))
         arrays[f"{joint}_wear_batches"] = batches
-        arrays[f"{joint}_flight"] = np.full(3 * count, 0.1 + 0.1 * wears)
+        arrays[f"{joint}_flight"] = np.full(3 * count, 0.1 + 0.1 * wear_updates)
         arrays[f"{joint}_eccentricity"] = 8e-4 * np.column_stack([np.cos(turn), np.sin(turn)])
         arrays[f"{joint}_force"] = np.column_stack([100.0 * np.cos(turn) ** 8, 0.0 * turn])
         for s, side in enumerate(("bearing", "pin")):
@@ -141,8 +145,8 @@ def every_result() -> dict[str, Result]:
         variant_key(case.key, setting): result(
             setting,
             [
-                stage(setting, k, 100 * seed + 10 * k + 1, [EVEN] * case.starts)
-                for k in range(min(base_scene(setting).wears, case.wears) + 1)
+                stage(setting, k, 100 * seed + 10 * k + 1, [EVEN] * case.replicates)
+                for k in range(min(base_scene(setting).wear_updates, case.wear_updates) + 1)
             ],
         )
         for seed, case in enumerate(CASES)

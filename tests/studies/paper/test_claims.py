@@ -85,7 +85,7 @@ def test_the_study_runs_what_it_says() -> None:
     assert {v.scene.mechanism.period for v in study.variants[: len(SETTINGS)]} == {
         setting.scene().mechanism.period for setting in SETTINGS.values()
     }
-    assert standard.starts == STARTS
+    assert standard.replicates == STARTS
     assert {case.key for case in CASES} >= {*GEOMETRIES, *SENSITIVITIES}
     base = standard.as_dict()
     for variant in study.variants:
@@ -93,7 +93,9 @@ def test_the_study_runs_what_it_says() -> None:
         if case in SENSITIVITIES:
             told = variant.scene.as_dict().items()
             changed = {key for key, value in told if value != base[key]}
-            assert 1 <= len(changed - {"statuses", "tolerance", "wears", "starts"}) <= 2, case
+            assert (
+                1 <= len(changed - {"statuses", "tolerance", "wear_updates", "replicates"}) <= 2
+            ), case
 
 
 def test_a_fit_leaves_out_what_is_doubtful() -> None:

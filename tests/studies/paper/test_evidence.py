@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from invented import BINS, CYCLES, EVEN, every_evidence, evidence_of, stage
 
-from presswear.record.observe import CYCLE_FIXED, CYCLE_JOINT
-from presswear.record.sampling import STARTUP_CYCLES, half_width
+from presswear.recording.observe import CYCLE_FIXED, CYCLE_JOINT
+from presswear.recording.sampling import STARTUP_CYCLES, half_width
 from presswear.scene.bearing import Conventions
 from presswear.studies.paper.evidence import Evidence, Measured
 from presswear.studies.paper.printed import Place
@@ -22,8 +22,8 @@ SLIDER = ("displacement", "velocity", "acceleration", "lag", "stroke")
 one = partial(stage, SETTING)
 
 
-def known(evidence: Evidence, quantity: str, wears: int = 0, joint: str = "") -> Measured:
-    found = evidence.measured("standard", Place(SETTING, wears, joint), quantity)
+def known(evidence: Evidence, quantity: str, wear_updates: int = 0, joint: str = "") -> Measured:
+    found = evidence.measured("standard", Place(SETTING, wear_updates, joint), quantity)
     assert found is not None
     return found
 
@@ -33,7 +33,11 @@ def test_a_peak_is_the_mean_over_cycles_behind_the_startup_of_each_start() -> No
     found = known(evidence_of(SETTING, arrays), "force", joint="A")
     samples = arrays["cycles"].reshape(3, CYCLES, -1)[:, STARTUP_CYCLES:, FORCE]
     assert found.value == pytest.approx(samples.mean())
-    assert (found.samples, found.starts, found.differ) == (3 * (CYCLES - STARTUP_CYCLES), 3, False)
+    assert (found.samples, found.replicates, found.differ) == (
+        3 * (CYCLES - STARTUP_CYCLES),
+        3,
+        False,
+    )
     assert found.ends is not None
     assert found.ends[0] < 200.0 < found.ends[1]
     assert found.draws is not None
@@ -62,8 +66,8 @@ def test_depths_add_up_over_wears() -> None:
         one(1, 6, peak=(30e-6, 4e-6)),
     )
 
-    def value(quantity: str, wears: int, joint: str = "A") -> float:
-        return known(evidence, quantity, wears, joint).value
+    def value(quantity: str, wear_updates: int, joint: str = "A") -> float:
+        return known(evidence, quantity, wear_updates, joint).value
 
     assert value("depth", 1) == pytest.approx(20e-6, rel=0.05)
     assert value("depth", 2) == pytest.approx(50e-6, rel=0.05)
@@ -79,9 +83,9 @@ def test_depths_add_up_over_wears() -> None:
 
 
 def test_the_error_of_a_map_falls_with_the_starts() -> None:
-    for starts, tolerance in ((1, 0.5), (4, 0.3), (16, 0.15)):
-        evidence = evidence_of(SETTING, one(0, 1, force=[EVEN] * starts))
-        expected = 0.05 / math.sqrt(starts * (CYCLES - 1))
+    for replicates, tolerance in ((1, 0.5), (4, 0.3), (16, 0.15)):
+        evidence = evidence_of(SETTING, one(0, 1, force=[EVEN] * replicates))
+        expected = 0.05 / math.sqrt(replicates * (CYCLES - 1))
         error = evidence.map_error("standard", Place(SETTING, 1, "A"))
         assert error == pytest.approx(expected, rel=tolerance)
 
@@ -120,12 +124,14 @@ def test_what_did_not_run_is_missing() -> None:
 def test_behind_a_wear_the_starts_alone_give_the_interval() -> None:
     """The value is of the first set of starts; the other says how far it may be off."""
     even, higher = dict(EVEN), {name: 1.5 * force for name, force in EVEN.items()}
-    evidence = evidence_of(SETTING, one(0, 1), one(1, 2, force=[even] * 2 + [higher] * 2), starts=2)
+    evidence = evidence_of(
+        SETTING, one(0, 1), one(1, 2, force=[even] * 2 + [higher] * 2), replicates=2
+    )
     found = known(evidence, "force", 1, "A")
     rows = evidence.results[variant_key(BASE, SETTING)].stages[1].arrays["cycles"]
     each = rows.reshape(4, CYCLES, -1)[:, STARTUP_CYCLES:, FORCE].mean(axis=1)
     assert found.value == pytest.approx(each[:2].mean())
-    assert found.starts == 2
+    assert found.replicates == 2
     assert found.ends is not None
     half = math.hypot(half_width(each[2:]) or 0.0, each[:2].mean() - each[2:].mean())
     assert found.ends[1] - found.value == pytest.approx(half)
@@ -154,6 +160,6 @@ def test_maps_that_turn_are_not_added_up_by_their_angles() -> None:
 
 def test_a_jump_after_the_last_stage_is_no_wear_in_steps() -> None:
     place = Place(SETTING, 1, "A")
-    assert turning(one(0, 1), wears=0).measured("standard", place, "depth") is not None
-    stepped = turning(one(0, 1), wears=0, extrapolation="steps")
+    assert turning(one(0, 1), wear_updates=0).measured("standard", place, "depth") is not None
+    stepped = turning(one(0, 1), wear_updates=0, extrapolation="steps")
     assert stepped.measured("standard", place, "depth") is None

@@ -84,7 +84,9 @@ def test_printed_values_are_marked_where_they_are(drawn: dict[int, Drawing], num
 
 def test_peaks_are_those_of_all_cycles_and_of_the_one_shown(drawn: dict[int, Drawing]) -> None:
     """Figures 18 and 17, which show the first cycle, every step of it."""
-    places = [Place("wear-times", wears, joint) for joint in JOINTS for wears in range(3)]
+    places = [
+        Place("wear-times", wear_updates, joint) for joint in JOINTS for wear_updates in range(3)
+    ]
     known = [every_evidence().measured(BASE, place, "force") for place in places]
     means = [x for x, _ in marked(drawn[18], "mean")]
     np.testing.assert_allclose(means, [one.value for one in known if one is not None])
@@ -97,8 +99,8 @@ def test_peaks_are_those_of_all_cycles_and_of_the_one_shown(drawn: dict[int, Dra
 def test_depth_is_the_mean_map(drawn: dict[int, Drawing]) -> None:
     for axes, joint in zip(drawn[8].sheet.axes, "AC", strict=True):
         curves = [line for line in axes.get_lines() if len(np.ravel(line.get_xdata())) > 2]
-        for wears, line in enumerate(curves, start=1):
-            known = every_evidence().wear_map(BASE, Place("wear-times", wears, joint))
+        for wear_updates, line in enumerate(curves, start=1):
+            known = every_evidence().wear_map(BASE, Place("wear-times", wear_updates, joint))
             assert known is not None
             np.testing.assert_allclose(np.asarray(line.get_ydata()), 1e6 * known.mean)
         assert len(curves) == 2
@@ -158,7 +160,7 @@ def test_closed_joint_is_left_out() -> None:
     assert 10 not in found
     assert len(found[8].sheet.axes) == 1
     assert len(found[19].sheet.axes) == 3
-    assert set(by_number(study({"wear-times": 1}, joints="none", wears=0))) == {17}
+    assert set(by_number(study({"wear-times": 1}, joints="none", wear_updates=0))) == {17}
 
 
 def test_settings_of_matplotlib_are_left_alone() -> None:

@@ -138,7 +138,7 @@ def test_a_joint_without_clearance_is_left_out() -> None:
 def test_the_whole_study_runs_and_is_reported(tmp_path: Path) -> None:
     """Two cycles of everything: too few for any verdict, enough for every path."""
     folder = tmp_path / "paper"
-    runpy.run_path(str(SCRIPT))["main"](str(folder), engine="dae", cycles=2, most_cycles=2)
+    runpy.run_path(str(SCRIPT))["main"](str(folder), engine="dae", cycles=2, max_cycles=2)
     assert (folder / "report.html").read_text().count("<figure>") == 18
     assert len(list((folder / "figures").iterdir())) == 18
     assert main(["report", str(folder)]) == 0

@@ -30,20 +30,20 @@ class PaperLine:
     """
 
     setting: str
-    wears: int
+    wear_updates: int
     order: int
     own: str = ""
 
     @property
     def name(self) -> str:
         """Setting and stage in words."""
-        stage = stage_name(self.wears)
+        stage = stage_name(self.wear_updates)
         return f"{self.own}, {stage}" if self.own else stage
 
     @property
     def wear_name(self) -> str:
         """Its name among lines that are all worn: several settings are all worn once."""
-        return self.own or stage_name(self.wears)
+        return self.own or stage_name(self.wear_updates)
 
     @property
     def colour(self) -> str:
@@ -52,14 +52,14 @@ class PaperLine:
 
     def at(self, joint: str = "") -> Place:
         """The place of its quantities."""
-        return Place(self.setting, self.wears, joint)
+        return Place(self.setting, self.wear_updates, joint)
 
     def pen(self, name: str) -> Pen:
         """The line as it is drawn, under a name in the legend."""
         return Pen(name, *LINES[self.order])
 
 
-WEARS = tuple(PaperLine(WEAR, wears, wears) for wears in range(3))
+WEARS = tuple(PaperLine(WEAR, wear_updates, wear_updates) for wear_updates in range(3))
 FRICTIONS = (
     PaperLine(FRICTION, 0, 0, "friction 0.05"),
     PaperLine(HIGH_FRICTION, 0, 1, "friction 0.1"),
@@ -94,7 +94,7 @@ class ShownLine:
 
     def peak(self, quantity: str, joint: str = "") -> float:
         """Largest of the cycle, SI units: of every step, while the series leaves steps out."""
-        rows = each_cycle(self.result.stages[self.line.wears], joint, f"{quantity}_max")
+        rows = each_cycle(self.result.stages[self.line.wear_updates], joint, f"{quantity}_max")
         return float(rows[0]) if rows.size else math.nan
 
 
@@ -102,12 +102,12 @@ def shown_cycles(evidence: Evidence, lines: Iterable[PaperLine]) -> list[ShownLi
     """The first cycle of the first start of each line; a line without any is left out."""
     found = []
     for line in lines:
-        result = evidence.at_stage(BASE, line.setting, line.wears)
-        if result is None or result.stages[line.wears].time.size < 2:
+        result = evidence.at_stage(BASE, line.setting, line.wear_updates)
+        if result is None or result.stages[line.wear_updates].time.size < 2:
             continue
         # The last row of a cycle may lie a rounding behind its end.
         end = result.scene.mechanism.period * (1.0 + 1e-9)
-        found.append(ShownLine(line, result, between(result.stages[line.wears], 0.0, end)))
+        found.append(ShownLine(line, result, between(result.stages[line.wear_updates], 0.0, end)))
     return found
 
 
@@ -124,7 +124,7 @@ def joint_title(joint: str) -> str:
 def counted(known: Sequence[Measured]) -> str:
     """How many cycles and starts some quantities are from."""
     cycles = _range([one.samples for one in known], "cycle")
-    return f"{cycles} from {_range([one.starts for one in known], 'start')}"
+    return f"{cycles} from {_range([one.replicates for one in known], 'start')}"
 
 
 def _range(counts: Sequence[int], word: str) -> str:

@@ -73,7 +73,7 @@ def _columns(number: int, shown: Sequence[ShownLine]) -> dict[str, list[ShownLin
     """Panels beside each other with their titles: one for each speed, or stage, or one at all."""
     columns: dict[str, list[ShownLine]] = {}
     for one in shown:
-        title = {20: stage_name(one.line.wears), 23: one.line.own}.get(number, "")
+        title = {20: stage_name(one.line.wear_updates), 23: one.line.own}.get(number, "")
         columns.setdefault(title, []).append(one)
     return columns
 

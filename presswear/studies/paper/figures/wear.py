@@ -196,13 +196,13 @@ def _worn(evidence: Evidence, line: PaperLine, joint: str) -> tuple[Result, Show
     result = evidence.worn_at(BASE, line.at(joint))
     if result is None:
         return None
-    stage = result.stages[line.wears - 1]
+    stage = result.stages[line.wear_updates - 1]
     before, arrays = stage.arrays, dict(stage.arrays)
     for side in SIDES:
         name = f"{joint}_depth_{side}"
         # What a stage ran on is what is known best: a wear may have gone in steps.
-        if line.wears < len(result.stages):
-            arrays[name] = result.stages[line.wears].arrays[name]
+        if line.wear_updates < len(result.stages):
+            arrays[name] = result.stages[line.wear_updates].arrays[name]
         else:
             arrays[name] = before[name] + before[f"{joint}_wear_{side}"]
     if not any(np.any(arrays[f"{joint}_depth_{side}"] > 0.0) for side in SIDES):

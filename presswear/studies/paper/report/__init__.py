@@ -22,7 +22,7 @@ from presswear.studies.paper.report.summary import STYLES, counts_table, detail,
 from presswear.studies.paper.variants import BASE, JUDGED, SETTINGS, STARTS, variant_key
 from presswear.studies.paper.verdicts import judged
 from presswear.studies.plan import Study, results_of
-from presswear.tools.files import write_bytes
+from presswear.tools.files import inside, write_bytes
 from presswear.tools.numbers import readable, whole
 
 
@@ -30,7 +30,7 @@ def write_report(study: Study, folder: Path) -> tuple[str, Path]:
     """Write ``report.html`` and its figures into a study's folder; returns answer and path."""
     evidence = Evidence({v.key: found for v, found in results_of(study, folder) if found})
     words = partial(words_of, study, evidence)
-    said, figures = illustrated(words, drawers(evidence), folder / "figures")
+    said, figures = illustrated(words, drawers(evidence), inside(folder, "figures"))
     path = folder / "report.html"
     write_bytes(path, render(said, figures).encode())
     return headline(evidence, judged(evidence)), path
@@ -55,7 +55,7 @@ def words_of(study: Study, evidence: Evidence) -> Words:
     return {
         "study": study,
         "missing": len(study.variants) - len(results),
-        "starts": STARTS,
+        "replicates": STARTS,
         "headline": headline(evidence, claims),
         "findings": findings(evidence, failures),
         "counts": counts_table(claims),

@@ -27,23 +27,27 @@ from presswear.studies.paper.words import (
 from presswear.tools.numbers import readable
 
 _SMOOTH = tuple(
-    (quantity, Place(WEAR, wears))
+    (quantity, Place(WEAR, wear_updates))
     for quantity, stages in (("displacement", (1, 2)), ("stroke", (0,)), ("velocity", (0, 1, 2)))
-    for wears in stages
+    for wear_updates in stages
 )
 """Quantities of the slider that geometries are told apart by."""
 
 WATCHED = (
     *(("depth", "deepest wear", Place(WEAR, 1, joint)) for joint in JOINTS),
-    *(("force", "force", Place(WEAR, wears, joint)) for wears in (0, 1) for joint in JOINTS),
+    *(
+        ("force", "force", Place(WEAR, wear_updates, joint))
+        for wear_updates in (0, 1)
+        for joint in JOINTS
+    ),
     ("displacement", "displacement,", Place(WEAR, 0)),
 )
 """Quantities that sensitivities are shown of, with short names."""
 
 _STOPPED = tuple(
-    (quantity, Place(setting, wears, joint))
+    (quantity, Place(setting, wear_updates, joint))
     for setting in LONG_SETTINGS
-    for quantity, wears, joints in (
+    for quantity, wear_updates, joints in (
         ("depth", 1, JOINTS),
         ("added_mean", 1, JOINTS),
         ("range", 1, JOINTS),
@@ -63,7 +67,7 @@ def factors_of(evidence: Evidence, case: str) -> dict[Place, float]:
     """Printed depths after a first wear over ours; one K_d / b would have one factor for all."""
     found = {}
     for number in PRINTED:
-        if (number.quantity, number.place.wears) == ("depth", 1):
+        if (number.quantity, number.place.wear_updates) == ("depth", 1):
             ours = evidence.measured(case, number.place, "depth")
             if ours is not None and ours.value > 0.0:
                 found[number.place] = number.value / ours.value
@@ -155,7 +159,7 @@ def stopped_table(evidence: Evidence) -> Table:
         found = across(evidence, place, quantity, BASE, LONG)
         if early is None or full is None or found is None:
             continue
-        told = value_text(early, quantity), f"{early.samples} from {early.starts}"
+        told = value_text(early, quantity), f"{early.samples} from {early.replicates}"
         whole = value_text(full, quantity), str(full.samples)
         same = "no" if moves(found) else "yes"
         rows.append((place_text(place, quantity), *told, *whole, ratio_text(found), same))

@@ -35,8 +35,8 @@ _STARTS_DIFFER = "our starts differ by more than their cycles explain: the inter
 
 def _stages_of(item: Printed) -> list[Place]:
     """The stages of ours that a printed number is held against."""
-    wears = (0, 1) if item.stage_not_said else (item.place.wears,)
-    return [Place(item.place.setting, k, item.place.joint) for k in wears]
+    wear_updates = (0, 1) if item.stage_not_said else (item.place.wear_updates,)
+    return [Place(item.place.setting, k, item.place.joint) for k in wear_updates]
 
 
 def standings(evidence: Evidence) -> list[tuple[Printed, Standing]]:

@@ -131,7 +131,7 @@ def _peaks(evidence: Evidence) -> list[str]:
             stand
             for item, stand in standings(evidence)
             if not item.stage_not_said
-            and (item.place.wears > 0) is is_worn
+            and (item.place.wear_updates > 0) is is_worn
             and stand in (Standing.INSIDE, Standing.ABOVE, Standing.BELOW)
         )
         for is_worn in (False, True)

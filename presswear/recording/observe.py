@@ -1,0 +1,430 @@
+"""Records that the kernels keep of a run, step by step: series, contacts, peaks and wear.
+
+Memory does not grow with the number of cycles: series and single contacts are kept for
+the first cycles only; everything else is one row a cycle or a running sum.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.physics.constraints import lever
+from presswear.physics.forces import note_forces
+from presswear.physics.load_modes import last_change
+from presswear.physics.packed import Packed
+from presswear.physics.touchdown import settle
+from presswear.physics.wear import deposit_in_bin, deposit_over_arc
+from presswear.recording.film import take_frame
+from presswear.tools.compiled import Records, compiled, inlined
+
+Array = NDArray[np.float64]
+
+SERIES_NAMES = ("time", "displacement", "velocity", "acceleration")
+TIME, DISPLACEMENT, VELOCITY, ACCELERATION = range(4)
+"""Columns of a series row before the joints."""
+SERIES_JOINT_NAMES = (
+    *("eccentricity_x", "eccentricity_y", "penetration"),
+    *("normal", "tangential", "sliding"),
+)
+ECCENTRICITY_X, ECCENTRICITY_Y, PENETRATION, NORMAL, TANGENTIAL, SLIDING = range(6)
+"""Columns of a series row for each joint."""
+SERIES_FIXED, SERIES_JOINT = len(SERIES_NAMES), len(SERIES_JOINT_NAMES)
+CYCLE_FIXED = (
+    *("displacement_max", "velocity_min", "velocity_max", "acceleration_max", "steps"),
+    *("contact_made", "bottom_height", "bottom_time", "drive_work"),
+)
+DISPLACEMENT_MAX, VELOCITY_MIN, VELOCITY_MAX, ACCELERATION_MAX, STEPS, CONTACT_MADE = range(6)
+BOTTOM_HEIGHT, BOTTOM_TIME, DRIVE_WORK = 6, 7, 8
+CYCLE_JOINT = ("force_max", "load_distance", "contacts")
+FORCE_MAX, WORK_DOSE, CONTACTS = range(3)
+"""Columns of a cycle's row: those of the linkage, then those of each joint."""
+CYCLE_DRIVE = (
+    *("torque_integral", "torque_square_integral", "power_square_integral"),
+    *("work_given", "work_returned", "torque_peak", "power_peak"),
+)
+TORQUE, TORQUE_SQUARE, POWER_SQUARE, GIVEN, RETURNED, TORQUE_PEAK, POWER_PEAK = range(7)
+"""... then those of each drive: integrals over time, SI units; peaks with their signs."""
+CYCLE_FIXED_COUNT = len(CYCLE_FIXED)
+CYCLE_JOINT_COUNT = len(CYCLE_JOINT)
+CYCLE_DRIVE_COUNT = len(CYCLE_DRIVE)
+
+
+def cycle_columns(joints: int, drives: int) -> int:
+    """Return the number of columns in a cycle's row."""
+    return CYCLE_FIXED_COUNT + CYCLE_JOINT_COUNT * joints + CYCLE_DRIVE_COUNT * drives
+
+
+SECTION_NAMES = ("place", "velocity")
+SECTION_JOINT_NAMES = (
+    *("eccentricity_x", "eccentricity_y", "velocity_x", "velocity_y"),
+    "normal",
+)
+"""Columns of a Poincare section: of the watched point, then of each joint; see RECORD and
+CONTACT."""
+
+ROWS_AT_LEAST = 2000
+"""Series rows in one cycle without contact."""
+ROWS_AT_MOST = 40_000
+"""Room for series rows, per recorded cycle."""
+ROWS_IN_ALL = 4_000_000
+"""Room for series rows, of all recorded cycles."""
+CONTACTS_AT_MOST = 5000
+"""Room for single contacts, per joint and recorded cycle."""
+BOTTOM_STEPS = 60
+BOTTOM_NOISE = 1e-14
+"""Most steps towards the lowest place in a step, and the part of it that is round-off."""
+FORCE_STEP = 0.02
+"""A row is written when a force has changed by this part of its peak so far."""
+
+DOSE = np.dtype(
+    [
+        ("work", np.float64),  # F_n ds, N m
+        ("pressure", np.float64),  # p ds, N/m
+    ]
+)
+"""Doses of wear of a joint in one step."""
+
+DRIVE = np.dtype(
+    [
+        ("torque", np.float64),  # in the last accepted state, N m
+        ("power", np.float64),  # W
+        ("torque_integral", np.float64),  # over the last step, N m s
+        ("torque_square_integral", np.float64),  # (N m)^2 s
+        ("work", np.float64),  # J
+        ("power_square_integral", np.float64),  # W^2 s
+    ]
+)
+"""A drive in the recording; engines fill the integrals before they call ``observe``."""
+
+RECORD = np.dtype(
+    [
+        ("rows", np.int64),  # series rows written
+        ("last_time", np.float64),  # of the last row, s
+        ("now", np.float64),  # of the last accepted state, s
+        ("interval", np.float64),  # longest time between two rows, s
+        ("force_step", np.float64),  # change of a force, part of its peak, that makes a row
+        ("probe", np.int64),  # index of the watched body's x in q
+        ("probe_cos", np.float64),
+        ("probe_sin", np.float64),
+        ("probe_x", np.float64),  # the watched point in the body's frame, m
+        ("probe_y", np.float64),
+        ("start", np.float64),  # watched coordinate at the start, m
+        ("steps", np.int64),
+        ("room", np.int64),  # rows that may be written
+        ("place", np.float64),  # watched coordinate, m, in the last state
+        ("velocity", np.float64),  # m/s
+        ("acceleration", np.float64),  # m/s^2
+        ("bottom", np.float64),  # its lowest place in the present stroke, m
+        ("bottom_time", np.float64),  # s
+        ("stroke_begin", np.float64),  # times between which its bottom is sought, s
+        ("stroke_end", np.float64),
+        ("stroke_length", np.float64),  # s
+        ("period", np.float64),  # from one stroke to the next, s
+    ]
+)
+"""State of the recording."""
+
+
+class Book(NamedTuple):
+    """The arrays that the kernels fill during one run.
+
+    Attributes
+    ----------
+    packed : Packed
+        The linkage.
+    motions : records of MOTION
+        Of its drives.
+    contacts : records of CONTACT
+        With their forces, in the last accepted state.
+    onset : ndarray, shape (joints,)
+        Latched closing speeds, 0 where open, m/s.
+    memory, tally : records of MEMORY and TALLY
+    past : records of PAST_CONTACT, shape (joints, rows)
+    record : one record of RECORD
+    series : ndarray, shape (rows, SERIES_FIXED + SERIES_JOINT joints + drives)
+        Without the torques of the drives where they are not asked for.
+    film, shutter : ndarray and one record of SHUTTER
+        See ``presswear.recording.film``.
+    cycle : ndarray, shape (CYCLE_FIXED + CYCLE_JOINT joints,)
+        Row of the present cycle.
+    depth : ndarray, shape (joints, 2, m)
+        Depth that the present cycle added to bearing and pin, each joint's in its own bins, the
+        first of the m; m.
+    doses : records of DOSE
+        Doses in the last step.
+    shares : ndarray, shape (2, m)
+        Working space of ``deposit_over_arc``.
+    torque : ndarray, shape (drives,)
+        Torques of the drives in the present state, N m.
+    drives : records of DRIVE
+    ledger : one record of LEDGER
+        Filled by engines that sum powers by steps.
+    """
+
+    packed: Packed
+    motions: Records
+    contacts: Records
+    onset: Array
+    memory: Records
+    tally: Records
+    past: Records
+    record: Records
+    series: Array
+    film: Array
+    shutter: Records
+    cycle: Array
+    depth: Array
+    doses: Records
+    shares: Array
+    torque: Array
+    drives: Records
+    ledger: Records
+
+
+@compiled
+def deposit(book: Book, k: int) -> None:
+    """Add the wear of the last step's doses to the maps of joint ``k``."""
+    joint = book.packed.joints[k]
+    contact = book.contacts[k]
+    bins = joint.map_bins
+    depth = book.depth[k, :, :bins]
+    if joint.over_arc:
+        deposit_over_arc(
+            depth,
+            joint,
+            book.packed.surfaces[k],
+            contact,
+            book.doses[k].work,
+            book.shares[:, :bins],
+        )
+    else:
+        deposit_in_bin(depth, joint, contact, book.doses[k].pressure)
+
+
+@compiled
+def settle_state(book: Book, t: float, needed: int) -> int:
+    """Settle an accepted state whose contacts are noted; see ``settle``."""
+    joints = book.packed.joints
+    events = settle(
+        joints, book.onset, book.memory, book.tally, book.past, book.contacts, t, needed
+    )
+    note_forces(joints, book.onset, book.contacts)
+    return events
+
+
+@inlined
+def watched(state: Records, q: Array, v: Array, a: Array) -> tuple[float, float, float]:
+    """Place, m, velocity and acceleration of the watched point along its direction."""
+    i = state.probe
+    along = state.probe_cos
+    across = state.probe_sin
+    place: float = along * q[i] + across * q[i + 1]
+    velocity: float = along * v[i] + across * v[i + 1]
+    acceleration: float = along * a[i] + across * a[i + 1]
+    if state.probe_x != 0.0 or state.probe_y != 0.0:
+        x, y = lever(i, state.probe_x, state.probe_y, q)
+        spin = v[i + 2]
+        place += along * x + across * y
+        velocity += spin * (across * x - along * y)
+        acceleration += a[i + 2] * (across * x - along * y)
+        acceleration -= spin * spin * (along * x + across * y)
+    return place, velocity, acceleration
+
+
+@compiled
+def lowest_between(
+    h: float,
+    before: tuple[float, float, float],
+    after: tuple[float, float, float],
+) -> tuple[float, float]:
+    """Lowest place inside a step in which a coordinate turns from falling to rising.
+
+    It is that of the quintic polynomial through both ends.  Where the motion has six derivatives
+    in the step, its place is off by h^6 / 46080 times the greatest sixth at most; where the
+    acceleration has jumped by J behind the first end, by 0.018 J h^2.
+
+    Parameters
+    ----------
+    h : float
+        Length of the step, s.
+    before, after : tuple of float
+        Place, m, velocity, not above zero before and above it after, and acceleration.
+
+    Returns
+    -------
+    float, float
+        Place, m, and time since the step began, s.
+    """
+    c1 = h * before[1]
+    c2 = 0.5 * h * h * before[2]
+    d0 = after[0] - before[0] - c1 - c2
+    d1 = h * after[1] - c1 - 2.0 * c2
+    d2 = h * h * (after[2] - before[2])
+    c3 = 10.0 * d0 - 4.0 * d1 + 0.5 * d2
+    c4 = -15.0 * d0 + 7.0 * d1 - d2
+    c5 = 6.0 * d0 - 3.0 * d1 + 0.5 * d2
+    low, high = 0.0, 1.0
+    x = before[1] / (before[1] - after[1])
+    for _ in range(BOTTOM_STEPS):
+        slope = c1 + x * (2.0 * c2 + x * (3.0 * c3 + x * (4.0 * c4 + x * 5.0 * c5)))
+        if slope <= 0.0:
+            low = x
+        else:
+            high = x
+        bend = 2.0 * c2 + x * (6.0 * c3 + x * (12.0 * c4 + x * 20.0 * c5))
+        new = x - slope / bend if bend > 0.0 else low
+        if not low < new < high:
+            new = 0.5 * (low + high)
+        if abs(new - x) < BOTTOM_NOISE:
+            break
+        x = new
+    place = before[0] + x * (c1 + x * (c2 + x * (c3 + x * (c4 + x * c5))))
+    return place, x * h
+
+
+@compiled
+def note_bottom(
+    state: Records, cycle: Array, t: float, h: float, now: tuple[float, float, float]
+) -> None:
+    """Seek the bottom of the present stroke in a step, and file it where the stroke has ended.
+
+    Parameters
+    ----------
+    cycle : ndarray
+        Row of the present cycle.
+    now : tuple of float
+        Place, velocity and acceleration of the watched point in the step's end.
+    """
+    if t > state.stroke_begin:
+        if now[0] < state.bottom:
+            state.bottom, state.bottom_time = now[0], t
+        if state.velocity <= 0.0 and now[1] > 0.0:
+            before = (state.place, state.velocity, state.acceleration)
+            place, since = lowest_between(h, before, now)
+            if place < state.bottom:
+                state.bottom, state.bottom_time = place, t - h + since
+        if t >= state.stroke_end:
+            cycle[BOTTOM_HEIGHT] = state.bottom
+            cycle[BOTTOM_TIME] = state.bottom_time
+            state.stroke_end += state.period
+            state.stroke_begin = state.stroke_end - state.stroke_length
+            state.bottom = math.inf
+    state.place, state.velocity, state.acceleration = now
+
+
+@compiled
+def sum_drives(book: Book, h: float, v: Array) -> None:
+    """Integrate torque and power of the drives over a step by the trapezoidal rule.
+
+    Parameters
+    ----------
+    h : float
+        Length of the step, s.
+    v : ndarray, shape (3 bodies,)
+        At its end, where the torques are in the book.
+    """
+    half = 0.5 * h
+    for k in range(book.drives.shape[0]):
+        drive, torque = book.drives[k], book.torque[k]
+        power = torque * v[book.packed.driven[k]]
+        drive.torque_integral = half * (drive.torque + torque)
+        drive.torque_square_integral = half * (drive.torque**2 + torque**2)
+        drive.work = half * (drive.power + power)
+        drive.power_square_integral = half * (drive.power**2 + power**2)
+
+
+@compiled
+def note_drives(book: Book, h: float, v: Array) -> None:
+    """Add the integrals of a step of length ``h``, s, to the cycle, and update the peaks.
+
+    Where the power changes its sign in the step, the smaller part of the work is that of a power
+    that is linear over the step.  Given and returned work differ by the work of the step.
+    """
+    first = book.cycle.shape[0] - CYCLE_DRIVE_COUNT * book.drives.shape[0]
+    for k in range(book.drives.shape[0]):
+        drive = book.drives[k]
+        cycle = book.cycle[first + CYCLE_DRIVE_COUNT * k :]
+        torque = book.torque[k]
+        power = torque * v[book.packed.driven[k]]
+        smaller = 0.0
+        if power * drive.power < 0.0:
+            least = min(abs(power), abs(drive.power))
+            smaller = 0.5 * h * least * least / abs(power - drive.power)
+        cycle[TORQUE] += drive.torque_integral
+        cycle[TORQUE_SQUARE] += drive.torque_square_integral
+        cycle[POWER_SQUARE] += drive.power_square_integral
+        cycle[GIVEN] += max(drive.work, 0.0) + smaller
+        cycle[RETURNED] += max(-drive.work, 0.0) + smaller
+        if abs(torque) > abs(cycle[TORQUE_PEAK]):
+            cycle[TORQUE_PEAK] = torque
+        if abs(power) > abs(cycle[POWER_PEAK]):
+            cycle[POWER_PEAK] = power
+        drive.torque, drive.power = torque, power
+
+
+@inlined
+def observe(book: Book, t: float, h: float, q: Array, v: Array, a: Array) -> None:
+    """Account for one accepted step of length ``h``, s, that ended in the given state.
+
+    The state's contacts and loads are in the book, settled.
+    """
+    memory, tally, series = book.memory, book.tally, book.series
+    cycle = book.cycle
+    state = book.record[0]
+    count = memory.shape[0]
+    place, velocity, acceleration = watched(state, q, v, a)
+    displacement = place - state.start
+    cycle[DISPLACEMENT_MAX] = max(cycle[DISPLACEMENT_MAX], displacement)
+    cycle[VELOCITY_MIN] = min(cycle[VELOCITY_MIN], velocity)
+    cycle[VELOCITY_MAX] = max(cycle[VELOCITY_MAX], velocity)
+    cycle[ACCELERATION_MAX] = max(cycle[ACCELERATION_MAX], abs(acceleration))
+    cycle[STEPS] += 1
+    note_bottom(state, cycle, t, h, (place, velocity, acceleration))
+    note_drives(book, h, v)
+    state.steps += 1
+    state.now = t
+    row = state.rows
+    has_room = row < min(state.room, series.shape[0])
+    is_due = row == 0 or t - state.last_time >= state.interval
+    for k in range(count):
+        contact = book.contacts[k]
+        counts = tally[k]
+        base = CYCLE_FIXED_COUNT + CYCLE_JOINT_COUNT * k
+        peak = max(contact.normal, memory[k].step_peak)
+        if peak > 0.0:
+            counts.peak_force = max(counts.peak_force, peak)
+            memory[k].peak_force = max(memory[k].peak_force, peak)
+            cycle[base + FORCE_MAX] = max(cycle[base + FORCE_MAX], peak)
+        if contact.normal > 0.0:
+            duration = min(h, t - memory[k].touchdown_time)
+            counts.closed_time += duration
+            counts.deepest = max(counts.deepest, contact.penetration)
+        cycle[base + WORK_DOSE] += book.doses[k].work
+        if book.doses[k].work > 0.0:
+            deposit(book, k)
+        cycle[base + CONTACTS] = counts.contacts - counts.contacts_before
+        if has_room:
+            column = SERIES_FIXED + SERIES_JOINT * k
+            series[row, column + ECCENTRICITY_X] = contact.eccentricity_x
+            series[row, column + ECCENTRICITY_Y] = contact.eccentricity_y
+            series[row, column + PENETRATION] = contact.penetration
+            series[row, column + NORMAL] = contact.normal
+            series[row, column + TANGENTIAL] = contact.tangential
+            series[row, column + SLIDING] = contact.sliding
+            if row > 0:
+                change = abs(contact.normal - series[row - 1, column + NORMAL])
+                is_due = is_due or change > state.force_step * counts.peak_force
+    is_due = is_due or last_change(book.packed.loads) == t
+    take_frame(book.film, book.shutter, book.contacts, memory, t, q)
+    if has_room and is_due:
+        series[row, TIME] = t
+        series[row, DISPLACEMENT] = displacement
+        series[row, VELOCITY] = velocity
+        series[row, ACCELERATION] = acceleration
+        first = SERIES_FIXED + SERIES_JOINT * count
+        for column in range(first, series.shape[1]):
+            series[row, column] = book.torque[column - first]
+        state.rows += 1
+        state.last_time = t

@@ -1,0 +1,359 @@
+"""The recorder of a run: what was observed, cycle by cycle, and as a state of named arrays.
+
+Memory does not grow with the number of cycles: series and single contacts are kept for
+the first cycles only; everything else is one row a cycle or a running sum.
+"""
+
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.linkage.linkage import Linkage
+from presswear.linkage.surface import Surface
+from presswear.physics.contact import CONTACT, note_contacts
+from presswear.physics.energy import LEDGER
+from presswear.physics.motion import motions_of
+from presswear.physics.packed import depths_of, pack, pack_surfaces
+from presswear.physics.touchdown import CONTACT_COLUMNS, LEAST_STEPS, MEMORY, PAST_CONTACT, TALLY
+from presswear.physics.wear import map_shape
+from presswear.recording.film import Film, empty_film, shutter_of
+from presswear.recording.observe import (
+    CONTACTS_AT_MOST,
+    CYCLE_FIXED,
+    CYCLE_JOINT,
+    DISPLACEMENT_MAX,
+    DOSE,
+    DRIVE,
+    FORCE_STEP,
+    RECORD,
+    ROWS_AT_LEAST,
+    ROWS_AT_MOST,
+    ROWS_IN_ALL,
+    SECTION_JOINT_NAMES,
+    SECTION_NAMES,
+    SERIES_FIXED,
+    SERIES_JOINT,
+    SERIES_JOINT_NAMES,
+    SERIES_NAMES,
+    VELOCITY_MAX,
+    VELOCITY_MIN,
+    Book,
+    cycle_columns,
+    settle_state,
+    watched,
+)
+from presswear.recording.sampling import MapBatches
+from presswear.tools.arrays import State, named, part
+
+Array = NDArray[np.float64]
+
+STROKE_NOISE = 1e-9
+"""Part of a cycle by which a stroke ends earlier than it is told."""
+
+_SMALL = (
+    "contacts",
+    "onset",
+    "memory",
+    "tally",
+    "record",
+    "shutter",
+    "cycle",
+    "depth",
+    "doses",
+    "torque",
+    "drives",
+    "ledger",
+)
+"""Arrays of a book that change as a whole."""
+
+
+@dataclass
+class Recorder:
+    """Everything that one run has observed so far; made anew for every run.
+
+    Attributes
+    ----------
+    book : Book
+        Arrays that the kernels fill.
+    maps : MapBatches
+        Depth that the finished cycles added to bearing and pin, m.
+    sections_per_cycle : int
+    """
+
+    book: Book
+    maps: MapBatches
+    sections_per_cycle: int = 0
+    _sections: list[Array] = field(default_factory=list, init=False)
+    _rows: Array = field(init=False)
+    _growth: Array = field(init=False)
+    _finished: int = field(default=0, init=False)
+
+    def __post_init__(self) -> None:
+        self._rows = np.zeros((0, self.book.cycle.size))
+        self._growth = np.zeros((0, 2, self.book.memory.size, 2))
+
+    @staticmethod
+    def of(
+        linkage: Linkage,
+        position: Array,
+        recorded_cycles: int,
+        cycle: float,
+        torques: bool = True,
+        wearing: bool = False,
+        run_up: float = 0.0,
+        stroke: tuple[float, float] | None = None,
+        rows_per_cycle: int = ROWS_AT_LEAST,
+        sections: int = 0,
+    ) -> "Recorder":
+        """An empty recorder for a linkage that starts in a position.
+
+        Parameters
+        ----------
+        position : ndarray, shape (3 bodies,)
+        recorded_cycles : int
+            Cycles whose series and single contacts are kept.
+        cycle : float
+            Duration of one cycle, s.
+        torques : bool
+            Whether series hold the torques of the drives.
+        wearing : bool
+            Whether the surfaces wear while the linkage runs; see ``wear``.
+        run_up : float
+            Time before the first cycle, s.
+        stroke : (float, float) or None
+            Times, since the beginning of a cycle, between which the bottom of the stroke is
+            sought that is filed in that cycle, s; the first may lie before it, the second lies
+            in it, behind its beginning.  None: those of the cycle.
+        rows_per_cycle : int
+            Series rows in a cycle without contact, at least.
+        sections : int
+            Poincare sections in a cycle.
+        """
+        count = len(linkage.clearances)
+        tally = np.zeros(count, TALLY)
+        tally["fewest_steps"] = np.iinfo(np.int64).max
+        record = np.zeros(1, RECORD)
+        record["room"] = np.iinfo(np.int64).max
+        record["interval"] = cycle / rows_per_cycle
+        record["force_step"] = FORCE_STEP
+        record["probe"] = 3 * linkage.index(linkage.probe.body)
+        record["probe_cos"] = math.cos(linkage.probe.direction)
+        record["probe_sin"] = math.sin(linkage.probe.direction)
+        record["probe_x"], record["probe_y"] = linkage.probe.x, linkage.probe.y
+        record["start"] = watched(record[0], position, position, position)[0]
+        begin, end = stroke or (0.0, cycle)
+        record["velocity"] = record["bottom"] = math.inf
+        record["period"], record["stroke_length"] = cycle, end - begin
+        # A cycle may end a rounding before its time.
+        record["stroke_end"] = run_up + end - STROKE_NOISE * cycle
+        # What is observed at the very start lies in the first stroke too.
+        record["stroke_begin"] = run_up + max(begin, 0.0) - STROKE_NOISE * cycle
+        rows = recorded_cycles + math.ceil(run_up / cycle)
+        rows = min(rows * (ROWS_AT_MOST if count else 2 * rows_per_cycle), ROWS_IN_ALL)
+        columns = SERIES_FIXED + SERIES_JOINT * count + len(linkage.drives) * torques
+        shape = map_shape(linkage.clearances)
+        book = Book(
+            packed=pack(linkage, wearing),
+            motions=motions_of(linkage),
+            contacts=np.zeros(count, CONTACT),
+            onset=np.zeros(count),
+            memory=np.zeros(count, MEMORY),
+            tally=tally,
+            record=record,
+            series=np.zeros((rows, columns)),
+            past=np.zeros((count, recorded_cycles * CONTACTS_AT_MOST), PAST_CONTACT),
+            film=empty_film(len(linkage.bodies), count),
+            shutter=shutter_of(cycle),
+            cycle=np.zeros(cycle_columns(count, len(linkage.drives))),
+            depth=np.zeros(shape),
+            doses=np.zeros(count, DOSE),
+            shares=np.zeros(shape[1:]),
+            torque=np.zeros(len(linkage.drives)),
+            drives=np.zeros(len(linkage.drives), DRIVE),
+            ledger=np.zeros(1, LEDGER),
+        )
+        recorder = Recorder(book, MapBatches(shape), sections)
+        recorder.start_cycle()
+        return recorder
+
+    @property
+    def cycles(self) -> Array:
+        """One row per finished cycle, columns CYCLE_FIXED, CYCLE_JOINT and CYCLE_DRIVE."""
+        return self._rows[: self._finished]
+
+    @property
+    def rows(self) -> Array:
+        """Series rows written so far, shape (n, SERIES_FIXED + SERIES_JOINT joints + drives)."""
+        return self.book.series[: int(self.book.record["rows"][0])]
+
+    def series(self, name: str, joint: int | None = None) -> Array:
+        """A recorded series by its name, of the linkage or of a joint, shape (n,); SI units."""
+        if joint is None:
+            return self.rows[:, SERIES_NAMES.index(name)]
+        return self.rows[:, SERIES_FIXED + SERIES_JOINT * joint + SERIES_JOINT_NAMES.index(name)]
+
+    @property
+    def torques(self) -> Array:
+        """Recorded torques of the drives, shape (n, drives), N m; no column without them."""
+        return self.rows[:, SERIES_FIXED + SERIES_JOINT * self.book.memory.size :]
+
+    def each_cycle(self, name: str, joint: int | None = None) -> Array:
+        """A number of each finished cycle by its name, shape (cycles,); SI units."""
+        if joint is None:
+            return self.cycles[:, CYCLE_FIXED.index(name)]
+        first = len(CYCLE_FIXED) + len(CYCLE_JOINT) * joint
+        return self.cycles[:, first + CYCLE_JOINT.index(name)]
+
+    @property
+    def film(self) -> Film:
+        """Frames kept so far."""
+        book = self.book
+        rows = book.film[: int(book.shutter["frames"][0])]
+        return Film.of(rows, book.memory.size)
+
+    def last_frames(self, count: int) -> Array:
+        """Rows of so many frames up to now: of a film that is full, the one taken again and again.
+
+        ``Film.of`` makes frames of them.
+        """
+        book = self.book
+        frames = int(book.shutter["frames"][0])
+        first = frames if frames == len(book.film) - 1 else max(frames - count, 0)
+        return book.film[first : max(frames, first + 1)]
+
+    def episodes(self, k: int) -> Array:
+        """Recorded contacts of joint ``k``, shape (n, 6), columns CONTACT_COLUMNS."""
+        rows = self.book.past[k, : int(self.book.tally["rows"][k])]
+        return np.asarray(rows.view(np.float64).reshape(-1, len(CONTACT_COLUMNS)))
+
+    def stop_recording(self) -> None:
+        """Keep no further series rows and contacts."""
+        self.book.record["room"] = 0
+        self.book.tally["full"] = True
+
+    def note_section(self) -> None:
+        """Keep the last accepted state as a Poincare section of the present cycle."""
+        own = [self.book.record[name] for name in SECTION_NAMES]
+        joints = [self.book.contacts[name] for name in SECTION_JOINT_NAMES]
+        self._sections.append(np.concatenate([*own, np.transpose(joints).ravel()]))
+
+    @property
+    def sections(self) -> Array:
+        """Sections of the finished cycles, shape (cycles, sections, columns); SI units.
+
+        Columns SECTION_NAMES, then SECTION_JOINT_NAMES of each joint.
+        """
+        columns = len(SECTION_NAMES) + len(SECTION_JOINT_NAMES) * self.book.memory.size
+        whole = self._sections[: self._finished * self.sections_per_cycle]
+        return np.reshape(whole, (-1 if whole else 0, self.sections_per_cycle, columns))
+
+    def start_cycle(self) -> None:
+        """Clear the row and the maps of the present cycle."""
+        self.book.tally["contacts_before"] = self.book.tally["contacts"]
+        self.book.cycle[:] = 0.0
+        self.book.cycle[[DISPLACEMENT_MAX, VELOCITY_MAX]] = -math.inf
+        self.book.cycle[VELOCITY_MIN] = math.inf
+        self.book.depth[:] = 0.0
+
+    @property
+    def last_time(self) -> float:
+        """Time of the last accepted state, s."""
+        return float(self.book.record["now"][0])
+
+    @property
+    def growth(self) -> Array:
+        """Greatest depth lost after each cycle, and deepest then, shape (cycles, 2, joints, 2), m.
+
+        The last axis holds bearing and pin; no row where the surfaces stay.
+        """
+        return self._growth
+
+    @property
+    def worn(self) -> Array:
+        """Depth of bearings and pins as they are now, shape (joints, 2, m), m; m = 0: round.
+
+        Each joint's stands in its own bins, the first of the m.
+        """
+        return depths_of(self.book.packed)
+
+    def _rebuild(self, depth: Array) -> None:
+        packed = self.book.packed
+        for k, own in enumerate(depth):
+            bearing, pin = own[:, : packed.joints[k]["surface_bins"]]
+            pack_surfaces(packed, k, (Surface(bearing), Surface(pin)))
+
+    def wear(self, lost: Array, q: Array, v: Array) -> None:
+        """Rebuild the surfaces without a depth, m, in the state between two cycles.
+
+        Pins that rested on what is gone are open; a contact that goes on keeps its closing speed.
+
+        Parameters
+        ----------
+        lost : ndarray, shape (joints, 2, m)
+        """
+        book = self.book
+        self._rebuild(self.worn + lost)
+        self._growth = np.append(self._growth, [[lost.max(axis=2), self.worn.max(axis=2)]], axis=0)
+        note_contacts(book.packed, book.contacts, q, v)
+        step = book.memory["step"].copy()
+        settle_state(book, self.last_time, LEAST_STEPS)
+        book.memory["step"] = step
+
+    def end_cycle(self) -> Array:
+        """File the present cycle and start the next; returns the depth that it added, m."""
+        if self._finished == len(self._rows):
+            # A new array each time it is full: views of the old one stay what they are.
+            more = np.zeros((max(2 * self._finished, 64), self.book.cycle.size))
+            more[: self._finished] = self.cycles
+            self._rows = more
+        self._rows[self._finished] = self.book.cycle
+        self._finished += 1
+        depth = self.book.depth.copy()
+        self.maps.add(depth)
+        self.start_cycle()
+        return depth
+
+    def state(self) -> dict[str, NDArray[Any]]:
+        """Everything that is not in the linkage, the start and the plan.
+
+        Rows of series, contacts, film and cycles are views: once written they stay.
+        """
+        book = self.book
+        frames = int(book.shutter["frames"][0])
+        return {
+            **{name: getattr(book, name).copy() for name in _SMALL},
+            "series": self.rows,
+            **{f"past_{k}": book.past[k, :n] for k, n in enumerate(book.tally["rows"])},
+            "film": book.film[:frames],
+            "frame": book.film[frames].copy(),
+            "cycles": self.cycles,
+            **named("maps", self.maps.state()),
+            **({} if book.packed.loads is None else {"modes": book.packed.loads.modes.copy()}),
+            "worn": self.worn,
+            "growth": self.growth,
+            **({"sections": self.sections} if self.sections_per_cycle else {}),
+        }
+
+    def restore(self, stored: State) -> None:
+        """Go on from the state of a recorder of the same linkage, start and plan."""
+        book = self.book
+        for name in _SMALL:
+            getattr(book, name)[...] = stored[name]
+        if book.packed.loads is not None:
+            book.packed.loads.modes[...] = stored["modes"]
+        book.series[: len(stored["series"])] = stored["series"]
+        for k in range(book.memory.size):
+            book.past[k, : len(stored[f"past_{k}"])] = stored[f"past_{k}"]
+        frames = len(stored["film"])
+        book.film[:frames] = stored["film"]
+        book.film[frames] = stored["frame"]
+        self._rows = np.array(stored["cycles"])
+        self._finished = len(self._rows)
+        self.maps.restore(part(stored, "maps"))
+        self._rebuild(stored["worn"])
+        self._growth = np.array(stored["growth"])
+        if self.sections_per_cycle:
+            self._sections = [*np.concatenate(stored["sections"])]

@@ -1,0 +1,204 @@
+"""The press in MuJoCo and Drake, by their own trees and integrators, with the same law.
+
+Both get the pushes of the pins as forces on their coordinates from the kernel by hand: neither
+has a pin loose in a bearing.  Crank 7 is so heavy that nothing slows it.
+"""
+
+from collections.abc import Callable
+from importlib.util import find_spec
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.tools.compiled import Records, specialised
+from presswear.validation.costs.by_hand import land, relative_forces
+from presswear.validation.costs.outcome import Found, Landings, Outcome, measured
+
+Array = NDArray[np.float64]
+
+HEAVY = 1e9
+"""Inertia of a crank that nothing slows, kg m^2."""
+JOINTS = ("crank 7", "plate 4", "rod 3", "slider 6", "rod 5")
+"""Their coordinates: each body's against that it hangs from."""
+
+
+def installed(package: str) -> bool:
+    """True where a package can be imported."""
+    return find_spec(package) is not None
+
+
+class _Contacts:
+    """Forces on the coordinates of JOINTS, and the closing speeds latched between steps."""
+
+    def __init__(self, press: Records, start: Array):
+        y, p = start, press[0]
+        self.q = np.array([p["start_7"], y[0] - p["start_7"], y[1] - y[0], y[2], y[3]])
+        self.v = np.array([p["speed"], y[4] - p["speed"], y[5] - y[4], y[6], y[7]])
+        self.landings = Landings()
+        self.calls = 0
+        own = self.landings
+        self._fixed = (own.onset, np.zeros(20), own.gaps[1], np.zeros(5))
+        self._press = press
+        self._kernel = specialised(relative_forces, press, 0.0, self.q, self.v, *self._fixed)
+
+    def forces(self, t: float, q: Array, v: Array) -> Array:
+        """Forces in a state."""
+        self.calls += 1
+        self._kernel(self._press, t, q, v, *self._fixed)
+        return self._fixed[-1]
+
+    def accept(self, t: float, last: float, q: Array, v: Array) -> None:
+        """Latch closing speeds in the state that a step from ``last`` to ``t``, s, ended in."""
+        self._kernel(self._press, t, q, v, *self._fixed)
+        own = self.landings
+        land(own.onset, own.gaps[0], own.gaps[1], own.touches, own.noted, last)
+
+    def found(self, steps: int) -> Found:
+        """What came out of the run, in the state last accepted."""
+        return self._fixed[1][:8].copy(), self.landings.told, steps, self.calls
+
+
+def _bodies(press: Records) -> dict[str, tuple[str, float, float, float, float, float, float]]:
+    """Of each body what it hangs from and where, m, its mass centre, m, mass and inertia."""
+    p = press[0]
+    plate = p["plate_inertia"] - p["mass_3"] * (p["b_x"] ** 2 + p["b_y"] ** 2)
+    plate -= p["mass_4"] * (p["centre_x"] ** 2 + p["centre_y"] ** 2)
+    half_3, half_5 = 0.5 * p["length_3"], 0.5 * p["length_5"]
+    rod_3 = p["rod_3_inertia"] - p["mass_3"] * half_3**2
+    rod_5 = p["rod_5_inertia"] - p["mass_5"] * half_5**2
+    centre, corner = (p["centre_x"], p["centre_y"]), (p["b_x"], p["b_y"])
+    return {
+        "crank 7": ("", 0.0, 0.0, 0.0, 0.0, 1.0, HEAVY),
+        "plate 4": ("crank 7", p["length_7"], 0.0, *centre, p["mass_4"], plate),
+        "rod 3": ("plate 4", *corner, half_3, 0.0, p["mass_3"], rod_3),
+        "slider 6": ("", p["o2_x"], 0.0, 0.0, 0.0, p["mass_6"], 1.0),
+        "rod 5": ("slider 6", 0.0, 0.0, half_5, 0.0, p["mass_5"], rod_5),
+    }
+
+
+def mujoco(press: Records, start: Array, end: float, step: float, longest: float) -> Outcome:
+    """Run MuJoCo's RK4 at equal steps, s; ``longest`` means nothing to it."""
+    import mujoco as mj
+
+    def element(name: str) -> str:
+        _, x, y, cx, cy, mass, inertia = bodies[name]
+        kind = 'slide" axis="0 1 0' if name == "slider 6" else 'hinge" axis="0 0 1'
+        inner = "".join(element(own) for own in JOINTS if bodies[own][0] == name)
+        return (
+            f'<body pos="{x!r} {y!r} 0"><joint type="{kind}"/><inertial pos="{cx!r} {cy!r} 0" '
+            f'mass="{mass!r}" diaginertia="{inertia!r} {inertia!r} {inertia!r}"/>{inner}</body>'
+        )
+
+    bodies = {name: (parent, *map(float, rest)) for name, (parent, *rest) in _bodies(press).items()}
+    count = round(end / step)
+    model = mj.MjModel.from_xml_string(
+        f'<mujoco><compiler angle="radian"/><option integrator="RK4" timestep="{end / count!r}" '
+        f'gravity="0 {-float(press[0]["gravity"])!r} 0"><flag contact="disable"/></option>'
+        f"<worldbody>{''.join(element(own) for own in JOINTS if not bodies[own][0])}</worldbody>"
+        "</mujoco>"
+    )
+    data, contacts = mj.MjData(model), _Contacts(press, start)
+    data.qpos[:], data.qvel[:] = contacts.q, contacts.v
+    q, v, passive = data.qpos, data.qvel, data.qfrc_passive
+
+    def push(model: Any, data: Any) -> None:
+        passive[:] = contacts.forces(data.time, q, v)
+
+    def run() -> Found:
+        contacts.accept(0.0, 0.0, q, v)
+        for i in range(count):
+            mj.mj_step(model, data)
+            contacts.accept(data.time, i * end / count, q, v)
+        return contacts.found(count)
+
+    mj.set_mjcb_passive(push)
+    try:
+        return measured(run)
+    finally:
+        mj.set_mjcb_passive(None)
+
+
+def drake(press: Records, start: Array, end: float, tolerance: float, longest: float) -> Outcome:
+    """Run Drake's RK3, error-controlled, with a target accuracy and a longest step, s."""
+    from pydrake.math import RigidTransform
+    from pydrake.multibody.plant import MultibodyPlant
+    from pydrake.multibody.tree import (
+        FixedOffsetFrame,
+        PrismaticJoint,
+        RevoluteJoint,
+        RotationalInertia,
+        SpatialInertia,
+    )
+    from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
+    from pydrake.systems.framework import DiagramBuilder, LeafSystem
+
+    contacts = _Contacts(press, start)
+    builder = DiagramBuilder()
+    plant = builder.AddSystem(MultibodyPlant(0.0))
+    plant.mutable_gravity_field().set_gravity_vector([0.0, -press[0]["gravity"], 0.0])
+    links = {"": plant.world_body()}
+    for name, (parent, x, y, cx, cy, mass, inertia) in _bodies(press).items():
+        centre = np.array([cx, cy, 0.0])
+        turning = RotationalInertia(inertia, inertia, inertia)
+        own = SpatialInertia.MakeFromCentralInertia(mass, centre, turning)
+        links[name] = plant.AddRigidBody(name, own)
+        place = RigidTransform([x, y, 0.0])
+        before = links[parent].body_frame()
+        frame = plant.AddFrame(FixedOffsetFrame(f"hinge of {name}", before, place))
+        kind, axis = RevoluteJoint, [0.0, 0.0, 1.0]
+        if name == "slider 6":
+            kind, axis = PrismaticJoint, [0.0, 1.0, 0.0]
+        plant.AddJoint(kind(name, frame, links[name].body_frame(), axis))
+    plant.Finalize()
+    order = [plant.GetJointByName(name).velocity_start() for name in JOINTS]
+    forces, state = np.zeros(5), np.zeros(10)
+
+    class Pushes(LeafSystem):  # type: ignore[misc]  # Drake may not be installed: its class is unknown
+        def __init__(self) -> None:
+            super().__init__()
+            self.state = self.DeclareVectorInputPort("state", 10)
+            self.DeclareVectorOutputPort("forces", 5, self.calc)
+
+        def calc(self, context: Any, output: Any) -> None:
+            state[:] = self.state.Eval(context)
+            pushed = contacts.forces(context.get_time(), state[:5][order], state[5:][order])
+            forces[order] = pushed
+            output.SetFromVector(forces)
+
+    pushes = builder.AddSystem(Pushes())
+    builder.Connect(plant.get_state_output_port(), pushes.get_input_port())
+    builder.Connect(pushes.get_output_port(), plant.get_applied_generalized_force_input_port())
+    simulator = Simulator(builder.Build())
+    integrator = ResetIntegratorFromFlags(simulator, "runge_kutta3", longest)
+    integrator.set_target_accuracy(tolerance)
+    root = simulator.get_mutable_context()
+    own = plant.GetMyMutableContextFromRoot(root)
+    for values, put in ((contacts.q, plant.SetPositions), (contacts.v, plant.SetVelocities)):
+        ordered = np.zeros(5)
+        ordered[order] = values
+        put(own, ordered)
+    last = 0.0
+
+    def accept(context: Any) -> None:
+        nonlocal last
+        t = context.get_time()
+        state[:] = context.get_continuous_state_vector().CopyToVector()
+        contacts.accept(t, last, state[:5][order], state[5:][order])
+        last = t
+
+    simulator.set_monitor(accept)
+    simulator.Initialize()
+
+    def run() -> Found:
+        simulator.AdvanceTo(end)
+        return contacts.found(integrator.get_num_steps_taken())
+
+    return measured(run)
+
+
+SIMULATORS: dict[str, tuple[str, Callable[..., Outcome], bool]] = {
+    "mujoco": ("MuJoCo, RK4", mujoco, True),
+    "pydrake": ("Drake, RK3", drake, False),
+}
+"""Name, function and whether its steps are equal, by the package that it needs."""

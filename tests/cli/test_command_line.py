@@ -1,0 +1,449 @@
+"""The commands as a person types them."""
+
+import json
+import logging
+import os
+import re
+import signal
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from presswear.__main__ import main
+from presswear.campaign import single
+from presswear.cli import scenes
+from presswear.cli.logs import logged
+from presswear.cli.parser import parser_of
+from presswear.results.folder import ResultFolder
+from presswear.scene.catalog import ideal
+from presswear.scene.files import example_file, scene_from
+from presswear.scene.scene import Scene
+from presswear.show import report
+from presswear.tools.own import OwnFunction
+
+
+@pytest.mark.parametrize(
+    ("arguments", "names"),
+    [
+        (["run", "nonsense"], ("nonsense", "wear-times")),
+        (["run", "wear-times", "--set", "colour=red"], ("colour", "clearance")),
+        (["run", "wear-times", "--set", "clearance=0.8"], ("clearance", "unit", "0.8mm")),
+        (["run", "wear-times", "--set", "clearance=thick"], ("clearance", "thick")),
+        (["run", "wear-times", "--set", "clearance=15mm"], ("clearance", "0.015 m")),
+        (["run", "wear-times", "--set", "length_3=0.1m"], ("assembled", "crank angle", "joint")),
+        (["run", "wear-times", "--set", "length_5=0.05m"], ("assembled", "crank angle", "joint")),
+        (["run", "wear-times", "--set", "friction=inf"], ("friction",)),
+        (["run", "wear-times", "--cycles", "0"], ("cycles", "1 to")),
+        (["run", "wear-times", "--cycles", "many"], ("cycles", "many")),
+        (["run", "wear-times", "--conventions", "mine"], ("mine", "refined")),
+        (["run", "wear-times", "--engine", "steam"], ("steam", "exudyn")),
+        (["run", "wear-times", "--set", "joints=B"], ("joints", "A, C, none, several, as AC")),
+        (["run", "slider-crank", "--set", "joints=C"], ("joints", "A, B, none, several, as AB")),
+        (["run", "slider-crank", "--set", "geometry=standard"], ("geometry", "rod_length")),
+        (["run", "slider-crank", "--set", "rod_length=40mm"], ("rod_length", "0.050005 m")),
+        (
+            ["run", "slider-crank", "--set", "crank_length=0.12m"],
+            ("rod_length = 0.12 m", "crank_length = 0.12 m", "joint B"),
+        ),
+        (["run", "slider-crank", "--set", "speed=6000rad/s"], ("speed", "5000 rad/s")),
+        (["run"], ("scene",)),
+        (["run", "ideal", "--cycles", "1", "--set", "cycles=2"], ("--cycles and --set cycles",)),
+        (["run", "ideal", "--out", ""], ("--out", "name is expected")),
+        (["run", "ideal", "--out", "/dev/null/x"], ("/dev/null", "no folder")),
+        (["run", "ideal", "--set", "fric\ntion=1"], ("fric\\ntion",)),
+        (["run", "paper", "--jobs", "9" * 5000], ("--jobs 999",)),
+        (["life", "press-blanking", "--until", "deth > 1 mm"], ("deth", "did you mean depth")),
+        (["life", "press-blanking", "--until", "depth > 1"], ("depth", "no unit", "0.8mm")),
+        (["life", "press-blanking", "--until", "depth < 1 mm"], ("NAME > VALUE",)),
+        (["life", "press-blanking", "--until", "A.bdc_error > 1 mm"], ("whole mechanism",)),
+        (["life", "press-blanking", "--until", "B.depth > 1 mm"], ("'B'", "known are A, C")),
+        (["life", "press-blanking", "--at-most", "0"], ("at_most = 0", "1 to 1e+15")),
+        (["life", "press-blanking", "--replace", "A"], ("replaced = 'A'", "JOINT@STROKES")),
+        (["life", "press-blanking", "--turn", "A@1e9"], ("turned = 'A@1e9'", "below at_most")),
+        (["life", "press-blanking", "--compare", "clearance=0.8mm"], ("changes nothing",)),
+        (["life", "press-blanking", "--conventions", "paper"], ("wear_distribution", "arc")),
+        (["life", "press-blanking", "--wear-updates", "0"], ("wear_updates = 0", "1 to 20")),
+        (["life", "press-blanking", "--on", "dask"], ("--on is for the runs of a study",)),
+        (
+            ["life", "press-blanking", "--set", "life.max_cycles=0"],
+            ("life.max_cycles = 0",),
+        ),
+        (
+            ["life", "press-blanking", "--at-most", "5", "--set", "life.at_most=6"],
+            ("life.at_most is given twice, as 5 and by --set",),
+        ),
+        (["life", "ideal"], ("no joint has clearance",)),
+        (["life", "paper"], ("study",)),
+        (["crosscheck", "nonsense"], ("nonsense",)),
+        (["crosscheck", "--duration", "-1"], ("--duration -1",)),
+        (["crosscheck", "--duration", "nan"], ("--duration: 'nan'",)),
+        (["crosscheck", "--duration", "long"], ("long",)),
+        (["crosscheck", "--until", "1"], ("--until goes only with --against",)),
+        (["crosscheck", "--against", "theirs.csv"], ("needs the result folder",)),
+        (
+            ["crosscheck", "nowhere", "--against", "theirs.csv"],
+            ("nowhere: there is no such folder",),
+        ),
+        (["crosscheck", ".", "--against", "theirs.csv"], ("theirs.csv is missing",)),
+        (["crosscheck", ".", "--against", "theirs.txt"], (".csv or .npz",)),
+        (
+            ["crosscheck", "nowhere", "--against", "theirs.csv", "--set", "cycles=3"],
+            ("--set does not go",),
+        ),
+        (
+            ["crosscheck", "nowhere", "--against", "theirs.csv", "--tolerance", "0"],
+            ("--tolerance 0",),
+        ),
+        (["crosscheck", "--duration", "1e300"], ("--duration 1e+300", "100 cycles")),
+        (["crosscheck", "--duration", "1_0"], ("--duration", "1_0", "finite number")),
+        (["precision", "--set", "wear_coefficient=0/Pa"], ("nothing wears",)),
+        (["precision", "nothing"], ("unknown scene 'nothing'",)),
+        (["precision", "ideal"], ("no clearance",)),
+        (["precision", "--repeats", "0"], ("a whole number from 1 to 1000",)),
+        (["precision", "--set", "speed=fast"], ("speed",)),
+        (["precision", "--fast"], ("unrecognized arguments",)),
+        (["verify", "--long"], ("--hard",)),
+        (["precision", "--set", "exponent=1.2"], ("exponent = 1.2", "foundation")),
+        (["dance"], ("dance", "run")),
+        (["report", "nowhere"], ("nowhere", "no such folder")),
+        (["list", "nonsense"], ("nonsense", "ideal")),
+        (["costs", "--repeats", "0"], ("--repeats 0", "1 to")),
+        (["costs", "--repeats", "-1"], ("--repeats", "-1")),
+        (["costs", "--repeats", "many"], ("--repeats many", "whole number")),
+        (["costs", "--fast"], ("--fast",)),
+        (["run", "weartimes"], ("'weartimes'; did you mean wear-times?",)),
+        (["run", "wear-times", "--cycels", "5"], ("--cycels 5; did you mean --cycles?",)),
+        (["run", "wear-times", "--set", "clearence=1mm"], ("did you mean clearance?",)),
+        (["run", "wear-times", "--engine", "exudyntree"], ("did you mean exudyn-tree?",)),
+        (["run", "wear-times", "clearance=0.5mm"], ("--set clearance=0.5mm",)),
+        (["sweep", "wear-times", "speed=60 rpm"], ("--set 'speed=60 rpm'",)),
+        (["run", "wear-times", "--set", "clearance", "1mm"], ("--set KEY=VALUE",)),
+        (["run", "wear-times", "--clearance", "1mm"], ("is set by --set clearance=1mm",)),
+        (["run", "wear-times", "--clearance=1mm"], ("is set by --set clearance=1mm",)),
+        (["run", "wear-times", "--set", "speed=200rmp"], ("'rmp'; did you mean rpm?",)),
+        (["reprot", "nowhere"], ("'reprot'; did you mean report?",)),
+        (["run", "wear-times", "--surfaces", "nowhere:1"], ("nowhere: there is no such folder",)),
+        (["run", "wear-times", "--surfaces", "worn.csv"], ("worn.csv: there is no such file",)),
+        (["run", "wear-times", "--on", "dask"], ("--on is for the runs of a study",)),
+        (["run", "paper", "--surfaces", "here:1"], ("--surfaces is for scenes",)),
+        (["run", "wear-times", "--surfaces", "here:two"], ("here:two", "a stage, 0, 1, 2 ...")),
+        (["replay", "nowhere"], ("nowhere: there is no such folder",)),
+        (["replay", "nowhere", "--size", "one"], ("nowhere: there is no such folder",)),
+    ],
+)
+def test_bad_input_is_one_line_and_exit_code_2(
+    arguments: list[str],
+    names: tuple[str, ...],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(arguments) == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err.count("\n") == 1
+    for name in names:
+        assert name in captured.err
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("line", ["run wear-times", "run paper", "life ideal", "sweep wear-times"])
+def test_what_is_not_there_is_not_gone_on_with(
+    line: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "results" / "first").mkdir(parents=True)
+    assert main([*line.split(), "--resume", "--out", "results/frist"]) == 2
+    told = capsys.readouterr().err
+    assert told.startswith("presswear: --resume --out results/frist: there is no such folder")
+    assert "did you mean first?" in told
+    assert told.count("\n") == 1
+    assert [own.name for own in (tmp_path / "results").iterdir()] == ["first"]
+
+
+def test_a_folder_of_several_runs_names_them(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for key in ("a", "b", "c", "runs/d"):
+        (tmp_path / key).mkdir(parents=True)
+        (tmp_path / key / "result.json").touch()
+    assert main(["replay", str(tmp_path), "--still", str(tmp_path / "a.png")]) == 2
+    named = ", ".join(str(tmp_path / key) for key in "abc")
+    assert f"name one that it holds: {named} and 1 more\n" in capsys.readouterr().err
+
+
+def test_list_names_the_scenes(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["list"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in lines] == [
+        "ideal",
+        "wear-times",
+        "friction",
+        "friction-0.1",
+        "speed",
+        "speed-8pi",
+        "clearance-a",
+        "clearance-c",
+        "press-blanking",
+        "press-drawing",
+        "press-servo-dwell",
+        "press-servo-forming",
+        "press-pendulum",
+        "slider-crank",
+        "paper",
+        "runaway",
+        "coverage",
+    ]
+    assert len({line.index(line.split(None, 1)[1]) for line in lines}) == 1
+
+
+def test_list_shows_what_can_be_set(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["list", "wear-times"]) == 0
+    assert "clearance            0.0008 m" in capsys.readouterr().out
+
+
+def test_run_ideal_and_report(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = tmp_path / "ideal"
+    assert main(["run", "ideal", "--cycles", "1", "--out", str(folder)]) == 0
+    assert json.loads((folder / "result.json").read_text())["status"] == "completed"
+    report = folder / "report.html"
+    assert report.stat().st_size > 10_000
+    report.unlink()
+    assert main(["report", str(folder)]) == 0
+    assert report.exists()
+    assert main(["run", "ideal", "--out", str(folder)]) == 2
+    assert "not empty" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("is_verbose", [True, False])
+def test_what_is_done_is_logged_where_that_is_asked_for(
+    is_verbose: bool, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The library itself leaves it to whoever imports it where that goes."""
+    scene = replace(ideal(), cycles=1, engine="dae")
+    with logged(is_verbose):
+        single.run_scene(scene)
+    lines = capsys.readouterr().err.splitlines()
+    assert bool(lines) == is_verbose
+    assert all(re.match(r"\d\d:\d\d:\d\d presswear(\.\w+)+: ", line) for line in lines)
+    for words in ("stage 0 begins: no wear", "stage 0 ends: completed, 1 cycles")[: len(lines)]:
+        assert len([line for line in lines if f".campaign.campaign: {words}" in line]) == 1
+    assert not logging.getLogger("presswear").handlers
+
+
+def test_that_is_asked_for_before_or_behind_the_command() -> None:
+    for words in ("-v list ideal", "list ideal --verbose", "list ideal"):
+        arguments = parser_of(words.split()).parse_args(words.split())
+        assert ("verbose" in arguments) == (words != "list ideal")
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        [],
+        ["run"],
+        ["list"],
+        ["report"],
+        ["crosscheck"],
+        ["export"],
+        ["verify"],
+        ["precision"],
+        ["costs"],
+        ["completion"],
+    ],
+)
+def test_every_help_has_an_example(command: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as ended:
+        main([*command, "--help"])
+    assert ended.value.code == 0
+    assert "example: presswear" in capsys.readouterr().out
+
+
+def test_what_an_interrupt_left_half_made_says_nothing(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    class Half:
+        def __init__(self) -> None:
+            if "signal" in chosen:
+                signal.raise_signal(signal.SIGTERM)
+
+        def __del__(self) -> None:
+            raise AttributeError("it has no other half")
+
+    def listed(arguments: object, console: object) -> int:
+        Half()
+        return 0
+
+    monkeypatch.setattr(scenes, "_list", listed)
+    monkeypatch.setattr(sys, "unraisablehook", sys.__unraisablehook__)
+    chosen = ["signal"]
+    assert main(["list"]) == 143
+    assert capsys.readouterr().err == "presswear: interrupted\n"
+    chosen.clear()
+    assert main(["list"]) == 0
+    assert "it has no other half" in capsys.readouterr().err
+
+
+def test_the_module_runs_as_a_command() -> None:
+    found = subprocess.run(
+        [sys.executable, "-m", "presswear", "list"], capture_output=True, text=True, check=True
+    )
+    assert "wear-times" in found.stdout
+
+
+def test_an_interrupt_that_became_another_error_is_one(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def listed(arguments: object, console: object) -> int:
+        try:
+            signal.raise_signal(signal.SIGTERM)
+        except KeyboardInterrupt:
+            raise RuntimeError("Error calling __set_name__") from None
+        return 0
+
+    monkeypatch.setattr(scenes, "_list", listed)
+    assert main(["list"]) == 143
+    assert capsys.readouterr().err == "presswear: interrupted\n"
+    monkeypatch.setattr(scenes, "_list", lambda arguments, console: 1 // 0)
+    with pytest.raises(ZeroDivisionError):
+        main(["list"])
+
+
+@pytest.mark.parametrize("kind", ["four-bar", "slider-crank", "press"])
+def test_a_new_file_is_listed_drawn_and_run(
+    kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(["new", kind, "my-own.toml"]) == 0
+    written = Path("my-own.toml").read_bytes()
+    # Nothing that is there is lost.
+    assert main(["new", kind, "my-own.toml"]) == 2
+    assert Path("my-own.toml").read_bytes() == written
+    assert "my-own.toml cannot be written: File exists" in capsys.readouterr().err
+    assert main(["list", "my-own.toml"]) == 0
+    told = capsys.readouterr().out
+    for key in ("bodies[0].mass", "pins[1].first", "drives[0].speed", "clearance"):
+        assert re.search(rf"^{re.escape(key)} ", told, re.MULTILINE), key
+    assert main(["show", "my-own.toml", "--at", "10ms"]) == 0
+    assert Path("my-own.png").read_bytes().startswith(b"\x89PNG")
+    options = ["--engine", "dae", "--cycles", "1", "--wear-updates", "0", "--set", "replicates=1"]
+    assert main(["run", "my-own.toml", "--out", "out", *options]) == 0
+    assert main(["report", "out"]) == 0
+    assert "report in out" in capsys.readouterr().out
+
+
+def test_a_run_goes_on_without_the_files_it_began_with(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Its folder holds the mechanism and the text of the law, which --trust executes."""
+    monkeypatch.chdir(tmp_path)
+    law = "def soft(penetration):\n    return 1e7 * penetration\n"
+    Path("laws.py").write_text(law)
+    text = example_file("four-bar").replace(
+        "wear_updates = 1", 'wear_updates = 0\nnormal_law = "laws.py:soft"'
+    )
+    Path("mine.toml").write_text(text)
+    scene = scene_from(Path("mine.toml"))
+    assert isinstance(scene.bearings.normal_law, OwnFunction)
+    with ResultFolder(Path("out"), scene) as folder:
+        folder.interrupt()
+    Path("laws.py").unlink()
+    line = ["run", "mine.toml", "--resume", "--out", "out", "--trust"]
+    going_on: list[Scene] = []
+
+    def run_into(store: ResultFolder, own: Scene, *more: object) -> None:
+        going_on.append(own)
+        store.interrupt()
+
+    monkeypatch.setattr(single, "run_into", run_into)
+    monkeypatch.setattr(report, "write_report", lambda result: "")
+    for _ in range(2):
+        assert main(line) == 0
+        Path("mine.toml").unlink(missing_ok=True)
+    assert going_on == [scene, scene]
+    assert main([*line, "--cycles", "3"]) == 2
+    assert "mine.toml: there is no such file" in capsys.readouterr().err
+
+
+def test_a_list_names_everything_once(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    file = tmp_path / "mine.toml"
+    file.write_text(example_file("four-bar"))
+    assert main(["list", f"{file}"]) == 0
+    keys = [line.split()[0] for line in capsys.readouterr().out.splitlines()]
+    assert len(keys) == len(set(keys))
+    assert {"gravity", "run_up", "cycle"} <= set(keys)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["new", "fourbar", "x.toml"], "unknown mechanism 'fourbar'; did you mean four-bar?"),
+        (["new", "press", "x.txt"], "x.txt: a name that ends in .toml is expected"),
+        (["new", "press", "no/x.toml"], "no/x.toml cannot be written: No such file or directory"),
+        (["run", "x.toml"], "x.toml: there is no such file"),
+        (["show", "wear-times", "--at", "3"], "--at = '3' has no unit"),
+        (["show", "wear-times", "--out", "x.pdf"], "x.pdf: a name that ends in .png is expected"),
+        (["show", "wear-times", "--out", "no/x.png"], "there is no folder no"),
+    ],
+)
+def test_what_does_not_fit_a_file_is_one_line(
+    arguments: list[str],
+    says: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert main(arguments) == 2
+    captured = capsys.readouterr()
+    assert says in captured.err
+    assert captured.err.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("line", "unbuffered"),
+    [("list ideal", ""), ("list ideal", "1"), ("--help", ""), ("--version", "")],
+)
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no full device")
+def test_a_full_standard_output_is_named_in_one_line(
+    line: str, unbuffered: str, tmp_path: Path
+) -> None:
+    words = [sys.executable, "-m", "presswear", *line.split()]
+    environment = {**os.environ, "PYTHONUNBUFFERED": unbuffered}
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run(
+            words,
+            cwd=tmp_path,
+            env=environment,
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            check=False,
+        )
+    assert done.returncode == 2
+    told = "presswear: standard output cannot be written: No space left on device\n"
+    assert done.stderr == told
+
+
+def test_a_terminal_without_a_character_shows_an_escape(tmp_path: Path) -> None:
+    """The title holds one that ASCII lacks; the run comes to its end."""
+    file = tmp_path / "mine.toml"
+    file.write_text(example_file("four-bar").replace("A four-bar", "Ø 30 µm ±"), encoding="utf-8")
+    words = [sys.executable, "-m", "presswear", "run", "mine.toml", "--out", "out"]
+    words += ["--engine", "dae", "--cycles", "1", "--wear-updates", "0", "--set", "joints=none"]
+    environment = {**os.environ, "PYTHONIOENCODING": "ascii"}
+    done = subprocess.run(words, cwd=tmp_path, env=environment, capture_output=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert b"\\xd8 30 \\xb5m \\xb1" in done.stdout
+    words[-1] = "joints=µ"
+    done = subprocess.run(words, cwd=tmp_path, env=environment, capture_output=True, check=False)
+    assert done.returncode == 2
+    assert b"joints = '\\xb5'" in done.stderr

@@ -1,0 +1,86 @@
+"""The film of a run: what it holds is what was so."""
+
+import numpy as np
+import pytest
+
+from presswear.campaign.replicates import start_of
+from presswear.engines.base import Plan, Run
+from presswear.recording import film as film_module
+from presswear.recording.film import FILM_JOINT, FRAMES_PER_CYCLE, Film
+from presswear.scene.catalog import scene_named
+from presswear.scene.scene import Scene
+from presswear.scene.settings import changed
+
+
+def ran(scene: Scene, cycles: int) -> Run:
+    accuracy = scene.solver.over(scene.mechanism.period)
+    plan = Plan(scene.mechanism.period, cycles)
+    return accuracy.simulate(scene.linkage(), start_of(scene, 0), plan)
+
+
+@pytest.fixture(scope="module", params=["exudyn-tree", "dae"])
+def rattling(request: pytest.FixtureRequest) -> Run:
+    return ran(changed(scene_named("wear-times"), {"engine": request.param}), 1)
+
+
+def test_frames_of_the_ideal_press_lie_on_its_closed_form() -> None:
+    scene = scene_named("ideal")
+    run = ran(scene, 1)
+    film = run.recorder.film
+    exact = scene.ideal.at(film.time)
+    apart = np.abs(film.position - exact.position)
+    assert len(film.time) > 0.9 * FRAMES_PER_CYCLE
+    assert apart.max() < 2e-7
+    assert film.joints.shape == (len(film.time), 0, len(FILM_JOINT))
+
+
+def test_frames_are_no_closer_than_their_interval_and_cover_the_cycle(rattling: Run) -> None:
+    time = rattling.recorder.film.time
+    interval = time[-1] / FRAMES_PER_CYCLE
+    # One in each interval, so at least half of one apart on the average of two.
+    assert np.diff(time).min() > 0.0
+    assert (time[2:] - time[:-2]).min() > 0.9 * interval
+    assert np.diff(time).max() < 3.0 * interval
+    assert time[0] == 0.0
+
+
+def test_a_frame_is_the_state_of_the_series_at_its_time(rattling: Run) -> None:
+    recorder = rattling.recorder
+    film, rows = recorder.film, recorder.rows
+    common, ours, theirs = np.intersect1d(film.time, rows[:, 0], return_indices=True)
+    assert len(common) > 50
+    for k in range(2):
+        row = rows[theirs, 4 + 6 * k :]
+        assert np.array_equal(film.joints[ours, k, 4], row[:, 2])  # penetration
+        assert np.array_equal(film.joints[ours, k, 0], row[:, 3])  # normal force
+        assert np.array_equal(film.joints[ours, k, 1], row[:, 4])
+
+
+def test_no_peak_is_lost_between_frames(rattling: Run) -> None:
+    film, tally = rattling.recorder.film, rattling.recorder.book.tally
+    for k in range(2):
+        columns = film.joints[:, k]
+        assert columns[:, 5].max() == tally["peak_force"][k]
+        assert columns[:, 0].max() < columns[:, 5].max()  # frames alone miss it
+        assert (columns[:, 5] >= columns[:, 0]).all()
+
+
+def test_a_film_ends_and_its_last_frame_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(film_module, "FILM_CYCLES", 1)
+    recorder = ran(changed(scene_named("wear-times"), {"engine": "dae"}), 2).recorder
+    period = scene_named("wear-times").mechanism.period
+    assert len(recorder.film.time) == FRAMES_PER_CYCLE
+    # Steps are longer than an interval at times, so a film lasts a little longer.
+    assert recorder.film.time[-1] < 1.3 * period
+    last = Film.of(recorder.last_frames(60), 2)
+    assert last.time == pytest.approx([2.0 * period], abs=0.01 * period)
+
+
+def test_a_film_is_stored_and_read_back(rattling: Run) -> None:
+    film = rattling.recorder.film
+    names = ("A", "C")
+    back = Film.from_arrays(film.arrays(names), 6, names)
+    assert np.array_equal(back.position, film.position)
+    assert np.array_equal(back.joints, film.joints)
+    with pytest.raises(KeyError):
+        Film.from_arrays({"time": film.time, "position": film.position}, 6, names)

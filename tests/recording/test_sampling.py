@@ -1,0 +1,327 @@
+"""Cycles as samples: means, batches, wear maps, bootstrap intervals and what they cover."""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy import stats
+
+from presswear.recording.sampling import (
+    LEAST_SAMPLES,
+    MOST_BATCHES,
+    STARTUP_CYCLES,
+    Interval,
+    MapBatches,
+    after_startup,
+    basic_interval,
+    batched,
+    differ,
+    estimate,
+    half_width,
+    map_batches,
+    map_errors,
+    mean_map,
+    mean_range,
+    peak_of,
+    pointwise_interval,
+    pooled,
+    resampled,
+    spread,
+    turned_interval,
+)
+from presswear.tools.arrays import Array
+
+
+def test_interval_of_a_mean_over_cycles() -> None:
+    """Student's interval of 2, 4, 6 after the start-up: 4 +- 4.303 * 2 / sqrt(3)."""
+    found = estimate(np.array([100.0, 50.0, 2.0, 4.0, 6.0]))
+    assert found.mean == 4.0
+    assert found.half_width == pytest.approx(4.30265 * 2.0 / 3.0**0.5, rel=1e-5)
+    assert estimate(np.array([1.0])).half_width is None
+    # Where no more ran, the last is the only sample.
+    assert estimate(np.array([1.0, 3.0])).mean == 3.0
+
+
+@given(st.integers(1, 500))
+def test_batches_are_equal_and_nearly_all_samples(count: int) -> None:
+    samples = np.arange(count, dtype=float)
+    found = batched(samples)
+    size = -(-count // MOST_BATCHES)
+    assert len(found) == count // size <= MOST_BATCHES
+    assert np.allclose(np.diff(found), size)
+    assert found[-1] == pytest.approx(samples[-size:].mean())
+
+
+def test_batches_see_what_neighbours_share() -> None:
+    """Of an autoregressive series a plain interval is too narrow; that of batches is not."""
+    generator = np.random.default_rng(3)
+    phi, count, draws = 0.8, 1600, 300
+    inside = {"plain": 0, "batched": 0}
+    for _ in range(draws):
+        series = np.zeros(count)
+        for i in range(1, count):
+            series[i] = phi * series[i - 1] + generator.normal()
+        for name, samples in (("plain", series), ("batched", batched(series))):
+            half = half_width(samples)
+            assert half is not None
+            inside[name] += abs(series.mean()) <= half
+    assert inside["plain"] / draws < 0.7
+    assert inside["batched"] / draws > 0.9
+
+
+def autoregressive(generator: np.random.Generator, phi: float, runs: int, count: int) -> Array:
+    """Stationary series of unit variance, shape (runs, count)."""
+    series = generator.normal(size=(runs, count))
+    for i in range(1, count):
+        series[:, i] = phi * series[:, i - 1] + math.sqrt(1.0 - phi * phi) * series[:, i]
+    return series
+
+
+def as_it_is(series: Array) -> Array:
+    return series
+
+
+def skewed(series: Array) -> Array:
+    """Normal numbers made those of a gamma distribution of shape 2, of unit variance."""
+    found: Array = stats.gamma.ppf(stats.norm.cdf(series), 2.0) / math.sqrt(2.0)
+    return found
+
+
+@pytest.mark.parametrize(
+    ("phi", "runs", "count", "shape", "far"),
+    [
+        (0.0, 4, 5, as_it_is, 0.0),
+        (0.0, 4, 14, as_it_is, 3.0),
+        (0.0, 4, 50, skewed, 0.0),
+        (0.5, 4, 80, as_it_is, 3.0),
+        (0.8, 1, 1600, as_it_is, 0.0),
+    ],
+)
+def test_intervals_of_scatter_cover_it(
+    phi: float, runs: int, count: int, shape: Callable[[Array], Array], far: float
+) -> None:
+    """Standard deviation and range of samples that hang together, of runs far apart."""
+    generator = np.random.default_rng(11)
+    size = min(10, count - STARTUP_CYCLES)
+    long = shape(autoregressive(generator, phi, 2000, 20 // size * size))
+    truth = float(np.ptp(long.reshape(-1, size), axis=1).mean())
+    draws, deviations, ranges, plain = 300, 0, 0, 0
+    for _ in range(draws):
+        series = shape(autoregressive(generator, phi, runs, count))
+        series += far * np.arange(runs)[:, np.newaxis]
+        found = spread(list(series))
+        assert found is not None
+        assert found.low is not None
+        assert found.high is not None
+        assert found.low < found.value < found.high
+        deviations += found.low <= 1.0 <= found.high
+        span, told = mean_range(list(series))
+        assert told == size
+        assert span is not None
+        assert span.low is not None
+        assert span.high is not None
+        ranges += span.low <= truth <= span.high
+        free = runs * (count - STARTUP_CYCLES - 1)
+        ends = found.value * np.sqrt(free / stats.chi2.ppf([0.975, 0.025], free))
+        plain += ends[0] <= 1.0 <= ends[1]
+    assert 0.89 < deviations / draws < 0.99
+    assert 0.89 < ranges / draws < 0.99
+    if phi > 0.7 or shape is skewed:
+        assert plain / draws < 0.85
+
+
+def test_scatter_is_that_of_each_run_about_its_own_mean() -> None:
+    first, second = np.array([9.0, 9.0, 1.0, 3.0, 2.0]), np.array([9.0, 9.0, 14.0, 10.0, 12.0])
+    found = spread([first, second])
+    assert found is not None
+    assert found.value == pytest.approx(math.sqrt((2.0 + 8.0) / 4.0))
+    # By hand: each sample left out once, with the mean of those that stay.
+    logs = []
+    for run, other in ((first[2:], second[2:]), (second[2:], first[2:])):
+        for k in range(3):
+            squares = np.delete(run, k).var() * 2 + other.var() * 3
+            logs.append(math.log(squares / 3.0))
+    pseudo = 6.0 * math.log(2.5) - 5.0 * np.array(logs)
+    low, high = stats.t.interval(0.95, 5, pseudo.mean(), stats.sem(pseudo))
+    assert found.low == pytest.approx(math.exp(0.5 * low))
+    assert found.high == pytest.approx(math.exp(0.5 * high))
+
+
+def test_range_is_over_as_many_as_the_shortest_run_has() -> None:
+    generator = np.random.default_rng(2)
+    runs = [generator.normal(size=count + STARTUP_CYCLES) for count in (4, 9)]
+    span, size = mean_range(runs)
+    assert size == 4
+    parts = [runs[0][2:], runs[1][3:7], runs[1][7:]]
+    assert span is not None
+    assert span.value == pytest.approx(np.mean([np.ptp(own) for own in parts]))
+
+
+def test_too_few_samples_have_no_scatter_and_no_interval() -> None:
+    assert spread([np.array([1.0])]) is None
+    assert mean_range([np.array([1.0, 2.0, 3.0])]) == (None, 1)
+    # Two cycles behind the start-up: one degree of freedom.
+    few = spread([np.array([0.0, 0.0, 1.0, 2.0])])
+    assert few is not None
+    assert (few.low, few.high) == (None, None)
+    assert few.value == pytest.approx(math.sqrt(0.5))
+    still = spread([np.ones(8)])
+    assert still is not None
+    assert (still.value, still.low) == (0.0, None)
+    span, size = mean_range([np.array([0.0, 0.0, 1.0, 2.0])])
+    assert (span, size) == (Interval(1.0, None, None), 2)
+
+
+@given(st.integers(1, 200), st.integers(0, 2**31))
+def test_map_batches_keep_sums_means_and_scatter(count: int, seed: int) -> None:
+    maps = np.random.default_rng(seed).gamma(1.0, size=(count, 2, 2, 5))
+    found = MapBatches((2, 2, 5))
+    for depth in maps:
+        found.add(depth)
+    samples = maps[min(STARTUP_CYCLES, count - 1) :]
+    assert np.array_equal(after_startup(maps), samples)
+    assert found.samples == len(samples)
+    assert np.allclose(mean_map([found]), samples.mean(axis=0))
+    if len(samples) < LEAST_SAMPLES:
+        assert np.all(np.isinf(map_errors(*map_batches([found]))))
+        return
+    whole = len(samples) // found.size
+    expected = samples[: whole * found.size].reshape(whole, found.size, 2, 2, 5).mean(axis=1)
+    assert np.allclose(found.batches(), expected)
+    assert whole <= MOST_BATCHES
+    noise = (expected.var(axis=0, ddof=1) / whole).sum(axis=(1, 2))
+    size = (expected.mean(axis=0) ** 2).sum(axis=(1, 2))
+    assert np.allclose(map_errors(*map_batches([found])), np.sqrt(noise / size))
+
+
+def test_maps_of_several_starts_are_pooled_by_their_cycles() -> None:
+    generator = np.random.default_rng(4)
+    runs, samples = [], []
+    for count in (12, 80):
+        maps = generator.gamma(2.0, size=(count, 1, 2, 6))
+        run = MapBatches((1, 2, 6))
+        for depth in maps:
+            run.add(depth)
+        runs.append(run)
+        samples.append(maps[STARTUP_CYCLES:])
+    assert np.allclose(mean_map(runs), np.concatenate(samples).mean(axis=0))
+    batches, weights = map_batches(runs)
+    assert weights.tolist() == [1.0] * 10 + [4.0] * 19
+    plain = np.concatenate(samples).std(axis=0, ddof=1) / np.sqrt(88)
+    expected = np.sqrt((plain**2).sum() / (mean_map(runs) ** 2).sum())
+    assert map_errors(batches, weights)[0] == pytest.approx(expected, rel=0.25)
+
+
+def test_a_map_without_wear_has_no_error() -> None:
+    found = MapBatches((1, 2, 4))
+    for _ in range(6):
+        found.add(np.zeros((1, 2, 4)))
+    assert map_errors(*map_batches([found]))[0] == 0.0
+
+
+@pytest.mark.parametrize(("count", "width"), [(6, 10.0), (20, 10.0), (20, 40.0)])
+def test_intervals_of_the_deepest_place_cover_it(count: int, width: float) -> None:
+    """The deepest of noisy bins is too deep on average; the interval must know that."""
+    generator = np.random.default_rng(7)
+    truth = np.exp(-0.5 * ((np.arange(360) - 90.0) / width) ** 2)
+    draws, deep, turned, bias = 200, 0, 0, 0.0
+    for _ in range(draws):
+        scale = 1.0 + 0.3 * generator.standard_normal((count, 1))
+        maps = truth * scale * generator.gamma(11.0, 1.0 / 11.0, (count, 360))
+        peak = peak_of(maps.mean(axis=0), resampled(maps, np.ones(count)), count)
+        assert peak.depth.low is not None
+        assert peak.depth.high is not None
+        assert peak.angle.low is not None
+        assert peak.angle.high is not None
+        deep += peak.depth.low <= 1.0 <= peak.depth.high
+        turned += peak.angle.low <= math.radians(90.5) + 1e-9 <= peak.angle.high + 2e-9
+        bias += (peak.depth.value - 1.0) / draws
+    assert bias > 0.03
+    assert deep / draws > 0.9
+    assert turned / draws > 0.9
+
+
+@pytest.mark.parametrize("count", [3, 5, 20])
+def test_bootstrap_intervals_of_a_mean_are_those_of_student(count: int) -> None:
+    """Draws of the mean of normal samples are normal, with their standard deviation over root n.
+
+    The standard deviation of a bootstrap is that without Bessel's correction.
+    """
+    samples = np.random.default_rng(count).normal(3.0, 0.5, count)
+    mean, error = float(samples.mean()), float(samples.std()) / math.sqrt(count)
+    expected = stats.t.interval(0.95, count - 1, mean, stats.sem(samples))
+    # So many draws that the ends of the interval are two of them.
+    draws = mean + error * stats.norm.ppf(np.linspace(0.0, 1.0, 1001).clip(1e-9, 1.0 - 1e-9))
+    found = basic_interval(mean, draws, count)
+    assert (found.low, found.high) == pytest.approx(expected, rel=1e-9)
+    low, high = pointwise_interval(np.array([mean]), draws[:, np.newaxis], count)
+    assert (low[0], high[0]) == pytest.approx(expected, rel=1e-9)
+    bins, turn = 1_000_000, 2.0 * math.pi
+    place = round(mean / turn * bins)
+    angle = turned_interval(place, np.rint(draws / turn * bins).astype(np.int64), bins, count)
+    assert (angle.low, angle.high) == pytest.approx(expected, abs=10.0 * turn / bins)
+
+
+def test_pointwise_intervals_cover_the_mean_map() -> None:
+    """Of 20 000 bins with normal depths 95 % have the true mean in their interval."""
+    maps = np.random.default_rng(2).normal(1.0, 0.3, (12, 20_000))
+    low, high = pointwise_interval(maps.mean(axis=0), resampled(maps, np.ones(12)), 12)
+    assert np.mean((low < 1.0) & (high > 1.0)) == pytest.approx(0.95, abs=0.01)
+
+
+def test_an_angle_near_zero_keeps_its_interval_together() -> None:
+    generator = np.random.default_rng(5)
+    around = (np.arange(360) + 180) % 360 - 180
+    maps = np.exp(-0.5 * (around / 5.0) ** 2) * generator.gamma(4.0, 0.25, (12, 360))
+    angle = peak_of(maps.mean(axis=0), resampled(maps, np.ones(12)), 12).angle
+    assert angle.low is not None
+    assert angle.high is not None
+    assert 0.0 < angle.high - angle.low < math.radians(40.0)
+    assert angle.low < angle.value < angle.high
+
+
+def test_resampling_weighs_by_cycles() -> None:
+    """A map that stands for nine cycles counts nine times as much as one of one."""
+    maps = np.array([[0.0], [1.0]])
+    draws = resampled(maps, np.array([1.0, 9.0]))
+    assert set(np.round(np.unique(draws), 12)) == {0.0, 0.9, 1.0}
+
+
+def test_runs_that_differ_are_single_samples() -> None:
+    generator = np.random.default_rng(0)
+    alike = [generator.normal(10.0, 1.0, 30) for _ in range(3)]
+    apart = [generator.normal(mean, 1.0, 30) for mean in (8.0, 10.0, 12.0)]
+    together, are_apart = pooled(alike)
+    assert not are_apart
+    assert together.cycles == 84
+    assert together.half_width is not None
+    assert together.half_width < 0.5
+    wide, are_apart = pooled(apart)
+    assert are_apart
+    assert wide.half_width is not None
+    assert wide.half_width == pytest.approx(
+        half_width(np.array([rows[STARTUP_CYCLES:].mean() for rows in apart])) or 0.0
+    )
+    assert wide.half_width > 2.0
+
+
+def test_constant_groups_do_not_differ() -> None:
+    assert not differ([np.ones(5), np.ones(5)])
+    assert not differ([np.arange(5.0)])
+
+
+def test_quantiles_and_variances_are_those_of_scipy() -> None:
+    draw = np.random.default_rng(5)
+    for count in (2, 3, 8, 33, 200):
+        some = draw.normal(size=count)
+        low, high = stats.t.interval(0.95, count - 1, some.mean(), stats.sem(some))
+        assert half_width(some) == pytest.approx(0.5 * (high - low), rel=1e-12)
+    found = []
+    for shift in np.linspace(0.0, 2.0, 41):
+        groups = [draw.normal(shift * (k == 0), 1.0, 4 + 3 * k) for k in range(4)]
+        found.append(differ(groups))
+        assert found[-1] == (stats.f_oneway(*groups).pvalue < 0.01)
+    assert 0 < sum(found) < len(found)

@@ -1,0 +1,125 @@
+"""The lowest place inside a step, and one bottom a stroke, wherever cycles end."""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from presswear.campaign.replicates import start_of
+from presswear.campaign.segment import Task, plan_of
+from presswear.engines.base import Plan, recorder_of
+from presswear.recording.observe import (
+    BOTTOM_HEIGHT,
+    BOTTOM_TIME,
+    lowest_between,
+    note_bottom,
+)
+from presswear.recording.recorder import Recorder
+from presswear.scene.catalog import ideal
+
+SPEED = 11.0
+PERIOD = math.tau / SPEED
+Level = tuple[float, float, float]
+
+
+def swing(time: float, bottom: float) -> Level:
+    """Place, velocity and acceleration of -cos, lowest at a time, with a harmonic above."""
+    angle = SPEED * (time - bottom)
+    return (
+        -math.cos(angle) - 0.05 * math.cos(3.0 * angle),
+        SPEED * (math.sin(angle) + 0.15 * math.sin(3.0 * angle)),
+        SPEED**2 * (math.cos(angle) + 0.45 * math.cos(3.0 * angle)),
+    )
+
+
+@given(st.floats(1e-7, 3e-3), st.floats(0.0, 1.0))
+def test_lowest_place_in_a_step_is_that_of_the_motion(length: float, part: float) -> None:
+    """A sine, closed form: within the stated bound, and far below 1e-10 m at usual steps."""
+    begin = -part * length
+    place, since = lowest_between(length, swing(begin, 0.0), swing(begin + length, 0.0))
+    bound = length**6 / 46080.0 * SPEED**6 * (1.0 + 0.05 * 3.0**6)
+    assert bound < 1e-10
+    assert abs(place + 1.05) <= bound + 4e-16
+    # Where it is flat, a place to round-off fixes a time to its root only.
+    assert abs(begin + since) <= 1e-8
+
+
+def test_its_error_falls_with_the_sixth_power_of_the_step() -> None:
+    errors = []
+    for length in (0.08, 0.04):
+        place, _ = lowest_between(length, swing(-0.3 * length, 0.0), swing(0.7 * length, 0.0))
+        errors.append(abs(place + 1.05))
+    assert errors[0] > 1e-9
+    assert 48.0 < errors[0] / errors[1] < 80.0
+
+
+def test_an_acceleration_that_jumps_costs_no_more_than_is_told() -> None:
+    """Up to the first end it was another: the polynomial does not know."""
+    length, jump = 1e-3, 50.0
+    before, after = swing(-0.4 * length, 0.0), swing(0.6 * length, 0.0)
+    place, _ = lowest_between(length, (before[0], before[1], before[2] + jump), after)
+    off = abs(place + 1.05)
+    assert 0.2 * 0.018 * jump * length**2 < off < 0.018 * jump * length**2
+
+
+def recorded(bottom: float, stroke: tuple[float, float], cycles: int, seed: int) -> np.ndarray:
+    """Rows of bottoms, by steps of random lengths that end with the cycles."""
+    scene = ideal()
+    plan = Plan(PERIOD, cycles, stroke=stroke)
+    recorder = recorder_of(scene.linkage(), start_of(scene), plan)
+    state, draw = recorder.book.record[0], np.random.default_rng(seed)
+    note_bottom(state, recorder.book.cycle, 0.0, 0.0, swing(0.0, bottom))
+    for cycle in range(cycles):
+        times = (np.arange(100) + draw.uniform(0.0, 1.0, 100)) / 100.0
+        times = PERIOD * (cycle + np.concatenate([[0.0], times, [1.0]]))
+        for before, time in pairwise(times):
+            note_bottom(state, recorder.book.cycle, time, time - before, swing(float(time), bottom))
+        recorder.end_cycle()
+    return recorder.cycles[:, [BOTTOM_HEIGHT, BOTTOM_TIME]]
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.floats(-0.249, 0.75), st.floats(-1e-3, 1e-3), st.integers(0, 1000))
+def test_every_stroke_has_one_bottom(place: float, off: float, seed: int) -> None:
+    """The window is about the ideal's bottom, by which the motion's is off, and ends in a cycle."""
+    at = PERIOD * place
+    rows = recorded(at + PERIOD * off, (at - 0.25 * PERIOD, at + 0.25 * PERIOD), 5, seed)
+    first = 1 if place <= max(0.0, -off) else 0
+    strokes = np.arange(5)[first:]
+    assert rows[first:, 0] == pytest.approx(-1.05, abs=1e-8)
+    assert rows[first:, 1] == pytest.approx(at + PERIOD * (off + strokes), abs=1e-6)
+
+
+@pytest.mark.parametrize("off", [-1e-3, 0.0, 1e-3])
+def test_a_boundary_of_cycles_at_the_bottom_gives_neither_two_nor_none(off: float) -> None:
+    """By cycles alone the bottom beside a boundary would be found twice, or be the boundary."""
+    rows = recorded(PERIOD * off, (-0.25 * PERIOD, 0.25 * PERIOD), 6, 1)
+    assert rows[1:, 1] == pytest.approx(PERIOD * (off + np.arange(1, 6)), abs=1e-6)
+    assert np.ptp(rows[1:, 0]) < 1e-8
+    assert np.all(np.isfinite(rows))
+    wrong = recorded(-1e-3 * PERIOD, (0.0, PERIOD), 6, 1)
+    assert wrong[0, 1] == pytest.approx(PERIOD * (1.0 - 1e-3), abs=1e-6)
+
+
+def test_a_run_that_goes_on_keeps_the_stroke_that_it_was_in() -> None:
+    scene = ideal()
+    plan = plan_of(scene, Task(4))
+    assert plan.stroke is not None
+    one = recorder_of(scene.linkage(), start_of(scene), plan)
+    other: Recorder | None = None
+    times = np.linspace(0.0, 4.0 * PERIOD, 401)
+    for number, (before, time) in enumerate(pairwise(times), start=1):
+        for own in (one, other):
+            if own is not None:
+                now = swing(float(time), 0.1)
+                note_bottom(own.book.record[0], own.book.cycle, time, time - before, now)
+                if number % 100 == 0:
+                    own.end_cycle()
+        if number == 130:
+            other = recorder_of(scene.linkage(), start_of(scene), plan)
+            other.restore(one.state())
+    assert other is not None
+    assert np.array_equal(one.cycles, other.cycles)

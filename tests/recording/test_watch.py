@@ -1,0 +1,217 @@
+"""The watch on runs: each thing that makes numbers worthless ends a run and is named."""
+
+import json
+from collections.abc import Callable
+from dataclasses import asdict, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from presswear.__main__ import main
+from presswear.campaign.replicates import start_of
+from presswear.engines.base import Plan
+from presswear.engines.settings import ExudynJoints, InHouse
+from presswear.linkage.four_bar import FOUR_BAR
+from presswear.linkage.surface import Surface
+from presswear.physics.constraints import constraints_of
+from presswear.physics.energy import Ledger, made_energy, made_remedy
+from presswear.recording.recorder import Recorder
+from presswear.recording.soundness import Condition, Finding, examine
+from presswear.scene.catalog import scene_named
+from presswear.scene.scene import Scene
+from presswear.scene.settings import changed
+
+SCENE = scene_named("wear-times")
+LINKAGE = SCENE.linkage()
+START = start_of(SCENE, 0)
+MET = constraints_of(LINKAGE)
+
+
+def sound() -> Condition:
+    """A run that stands at its start, as it should."""
+    ledger = Ledger(0.5, 5.0, 0.3, 0.05, 0.15)
+    return Condition(0.0, ledger, START.position.copy(), START.velocity.copy(), "finer steps", MET)
+
+
+Change = Callable[[Recorder, Condition], Condition]
+
+
+def energies(**values: float) -> Change:
+    return lambda observed, now: replace(now, ledger=replace(now.ledger, **values))
+
+
+def tallied(**given: object) -> Change:
+    def change(observed: Recorder, now: Condition) -> Condition:
+        for name, values in given.items():
+            observed.book.tally[name] = values
+        return now
+
+    return change
+
+
+def state(level: str, place: int, value: float) -> Change:
+    def change(observed: Recorder, now: Condition) -> Condition:
+        getattr(now, level)[place] += value
+        return now
+
+    return change
+
+
+def examined(change: Change) -> Finding | None:
+    observed = Recorder.of(LINKAGE, START.position, 1, SCENE.mechanism.period)
+    return examine(LINKAGE, observed, change(observed, sound()))
+
+
+def coarse(unresolved: int) -> Change:
+    return tallied(contacts=(5, 20), unresolved=(5, unresolved), fewest_steps=3)
+
+
+DEEP = 1.01 * LINKAGE.clearances[1].pin_radius
+SLIDER = 3 * LINKAGE.index("slider 6") + 1
+
+
+@pytest.mark.parametrize(
+    ("change", "kind", "joint", "says"),
+    [
+        *((state("velocity", 4, value), "state", "", "") for value in (np.nan, np.inf, -np.inf)),
+        *(
+            (energies(drive_work=work), "energy", "", "limit 0.002 J: the drives exchanged 5 J")
+            for work in (0.5021, 0.4979)
+        ),
+        *(
+            (
+                energies(contact_loss=taken - made, made=made, friction_loss=0.0, drive_work=work),
+                *("energy", "", f"the contacts made {made:g} J, limit {limit:g} J: damping and"),
+            )
+            for taken, made, limit, work in ((0.2, 0.21, 0.2, 0.29), (0.0, 0.006, 0.005, 0.294))
+        ),
+        # Where nothing is lost or all of it, the exchange decides: 1e-4 and 3e-3 of it.
+        (energies(friction_loss=-0.05, drive_work=0.3006), "energy", "", "limit 0.0005 J"),
+        (energies(friction_loss=4.95, drive_work=5.3151), "energy", "", "limit 0.015 J"),
+        (coarse(11), "steps", "C", "11 of 20 had too few, the least 3"),
+        (tallied(deepest=(0.0, DEEP)), "penetration", "C", ""),
+        (state("position", SLIDER, 9e-6), "constraints", "E", "limit 8e-06"),
+    ],
+)
+def test_what_makes_numbers_worthless_is_found(
+    change: Change, kind: str, joint: str, says: str
+) -> None:
+    found = examined(change)
+    assert found is not None
+    assert (found.kind, found.joint) == (kind, joint)
+    assert found.remedy
+    assert "\n" not in found.words
+    assert says in found.words
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        energies(),
+        energies(drive_work=0.5019),
+        energies(contact_loss=0.01, made=0.19, friction_loss=0.0, drive_work=0.31),
+        # Without drives energy is not judged.
+        energies(drive_work=9.0, drive_exchange=0.0),
+        coarse(10),
+    ],
+)
+def test_a_sound_run_is_let_go_on(change: Change) -> None:
+    assert examined(change) is None
+
+
+def test_missing_energy_of_a_vibrating_pin_is_found() -> None:
+    """A crank pin that locks by friction passes 70 J to and fro, and 2 J are lost.
+
+    At 20 steps in a contact 4 % of the losses are missing, below 0.1 % of what was exchanged.
+    """
+    coarse = ExudynJoints(steps_per_contact=20, steps_sustained=5, free_steps=1000)
+    settings = {"clearance": 1e-5, "friction": 0.3, "restitution": 0.6}
+    scene = changed(Scene(mechanism=FOUR_BAR, joints="A", wear_updates=0), settings)
+    period = scene.mechanism.period
+    found = {}
+    for engine in (coarse, ExudynJoints()):
+        plan = Plan(0.3 * period, 1, recorded_cycles=1)
+        run = engine.over(period).simulate(scene.linkage(), start_of(scene), plan)
+        ledger = run.diagnostics
+        lost = float(ledger["contact_loss_J"]) + float(ledger["friction_loss_J"])
+        missing = abs(float(ledger["energy_residual_J"])) / lost
+        assert run.status == ("failed" if missing > 0.01 else "completed"), run.message
+        found[engine] = run.finding
+    assert found[ExudynJoints()] is None
+    finding = found[coarse]
+    assert finding is not None
+    assert finding.kind == "energy"
+    assert "damping and friction took" in finding.what
+
+
+@pytest.mark.parametrize(
+    ("depth", "contact", "is_steep"),
+    [(0.0, "radial", False), (1e-4, "radial", True), (1e-4, "foundation", False)],
+)
+def test_steep_surfaces_are_named_only_where_worn_ones_meet_radially(
+    depth: float, contact: str, is_steep: bool
+) -> None:
+    scene = changed(SCENE, {"contact": contact})
+    notched = Surface(np.where(np.arange(360) % 30 == 0, depth, 0.0))
+    linkage = scene.linkage(dict.fromkeys("AC", (notched, Surface())))
+    packed = Recorder.of(linkage, START.position, 1, scene.mechanism.period).book.packed
+    what = made_energy(packed, -1.5, 2.0)
+    assert ("worn surfaces are too steep" in what) == is_steep
+    assert "the steps are too coarse" in what
+    remedy = made_remedy(packed, "a smaller integration_tolerance may help")
+    assert ("contact = foundation" in remedy) == is_steep
+    assert "a smaller integration_tolerance may help" in remedy
+
+
+def test_a_coarse_tolerance_on_round_surfaces_is_blamed_on_the_tolerance() -> None:
+    plan = Plan(SCENE.mechanism.period, 1, recorded_cycles=1)
+    run = InHouse("dopri5", integration_tolerance=1e-3).simulate(LINKAGE, START, plan)
+    assert run.status == "failed"
+    assert "worn" not in run.message
+    assert "foundation" not in run.message
+    assert "integration_tolerance" in run.message
+
+
+def test_a_finding_is_kept_as_data() -> None:
+    found = Finding("steps", "too few", 0.25, "A", "shorter steps")
+    assert Finding(**json.loads(json.dumps(asdict(found)))) == found
+    assert found.words == "joint A: too few (t = 0.25 s); shorter steps"
+
+
+CASES = {
+    "state": ("0.0217", "", ["integrator=rk4-paper"]),
+    "steps": ("0.571", "A", ["integrator=rk4", "equal_step=5e-5s"]),
+    "penetration": (
+        "0.05",
+        "A",
+        ["youngs_modulus=1GPa", "clearance=0.2mm", "exponent=2.5", "speed=40pi rad/s"],
+    ),
+    "energy": ("", "", ["integration_tolerance=1e-3", "cycles_per_update=2e8"]),
+    "wear": ("", "A", ["cycles_per_update=1e11"]),
+}
+
+
+@pytest.mark.parametrize("kind", CASES)
+def test_a_real_run_ends_with_time_joint_and_remedy(
+    kind: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    time, joint, settings = CASES[kind]
+    out = tmp_path / kind
+    options = ["--engine", "dae", "--cycles", "1", "--wear-updates", "1", "--out", str(out)]
+    given = [word for setting in settings for word in ("--set", setting)]
+    assert main(["run", "wear-times", *options, *given]) == 1
+    said = capsys.readouterr().err
+    document = json.loads((out / "result.json").read_text())
+    finding = document["stages"][-1]["finding"]
+    assert document["status"] == "failed"
+    assert finding["kind"] == kind
+    assert finding["joint"] == joint
+    assert finding["remedy"]
+    assert said.count("\n") == 1
+    for part in (finding["what"], finding["remedy"], time):
+        assert part in said
+        assert part in document["message"]
+    assert (out / "report.html").read_text().count("Failed") >= 1
+    if len(document["stages"]) == 1 and kind != "wear":  # nothing sound to be drawn
+        assert [path.name for path in out.glob("figures/*.png")] == ["mechanism.png"]

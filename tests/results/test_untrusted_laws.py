@@ -1,0 +1,167 @@
+"""Source code of user laws that a result stores is executed only on request."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import presswear as pw
+from presswear.results.folder import ResultFolder
+from presswear.scene.files import example_file, scene_from
+from presswear.studies.plan import FILE as STUDY
+from presswear.studies.plan import Study, Variant
+from presswear.sweeps import sweep as sweeps
+from presswear.sweeps.measures import measures_asked
+from presswear.sweeps.plan import Plan
+from presswear.tools.documents import plain, write_shared_json
+from presswear.tools.own import OwnFunction, UntrustedLaw
+
+PROBE = """
+open({marker!r}, "w").close()
+
+def soft(penetration):
+    return 1e7 * penetration
+
+def gust(time):
+    return 0.1 * time
+"""
+LOAD = """
+[[mechanism.loads]]
+body = "crank"
+function = "laws.py:gust"
+
+[settings]
+normal_law = "laws.py:soft"
+drive_torque = "on"
+engine = "dae"
+cycles = 2
+replicates = 1"""
+
+
+@pytest.fixture(scope="module")
+def received(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with results whose laws write the file ``executed`` when they are executed."""
+    folder = tmp_path_factory.mktemp("received")
+    marker = folder / "executed"
+    (folder / "laws.py").write_text(PROBE.format(marker=str(marker)))
+    text = (
+        example_file("four-bar")
+        .replace("wear_updates = 1", "wear_updates = 0")
+        .replace("[settings]", LOAD)
+    )
+    (folder / "mine.toml").write_text(text)
+    scene = scene_from(folder / "mine.toml")
+    pw.run(scene, folder / "out")
+    assert marker.exists()
+    with ResultFolder(folder / "halted", scene) as halted:
+        halted.interrupt()
+    plan = Plan(scene, ("friction=0.01,0.02",))
+    sweep = sweeps.Sweep(plan, measures_asked(scene, ["B.force_max"]), folder / "sweep")
+    (folder / "sweep").mkdir()
+    sweeps._write(sweep)
+    study = Study("lives", "A study", "Which?", (Variant("a", "first", scene),))
+    stored = json.loads((folder / "out" / "result.json").read_text())
+    (folder / "study").mkdir()
+    document = {**study.as_dict(), "provenance": stored["provenance"]}
+    write_shared_json(folder / "study" / STUDY, plain(document))
+    for name in ("executed", "laws.py", "mine.toml"):
+        (folder / name).unlink()
+    return folder
+
+
+def _python(script: str, folder: Path) -> str:
+    """Run a script in a process that trusts nothing yet; return what it prints."""
+    done = subprocess.run(
+        [sys.executable, "-c", script], cwd=folder, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+READING = """
+from presswear.__main__ import main
+import presswear as pw
+from presswear.studies.plan import load_study
+from presswear.sweeps.sweep import load_sweep
+
+for line in (
+    "report out",
+    "export out table.csv",
+    "replay out --still still.png --size 160x160",
+    "dynamics out",
+):
+    assert main(line.split()) == 0, line
+result = pw.load("out")
+print(result, result.table(), load_sweep(__import__("pathlib").Path("sweep")).plan.example)
+load_study(__import__("pathlib").Path("study"))
+for compute in (
+    lambda: result.drives(0),
+    lambda: pw.total_clearance(result.scene.linkage()),
+    lambda: pw.run(result.scene, check=False),
+    lambda: pw.run(result.scene, "halted"),
+):
+    try:
+        compute()
+    except pw.InputError as error:
+        print("refused:", error)
+"""
+
+
+def test_reading_a_result_does_not_execute_its_laws(received: Path) -> None:
+    """Report, export, replay and Python; what needs a law is refused or left out in a sentence."""
+    told = _python(READING, received)
+    assert told.count("refused:") == 4
+    assert told.count("pw.load(folder, trust=True)") == 4
+    assert not (received / "executed").exists()
+    page = (received / "out" / "report.html").read_text()
+    assert "Python source code is stored for B.normal_law, loads[0].function." in page
+    assert "total clearance" not in page
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "run mine --resume --out halted",
+        "sweep mine --resume --out sweep",
+        "life mine --resume --out study",
+    ],
+)
+def test_a_run_goes_on_only_where_its_laws_are_trusted(received: Path, line: str) -> None:
+    words = [sys.executable, "-m", "presswear", *line.split()]
+    refused = subprocess.run(words, cwd=received, capture_output=True, text=True, check=False)
+    assert refused.returncode == 2
+    assert len(refused.stderr.splitlines()) == 1
+    assert "B.normal_law = soft of one's own" in refused.stderr
+    assert "--trust" in refused.stderr
+    assert not (received / "executed").exists()
+
+
+def test_with_trust_a_run_goes_on(received: Path) -> None:
+    words = [sys.executable, "-m", "presswear", "run", "mine", "--resume", "--out", "halted"]
+    try:
+        subprocess.run([*words, "--trust"], cwd=received, check=True, capture_output=True)
+        assert (received / "executed").exists()
+    finally:
+        (received / "executed").unlink(missing_ok=True)
+    ended = json.loads((received / "halted" / "result.json").read_text())
+    assert ended["status"] == "completed"
+    assert "total clearance" in (received / "halted" / "report.html").read_text()
+
+
+def test_a_stored_law_is_trusted_where_the_same_text_is_given(tmp_path: Path) -> None:
+    """A function, or a file, of the same text; another text, and a file named in a result, not."""
+    text = f"# {tmp_path}\ndef soft(penetration):\n    return 1e7 * penetration\n"
+    stored = OwnFunction.of("law", {"name": "soft", "source": text})
+    assert not stored.is_trusted
+    with pytest.raises(UntrustedLaw, match="--trust"):
+        stored.number("law", ("penetration",), {"penetration": 1.0})
+    (tmp_path / "laws.py").write_text(text)
+    OwnFunction.of("law", f"{tmp_path}/laws.py:soft")
+    assert stored.is_trusted
+    assert not OwnFunction("soft", text + "\n").is_trusted
+    data = pw.Scene().as_dict()
+    data["bearings"] |= {"normal_law": f"{tmp_path}/laws.py:soft"}
+    with pytest.raises(pw.InputError, match="a stored law is a name or source code"):
+        pw.Scene.from_dict(data)
