@@ -98,7 +98,12 @@ def test_a_step_is_named_in_plain_words() -> None:
 
 
 def test_compiling_is_said_and_is_no_speed(clock: Clock) -> None:
-    diagnostics = {"model": "an open tree", "solver": "DOPRI5", "steps": 10, "wall_prepare_s": 0.0}
+    diagnostics: dict[str, str | int | float | None] = {
+        "model": "an open tree",
+        "solver": "DOPRI5",
+        "steps": 10,
+        "wall_prepare_s": 0.0,
+    }
     stage = StageResult(
         0, "completed", "", None, 1.0, (), 2.0, 30.0, diagnostics, {"cycles": 1, "joints": {}}
     )
