@@ -10,14 +10,13 @@ COMMANDS = {
     "dynamics": ("dynamics", "modes of contact, periods, exponents and bifurcation diagrams"),
     "report": (
         "run",
-        "figures and report anew from the folder of a run, a study, a sweep or a precision",
+        "figures and report anew from the folder of a run, a study or a sweep",
     ),
     "replay": ("replay", "play a stored run in the Exudyn renderer, or make a film or a still"),
     "export": ("export", "write the motion of a run, or the rows of a sweep, for other programs"),
     "crosscheck": ("crosscheck", "engine against engine, or a run against a solver of yours"),
     "verify": ("verify", "both engines against published references; --hard: on hard cases"),
-    "precision": ("measure", "speed against error of every engine and integrator"),
+    "benchmark": ("benchmark", "speed against error of every engine; cost of each feature"),
     "completion": ("completion", "a script by which a shell completes commands and options"),
-    "costs": ("measure", "what the features of a model cost, how engines compare"),
 }
 """Module and one line of help of each command."""

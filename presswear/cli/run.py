@@ -268,10 +268,6 @@ def _report(arguments: argparse.Namespace, console: Console) -> int:
         from presswear.cli import studies
 
         return studies.report(arguments.folder, console)
-    if (arguments.folder / "precision.json").exists():
-        from presswear.cli import measure
-
-        return measure.report(arguments.folder, console)
     from presswear.show.report import write_report
 
     result = finished_part(arguments.folder, console)

@@ -1,7 +1,7 @@
 """The engines as objects: how finely each integrates, and how it is run.
 
 A tolerance that is not given follows from what the numbers are for.  Chosen from ``presswear
-precision``, for a trajectory: the coarsest that keep the bounds of the cross-check up to the
+benchmark``, for a trajectory: the coarsest that keep the bounds of the cross-check up to the
 horizon (slider to 1e-6 m, touches to 1e-6 s); for the open tree and the in-house solver a
 decade finer, which costs them a fifth.  The in-house solver takes order 8, at twice the price
 of order 5, because it checks Exudyn's DOPRI5.  For forces and wear, which are statistics of a

@@ -14,8 +14,9 @@ from presswear.recording.tracker import Telling
 from presswear.tools.errors import RunFailed
 
 Array = NDArray[np.float64]
-Told = Callable[[str, float], None]
-"""Hears what is being run and which part of the whole is done, 0 .. 1."""
+Progress = Callable[[str, float], None]
+"""Called with the name of what runs and the completed fraction."""
+Told = Progress
 
 PATIENCE = 120.0
 """CPU time after which a run that still goes on counts as hung, s; most take below one."""

@@ -1,25 +1,24 @@
-"""Wall times of runs, interleaved so that a slow minute of the machine hits all alike.
+"""Wall times of runs, interleaved so that a slow minute of the machine affects all runs alike.
 
-Only the solve is timed (``wall_solve_s``): compiling, loading and building are not.
+Only the solution is timed; compiling, loading and building the model are not.
 """
 
+import platform
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from statistics import median
-from typing import ClassVar
 
 from presswear.engines.base import Plan, Run, Start
-from presswear.engines.settings import Engine, ExudynJoints, ExudynTree
+from presswear.engines.settings import Engine
 from presswear.linkage.linkage import Linkage
-from presswear.linkage.topology import bodies_of, joints_of
-from presswear.physics.tree import Tree, tree_of
 from presswear.tools.errors import RunFailed
-from presswear.validation.runs import Told, finished
+from presswear.validation.runs import Progress, finished
 
 
 @dataclass(frozen=True)
 class TimedRun:
-    """A run to be timed."""
+    """Run to be timed."""
 
     name: str
     linkage: Linkage
@@ -28,50 +27,39 @@ class TimedRun:
     plan: Plan
 
     def run(self) -> Run:
-        """Run it once; RunFailed if it fails."""
+        """Run once; RunFailed if the run fails."""
         return finished(self.engine.simulate(self.linkage, self.start, self.plan), self.name)
 
 
 @dataclass(frozen=True)
 class Timing:
-    """Repeated runs that all took the same steps.
+    """Repeated runs with equal steps.
 
     Attributes
     ----------
+    model : str
+        Coordinates and joints that the engine solves for.
     simulated : float
         Simulated time, s.
-    steps, sent_back : int
-        Accepted steps, and further ones that were repeated with a shorter length.
+    steps, rejected : int
+        Accepted steps, and steps that were repeated with a shorter length.
     evaluations : int or None
-        Evaluations of the accelerations, where the engine counts them.
+        Evaluations of the accelerations, if the engine counts them.
     walls : tuple of float
-        Wall times of the solve, s.
+        Wall times of the solution, s.
     """
 
-    DERIVED: ClassVar = ("wall", "per_second", "per_step")
-
-    name: str
     model: str
     simulated: float
     steps: int
-    sent_back: int
+    rejected: int
     evaluations: int | None
     walls: tuple[float, ...]
-
-    @property
-    def attempts(self) -> int:
-        """Number of steps tried."""
-        return self.steps + self.sent_back
 
     @property
     def wall(self) -> float:
         """Median wall time, s."""
         return median(self.walls)
-
-    @property
-    def ends(self) -> tuple[float, float]:
-        """Least and greatest wall time, s."""
-        return min(self.walls), max(self.walls)
 
     @property
     def per_second(self) -> float:
@@ -81,46 +69,50 @@ class Timing:
     @property
     def per_step(self) -> float:
         """Wall time per attempted step, s."""
-        return self.wall / max(self.attempts, 1)
+        return self.wall / max(self.steps + self.rejected, 1)
 
 
-def model_of(linkage: Linkage, engine: Engine) -> str:
-    """Name the model that solves a linkage: its coordinates, and constraints where it has any."""
-    if isinstance(engine, ExudynTree):
-        tree = tree_of(linkage)
-        return f"tree {tree.size if isinstance(tree, Tree) else 0}"
-    omitted, word = frozenset[str](), "dae"
-    if isinstance(engine, ExudynJoints):
-        from presswear.engines.exudyn_joints.model import left_out
+def time_runs(runs: Sequence[TimedRun], repeats: int, report: Progress) -> list[Timing]:
+    """Run all in turn, ``repeats`` times.
 
-        omitted, word = left_out(linkage), "joints"
-    joints = sum(not bodies_of(joint) <= omitted for joint in joints_of(linkage))
-    drives = sum(drive.body not in omitted for drive in linkage.drives)
-    return f"{word} {3 * (len(linkage.bodies) - len(omitted))} + {2 * joints + drives}"
-
-
-def time_runs(runs: Sequence[TimedRun], repeats: int, told: Told) -> tuple[Timing, ...]:
-    """Run all in turn, as often as asked.
-
-    RunFailed where a run fails, or a repeat takes other steps than the first.
+    Raises
+    ------
+    RunFailed
+        If a run fails, or if a repeat takes other steps than the first run.
     """
-    found: dict[int, Timing] = {}
+    timings: list[Timing] = []
     for repeat in range(repeats):
         for i, timed in enumerate(runs):
-            told(timed.name, (repeat * len(runs) + i) / (repeats * len(runs)))
-            run = timed.run()
-            evaluations = run.diagnostics.get("evaluations")
-            now = Timing(
-                timed.name,
-                model_of(timed.linkage, timed.engine),
-                run.time,
-                int(run.diagnostics["steps"]),
-                int(run.diagnostics["steps_sent_back"]),
-                None if evaluations is None else int(evaluations),
-                (float(run.diagnostics["wall_solve_s"]),),
-            )
-            before = found.setdefault(i, replace(now, walls=()))
-            if replace(now, walls=before.walls) != before:
+            report(timed.name, (repeat * len(runs) + i) / (repeats * len(runs)))
+            timing = _timing(timed.run())
+            if repeat == 0:
+                timings.append(timing)
+                continue
+            first = timings[i]
+            if replace(timing, walls=first.walls) != first:
                 raise RunFailed(f"{timed.name}: a repeated run took other steps")
-            found[i] = replace(now, walls=(*before.walls, *now.walls))
-    return tuple(found.values())
+            timings[i] = replace(first, walls=(*first.walls, *timing.walls))
+    return timings
+
+
+def _timing(run: Run) -> Timing:
+    evaluations = run.diagnostics.get("evaluations")
+    return Timing(
+        str(run.diagnostics["model"]).partition(";")[0],
+        run.time,
+        int(run.diagnostics["steps"]),
+        int(run.diagnostics["steps_sent_back"]),
+        None if evaluations is None else int(evaluations),
+        (float(run.diagnostics["wall_solve_s"]),),
+    )
+
+
+def processor_name() -> str:
+    """Return the name that the operating system gives to the processor."""
+    try:
+        for line in Path("/proc/cpuinfo").read_text().splitlines():
+            if line.startswith("model name"):
+                return line.partition(":")[2].strip()
+    except OSError:
+        pass
+    return platform.processor() or "unknown"

@@ -72,10 +72,9 @@ run wear-times --set=friction=0.1 --set=friction=0.2
 run wear-times --jobs=0
 run wear-times --resume
 run paper --resume
-precision ideal --quick
-precision --quick --set=joints=none
-precision --quick --set=wear_coefficient=0/Pa
-precision --quick --set=exponent=2
+benchmark ideal --quick
+benchmark --quick --set=joints=none
+benchmark --features --set=joints=A
 """
 _OPTIONS = {
     "run {scene}": "cycles={count} wear_updates={text} wear_updates=-1 wear_updates={many} "
@@ -84,8 +83,7 @@ _OPTIONS = {
     "run ideal": "set={word}",
     "crosscheck": "duration={text} duration=1e300 until={no_count} set=clearance=1",
     "crosscheck ideal": "against={text}.csv",
-    "costs": "repeats={count}",
-    "precision": "repeats={count} out={place}",
+    "benchmark": "repeats={count} out={place}",
     "export {folder} a.csv": "stage={count}",
 }
 """Values of options that none of them has, by what stands before them."""
@@ -131,7 +129,7 @@ def _filled(lines: Sequence[str]) -> Family:
             "count": draw.choice((no_count, text)),
             "many": draw.randint(21, 10**30),
             "scene": draw.choice([*SCENES, "paper"]),
-            "command": draw.choice(("run", "list", "precision", "crosscheck")),
+            "command": draw.choice(("run", "list", "benchmark", "crosscheck")),
             "place": draw.choice(_PLACES),
             "folder": FOLDER,
             "file": FILE,

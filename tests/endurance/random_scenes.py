@@ -27,7 +27,7 @@ from presswear.tools.quantities import Meaning, choice_of, meaning_of
 from presswear.validation.hard.case import ENERGY
 
 COARSEST = {"integration_tolerance": 1e-5, "tree_tolerance": 1e-4}
-"""Coarsest tolerances drawn: those at which statistics are still honest in ``precision``.
+"""Coarsest tolerances drawn: those at which statistics are still usable for wear.
 
 Coarser ones are allowed, for showing how wrong they are; a run says so by its energy.
 """

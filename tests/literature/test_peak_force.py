@@ -16,8 +16,8 @@ from presswear.linkage.laws import NormalLaw
 from presswear.linkage.surface import Surface
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import wear_times
-from presswear.validation.precision.impact import GAP, REDUCED_MASS
-from presswear.validation.verify.references import Impact
+from presswear.validation.verify.references import REDUCED_MASS, Impact
+from presswear.validation.work_precision import GAP
 
 
 def simulated(impact: Impact, engine: Engine, law: NormalLaw | None = None) -> Run:

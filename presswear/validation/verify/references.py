@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.integrate import quad
 
 from presswear.engines.base import Start
 from presswear.linkage.elements import Body, ClearanceJoint, Revolute
@@ -15,6 +16,7 @@ from presswear.linkage.laws import (
     DAMPINGS,
     FrictionLaw,
     NormalLaw,
+    delivered_restitution,
     greatest_penetration,
     lankarani_nikravesh_damping,
 )
@@ -193,6 +195,9 @@ DELIVERED = {
 (1 + e') chi = ln((1 + chi) / (1 - chi e')) with the law's chi."""
 
 
+REDUCED_MASS = 0.3 * 0.1 / (0.3 + 0.1)  # kg, of ring and shaft
+
+
 @dataclass(frozen=True)
 class Impact:
     """One central impact of a free pin on its free bearing.
@@ -245,13 +250,42 @@ class Impact:
     @property
     def deepest(self) -> float:
         """Greatest penetration, m."""
-        mass = 0.3 * 0.1 / 0.4
-        return greatest_penetration(mass, self.speed, self.stiffness, 1.5, self.damping)
+        return greatest_penetration(REDUCED_MASS, self.speed, self.stiffness, 1.5, self.damping)
 
     @property
     def elastic_duration(self) -> float:
         """Duration of the same impact without damping, s."""
         return HERTZ_DURATION * replace(self, nominal=1.0).deepest / self.speed
+
+    def duration(self) -> tuple[float, float]:
+        """Return the contact time for damping above 0 and its uncertainty, s.
+
+        With u = delta_dot / v the motion has an integral, G(u) = K delta^(n+1) / ((n+1) m v^2).
+        The contact time is the integral of m v du / (K delta(u)^n (1 + chi u)) from -e' to 1.
+        delta^n goes with the distance from an end to the power n / (n + 1); a substitution by
+        the power 1 / (n + 1) of that distance makes both integrands smooth.
+        """
+        chi, n = self.damping, 1.5
+        restitution = delivered_restitution(chi)
+        unit = (n + 1.0) * REDUCED_MASS * self.speed**2 / self.stiffness
+
+        def time(integral: float, u: float, s: float) -> float:
+            depth = (unit * integral) ** (1.0 / (n + 1.0))
+            slowness = REDUCED_MASS * self.speed / (self.stiffness * depth**n * (1.0 + chi * u))
+            return slowness * (n + 1.0) * s**n
+
+        def loading(s: float) -> float:
+            d = s ** (n + 1.0)
+            return time(d / chi + math.log1p(-chi * d / (1.0 + chi)) / chi**2, 1.0 - d, s)
+
+        def unloading(s: float) -> float:
+            d = s ** (n + 1.0)
+            integral = -d / chi + math.log1p(chi * d / (1.0 - chi * restitution)) / chi**2
+            return time(integral, d - restitution, s)
+
+        ends = (loading, 1.0), (unloading, restitution ** (1.0 / (n + 1.0)))
+        parts = [quad(rate, 0.0, end, epsabs=0.0, epsrel=1e-13) for rate, end in ends]
+        return sum(part[0] for part in parts), sum(part[1] for part in parts)
 
 
 # Mass on a spring with dry friction: code_aster V5.01.100, test SDND100.

@@ -1,7 +1,8 @@
-"""The press in MuJoCo and Drake, by their own trees and integrators, with the same law.
+"""The press in MuJoCo and Drake, with their own trees and integrators and the same contact law.
 
-Both get the pushes of the pins as forces on their coordinates from the kernel by hand: neither
-has a pin loose in a bearing.  Crank 7 is so heavy that nothing slows it.
+Both get the contact forces from the kernel written by hand as generalized forces, because neither
+has a pin with clearance. Crank 7 is so heavy that no force slows it.
+Install with ``pip install mujoco drake``.
 """
 
 from collections.abc import Callable
@@ -9,58 +10,55 @@ from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
+from by_hand import Outcome, Solution, Touchdowns, land, measured, relative_forces
 from numpy.typing import NDArray
 
 from presswear.tools.compiled import Records, specialised
-from presswear.validation.costs.by_hand import land, relative_forces
-from presswear.validation.costs.outcome import Found, Landings, Outcome, measured
 
 Array = NDArray[np.float64]
 
-HEAVY = 1e9
-"""Inertia of a crank that nothing slows, kg m^2."""
-JOINTS = ("crank 7", "plate 4", "rod 3", "slider 6", "rod 5")
-"""Their coordinates: each body's against that it hangs from."""
+HEAVY = 1e9  # kg m^2, inertia of a crank that no force slows
+JOINTS = ("crank 7", "plate 4", "rod 3", "slider 6", "rod 5")  # coordinates relative to the parent
 
 
 def installed(package: str) -> bool:
-    """True where a package can be imported."""
+    """Return whether a package can be imported."""
     return find_spec(package) is not None
 
 
 class _Contacts:
-    """Forces on the coordinates of JOINTS, and the closing speeds latched between steps."""
+    """Generalized forces on JOINTS, and the closing speeds stored between steps."""
 
     def __init__(self, press: Records, start: Array):
         y, p = start, press[0]
         self.q = np.array([p["start_7"], y[0] - p["start_7"], y[1] - y[0], y[2], y[3]])
         self.v = np.array([p["speed"], y[4] - p["speed"], y[5] - y[4], y[6], y[7]])
-        self.landings = Landings()
+        self.touchdowns = Touchdowns()
         self.calls = 0
-        own = self.landings
-        self._fixed = (own.onset, np.zeros(20), own.gaps[1], np.zeros(5))
+        store = self.touchdowns
+        self._fixed = (store.onset, np.zeros(20), store.gaps[1], np.zeros(5))
         self._press = press
         self._kernel = specialised(relative_forces, press, 0.0, self.q, self.v, *self._fixed)
 
     def forces(self, t: float, q: Array, v: Array) -> Array:
-        """Forces in a state."""
+        """Return the forces in a state."""
         self.calls += 1
         self._kernel(self._press, t, q, v, *self._fixed)
         return self._fixed[-1]
 
     def accept(self, t: float, last: float, q: Array, v: Array) -> None:
-        """Latch closing speeds in the state that a step from ``last`` to ``t``, s, ended in."""
+        """Update the closing speeds after a step from ``last`` to ``t``, s."""
         self._kernel(self._press, t, q, v, *self._fixed)
-        own = self.landings
-        land(own.onset, own.gaps[0], own.gaps[1], own.touches, own.noted, last)
+        store = self.touchdowns
+        land(store.onset, store.gaps[0], store.gaps[1], store.touches, store.noted, last)
 
-    def found(self, steps: int) -> Found:
-        """What came out of the run, in the state last accepted."""
-        return self._fixed[1][:8].copy(), self.landings.told, steps, self.calls
+    def solution(self, steps: int) -> Solution:
+        """Return the last accepted state, touchdowns and counts."""
+        return self._fixed[1][:8].copy(), self.touchdowns.times, steps, self.calls
 
 
 def _bodies(press: Records) -> dict[str, tuple[str, float, float, float, float, float, float]]:
-    """Of each body what it hangs from and where, m, its mass centre, m, mass and inertia."""
+    """Return the parent of each body, its hinge, m, mass centre, m, mass and inertia."""
     p = press[0]
     plate = p["plate_inertia"] - p["mass_3"] * (p["b_x"] ** 2 + p["b_y"] ** 2)
     plate -= p["mass_4"] * (p["centre_x"] ** 2 + p["centre_y"] ** 2)
@@ -78,13 +76,13 @@ def _bodies(press: Records) -> dict[str, tuple[str, float, float, float, float, 
 
 
 def mujoco(press: Records, start: Array, end: float, step: float, longest: float) -> Outcome:
-    """Run MuJoCo's RK4 at equal steps, s; ``longest`` means nothing to it."""
+    """Run MuJoCo's RK4 at equal steps, s; ``longest`` is ignored."""
     import mujoco as mj
 
     def element(name: str) -> str:
         _, x, y, cx, cy, mass, inertia = bodies[name]
         kind = 'slide" axis="0 1 0' if name == "slider 6" else 'hinge" axis="0 0 1'
-        inner = "".join(element(own) for own in JOINTS if bodies[own][0] == name)
+        inner = "".join(element(child) for child in JOINTS if bodies[child][0] == name)
         return (
             f'<body pos="{x!r} {y!r} 0"><joint type="{kind}"/><inertial pos="{cx!r} {cy!r} 0" '
             f'mass="{mass!r}" diaginertia="{inertia!r} {inertia!r} {inertia!r}"/>{inner}</body>'
@@ -95,7 +93,7 @@ def mujoco(press: Records, start: Array, end: float, step: float, longest: float
     model = mj.MjModel.from_xml_string(
         f'<mujoco><compiler angle="radian"/><option integrator="RK4" timestep="{end / count!r}" '
         f'gravity="0 {-float(press[0]["gravity"])!r} 0"><flag contact="disable"/></option>'
-        f"<worldbody>{''.join(element(own) for own in JOINTS if not bodies[own][0])}</worldbody>"
+        f"<worldbody>{''.join(element(root) for root in JOINTS if not bodies[root][0])}</worldbody>"
         "</mujoco>"
     )
     data, contacts = mj.MjData(model), _Contacts(press, start)
@@ -105,12 +103,12 @@ def mujoco(press: Records, start: Array, end: float, step: float, longest: float
     def push(model: Any, data: Any) -> None:
         passive[:] = contacts.forces(data.time, q, v)
 
-    def run() -> Found:
+    def run() -> Solution:
         contacts.accept(0.0, 0.0, q, v)
         for i in range(count):
             mj.mj_step(model, data)
             contacts.accept(data.time, i * end / count, q, v)
-        return contacts.found(count)
+        return contacts.solution(count)
 
     mj.set_mjcb_passive(push)
     try:
@@ -141,8 +139,8 @@ def drake(press: Records, start: Array, end: float, tolerance: float, longest: f
     for name, (parent, x, y, cx, cy, mass, inertia) in _bodies(press).items():
         centre = np.array([cx, cy, 0.0])
         turning = RotationalInertia(inertia, inertia, inertia)
-        own = SpatialInertia.MakeFromCentralInertia(mass, centre, turning)
-        links[name] = plant.AddRigidBody(name, own)
+        spatial = SpatialInertia.MakeFromCentralInertia(mass, centre, turning)
+        links[name] = plant.AddRigidBody(name, spatial)
         place = RigidTransform([x, y, 0.0])
         before = links[parent].body_frame()
         frame = plant.AddFrame(FixedOffsetFrame(f"hinge of {name}", before, place))
@@ -173,11 +171,11 @@ def drake(press: Records, start: Array, end: float, tolerance: float, longest: f
     integrator = ResetIntegratorFromFlags(simulator, "runge_kutta3", longest)
     integrator.set_target_accuracy(tolerance)
     root = simulator.get_mutable_context()
-    own = plant.GetMyMutableContextFromRoot(root)
+    context_of_plant = plant.GetMyMutableContextFromRoot(root)
     for values, put in ((contacts.q, plant.SetPositions), (contacts.v, plant.SetVelocities)):
         ordered = np.zeros(5)
         ordered[order] = values
-        put(own, ordered)
+        put(context_of_plant, ordered)
     last = 0.0
 
     def accept(context: Any) -> None:
@@ -190,15 +188,15 @@ def drake(press: Records, start: Array, end: float, tolerance: float, longest: f
     simulator.set_monitor(accept)
     simulator.Initialize()
 
-    def run() -> Found:
+    def run() -> Solution:
         simulator.AdvanceTo(end)
-        return contacts.found(integrator.get_num_steps_taken())
+        return contacts.solution(integrator.get_num_steps_taken())
 
     return measured(run)
 
 
+# name, function and whether its steps are equal, by package
 SIMULATORS: dict[str, tuple[str, Callable[..., Outcome], bool]] = {
     "mujoco": ("MuJoCo, RK4", mujoco, True),
     "pydrake": ("Drake, RK3", drake, False),
 }
-"""Name, function and whether its steps are equal, by the package that it needs."""

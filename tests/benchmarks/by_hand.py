@@ -1,21 +1,25 @@
-"""The press with both joints open as one would write it by hand: no part of the program in it.
+"""Equations of the press with both joints open, written by hand without any part of the package.
 
-Four coordinates, absolute angles of plate 4 and rod 3, height of slider 6, angle of rod 5; crank
-7 and the pin of crank 2 move as they are driven.  Two pairs of equations, each solved by
-Cramer's rule, that only the contact at C couples.  Numbers stay in registers: kernels take and
-give scalars.
+Coordinates are the absolute angles of plate 4 and rod 3, the height of slider 6 and the angle of
+rod 5. Crank 7 and the pin of crank 2 are driven. Two pairs of equations, coupled by the contact at
+C only, are solved by Cramer's rule. Kernels take and return scalars, which stay in registers.
 
-The closing speed of a touch is latched between steps: over a short step its square is linear in
+The closing speed at a touchdown is stored between steps: over a short step its square is linear in
 the penetration.
 """
 
 import math
+import time as clock
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from presswear.engines.base import Start
 from presswear.linkage.elements import ClearanceJoint
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.press import CRANK_2_START, CRANK_7_START, Press
 from presswear.scene.scene import Scene
 from presswear.tools.compiled import Records, compiled
@@ -23,13 +27,13 @@ from presswear.tools.compiled import Records, compiled
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 Four = tuple[float, float, float, float]
+Solution = tuple[Array, Sequence[tuple[int, float]], int, int]
+"""Final state, joint and time, s, of the touchdowns, attempted steps, and evaluations."""
 
-SIZE = 8
-"""Coordinates, rad and m, and their rates."""
-OPEN = -1.0
-"""Closing speed of a joint that is open."""
-LEAST_CLOSING = 1e-6
-"""Least closing speed in the damping term, m/s."""
+SIZE = 8  # coordinates, rad and m, and their rates
+OPEN = -1.0  # closing speed of a joint without contact
+MIN_CLOSING = 1e-6  # m/s, in the damping term
+MAX_TOUCHDOWNS = 64  # stored
 
 _CONTACT = ("bearing_radius", "clearance", "stiffness", "damping", "friction", "lower", "upper")
 _PRESS = (
@@ -38,12 +42,12 @@ _PRESS = (
     *("centre_x", "centre_y", "b_x", "b_y", "c_x", "c_y", "start_2", "start_7"),
 )
 CONTACT = np.dtype([(name, np.float64) for name in _CONTACT])
+# SI; lengths from D in the frame of the plate, inertias about the hinges
 PRESS = np.dtype([*((name, np.float64) for name in _PRESS), ("a", CONTACT), ("c", CONTACT)])
-"""Numbers of the press: lengths from D in the plate's frame, inertias about the hinges, SI."""
 
 
 class Push(NamedTuple):
-    """Force of a pin on its bearing, N, where it acts, m; depth, m, its rate, m/s; F_n |v_t|, W."""
+    """Force on a bearing, N, its point, m, penetration, m, its rate, m/s, and F_n |v_t|, W."""
 
     x: float
     y: float
@@ -55,7 +59,7 @@ class Push(NamedTuple):
 
 
 class Cranks(NamedTuple):
-    """Places, m, and velocities, m/s, of D and of the pin at A."""
+    """Positions, m, and velocities, m/s, of D and of the pin at A."""
 
     x: float
     y: float
@@ -67,8 +71,8 @@ class Cranks(NamedTuple):
     pin_vy: float
 
 
-def numbers_of(scene: Scene) -> Records:
-    """The numbers of a scene, one record of PRESS; its surfaces are round."""
+def parameters(scene: Scene) -> Records:
+    """Return the parameters of a scene with round surfaces as one record of PRESS."""
     press, linkage = scene.mechanism, scene.linkage()
     assert isinstance(press, Press)
     corner = press.plate_corners()
@@ -104,7 +108,7 @@ def _contact_of(joint: ClearanceJoint) -> tuple[float, ...]:
 
 @compiled
 def cranks(press: Records, t: float) -> Cranks:
-    """Place D and the pin at A."""
+    """Return the motion of D and of the pin at A."""
     p = press[0]
     seven, two = p.start_7 + p.speed * t, p.start_2 - p.speed * t
     x, y = p.length_7 * math.cos(seven), p.length_7 * math.sin(seven)
@@ -117,7 +121,7 @@ def cranks(press: Records, t: float) -> Cranks:
 
 @compiled
 def push(
-    own: Records,
+    joint: Records,
     onset: float,
     pin_x: float,
     pin_y: float,
@@ -128,22 +132,22 @@ def push(
     pin_spin: float,
     bearing_spin: float,
 ) -> Push:
-    """Push of a pin with an eccentricity, m, and its rate, m/s; ``onset`` is latched or OPEN."""
+    """Return the contact force for an eccentricity, m; ``onset`` is the stored closing speed."""
     distance = math.sqrt(ex * ex + ey * ey)
-    depth = distance - own.clearance
+    depth = distance - joint.clearance
     if distance == 0.0:
         return Push(0.0, 0.0, pin_x, pin_y, depth, 0.0, 0.0)
     nx, ny = ex / distance, ey / distance
     rate = vx * nx + vy * ny
     if depth <= 0.0:
         return Push(0.0, 0.0, pin_x, pin_y, depth, rate, 0.0)
-    closing = max(onset if onset >= 0.0 else rate, LEAST_CLOSING)
-    normal = own.stiffness * depth * math.sqrt(depth) * (1.0 + own.damping * rate / closing)
+    closing = max(onset if onset >= 0.0 else rate, MIN_CLOSING)
+    normal = joint.stiffness * depth * math.sqrt(depth) * (1.0 + joint.damping * rate / closing)
     normal = max(normal, 0.0)
-    arm = own.bearing_radius - own.clearance - 0.5 * depth
+    arm = joint.bearing_radius - joint.clearance - 0.5 * depth
     sliding = vy * nx - vx * ny + pin_spin * arm - bearing_spin * (arm + distance)
-    ramp = min(max((abs(sliding) - own.lower) / (own.upper - own.lower), 0.0), 1.0)
-    along = math.copysign(own.friction * ramp * normal, sliding)
+    ramp = min(max((abs(sliding) - joint.lower) / (joint.upper - joint.lower), 0.0), 1.0)
+    along = math.copysign(joint.friction * ramp * normal, sliding)
     return Push(
         *(normal * nx - along * ny, normal * ny + along * nx),
         *(pin_x + arm * nx, pin_y + arm * ny),
@@ -155,7 +159,7 @@ def push(
 def accelerations(
     press: Records, at: Cranks, onset: Array, x: Four, u: Four
 ) -> tuple[Four, Four, Push, Push]:
-    """Accelerations of the coordinates, the pushes' forces on them, and both pushes."""
+    """Return the accelerations, the generalized contact forces and both contact forces."""
     plate, rod_3, slider, rod_5 = x
     plate_t, rod_3_t, slider_t, rod_5_t = u
     p = press[0]
@@ -192,18 +196,18 @@ def accelerations(
     turn = p.mass_3 * (bx * hy - by * hx)
     right_1 = force_1 + mx * ay - my * ax + rod_3_t * rod_3_t * turn
     right_2 = force_2 + p.mass_3 * (hx * ay - hy * ax) - plate_t * plate_t * turn
-    other = 1.0 / (p.plate_inertia * p.rod_3_inertia - m12 * m12)
+    inverse_12 = 1.0 / (p.plate_inertia * p.rod_3_inertia - m12 * m12)
     m34 = 0.5 * p.mass_5 * sx
     both = p.mass_5 + p.mass_6
     right_3 = two.y - both * p.gravity + 0.5 * p.mass_5 * sy * rod_5_t * rod_5_t
     right_4 = force_4 - m34 * p.gravity
-    last = 1.0 / (both * p.rod_5_inertia - m34 * m34)
+    inverse_34 = 1.0 / (both * p.rod_5_inertia - m34 * m34)
     return (
         (
-            other * (p.rod_3_inertia * right_1 - m12 * right_2),
-            other * (p.plate_inertia * right_2 - m12 * right_1),
-            last * (p.rod_5_inertia * right_3 - m34 * right_4),
-            last * (both * right_4 - m34 * right_3),
+            inverse_12 * (p.rod_3_inertia * right_1 - m12 * right_2),
+            inverse_12 * (p.plate_inertia * right_2 - m12 * right_1),
+            inverse_34 * (p.rod_5_inertia * right_3 - m34 * right_4),
+            inverse_34 * (both * right_4 - m34 * right_3),
         ),
         (force_1, force_2, two.y, force_4),
         one,
@@ -213,7 +217,7 @@ def accelerations(
 
 @compiled
 def evaluate(press: Records, t: float, y: Array, onset: Array, out: Array, gaps: Array) -> None:
-    """Fill slopes and the pushes' forces on the coordinates, shape (12,), and the gaps, (2, 2)."""
+    """Fill rates and generalized contact forces, shape (12,), and the gaps, shape (2, 2)."""
     x, u = (y[0], y[1], y[2], y[3]), (y[4], y[5], y[6], y[7])
     a, forces, one, two = accelerations(press, cranks(press, t), onset, x, u)
     for i in range(4):
@@ -226,10 +230,10 @@ def evaluate(press: Records, t: float, y: Array, onset: Array, out: Array, gaps:
 def relative_forces(
     press: Records, t: float, q: Array, v: Array, onset: Array, work: Array, gaps: Array, out: Array
 ) -> None:
-    """Fill the pushes' forces on the relative coordinates of a tree; ``work`` is (20,).
+    """Fill the generalized forces on the relative coordinates of a tree; ``work`` is (20,).
 
-    Those are the angles of crank 7, plate 4 and rod 3, each against the body it hangs from, the
-    height of slider 6 and the angle of rod 5.
+    They are the angles of crank 7, plate 4 and rod 3, each relative to its parent, the height of
+    slider 6 and the angle of rod 5.
     """
     y = work[:8]
     y[0], y[1], y[2], y[3] = q[0] + q[1], q[0] + q[1] + q[2], q[3], q[4]
@@ -244,19 +248,14 @@ def relative_forces(
 def land(
     onset: Array, before: Array, now: Array, touches: Array, noted: Indices, last: float
 ) -> bool:
-    """Latch or release the pins whose gaps a step from ``last``, s, has closed or opened.
+    """Update the closing speeds after a step from time ``last``, s; return whether any changed.
 
     Parameters
     ----------
     before, now : ndarray, shape (2, 2)
-        Depths and their rates at both ends of the step; the first become the second.
-    touches, noted : ndarray, shapes (most, 2) and (1,)
-        Joint and time, s, of the first touches, and how many there were.
-
-    Returns
-    -------
-    bool
-        Whether any did.
+        Penetrations and their rates at both ends of the step; ``before`` becomes ``now``.
+    touches, noted : ndarray, shapes (n, 2) and (1,)
+        Joint and time, s, of the first touchdowns, and their number.
     """
     changed = False
     for k in range(2):
@@ -277,13 +276,13 @@ def land(
 
 @compiled
 def ahead(x: Four, h: float, u: Four) -> Four:
-    """x + h u."""
+    """Return x + h u."""
     return x[0] + h * u[0], x[1] + h * u[1], x[2] + h * u[2], x[3] + h * u[3]
 
 
 @compiled
 def averaged(a: Four, b: Four, c: Four, d: Four) -> Four:
-    """Sum of four slopes with the weights 1, 2, 2 and 1."""
+    """Return the sum of four slopes with the weights 1, 2, 2 and 1."""
     return (
         a[0] + 2.0 * (b[0] + c[0]) + d[0],
         a[1] + 2.0 * (b[1] + c[1]) + d[1],
@@ -304,18 +303,16 @@ def march(
     noted: Indices,
     sums: Array,
 ) -> None:
-    """Integrate from t = 0 by the classical method of order 4 with equal steps.
+    """Integrate from t = 0 with equal steps of RK4.
 
     Parameters
     ----------
     y : ndarray, shape (SIZE,)
-        State; that at the end afterwards.
+        State, replaced by the final state.
     gaps : ndarray, shape (2, 2, 2)
         Working space.
-    onset, touches, noted : ndarray
-        As in ``land``.
     sums : ndarray, shape (2,)
-        Gets F_n |v_t| over time in each joint, N m.
+        Friction work per unit friction coefficient in each joint, N m, added.
     """
     h = end / steps
     half = 0.5 * h
@@ -343,3 +340,54 @@ def march(
         u = ahead(u, h / 6.0, averaged(a, b, c, d))
     y[0], y[1], y[2], y[3] = x
     y[4], y[5], y[6], y[7] = u
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """Solution, and the wall time of the integration alone, s."""
+
+    end: Array
+    touches: Sequence[tuple[int, float]]
+    steps: int
+    evaluations: int
+    seconds: float
+
+
+class Touchdowns:
+    """Arrays of ``land`` for a run that starts without contact."""
+
+    def __init__(self) -> None:
+        self.onset, self.gaps = np.full(2, OPEN), np.zeros((2, 2, 2))
+        self.touches, self.noted = np.zeros((MAX_TOUCHDOWNS, 2)), np.zeros(1, np.int64)
+
+    @property
+    def times(self) -> Sequence[tuple[int, float]]:
+        """Joint and time, s, of the first touchdowns."""
+        return [(int(k), float(t)) for k, t in self.touches[: int(self.noted[0])]]
+
+
+def measured(run: Callable[[], Solution]) -> Outcome:
+    """Run and measure the wall time."""
+    started = clock.perf_counter()
+    solution = run()
+    return Outcome(*solution, clock.perf_counter() - started)
+
+
+def state_of(linkage: Linkage, start: Start) -> Array:
+    """Return the coordinates of the press and their rates from the state of all bodies."""
+    coordinates = (("plate 4", 2), ("rod 3", 2), ("slider 6", 1), ("rod 5", 2))
+    places = [3 * linkage.index(name) + part for name, part in coordinates]
+    return np.concatenate([start.position[places], start.velocity[places]])
+
+
+def run_by_hand(press: Records, start: Array, end: float, step: float, longest: float) -> Outcome:
+    """Run RK4 with equal steps, s; ``longest`` is ignored."""
+    y, store, count = start.copy(), Touchdowns(), round(end / step)
+
+    def run() -> Solution:
+        march(
+            press, y, end, count, store.onset, store.gaps, store.touches, store.noted, np.zeros(2)
+        )
+        return y, store.times, count, 4 * count
+
+    return measured(run)

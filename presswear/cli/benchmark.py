@@ -1,0 +1,129 @@
+"""``presswear benchmark``: speed against error of the engines, and the cost of each feature.
+
+It measures and does not judge: the exit code is 0 however slow or inaccurate a method is.
+"""
+
+import argparse
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rich.console import Console
+
+from presswear.cli.terminal import (
+    add_out,
+    add_settings,
+    free_folder,
+    print_table,
+    repeats_given,
+    scene_given,
+    settings_given,
+)
+from presswear.cli.trials import telling
+from presswear.scene.settings import changed
+from presswear.tools.folders import only_writer
+
+if TYPE_CHECKING:
+    from presswear.scene.scene import Scene
+
+SCENE = "wear-times"
+
+
+def add(commands: Any) -> None:
+    """Add the parser of ``benchmark``."""
+    parser = commands.add_parser(
+        "benchmark",
+        description="Runs every engine and integrator over its steps or tolerances on the ideal "
+        "mechanism, Andrews' squeezer, one impact, and a scene with clearance, and compares each "
+        "with a reference. Wall times are medians of interleaved repeats without compiling. "
+        "Methods that fail are listed, among them the setting of the paper, RK4 at 1e-4 s. With "
+        "--features: times the scene with each feature of the model on and off. Let the machine "
+        "do nothing else meanwhile. Below 10 minutes, with --quick one or two.",
+        epilog="example: presswear benchmark wear-times --quick --out results/benchmark-first",
+    )
+    parser.add_argument(
+        "scene", nargs="?", default=SCENE, metavar="SCENE", help=f"scene (default {SCENE})"
+    )
+    add_out(parser, "benchmark-SCENE")
+    parser.add_argument("--features", action="store_true", help="cost of each feature of a model")
+    parser.add_argument("--repeats", help="number of times that each run is timed (default 5)")
+    parser.add_argument("--quick", action="store_true", help="fewer settings, or shorter runs")
+    add_settings(parser)
+    parser.set_defaults(run=_benchmark)
+
+
+def _benchmark(arguments: argparse.Namespace, console: Console) -> int:
+    repeats = None if arguments.repeats is None else repeats_given(arguments.repeats)
+    scene = changed(scene_given(arguments.scene), settings_given(arguments.set))
+    folder = arguments.out or free_folder(f"benchmark-{scene.name}")
+    measure = _features if arguments.features else _work_precision
+    with only_writer(folder):
+        measure(scene, arguments.quick, repeats, folder, console)
+        from presswear.results.provenance import provenance
+        from presswear.tools.documents import write_json
+        from presswear.validation.timing import processor_name
+
+        machine = {"processor": processor_name(), **provenance(), "scene": scene.as_dict()}
+        write_json(folder / "benchmark.json", machine)
+    console.print(f"results in {folder}", highlight=False)
+    return 0
+
+
+def _work_precision(
+    scene: "Scene", quick: bool, repeats: int | None, folder: Path, console: Console
+) -> None:
+    from presswear.show.figures import save
+    from presswear.validation import work_precision as module
+
+    extent = module.QUICK if quick else module.FULL
+    if repeats is not None:
+        extent = replace(extent, repeats=repeats)
+    with telling(console, "benchmark") as report:
+        points = module.work_precision(scene, extent, report)
+    folder.mkdir(parents=True, exist_ok=True)
+    module.write_csv(points, folder / "benchmark.csv")
+    save(module.draw_work_precision(points), folder)
+    for problem in {id(point.problem): point.problem for point in points}.values():
+        quantity = next(iter(problem.quantities))
+        rows = [
+            [p.method.label, f"{1e3 * p.timing.wall:.3g}", f"{p.errors[quantity]:.1e}"]
+            for p in points
+            if p.problem is problem and p.timing is not None
+        ]
+        numbers = ("wall ms", f"error of {quantity}")
+        print_table(console, ("method",), numbers, rows, title=problem.name, title_justify="left")
+    for point in points:
+        if point.failure:
+            words = f"{point.problem.name}: {point.method.label} failed: {point.failure}"
+            console.print(words, highlight=False, markup=False)
+
+
+def _features(
+    scene: "Scene", quick: bool, repeats: int | None, folder: Path, console: Console
+) -> None:
+    from presswear.validation import feature_costs as module
+
+    extent = module.QUICK if quick else module.FeatureExtent()
+    if repeats is not None:
+        extent = replace(extent, repeats=repeats)
+    with telling(console, "benchmark") as report:
+        costs = module.feature_costs(scene, extent, report)
+    folder.mkdir(parents=True, exist_ok=True)
+    module.write_csv(costs, folder / "features.csv")
+    rows = [
+        [
+            f"{cost.feature}: {cost.state}",
+            cost.engine,
+            f"{cost.timing.per_second:.3f}",
+            f"{1e6 * cost.timing.per_step:.2f}",
+            f"{cost.step_ratio:.2f}",
+            f"{cost.wall_ratio:.2f}",
+        ]
+        for cost in costs
+    ]
+    numbers = ("s/s", "us/step", "ratio/step", "ratio/s")
+    print_table(console, ("feature", "engine"), numbers, rows)
+    console.print(
+        "s/s is wall time per simulated second; ratios are to the row without the feature",
+        highlight=False,
+    )

@@ -1,1 +1,0 @@
-"""Costs: engines beside peers at the same work, and wall times of features."""

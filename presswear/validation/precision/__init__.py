@@ -1,1 +1,0 @@
-"""Precision: speed against error of every engine and integrator."""

@@ -1,0 +1,606 @@
+"""Error against wall time of every engine and integrator on four reference problems.
+
+The problems are the ideal mechanism of a scene, Andrews' squeezer, one free impact, and the scene
+with clearance. Trajectories of the last are compared up to the time at which two starts 1e-9 m
+apart have separated a thousandfold; beyond it, a trajectory has no meaning.
+"""
+
+import csv
+import io
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.campaign.replicates import disturbed, start_of
+from presswear.engines.base import Plan, Run, Start
+from presswear.engines.settings import (
+    LEAST_STEPS,
+    Engine,
+    ExudynJoints,
+    ExudynTree,
+    InHouse,
+    Integrator,
+)
+from presswear.linkage.elements import Guide
+from presswear.linkage.laws import delivered_restitution
+from presswear.linkage.linkage import Linkage
+from presswear.physics.constraints import constraints_of
+from presswear.physics.following import followed
+from presswear.physics.tree import Tree, tree_of
+from presswear.scene.numerics import Numerics
+from presswear.scene.scene import Scene
+from presswear.show.figures.style import LINES, REFERENCE, SETTINGS, WIDTH, Axes, Drawing, Sheet
+from presswear.tools.errors import InputError, RunFailed
+from presswear.tools.files import write_bytes
+from presswear.validation.crosscheck.check import DISTURBANCE, FIRST_TOUCHDOWNS, GROWTH
+from presswear.validation.crosscheck.check import PARTS as SEARCH_PARTS
+from presswear.validation.crosscheck.traces import (
+    parting_time,
+    slider_at_end,
+    touchdown_differences,
+    touchdowns_of,
+    trace_of,
+)
+from presswear.validation.runs import (
+    Progress,
+    contacts_of,
+    finished,
+    guarded,
+    missing_energy,
+    part_of,
+)
+from presswear.validation.timing import TimedRun, Timing, time_runs
+from presswear.validation.verify import references
+
+Array = NDArray[np.float64]
+
+STEP, IMPACT, TOLERANCE = "step (s)", "steps in an impact", "tolerance"
+TRAPEZOIDAL, EQUAL = "trapezoidal rule", "trapezoidal rule, equal steps"
+TIGHT = InHouse(integration_tolerance=1e-13)  # reference solution
+SMOOTH_NEWTON = 1e-12  # Newton's tolerance on smooth motion; 1e-9 hides the order
+SHORTER = 1.0 - 1e-9  # keeps round-off from removing a step
+CYCLES = 1.25  # of the ideal mechanism; over whole cycles errors of periodic motion cancel
+GAP = 1e-5  # m, free flight before the impact
+PARTS = 10  # parts of a run with clearance; its recorded series is so much finer
+
+
+@dataclass(frozen=True)
+class Extent:
+    """Settings at which the methods run, from coarse to fine, and repeats.
+
+    Attributes
+    ----------
+    longest : float
+        Longest time up to which trajectories with clearance are compared, s.
+    joints_steps, rk4_steps : tuple of int
+        Steps in a run of smooth motion.
+    impact_steps : tuple of int
+        Steps in an impact of the trapezoidal rule.
+    equal_steps, rk4_impact_steps : tuple of float
+        Equal steps with contacts of the trapezoidal rule and of RK4, s.
+    tolerances, tree_tolerances : tuple of float
+        Tolerances of DOP853 and DOPRI5 in ``dae``, and of the open tree in Exudyn.
+    """
+
+    repeats: int
+    longest: float
+    joints_steps: tuple[int, ...]
+    rk4_steps: tuple[int, ...]
+    impact_steps: tuple[int, ...]
+    equal_steps: tuple[float, ...]
+    rk4_impact_steps: tuple[float, ...]
+    tolerances: tuple[float, ...]
+    tree_tolerances: tuple[float, ...]
+
+
+QUICK = Extent(
+    repeats=5,
+    longest=0.05,
+    joints_steps=(300, 1000, 3000),
+    rk4_steps=(300, 1000, 3000, 10_000),
+    impact_steps=(20, 50, 100, 200),
+    equal_steps=(1e-5, 5e-6, 2e-6),
+    rk4_impact_steps=(5e-5, 2e-5, 1e-5, 5e-6, 2e-6, 1e-6),
+    tolerances=(1e-4, 1e-6, 1e-8, 1e-9, 1e-10, 1e-12),
+    tree_tolerances=(1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10),
+)
+FULL = Extent(
+    repeats=5,
+    longest=1.0,
+    joints_steps=(300, 1000, 3000, 10_000, 30_000, 100_000),
+    rk4_steps=(150, 300, 1000, 3000, 10_000, 30_000, 100_000),
+    impact_steps=(20, 35, 50, 100, 200, 400, 800),
+    equal_steps=(1e-5, 5e-6, 2e-6, 1e-6, 5e-7),
+    rk4_impact_steps=(5e-5, 2e-5, 1e-5, 5e-6, 2e-6, 1e-6, 5e-7, 2e-7, 1e-7),
+    tolerances=(1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12),
+    tree_tolerances=(1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11),
+)
+
+
+@dataclass(frozen=True)
+class Method:
+    """Engine and integrator at one step or tolerance.
+
+    Attributes
+    ----------
+    parameter : str
+        Quantity that is varied: STEP, IMPACT or TOLERANCE.
+    is_default : bool
+        True for the settings that a scene uses for trajectories.
+    is_paper : bool
+        True for the setting of the paper, RK4 at 1e-4 s.
+    """
+
+    engine: Engine
+    integrator: str
+    parameter: str
+    value: float
+    is_default: bool = False
+    is_paper: bool = False
+
+    @property
+    def family(self) -> str:
+        """Engine and integrator: the name of a curve."""
+        return f"{self.engine.word}, {self.integrator}"
+
+    @property
+    def label(self) -> str:
+        """Family and setting."""
+        return f"{self.family}, {self.parameter.partition(' (')[0]} {self.value:g}"
+
+
+@dataclass(frozen=True)
+class Problem:
+    """Reference problem that every method solves.
+
+    Attributes
+    ----------
+    reference : str
+        Origin of the reference values.
+    quantities : mapping
+        Names of the errors, with units, and the uncertainty of the reference; 0 if exact.
+    errors : callable
+        Return the errors of a completed run in the order of ``quantities``; RunFailed if the run
+        lacks what is compared.
+    """
+
+    name: str
+    reference: str
+    quantities: Mapping[str, float]
+    linkage: Linkage
+    start: Start
+    plan: Plan
+    methods: tuple[Method, ...]
+    errors: Callable[[Run], Sequence[float]]
+
+
+@dataclass(frozen=True)
+class Point:
+    """Result of a method on a problem; ``timing`` is None and ``errors`` empty if it failed."""
+
+    problem: Problem
+    method: Method
+    errors: Mapping[str, float]
+    timing: Timing | None = None
+    failure: str = ""
+
+
+def dae_methods(
+    tolerances: Sequence[float], steps: Sequence[float], default: InHouse
+) -> Iterator[Method]:
+    """Yield DOP853, DOPRI5 and RK4 of the in-house solver, and the paper's setting.
+
+    Parameters
+    ----------
+    steps : sequence of float
+        Equal steps of RK4, s.
+    default : InHouse
+        Engine of the scene.
+    """
+    controlled: tuple[Integrator, ...] = ("dop853", "dopri5")
+    for name in controlled:
+        values = {*tolerances, default.tolerance} if default.integrator == name else {*tolerances}
+        for value in sorted(values, reverse=True):
+            engine = replace(default, integrator=name, integration_tolerance=value)
+            yield Method(engine, name.upper(), TOLERANCE, value, is_default=engine == default)
+    paper = InHouse("rk4-paper").resolved()
+    values = {*steps, default.step} if default.integrator == "rk4" else {*steps}
+    engines = [replace(default, integrator="rk4", equal_step=step) for step in values]
+    methods = [
+        Method(engine, "RK4", STEP, engine.step, is_default=engine == default)
+        for engine in engines
+        if not math.isclose(engine.step, paper.step)
+    ]
+    is_default = default.integrator == "rk4-paper"
+    methods.append(Method(paper, "RK4", STEP, paper.step, is_default, is_paper=True))
+    yield from sorted(methods, key=lambda method: -method.value)
+
+
+def smooth_methods(
+    extent: Extent, duration: float, numerics: Numerics, period: float | None
+) -> tuple[Method, ...]:
+    """Return all methods for smooth motion over a duration, s.
+
+    Parameters
+    ----------
+    period : float or None
+        Period of the scene, s, whose default step is added; None if there is no scene.
+    """
+    numerics = numerics.resolved("trajectory")
+    joints = []
+    for step in (duration / count for count in extent.joints_steps):
+        engine = ExudynJoints(50, 10, free_step=step * SHORTER, newton=SMOOTH_NEWTON)
+        joints.append(Method(engine, TRAPEZOIDAL, STEP, step))
+    if period is not None:
+        default = numerics.joints.over(period)
+        joints.append(Method(default, TRAPEZOIDAL, STEP, default.longest(period), is_default=True))
+    steps = [duration / count for count in extent.rk4_steps]
+    dae = replace(numerics.dae, free_step=duration)
+    return (
+        *sorted(joints, key=lambda method: -method.value),
+        *dae_methods(extent.tolerances, steps, dae),
+    )
+
+
+def joints_over_impacts(
+    counts: Sequence[int], numerics: Numerics, period: float
+) -> Iterator[Method]:
+    """Yield the trapezoidal rule at several steps in an impact; all its steps shrink together."""
+    default = numerics.joints.over(period)
+    for count in sorted({*counts, default.steps_per_contact}):
+        finer = count / default.steps_per_contact
+        engine = replace(
+            default,
+            steps_per_contact=count,
+            steps_sustained=max(5, round(default.steps_sustained * finer)),
+            free_step=default.longest(period) / finer,
+            newton=default.newton / max(finer, 1.0) ** 2,
+        )
+        yield Method(engine, TRAPEZOIDAL, IMPACT, count, is_default=engine == default)
+
+
+def contact_methods(
+    extent: Extent, numerics: Numerics, period: float, longest: float, has_tree: bool
+) -> tuple[Method, ...]:
+    """Return all methods for motion with contacts.
+
+    Parameters
+    ----------
+    period : float
+        Period of a cycle, s.
+    longest : float
+        Longest step of DOP853 and DOPRI5 in ``dae``, s.
+    has_tree : bool
+        True if the linkage is an open tree.
+    """
+    numerics = numerics.resolved("trajectory")
+    tree = numerics.tree.over(period)
+    trees = [
+        replace(tree, tree_tolerance=value)
+        for value in sorted({*extent.tree_tolerances, tree.tolerance}, reverse=True)
+        if has_tree
+    ]
+    # The longest step allowed is shorter than any step of a contact, so that steps are equal.
+    equal = [ExudynJoints(1, 1, free_step=step) for step in extent.equal_steps]
+    dae = replace(numerics.dae, free_step=longest)
+    return (
+        *joints_over_impacts(extent.impact_steps, numerics, period),
+        *(Method(engine, EQUAL, STEP, engine.longest(period)) for engine in equal),
+        *(Method(t, "DOPRI5", TOLERANCE, t.tolerance, is_default=t == tree) for t in trees),
+        *dae_methods(extent.tolerances, extent.rk4_impact_steps, dae),
+    )
+
+
+def constraint_error(linkage: Linkage, run: Run) -> float:
+    """Return the largest violation of a position constraint at the end of a run, m or rad."""
+    phi = constraints_of(linkage).evaluate(run.time, run.end.position, run.end.velocity)[0]
+    return float(np.abs(phi).max())
+
+
+def ideal_mechanism(scene: Scene, extent: Extent) -> Problem:
+    """Return the mechanism of a scene with every joint ideal; the closed form is the reference."""
+    linkage, period = followed(scene.mechanism.linkage()), scene.mechanism.period
+    motion = scene.ideal.at(np.zeros(1))
+    duration = CYCLES * period
+
+    def errors(run: Run) -> Sequence[float]:
+        series = run.recorder.series
+        exact = scene.ideal_slider(series("time"))[:, :2]
+        slider = np.column_stack([series("displacement"), series("velocity")])
+        return [*np.abs(slider - exact).max(axis=0), constraint_error(linkage, run)]
+
+    return Problem(
+        "ideal mechanism",
+        "closed form; its uncertainty is round-off after 1e5 steps",
+        {"slider (m)": 5e-14, "slider velocity (m/s)": 1e-12, "constraints (m, rad)": 1e-12},
+        linkage,
+        Start(motion.position[0], motion.velocity[0]),
+        Plan(duration, 1, 1, torques=False),
+        smooth_methods(extent, duration, scene.numerics, period),
+        errors,
+    )
+
+
+def andrews(extent: Extent) -> Problem:
+    """Return Andrews' squeezer; the reference is the solution of the IVP test set.
+
+    The uncertainty of the printed values is their distance from a solution at tolerance 1e-13.
+    """
+    linkage, start = references.andrews(), references.andrews_start()
+    duration = references.ANDREWS_DURATION
+    plan = Plan(duration, 1, 1, torques=False)
+
+    def errors(run: Run) -> Sequence[float]:
+        angles = references.andrews_angles(run.end.position) - np.array(references.ANDREWS_ANGLES)
+        rates = references.andrews_angles(run.end.velocity) - np.array(references.ANDREWS_RATES)
+        return [np.abs(angles).max(), np.abs(rates).max(), constraint_error(linkage, run)]
+
+    angles, rates, _ = map(float, errors(finite(TIGHT.simulate(linkage, start, plan))))
+    return Problem(
+        "Andrews' squeezer",
+        "values of the IVP test set; their uncertainty is the distance from DOP853 at 1e-13",
+        {"angles (rad)": angles, "rates (rad/s)": rates, "constraints (m)": 1e-12},
+        linkage,
+        start,
+        plan,
+        smooth_methods(extent, duration, Numerics(), None),
+        errors,
+    )
+
+
+def single_impact(scene: Scene, extent: Extent) -> Problem:
+    """Return one free impact of a shaft in a ring, with the numerics of a scene.
+
+    The reference is the closed form of the restitution and a quadrature of the contact time. Guides
+    along the line of impact change nothing and make the linkage an open tree.
+    """
+    impact = references.Impact(0.9)
+    linkage, start = impact.linkage, impact.start
+    guides = tuple(Guide(f"guide of {b.name}", b.name, 0.0, 0.0, 0.0) for b in linkage.bodies)
+    start.position[3] = impact.clearance - GAP
+    restitution = delivered_restitution(impact.damping)
+    contact_time, uncertainty = impact.duration()
+    kinetic = 0.5 * linkage.bodies[1].mass * impact.speed**2
+    duration = GAP / impact.speed + 2.2 * impact.elastic_duration
+
+    def errors(run: Run) -> Sequence[float]:
+        contacts = contacts_of(run)
+        count = contacts["touchdown"].size
+        if count != 1:
+            raise RunFailed(f"expected one contact, found {count}")
+        # No force acts after the contact, so that its end follows from the final state.
+        gap = run.end.position[3] - run.end.position[0] - impact.clearance
+        rate = run.end.velocity[3] - run.end.velocity[0]
+        if not (gap < 0.0 and rate < 0.0):
+            raise RunFailed("the shaft is still in contact, or has passed through the ring")
+        time = run.time - gap / rate - contacts["touchdown"][0]
+        return [
+            abs(-contacts["release_speed"][0] / impact.speed - restitution),
+            abs(time - contact_time),
+            abs(float(run.diagnostics["energy_residual_J"])) / kinetic,
+        ]
+
+    quantities = {
+        "restitution": 1e-14,
+        "contact time (s)": max(uncertainty, 1e-14 * contact_time),
+        "energy residual / kinetic": 0.0,
+    }
+    return Problem(
+        "one impact",
+        "closed form of the restitution, quadrature of the contact time",
+        quantities,
+        replace(linkage, joints=guides),
+        start,
+        Plan(duration, 1, 1, torques=False),
+        contact_methods(extent, scene.numerics, scene.mechanism.period, duration, has_tree=True),
+        errors,
+    )
+
+
+def horizon(scene: Scene, longest: float) -> float:
+    """Return the time up to which two starts 1e-9 m apart stay within a thousand times that, s.
+
+    Parameters
+    ----------
+    longest : float
+        Longest time searched, s; at most one cycle.
+    """
+    linkage, start = scene.linkage(), start_of(scene)
+    end = min(scene.mechanism.period, longest)
+    moved = disturbed(linkage, start, DISTURBANCE)
+    if moved is None:
+        return end
+    plan = Plan(end / SEARCH_PARTS, SEARCH_PARTS, SEARCH_PARTS, torques=False)
+    first, second = (trace_of(TIGHT.simulate(linkage, each, plan)) for each in (start, moved))
+    return parting_time(first, second, GROWTH * DISTURBANCE) or end
+
+
+def with_clearance(scene: Scene, extent: Extent) -> Problem:
+    """Return the unworn linkage of a scene up to its horizon.
+
+    The reference is DOP853 at tolerance 1e-13. Its uncertainty is its distance from the open tree
+    in Exudyn at 1e-12, or from DOPRI5 at 1e-13 if the linkage is no open tree.
+    """
+    linkage, start, period = scene.linkage(), start_of(scene), scene.mechanism.period
+    end = horizon(scene, extent.longest)
+    plan = Plan(end / PARTS, PARTS, PARTS, torques=False)
+    has_tree = isinstance(tree_of(linkage), Tree)
+    second: Engine = ExudynTree(1e-12) if has_tree else InHouse("dopri5", 1e-13)
+    runs = [
+        finite(engine.over(period).simulate(linkage, start, plan)) for engine in (TIGHT, second)
+    ]
+    names = (
+        *("slider (m)", "touchdowns (s)", "slider velocity (m/s)"),
+        *("closing speeds, relative", "peak forces, relative", "energy residual / exchanged"),
+    )
+
+    first = touchdowns_of(runs[0])[:FIRST_TOUCHDOWNS]
+
+    def errors(run: Run) -> Sequence[float]:
+        differences = touchdown_differences(first, touchdowns_of(run))
+        missing = int(np.count_nonzero(np.isinf(differences[:, 0])))
+        if missing:
+            raise RunFailed(f"{missing} of the first {len(first)} touchdowns missing")
+        times, speeds, forces = differences.max(axis=0, initial=0.0)
+        ends = slider_at_end(linkage, run), slider_at_end(linkage, runs[0])
+        position, velocity = np.abs(ends[0] - ends[1])
+        numbers = position, times, velocity, speeds, forces, missing_energy(run)
+        return [float(number) for number in numbers]
+
+    return Problem(
+        f"scene {scene.name}, {end:.3g} s",
+        "DOP853 of dae at 1e-13; its uncertainty is the distance from a second solution",
+        # Energy is conserved exactly, so that the residual needs no reference.
+        dict(zip(names, [*errors(runs[1])[:-1], 0.0], strict=True)),
+        linkage,
+        start,
+        plan,
+        contact_methods(extent, scene.numerics, period, period / LEAST_STEPS, has_tree),
+        errors,
+    )
+
+
+def finite(run: Run) -> Run:
+    """Return a run; RunFailed if it failed or its final state is not finite."""
+    end = finished(run).end
+    if not (np.all(np.isfinite(end.position)) and np.all(np.isfinite(end.velocity))):
+        raise RunFailed(f"the state is no longer finite (t = {run.time:.6g} s)")
+    return run
+
+
+def first_run(problem: Problem, method: Method) -> Point:
+    """Run a method once for its errors; a failure of any kind becomes a point with a failure."""
+    plan = replace(problem.plan, trackers=guarded(problem.plan.cycle, problem.plan.cycles).trackers)
+    try:
+        with np.errstate(all="ignore"):  # a run that diverges overflows before it fails
+            run = finite(method.engine.simulate(problem.linkage, problem.start, plan))
+            errors = dict(zip(problem.quantities, map(float, problem.errors(run)), strict=True))
+        for name, error in errors.items():
+            if not math.isfinite(error):
+                raise RunFailed(f"error of {name} is not finite")
+    except (InputError, RunFailed, ArithmeticError) as error:
+        return Point(problem, method, {}, failure=str(error) or type(error).__name__)
+    return Point(problem, method, errors)
+
+
+def measure(problem: Problem, repeats: int, report: Progress) -> list[Point]:
+    """Run all methods of a problem once for their errors, then in turn for their wall times."""
+    points, weight = [], 2.0 / (2.0 + repeats)  # compiling makes the first runs longer
+    for i, method in enumerate(problem.methods):
+        report(method.label, weight * i / len(problem.methods))
+        points.append(first_run(problem, method))
+    runs = [
+        TimedRun(p.method.label, problem.linkage, problem.start, p.method.engine, problem.plan)
+        for p in points
+        if not p.failure
+    ]
+    timings = iter(time_runs(runs, repeats, part_of(report, weight, 1.0 - weight)))
+    return [p if p.failure else replace(p, timing=next(timings)) for p in points]
+
+
+def work_precision(scene: Scene, extent: Extent, report: Progress) -> list[Point]:
+    """Measure errors and wall times of every engine and integrator.
+
+    Raises
+    ------
+    InputError
+        If the scene has no clearance.
+    RunFailed
+        If a reference solution fails.
+    """
+    if not scene.clearance_joints:
+        raise InputError(f"scene {scene.name} has no clearance: choose a scene with clearance")
+    makers: tuple[tuple[float, Callable[[], Problem]], ...] = (
+        (0.12, lambda: ideal_mechanism(scene, extent)),
+        (0.14, lambda: andrews(extent)),
+        (0.02, lambda: single_impact(scene, extent)),
+        (0.72, lambda: with_clearance(scene, extent)),
+    )
+    points: list[Point] = []
+    done = 0.0
+    for share, make in makers:
+        report("reference", done)
+        problem = make()
+        prefix = f"{problem.name}: "
+        points += measure(problem, extent.repeats, part_of(report, done, share, prefix=prefix))
+        done += share
+    return points
+
+
+def write_csv(points: Sequence[Point], file: Path) -> None:
+    """Write one row for each problem, method and quantity; a method that failed has no numbers."""
+    text = io.StringIO()
+    writer = csv.writer(text)
+    columns = "problem,engine,integrator,parameter,value,is_default,is_paper,quantity,error"
+    columns += ",reference_uncertainty,steps,rejected_steps,evaluations,wall_s,wall_min_s"
+    writer.writerow([*columns.split(","), "wall_max_s", "failure"])
+    for point in points:
+        method, timing = point.method, point.timing
+        name = [point.problem.name, method.engine.word, method.integrator]
+        setting = [method.parameter, method.value, method.is_default, method.is_paper]
+        times: list[object] = [""] * 6
+        if timing is not None:
+            times = [timing.steps, timing.rejected, timing.evaluations]
+            times += [timing.wall, min(timing.walls), max(timing.walls)]
+        for quantity, uncertainty in point.problem.quantities.items():
+            error = point.errors.get(quantity, "")
+            row = [quantity, error, uncertainty, *times, point.failure]
+            writer.writerow([*name, *setting, *row])
+    write_bytes(file, text.getvalue().encode())
+
+
+@matplotlib.rc_context(SETTINGS)
+def draw_work_precision(points: Sequence[Point]) -> Drawing:
+    """Draw the first two errors of each problem over the wall time."""
+    problems = list({id(point.problem): point.problem for point in points}.values())
+    families = list(dict.fromkeys(point.method.family for point in points))
+    sheet = Sheet(figsize=(WIDTH, 1.0 + 2.4 * len(problems)), layout="constrained")
+    grid = sheet.subplots(len(problems), 2, squeeze=False)
+    for row, problem in zip(grid, problems, strict=True):
+        timed = [p for p in points if p.problem is problem and p.timing is not None]
+        for axes, quantity in zip(row, list(problem.quantities)[:2], strict=True):
+            _draw_errors(axes, timed, quantity, families)
+            axes.set_title(problem.name)
+    pairs = [axes.get_legend_handles_labels() for axes in grid[:, 0]]
+    by_label = {label: handle for pair in pairs for handle, label in zip(*pair, strict=True)}
+    sheet.legend(by_label.values(), by_label, loc="outside upper center", ncols=2)
+    failed = "; ".join(f"{p.problem.name}: {p.method.label}" for p in points if p.failure)
+    caption = (
+        "Medians of wall times without compiling; lower left is better. Grey: uncertainty of the "
+        f"reference.{f' Failed: {failed}.' if failed else ''}"
+    )
+    return Drawing("benchmark.png", "Error against wall time", caption, sheet)
+
+
+_MARKERS = ("o", "s", "^", "D", "v", "P")
+_STYLES = (*LINES, ("#56B4E9", (0.0, (4.0, 1.0, 1.0, 1.0, 1.0, 1.0))))
+_MARK: dict[str, Any] = {"color": REFERENCE, "markerfacecolor": "none", "linestyle": "none"}
+
+
+def _draw_errors(
+    axes: Axes, points: Sequence[Point], quantity: str, families: Sequence[str]
+) -> None:
+    """Draw one error of all methods of a problem; rings and stars mark default and paper."""
+    axes.set(xscale="log", yscale="log", xlabel="wall time (ms)", ylabel=quantity)
+    uncertainty = points[0].problem.quantities[quantity] if points else 0.0
+    if uncertainty > 0.0:
+        axes.axhline(uncertainty, color="0.6", linewidth=1.6, zorder=0.5)
+    for family, marker, (colour, dashes) in zip(families, _MARKERS, _STYLES, strict=False):
+        curve = [
+            (1e3 * p.timing.wall, max(p.errors[quantity], 1e-17), p.method)
+            for p in points
+            if p.method.family == family and p.timing is not None
+        ]
+        line = np.array([point[:2] for point in curve if not point[2].is_paper]).reshape(-1, 2)
+        axes.plot(*line.T, marker, color=colour, linestyle=dashes, markersize=4.5, label=family)
+        for x, y, method in curve:
+            if method.is_default:
+                axes.plot(x, y, "o", markersize=10.0, label="default setting", **_MARK)
+            if method.is_paper:
+                axes.plot(x, y, "*", markersize=10.0, label="paper, RK4 at 1e-4 s", **_MARK)

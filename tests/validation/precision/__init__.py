@@ -1,1 +1,0 @@
-"""Tests of precision, most of them on one short study or on made-up numbers."""

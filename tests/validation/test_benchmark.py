@@ -1,0 +1,305 @@
+"""Benchmark: errors and orders of every method, the cost of features, and the command."""
+
+import csv
+from dataclasses import replace
+from pathlib import Path
+from statistics import median
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from presswear.__main__ import main
+from presswear.engines.settings import ExudynJoints, InHouse
+from presswear.linkage.laws import delivered_restitution
+from presswear.scene.catalog import wear_times
+from presswear.tools.errors import InputError, RunFailed
+from presswear.validation import feature_costs, work_precision
+from presswear.validation.feature_costs import (
+    CLEARANCES,
+    SWITCHES,
+    FeatureCost,
+    FeatureExtent,
+    timed_run,
+    worn_surfaces,
+)
+from presswear.validation.runs import order_of
+from presswear.validation.timing import time_runs
+from presswear.validation.verify.references import REDUCED_MASS, Impact
+from presswear.validation.work_precision import (
+    Extent,
+    Point,
+    contact_methods,
+    first_run,
+    single_impact,
+)
+
+SHORT = Extent(
+    repeats=2,
+    longest=0.025,  # s, after the paper's step has diverged at 0.0217 s
+    joints_steps=(150, 300, 600),
+    rk4_steps=(150, 300, 600),
+    impact_steps=(25, 50, 100),
+    equal_steps=(1e-5,),
+    rk4_impact_steps=(2e-5, 1e-5),
+    tolerances=(1e-6, 1e-9),
+    tree_tolerances=(1e-5, 1e-7),
+)
+SCENE = wear_times()
+TRAPEZOIDAL, RK4 = "exudyn-joints, trapezoidal rule", "dae, RK4"
+Progress = list[tuple[str, float]]
+
+
+def silent(name: str, part: float) -> None:
+    """Ignore progress."""
+
+
+@pytest.fixture(scope="module")
+def progress() -> Progress:
+    return []
+
+
+@pytest.fixture(scope="module")
+def points(progress: Progress) -> list[Point]:
+    def report(name: str, part: float) -> None:
+        progress.append((name, part))
+
+    return work_precision.work_precision(SCENE, SHORT, report)
+
+
+def family(points: list[Point], problem: int, name: str = "") -> list[Point]:
+    """Return the points of a problem by its number, and of a family."""
+    names = list(dict.fromkeys(point.problem.name for point in points))
+    chosen = [point for point in points if point.problem.name == names[problem]]
+    return [point for point in chosen if name in ("", point.method.family)]
+
+
+def order(points: list[Point], quantity: str) -> float:
+    """Return the observed order of the points whose error exceeds the reference's tenfold."""
+    limit = 10.0 * points[0].problem.quantities[quantity]
+    pairs = [
+        (1.0 / point.timing.steps, point.errors[quantity])
+        for point in points
+        if point.timing is not None and point.errors[quantity] > limit
+    ]
+    return order_of([step for step, _ in pairs], [error for _, error in pairs])
+
+
+def test_smooth_motion_has_the_order_of_each_integrator(points: list[Point]) -> None:
+    for quantity in ("slider (m)", "slider velocity (m/s)", "constraints (m, rad)"):
+        assert order(family(points, 0, TRAPEZOIDAL), quantity) == pytest.approx(2.0, abs=0.05)
+        assert order(family(points, 0, RK4), quantity) == pytest.approx(4.0, abs=0.15)
+    for quantity in ("angles (rad)", "rates (rad/s)"):
+        assert order(family(points, 1, TRAPEZOIDAL), quantity) == pytest.approx(2.0, abs=0.1)
+        assert order(family(points, 1, RK4), quantity) == pytest.approx(4.0, abs=0.5)
+
+
+def test_a_smaller_tolerance_gives_a_smaller_error(points: list[Point]) -> None:
+    for name in ("dae, DOP853", "dae, DOPRI5"):
+        errors = [point.errors["slider (m)"] for point in family(points, 0, name)]
+        assert errors == sorted(errors, reverse=True)
+        assert errors[-1] < 1e-2 * errors[0]
+
+
+def test_the_uncertainty_of_the_references_is_known(points: list[Point]) -> None:
+    squeezer = family(points, 1)[0].problem.quantities
+    assert 1e-10 < squeezer["angles (rad)"] < 5e-9
+    assert 1e-8 < squeezer["rates (rad/s)"] < 2e-6
+    press = family(points, 3)[0].problem.quantities
+    assert press["slider (m)"] < 1e-12
+    assert press["touchdowns (s)"] < 1e-10
+    assert press["peak forces, relative"] < 1e-4
+
+
+def test_contact_time_is_that_of_the_integrated_motion() -> None:
+    impact = Impact(0.8, stiffness=1e9, speed=0.2)
+
+    def motion(t: float, y: np.ndarray) -> list[float]:
+        depth = max(y[0], 0.0)
+        damping = 1.0 + impact.damping * y[1] / impact.speed
+        return [y[1], -impact.stiffness / REDUCED_MASS * depth**1.5 * damping]
+
+    class Separation:
+        terminal, direction = True, -1.0
+
+        def __call__(self, t: float, y: np.ndarray) -> float:
+            return float(y[0]) if t > 0.0 else 1.0
+
+    limits = {"rtol": 1e-12, "atol": 1e-16}
+    found = solve_ivp(motion, (0.0, 1e-2), [0.0, 0.2], "DOP853", events=Separation(), **limits)
+    time, uncertainty = impact.duration()
+    assert time == pytest.approx(found.t_events[0][0], rel=1e-8)
+    assert uncertainty < 1e-10 * time
+    restitution = delivered_restitution(impact.damping)
+    assert -found.y_events[0][0][1] / impact.speed == pytest.approx(restitution)
+
+
+def test_guides_make_the_impact_a_tree_and_change_nothing() -> None:
+    problem = single_impact(SCENE, SHORT)
+    tight = InHouse(integration_tolerance=1e-12, free_step=1.0)
+    linkages = problem.linkage, Impact(0.9).linkage
+    runs = [tight.simulate(each, problem.start, problem.plan) for each in linkages]
+    assert runs[0].diagnostics["model"] != runs[1].diagnostics["model"]
+    np.testing.assert_allclose(runs[0].end.velocity, runs[1].end.velocity, atol=1e-12)
+
+
+def test_every_engine_solves_an_impact(points: list[Point]) -> None:
+    impact = family(points, 2)
+    assert {point.method.engine.word for point in impact} == {"exudyn-joints", "exudyn-tree", "dae"}
+    for name in {point.method.family for point in impact}:
+        bound = 1e-3 if "equal" in name else 1e-4
+        assert family(points, 2, name)[-1].errors["restitution"] < bound
+    for quantity in ("restitution", "contact time (s)"):
+        assert order(family(points, 2, TRAPEZOIDAL), quantity) == pytest.approx(2.0, abs=0.3)
+    (paper,) = (point for point in impact if point.method.is_paper)
+    assert paper.errors["energy residual / kinetic"] > 0.1
+
+
+def test_the_paper_fails_with_clearance_and_others_converge(points: list[Point]) -> None:
+    press = family(points, 3)
+    failed = {point.method.label for point in press if point.failure}
+    assert failed == {"dae, RK4, step 0.0001", "dae, RK4, step 2e-05"}
+    assert all("do not add up" in point.failure for point in press if point.failure)
+    for name in {point.method.family for point in press}:
+        sound = [point for point in family(points, 3, name) if not point.failure]
+        if len(sound) > 1:
+            for quantity in ("touchdowns (s)", "energy residual / exchanged"):
+                assert sound[-1].errors[quantity] < sound[0].errors[quantity]
+
+
+def test_default_settings_are_those_of_the_scene(points: list[Point]) -> None:
+    defaults = [p.method.engine for p in family(points, 3) if p.method.is_default]
+    numerics, period = SCENE.numerics.resolved("trajectory"), SCENE.mechanism.period
+    dae = replace(numerics.dae, free_step=period / 500.0)
+    assert defaults == [numerics.joints.over(period), numerics.tree.over(period), dae]
+    changed = SCENE.numerics.having(
+        steps_per_contact=70, tree_tolerance=3e-7, integrator="rk4", equal_step=3e-5
+    )
+    methods = contact_methods(SHORT, changed, 0.5, 1e-3, has_tree=True)
+    assert {method.label for method in methods if method.is_default} == {
+        "exudyn-joints, trapezoidal rule, steps in an impact 70",
+        "exudyn-tree, DOPRI5, tolerance 3e-07",
+        "dae, RK4, step 3e-05",
+    }
+
+
+def test_times_steps_and_progress_are_complete(points: list[Point], progress: Progress) -> None:
+    for point in points:
+        assert (point.timing is None) == bool(point.failure)
+        if point.timing is not None:
+            assert len(point.timing.walls) == SHORT.repeats
+            is_exudyn = isinstance(point.method.engine, ExudynJoints)
+            assert (point.timing.evaluations is None) == is_exudyn
+    parts = [part for _, part in progress]
+    assert parts == sorted(parts)
+    assert 0.0 == parts[0] < parts[-1] <= 1.0
+
+
+@pytest.mark.parametrize("words", ["3 of the first 10", "error of restitution"])
+def test_a_method_that_fails_is_a_point(words: str) -> None:
+    problem = single_impact(SCENE, SHORT)
+
+    def errors(run: object) -> list[float]:
+        if "error" in words:
+            return [np.nan] * 3
+        raise RunFailed("3 of the first 10 touchdowns missing")
+
+    point = first_run(replace(problem, errors=errors), problem.methods[-1])
+    assert words in point.failure
+    assert not point.errors
+
+
+def test_a_scene_without_clearance_is_refused() -> None:
+    with pytest.raises(InputError, match="no clearance"):
+        work_precision.work_precision(replace(SCENE, joints="none"), SHORT, silent)
+    with pytest.raises(InputError, match="clearance at A and C"):
+        feature_costs.feature_costs(replace(SCENE, joints="A"), FeatureExtent(), silent)
+
+
+def test_the_command_writes_table_and_figure(
+    points: list[Point],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    extents = []
+
+    def measured(scene: object, extent: Extent, report: object) -> list[Point]:
+        extents.append(extent)
+        return points
+
+    monkeypatch.setattr(work_precision, "work_precision", measured)
+    folder = tmp_path / "out"
+    assert main(["benchmark", "--quick", "--repeats", "3", "--out", str(folder)]) == 0
+    assert extents == [replace(work_precision.QUICK, repeats=3)]
+    shown = capsys.readouterr().out
+    assert "step 0.0001 failed" in shown
+    assert max(map(len, shown.splitlines())) <= 80
+    assert (folder / "benchmark.png").stat().st_size > 10_000
+    with (folder / "benchmark.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == sum(len(point.problem.quantities) for point in points)
+    first = points[0]
+    assert first.timing is not None
+    assert float(rows[0]["error"]) == first.errors["slider (m)"]
+    assert float(rows[0]["wall_s"]) == median(first.timing.walls)
+    assert int(rows[0]["steps"]) == first.timing.steps
+    failed = [row for row in rows if row["failure"]]
+    assert all(row["error"] == row["wall_s"] == "" for row in failed)
+    assert main(["benchmark", "--out", str(folder)]) == 2
+    assert "not empty" in capsys.readouterr().err
+
+
+@pytest.fixture(scope="module")
+def costs() -> list[FeatureCost]:
+    extent = FeatureExtent(repeats=2, tree_cycles=0.05, joints_cycles=0.02, wear_cycles=1)
+    return feature_costs.feature_costs(SCENE, extent, silent)
+
+
+def test_every_feature_is_timed_on_and_off(costs: list[FeatureCost]) -> None:
+    switches = [(name, state) for name in SWITCHES for state in ("off", "on")]
+    clearances = [("clearance", state) for state in CLEARANCES]
+    for engine, expected in (
+        ("exudyn", clearances),
+        ("exudyn-tree", switches),
+        ("exudyn-joints", clearances + switches),
+    ):
+        rows = [cost for cost in costs if cost.engine == engine]
+        assert [(cost.feature, cost.state) for cost in rows] == expected
+        for cost in rows:
+            off = next(each for each in rows if each.feature == cost.feature)
+            assert cost.step_ratio == cost.timing.per_step / off.timing.per_step
+            assert cost.wall_ratio == cost.timing.per_second / off.timing.per_second
+            assert cost.timing.wall == median(cost.timing.walls)
+    tree = {(c.feature, c.state): c.timing.steps for c in costs if c.engine == "exudyn-tree"}
+    # Neither wear account nor stored torques change the motion.
+    for feature in SWITCHES:
+        is_equal = feature in ("wear account", "torques stored")
+        assert (tree[feature, "off"] == tree[feature, "on"]) == is_equal
+
+
+def test_worn_surfaces_have_the_depth_of_one_update() -> None:
+    depths = worn_surfaces(SCENE, 1).max(axis=2).sum(axis=1)
+    assert all(1e-6 < depth < 1e-3 for depth in depths)
+
+
+def test_the_features_command_writes_its_table(
+    costs: list[FeatureCost],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.setattr(feature_costs, "feature_costs", lambda *arguments: costs)
+    assert main(["benchmark", "--features", "--quick", "--out", str(tmp_path / "out")]) == 0
+    assert "torques stored: on" in capsys.readouterr().out
+    with (tmp_path / "out" / "features.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [float(row["ratio_per_step"]) for row in rows] == [cost.step_ratio for cost in costs]
+
+
+def test_a_repeat_with_other_steps_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    timed = timed_run("short", SCENE, 0.02)
+    runs = [timed.run(), timed_run("shorter", SCENE, 0.01).run()]
+    monkeypatch.setattr(type(timed), "run", lambda self: runs.pop(0))
+    with pytest.raises(RunFailed, match="other steps"):
+        time_runs([timed], 2, silent)
