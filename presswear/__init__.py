@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     import presswear.scene.catalog as scenes
+    from presswear.campaign.scenes import run_scenes as run_scenes
+    from presswear.campaign.single import run as run
     from presswear.engines.settings import ExudynJoints as ExudynJoints
     from presswear.engines.settings import ExudynTree as ExudynTree
     from presswear.engines.settings import InHouse as InHouse
@@ -61,9 +63,6 @@ if TYPE_CHECKING:
     from presswear.scene.life import Life as Life
     from presswear.scene.recording import Recording as Recording
     from presswear.scene.scene import Scene as Scene
-    from presswear.studies import study as study
-    from presswear.studies import write_report as write_report
-    from presswear.studies.run import run as run
     from presswear.sweeps.function import function_of as function_of
     from presswear.sweeps.sweep import Sweep as Sweep
     from presswear.sweeps.sweep import sweep as sweep
@@ -73,6 +72,8 @@ if TYPE_CHECKING:
     __version__: str
 
 _ROOMS = {
+    "campaign.scenes": ("run_scenes",),
+    "campaign.single": ("run",),
     "engines.settings": ("ExudynJoints", "ExudynTree", "InHouse"),
     "linkage.elements": (
         "Bar",
@@ -111,8 +112,6 @@ _ROOMS = {
     "scene.life": ("Life",),
     "scene.recording": ("Recording",),
     "scene.scene": ("Scene",),
-    "studies": ("study", "write_report"),
-    "studies.run": ("run",),
     "sweeps.function": ("function_of",),
     "sweeps.sweep": ("Sweep", "sweep"),
     "tools.errors": ("InputError", "RunFailed"),

@@ -3,15 +3,8 @@
 Run:  python scenarios/paper.py
 """
 
-import presswear as pw
-
-
-def main(folder: str = "results/paper", **settings: float | str) -> None:
-    study = pw.study("paper", **settings)
-    pw.run(study, folder)
-    answer, report = pw.write_report(study, folder)
-    print(f"{answer}\nreport: {report}")
-
+from presswear.paper import run_paper
 
 if __name__ == "__main__":
-    main()
+    answer, report = run_paper("results/paper", engine="dae")
+    print(f"{answer}\nreport: {report}")

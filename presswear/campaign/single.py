@@ -19,7 +19,8 @@ from presswear.results.provenance import provenance
 from presswear.results.result import Result, load
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
-from presswear.tools.errors import RunFailed
+from presswear.tools.checked import checked
+from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.workers import InProcess, Pool, Workers, cores, workers_for
 
 
@@ -37,22 +38,49 @@ class _Kept(Tracker):
         self.stages.append(stage)
 
 
-def run_scene(
+@checked
+def run(
     scene: Scene,
     folder: str | Path | None = None,
     engine: str | Engine | None = None,
+    jobs: int | None = None,
     trackers: Sequence[Tracker] = (),
     check: bool = True,
-    jobs: int | None = None,
     interval: float = INTERVAL,
 ) -> Result:
-    """Run one scene, in memory or into a folder; see ``presswear.run``.
+    """Run a scene through all its stages.
 
     Parameters
     ----------
+    scene : Scene
+    folder : path or None
+        Folder of the result. An interrupted run of the same scene in it resumes, and a finished
+        one is read. None: the result is kept in memory only.
+    engine : str, engine or None
+        A name, such as ``dae``, or an engine with its settings, such as
+        ``ExudynTree(tree_tolerance=1e-10)``; None: the scene's.
+    jobs : int or None
+        Replicates that run at a time; None: as many as there are cores. No number depends on it.
+    trackers : sequence of Tracker
+        Notified of what happens.
+    check : bool
+        Whether a failed run raises `RunFailed`.
     interval : float
-        Between two checkpoints in the folder, s.
+        Time between two checkpoints in the folder, s.
+
+    Returns
+    -------
+    Result
+
+    Raises
+    ------
+    RunFailed
+        With its finding, if the run failed and `check` is set, or if its folder is lost.
+    InputError
+        If the scene, or the content of the folder, does not allow the run.
     """
+    if jobs is not None and jobs < 1:
+        raise InputError(f"jobs = {jobs}: must be at least 1")
     scene = with_engine(scene, engine)
     if folder is None:
         kept = _Kept()

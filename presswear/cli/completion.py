@@ -10,11 +10,10 @@ from presswear.cli.parser import parser_with
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import SCENES
 from presswear.scene.scene import ENGINES
-from presswear.studies import STUDIES
 from presswear.tools.errors import not_installed, unknown
 
 _WORDS = {
-    "scene": (*SCENES, *STUDIES),
+    "scene": tuple(SCENES),
     "engine": tuple(ENGINES),
     "conventions": tuple(CONVENTIONS),
 }

@@ -1,17 +1,28 @@
 """``presswear life``: after how many strokes a limit is passed, and how sure that is."""
 
 import argparse
+import re
 from functools import partial
 from typing import Any
 
 from rich.console import Console
 
 from presswear.cli.run import add_options, is_plain, run_or_go_on, with_options
-from presswear.cli.terminal import add_where, scene_given, settings_given
+from presswear.cli.terminal import (
+    check_resumed,
+    free_folder,
+    goes_on,
+    jobs_given,
+    progress_bar,
+    scene_given,
+    settings_given,
+)
 from presswear.linkage.materials import MATERIALS
 from presswear.scene.life import FOLLOWED, NEW, TURNED, Life
 from presswear.scene.scene import Scene
 from presswear.scene.settings import SET, changed
+from presswear.tools.errors import InputError
+from presswear.tools.stopping import check_stopped
 
 STAGES = "2"
 """Parts of the life between stages, of a scene that says nothing on it."""
@@ -67,7 +78,6 @@ def add(commands: Any) -> None:
         help="compare with each joint made of each pair of materials in the table",
     )
     add_options(life, "results/SCENE-life, or results/lives")
-    add_where(life, "of lives that are compared: ")
     life.set_defaults(run=_run)
 
 
@@ -110,20 +120,52 @@ def _others(scene: Scene, arguments: argparse.Namespace) -> dict[str, dict[str, 
 
 
 def _run(arguments: argparse.Namespace, console: Console) -> int:
-    compared = (arguments.replace, arguments.turn, arguments.compare, arguments.materials)
-    bare = is_plain(arguments) and all(getattr(arguments, name) is None for name in OPTIONS)
-    from presswear.cli import studies
-
-    if bare and not any(compared) and (study := studies.stored_study(arguments, "lives")):
-        studies.run_into(study, arguments, console)
-        return 0
     make = partial(_with_life, arguments=arguments)
-    if not any(compared):
-        # One that is gone on with, without a word, is the one in its folder.
-        goes_on = arguments.resume and arguments.out is not None
-        return run_or_go_on(arguments, console, None if bare and goes_on else make)
-    from presswear.studies.lives.variants import make as lives_of
+    if arguments.replace or arguments.turn or arguments.compare or arguments.materials:
+        _compare(make(scene_given(arguments.scene)), arguments, console)
+        return 0
+    bare = is_plain(arguments) and all(getattr(arguments, name) is None for name in OPTIONS)
+    # One that is gone on with, without a word, is the one in its folder.
+    goes_on = arguments.resume and arguments.out is not None
+    return run_or_go_on(arguments, console, None if bare and goes_on else make)
 
-    scene = make(scene_given(arguments.scene))
-    studies.run_into(lives_of(scene, _others(scene, arguments)), arguments, console)
-    return 0
+
+def _compare(scene: Scene, arguments: argparse.Namespace, console: Console) -> None:
+    """Run the life of a scene and of its variants, and print them in one table."""
+    from presswear.campaign.scenes import run_scenes
+    from presswear.results.life import life_ratio
+
+    scenes = {"plain": scene}
+    for label, settings in _others(scene, arguments).items():
+        variant = changed(scene, settings)
+        if variant.modelled() == scene.modelled():
+            raise InputError(f"{label}: changes nothing, so there is nothing to compare")
+        scenes[re.sub(r"[^A-Za-z0-9.+=,_-]+", "-", label).strip("-")] = variant
+    check_resumed(arguments.resume, arguments.out)
+    folder = arguments.out or free_folder("lives")
+    if not arguments.resume and folder.exists() and any(folder.iterdir()):
+        raise InputError(f"--out {folder}: it is not empty; name a new folder, or add --resume")
+    go_on = f"the same command with --resume --out {folder} continues"
+    fractions = dict.fromkeys(scenes, 0.0)
+    with goes_on(go_on, folder, lambda: "finished lives are stored"), progress_bar(console) as bar:
+        task = bar.add_task("lives", total=len(scenes))
+
+        def show(name: str, fraction: float, words: str) -> None:
+            check_stopped()
+            fractions[name] = fraction
+            done = sum(fractions.values())
+            bar.update(task, completed=done, description=f"{name}: {words}")
+            if fraction == 1.0:
+                bar.console.print(f"finished {name}: {words}", highlight=False, soft_wrap=True)
+
+        results = run_scenes(scenes, folder, jobs=jobs_given(arguments.jobs), on_progress=show)
+    plain = results["plain"].life
+    for name, result in results.items():
+        life = result.life
+        line = result.message if life is None else f"{life}"
+        if life is not None and plain is not None and name != "plain":
+            ratio, longer = life_ratio(life, plain)
+            if ratio:
+                line = f"{ratio} times as long, longer with a probability of {longer}; {line}"
+        console.print(f"{name}: {line}", highlight=False, markup=False, soft_wrap=True)
+    console.print(f"results in {folder}; presswear report FOLDER writes a report", highlight=False)

@@ -1,4 +1,4 @@
-"""``presswear run`` and ``presswear report``: a scene or a study into its result folder."""
+"""``presswear run`` and ``presswear report``: a scene into its result folder."""
 
 import argparse
 from collections.abc import Callable, Mapping
@@ -12,7 +12,6 @@ from rich.console import Console
 from presswear.cli.terminal import (
     add_required,
     add_trust,
-    add_where,
     check_resumed,
     finished_part,
     folder_given,
@@ -30,7 +29,6 @@ from presswear.scene.changes import title_of
 from presswear.scene.files import SUFFIX
 from presswear.scene.scene import Scene
 from presswear.scene.settings import begun_on, changed
-from presswear.studies import STUDIES
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.folders import check_folder
 from presswear.tools.workers import foresee
@@ -54,10 +52,8 @@ def add(commands: Any) -> None:
         epilog="example: presswear run wear-times --conventions refined --cycles 10 "
         "--set clearance=0.6mm --set 'speed=6pi rad/s' --set geometry=swapped",
     )
-    named = ", ".join((*SCENES, *STUDIES))
-    run.add_argument("scene", help=f"a file, FILE.toml, or one of: {named}")
+    run.add_argument("scene", help=f"a file, FILE.toml, or one of: {', '.join(SCENES)}")
     add_options(run, "results/SCENE")
-    add_where(run, "of a study: ")
     run.add_argument("--live", action="store_true", help="show the press in a window while it runs")
     run.set_defaults(run=_run)
 
@@ -135,16 +131,6 @@ def with_options(
 
 
 def _run(arguments: argparse.Namespace, console: Console) -> int:
-    if arguments.scene in STUDIES:
-        for option in ("live", "surfaces"):
-            if getattr(arguments, option):
-                raise InputError(
-                    f"--{option} is for scenes; {arguments.scene} is a study of several"
-                )
-        from presswear.cli import studies
-
-        change = partial(with_options, arguments=arguments)
-        return studies.run(arguments, console, None if is_plain(arguments) else change)
     make = partial(with_options, arguments=arguments)
     return run_or_go_on(arguments, console, None if is_plain(arguments) else make)
 
@@ -162,9 +148,6 @@ def run_or_go_on(
         Changes the scene that was named; None: nothing is said about it, and a run that is gone
         on with is the one in its folder.
     """
-    for option in ("on", "shard"):
-        if getattr(arguments, option):
-            raise InputError(f"--{option} is for the runs of a study; this is one run")
     jobs = jobs_given(arguments.jobs)
     interval = seconds_given("--checkpoint", arguments.checkpoint)
     check_resumed(arguments.resume, arguments.out)
@@ -264,10 +247,6 @@ def _report(arguments: argparse.Namespace, console: Console) -> int:
         return sweep.report(arguments, console)
     if arguments.require:
         raise InputError(f"--require goes with a sweep, and {arguments.folder} is none")
-    if (arguments.folder / "study.json").exists():
-        from presswear.cli import studies
-
-        return studies.report(arguments.folder, console)
     from presswear.show.report import write_report
 
     result = finished_part(arguments.folder, console)

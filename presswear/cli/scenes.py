@@ -14,7 +14,6 @@ from presswear.linkage.written import values_of
 from presswear.scene.catalog import SCENES
 from presswear.scene.files import EXAMPLES, SUFFIX, example_file
 from presswear.scene.settings import changed, settings_of
-from presswear.studies import STUDIES
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import Meaning, parse_quantity
 
@@ -85,7 +84,7 @@ def _new(arguments: argparse.Namespace, console: Console) -> int:
 
 def _list(arguments: argparse.Namespace, console: Console) -> int:
     if arguments.scene is None:
-        titles = {name: entry.title for name, entry in SCENES.items()} | STUDIES
+        titles = {name: entry.title for name, entry in SCENES.items()}
         width = max(map(len, titles))
         for name, title in titles.items():
             console.print(f"{name:{width}} {title}", highlight=False, soft_wrap=True)

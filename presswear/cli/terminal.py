@@ -25,7 +25,6 @@ from rich.table import Column, Table
 from presswear.scene.catalog import scene_named
 from presswear.scene.files import SUFFIX, scene_from
 from presswear.scene.scene import Scene
-from presswear.studies import STUDIES
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.folders import check_folder
 from presswear.tools.numbers import lasting
@@ -111,12 +110,10 @@ def settings_given(items: list[str]) -> dict[str, str]:
 
 
 def scene_given(name: str) -> Scene:
-    """A scene by its name or from a file; InputError lists scenes and studies that there are."""
+    """A scene by its name or from a file; InputError lists the names."""
     if name.endswith(SUFFIX):
         return scene_from(Path(name))
-    if name in STUDIES:
-        raise InputError(f"{name!r} is a study of several scenes; presswear run {name}")
-    return scene_named(name, STUDIES)
+    return scene_named(name)
 
 
 def count_given(option: str, text: str, most: int) -> int:

@@ -8,11 +8,11 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.recording.sampling import Interval
+from presswear.recording.sampling import Interval, quantile
 from presswear.scene.life import FOLLOWED
 from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError
-from presswear.tools.numbers import large
+from presswear.tools.numbers import large, readable
 
 Array = NDArray[np.float64]
 
@@ -205,6 +205,31 @@ class LifeResult:
         plain = asdict(self)
         del plain["curves"]
         return plain
+
+
+def life_ratio(life: LifeResult, reference: LifeResult) -> tuple[str, str]:
+    """Return how many times a life is as long as another, and the probability that it is longer.
+
+    The scatter of the wear coefficients is left out, because it changes both lives alike.
+
+    Returns
+    -------
+    str
+        Ratio with its 95 % interval; empty if a life has no interval or ended without a limit.
+    str
+        Probability, of independent lives with normal errors of their logarithms.
+    """
+    if life.ended != "limit" or reference.ended != "limit":
+        return "", ""
+    if life.error is None or reference.error is None:
+        return "", ""
+    ratio, half = life.strokes / reference.strokes, math.hypot(life.error, reference.error)
+    low, high = ratio / math.exp(half), ratio * math.exp(half)
+    text = f"{readable(ratio)} ({readable(low)} to {readable(high)})"
+    if half == 0.0:
+        return text, f"{float(ratio > 1.0):g}"
+    deviation = half / quantile(math.inf)
+    return text, f"{0.5 * math.erfc(-math.log(ratio) / (math.sqrt(2.0) * deviation)):.2g}"
 
 
 def digits_of(error: float | None) -> int:

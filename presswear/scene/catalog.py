@@ -1,7 +1,7 @@
 """The named scenes."""
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -159,8 +159,8 @@ slider_crank = _named(
 )
 
 
-def scene_named(name: str, others: Iterable[str] = ()) -> Scene:
-    """A named scene; InputError lists the names, and others that stand beside them."""
+def scene_named(name: str) -> Scene:
+    """Return a named scene; InputError lists the names."""
     if name not in SCENES:
-        raise unknown("scene", name, (*SCENES, *others))
+        raise unknown("scene", name, SCENES)
     return SCENES[name].make()

@@ -112,7 +112,7 @@ class SceneJob:
         """Run the scene in this process."""
         check_program(self.program, "this worker")
         # Imported where something is computed.
-        from presswear.campaign.single import run_scene
+        from presswear.campaign.single import run
         from presswear.tools.compiled import told_of_compiling
 
         if self.folder is not None:
@@ -121,13 +121,12 @@ class SceneJob:
         began = time.perf_counter()
         try:
             with told_of_compiling(compiled.append):
-                result = run_scene(
+                result = run(
                     self.scene,
                     self.folder,
-                    None,
-                    (_Telling(report),),
-                    check=False,
                     jobs=self.jobs,
+                    trackers=(_Telling(report),),
+                    check=False,
                     interval=self.interval,
                 )
             wall = time.perf_counter() - began - sum(compiled)

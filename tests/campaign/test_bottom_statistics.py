@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from presswear.campaign.bottom import bottom_statistics
-from presswear.campaign.single import run_scene
+from presswear.campaign.single import run
 from presswear.linkage.elements import Bar, Pin
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.motions import Drive
@@ -91,7 +91,7 @@ def test_starts_on_surfaces_of_their_own_widen_the_mean_and_not_the_scatter() ->
 def test_ideal_press_is_accurate_and_repeats_itself(geometry: str) -> None:
     """Of the swapped one the first bottom lies before the start: of a cycle there is no stroke."""
     scene = replace(ideal(), mechanism=Press(geometry=GEOMETRIES[geometry]), engine="dae", cycles=4)
-    stage = run_scene(scene).stages[0]
+    stage = run(scene).stages[0]
     assert stage.bdc["strokes"] == 2
     assert abs(stage.bdc["error_per_cycle_m"]["mean"]) < 1e-12
     assert stage.bdc["range_of_all_m"] < 1e-12
@@ -99,13 +99,13 @@ def test_ideal_press_is_accurate_and_repeats_itself(geometry: str) -> None:
     (strokes,) = strokes_of(scene, stage)
     assert strokes[0].tolist() == ([1, 2, 3, 4] if geometry == "standard" else [2, 3, 4])
     assert np.abs(strokes[1]).max() < 1e-12
-    alone = run_scene(replace(scene, cycles=1)).stages[0]
+    alone = run(replace(scene, cycles=1)).stages[0]
     assert bool(alone.bdc) == (geometry == "standard")
 
 
 def test_stages_keep_them_in_memory_and_on_disk(tmp_path: Path) -> None:
     scene = clearance_c(cycles=4, wear_updates=1, replicates=2, engine="dae")
-    held, stored = (run_scene(scene, folder, jobs=1) for folder in (None, tmp_path / "run"))
+    held, stored = (run(scene, folder, jobs=1) for folder in (None, tmp_path / "run"))
     for one, other in zip(held.stages, stored.stages, strict=True):
         assert one.bdc == other.bdc
         assert one.bdc["strokes"] == 4
@@ -129,7 +129,7 @@ def test_what_stands_has_no_bottom() -> None:
         joints=[Pin("O", (0.0, 0.0), "bar.centre")],
         drives=[Drive("bar", speed=5.0)],
     )
-    stage = run_scene(Scene(mechanism=linkage, wear_updates=0, cycles=2, engine="dae")).stages[0]
+    stage = run(Scene(mechanism=linkage, wear_updates=0, cycles=2, engine="dae")).stages[0]
     assert stage.bdc == {}
     assert rise(stage, stage) is None
     assert strokes_of(Scene(mechanism=linkage, wear_updates=0), stage) == []
@@ -141,16 +141,16 @@ def test_what_dwells_at_its_bottom_is_not_late(part: float, cycles: int) -> None
     """The ideal slider stands there for that part of a cycle: no instant of it is the bottom."""
     press = Press(servo=Dwell(part=part))
     scene = replace(ideal(), mechanism=press, engine="dae", cycles=cycles)
-    stage = run_scene(scene).stages[0]
+    stage = run(scene).stages[0]
     assert not [name for name in stage.bdc if "delay" in name]
     # It leaves slowly, and is looked at 1440 times in a cycle.
     stays = stage.bdc["ideal_dwell_s"] / press.period
     assert part - 2.0 / 1440.0 < stays < part + 0.01
-    table = bottom(run_scene(scene), {})
+    table = bottom(run(scene), {})
     assert table is not None
     labels = [row[0] for _, rows in table.groups for row in rows]
     assert "the ideal stays there, so that none is late (ms)" in labels
-    plain = run_scene(replace(scene, mechanism=Press())).stages[0].bdc
+    plain = run(replace(scene, mechanism=Press())).stages[0].bdc
     assert "delay_per_cycle_s" in plain
     assert plain["ideal_dwell_s"] < 0.002 * press.period
     wide = made(wear_times(), 12, seed=1)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from presswear.campaign.campaign import run_stage
-from presswear.campaign.single import run_scene
+from presswear.campaign.single import run
 from presswear.results.result import Result
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import wear_times
@@ -45,7 +45,7 @@ def short(conventions: str) -> Scene:
 def campaign(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Ran:
     scene = short(request.param)
     path = tmp_path_factory.mktemp("result") / request.param
-    return scene, run_scene(scene), run_scene(scene, path)
+    return scene, run(scene), run(scene, path)
 
 
 def test_the_next_stage_runs_on_the_amplified_wear(

@@ -13,10 +13,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+import presswear as pw
 from presswear.campaign.campaign import run_campaign, run_stage
 from presswear.campaign.growth import FIRST_PASS, Growth, error_of, share_of
 from presswear.campaign.segment import worn_out
-from presswear.campaign.single import run_scene
 from presswear.linkage.surface import bin_centres
 from presswear.physics.wear import worn_volume
 from presswear.recording.sampling import STARTUP_CYCLES, MapBatches, half_width, mean_map
@@ -374,7 +374,7 @@ def real(tmp_path_factory: pytest.TempPathFactory) -> Path:
         cycles_per_update=1e6,
     )
     path = tmp_path_factory.mktemp("result") / "steps"
-    run_scene(scene, path)
+    pw.run(scene, path)
     return path
 
 

@@ -8,7 +8,7 @@ import pytest
 from presswear.campaign import resolution
 from presswear.campaign.campaign import begun_on
 from presswear.campaign.resolution import StepErrors
-from presswear.campaign.single import run_scene
+from presswear.campaign.single import run
 from presswear.scene.catalog import wear_times
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
@@ -55,7 +55,7 @@ def test_equal_steps_and_closed_joints_have_none() -> None:
 
 def test_a_stage_of_many_cycles_tells_it_beside_what_is_known_of_its_wear() -> None:
     many, few = (
-        run_scene(replace(scene_of("dae", 1e-5), replicates=1, cycles=cycles)).stages[0].statistics
+        run(replace(scene_of("dae", 1e-5), replicates=1, cycles=cycles)).stages[0].statistics
         for cycles in (resolution.WORTH, resolution.WORTH - 1)
     )
     assert 0.0 < many["step_error_of_dose"] < many["wear_error"]

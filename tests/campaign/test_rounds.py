@@ -24,7 +24,7 @@ from presswear.campaign.ensemble import (
 )
 from presswear.campaign.resolution import StepErrors
 from presswear.campaign.segment import Reached, Segment, Task
-from presswear.campaign.single import TURN, run_into, run_scene, workers_of
+from presswear.campaign.single import TURN, run, run_into, workers_of
 from presswear.recording.sampling import STARTUP_CYCLES, MapBatches
 from presswear.recording.tracker import Progress, Tracker
 from presswear.results.folder import ResultFolder
@@ -96,7 +96,7 @@ def test_a_round_takes_half_of_what_is_lacking() -> None:
 
 
 def finished(scene: Scene, jobs: int, path: Path) -> Path:
-    assert run_scene(scene, path, jobs=jobs).status == "completed"
+    assert run(scene, path, jobs=jobs).status == "completed"
     return path
 
 

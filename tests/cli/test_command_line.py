@@ -54,7 +54,10 @@ from presswear.tools.own import OwnFunction
         (["run", "ideal", "--out", ""], ("--out", "name is expected")),
         (["run", "ideal", "--out", "/dev/null/x"], ("/dev/null", "no folder")),
         (["run", "ideal", "--set", "fric\ntion=1"], ("fric\\ntion",)),
-        (["run", "paper", "--jobs", "9" * 5000], ("--jobs 999",)),
+        (["run", "wear-times", "--jobs", "9" * 5000], ("--jobs 999",)),
+        (["run", "wear-times", "--jobs", "0"], ("--jobs 0: a whole number from 1 to 256",)),
+        (["run", "wear-times", "--resume"], ("--out",)),
+        (["run", "wear-times", "--checkpoint", "soon"], ("--checkpoint soon: a number of",)),
         (["life", "press-blanking", "--until", "deth > 1 mm"], ("deth", "did you mean depth")),
         (["life", "press-blanking", "--until", "depth > 1"], ("depth", "no unit", "0.8mm")),
         (["life", "press-blanking", "--until", "depth < 1 mm"], ("NAME > VALUE",)),
@@ -66,7 +69,6 @@ from presswear.tools.own import OwnFunction
         (["life", "press-blanking", "--compare", "clearance=0.8mm"], ("changes nothing",)),
         (["life", "press-blanking", "--conventions", "paper"], ("wear_distribution", "arc")),
         (["life", "press-blanking", "--wear-updates", "0"], ("wear_updates = 0", "1 to 20")),
-        (["life", "press-blanking", "--on", "dask"], ("--on is for the runs of a study",)),
         (
             ["life", "press-blanking", "--set", "life.max_cycles=0"],
             ("life.max_cycles = 0",),
@@ -76,7 +78,6 @@ from presswear.tools.own import OwnFunction
             ("life.at_most is given twice, as 5 and by --set",),
         ),
         (["life", "ideal"], ("no joint has clearance",)),
-        (["life", "paper"], ("study",)),
         (["crosscheck", "nonsense"], ("nonsense",)),
         (["crosscheck", "--duration", "-1"], ("--duration -1",)),
         (["crosscheck", "--duration", "nan"], ("--duration: 'nan'",)),
@@ -124,8 +125,6 @@ from presswear.tools.own import OwnFunction
         (["reprot", "nowhere"], ("'reprot'; did you mean report?",)),
         (["run", "wear-times", "--surfaces", "nowhere:1"], ("nowhere: there is no such folder",)),
         (["run", "wear-times", "--surfaces", "worn.csv"], ("worn.csv: there is no such file",)),
-        (["run", "wear-times", "--on", "dask"], ("--on is for the runs of a study",)),
-        (["run", "paper", "--surfaces", "here:1"], ("--surfaces is for scenes",)),
         (["run", "wear-times", "--surfaces", "here:two"], ("here:two", "a stage, 0, 1, 2 ...")),
         (["replay", "nowhere"], ("nowhere: there is no such folder",)),
         (["replay", "nowhere", "--size", "one"], ("nowhere: there is no such folder",)),
@@ -194,9 +193,6 @@ def test_list_names_the_scenes(capsys: pytest.CaptureFixture[str]) -> None:
         "press-servo-forming",
         "press-pendulum",
         "slider-crank",
-        "paper",
-        "runaway",
-        "coverage",
     ]
     assert len({line.index(line.split(None, 1)[1]) for line in lines}) == 1
 
@@ -226,7 +222,7 @@ def test_what_is_done_is_logged_where_that_is_asked_for(
     """The library itself leaves it to whoever imports it where that goes."""
     scene = replace(ideal(), cycles=1, engine="dae")
     with logged(is_verbose):
-        single.run_scene(scene)
+        single.run(scene)
     lines = capsys.readouterr().err.splitlines()
     assert bool(lines) == is_verbose
     assert all(re.match(r"\d\d:\d\d:\d\d presswear(\.\w+)+: ", line) for line in lines)
@@ -443,3 +439,23 @@ def test_a_terminal_without_a_character_shows_an_escape(tmp_path: Path) -> None:
     done = subprocess.run(words, cwd=tmp_path, env=environment, capture_output=True, check=False)
     assert done.returncode == 2
     assert b"joints = '\\xb5'" in done.stderr
+
+
+def test_lives_are_compared_and_resumed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Each life has its own folder; the ratio is of those that ended at a limit."""
+    out = tmp_path / "lives"
+    command = ["life", "wear-times", "--engine", "dae", "--cycles", "1", "--jobs", "1"]
+    command += ["--until", "A.depth>8um", "--tolerance", "1", "--set", "life.max_cycles=40"]
+    command += ["--set", "replicates=2", "--compare", "wear_coefficient=9e-13/Pa"]
+    assert main([*command, "--out", str(out)]) == 0
+    first = capsys.readouterr().out
+    names = {path.parent.name for path in out.glob("*/result.json")}
+    assert names == {"plain", "wear_coefficient=9e-13-Pa"}
+    assert " times as long, longer with a probability of " in first
+    assert main([*command, "--out", str(out)]) == 2
+    assert "add --resume" in capsys.readouterr().err
+    assert main([*command, "--out", str(out), "--resume"]) == 0
+    lines = [line for line in first.splitlines() if line.startswith(("plain: ", "wear_"))]
+    assert len(lines) == 2
+    again = capsys.readouterr().out
+    assert all(line in again for line in lines)

@@ -11,15 +11,11 @@ from rich.progress import Progress as Bar
 
 from presswear.cli import running, terminal
 from presswear.cli.running import Terminal, step_of
-from presswear.cli.studies import Board
 from presswear.cli.terminal import Foretold, progress_bar
 from presswear.linkage.linkage import Linkage
 from presswear.recording.tracker import Progress
 from presswear.results.stage import StageResult
 from presswear.scene.catalog import wear_times
-from presswear.studies import make_study
-from presswear.studies.plan import unchanged
-from presswear.tools.numbers import lasting
 
 SCENE = replace(wear_times(), engine="dae", wear_updates=2)
 
@@ -161,24 +157,3 @@ def test_each_stage_says_how_long_it_takes(clock: Clock) -> None:
         "stage 1, after the first wear, takes about 1.67 minutes; 1 more on worn surfaces follows",
         "stage 2, after the second wear, takes about 3.33 minutes",
     ]
-
-
-def test_a_study_says_how_long_it_takes_from_what_runs(clock: Clock) -> None:
-    study = make_study("runaway", unchanged)
-    console = console_of(100, clock)
-    board = Board(study, progress_bar(console))
-    first, second, *_ = (variant.key for variant in study.variants)
-    board.variant(first, 1.0, "")
-    board.variant(second, 0.0, "compiling")
-    clock.now += 500.0
-    extents = [variant.extent for variant in study.variants]
-    board.variant(second, 0.01, "")
-    clock.now += 10.0
-    board.variant(second, 0.5, "")
-    clock.now += 90.0
-    # The cycles on round surfaces were quicker.
-    assert "takes about" not in console.export_text(clear=False)
-    board.variant(second, 1.0, "")
-    told = console.export_text()
-    left = 100.0 * (sum(extents[1:]) - 0.01 * extents[1]) / (0.99 * extents[1])
-    assert f"this study takes about {lasting(left)}" in " ".join(told.split())

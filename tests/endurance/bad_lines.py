@@ -66,7 +66,6 @@ run slider-crank --set=joints=AC
 run ideal --set=replicates=2
 run wear-times --set=joints=none --set=replicates=3
 run wear-times --set=contact=foundation --set=exponent=1.2
-run runaway --set=exponent=1.2
 run wear-times --wear-updates=1 --set=wear_updates=21
 run wear-times --set=friction=0.1 --set=friction=0.2
 run wear-times --jobs=0

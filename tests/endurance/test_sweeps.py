@@ -6,7 +6,6 @@ import signal
 import subprocess
 import sys
 import time
-from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -16,7 +15,6 @@ import pytest
 from made_up_rows import MadeUpWork, marked
 
 from endurance.trial import SEED, Trial
-from presswear.studies.plan import load_study, waiting
 from presswear.sweeps.store import Records
 
 pytestmark = pytest.mark.endurance
@@ -252,32 +250,4 @@ def test_dask(cluster: Cluster, trial: Trial, is_quick: bool, tmp_path: Path) ->
     again = sum(own - 1 for own in marked(tmp_path / "marks").values())
     trial.note = f"{rows} rows; {again} of those at work or waiting ran again"
     assert not trial.miss
-    assert trial.passed
-
-
-def test_a_study_that_two_processes_share(trial: Trial, is_quick: bool, tmp_path: Path) -> None:
-    """One of them is killed: the other runs what is left, and no variant is sealed twice."""
-    trial.what = "SIGKILL of one of two processes that share a study"
-    wait, stops = Random(SEED), 1 if is_quick else 5
-    settings = ["cycles=1", "replicates=1", "cycles_per_update=1e5", "speed=60rad/s"]
-    while trial.tried < stops:
-        folder = tmp_path / f"{trial.tried}"
-        words = ["--engine", "dae", "--jobs", "1", "--out", f"{folder}"]
-        words += [word for own in settings for word in ("--set", own)]
-        command = [sys.executable, "-m", "presswear", "run", "runaway", *words]
-        both = [subprocess.Popen(command, stdout=subprocess.DEVNULL)]
-        while both[0].poll() is None and not (folder / "study.json").exists():
-            time.sleep(0.1)
-        both.append(subprocess.Popen([*command, "--resume"], stdout=subprocess.DEVNULL))
-        most = wait.randint(1, 20)
-        while both[0].poll() is None and len(list(folder.glob("*/result.json"))) < most:
-            time.sleep(0.1)
-        both[0].kill()
-        told = "" if both[1].wait(600.0) == 0 else "the other one failed"
-        lines = [own.read_text() for own in folder.glob("records/*/records.jsonl")]
-        names = Counter(re.findall(r'"names":\["(\w+)"', "".join(lines)))
-        left = waiting(load_study(folder), folder, resume=True)
-        if left or set(names.values()) != {1}:
-            told = f"{len(left)} variants are lost, {names.total() - len(names)} ran twice"
-        trial.add(told)
     assert trial.passed

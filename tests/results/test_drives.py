@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from presswear.campaign.single import run_scene
+from presswear.campaign.single import run
 from presswear.linkage.elements import Bar, Body, Pin
 from presswear.linkage.four_bar import FOUR_BAR
 from presswear.linkage.linkage import Linkage
@@ -34,7 +34,7 @@ def test_a_bar_that_is_turned_bears_its_weight(run_up: int) -> None:
     scene = Scene(
         mechanism=linkage, joints="none", wear_updates=0, cycles=3, engine="dae", drive_torque="on"
     )
-    stage = run_scene(scene).stages[0]
+    stage = run(scene).stages[0]
     found = drives_of(scene, stage)["crank"]
     motion = scene.ideal.at(stage.time)
     angle, speed, faster = (
@@ -56,7 +56,7 @@ def test_a_bar_that_is_turned_bears_its_weight(run_up: int) -> None:
         # Half a turn up, half a turn down.
         assert (duty.given_J, duty.returned_J) == pytest.approx((2.0 * weight,) * 2, rel=10 * exact)
         assert duty.share == Share(1.0, 1.0, 1.0)
-    columns = table_of(replace(run_scene(scene)), 0)
+    columns = table_of(replace(run(scene)), 0)
     np.testing.assert_array_equal(columns["crank_power"], found.recorded.power)
     np.testing.assert_array_equal(columns["crank_angle"], angle)
     assert unit_of("crank_power") == "W"
@@ -69,7 +69,7 @@ def test_works_of_the_drives_add_up_to_the_ledger_for_any_number_of_rows(engine:
     for rows in (100, 3000):
         scene: Any = Scene(mechanism=FOUR_BAR, joints="B", wear_updates=0, cycles=1, engine=engine)
         scene = changed(scene, {"drive_torque": "on", "rows_per_cycle": str(rows)})
-        stage = run_scene(scene).stages[0]
+        stage = run(scene).stages[0]
         own = {name: found.duty for name, found in drives_of(scene, stage).items()}
         gross = sum(duty.given_J + duty.returned_J for duty in own.values())
         total = sum(duty.work_J for duty in own.values())
@@ -91,7 +91,7 @@ def test_an_uneven_drive_of_a_mere_inertia_has_the_duty_of_its_law(engine: str) 
     scene = Scene(
         mechanism=wheel, joints="none", wear_updates=0, cycles=2, engine=engine, drive_torque="on"
     )
-    duty = drives_of(scene, run_scene(scene).stages[0])["wheel"].duty
+    duty = drives_of(scene, run(scene).stages[0])["wheel"].duty
     exact = 1e-6 if engine == "dae" else 1e-4  # equal steps of the trapezoidal rule
     assert duty.torque.rms == pytest.approx(inertia * part * speed / math.sqrt(2.0), rel=exact)
     # From the least speed to the greatest, and back.
@@ -102,7 +102,7 @@ def test_an_uneven_drive_of_a_mere_inertia_has_the_duty_of_its_law(engine: str) 
 
 def test_power_is_in_the_figures_and_in_the_report() -> None:
     scene = Scene(mechanism=FOUR_BAR, joints="B", wear_updates=0, cycles=3, drive_torque="on")
-    result = run_scene(scene)
+    result = run(scene)
     (drawing,) = drawings(result, ["drives"])
     assert [axes.get_ylabel() for axes in drawing.sheet.axes] == ["torque (N m)", "power (W)"]
     # Its lines begin behind the start-up.
@@ -116,7 +116,7 @@ def test_power_is_in_the_figures_and_in_the_report() -> None:
     for told, duty in zip(rows["power, largest (W)"], (own.duty, own.ideal), strict=True):
         plain = told.replace("\u2212", "-").replace("\u202f", "").replace(" ", "")
         assert float(plain) == pytest.approx(duty.power.peak, rel=1e-2)
-    without = run_scene(replace(scene, drive_torque="auto", cycles=1))
+    without = run(replace(scene, drive_torque="auto", cycles=1))
     assert drives(without) is None
     assert "drives.png" not in [own.file for own in drawings(without)]
 
@@ -131,7 +131,7 @@ def test_a_run_that_ends_in_its_run_up_has_no_duties() -> None:
         engine="dae",
         drive_torque="on",
     )
-    result = run_scene(scene)
+    result = run(scene)
     stage = result.stages[0]
     rows = {name: stage.arrays[name][:900] for name in ("time", "slider", "drive_torque")}
     assert rows["time"][-1] < scene.run_up

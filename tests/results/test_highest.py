@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import presswear as pw
-from presswear.campaign.single import run_scene
+from presswear.campaign.single import run
 from presswear.results.stage import StageResult
 from presswear.scene.numerics import Numerics
 from presswear.show.report.bottom import under_load
@@ -39,7 +39,7 @@ def both() -> list[pw.Result]:
     highest = replace(SHEET, bottom="highest")
     ways = ((CRANK.linkage(), highest), (turned(CRANK.linkage()), SHEET))
     return [
-        run_scene(
+        run(
             pw.Scene(
                 mechanism,
                 process=process,

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from presswear.campaign.single import run_scene
+from presswear.campaign.single import run
 from presswear.linkage.surface import bin_centres
 from presswear.results.provenance import provenance
 from presswear.results.result import FILE, SCHEMA, Result, load, read_document
@@ -31,7 +31,7 @@ def document(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     scene = wear_times(speed=60.0)
     scene = replace(scene, engine="dae", cycles=5, wear_updates=1)
     path = tmp_path_factory.mktemp("result") / "run"
-    run_scene(scene, path)
+    run(scene, path)
     found = read_document(path)
     finding = {"kind": "wear", "what": "a", "time_s": 1.0, "joint": "", "remedy": ""}
     found["stages"][1]["finding"] = finding

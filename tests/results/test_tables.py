@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from presswear.__main__ import main
-from presswear.campaign.single import run_scene
+from presswear.campaign.single import run
 from presswear.results.life import LifeResult
 from presswear.results.result import Result, load
 from presswear.results.tables import (
@@ -170,7 +170,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     scene = wear_times(speed=60.0)
     scene = replace(scene, engine="dae", cycles=1, wear_updates=0)
     path = tmp_path_factory.mktemp("result") / "run"
-    run_scene(scene, path)
+    run(scene, path)
     return path
 
 
@@ -238,7 +238,7 @@ def test_export_refuses_in_one_line(
 
 def test_moments_of_strokes_are_exported(folder: Path, tmp_path: Path) -> None:
     scene = press_blanking(engine="dae", cycles=1, wear_updates=0, replicates=1)
-    result = run_scene(scene)
+    result = run(scene)
     table = strokes_table(result, 0)
     assert list(table) == list(MOMENT_UNITS)
     process = scene.process

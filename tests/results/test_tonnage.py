@@ -15,7 +15,7 @@ from scipy.optimize import brentq
 from scipy.stats import t as student
 
 import presswear as pw
-from presswear.campaign.single import run_scene
+from presswear.campaign.single import run
 from presswear.results.drives import ENERGY_BOUND, drives_of, energy_of
 from presswear.results.stage import JointResult
 from presswear.results.strokes import height_of, process_force, strokes_of
@@ -43,7 +43,7 @@ IDEAL = replace(pw.scenes.ideal(), process=SHEET, engine="dae", cycles=4)
 
 @pytest.fixture(scope="module")
 def ideal() -> pw.Result:
-    return run_scene(IDEAL)
+    return run(IDEAL)
 
 
 def slider(time: Array) -> Array:
@@ -186,7 +186,7 @@ def test_work_and_energies_of_a_loose_press_are_those_of_its_engine(engine: str)
         process=SHEET,
     )
     assert scene.stores_torques
-    result = run_scene(scene)
+    result = run(scene)
     stage = result.stages[0]
     force = process_force(scene, stage)
     assert force is not None
@@ -225,7 +225,7 @@ def test_work_and_energies_of_a_loose_press_are_those_of_its_engine(engine: str)
 
 def test_without_work_there_are_approach_and_return_alone() -> None:
     scene = replace(pw.scenes.wear_times(), engine="dae", wear_updates=0, replicates=1, cycles=3)
-    result = run_scene(scene)
+    result = run(scene)
     assert not scene.stores_torques
     assert result.drives(0) == {}
     told = result.tonnage(0)
@@ -348,7 +348,7 @@ def test_ten_settled_strokes_are_kept_of_a_press_with_work() -> None:
     kept = []
     for process in (SHEET, None):
         scene = replace(IDEAL, process=process, cycles=14)
-        told = run_scene(scene).tonnage(0)
+        told = run(scene).tonnage(0)
         assert told is not None
         kept.append(told.strokes)
     assert kept == [10, 3]

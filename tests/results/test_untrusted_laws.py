@@ -10,12 +10,9 @@ import pytest
 import presswear as pw
 from presswear.results.folder import ResultFolder
 from presswear.scene.files import example_file, scene_from
-from presswear.studies.plan import FILE as STUDY
-from presswear.studies.plan import Study, Variant
 from presswear.sweeps import sweep as sweeps
 from presswear.sweeps.measures import measures_asked
 from presswear.sweeps.plan import Plan
-from presswear.tools.documents import plain, write_shared_json
 from presswear.tools.own import OwnFunction, UntrustedLaw
 
 PROBE = """
@@ -61,11 +58,6 @@ def received(tmp_path_factory: pytest.TempPathFactory) -> Path:
     sweep = sweeps.Sweep(plan, measures_asked(scene, ["B.force_max"]), folder / "sweep")
     (folder / "sweep").mkdir()
     sweeps._write(sweep)
-    study = Study("lives", "A study", "Which?", (Variant("a", "first", scene),))
-    stored = json.loads((folder / "out" / "result.json").read_text())
-    (folder / "study").mkdir()
-    document = {**study.as_dict(), "provenance": stored["provenance"]}
-    write_shared_json(folder / "study" / STUDY, plain(document))
     for name in ("executed", "laws.py", "mine.toml"):
         (folder / name).unlink()
     return folder
@@ -83,7 +75,6 @@ def _python(script: str, folder: Path) -> str:
 READING = """
 from presswear.__main__ import main
 import presswear as pw
-from presswear.studies.plan import load_study
 from presswear.sweeps.sweep import load_sweep
 
 for line in (
@@ -95,7 +86,6 @@ for line in (
     assert main(line.split()) == 0, line
 result = pw.load("out")
 print(result, result.table(), load_sweep(__import__("pathlib").Path("sweep")).plan.example)
-load_study(__import__("pathlib").Path("study"))
 for compute in (
     lambda: result.drives(0),
     lambda: pw.total_clearance(result.scene.linkage()),
@@ -125,7 +115,6 @@ def test_reading_a_result_does_not_execute_its_laws(received: Path) -> None:
     [
         "run mine --resume --out halted",
         "sweep mine --resume --out sweep",
-        "life mine --resume --out study",
     ],
 )
 def test_a_run_goes_on_only_where_its_laws_are_trusted(received: Path, line: str) -> None:

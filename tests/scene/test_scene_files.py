@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from presswear.campaign.single import run_scene
+from presswear.campaign.single import run
 from presswear.engines.settings import InHouse
 from presswear.scene.catalog import wear_times
 from presswear.scene.files import EXAMPLES, example_file, scene_from
@@ -40,7 +40,7 @@ def test_the_press_from_a_file_is_the_named_one_bit_for_bit(tmp_path: Path) -> N
     file.write_text(example_file("press"))
     named = replace(wear_times(), engine=InHouse.word, cycles=1, wear_updates=0)
     own = replace(named, mechanism=scene_from(file).mechanism, joints="A,C")
-    runs = [run_scene(scene).stages[0].arrays for scene in (named, own)]
+    runs = [run(scene).stages[0].arrays for scene in (named, own)]
     assert runs[0].keys() == runs[1].keys()
     for name, array in runs[0].items():
         assert array.tobytes() == runs[1][name].tobytes(), name

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from made_up_result import BOTH, IDEAL, altered, legend_of, made_up, sheet_of
 from matplotlib.figure import Figure as Sheet
 
-from presswear.campaign.single import run_scene
+from presswear.campaign.single import run
 from presswear.engines.base import Status
 from presswear.linkage.four_bar import FOUR_BAR
 from presswear.linkage.motions import Drive
@@ -95,7 +95,7 @@ def test_the_phase_is_a_crank_angle_only_where_a_crank_turns_with_it(
 
 def test_short_peaks_leave_the_panels_of_the_drives_and_are_written_there() -> None:
     """A torque of a thousand times the ideal one in a single row of two thousand in a cycle."""
-    result = run_scene(replace(ideal(), process=Blanking(), engine="dae", cycles=3))
+    result = run(replace(ideal(), process=Blanking(), engine="dae", cycles=3))
     (stage,) = result.stages
     exact = ideal_curves(result.scene)["crank 2"].torque
     largest = float(np.abs(exact).max())

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from made_up_reel import FRAMES, made_up_reel
 
-from presswear.campaign.single import run_scene
+from presswear.campaign.single import run
 from presswear.recording.film import FRAMES_PER_CYCLE
 from presswear.results.life import LifeResult
 from presswear.results.result import Result
@@ -22,7 +22,7 @@ LIFE = LifeResult("at_most", "", 3e6, None, None, 0.9, (), (), ())
 @pytest.fixture(scope="module")
 def result() -> Result:
     """Two stages of three cycles, as if the second stood at the end of a life."""
-    ran = run_scene(
+    ran = run(
         wear_times(engine="dae", cycles=3, wear_updates=1, replicates=2, conventions="refined")
     )
     return replace(ran, scene=replace(ran.scene, life=Life()), life=LIFE)

@@ -1,0 +1,50 @@
+"""Study of the paper: its settings, printed numbers, claims and figures beside ours."""
+
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import presswear as pw
+from presswear.paper.report import write_report
+from presswear.paper.variants import label_of, make_scenes, unchanged
+
+QUICK_CYCLES = 4
+
+
+def run_paper(
+    folder: str | Path, engine: str | None = None, jobs: int | None = None, quick: bool = False
+) -> tuple[str, Path]:
+    """Run every scene of the paper, or resume, and write the report.
+
+    Parameters
+    ----------
+    folder : path
+        Folder of all runs and of the report.
+    engine : str or None
+        Engine of all runs; None: ``exudyn``.
+    jobs : int or None
+        Runs at a time; None: as many as there are cores.
+    quick : bool
+        Run a few cycles of each stage instead of as many as the paper has.
+
+    Returns
+    -------
+    str
+        Answer in a few sentences.
+    Path
+        Path of the report.
+    """
+    change = (lambda scene: replace(scene, cycles=QUICK_CYCLES)) if quick else unchanged
+    scenes = make_scenes(lambda scene: change(replace(scene, engine=engine or scene.engine)))
+    started, ended = time.perf_counter(), set[str]()
+
+    def show(name: str, fraction: float, words: str) -> None:
+        if fraction < 1.0 or name in ended:
+            return
+        ended.add(name)
+        left = (time.perf_counter() - started) * (len(scenes) / len(ended) - 1.0) / 60.0
+        count = f"{len(ended)} of {len(scenes)}"
+        print(f"{count}: {label_of(name)}: {words}; about {left:.1f} min left", flush=True)
+
+    results = pw.run_scenes(scenes, folder, jobs=jobs, on_progress=show)
+    return write_report(scenes, results, Path(folder))

@@ -1,1 +1,0 @@
-"""How long a scene lives beside others like it: materials, clearances, bushes made new."""

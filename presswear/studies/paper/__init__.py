@@ -1,1 +1,0 @@
-"""The study ``paper``: every scene, number, claim and figure of the paper beside ours."""

@@ -1,1 +1,0 @@
-"""Does the second wear run away?  One reading changed at a time."""

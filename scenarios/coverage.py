@@ -1,0 +1,120 @@
+"""Do the 95 % intervals hold the truth? Independent campaigns beside the mean of long ones.
+
+The truth is the mean of long campaigns of one replicate each, 200 cycles a stage as in the paper.
+
+Run:  python scenarios/coverage.py [FOLDER]     (hours; results: docs/validation/intervals.md)
+"""
+
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.stats import t as student
+
+import presswear as pw
+
+CAMPAIGNS, TRUTHS = 60, 40  # long campaigns take the seeds after those of the others
+MIN_HELD = 0.88  # of sixty intervals of 95 %, fewer hold by chance in one case of fifty
+MAX_BIAS = 1.0 / 3.0  # distance of the mean estimate from the truth, in mean half widths
+STAGES = ("no wear", "first wear", "second wear")
+
+Intervals = dict[str, tuple[float, float, float]]  # value and ends by quantity
+
+
+class Coverage(NamedTuple):
+    """Estimates of one quantity against its truth."""
+
+    stage: str
+    quantity: str
+    truth: tuple[float, float, float]
+    means: Any
+    half_widths: Any
+    held: Any
+
+    @property
+    def bias(self) -> float:
+        """Distance of the mean estimate from the truth, in mean half widths."""
+        return float((self.means.mean() - self.truth[0]) / self.half_widths.mean())
+
+    @property
+    def passes(self) -> bool:
+        """Whether enough intervals hold and the estimates are not biased."""
+        return bool(self.held.mean() >= MIN_HELD and abs(self.bias) <= MAX_BIAS)
+
+    def __str__(self) -> str:
+        truth = "{:.3g} ({:.3g} to {:.3g})".format(*self.truth)
+        numbers = f"{self.means.mean():.3g} | {self.half_widths.mean():.3g} | {self.bias:+.2f}"
+        verdict = "holds" if self.passes else "does not hold"
+        count = f"{self.held.sum()} of {self.held.size}"
+        return f"{self.stage} | {self.quantity} | {truth} | {numbers} | {count} | {verdict}"
+
+
+def make_scenes(conventions: str, **settings: Any) -> dict[str, pw.Scene]:
+    """Return campaigns of the paper's main scene, and long ones with the name ``truth``."""
+    common = {"engine": "dae", "purpose": "wear", "conventions": conventions} | settings
+    long = common | {"replicates": 1, "cycles": 200}
+    names = {f"campaign-{k}": common | {"seed": k} for k in range(1, CAMPAIGNS + 1)}
+    names |= {f"truth-{k}": long | {"seed": CAMPAIGNS + k} for k in range(1, TRUTHS + 1)}
+    return {name: pw.scenes.wear_times(**own) for name, own in names.items()}
+
+
+def intervals_of(statistics: Mapping[str, Any]) -> Intervals:
+    """Return value and ends of each quantity of a stage, in SI units; nan: no interval."""
+    acceleration = statistics["slider"]["acceleration_max_per_cycle_m_s2"]
+    intervals = {"slider, mean peak acceleration (m/s²)": around(**acceleration)}
+    for name, joint in statistics["joints"].items():
+        intervals[f"{name}, mean peak force (N)"] = around(**joint["force_max_per_cycle_N"])
+        half, step = joint["wear_volume_half_width_m3"], joint.get("wear_volume_step_m3", 0.0)
+        half = None if half is None else float(np.hypot(half, step))
+        intervals[f"{name}, worn volume (m³)"] = around(joint["wear_volume_m3"], half)
+        for side in ("bearing", "pin", "both"):
+            ends = joint.get(f"wear_depth_max_{side}_interval_m") or (np.nan, np.nan)
+            if (depth := joint.get(f"wear_depth_max_{side}_m")) is not None:
+                intervals[f"{name}, deepest of {side} (m)"] = (depth, *ends)
+    return intervals
+
+
+def around(mean: float, half_width: float | None, **_: Any) -> tuple[float, float, float]:
+    half = np.nan if half_width is None else half_width
+    return mean, mean - half, mean + half
+
+
+def coverages(
+    truths: Sequence[Sequence[Intervals]], campaigns: Sequence[Sequence[Intervals]]
+) -> Iterator[Coverage]:
+    """Compare every quantity of every stage of the campaigns with the mean of the long ones."""
+    for stage, name in enumerate(STAGES):
+        long = [stages[stage] for stages in truths if len(stages) > stage]
+        ran = [stages[stage] for stages in campaigns if len(stages) > stage]
+        for quantity in ran[0] if long and ran else ():
+            values = np.array([own[quantity][0] for own in long])
+            half = student.ppf(0.975, values.size - 1) * values.std(ddof=1) / values.size**0.5
+            truth = around(values.mean(), half)
+            means, low, high = np.array([own[quantity] for own in ran]).T
+            known = ~np.isnan(low)
+            if known.any():
+                held = (low <= truth[0]) & (truth[0] <= high)
+                half_widths = 0.5 * (high - low)
+                yield Coverage(name, quantity, truth, means[known], half_widths[known], held[known])
+
+
+def main(folder: str = "results/coverage", jobs: int | None = None, **settings: Any) -> None:
+    for conventions in ("paper", "refined"):
+        scenes = make_scenes(conventions, **settings)
+        results = pw.run_scenes(scenes, f"{folder}/{conventions}", jobs=jobs)
+        stages = {
+            name: [intervals_of(stage.statistics) for stage in result.stages]
+            for name, result in results.items()
+            if result.status != "failed"
+        }
+        truths = [own for name, own in stages.items() if name.startswith("truth")]
+        campaigns = [own for name, own in stages.items() if name.startswith("campaign")]
+        print(f"{conventions}: stage | quantity | truth | mean estimate | mean half width | "
+              "beside the truth (half widths) | intervals that hold it | verdict")  # fmt: skip
+        for coverage in coverages(truths, campaigns):
+            print(coverage)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1] if sys.argv[1:] else "results/coverage")

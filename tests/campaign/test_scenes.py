@@ -1,0 +1,97 @@
+"""Several scenes in one folder: each result, resuming, and what is refused."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+from endurance.sameness import folder_differences
+
+import presswear as pw
+
+
+def scenes(**settings: Any) -> dict[str, pw.Scene]:
+    """Return two scenes of one cycle, and one that fails at once."""
+    common = {"engine": "dae", "wear_updates": 1, "cycles": 1, "purpose": "trajectory"} | settings
+    return {
+        "one": pw.scenes.wear_times(**common),
+        "two": pw.scenes.wear_times(**common | {"seed": 2}),
+        "fails": pw.scenes.wear_times(**common | {"integrator": "rk4-paper"}),
+    }
+
+
+@pytest.fixture(scope="module")
+def ran(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[tuple[str, float, str]]]:
+    """Return the folder of two processes at a time, and what was reported."""
+    folder, reported = tmp_path_factory.mktemp("scenes"), []
+    pw.run_scenes(scenes(), folder, jobs=2, on_progress=lambda *report: reported.append(report))
+    return folder, reported
+
+
+def test_every_scene_has_its_result(ran: tuple[Path, list[tuple[str, float, str]]]) -> None:
+    folder, reported = ran
+    results = {name: pw.load(folder / name) for name in scenes()}
+    assert [result.status for result in results.values()] == ["completed", "completed", "failed"]
+    for name, result in results.items():
+        fractions = [fraction for key, fraction, _ in reported if key == name]
+        assert fractions == sorted(fractions)
+        last = [words for key, fraction, words in reported if (key, fraction) == (name, 1.0)]
+        assert last == [f"{result.status}: {result.message}".removesuffix(": ")]
+
+
+def test_finished_runs_are_read_and_others_run_again(
+    ran: tuple[Path, list[tuple[str, float, str]]], tmp_path: Path
+) -> None:
+    before = (ran[0] / "one" / "result.json").stat().st_mtime_ns
+    results = pw.run_scenes(scenes(), ran[0], jobs=1)
+    assert list(results) == list(scenes())
+    assert (ran[0] / "one" / "result.json").stat().st_mtime_ns == before
+    # The numbers do not depend on the number of processes.
+    pw.run_scenes(scenes(), tmp_path, jobs=1)
+    for name in scenes():
+        assert folder_differences(tmp_path / name, ran[0] / name) == []
+
+
+def test_what_cannot_run_is_refused(ran: tuple[Path, list[tuple[str, float, str]]]) -> None:
+    with pytest.raises(pw.InputError, match="another scene: friction is"):
+        pw.run_scenes(scenes(friction=0.3), ran[0])
+    with pytest.raises(pw.InputError, match="cannot name the folder of a scene"):
+        pw.run_scenes({"../one": pw.scenes.wear_times()}, ran[0])
+    with pytest.raises(pw.InputError, match="jobs = 0: must be at least 1"):
+        pw.run_scenes(scenes(), ran[0], jobs=0)
+    with pytest.raises(pw.InputError, match="did you mean exudyn-tree"):
+        pw.run_scenes(scenes(), ran[0], engine="exudyntree")
+
+
+def test_an_interrupted_study_keeps_what_is_finished_and_resumes(
+    ran: tuple[Path, list[tuple[str, float, str]]], tmp_path: Path
+) -> None:
+    """SIGINT while two runs are at work: the finished ones stay, and the rest resumes."""
+    code = (
+        "import presswear as pw; from campaign.test_scenes import scenes; import sys\n"
+        "more = {f'more-{k}': s for k in range(9) for s in [scenes(seed=k, cycles=9)['one']]}\n"
+        "pw.run_scenes(scenes() | more, sys.argv[1], jobs=2)"
+    )
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([*sys.path])}
+    process = subprocess.Popen(
+        [sys.executable, "-c", code, str(tmp_path)],
+        stderr=subprocess.PIPE,
+        text=True,
+        env=environment,
+        start_new_session=True,
+    )
+    until = time.monotonic() + 120.0
+    while len(list(tmp_path.glob("*/result.json"))) < 4 and time.monotonic() < until:
+        time.sleep(0.05)
+    os.killpg(process.pid, signal.SIGINT)
+    error = process.communicate(timeout=60)[1]
+    assert "KeyboardInterrupt" in error
+    statuses = [pw.load(path.parent).status for path in tmp_path.glob("*/result.json")]
+    assert 1 <= statuses.count("completed") < 11
+    pw.run_scenes(scenes(), tmp_path, jobs=1)
+    for name in scenes():
+        assert folder_differences(tmp_path / name, ran[0] / name) == []
