@@ -38,6 +38,7 @@ PATH = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH",
 MADE = {
     "results/wear-times": "run wear-times --engine dae --cycles 4 --wear-updates 1",
     "results/mine": "run wear-times --engine dae --cycles 2 --wear-updates 1 --out results/mine",
+    "results/long": "run wear-times --engine dae --cycles 2 --wear-updates 1 --out results/long",
     "results/press-blanking-life": "life press-blanking --engine dae --set replicates=2 "
     "--tolerance 1 --until 'C.depth > 0.01 um'",
     "results/clearances": "sweep wear-times --vary clearance=0.2mm,1.0mm --measure A.force_max "
