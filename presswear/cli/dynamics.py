@@ -6,7 +6,7 @@ from typing import Any
 
 from rich.console import Console
 
-from presswear.bifurcation.over import Extent, Over
+from presswear.analysis.bifurcation import Cycles, Parameter
 from presswear.cli.terminal import (
     add_out,
     add_settings,
@@ -75,8 +75,8 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
     )
     scene = changed(scene_given(arguments.subject), settings_given(arguments.set))
     if arguments.over is not None:
-        over = Over.parsed(arguments.over, scene)
-        extent = Extent(
+        over = Parameter.parse(arguments.over, scene)
+        extent = Cycles(
             count_given("--cycles", arguments.cycles, MOST_CYCLES),
             count_given("--kept", arguments.kept, MOST_CYCLES),
             cycles,
@@ -92,24 +92,26 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
 
 
 def _exponent(scene: Scene, cycles: int, console: Console) -> int:
-    from presswear.bifurcation.flow import scene_exponent
+    from presswear.analysis.lyapunov import largest_exponent
+    from presswear.campaign.replicates import start_of
 
-    found = scene_exponent(scene, cycles)
+    found = largest_exponent(scene.linkage(), start_of(scene), scene.mechanism.period, cycles)
     half = "too few cycles" if found.half_width is None else f"± {found.half_width:.3g}"
     console.print(
         f"{scene.name}: largest Lyapunov exponent {found.value:.4g} {half} 1/s, "
-        f"{found.value * scene.mechanism.period:.3g} a cycle, from {found.restarts} restarts",
+        f"{found.value * scene.mechanism.period:.3g} a cycle, from {found.intervals} intervals",
         highlight=False,
     )
     return 0
 
 
 def _diagram(
-    scene: Scene, over: Over, extent: Extent, out: Path, jobs: int | None, console: Console
+    scene: Scene, over: Parameter, extent: Cycles, out: Path, jobs: int | None, console: Console
 ) -> int:
-    from presswear.bifurcation.diagram import compute
-    from presswear.bifurcation.figure import draw, draw_orders
+    from presswear.analysis.bifurcation import compute
+    from presswear.campaign.replicates import start_of
     from presswear.show.figures import save
+    from presswear.show.figures.bifurcation import draw_diagram, draw_orders
 
     with telling(console, "bifurcation diagram") as told:
         parts = dict.fromkeys(("up", "down"), 0.0)
@@ -118,10 +120,10 @@ def _diagram(
             parts[way] = part
             told(f"bifurcation diagram, {way}", sum(parts.values()) / len(parts))
 
-        diagram = compute(scene, over, extent, out, jobs, tell)
-    for sentence in diagram.words:
+        diagram = compute(scene, over, extent, out, start_of, jobs, tell)
+    for sentence in diagram.summary():
         console.print(sentence, highlight=False)
-    for drawing in [draw(diagram), *([draw_orders(diagram)] if extent.order_cycles else [])]:
+    for drawing in [draw_diagram(diagram), *([draw_orders(diagram)] if extent.orders else [])]:
         picture = save(drawing, out)
         console.print(f"picture in {picture}", highlight=False, soft_wrap=True)
     return 0

@@ -3,10 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.dynamics.modes import Timeline, resonance_of, timeline
-from presswear.dynamics.period import Periodicity, periodicity
-from presswear.dynamics.sections import section, times_at_phase
-from presswear.dynamics.spectra import Spectrum, spectrum_of
+from presswear.analysis.contact_modes import Timeline, resonance_frequency, timeline
+from presswear.analysis.periods import Periodicity, periodicity, section, times_at_phase
+from presswear.analysis.spectra import Spectrum, power_spectrum
 from presswear.recording.sampling import STARTUP_CYCLES
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
@@ -59,10 +58,10 @@ def timeline_of(scene: Scene, stage: StageResult, joint: str) -> Timeline:
 
 
 def resonance(stage: StageResult, joint: str) -> float | None:
-    """Frequency of the contact, Hz; None where none is known.  See ``resonance_of``."""
+    """Frequency of the contact, Hz; None where none is known.  See ``resonance_frequency``."""
     own = stage.joints[joint]
     lasting = own.contact("separation") - own.contact("touchdown")
-    return resonance_of(lasting, own.contact("closing_speed"))
+    return resonance_frequency(lasting, own.contact("closing_speed"))
 
 
 def spectra_of(scene: Scene, stage: StageResult) -> dict[str, Spectrum]:
@@ -77,7 +76,7 @@ def spectra_of(scene: Scene, stage: StageResult) -> dict[str, Spectrum]:
     series |= {name: own.force[:, 0] for name, own in stage.joints.items()}
     period = scene.mechanism.period
     return {
-        name: spectrum_of(stage.time[rows], values[rows], period, HIGHEST_ORDER / period)
+        name: power_spectrum(stage.time[rows], values[rows], period, HIGHEST_ORDER / period)
         for name, values in series.items()
     }
 

@@ -33,7 +33,7 @@ def test_an_exponent_and_a_diagram(tmp_path: Path, capsys: pytest.CaptureFixture
         str(tmp_path / "d"),
     ]
     assert main(line) == 0
-    assert "up: of 2 values" in capsys.readouterr().out
+    assert "periodic at 2 of 2 values" in capsys.readouterr().out
     for name in ("diagram.png", "orders.png"):
         assert (tmp_path / "d" / name).stat().st_size > 10_000
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import presswear as pw
-from presswear.dynamics.modes import FREE, IMPACT, MODES
+from presswear.analysis.contact_modes import FREE, IMPACT, MODES
 from presswear.results.modes import (
     impacts_of,
     period_of,
@@ -34,7 +34,7 @@ def test_shares_are_those_of_the_penetration(result: Result) -> None:
     inside = np.interp(time, stage.time, stage.joints["B"].penetration) > 0.0
     assert 1.0 - own.shares["free flight"] == pytest.approx(inside.mean(), abs=2e-3)
     assert sum(own.shares[name] for name in MODES) == pytest.approx(1.0, rel=1e-12)
-    visits = own.sojourns("impact")
+    visits = own.visits("impact")
     assert visits.size > 5
     assert resonance(stage, "B") == pytest.approx(0.5 / np.median(visits), rel=0.5)
 
@@ -85,7 +85,7 @@ def test_the_table_of_the_report_tells_what_the_arrays_do(result: Result) -> Non
     assert count > 5
     told = cells["Joint B, changes of mode in a cycle"]["free flight to impact"]
     assert float(told) == pytest.approx(count / 4.0, rel=1e-2)
-    assert cells["Repetition"]["period, in parts of the clearance"] == period_of(scene, stage).words
+    assert cells["Repetition"]["period, in parts of the clearance"] == str(period_of(scene, stage))
     waves = cells["Spectra"]
     # Of four cycles noise cannot be told from harmonics.
     assert waves["force at B (N), power at whole orders (%)"] == "–"

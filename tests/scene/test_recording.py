@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import presswear as pw
-from presswear.dynamics.sections import section
+from presswear.analysis.periods import section
 from presswear.engines.base import Plan
 from presswear.recording.recorder import Recorder
 from presswear.recording.tracker import Tracker

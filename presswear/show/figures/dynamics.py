@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from presswear.dynamics.modes import MODES
+from presswear.analysis.contact_modes import MODES
 from presswear.results.modes import (
     HIGHEST_ORDER,
     has_motion,
@@ -114,7 +114,7 @@ def poincare_section(result: Result, stages: Stages) -> list[Drawing]:
     for axes in grid[-1]:
         axes.set_xlabel(f"$e_x$ ({unit})")
     set_path_limits(grid.flat, 1.06 * factor * widest)
-    found = "; ".join(f"{stage.pen.label}: {period_of(scene, stage.data).words}" for stage in shown)
+    found = "; ".join(f"{stage.pen.label}: {period_of(scene, stage.data)}" for stage in shown)
     linkage_phase = scene.mechanism.linkage().phase
     caption = (
         f"Place of each pin in its bearing once a cycle, at {360.0 * (phase % 1.0):.4g} degrees of "

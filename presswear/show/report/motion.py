@@ -4,9 +4,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import permutations
 
-from presswear.dynamics.modes import MODES, Timeline, jointly
-from presswear.dynamics.period import Periodicity
-from presswear.dynamics.spectra import Spectrum
+from presswear.analysis.contact_modes import MODES, Timeline, combine
+from presswear.analysis.periods import Periodicity
+from presswear.analysis.spectra import Spectrum
 from presswear.results.modes import (
     has_motion,
     period_of,
@@ -65,7 +65,7 @@ def _motion_of(scene: Scene, stage: StageResult) -> _Motion:
     return _Motion(
         (end - begin) / scene.mechanism.period,
         lines,
-        jointly(list(lines.values())),
+        combine(list(lines.values())),
         period_of(scene, stage),
         spectra_of(scene, stage),
         {joint: resonance(stage, joint) for joint in lines},
@@ -103,7 +103,7 @@ def motion(result: Result) -> Table | None:
         groups[f"{' and '.join(joints)} at once"] = told(rows)
     groups["Repetition"] = told(
         {
-            "period, in parts of the clearance": lambda own: own.period.words,
+            "period, in parts of the clearance": lambda own: str(own.period),
             "recorded cycles behind the start-up": lambda own: readable(own.cycles),
         }
     )
@@ -126,7 +126,7 @@ def _visits(line: Callable[[_Motion], Timeline], mode: str) -> _Text:
     """Share of the time in a mode, how often it is visited in a cycle, and the mean visit."""
 
     def text(own: _Motion) -> str:
-        share, visits = line(own).shares[mode], line(own).sojourns(mode)
+        share, visits = line(own).shares[mode], line(own).visits(mode)
         told = f"{100.0 * share:.2f} %"
         if visits.size:
             mean = MILLI * float(visits.mean())

@@ -5,8 +5,8 @@ import pytest
 from scipy.signal import welch
 
 import presswear as pw
-from presswear.dynamics.sections import section, times_at_phase
-from presswear.dynamics.spectra import evenly, spectrum_of
+from presswear.analysis.periods import section, times_at_phase
+from presswear.analysis.spectra import power_spectrum, resample
 
 PERIOD = 0.02
 RANDOM = np.random.default_rng(1)
@@ -17,31 +17,31 @@ def test_amplitudes_of_harmonics() -> None:
     """Means over the interval take the part sinc of each, here below 1 %."""
     turn = 2.0 * np.pi * TIME / PERIOD
     values = 5.0 + 3.0 * np.sin(turn) + 0.2 * np.cos(7.0 * turn)
-    found = spectrum_of(TIME, values, PERIOD, 100.0 / PERIOD)
-    assert found.amplitude(1.0) == pytest.approx(3.0, rel=0.01)
-    assert found.amplitude(7.0) == pytest.approx(0.2, rel=0.01)
-    assert found.amplitude(4.0) < 1e-3
-    assert found.harmonic_share > 0.999
-    assert found.order[np.argmax(found.density)] == pytest.approx(1.0, rel=1e-12)
+    spectrum = power_spectrum(TIME, values, PERIOD, 100.0 / PERIOD)
+    assert spectrum.amplitude(1.0) == pytest.approx(3.0, rel=0.01)
+    assert spectrum.amplitude(7.0) == pytest.approx(0.2, rel=0.01)
+    assert spectrum.amplitude(4.0) < 1e-3
+    assert spectrum.harmonic_share > 0.999
+    assert spectrum.order[np.argmax(spectrum.density)] == pytest.approx(1.0, rel=1e-12)
 
 
 def test_power_is_the_variance() -> None:
     """White noise over 0 .. f has the density variance / f, and harmonics no greater part."""
     time = np.linspace(0.0, 1000 * PERIOD, 400_001)
     values = RANDOM.normal(0.0, 2.0, time.size)
-    found = spectrum_of(time, values, PERIOD, 50.0 / PERIOD, cycles=16)
+    spectrum = power_spectrum(time, values, PERIOD, 50.0 / PERIOD, cycles=16)
     # Linear between rows, the means of four intervals have 7/32 of the rows' variance.
-    power = found.density.sum() * found.frequency[1]
+    power = spectrum.density.sum() * spectrum.frequency[1]
     assert power == pytest.approx(4.0 * 7.0 / 32.0, rel=0.02)
-    assert found.harmonic_share == pytest.approx(3.0 / 16.0, abs=0.02)
-    assert found.segments == 124
+    assert spectrum.harmonic_share == pytest.approx(3.0 / 16.0, abs=0.02)
+    assert spectrum.segments == 124
 
 
 def test_means_keep_an_impulse() -> None:
     """A triangle of 2 us and 1000 N, on a grid of 1 ms."""
     time = np.array([0.0, 4.999e-3, 5e-3 + 1e-6, 5e-3 + 3e-6, 5e-3 + 5e-6, 0.02])
     force = np.array([0.0, 0.0, 0.0, 1000.0, 0.0, 0.0])
-    middle, means = evenly(time, force, 1e-3)
+    middle, means = resample(time, force, 1e-3)
     assert means.size == 20
     assert means.sum() * 1e-3 == pytest.approx(2e-3, rel=1e-9)
     assert middle[np.argmax(means)] == pytest.approx(5.5e-3, rel=1e-9)
@@ -51,20 +51,20 @@ def test_means_keep_an_impulse() -> None:
 def test_density_is_that_of_scipy(highest: float) -> None:
     """Segments of an even and of an odd number of means."""
     values = 5.0 + RANDOM.normal(0.0, 2.0, TIME.size)
-    found = spectrum_of(TIME, values, PERIOD, highest / PERIOD, cycles=5)
+    spectrum = power_spectrum(TIME, values, PERIOD, highest / PERIOD, cycles=5)
     each = int(np.ceil(2.0 * highest))
-    means = evenly(TIME, values, PERIOD / each)[1]
+    means = resample(TIME, values, PERIOD / each)[1]
     size = 5 * each
     frequency, density = welch(means, each / PERIOD, "hann", size, size // 2)
     assert size % 2 == (highest > 50.0)
-    assert found.segments > 10
-    np.testing.assert_allclose(found.frequency, frequency, rtol=1e-12)
-    np.testing.assert_allclose(found.density, density, rtol=1e-9)
+    assert spectrum.segments > 10
+    np.testing.assert_allclose(spectrum.frequency, frequency, rtol=1e-12)
+    np.testing.assert_allclose(spectrum.density, density, rtol=1e-9)
 
 
 def test_less_than_a_cycle_is_refused() -> None:
-    with pytest.raises(pw.InputError, match="one cycle at least"):
-        spectrum_of(TIME[:100], TIME[:100], PERIOD, 1000.0)
+    with pytest.raises(pw.InputError, match="at least one recorded cycle"):
+        power_spectrum(TIME[:100], TIME[:100], PERIOD, 1000.0)
 
 
 def test_sections() -> None:

@@ -1,0 +1,1 @@
+"""Nonlinear dynamics of a motion: spectra, periods, contact modes, exponents, bifurcation."""

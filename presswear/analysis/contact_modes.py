@@ -1,0 +1,186 @@
+"""Contact modes of a joint with clearance: free flight, impact, sustained contact, sticking.
+
+A contact lasts from touchdown to separation. It is an impact if it lasts at most twice as long as
+an impact of its closing speed (see ``impact_limits``), and sustained otherwise. A sustained contact
+sticks while its sliding speed is below the lower speed of its friction law.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+MODES = ("free flight", "impact", "sustained contact", "sticking")
+FREE, IMPACT, SUSTAINED, STICKING = range(4)
+MAX_DURATION_RATIO = 2.0  # duration of the longest impact over that of a typical one
+
+
+@dataclass(frozen=True)
+class Timeline:
+    """Sequence of modes.
+
+    Attributes
+    ----------
+    edges : ndarray, shape (n + 1,)
+        Times at which the modes begin, and the end of the last one, s.
+    mode : ndarray of int, shape (n,)
+        Index into ``names``; two successive modes differ.
+    names : tuple of str
+    """
+
+    edges: Array
+    mode: IntArray
+    names: tuple[str, ...] = MODES
+
+    @property
+    def durations(self) -> Array:
+        """Durations, s, shape (n,)."""
+        return np.diff(self.edges)
+
+    @property
+    def shares(self) -> dict[str, float]:
+        """Share of the time in each mode, by name; the sum is 1."""
+        sums = np.bincount(self.mode, self.durations, len(self.names))
+        return dict(zip(self.names, (sums / sums.sum()).tolist(), strict=True))
+
+    @property
+    def transitions(self) -> IntArray:
+        """Number of transitions from a mode (row) to another mode (column)."""
+        counts = np.zeros((len(self.names), len(self.names)), np.int64)
+        np.add.at(counts, (self.mode[:-1], self.mode[1:]), 1)
+        return counts
+
+    def visits(self, name: str) -> Array:
+        """Return the durations, s, of the visits to a mode that begin and end within the span."""
+        inner = slice(1, -1)
+        return self.durations[inner][self.mode[inner] == self.names.index(name)]
+
+    def at(self, times: Array) -> IntArray:
+        """Return the modes at ``times``, s; times outside the span get the first or last mode."""
+        return self.mode[np.searchsorted(self.edges[1:-1], times, side="right")]
+
+    def over_phase(self, period: float, bins: int) -> Array:
+        """Return the share of the time in each mode over the phase, shape (modes, bins); exact."""
+        first = np.floor(self.edges[0] * bins / period)
+        last = np.ceil(self.edges[-1] * bins / period)
+        grid = period / bins * np.arange(first, last + 1)
+        inside = grid[(grid > self.edges[0]) & (grid < self.edges[-1])]
+        edges = np.union1d(self.edges, inside)
+        middle = 0.5 * (edges[1:] + edges[:-1])
+        column = np.floor(middle / period * bins).astype(np.int64) % bins
+        times = np.zeros((len(self.names), bins))
+        np.add.at(times, (self.at(middle), column), np.diff(edges))
+        sums = times.sum(axis=0)
+        return np.asarray(times / np.where(sums > 0.0, sums, 1.0))
+
+
+def impact_limits(duration: Array, closing_speed: Array) -> Array:
+    """Return the longest duration, s, that each contact may have as an impact, shape (n,).
+
+    A typical impact is the median of the quarter of the contacts with the largest closing speeds.
+    By Hertz's law the duration scales with the speed to the power of -1/5 (Johnson, Contact
+    Mechanics, section 11.4.1).
+
+    Parameters
+    ----------
+    duration : ndarray, shape (n,)
+        s.
+    closing_speed : ndarray, shape (n,)
+        m/s.
+    """
+    if not duration.size:
+        return np.zeros(0)
+    fastest = np.argsort(closing_speed)[-max(duration.size // 4, 1) :]
+    speed = float(np.median(closing_speed[fastest]))
+    ratio = np.maximum(speed, 1e-300) / np.clip(closing_speed, 1e-12 * max(speed, 1e-288), None)
+    typical = np.median(duration[fastest])
+    return np.asarray(MAX_DURATION_RATIO * typical * np.maximum(ratio, 1.0) ** 0.2)
+
+
+def resonance_frequency(duration: Array, closing_speed: Array) -> float | None:
+    """Return the contact resonance of a joint, Hz: one over twice the median impact duration.
+
+    It is None if no contact is an impact. For the parameters see ``impact_limits``.
+    """
+    is_impact = (duration > 0.0) & (duration <= impact_limits(duration, closing_speed))
+    return float(0.5 / np.median(duration[is_impact])) if is_impact.any() else None
+
+
+def timeline(
+    span: tuple[float, float],
+    contacts: Array,
+    closing_speed: Array,
+    sliding: tuple[Array, Array],
+    sticking_speed: float,
+) -> Timeline:
+    """Return the contact modes of one joint.
+
+    Parameters
+    ----------
+    span : (float, float)
+        Start and end, s.
+    contacts : ndarray, shape (n, 2)
+        Touchdown and separation of successive contacts, s.
+    closing_speed : ndarray, shape (n,)
+        m/s.
+    sliding : (ndarray, ndarray), shape (m,) each
+        Times, s, and sliding speeds, m/s, linear in between.
+    sticking_speed : float
+        Sliding speed below which a contact sticks, m/s.
+    """
+    start, end = span
+    time, speed = sliding
+    duration = contacts[:, 1] - contacts[:, 0]
+    is_impact = duration <= impact_limits(duration, closing_speed)
+    edges: list[float] = [start]
+    modes: list[int] = []
+
+    def extend(moment: float, mode: int) -> None:
+        moment = min(moment, end)
+        if moment <= edges[-1]:
+            return
+        if modes and modes[-1] == mode:
+            edges[-1] = moment
+            return
+        edges.append(moment)
+        modes.append(mode)
+
+    for (touchdown, separation), is_short in zip(contacts, is_impact, strict=True):
+        extend(touchdown, FREE)
+        if is_short:
+            extend(separation, IMPACT)
+            continue
+        excess = np.abs(speed) - sticking_speed
+        for moment in [*crossings(time, excess, max(touchdown, start), separation), separation]:
+            middle = 0.5 * (edges[-1] + moment)
+            sticks = abs(float(np.interp(middle, time, speed))) < sticking_speed
+            extend(moment, STICKING if sticks else SUSTAINED)
+    extend(end, FREE)
+    return Timeline(np.array(edges), np.array(modes, np.int64))
+
+
+def crossings(time: Array, values: Array, start: float, end: float) -> list[float]:
+    """Return the times between ``start`` and ``end``, s, at which a series changes its sign."""
+    first, last = np.searchsorted(time, [start, end])
+    rows = slice(max(int(first) - 1, 0), min(int(last) + 1, time.size))
+    t, v = time[rows], values[rows]
+    k = np.flatnonzero((v[:-1] < 0.0) != (v[1:] < 0.0))
+    moments = t[k] - v[k] * (t[k + 1] - t[k]) / (v[k + 1] - v[k])
+    return [float(moment) for moment in moments[(moments > start) & (moments < end)]]
+
+
+def combine(timelines: Sequence[Timeline]) -> Timeline:
+    """Return the joint modes of several joints over one span, named ``first + second``."""
+    edges = np.unique(np.concatenate([each.edges for each in timelines]))
+    middle = 0.5 * (edges[1:] + edges[:-1])
+    codes = np.zeros(middle.size, np.int64)
+    names: tuple[str, ...] = ("",)
+    for each in timelines:
+        codes = codes * len(each.names) + each.at(middle)
+        names = tuple(f"{a} + {b}" if a else b for a in names for b in each.names)
+    is_new = np.append(True, np.diff(codes) != 0)
+    return Timeline(np.append(edges[:-1][is_new], edges[-1]), codes[is_new], names)

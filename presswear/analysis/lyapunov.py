@@ -1,0 +1,270 @@
+"""Largest Lyapunov exponent from pairs of trajectories that are rescaled periodically.
+
+Benettin, Galgani and Strelcyn, Phys. Rev. A 14 (1976) 2338; Wolf, Swift, Swinney and Vastano,
+Physica D 16 (1985) 285. Only the map of a state over a time interval is needed, so that impacts
+need no derivatives.
+"""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.engines.base import Plan, Start, recorder_of
+from presswear.engines.dae.dynamics import bristle_place
+from presswear.engines.dae.engine import prepare
+from presswear.engines.driver import Simulation
+from presswear.engines.settings import InHouse
+from presswear.linkage.linkage import Linkage
+from presswear.physics.laws import ONSET_SPEED_FLOOR, elastic_of, normal_force
+from presswear.physics.tree import Tree, tree_of
+from presswear.recording.observe import Book
+from presswear.recording.sampling import batched, half_width
+from presswear.tools.errors import InputError, RunFailed
+
+Array = NDArray[np.float64]
+Context = TypeVar("Context")
+Arrays = Mapping[str, NDArray[Any]]
+
+DISCARDED = 0.1  # share of the intervals, while the pair turns to the fastest growth
+ENGINE = InHouse("dop853", 1e-11)  # growth within 1e-3 of that at 1e-13; 0.1 off at 1e-10
+DISTANCE = 1e-5  # initial distance of a pair over the smallest clearance
+SPEED_RATIO = 30.0  # rate at which contacts change a motion over the rate of the crank
+INTERVALS = 20  # rescalings in a cycle
+
+
+@dataclass(frozen=True)
+class Exponent:
+    """Largest Lyapunov exponent per unit of time.
+
+    Attributes
+    ----------
+    value : float
+    half_width : float or None
+        Of the 95 % interval from batch means over cycles; None for too few cycles.
+    intervals : int
+        Number of averaged intervals.
+    """
+
+    value: float
+    half_width: float | None
+    intervals: int
+
+    @property
+    def is_chaotic(self) -> bool:
+        """Return whether the whole interval lies above 0."""
+        return self.half_width is not None and self.value - self.half_width > 0.0
+
+
+def growth_logarithms(
+    step: Callable[[Array, Context], tuple[Array, Context]],
+    state: Array,
+    context: Context,
+    intervals: int,
+    distance: Array,
+) -> Array:
+    """Return the logarithm of the growth of a small distance in each interval, shape (intervals,).
+
+    After each interval the neighbour is moved back along its direction to the initial distance.
+
+    Parameters
+    ----------
+    step : callable
+        Returns the state and its context after one interval; must not change its arguments.
+    state : ndarray, shape (d,)
+        A component is NaN while the motion does not depend on it. Components that are NaN in
+        either trajectory do not contribute to the distance.
+    context
+        Quantities that belong to a state but are not perturbed, such as time and active contacts.
+        The neighbour takes those of the reference after each interval.
+    intervals : int
+    distance : ndarray, shape (d,)
+        Initial distance in each component, in its unit; also the scale of distances.
+
+    Raises
+    ------
+    InputError
+        If a pair coincides or its distance is not finite after an interval.
+    """
+    if intervals < 1:
+        raise InputError(f"intervals = {intervals}: must be at least 1")
+    if not np.all(distance > 0.0):
+        raise InputError(f"distance = {distance.tolist()}: must be positive")
+
+    def scaled(neighbour: Array) -> Array:
+        difference = (neighbour - state) / distance
+        return np.nan_to_num(difference, nan=0.0, posinf=math.inf, neginf=-math.inf)
+
+    direction = np.full(state.size, 1.0 / math.sqrt(state.size))
+    logarithms = np.empty(intervals)
+    for k in range(intervals):
+        neighbour = state + distance * direction
+        before = float(np.linalg.norm(scaled(neighbour)))  # differs from 1 by round-off
+        moved, _ = step(neighbour, context)
+        state, context = step(state, context)
+        direction = scaled(moved)
+        after = float(np.linalg.norm(direction))
+        if not 0.0 < after < math.inf:
+            raise InputError(
+                f"interval {k}: the distance of the pair is {after:g} times the initial distance; "
+                "use a larger initial distance or a shorter interval"
+            )
+        logarithms[k] = math.log(after / before)
+        direction /= after
+    return logarithms
+
+
+def exponent_from_growth(logarithms: Array, duration: float, per_cycle: int = 1) -> Exponent:
+    """Return the exponent and its confidence interval from ``growth_logarithms``.
+
+    Parameters
+    ----------
+    logarithms : ndarray, shape (intervals,)
+    duration : float
+        Duration of an interval; the exponent is per unit of it.
+    per_cycle : int
+        Intervals in a cycle. The confidence interval uses means over whole cycles, because growth
+        varies within a cycle.
+    """
+    rates = logarithms[math.ceil(DISCARDED * len(logarithms)) :] / duration
+    if not rates.size:
+        return Exponent(math.nan, None, 0)
+    per_cycle = min(per_cycle, rates.size)
+    rates = rates[rates.size % per_cycle :]
+    half = half_width(batched(rates.reshape(-1, per_cycle).mean(axis=1)))
+    return Exponent(float(rates.mean()), half, rates.size)
+
+
+@dataclass(frozen=True)
+class Flow:
+    """Motion of a linkage as a map of its state over an interval.
+
+    The components of a state are coordinates, rates, bristle deflections, and the closing speed at
+    touchdown of each contact whose force depends on it. The closing speed is NaN while the joint
+    is open and while it is so low that the force uses ``ONSET_SPEED_FLOOR``.
+
+    Attributes
+    ----------
+    simulation : Simulation
+        Integrator of the in-house engine.
+    book : Book
+        State of its recorder.
+    indices : ndarray, shape (n,)
+        Indices of coordinates, rates and bristles in the integrated vector.
+    keeps_onset : ndarray of bool, shape (joints,)
+        Joints whose normal force depends on the closing speed at touchdown.
+    distance : ndarray, shape (n + joints,)
+        Initial distance of a pair in each component.
+    interval : float
+        s.
+    """
+
+    simulation: Simulation
+    book: Book
+    indices: NDArray[np.int64]
+    keeps_onset: NDArray[np.bool_]
+    distance: Array
+    interval: float
+
+    @staticmethod
+    def of(linkage: Linkage, start: Start, period: float, per_cycle: int) -> "Flow":
+        """Return the flow of a linkage over ``period / per_cycle``.
+
+        Raises
+        ------
+        InputError
+            If the linkage has closed loops, whose coordinates cannot be perturbed one by one.
+        """
+        tree = tree_of(linkage)
+        if not isinstance(tree, Tree):
+            raise InputError(f"an exponent needs a linkage without free loops, but {tree}")
+        plan = Plan(period, 1, 1, torques=False)
+        recorder = recorder_of(linkage, start, plan)
+        recorder.stop_recording()
+        simulation = prepare(linkage, start, ENGINE, plan, recorder)
+        joints = recorder.book.packed.joints
+        friction = joints["friction"]
+        bristles = np.flatnonzero(friction["bristle_stiffness"] > 0.0)
+        deflections = [bristle_place(2 * tree.size, int(k)) for k in bristles]
+        slip = friction["static"][bristles] / friction["bristle_stiffness"][bristles]
+        length = DISTANCE * min(joint.clearance for joint in linkage.clearances)
+        speed = length * SPEED_RATIO * 2.0 * math.pi / period
+        coordinates, onsets = np.repeat([length, speed], tree.size), np.full(len(joints), speed)
+        return Flow(
+            simulation,
+            recorder.book,
+            np.array([*range(2 * tree.size), *deflections]),
+            np.array([_depends_on_onset(joint["normal"]) for joint in joints]),
+            np.concatenate([coordinates, DISTANCE * slip, onsets]),
+            period / per_cycle,
+        )
+
+    @property
+    def _arrays(self) -> Arrays:
+        """Arrays of the integrator and the recorder that determine the further motion."""
+        book, loads = self.book, self.book.packed.loads
+        contact = {"contacts": book.contacts, "onset": book.onset, "memory": book.memory}
+        modes = {} if loads is None else {"modes": loads.modes}
+        return {**self.simulation.arrays, **contact, **modes}
+
+    def state(self) -> tuple[Array, Arrays]:
+        """Return copies of the present state and its context."""
+        is_active = self.keeps_onset & (self.book.onset > ONSET_SPEED_FLOOR)
+        onset = np.where(is_active, self.book.onset, math.nan)
+        context = {name: array.copy() for name, array in self._arrays.items()}
+        return np.concatenate([self.simulation.arrays["y"][self.indices], onset]), context
+
+    def step(self, state: Array, context: Arrays) -> tuple[Array, Arrays]:
+        """Return the state one interval later; raises RunFailed if the motion ends."""
+        for name, array in self._arrays.items():
+            array[...] = context[name]
+        control = self.simulation.arrays["control"]
+        self.simulation.arrays["y"][self.indices] = state[: self.indices.size]
+        onset = state[self.indices.size :]
+        is_active = ~np.isnan(onset)
+        self.book.onset[is_active] = np.maximum(onset[is_active], ONSET_SPEED_FLOOR)
+        control["known"] = False
+        finding = self.simulation.advance(float(control["time"][0]) + self.interval)
+        if finding is not None:
+            raise RunFailed(finding.words)
+        return self.state()
+
+
+def _depends_on_onset(law: Any) -> bool:
+    """Return whether a normal force depends on the closing speed at touchdown."""
+    depth = 1e-3 * law["clearance"]
+    elastic, _ = elastic_of(law, depth)
+    slow, fast = (normal_force(law, elastic, depth, 1.0, onset) for onset in (1.0, 2.0))
+    return bool(slow != fast)
+
+
+def largest_exponent(
+    linkage: Linkage, start: Start, period: float, cycles: int, per_cycle: int = INTERVALS
+) -> Exponent:
+    """Return the largest Lyapunov exponent of a linkage, 1/s, computed by the in-house engine.
+
+    Parameters
+    ----------
+    start : Start
+        Initial state.
+    period : float
+        Duration of a cycle, s.
+    cycles : int
+    per_cycle : int
+        Intervals in a cycle, short enough that the pair does not saturate.
+
+    Raises
+    ------
+    InputError
+        If the linkage has closed loops or no joint with clearance.
+    RunFailed
+        If the motion ends early.
+    """
+    if not linkage.clearances:
+        raise InputError("an exponent needs a joint with clearance: no motion is free")
+    flow = Flow.of(linkage, start, period, per_cycle)
+    logarithms = growth_logarithms(flow.step, *flow.state(), cycles * per_cycle, flow.distance)
+    return exponent_from_growth(logarithms, flow.interval, per_cycle)

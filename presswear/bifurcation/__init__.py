@@ -1,1 +1,0 @@
-"""One scene over a quantity: exponents, periods and sections, up and down."""

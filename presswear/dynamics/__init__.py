@@ -1,1 +1,0 @@
-"""What a motion is, from arrays alone: periods, modes of contact, sections, spectra, exponents."""

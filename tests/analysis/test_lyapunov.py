@@ -1,0 +1,299 @@
+"""Lyapunov exponents against published values and closed forms, and of a linkage."""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from typing import cast
+
+import numba
+import numpy as np
+import pytest
+from bouncing_table import FREQUENCY, PERIOD, BouncingTable
+from impact_oscillator import ImpactOscillator
+from numpy.typing import NDArray
+
+import presswear as pw
+from presswear.analysis import lyapunov
+from presswear.analysis.lyapunov import (
+    ENGINE,
+    Exponent,
+    Flow,
+    exponent_from_growth,
+    growth_logarithms,
+    largest_exponent,
+)
+from presswear.campaign.replicates import start_of
+from presswear.engines.base import Plan
+from presswear.linkage.loads import Force, OverPosition
+from presswear.scene.scene import Scene
+from presswear.scene.settings import changed
+
+Array = NDArray[np.float64]
+
+
+def exponent_of_map(
+    step: Callable[[Array], Array], start: Array, intervals: int, duration: float, distance: float
+) -> Exponent:
+    distances = np.full(start.size, distance)
+    growth = growth_logarithms(lambda x, _: (step(x), None), start, None, intervals, distances)
+    return exponent_from_growth(growth, duration)
+
+
+def assert_close(exponent: Exponent, expected: float) -> None:
+    """Within 3 % and within the confidence interval."""
+    assert exponent.value == pytest.approx(expected, rel=0.03)
+    assert exponent.half_width is not None
+    assert abs(exponent.value - expected) <= exponent.half_width
+
+
+def _lorenz(x: Array, steps: int) -> Array:
+    """RK4 of the Lorenz equations at sigma = 10, r = 28, b = 8/3."""
+    h = 0.005
+    for _ in range(steps):
+        y = x
+        total = np.zeros(3)
+        for weight, reach in ((1.0, 0.5), (2.0, 0.5), (2.0, 1.0), (1.0, 0.0)):
+            slope = np.array(
+                [
+                    10.0 * (y[1] - y[0]),
+                    y[0] * (28.0 - y[2]) - y[1],
+                    y[0] * y[1] - 8.0 / 3.0 * y[2],
+                ]
+            )
+            total += weight * slope
+            y = x + reach * h * slope
+        x = x + h / 6.0 * total
+    return x
+
+
+lorenz = cast(Callable[[Array, int], Array], numba.njit(_lorenz))
+
+
+def test_maps_of_the_literature() -> None:
+    """Lorenz 0.9056 and Henon 0.41922 (Sprott, Chaos and Time-Series Analysis, 2003); ln 2."""
+
+    def henon(x: Array) -> Array:
+        return np.array([1.0 - 1.4 * x[0] ** 2 + x[1], 0.3 * x[0]])
+
+    start = lorenz(np.array([1.0, 2.0, 20.0]), 10_000)
+    cases = [
+        (exponent_of_map(lambda x: lorenz(x, 40), start, 15_000, 0.2, 1e-7), 0.9056),
+        (exponent_of_map(henon, np.array([0.1, 0.1]), 20_000, 1.0, 1e-9), 0.41922),
+        (
+            exponent_of_map(lambda x: 4.0 * x * (1.0 - x), np.array([0.3123]), 20_000, 1.0, 1e-9),
+            math.log(2.0),
+        ),
+    ]
+    for exponent, expected in cases:
+        assert_close(exponent, expected)
+        assert exponent.half_width is not None
+        assert exponent.half_width <= 0.03 * expected
+        assert exponent.is_chaotic
+
+
+@pytest.mark.parametrize("part", [0.3, 0.6])
+def test_periodic_ball_on_a_table(part: float) -> None:
+    """Both multipliers have the size e, so that the exponent is ln(e) omega / (2 pi)."""
+    ball = BouncingTable(0.8)
+    ball = replace(ball, drive=(1.0 - part) * ball.existence + part * ball.doubling)
+    growth = growth_logarithms(
+        lambda x, t: (ball.after(x, t, 0.9 * PERIOD), t + 0.9 * PERIOD),
+        *ball.period_one(0.15 * PERIOD),
+        1000,
+        np.array([1e-7, 1e-7 * FREQUENCY]),
+    )
+    exponent = exponent_from_growth(growth, 0.9 * PERIOD)
+    assert_close(exponent, math.log(0.8) / PERIOD)
+    assert not exponent.is_chaotic
+
+
+@pytest.mark.parametrize(("damping", "frequency"), [(0.0, 2.6), (0.05, 2.4), (0.05, 2.0)])
+def test_periodic_oscillator_with_a_wall(damping: float, frequency: float) -> None:
+    """The larger multiplier of the orbit, of a complex pair or real, gives the exponent."""
+    oscillator = ImpactOscillator(0.8, frequency, damping)
+    period = oscillator.period
+    t, v, differences = oscillator.periodic()
+    multipliers = np.linalg.eigvals(differences)
+    determinant = 0.8**2 * math.exp(-2.0 * damping * period)
+    assert np.prod(multipliers).real == pytest.approx(determinant, rel=1e-9)
+    state, _ = oscillator.after(np.array([0.0, -0.8 * v]), t, 0.35 * period)
+    interval = 0.9 * period
+    growth = growth_logarithms(
+        lambda x, t: (oscillator.after(x, t, interval)[0], t + interval),
+        state,
+        t + 0.35 * period,
+        400,
+        np.full(2, 1e-7),
+    )
+    expected = math.log(np.abs(multipliers).max()) / period
+    assert_close(exponent_from_growth(growth, interval), expected)
+
+
+def test_pairs_grow_as_the_tangent_flow() -> None:
+    """Chaos with a wall: the closed-form tangent flow with saltation along the same motion."""
+    oscillator = ImpactOscillator(0.8, 2.8)
+    period, count = oscillator.period, 1500
+    t, v, _ = oscillator.periodic()
+    state = oscillator.after(np.array([0.0, -0.801 * v]), t, 0.35 * period)[0]
+    t += 0.35 * period
+    pairs = growth_logarithms(
+        lambda x, t: (oscillator.after(x, t, period)[0], t + period),
+        state,
+        t,
+        count,
+        np.full(2, 1e-8),
+    )
+    direction, tangent = np.full(2, math.sqrt(0.5)), np.zeros(count)
+    for k in range(count):
+        state, differences = oscillator.after(state, t, period)
+        t += period
+        direction = differences @ direction
+        size = float(np.linalg.norm(direction))
+        tangent[k], direction = math.log(size), direction / size
+    exponent, expected = (exponent_from_growth(each, period) for each in (pairs, tangent))
+    assert exponent.is_chaotic
+    assert exponent.value == pytest.approx(expected.value, rel=3e-3)
+
+
+def test_exponent_of_a_linear_map_does_not_depend_on_scales() -> None:
+    matrix = np.array([[2.0, 1.0], [1.0, 1.0]])
+    growth = growth_logarithms(
+        lambda x, _: (np.mod(matrix @ x, 1e6), None),
+        np.array([0.1, 0.2]),
+        None,
+        25,
+        np.array([1e-3, 1e-2]),
+    )
+    golden = 0.5 * (3.0 + math.sqrt(5.0))
+    assert exponent_from_growth(growth[-10:], 1.0).value == pytest.approx(
+        math.log(golden), rel=1e-6
+    )
+
+
+def test_bad_input_is_refused() -> None:
+    for intervals, distance, message in ((5, 0.0, "distance"), (0, 1e-9, "intervals = 0")):
+        with pytest.raises(pw.InputError, match=message):
+            exponent_of_map(lambda x: x, np.zeros(2), intervals, 1.0, distance)
+    with pytest.raises(pw.InputError, match="interval 0: the distance of the pair is 0"):
+        exponent_of_map(lambda x: 0.0 * x, np.zeros(2), 3, 1.0, 1e-9)
+    with pytest.raises(pw.InputError, match="no motion is free"):
+        scene_exponent(pw.scenes.ideal(), 1)
+    with pytest.raises(pw.InputError, match="without free loops"):
+        scene_exponent(pw.scenes.clearance_a(), 1)
+
+
+SCENE = pw.scenes.slider_crank()
+LINKAGE, START, CYCLE = SCENE.linkage(), start_of(SCENE), SCENE.mechanism.period
+SUSTAINED = changed(SCENE, {"clearance": "20 um"})
+
+
+def scene_exponent(scene: Scene, cycles: int, per_cycle: int = lyapunov.INTERVALS) -> Exponent:
+    period = scene.mechanism.period
+    return largest_exponent(scene.linkage(), start_of(scene), period, cycles, per_cycle)
+
+
+def test_intervals_end_where_the_run_does() -> None:
+    """Up to the first contacts; later, differences of the step sequence grow."""
+    flow = Flow.of(LINKAGE, START, CYCLE, 50)
+    state = flow.state()
+    for _ in range(5):
+        state = flow.step(*state)
+    run = ENGINE.simulate(LINKAGE, START, Plan(0.1 * CYCLE, 1))
+    assert len(run.recorder.episodes(0)) > 0
+    _, position, velocity = flow.simulation.state()
+    np.testing.assert_allclose(position, run.end.position, rtol=0.0, atol=1e-10)
+    np.testing.assert_allclose(velocity, run.end.velocity, rtol=0.0, atol=1e-6)
+
+
+def test_a_step_is_a_map_with_and_without_a_load_that_has_a_state() -> None:
+    """The load vanishes once the slider has passed the end of its table."""
+    end = float(START.position[3 * LINKAGE.index("slider")])
+    table = [(end - 0.02, 400.0), (end - 0.001, 400.0), (end, 0.0)]
+    law = OverPosition(table, "against", release=True)
+    for linkage in (LINKAGE, replace(LINKAGE, loads=[Force("slider", 0.0, law)])):
+        flow = Flow.of(linkage, START, CYCLE, 20)
+        state, context = flow.step(*flow.state())
+        first = further = flow.step(state, context)
+        for _ in range(9):
+            further = flow.step(*further)
+        flow.step(state + 1e-6, context)
+        again, _ = flow.step(state, context)
+        np.testing.assert_array_equal(again, first[0])
+
+
+def test_exponent_of_a_periodic_motion_in_sustained_contact_is_zero() -> None:
+    """The force keeps the closing speed at touchdown, so that its difference never decays.
+
+    Two runs without rescaling keep their distance as well.
+    """
+    linkage, period, cycles = SUSTAINED.linkage(), SUSTAINED.mechanism.period, 60
+    exponent = scene_exponent(SUSTAINED, cycles)
+    assert exponent.half_width is not None
+    assert abs(exponent.value) < exponent.half_width < 1.0
+    plan = Plan(period, cycles, 1, sections=(1.0,))
+    runs = [ENGINE.simulate(linkage, start_of(SUSTAINED, k), plan).recorder for k in range(2)]
+    assert all(np.ptp(run.each_cycle("contacts", 0)[20:]) == 0.0 for run in runs)
+    distance = np.linalg.norm(runs[1].sections[:, 0, 2:4] - runs[0].sections[:, 0, 2:4], axis=1)
+    rate = math.log(distance[-1] / distance[20]) / ((cycles - 21) * period)
+    assert abs(rate - exponent.value) < 1.0
+
+
+def test_bristles_and_closing_speed_are_part_of_the_state() -> None:
+    scene = changed(SUSTAINED, {"friction": "0.1", "friction_law": "lugre"})
+    flow = Flow.of(scene.linkage(), start_of(scene), CYCLE, 20)
+    state, context = flow.state()
+    for _ in range(40):
+        state, context = flow.step(state, context)
+    assert flow.distance.shape == state.shape == (6,)
+    assert np.all(np.isfinite(state))
+    reference, _ = flow.step(state, context)
+    for k in (4, 5):  # bristle deflection, closing speed at touchdown
+        neighbour = state.copy()
+        neighbour[k] += flow.distance[k]
+        moved, _ = flow.step(neighbour, context)
+        assert np.linalg.norm(((moved - reference) / flow.distance)[:4]) > 1e-3
+    elastic = changed(SUSTAINED, {"restitution": "1"})
+    flow = Flow.of(elastic.linkage(), start_of(elastic), CYCLE, 20)
+    state, _ = flow.step(*flow.state())
+    assert flow.book.onset[0] > 0.0
+    assert np.isnan(state[-1])
+
+
+def test_exponent_does_not_depend_on_distance_and_interval(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    reference = scene_exponent(SCENE, 40)
+    monkeypatch.setattr(lyapunov, "DISTANCE", 1e-4)
+    assert reference.is_chaotic
+    for exponent in (scene_exponent(SCENE, 40), scene_exponent(SCENE, 40, 10)):
+        assert reference.half_width is not None
+        assert exponent.half_width is not None
+        width = np.hypot(reference.half_width, exponent.half_width)
+        assert abs(reference.value - exponent.value) < width
+
+
+@pytest.mark.slow
+def test_free_pairs_separate_at_the_same_rate() -> None:
+    """Without rescaling, distances grow from 2 nm to 2 um at the rate of the exponent."""
+    small, large, pairs = 0.4, 400.0, 60  # multiples of the initial distance
+    flow = Flow.of(LINKAGE, START, CYCLE, 200)
+    state, context = flow.state()
+    for _ in range(400):
+        state, context = flow.step(state, context)
+    growth, time = np.empty(pairs), np.empty(pairs)
+    for k in range(pairs):
+        neighbour, beside = state + 0.01 * flow.distance, context
+        distance = [0.0]
+        while distance[-1] < large:
+            assert len(distance) < 4000
+            state, context = flow.step(state, context)
+            neighbour, beside = flow.step(neighbour, beside)
+            distance.append(float(np.linalg.norm(((neighbour - state) / flow.distance)[:4])))
+        first = next(i for i, value in enumerate(distance) if value >= small)
+        growth[k] = math.log(distance[-1] / distance[first])
+        time[k] = (len(distance) - 1 - first) * flow.interval
+    rate = growth.sum() / time.sum()
+    half = 2.0 * math.sqrt(pairs) * (growth - rate * time).std(ddof=1) / time.sum()
+    exponent = scene_exponent(SCENE, 400)
+    assert exponent.half_width is not None
+    assert abs(exponent.value - rate) < np.hypot(half, exponent.half_width) < 0.2 * rate
