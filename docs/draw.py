@@ -30,7 +30,7 @@ from presswear.linkage.loads import Force, OverPosition
 from presswear.linkage.motions import Drive
 from presswear.linkage.pieces import RISES, Rise
 from presswear.linkage.slider_crank import SliderCrank
-from presswear.recording.sampling import STARTUP_CYCLES, half_width
+from presswear.recording.statistics import STARTUP_CYCLES, half_width
 from presswear.scene.life import Limit
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed

@@ -18,7 +18,7 @@ def main(name: str = "press-blanking", cycles: int = 12, replicates: int = 4) ->
     speed = {own.key: own.value for own in settings_of(scene)}[
         "speed"
     ]  # of a press or slider-crank
-    ran, texts = [], (bottom_mean("error_per_cycle_m", 1e6), bottom_between("range", "m", 1e6))
+    ran, texts = [], (bottom_mean("error", 1e6), bottom_between("range", 1e6))
     print("µm, 95 % intervals: over the ideal | range of strokes | risen since the first row")
     for process in ("none", scene.process.kind) if scene.process else ("none",):
         for part in (0.8, 1.0):

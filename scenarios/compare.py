@@ -7,5 +7,5 @@ import presswear as pw
 
 for setting in ({"friction": 0.05}, {"friction": 0.1}, {"speed": "8pi rad/s"}):
     result = pw.run(pw.scenes.friction(cycles=5, wear_updates=0, **setting))
-    wear = result.stages[0].joints["A"].statistics["wear_depth_max_both_m"]
+    wear = result.stages[0].joints["A"].statistics.wear_peaks["both"].depth.mean
     print(f"{setting}: one wear is {1e6 * wear:.1f} µm deep at A")

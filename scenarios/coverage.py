@@ -6,7 +6,7 @@ Run:  python scenarios/coverage.py [FOLDER]     (hours; results: docs/validation
 """
 
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -59,23 +59,24 @@ def make_scenes(conventions: str, **settings: Any) -> dict[str, pw.Scene]:
     return {name: pw.scenes.wear_times(**own) for name, own in names.items()}
 
 
-def intervals_of(statistics: Mapping[str, Any]) -> Intervals:
+def intervals_of(stage: pw.StageResult) -> Intervals:
     """Return value and ends of each quantity of a stage, in SI units; nan: no interval."""
-    acceleration = statistics["slider"]["acceleration_max_per_cycle_m_s2"]
-    intervals = {"slider, mean peak acceleration (m/s²)": around(**acceleration)}
-    for name, joint in statistics["joints"].items():
-        intervals[f"{name}, mean peak force (N)"] = around(**joint["force_max_per_cycle_N"])
-        half, step = joint["wear_volume_half_width_m3"], joint.get("wear_volume_step_m3", 0.0)
-        half = None if half is None else float(np.hypot(half, step))
-        intervals[f"{name}, worn volume (m³)"] = around(joint["wear_volume_m3"], half)
-        for side in ("bearing", "pin", "both"):
-            ends = joint.get(f"wear_depth_max_{side}_interval_m") or (np.nan, np.nan)
-            if (depth := joint.get(f"wear_depth_max_{side}_m")) is not None:
-                intervals[f"{name}, deepest of {side} (m)"] = (depth, *ends)
+    estimates = {"slider, mean peak acceleration (m/s²)": stage.output.acceleration_max_per_cycle}
+    intervals = {}
+    for name, joint in stage.statistics.joints.items():
+        estimates[f"{name}, mean peak force (N)"] = joint.peak_force_per_cycle
+        volume, step = joint.wear_volume, joint.wear_volume_step_error or 0.0
+        half = None if volume.half_width is None else float(np.hypot(volume.half_width, step))
+        intervals[f"{name}, worn volume (m³)"] = around(volume.mean, half)
+        for side, peak in joint.wear_peaks.items():
+            estimates[f"{name}, deepest of {side} (m)"] = peak.depth
+    for quantity, own in estimates.items():
+        ends = (np.nan, np.nan) if own.low is None or own.high is None else (own.low, own.high)
+        intervals[quantity] = (own.mean, *ends)
     return intervals
 
 
-def around(mean: float, half_width: float | None, **_: Any) -> tuple[float, float, float]:
+def around(mean: float, half_width: float | None) -> tuple[float, float, float]:
     half = np.nan if half_width is None else half_width
     return mean, mean - half, mean + half
 
@@ -104,7 +105,7 @@ def main(folder: str = "results/coverage", jobs: int | None = None, **settings: 
         scenes = make_scenes(conventions, **settings)
         results = pw.run_scenes(scenes, f"{folder}/{conventions}", jobs=jobs)
         stages = {
-            name: [intervals_of(stage.statistics) for stage in result.stages]
+            name: [intervals_of(stage) for stage in result.stages]
             for name, result in results.items()
             if result.status != "failed"
         }

@@ -7,5 +7,5 @@ import presswear as pw
 
 for engine in (pw.ExudynTree(tree_tolerance=1e-9), pw.ExudynJoints(), pw.InHouse()):
     stage = pw.run(pw.scenes.slider_crank(cycles=3), engine=engine).stages[0]
-    peak = stage.joints["B"].statistics["force_max_per_cycle_N"]["mean"]
+    peak = stage.joints["B"].statistics.peak_force_per_cycle.mean
     print(f"{stage.diagnostics['solver']}: mean peak force {peak:.0f} N, {stage.wall_s:.1f} s")

@@ -27,4 +27,4 @@ bearings = {
 }
 result = pw.run(pw.Scene(four_bar, bearings=bearings, wear_updates=0, cycles=4), engine="dae")
 for name, joint in result.stages[0].joints.items():
-    print(f"{name}: mean peak force {joint.statistics['force_max_per_cycle_N']['mean']:.0f} N")
+    print(f"{name}: mean peak force {joint.statistics.peak_force_per_cycle.mean:.0f} N")

@@ -6,5 +6,5 @@ Run:  python scenarios/one_joint.py
 import presswear as pw
 
 for scene in (pw.scenes.clearance_a(cycles=2), pw.scenes.clearance_c(cycles=2)):
-    peak = pw.run(scene, engine="dae").stages[0].statistics["slider"]["acceleration_max_m_s2"]
+    peak = pw.run(scene, engine="dae").stages[0].output.acceleration_max
     print(f"{scene.title}: slider acceleration up to {peak:.0f} m/s^2")

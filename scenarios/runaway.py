@@ -56,13 +56,15 @@ def make_scenes(common: dict[str, Any]) -> dict[str, pw.Scene]:
 
 def depths_of(result: pw.Result) -> list[Any]:
     """Return the depth that each wear adds, m, each of shape (joints, replicates)."""
-    stages, name = result.stages[:2], "wear_depth_max_by_start_m"
-    joints = [stage.joints.values() for stage in stages if not stage.failed]
-    return [np.array([joint.statistics[name] for joint in some]) for some in joints]
+    joints = [stage.joints.values() for stage in result.stages[:2] if not stage.failed]
+    return [
+        np.array([joint.statistics.wear_depth_max_by_replicate for joint in some])
+        for some in joints
+    ]
 
 
-def mean_text(statistics: Any, factor: float = 1.0) -> str:
-    return f"{factor * statistics['mean']:.3g} ± {factor * (statistics['half_width'] or nan):.2g}"
+def mean_text(estimate: Any, factor: float = 1.0) -> str:
+    return f"{factor * estimate.mean:.3g} ± {factor * (estimate.half_width or nan):.2g}"
 
 
 def row_of(label: str, result: pw.Result) -> list[str]:
@@ -77,7 +79,7 @@ def row_of(label: str, result: pw.Result) -> list[str]:
         interval = binomtest(count, ratios.size).proportion_ci(method="wilson")
         away = f"{count} of {ratios.size} ({interval.low:.0%} to {interval.high:.0%})"
     joints = [stage.joints["A"].statistics for stage in result.stages if not stage.failed]
-    forces = ", ".join(f"{joint['force_max_per_cycle_N']['mean']:.0f}" for joint in joints)
+    forces = ", ".join(f"{joint.peak_force_per_cycle.mean:.0f}" for joint in joints)
     return [label, *[*texts, "-", "-"][:2], growth, away, forces, result.message]
 
 
@@ -111,8 +113,8 @@ def main(folder: str = "results/runaway", jobs: int | None = None, **settings: A
             again[f"on-{stage}-{contact}"] = replace(scene, surfaces=surfaces)
     print("the same surfaces | peak force at A (N) | energy that contacts make in a cycle (mJ)")
     for key, result in pw.run_scenes(again, folder, jobs=jobs, on_progress=show).items():
-        made = result.stages[0].statistics["energy_made_per_cycle_J"]
-        force = result.stages[0].joints["A"].statistics["force_max_per_cycle_N"]
+        made = result.stages[0].statistics.energy_made_per_cycle
+        force = result.stages[0].joints["A"].statistics.peak_force_per_cycle
         print(f"{key} | {mean_text(force)} | {mean_text(made, 1e3)}")
 
 

@@ -5,8 +5,6 @@ Run:  python scenarios/servo.py
 
 import presswear as pw
 
-ROWS = ("error_per_cycle_m", "force_max_per_cycle_N", "dose_per_cycle_Nm")
-
 
 def main(cycles: int = 7, replicates: int = 4) -> None:
     for name in ("press_blanking", "press_servo_dwell", "press_servo_forming", "press_pendulum"):
@@ -20,12 +18,13 @@ def main(cycles: int = 7, replicates: int = 4) -> None:
         speed = abs(scene.ideal.velocity[:, scene.mechanism.linkage().index("crank 7"), 2]).max()
         print(f"{scene.title}\n  ideal: stroke {scene.stroke:.4f} m, torques of cranks 2 and 7 "
               f"up to {torques} N m, crank 7 up to {speed:.2f} rad/s")  # fmt: skip
-        told = {"bottom": stage.bdc, **{name: own.statistics for name, own in stage.joints.items()}}
-        for place, own in told.items():
-            for row in own.keys() & set(ROWS):
-                half = own[row]["half_width"] or float("nan")
-                print(f"  {place} {row}: {own[row]['mean']:.4g} ± {half:.2g}")
-        print(f"  bottom standard_deviation_m: {stage.bdc['standard_deviation_m']}")
+        rows = {"error of bottom dead centre, m": stage.bdc.error}
+        for joint, own in stage.statistics.joints.items():
+            rows[f"peak force of a cycle at {joint}, N"] = own.peak_force_per_cycle
+            rows[f"load distance of a cycle at {joint}, N m"] = own.load_distance_per_cycle
+        for label, row in rows.items():
+            print(f"  {label}: {row.mean:.4g} ± {row.half_width or float('nan'):.2g}")
+        print(f"  standard deviation of bottom dead centre, m: {stage.bdc.standard_deviation}")
 
 
 if __name__ == "__main__":

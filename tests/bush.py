@@ -19,7 +19,7 @@ from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Run
 from presswear.linkage.materials import Materials
 from presswear.recording.recorder import Recorder
-from presswear.recording.sampling import STARTUP_CYCLES
+from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.recording.tracker import Tracker
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.numerics import Numerics

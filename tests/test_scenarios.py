@@ -36,7 +36,7 @@ def test_servos_stand_beside_plain_blanking(capsys: pytest.CaptureFixture[str]) 
     runpy.run_path(str(SCENARIOS / "servo.py"))["main"](cycles=1, replicates=1)
     said = capsys.readouterr().out
     assert said.count("ideal: stroke") == 4
-    assert said.count("A dose_per_cycle_Nm") == 4
+    assert said.count("load distance of a cycle at A") == 4
 
 
 def test_bottom_dead_centre_at_two_speeds_without_work_and_with_it(
@@ -51,7 +51,7 @@ def test_bottom_dead_centre_at_two_speeds_without_work_and_with_it(
     told = pw.run(scene, engine="dae").stages[0].bdc
     first, last, risen = map(_with_half_width, (rows[0][0], rows[-1][0], rows[-1][2]))
     # Told to two digits of the half width: rounded by a twentieth of it at most.
-    assert last[0] == pytest.approx(1e6 * told["error_per_cycle_m"]["mean"], abs=last[1] / 20.0)
+    assert last[0] == pytest.approx(1e6 * told.error.mean, abs=last[1] / 20.0)
     rounded = (first[1] + last[1] + risen[1]) / 20.0
     assert risen[0] == pytest.approx(last[0] - first[0], abs=rounded)
     main("ideal", cycles=3, replicates=1)
@@ -108,10 +108,7 @@ def test_intervals_of_a_wear_cycle_by_cycle_hold(tmp_path: Path) -> None:
     some = {f"campaign-{k}": every[f"campaign-{k}"] for k in range(1, 21)}
     some |= {f"truth-{k}": replace(every[f"truth-{k}"], cycles=100) for k in range(1, 9)}
     results = pw.run_scenes(some, tmp_path, jobs=2)
-    stages = [
-        [script["intervals_of"](stage.statistics) for stage in own.stages]
-        for own in results.values()
-    ]
+    stages = [[script["intervals_of"](stage) for stage in own.stages] for own in results.values()]
     wear = [own for own in script["coverages"](stages[20:], stages[:20]) if own.stage == "no wear"]
     assert len(wear) == 1 + 2 * 4
     for coverage in wear:

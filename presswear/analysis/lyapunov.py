@@ -22,7 +22,7 @@ from presswear.linkage.linkage import Linkage
 from presswear.physics.laws import ONSET_SPEED_FLOOR, elastic_of, normal_force
 from presswear.physics.tree import Tree, tree_of
 from presswear.recording.observe import Book
-from presswear.recording.sampling import batched, half_width
+from presswear.recording.statistics import batched, half_width
 from presswear.tools.errors import InputError, RunFailed
 
 Array = NDArray[np.float64]

@@ -1,4 +1,4 @@
-"""Accuracy and repeatability at bottom dead centre, ready for ``result.json``.
+"""Accuracy and repeatability at bottom dead centre.
 
 The words are those of GB/T 29548-2024: accuracy is the height of bottom dead centre against the
 ideal, repeatability how that scatters from stroke to stroke.
@@ -6,12 +6,12 @@ ideal, repeatability how that scatters from stroke to stroke.
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
-from presswear.campaign.statistics import ends, mean_of
+from presswear.campaign.statistics import mean_of
 from presswear.physics.bottom import DWELL, bottom_of, dwell_of
 from presswear.recording.recorder import Recorder
-from presswear.recording.sampling import Interval, after_startup, mean_range, spread
+from presswear.recording.statistics import Estimate, after_startup, mean_range, spread
+from presswear.results.stage import BottomStatistics
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import Array
 
@@ -23,8 +23,8 @@ STILL = 1e-9
 
 def bottom_statistics(
     scene: Scene, recorders: Sequence[Recorder], alone: Sequence[Recorder] = ()
-) -> dict[str, Any]:
-    """Numbers of bottom dead centre over the settled strokes; none where there is no stroke.
+) -> BottomStatistics | None:
+    """Return the statistics of bottom dead centre; None where there is no settled stroke.
 
     Of a servo that dwells there the ideal has no instant to be later than: no delay is told where
     the ideal motion stays within ``SHARP`` of the scatter for longer than ``DWELL``.
@@ -36,12 +36,12 @@ def bottom_statistics(
     """
     ideal = bottom_of(scene.ideal)
     if ideal is None:
-        return {}
+        return None
     ran, alone = (
         [own for own in some if len(own.cycles) > ideal.first] for some in (recorders, alone)
     )
     if not ran:
-        return {}
+        return None
     turn = 2.0 * math.pi / ideal.period
 
     def heights(own: Recorder) -> Array:
@@ -52,31 +52,28 @@ def bottom_statistics(
 
     mean = mean_of(ran, alone)
     settled = [after_startup(heights(own)) for own in ran]
-    strokes = sum(own.size for own in settled)
     height = mean(heights)
     span, count = mean_range(list(map(heights, ran)))
-    found: dict[str, Any] = {
-        "strokes": strokes,
-        "ideal_height_m": ideal.height,
-        "ideal_time_s": ideal.time,
-        "height_per_cycle_m": height,
-        "error_per_cycle_m": {**height, "mean": height["mean"] - ideal.height},
-        "range_of_all_m": max(map(float, (own.max() for own in settled)))
-        - min(map(float, (own.min() for own in settled))),
-        "range_strokes": count,
-    }
     scatter = spread(list(map(heights, ran)))
-    near = max(0.0 if scatter is None else SHARP * scatter.value, STILL * ideal.stroke)
-    found["ideal_dwell_s"] = dwell_of(scene.ideal, near)
-    told: dict[str, tuple[Interval | None, str]] = {
-        "range": (span, "m"),
-        "standard_deviation": (scatter, "m"),
-    }
-    if found["ideal_dwell_s"] < DWELL * ideal.period:
-        found["delay_per_cycle_s"] = mean(delays)
-        found["delay_per_cycle_rad"] = mean(lambda own: turn * delays(own))
-        told["delay_standard_deviation"] = spread(list(map(delays, ran))), "s"
-    for name, (interval, unit) in told.items():
-        found[f"{name}_{unit}"] = None if interval is None else interval.value
-        found[f"{name}_interval_{unit}"] = None if interval is None else ends(interval)
-    return found
+    near = max(0.0 if scatter is None else SHARP * scatter.mean, STILL * ideal.stroke)
+    dwell = dwell_of(scene.ideal, near)
+    delay: dict[str, Estimate | None] = {}
+    if dwell < DWELL * ideal.period:
+        delay = {
+            "delay": mean(delays),
+            "delay_angle": mean(lambda run: turn * delays(run)),
+            "delay_standard_deviation": spread(list(map(delays, ran))),
+        }
+    return BottomStatistics(
+        strokes=sum(run.size for run in settled),
+        ideal_height=ideal.height,
+        ideal_time=ideal.time,
+        ideal_dwell=dwell,
+        height=height,
+        error=Estimate.symmetric(height.mean - ideal.height, height.half_width, height.samples),
+        range_of_all=float(max(run.max() for run in settled) - min(run.min() for run in settled)),
+        range=span,
+        range_strokes=count,
+        standard_deviation=scatter,
+        **delay,
+    )

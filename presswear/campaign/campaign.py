@@ -27,8 +27,8 @@ from presswear.campaign.segment import Task, worn_out
 from presswear.campaign.stage import stage_of, without_wear
 from presswear.linkage.elements import ClearanceJoint
 from presswear.physics.wear import map_shape
-from presswear.recording.sampling import STARTUP_CYCLES
 from presswear.recording.soundness import Finding
+from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.recording.tracker import Tracker
 from presswear.results.life import LifeResult
 from presswear.results.stage import StageResult
@@ -185,7 +185,7 @@ def growths(
 
 def unknown_wear(scene: Scene, stage: StageResult) -> list[str]:
     """Say where the wear of a stage is known less well than was asked, and what it would take."""
-    error = stage.statistics.get("wear_error")
+    error = stage.statistics.wear_error
     if scene.cycles is not None or error is None or error <= scene.tolerance:
         return []
     # An error of sampling falls with the square root of the cycles, and passes double.

@@ -13,7 +13,7 @@ from presswear.campaign.growth import FIRST_PASS, Growth, by_side, largest_chang
 from presswear.campaign.life import FEWEST_CYCLES, LEAST_BLOCK, Pass, Step
 from presswear.campaign.segment import Task, worn_out
 from presswear.linkage.elements import ClearanceJoint
-from presswear.recording.sampling import STARTUP_CYCLES
+from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.results.stage import WearStep
 from presswear.scene.life import Service
 from presswear.tools.errors import RunFailed
@@ -221,11 +221,11 @@ def growth_between(
                 cycles_per_update=end - at,
                 cycles=cycles,
                 factor=(end - at) * len(begun) / cycles,
-                largest_change_of_clearance=largest_change(
+                clearance_change=largest_change(
                     joints, own.added(at, end).mean(axis=0) / block.cycles
                 ),
-                deepest_m=by_side(joints, there.max(axis=3).mean(axis=0)),
-                force_max_N={
+                max_depth=by_side(joints, there.max(axis=3).mean(axis=0)),
+                peak_force={
                     joint.name: float(block.samples[f"{joint.name}.force_max"].mean())
                     for joint in joints
                 },

@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.recording.sampling import half_width
+from presswear.recording.statistics import half_width
 from presswear.scene.life import Limit
 
 Array = NDArray[np.float64]

@@ -34,7 +34,8 @@ from presswear.engines.base import Run, Status
 from presswear.linkage.linkage import Linkage
 from presswear.recording.film import Film
 from presswear.recording.recorder import Recorder
-from presswear.recording.sampling import (
+from presswear.recording.soundness import Finding
+from presswear.recording.statistics import (
     LEAST_SAMPLES,
     STARTUP_CYCLES,
     MapBatches,
@@ -42,7 +43,6 @@ from presswear.recording.sampling import (
     map_errors,
     mean_map,
 )
-from presswear.recording.soundness import Finding
 from presswear.scene.scene import Scene
 from presswear.tools.workers import Job, Workers
 

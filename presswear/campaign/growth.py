@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 from presswear.campaign.ensemble import Ensemble
 from presswear.linkage.elements import ClearanceJoint
 from presswear.physics.wear import worn_volume
-from presswear.recording.sampling import STARTUP_CYCLES, after_startup, half_width
+from presswear.recording.statistics import STARTUP_CYCLES, after_startup, half_width
 from presswear.results.stage import SIDES, WearStep
 
 Array = NDArray[np.float64]
@@ -116,9 +116,9 @@ def jump(ran: Ensemble, represented: float) -> Growth:
         cycles_per_update=represented,
         cycles=cycles,
         factor=represented * len(recorders) / cycles,
-        largest_change_of_clearance=largest_change(joints, added[0]),
-        deepest_m=by_side(joints, worn[0].max(axis=2)),
-        force_max_N={joint.name: force for joint, force in zip(joints, forces, strict=True)},
+        clearance_change=largest_change(joints, added[0]),
+        max_depth=by_side(joints, worn[0].max(axis=2)),
+        peak_force={joint.name: force for joint, force in zip(joints, forces, strict=True)},
         wall_s=ran.wall,
     )
     return Growth(worn, added, (step,))
@@ -151,9 +151,9 @@ def cycle_by_cycle(ran: Ensemble, represented: float, coarser: Growth | None) ->
             cycles_per_update=represented / cycles,
             cycles=len(recorders),
             factor=represented / cycles,
-            largest_change_of_clearance=float(change[n]),
-            deepest_m=by_side(joints, deepest[n]),
-            force_max_N={joint.name: float(forces[k, n]) for k, joint in enumerate(joints)},
+            clearance_change=float(change[n]),
+            max_depth=by_side(joints, deepest[n]),
+            peak_force={joint.name: float(forces[k, n]) for k, joint in enumerate(joints)},
             wall_s=ran.wall / cycles,
         )
         for n in range(cycles)

@@ -26,7 +26,7 @@ from presswear.campaign.crossing import (
     passed,
     sampling_error,
 )
-from presswear.recording.sampling import half_width
+from presswear.recording.statistics import half_width
 from presswear.scene.life import Limit, Service
 from presswear.tools.errors import InputError
 

@@ -11,7 +11,7 @@ from presswear.campaign.crossing import Blocks, chains_of, curve, sampling_error
 from presswear.campaign.ensemble import Runner
 from presswear.campaign.life import Known, Pass, Problem, known_by, live
 from presswear.campaign.phases import phases_of
-from presswear.recording.sampling import half_width, quantile
+from presswear.recording.statistics import half_width, quantile
 from presswear.results.life import Ended, LifeResult, LimitResult, PassResult
 from presswear.scene.life import Life, Limit
 from presswear.scene.scene import Scene

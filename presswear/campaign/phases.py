@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.campaign.crossing import Blocks, chains_of
-from presswear.recording.sampling import half_width
+from presswear.recording.statistics import half_width
 from presswear.results.life import Phase
 
 Array = NDArray[np.float64]

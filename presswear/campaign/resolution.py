@@ -34,7 +34,7 @@ SETTLING = 2
 WORTH = 50
 """Cycles of a stage that are enough for this to cost a twentieth of it at most."""
 
-_TOLD = {"load_distance": "step_error_of_dose", "force_max": "step_error_of_force"}
+_TOLD = {"load_distance": "load_distance_step_error", "force_max": "peak_force_step_error"}
 """Numbers of a piece that are compared, and the names of what changes them."""
 
 

@@ -21,8 +21,8 @@ from presswear.linkage.linkage import Linkage
 from presswear.linkage.surface import Surface
 from presswear.physics.bottom import bottom_of
 from presswear.recording.recorder import Recorder
-from presswear.recording.sampling import RANGE_STROKES, STARTUP_CYCLES, MapBatches
 from presswear.recording.soundness import Finding
+from presswear.recording.statistics import RANGE_STROKES, STARTUP_CYCLES, MapBatches
 from presswear.recording.tracker import Tracker
 from presswear.results.stage import SIDES
 from presswear.scene.scene import Scene

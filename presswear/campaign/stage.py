@@ -1,6 +1,8 @@
 """A stage that ran, as results keep it."""
 
 import math
+from dataclasses import asdict, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,9 +13,9 @@ from presswear.campaign.ensemble import Ensemble
 from presswear.campaign.growth import Growth, error_of
 from presswear.campaign.statistics import Wear, stage_statistics
 from presswear.linkage.surface import bin_centres
-from presswear.recording.sampling import map_errors
 from presswear.recording.soundness import Finding
-from presswear.results.stage import SIDES, StageResult, angle_names
+from presswear.recording.statistics import map_errors
+from presswear.results.stage import SIDES, StageResult, StageStatistics, angle_names
 from presswear.scene.scene import Scene
 
 Array = NDArray[np.float64]
@@ -60,22 +62,26 @@ def stage_of(
         Wear(added, batches, weights, coarser, by_start, is_frozen),
         alone=single,
     )
-    if bottom := bottom_statistics(scene, together.recorders, single):
-        statistics["bdc"] = bottom
     joints = ran.linkage.clearances
     error = float(errors.max(initial=0.0))
     if growth is not None and is_in_steps:
         error = error_of(joints, growth)
-    if joints and math.isfinite(error):
-        statistics["wear_error"] = error
-    statistics |= ran.step_errors
     diagnostics = ran.diagnostics()
-    statistics["energy_residual_J"] = diagnostics["energy_residual_J"]
-    statistics["energy_exchanged_J"] = diagnostics["drive_exchange_J"]
     made = float(diagnostics.get("contact_made_J", 0.0))
-    taken = float(diagnostics.get("contact_loss_J", 0.0)) + made
-    taken += float(diagnostics.get("friction_loss_J", 0.0))
-    statistics["energy_made_part"] = made / taken if taken > 0.0 else 0.0
+    dissipated = float(diagnostics.get("contact_loss_J", 0.0)) + made
+    dissipated += float(diagnostics.get("friction_loss_J", 0.0))
+    statistics = replace(
+        statistics,
+        bdc=bottom_statistics(scene, together.recorders, single),
+        wear_error=error if joints and math.isfinite(error) else None,
+        energy_residual=float(diagnostics["energy_residual_J"]),
+        energy_exchanged=float(diagnostics["drive_exchange_J"]),
+        energy_made_fraction=made / dissipated if dissipated > 0.0 else 0.0,
+        load_distance_step_error=ran.step_errors.get("load_distance_step_error"),
+        peak_force_step_error=ran.step_errors.get("peak_force_step_error"),
+    )
+    if not _all_finite(asdict(statistics)):
+        statistics = StageStatistics(statistics.cycles)
     film = ran.recorders[0].film
     steps = () if growth is None else growth.steps
     samples = max(sum(own.maps.samples for own in together.recorders), 1)
@@ -94,6 +100,15 @@ def stage_of(
         joint_names=tuple(joint.name for joint in ran.linkage.clearances),
         read_film=lambda: film,
     )
+
+
+def _all_finite(value: Any) -> bool:
+    """Return whether all numbers in nested containers are finite."""
+    if isinstance(value, dict):
+        return all(map(_all_finite, value.values()))
+    if isinstance(value, tuple):
+        return all(map(_all_finite, value))
+    return not isinstance(value, float) or math.isfinite(value)
 
 
 def without_wear(scene: Scene, index: int, ran: Ensemble) -> StageResult:

@@ -1,14 +1,12 @@
-"""Numbers of a stage, ready for ``result.json``.
+"""Statistics of a stage: peaks, means over cycles with their intervals, and wear.
 
-Peaks of a whole run are one draw of a chaotic motion; beside them stand means over cycles
-and the intervals of ``sampling``.  Cycles at the start are in none of them, where enough
-others ran.
+The largest value of a run is one sample of a chaotic motion; means over cycles stand beside it.
+The start-up cycles are left out, where enough more ran.
 """
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, replace
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,8 +16,8 @@ from presswear.linkage.linkage import Linkage
 from presswear.linkage.surface import bin_centres
 from presswear.physics.wear import worn_volume
 from presswear.recording.recorder import Recorder
-from presswear.recording.sampling import (
-    Interval,
+from presswear.recording.statistics import (
+    Estimate,
     after_startup,
     half_width,
     map_errors,
@@ -28,16 +26,10 @@ from presswear.recording.sampling import (
     resampled,
     widened,
 )
+from presswear.results.stage import JointStatistics, OutputStatistics, StageStatistics, WearPeak
 
 Array = NDArray[np.float64]
 Recorders = Sequence[Recorder]
-
-
-def ends(interval: Interval, factor: float = 1.0) -> list[float] | None:
-    """Both ends of an interval in another unit; None where it has none."""
-    if interval.low is None or interval.high is None:
-        return None
-    return [factor * interval.low, factor * interval.high]
 
 
 @dataclass(frozen=True)
@@ -81,62 +73,68 @@ class Wear:
 
 def joint_statistics(
     joint: ClearanceJoint, k: int, recorders: Recorders, alone: Recorders, wear: Wear
-) -> dict[str, Any]:
-    """Numbers of one clearance joint; see ``stage_statistics``."""
+) -> JointStatistics:
+    """Return the statistics of one clearance joint; see ``stage_statistics``."""
     wear = wear.at(k, joint.bins)
-    added, maps, weights = wear.added, wear.maps, wear.weights
+    added, maps, weights, coarser = wear.added, wear.maps, wear.weights, wear.coarser
     mean, volume = mean_of(recorders, alone), worn_volume(joint, added)
     force = [recorder.each_cycle("force_max", k) for recorder in recorders]
     tallies = np.array([recorder.book.tally[k] for recorder in recorders])
     contacts = int(tallies["contacts"].sum())
-    fewest = int(tallies["fewest_steps"].min()) if contacts else None
     time = sum(recorder.last_time for recorder in recorders)
-    numbers: dict[str, Any] = {
-        "force_max_N": float(max(after_startup(own).max() for own in force)),
-        "force_max_per_cycle_N": mean(lambda own: own.each_cycle("force_max", k)),
-        "contacts": contacts,
-        "contacts_per_cycle": mean(lambda own: own.each_cycle("contacts", k)),
-        "unresolved_contacts": int(tallies["unresolved"].sum()),
-        "fewest_steps_in_a_contact": fewest,
-        "part_of_time_in_contact": float(tallies["closed_time"].sum()) / time,
-        "dose_per_cycle_Nm": mean(lambda own: own.each_cycle("load_distance", k)),
-        "wear_volume_m3": volume,
-        "wear_volume_half_width_m3": None,
-        "wear_map_error": float(map_errors(maps[:, np.newaxis], weights)[0]),
-    }
+    half = None
     if len(maps) > 1:
-        volumes = np.array([worn_volume(joint, own) for own in maps])
+        volumes = np.array([worn_volume(joint, depth) for depth in maps])
         off = volume - float(np.average(volumes, weights=weights))
-        numbers["wear_volume_half_width_m3"] = math.hypot(half_width(volumes) or 0.0, off)
-    each = wear.by_start.max(axis=(1, 2))
-    numbers["wear_depth_max_by_start_m"] = [float(depth) for depth in each]
-    if wear.coarser is not None:
-        numbers["wear_volume_step_m3"] = abs(worn_volume(joint, wear.coarser) - volume)
-    if wear.is_frozen:
-        return numbers
+        half = math.hypot(half_width(volumes) or 0.0, off)
+    error = float(map_errors(maps[:, np.newaxis], weights)[0])
+    return JointStatistics(
+        peak_force=float(max(after_startup(peaks).max() for peaks in force)),
+        peak_force_per_cycle=mean(lambda run: run.each_cycle("force_max", k)),
+        contacts=contacts,
+        contacts_per_cycle=mean(lambda run: run.each_cycle("contacts", k)),
+        unresolved_contacts=int(tallies["unresolved"].sum()),
+        min_steps_per_contact=int(tallies["fewest_steps"].min()) if contacts else None,
+        contact_time_fraction=float(tallies["closed_time"].sum()) / time,
+        load_distance_per_cycle=mean(lambda run: run.each_cycle("load_distance", k)),
+        wear_volume=Estimate.symmetric(volume, half, len(maps)),
+        wear_volume_step_error=(
+            None if coarser is None else abs(worn_volume(joint, coarser) - volume)
+        ),
+        wear_map_error=error if math.isfinite(error) else None,
+        wear_depth_max_by_replicate=tuple(wear.by_start.max(axis=(1, 2)).tolist()),
+        wear_peaks={} if wear.is_frozen else _wear_peaks(joint, wear),
+    )
+
+
+def _wear_peaks(joint: ClearanceJoint, wear: Wear) -> dict[str, WearPeak]:
+    """Return the deepest places of the wear map of one joint by side."""
     sides: dict[str, list[int]] = {"bearing": [0], "pin": [1]}
     if joint.map_frame == "fixed":
         sides["both"] = [0, 1]
-    degrees = np.degrees(bin_centres(added.shape[1]))
-    for name, some in sides.items():
-        depth = added[some].sum(axis=0)
-        numbers[f"wear_depth_max_{name}_m"] = float(depth.max())
-        numbers[f"wear_depth_max_{name}_deg"] = float(degrees[int(depth.argmax())])
-        step = 0.0
+    angles = bin_centres(wear.added.shape[1])
+    peaks = {}
+    for name, rows in sides.items():
+        depth = wear.added[rows].sum(axis=0)
+        deepest = float(depth.max())
+        error = None
         if wear.coarser is not None:
-            step = abs(float(depth.max() - wear.coarser[some].sum(axis=0).max()))
-            numbers[f"wear_depth_max_{name}_step_m"] = step
-        if len(maps):
-            drawn = maps[:, some].sum(axis=1)
-            draws = resampled(drawn, weights)
-            peak = peak_of(depth, draws, len(maps), np.average(drawn, axis=0, weights=weights))
-            numbers[f"wear_depth_max_{name}_interval_m"] = ends(widened(peak.depth, step))
-            numbers[f"wear_depth_max_{name}_interval_deg"] = ends(peak.angle, np.degrees(1.0))
-    return numbers
+            error = abs(float(deepest - wear.coarser[rows].sum(axis=0).max()))
+        estimates = Estimate(deepest), Estimate(float(angles[int(depth.argmax())]))
+        if len(wear.maps):
+            drawn = wear.maps[:, rows].sum(axis=1)
+            draws = resampled(drawn, wear.weights)
+            centre = np.average(drawn, axis=0, weights=wear.weights)
+            peak = peak_of(depth, draws, len(wear.maps), centre)
+            estimates = widened(peak.depth, error or 0.0), peak.angle
+        peaks[name] = WearPeak(*estimates, error)
+    return peaks
 
 
-def mean_of(recorders: Recorders, alone: Recorders) -> Callable[..., dict[str, Any]]:
-    """What gives the mean of something that recorders have of each cycle, with its interval.
+def mean_of(
+    recorders: Recorders, alone: Recorders
+) -> Callable[[Callable[[Recorder], Array]], Estimate]:
+    """Return a function that estimates the mean of a quantity that recorders have of each cycle.
 
     Parameters
     ----------
@@ -144,48 +142,48 @@ def mean_of(recorders: Recorders, alone: Recorders) -> Callable[..., dict[str, A
         As in ``stage_statistics``.
     """
 
-    def mean(each: Callable[[Recorder], Array]) -> dict[str, Any]:
-        return asdict(pooled([each(own) for own in recorders], [each(own) for own in alone])[0])
+    def mean(each: Callable[[Recorder], Array]) -> Estimate:
+        return pooled([each(run) for run in recorders], [each(run) for run in alone])[0]
 
     return mean
 
 
 def stage_statistics(
     linkage: Linkage, recorders: Recorders, wear: Wear, alone: Recorders = ()
-) -> dict[str, Any]:
-    """Numbers of one stage.
+) -> StageStatistics:
+    """Return the statistics of one stage that its recorders and its wear give.
 
     Parameters
     ----------
     recorders : sequence of Recorder
-        Of each start.
+        One for each replicate.
     alone : sequence of Recorder
-        Of each start on surfaces of its own, where the runs are the samples, not their cycles;
-        they may be the same.
+        One for each replicate on surfaces of its own, where the runs are the samples, not their
+        cycles; they may be the same.
     """
-    ran, alone = ([own for own in some if len(own.cycles)] for some in (recorders, alone))
+    ran, alone = ([run for run in runs if len(run.cycles)] for runs in (recorders, alone))
     if not ran:
-        return {"cycles": 0}
+        return StageStatistics(cycles=0)
     mean = mean_of(ran, alone)
     displacement, slowest, fastest, acceleration = (
-        [recorder.each_cycle(name) for recorder in ran]
+        [after_startup(recorder.each_cycle(name)) for recorder in ran]
         for name in ("displacement_max", "velocity_min", "velocity_max", "acceleration_max")
     )
-    return {
-        "cycles": sum(len(own) for own in displacement),
-        "energy_made_per_cycle_J": mean(lambda own: own.each_cycle("contact_made")),
-        "drive_work_per_cycle_J": mean(lambda own: own.each_cycle("drive_work")),
-        "slider": {
-            "displacement_max_m": float(max(after_startup(own).max() for own in displacement)),
-            "velocity_min_m_s": float(min(after_startup(own).min() for own in slowest)),
-            "velocity_max_m_s": float(max(after_startup(own).max() for own in fastest)),
-            "acceleration_max_m_s2": float(max(after_startup(own).max() for own in acceleration)),
-            "displacement_max_per_cycle_m": mean(lambda own: own.each_cycle("displacement_max")),
-            "velocity_max_per_cycle_m_s": mean(lambda own: own.each_cycle("velocity_max")),
-            "acceleration_max_per_cycle_m_s2": mean(lambda own: own.each_cycle("acceleration_max")),
-        },
-        "joints": {
+    return StageStatistics(
+        cycles=sum(len(run.cycles) for run in ran),
+        energy_made_per_cycle=mean(lambda run: run.each_cycle("contact_made")),
+        drive_work_per_cycle=mean(lambda run: run.each_cycle("drive_work")),
+        output=OutputStatistics(
+            displacement_max=float(max(values.max() for values in displacement)),
+            velocity_min=float(min(values.min() for values in slowest)),
+            velocity_max=float(max(values.max() for values in fastest)),
+            acceleration_max=float(max(values.max() for values in acceleration)),
+            displacement_max_per_cycle=mean(lambda run: run.each_cycle("displacement_max")),
+            velocity_max_per_cycle=mean(lambda run: run.each_cycle("velocity_max")),
+            acceleration_max_per_cycle=mean(lambda run: run.each_cycle("acceleration_max")),
+        ),
+        joints={
             joint.name: joint_statistics(joint, k, ran, alone, wear)
             for k, joint in enumerate(linkage.clearances)
         },
-    }
+    )

@@ -101,19 +101,17 @@ def _stage_line(stage: StageResult, compiled: float) -> str:
         f"  {stage.cycles} cycles, {stage.diagnostics['steps']} steps, "
         f"{speed:.2f} s per simulated second"
     ]
-    for name, joint in stage.statistics.get("joints", {}).items():
-        fewest = joint["fewest_steps_in_a_contact"]
+    for name, joint in stage.statistics.joints.items():
+        fewest = joint.min_steps_per_contact
         resolved = (
             "no contact"
             if fewest is None
             else f"at least {fewest} step{'s' * (fewest != 1)} in each"
         )
-        force = joint["force_max_per_cycle_N"]
-        volume, half = joint["wear_volume_m3"], joint["wear_volume_half_width_m3"]
-        half = None if half is None else 1e9 * half
+        force, volume = joint.peak_force_per_cycle, joint.wear_volume.scaled(1e9)
         parts.append(
-            f"{name}: {joint['contacts']} contacts, {resolved}, mean peak "
-            f"{with_interval(force['mean'], force['half_width'])} N, wear "
-            f"{with_interval(1e9 * volume, half)} mm^3"
+            f"{name}: {joint.contacts} contacts, {resolved}, mean peak "
+            f"{with_interval(force.mean, force.half_width)} N, wear "
+            f"{with_interval(volume.mean, volume.half_width)} mm^3"
         )
     return "; ".join(parts)

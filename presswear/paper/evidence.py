@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from presswear.campaign.deviation import COLUMNS
 from presswear.paper.printed import Place
 from presswear.paper.variants import variant_key
-from presswear.recording.sampling import (
+from presswear.recording.statistics import (
     LEAST_SAMPLES,
     about,
     after_startup,
@@ -229,7 +229,7 @@ def _of_cycles(result: Result, place: Place, quantity: str) -> Measured | None:
         None if half is None else (mean - half, mean + half),
         draws,
         (min(begun), max(begun)),
-        estimate.cycles,
+        estimate.samples,
         len(rows),
         apart,
     )
@@ -264,7 +264,7 @@ def _of_maps(result: Result, place: Place, stages: range) -> dict[str, Measured 
         else:
             return None
         ends = None if found.low is None or found.high is None else (found.low, found.high)
-        return Measured(found.value, ends, samples=cycles, replicates=len(rows))
+        return Measured(found.mean, ends, samples=cycles, replicates=len(rows))
 
     return {name: measured(name) for name in names}
 

@@ -45,7 +45,7 @@ from presswear.recording.observe import (
     settle_state,
     watched,
 )
-from presswear.recording.sampling import MapBatches
+from presswear.recording.statistics import MapBatches
 from presswear.tools.arrays import State, named, part
 
 Array = NDArray[np.float64]

@@ -1,14 +1,12 @@
 """Bottom dead centre of stored stages: stroke by stroke, and from stage to stage."""
 
 import math
-from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from presswear.physics.bottom import bottom_of
-from presswear.recording.sampling import Interval
+from presswear.recording.statistics import Estimate
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
 
@@ -31,21 +29,15 @@ def strokes_of(scene: Scene, stage: StageResult) -> list[tuple[Array, Array]]:
     return found
 
 
-def rise(stage: StageResult, since: StageResult) -> Interval | None:
+def rise(stage: StageResult, since: StageResult) -> Estimate | None:
     """How much higher bottom dead centre is in a stage than in another, m; None: not known.
 
     The other is the unworn stage, which gives the drift over wear, or a stage of a run at
     another speed.  Both are taken as independent.
     """
-    means: list[Mapping[str, Any] | None] = [
-        own.bdc.get("error_per_cycle_m") for own in (stage, since)
-    ]
-    later, earlier = means
+    later, earlier = stage.statistics.bdc, since.statistics.bdc
     if later is None or earlier is None:
         return None
-    off = later["mean"] - earlier["mean"]
-    halves = later["half_width"], earlier["half_width"]
-    if None in halves:
-        return Interval(off, None, None)
-    half = math.hypot(*halves)
-    return Interval(off, off - half, off + half)
+    halves = later.error.half_width, earlier.error.half_width
+    half = None if None in halves else math.hypot(*filter(None, halves))
+    return Estimate.symmetric(later.error.mean - earlier.error.mean, half)

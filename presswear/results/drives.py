@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from presswear.physics.inverse import needed_torques
 from presswear.recording.observe import CYCLE_DRIVE
-from presswear.recording.sampling import Estimate, after_startup
+from presswear.recording.statistics import Estimate, after_startup
 from presswear.results.stage import StageResult
 from presswear.results.tonnage import tonnage_of
 from presswear.scene.scene import Scene
@@ -183,16 +183,15 @@ def ideal_curves(scene: Scene) -> dict[str, DriveCurve]:
 
 def energy_of(scene: Scene, stage: StageResult) -> Energy | None:
     """Energy of a part made in a stage; None where the stage failed before a cycle was whole."""
-    told = stage.statistics.get("drive_work_per_cycle_J")
-    exchange = float(stage.statistics.get("energy_exchanged_J") or 0.0)
-    if told is None:
+    work, exchange = stage.statistics.drive_work_per_cycle, stage.statistics.energy_exchanged
+    if work is None:
         return None
-    residual = abs(float(stage.statistics.get("energy_residual_J") or 0.0))
+    residual = abs(stage.statistics.energy_residual)
     tonnage = tonnage_of(scene, stage)
     return Energy(
         None if tonnage is None else tonnage.work_J,
         None if scene.process is None else scene.process.work,
-        Estimate(**told),
+        work,
         sum(own.work_J for own in ideal_drives(scene).values()),
         residual / exchange if exchange > 0.0 else 0.0,
     )

@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.recording.sampling import Interval, quantile
+from presswear.recording.statistics import Estimate, quantile
 from presswear.scene.life import FOLLOWED
 from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError
@@ -167,12 +167,12 @@ class LifeResult:
         return None if self.error is None else math.hypot(self.error, self.scatter)
 
     @property
-    def interval(self) -> Interval:
+    def interval(self) -> Estimate:
         """The life with the ends of its interval for its wear coefficients, strokes."""
         if self.error is None:
-            return Interval(self.strokes, None, None)
+            return Estimate(self.strokes)
         factor = math.exp(self.error)
-        return Interval(self.strokes, self.strokes / factor, self.strokes * factor)
+        return Estimate(self.strokes, self.strokes / factor, self.strokes * factor)
 
     def hours(self, scene: Scene) -> float:
         """Hours that the life takes at the scene's own rate, without a pause."""

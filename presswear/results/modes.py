@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from presswear.analysis.contact_modes import Timeline, resonance_frequency, timeline
 from presswear.analysis.periods import Periodicity, periodicity, section, times_at_phase
 from presswear.analysis.spectra import Spectrum, power_spectrum
-from presswear.recording.sampling import STARTUP_CYCLES
+from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
 

@@ -5,7 +5,7 @@ digests of all files; ``stage-K.npz`` the arrays of stage K, ``film-K.npz`` its 
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from importlib import import_module
 from pathlib import Path
@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 FILE = "result.json"
-SCHEMA = 8
+SCHEMA = 9
 _NAMED = 3
 """Results in a folder that are named, at most."""
 FINISHED = ("completed", "unconverged", "failed")
@@ -144,12 +144,12 @@ class Result:
         rows = [[*columns, "ended"]]
         for stage in self.stages:
             name = self.stage_name(stage.index) if names else "computed"
-            row = [name, str(stage.statistics["cycles"])]
+            row = [name, str(stage.cycles)]
             for joint in stage.joints.values():
-                volume = joint.statistics.get("wear_volume_m3")
+                found = joint.stored
                 row += [
-                    _short(joint.statistics.get("force_max_N")),
-                    _short(None if volume is None else 1e9 * volume),
+                    _short(found and found.peak_force),
+                    _short(found and 1e9 * found.wear_volume.mean),
                 ]
             rows.append([*row, stage.message or stage.status])
         widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
@@ -194,7 +194,7 @@ class Result:
         """Statistics, a row a stage, a column a number, names joined with points; needs pandas."""
         import pandas
 
-        table = pandas.json_normalize([dict(stage.statistics) for stage in self.stages])
+        table = pandas.json_normalize([asdict(stage.statistics) for stage in self.stages])
         names = [self.stage_name(stage.index) for stage in self.stages]
         table.index = pandas.Index(names, name="stage")
         return table

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field, fields
-from typing import Any
+from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,7 @@ from presswear.recording.observe import (
     SECTION_NAMES,
 )
 from presswear.recording.soundness import Finding
+from presswear.recording.statistics import Estimate
 from presswear.scene.scene import stage_name
 from presswear.tools.errors import InputError
 
@@ -43,6 +44,186 @@ def angle_names(bins: Mapping[str, int]) -> dict[str, str]:
     return {name: "angle" if are_alike else f"{name}_angle" for name in bins}
 
 
+@final
+@dataclass(frozen=True)
+class OutputStatistics:
+    """Motion of the output point over the settled cycles of a stage.
+
+    Attributes
+    ----------
+    displacement_max : float
+        m.
+    velocity_min, velocity_max : float
+        m/s.
+    acceleration_max : float
+        m/s^2.
+    displacement_max_per_cycle, velocity_max_per_cycle, acceleration_max_per_cycle : Estimate
+        Mean over cycles of the largest value in each, m, m/s and m/s^2.
+    """
+
+    displacement_max: float
+    velocity_min: float
+    velocity_max: float
+    acceleration_max: float
+    displacement_max_per_cycle: Estimate
+    velocity_max_per_cycle: Estimate
+    acceleration_max_per_cycle: Estimate
+
+
+@final
+@dataclass(frozen=True)
+class BottomStatistics:
+    """Accuracy and repeatability at bottom dead centre over the settled strokes of a stage.
+
+    Attributes
+    ----------
+    strokes : int
+        Settled strokes of all replicates.
+    ideal_height : float
+        Bottom dead centre of the ideal motion, m.
+    ideal_time : float
+        Instant of it in the cycle, s.
+    ideal_dwell : float
+        Time for which the ideal motion stays there, s.
+    height, error : Estimate
+        Mean bottom dead centre, and its height over the ideal one, m.
+    range_of_all : float
+        Difference between the highest and the lowest bottom dead centre, m.
+    range : Estimate or None
+        Mean range of ``range_strokes`` successive strokes, m.
+    range_strokes : int
+    standard_deviation : Estimate or None
+        Of the height from stroke to stroke, m.
+    delay, delay_angle : Estimate or None
+        Mean delay behind the ideal motion, s and rad; None where the ideal motion dwells.
+    delay_standard_deviation : Estimate or None
+        s.
+    """
+
+    strokes: int
+    ideal_height: float
+    ideal_time: float
+    ideal_dwell: float
+    height: Estimate
+    error: Estimate
+    range_of_all: float
+    range: Estimate | None
+    range_strokes: int
+    standard_deviation: Estimate | None
+    delay: Estimate | None = None
+    delay_angle: Estimate | None = None
+    delay_standard_deviation: Estimate | None = None
+
+
+@final
+@dataclass(frozen=True)
+class WearPeak:
+    """Deepest place of the wear map that one wear update adds.
+
+    Attributes
+    ----------
+    depth : Estimate
+        m.
+    angle : Estimate
+        rad; the ends of its interval may lie below 0 or above 2 pi.
+    step_error : float or None
+        Error of the depth by the step of the wear, m; part of the interval.
+    """
+
+    depth: Estimate
+    angle: Estimate
+    step_error: float | None = None
+
+
+@final
+@dataclass(frozen=True)
+class JointStatistics:
+    """Forces, contacts and wear of a clearance joint in a stage.
+
+    Attributes
+    ----------
+    peak_force : float
+        Largest normal force of the settled cycles, N.
+    peak_force_per_cycle : Estimate
+        Mean over cycles of the largest normal force in each, N.
+    contacts, unresolved_contacts : int
+        Contacts of all replicates, and those with too few steps.
+    contacts_per_cycle : Estimate
+    min_steps_per_contact : int or None
+        None: no contact.
+    contact_time_fraction : float
+        Fraction of the time in contact.
+    load_distance_per_cycle : Estimate
+        Integral of normal force times sliding speed over a cycle, N m.
+    wear_volume : Estimate
+        Volume that one wear update takes off bearing and pin, m^3.
+    wear_volume_step_error : float or None
+        Error of it by the step of the wear, m^3; not part of the interval.
+    wear_map_error : float or None
+        Standard error of the wear map as a fraction of its root mean square.
+    wear_depth_max_by_replicate : tuple of float
+        Deepest place of one wear update in each replicate, m.
+    wear_peaks : mapping of str to WearPeak
+        By ``bearing``, ``pin`` and, where the maps do not turn, ``both``; empty where the noise
+        of few cycles hides the deepest places.
+    """
+
+    peak_force: float
+    peak_force_per_cycle: Estimate
+    contacts: int
+    contacts_per_cycle: Estimate
+    unresolved_contacts: int
+    min_steps_per_contact: int | None
+    contact_time_fraction: float
+    load_distance_per_cycle: Estimate
+    wear_volume: Estimate
+    wear_volume_step_error: float | None
+    wear_map_error: float | None
+    wear_depth_max_by_replicate: tuple[float, ...]
+    wear_peaks: Mapping[str, WearPeak]
+
+
+@final
+@dataclass(frozen=True)
+class StageStatistics:
+    """Statistics of a stage; SI units.
+
+    Of a stage whose numbers are not finite only the cycles are stored.
+
+    Attributes
+    ----------
+    cycles : int
+        Cycles of all replicates.
+    energy_made_per_cycle, drive_work_per_cycle : Estimate or None
+        Energy that the contacts made, and work of all drives, J.
+    output : OutputStatistics or None
+    bdc : BottomStatistics or None
+        None where nothing moves or no stroke is whole.
+    joints : mapping of str to JointStatistics
+    wear_error : float or None
+        Relative error of the wear.
+    load_distance_step_error, peak_force_step_error : float or None
+        Fraction by which finer time steps change them.
+    energy_residual, energy_exchanged : float
+        Energy that does not add up, and energy that the drives exchanged, J.
+    energy_made_fraction : float
+        Energy made by the contacts as a fraction of what contacts and friction dissipated.
+    """
+
+    cycles: int
+    energy_made_per_cycle: Estimate | None = None
+    drive_work_per_cycle: Estimate | None = None
+    output: OutputStatistics | None = None
+    bdc: BottomStatistics | None = None
+    joints: Mapping[str, JointStatistics] = field(default_factory=dict)
+    wear_error: float | None = None
+    load_distance_step_error: float | None = None
+    peak_force_step_error: float | None = None
+    energy_residual: float = 0.0
+    energy_exchanged: float = 0.0
+    energy_made_fraction: float = 0.0
+
+
 @dataclass(frozen=True)
 class WearStep:
     """One step of a wear; its fields are the names in ``result.json``.
@@ -55,11 +236,11 @@ class WearStep:
         Cycles of the run that it multiplies.
     factor : float
         Their quotient.
-    largest_change_of_clearance : float
+    clearance_change : float
         Largest change of a profile, part of its clearance.
-    deepest_m : dict
+    max_depth : dict
         Deepest depth of all wears so far by joint, then ``bearing`` and ``pin``, m.
-    force_max_N : dict
+    peak_force : dict
         Peak normal force of the run by joint, N.
     wall_s : float
         Wall time of the run, s.
@@ -68,9 +249,9 @@ class WearStep:
     cycles_per_update: float
     cycles: int
     factor: float
-    largest_change_of_clearance: float
-    deepest_m: Mapping[str, Mapping[str, float]]
-    force_max_N: Mapping[str, float]  # noqa: N815 - N is the unit
+    clearance_change: float
+    max_depth: Mapping[str, Mapping[str, float]]
+    peak_force: Mapping[str, float]
     wall_s: float
 
 
@@ -81,15 +262,22 @@ class JointResult:
     Attributes
     ----------
     name : str
-    statistics : mapping
-        Numbers of the joint over the stage, by name; SI units.
+    stored : JointStatistics or None
+        None where the stage failed before a cycle was complete.
     arrays : mapping
         All its arrays under their names in the file, without the joint's.
     """
 
     name: str
-    statistics: Mapping[str, Any]
+    stored: JointStatistics | None
     arrays: Mapping[str, Array]
+
+    @property
+    def statistics(self) -> JointStatistics:
+        """Its statistics; InputError where the stage failed before a cycle was complete."""
+        if self.stored is None:
+            raise InputError(f"joint {self.name}: no cycle of the stage is complete")
+        return self.stored
 
     @property
     def eccentricity(self) -> Array:
@@ -162,8 +350,7 @@ class StageResult:
         Simulated time of all its starts, and the wall time that took, s.
     diagnostics : mapping
         Numbers and words of the solver, by name.
-    statistics : mapping
-        Numbers of the stage by name; SI units.
+    statistics : StageStatistics
     arrays : mapping
         Arrays by their names in ``stage-K.npz``.
     joint_names : tuple of str
@@ -181,7 +368,7 @@ class StageResult:
     simulated_s: float
     wall_s: float
     diagnostics: Mapping[str, str | int | float | None]
-    statistics: Mapping[str, Any]
+    statistics: StageStatistics
     arrays: Mapping[str, Array] = field(default_factory=dict)
     joint_names: tuple[str, ...] = ()
     read_film: Callable[[], Film] | None = None
@@ -234,15 +421,21 @@ class StageResult:
     @property
     def cycles(self) -> int:
         """Cycles that ran, of all starts."""
-        return int(self.statistics["cycles"])
+        return self.statistics.cycles
 
     @property
-    def bdc(self) -> Mapping[str, Any]:
-        """Numbers of bottom dead centre, the watched coordinate's lowest place in a stroke.
+    def output(self) -> OutputStatistics:
+        """Statistics of the output point; InputError where no cycle is complete."""
+        if self.statistics.output is None:
+            raise InputError(f"{self.name}: no cycle is complete")
+        return self.statistics.output
 
-        SI units, by name; none where nothing moves or no stroke is whole.
-        """
-        return self.statistics.get("bdc", {})
+    @property
+    def bdc(self) -> BottomStatistics:
+        """Statistics of bottom dead centre; InputError where there is no settled stroke."""
+        if self.statistics.bdc is None:
+            raise InputError(f"{self.name}: there is no settled stroke")
+        return self.statistics.bdc
 
     @property
     def time(self) -> Array:
@@ -267,7 +460,6 @@ class StageResult:
     @property
     def joints(self) -> dict[str, JointResult]:
         """Joints with clearance by name."""
-        told = self.statistics.get("joints", {})
         found = {}
         for k, name in enumerate(self.joint_names):
             own = {
@@ -277,7 +469,7 @@ class StageResult:
             }
             first = len(CYCLE_FIXED) + len(CYCLE_JOINT) * k
             own["cycles"] = self.arrays["cycles"][:, first : first + len(CYCLE_JOINT)]
-            found[name] = JointResult(name, told.get(name, {}), own)
+            found[name] = JointResult(name, self.statistics.joints.get(name), own)
         return found
 
     def section(self, name: str, joint: str = "") -> Array:
@@ -317,5 +509,6 @@ class StageResult:
         for name in ("arrays", "joint_names", "read_film"):
             del told[name]
         told["finding"] = asdict(self.finding) if self.finding else None
+        told["statistics"] = asdict(self.statistics)
         told["wear_steps"] = [asdict(step) for step in self.wear_steps]
         return told

@@ -8,7 +8,7 @@ itself has.
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal, NotRequired, TypedDict
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,34 +27,6 @@ Array = NDArray[np.float64]
 
 LARGEST_ENTRY = 1e100
 """Bound of the values in an array: a state that runs away is ended at 1e30."""
-
-Number = int | float | None
-"""A number of a document; None where it was not finite."""
-
-
-class StoredEstimate(TypedDict):
-    """A mean over cycles; see ``sampling.Estimate``."""
-
-    mean: Number
-    half_width: Number
-    cycles: int
-
-
-class StoredStatistics(TypedDict):
-    """Numbers of a stage; a name says of what kind its number is (``kind_of``)."""
-
-    cycles: int
-    slider: NotRequired[dict[str, Any]]
-    bdc: NotRequired[dict[str, Any]]
-    joints: NotRequired[dict[str, dict[str, Any]]]
-    energy_residual_J: Number
-    energy_exchanged_J: Number
-    energy_made_part: Number
-    energy_made_per_cycle_J: NotRequired[StoredEstimate]
-    drive_work_per_cycle_J: NotRequired[StoredEstimate]
-    wear_error: NotRequired[Number]
-    step_error_of_dose: NotRequired[Number]
-    step_error_of_force: NotRequired[Number]
 
 
 @dataclass(frozen=True)
@@ -115,24 +87,10 @@ def stored_result(document: Any, file: Path) -> StoredResult:
         if stage.index != place:
             raise InputError(f"{where}.index is {stage.index}; {place} is expected")
         files |= {*files_of(place)}
-        own = typed(stage.statistics, StoredStatistics, f"{where}.statistics")
-        owners = {"slider": own.get("slider", {}), "bdc": own.get("bdc", {})}
-        for owner, numbers in {**owners, **own.get("joints", {})}.items():
-            for name, value in numbers.items():
-                typed(value, kind_of(name), f"{where}.statistics, {owner}, {name}")
     for name in sorted(files ^ found.files.keys()):
         how = "lacks" if name in files else "has"
         raise InputError(f"{file}: 'files' {how} {name!r}, unlike its stages and checkpoint")
     return found
-
-
-def kind_of(name: str) -> Any:
-    """The kind of a number of the slider or a joint, which its name tells."""
-    if "_per_cycle" in name:
-        return StoredEstimate
-    if "_by_start" in name:
-        return tuple[float, ...]
-    return tuple[float, float] | None if "_interval" in name else Number
 
 
 def check_joints(
@@ -154,17 +112,17 @@ def check_joints(
         )
     for stage in stored.stages:
         told: list[Mapping[str, Any]] = []
-        if "joints" in stage.statistics:
-            told.append(stage.statistics["joints"])
+        if stage.statistics.output is not None:
+            told.append(stage.statistics.joints)
         for step in stage.wear_steps:
-            told += [step.deepest_m, step.force_max_N]
+            told += [step.max_depth, step.peak_force]
         for found in told:
             if set(found) != set(joints):
                 raise InputError(
                     f"{file}: stages[{stage.index}] tells of joints {', '.join(found) or 'none'}, "
                     f"where the scene has clearance at {', '.join(joints) or 'none'}"
                 )
-        for sides in (own for step in stage.wear_steps for own in step.deepest_m.values()):
+        for sides in (own for step in stage.wear_steps for own in step.max_depth.values()):
             if set(sides) != set(SIDES):
                 raise InputError(
                     f"{file}: stages[{stage.index}].wear_steps tells of {', '.join(sides)}; "

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.physics.bottom import bottom_of
-from presswear.recording.sampling import STARTUP_CYCLES, Estimate, batched, half_width
+from presswear.recording.statistics import STARTUP_CYCLES, Estimate, batched, half_width
 from presswear.results.stage import JointResult, StageResult
 from presswear.results.strokes import Strokes, height_of, process_force, strokes_of
 from presswear.scene.scene import Scene
@@ -249,7 +249,6 @@ def joint_tonnage(
             here = size[inside & (phase == place)]
             if here.size:
                 peaks.setdefault(name, []).append(float(here.max()))
-    told = joint.statistics.get("force_max_per_cycle_N")
     reversals = [
         reversal(time, pressed(joint), own) for own in strokes if not math.isnan(own.fracture)
     ]
@@ -259,7 +258,7 @@ def joint_tonnage(
     return JointTonnage(
         {name: _some(own) for name, own in peaks.items()},
         {name: max(own) for name, own in peaks.items()},
-        None if told is None else Estimate(**told),
+        joint.stored and joint.stored.peak_force_per_cycle,
         _mean(working),
         _mean(back),
         _mean(back[loaded] / working[loaded]),
@@ -340,7 +339,7 @@ def _rows(time: Array, begin: float, end: float) -> slice:
 def _some(values: list[float]) -> Estimate:
     """Mean over one stroke or more."""
     samples = np.array(values)
-    return Estimate(float(samples.mean()), half_width(batched(samples)), samples.size)
+    return Estimate.symmetric(float(samples.mean()), half_width(batched(samples)), samples.size)
 
 
 def _mean(values: Array | list[float]) -> Estimate | None:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from presswear.recording.sampling import Interval
+from presswear.recording.statistics import Estimate
 from presswear.sweeps.chaos import chaos_share
 from presswear.sweeps.distributions import Distribution
 from presswear.sweeps.one_plan import first_order
@@ -32,7 +32,7 @@ class Analysis:
     Attributes
     ----------
     own : Responses
-    chaos : Interval or None
+    chaos : Estimate or None
         Share of the variance of a run.
     indices : Indices or None
     screening : tuple of Screening or None
@@ -52,7 +52,7 @@ class Analysis:
     """
 
     own: Responses
-    chaos: Interval | None
+    chaos: Estimate | None
     indices: Indices | None
     screening: tuple[Screening, ...] | None
     swings: tuple[Swing | None, ...] | None
@@ -77,15 +77,15 @@ class Analysis:
         count = len(self.own.factors)
         strength: Sequence[float] = [0.0] * count
         if self.indices is not None and self.indices.total:
-            strength = [one.value for one in self.indices.total]
+            strength = [one.mean for one in self.indices.total]
         elif self.screening is not None:
-            strength = [one.size.value for one in self.screening]
+            strength = [one.size.mean for one in self.screening]
         elif self.swings is not None:
             strength = [0.0 if one is None else one.span for one in self.swings]
         elif self.surface is not None:
             strength = [_reach(self.surface, k) for k in range(count)]
         elif self.indices is not None:
-            strength = [one.value for one in self.indices.first]
+            strength = [one.mean for one in self.indices.first]
         return sorted(range(count), key=lambda k: -strength[k])
 
 

@@ -8,13 +8,13 @@ that of the points and that of the draws at a point.
 
 import numpy as np
 
-from presswear.recording.sampling import LEAST_SAMPLES, Interval
+from presswear.recording.statistics import LEAST_SAMPLES, Estimate
 from presswear.sweeps.estimates import jackknife
 from presswear.sweeps.responses import Responses
 from presswear.tools.arrays import Array
 
 
-def chaos_share(own: Responses) -> Interval | None:
+def chaos_share(own: Responses) -> Estimate | None:
     """Share of the variance of one run that is chaos, with its interval.
 
     The interval is Student's, by the jackknife over points, of the logarithm of the ratio F of
@@ -52,10 +52,10 @@ def chaos_share(own: Responses) -> Interval | None:
         return float(1.0 / (1.0 + max(np.exp(log_ratio) - 1.0, 0.0) / typical))
 
     middle, width = float(value[0]), float(half[0])
-    return Interval(share(middle), share(middle + width), share(middle - width))
+    return Estimate(share(middle), share(middle + width), share(middle - width))
 
 
-def _told_share(own: Responses) -> Interval:
+def _told_share(own: Responses) -> Estimate:
     """Mean of the variances that single runs tell, over the variance of the runs."""
     off = own.means - own.means.mean()
     terms = np.column_stack([own.variances, off, off**2])
@@ -66,4 +66,4 @@ def _told_share(own: Responses) -> Interval:
 
     value, half = jackknife(terms, logarithm)
     low, middle, high = np.minimum(np.exp(value + half * np.array([-1.0, 0.0, 1.0])), 1.0)
-    return Interval(float(middle), float(low), float(high))
+    return Estimate(float(middle), float(low), float(high))

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from presswear.recording.sampling import Interval, quantile
+from presswear.recording.statistics import Estimate, quantile
 from presswear.tools.arrays import Array
 
 
@@ -28,15 +28,15 @@ def jackknife(terms: Array, statistic: Callable[[Array], Array]) -> tuple[Array,
     return statistic(total / count), quantile(count - 1) * np.sqrt(scatter)
 
 
-def intervals(values: Array, halves: Array) -> tuple[Interval, ...]:
+def intervals(values: Array, halves: Array) -> tuple[Estimate, ...]:
     """Numbers with the half widths of their intervals as intervals."""
     return tuple(
-        Interval(float(value), float(value - half), float(value + half))
+        Estimate(float(value), float(value - half), float(value + half))
         for value, half in zip(values, halves, strict=True)
     )
 
 
-def as_share(own: Interval) -> Interval:
+def as_share(own: Estimate) -> Estimate:
     """A share within 0 and 1, beyond which an estimate and its interval reach by chance."""
     low, high = (None if end is None else min(max(end, 0.0), 1.0) for end in (own.low, own.high))
-    return Interval(min(max(own.value, 0.0), 1.0), low, high)
+    return Estimate(min(max(own.mean, 0.0), 1.0), low, high)

@@ -5,7 +5,7 @@
 
 import inspect
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -13,9 +13,10 @@ import numpy as np
 
 from presswear.physics.statics import total_clearance
 from presswear.physics.wear import worn_volume
+from presswear.recording.statistics import Estimate
 from presswear.results.bottom import rise
 from presswear.results.result import Result
-from presswear.results.stage import SIDES, JointResult, StageResult
+from presswear.results.stage import SIDES, JointResult, JointStatistics, StageResult
 from presswear.scene.life import FOLLOWED
 from presswear.scene.scene import Scene
 from presswear.sweeps.table import Column
@@ -70,41 +71,35 @@ class Measure:
     is_dear: bool = False
 
 
-def _estimate(told: Mapping[str, Any] | None) -> Found | None:
-    """A mean over cycles as a result stores it."""
-    if not told or told["mean"] is None:
+def _estimate(estimate: Estimate | None) -> Found | None:
+    """A mean over cycles, or another number with its interval."""
+    if estimate is None:
         return None
-    half = told["half_width"]
-    return Found(told["mean"], math.nan if half is None else half)
+    half = estimate.half_width
+    return Found(estimate.mean, math.nan if half is None else half)
 
 
-def _between(value: float | None, ends: Sequence[float] | None) -> Found | None:
-    """A number with half the way between the ends of its interval."""
-    if value is None:
-        return None
-    return Found(value, math.nan if ends is None else 0.5 * (ends[1] - ends[0]))
-
-
-def _before(result: Result, stage: StageResult, joint: JointResult) -> list[Mapping[str, Any]]:
+def _before(result: Result, stage: StageResult, joint: JointResult) -> list[JointStatistics]:
     """Statistics of a joint in the stages behind each of which a wear led to this one."""
-    return [own.joints[joint.name].statistics for own in result.stages if own.index < stage.index]
+    before = [own.joints[joint.name].stored for own in result.stages if own.index < stage.index]
+    return [own for own in before if own is not None]
 
 
 def _depth(result: Result, stage: StageResult, joint: JointResult) -> Found:
     """The deepest place; its interval is known where one wear made it."""
     value, side = max((float(joint.depth(own).max()), own) for own in SIDES)
     before = _before(result, stage, joint)
-    if len(before) != 1 or result.scene.surfaces:
+    if len(before) != 1 or result.scene.surfaces or side not in before[0].wear_peaks:
         return Found(value)
-    told = before[0].get(f"wear_depth_max_{side}_interval_m")
-    return _between(value, told) or Found(value)
+    half = before[0].wear_peaks[side].depth.half_width
+    return Found(value, math.nan if half is None else half)
 
 
 def _volume(result: Result, stage: StageResult, joint: JointResult) -> Found:
     """The volume; errors of one wear after another as independent."""
     geometry = next(own for own in result.scene.linkage().clearances if own.name == joint.name)
     value = worn_volume(geometry, np.array([joint.depth(own) for own in SIDES]))
-    halves = [own.get("wear_volume_half_width_m3") for own in _before(result, stage, joint)]
+    halves = [own.wear_volume.half_width for own in _before(result, stage, joint)]
     known = [own for own in halves if own is not None]
     if not known or len(known) < len(halves):
         return Found(value)
@@ -112,30 +107,22 @@ def _volume(result: Result, stage: StageResult, joint: JointResult) -> Found:
 
 
 def _rate(result: Result, stage: StageResult, joint: JointResult) -> Found | None:
-    told, cycles = joint.statistics, result.scene.cycles_per_update
-    volume, half = told.get("wear_volume_m3"), told.get("wear_volume_half_width_m3")
-    if volume is None:
+    if joint.stored is None:
         return None
-    return Found(volume / cycles, math.nan if half is None else half / cycles)
+    return _estimate(joint.stored.wear_volume.scaled(1.0 / result.scene.cycles_per_update))
 
 
 def _drift(result: Result, stage: StageResult) -> Found | None:
     found = rise(stage, result.stages[0])
-    if found is None:
-        return None
-    if stage.index == 0:
-        return Found(0.0, 0.0)
-    ends = None if found.low is None or found.high is None else (found.low, found.high)
-    return _between(found.value, ends)
+    return Found(0.0, 0.0) if found and stage.index == 0 else _estimate(found)
 
 
 def _life(result: Result) -> Found | None:
     life = result.life
     if life is None:
         return None
-    ends = life.interval
-    half = math.nan if ends.low is None or ends.high is None else 0.5 * (ends.high - ends.low)
-    return Found(life.strokes, half, life.first is None)
+    half = life.interval.half_width
+    return Found(life.strokes, math.nan if half is None else half, life.first is None)
 
 
 def _followed(name: str, **found_by: Any) -> dict[str, Measure]:
@@ -146,7 +133,7 @@ def _followed(name: str, **found_by: Any) -> dict[str, Measure]:
 MEASURES: dict[str, Measure] = {
     **_followed(
         "force_max",
-        joint=lambda _, stage, joint: _estimate(joint.statistics.get("force_max_per_cycle_N")),
+        joint=lambda _, stage, joint: _estimate(joint.stored and joint.stored.peak_force_per_cycle),
     ),
     **_followed("depth", joint=_depth),
     **_followed("wear_volume", joint=_volume),
@@ -154,14 +141,16 @@ MEASURES: dict[str, Measure] = {
     "contacts": Measure(
         "",
         "contacts in a cycle",
-        joint=lambda _, stage, joint: _estimate(joint.statistics.get("contacts_per_cycle")),
+        joint=lambda _, stage, joint: _estimate(joint.stored and joint.stored.contacts_per_cycle),
     ),
-    **_followed("bdc_error", stage=lambda _, own: _estimate(own.bdc.get("error_per_cycle_m"))),
+    **_followed(
+        "bdc_error", stage=lambda _, own: _estimate(own.statistics.bdc and own.statistics.bdc.error)
+    ),
     **_followed("bdc_drift", stage=_drift),
     **_followed(
         "repeatability",
-        stage=lambda _, own: _between(
-            own.bdc.get("standard_deviation_m"), own.bdc.get("standard_deviation_interval_m")
+        stage=lambda _, own: _estimate(
+            own.statistics.bdc and own.statistics.bdc.standard_deviation
         ),
     ),
     **_followed(
@@ -172,7 +161,7 @@ MEASURES: dict[str, Measure] = {
     "drive_work": Measure(
         "J",
         "work of all drives in a cycle",
-        stage=lambda _, own: _estimate(own.statistics.get("drive_work_per_cycle_J")),
+        stage=lambda _, own: _estimate(own.statistics.drive_work_per_cycle),
     ),
     "life": Measure("", "strokes until the first limit is passed", whole=_life),
 }

@@ -10,7 +10,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.recording.sampling import Interval, quantile
+from presswear.recording.statistics import Estimate, quantile
 from presswear.sweeps.estimates import jackknife
 from presswear.sweeps.responses import Responses
 from presswear.sweeps.sensitivity import Indices
@@ -71,7 +71,7 @@ def are_independent(points: Array) -> bool:
     return True
 
 
-def by_rank(own: Responses) -> tuple[Interval, ...]:
+def by_rank(own: Responses) -> tuple[Estimate, ...]:
     """Mean product of neighbours in the order of a factor, over the variance.
 
     Gamboa, Gremaud, Klein and Lagnoux, Global sensitivity analysis: a novel generation of mighty
@@ -100,11 +100,11 @@ def by_rank(own: Responses) -> tuple[Interval, ...]:
         alone, beside, apart = (float(np.mean(moved * np.roll(moved, -lag))) for lag in (0, 1, 2))
         scatter = alone + 2.0 * max(beside - apart, 0.0)
         half = quantile(count - 1) * math.sqrt(scatter / count)
-        found.append(Interval(index, index - half, index + half))
+        found.append(Estimate(index, index - half, index + half))
     return tuple(found)
 
 
-def by_waves(own: Responses) -> tuple[Interval, ...]:
+def by_waves(own: Responses) -> tuple[Estimate, ...]:
     """Variance that the first cosines over the rank of a factor explain, over the variance.
 
     Plischke, An effective algorithm for computing global sensitivity indices (EASI), Reliability
@@ -135,7 +135,7 @@ def by_waves(own: Responses) -> tuple[Interval, ...]:
         terms = np.column_stack([values, values**2, own.noise, values[:, None] * waves])
         (share, chance), (half, _) = jackknife(terms, shares)
         index, wide = float(share - 0.5 * chance), float(half + 0.5 * chance)
-        found.append(Interval(index, index - wide, index + wide))
+        found.append(Estimate(index, index - wide, index + wide))
     return tuple(found)
 
 

@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.recording.sampling import Interval, quantile
+from presswear.recording.statistics import Estimate, quantile
 from presswear.sweeps.table import Column, Table
 from presswear.tools.arrays import Array
 
@@ -69,21 +69,21 @@ class Responses:
         wide = np.array([quantile(own) for own in self.freedoms])
         return wide * np.sqrt(self.noise)
 
-    def difference(self, row: int, other: int) -> Interval:
+    def difference(self, row: int, other: int) -> Estimate:
         """The mean of one point less that of another; no ends where nothing tells the scatter.
 
         Points scatter by as much as they do: the degrees of freedom are those of Welch (1947).
         """
         value = float(self.means[row] - self.means[other])
         if self.noise_source == "nothing":
-            return Interval(value, None, None)
+            return Estimate(value, None, None)
         parts, freedoms = self.noise[[row, other]], self.freedoms[[row, other]]
         total = float(parts.sum())
         if total == 0.0:
-            return Interval(value, value, value)
+            return Estimate(value, value, value)
         lost = float((parts**2 / freedoms).sum())
         half = quantile(total**2 / lost if lost > 0.0 else math.inf) * math.sqrt(total)
-        return Interval(value, value - half, value + half)
+        return Estimate(value, value - half, value + half)
 
     @property
     def has_value(self) -> NDArray[np.bool_]:

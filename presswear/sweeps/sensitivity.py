@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from presswear.recording.sampling import Interval, half_width
+from presswear.recording.statistics import Estimate, half_width
 from presswear.sweeps.estimates import intervals, jackknife
 from presswear.sweeps.responses import Responses
 from presswear.tools.arrays import Array
@@ -26,11 +26,11 @@ class Indices:
 
     Attributes
     ----------
-    first : tuple of Interval
+    first : tuple of Estimate
         Share of the variance that goes when the factor is known.
-    total : tuple of Interval
+    total : tuple of Estimate
         Share that stays when all others are known; none where the points do not tell it.
-    chaos : Interval or None
+    chaos : Estimate or None
         Share of the variance of a run that no factor explains.
     used : int
         Points they are from.
@@ -38,9 +38,9 @@ class Indices:
         How they were found, with its source.
     """
 
-    first: tuple[Interval, ...]
-    total: tuple[Interval, ...]
-    chaos: Interval | None
+    first: tuple[Estimate, ...]
+    total: tuple[Estimate, ...]
+    chaos: Estimate | None
     used: int
     method: str
 
@@ -51,16 +51,16 @@ class Screening:
 
     Attributes
     ----------
-    size : Interval
+    size : Estimate
         Mean of the absolute effects (mu* of Campolongo, Cariboni and Saltelli 2007).
-    scatter : Interval
+    scatter : Estimate
         Standard deviation of the effects: how much they depend on the others, or bend.
     floor : float
         The mean that chaos alone would give; NaN where nothing tells it.
     """
 
-    size: Interval
-    scatter: Interval
+    size: Estimate
+    scatter: Estimate
     floor: float
 
 
@@ -72,20 +72,20 @@ class Swing:
     ----------
     low, high : float
         Values of the factor.
-    at_low, at_high : Interval
+    at_low, at_high : Estimate
         Change of the measure from its value in the middle; no ends where nothing tells them.
     """
 
     low: float
     high: float
-    at_low: Interval
-    at_high: Interval
+    at_low: Estimate
+    at_high: Estimate
 
     @property
     def span(self) -> float:
         """Largest distance between the middle and both ends."""
-        return max(self.at_low.value, self.at_high.value, 0.0) - min(
-            self.at_low.value, self.at_high.value, 0.0
+        return max(self.at_low.mean, self.at_high.mean, 0.0) - min(
+            self.at_low.mean, self.at_high.mean, 0.0
         )
 
 
@@ -186,22 +186,22 @@ def screening(own: Responses) -> tuple[Screening, ...] | None:
         sizes = np.abs(effects)
         half = half_width(sizes) or 0.0
         mean = float(sizes.mean())
-        found.append(Screening(Interval(mean, mean - half, mean + half), _scatter(effects), floor))
+        found.append(Screening(Estimate(mean, mean - half, mean + half), _scatter(effects), floor))
     return tuple(found)
 
 
-def _scatter(effects: Array) -> Interval:
+def _scatter(effects: Array) -> Estimate:
     """Standard deviation with the interval of its logarithm by the jackknife."""
     value = float(effects.std(ddof=1))
     if value == 0.0:
-        return Interval(0.0, 0.0, 0.0)
+        return Estimate(0.0, 0.0, 0.0)
     off = effects - effects.mean()
     _, half = jackknife(
         np.column_stack([off, off**2]),
         lambda mean: 0.5 * np.log(mean[..., 1:] - mean[..., :1] ** 2),
     )
     factor = math.exp(float(half[0]))
-    return Interval(value, value / factor, value * factor)
+    return Estimate(value, value / factor, value * factor)
 
 
 def _are_paths(points: Array, size: int) -> bool:

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.recording.sampling import LEVEL, Interval
+from presswear.recording.statistics import LEVEL, Estimate
 from presswear.sweeps.designs import design
 from presswear.sweeps.distributions import Distribution
 from presswear.sweeps.surface import Surface
@@ -104,7 +104,7 @@ class Spread:
     values, low, high : ndarray, shape (99,)
         Values below which the measure lies with each of ``PROBABILITIES``, and the ends of their
         intervals; NaN for an end that cannot be told.
-    misses : Interval or None
+    misses : Estimate or None
         Probability of missing what is required; None where nothing is.
     used : int
         Points or rows it is from.
@@ -113,14 +113,14 @@ class Spread:
     values: Array
     low: Array
     high: Array
-    misses: Interval | None
+    misses: Estimate | None
     used: int
 
-    def quantile(self, percent: int) -> Interval:
+    def quantile(self, percent: int) -> Estimate:
         """The value below which a whole percentage of the measure lies."""
         told = (float(own[percent - 1]) for own in (self.values, self.low, self.high))
         value, low, high = (None if np.isnan(own) else own for own in told)
-        return Interval(np.nan if value is None else value, low, high)
+        return Estimate(np.nan if value is None else value, low, high)
 
 
 def spread_of_surface(
@@ -153,7 +153,7 @@ def spread_of_surface(
     misses = None
     if required is not None:
         parts = required.missed(values).mean(axis=1)
-        misses = Interval(float(np.median(parts)), *map(float, np.quantile(parts, _ENDS)))
+        misses = Estimate(float(np.median(parts)), *np.quantile(parts, _ENDS).tolist())
     return Spread(middle, low, high, misses, len(found.own.means))
 
 
@@ -188,11 +188,11 @@ def spread_of_rows(table: Table, key: str, required: Required | None = None) -> 
     )
 
 
-def _missed(required: Required, values: Array, beyond: NDArray[np.bool_]) -> Interval:
+def _missed(required: Required, values: Array, beyond: NDArray[np.bool_]) -> Estimate:
     """Part of the rows that miss, with the interval of Clopper and Pearson (1934)."""
     from scipy.stats import binomtest
 
     surely, perhaps = required.counted(values, beyond)
     low = binomtest(surely, len(values)).proportion_ci(LEVEL).low
     high = binomtest(perhaps, len(values)).proportion_ci(LEVEL).high
-    return Interval(0.5 * (surely + perhaps) / len(values), float(low), float(high))
+    return Estimate(0.5 * (surely + perhaps) / len(values), float(low), float(high))

@@ -5,7 +5,7 @@ from itertools import combinations
 
 import numpy as np
 
-from presswear.recording.sampling import Interval
+from presswear.recording.statistics import Estimate
 from presswear.show.report.parts import NOTHING, Row, Table
 from presswear.sweeps.analysis import Analysis
 from presswear.sweeps.estimates import as_share
@@ -23,17 +23,17 @@ def part(value: float) -> str:
     return f"{100.0 * value:.3g} %".replace("-", "−")
 
 
-def parts(own: Interval) -> str:
+def parts(own: Estimate) -> str:
     """A share with its interval, in percent."""
     own = as_share(own)
     if own.low is None or own.high is None:
-        return part(own.value)
-    return f"{part(own.value)} ({part(own.low)} to {part(own.high)})"
+        return part(own.mean)
+    return f"{part(own.mean)} ({part(own.low)} to {part(own.high)})"
 
 
-def amount(own: Interval, scale: Scale) -> str:
+def amount(own: Estimate, scale: Scale) -> str:
     """A value with its interval and unit; an end that cannot be told is open."""
-    value = NOTHING if np.isnan(own.value) else scale.told(own.value)
+    value = NOTHING if np.isnan(own.mean) else scale.told(own.mean)
     if own.low is not None and own.high is not None:
         low, high = (readable(scale.factor * end) for end in (own.low, own.high))
         return f"{value} ({low} to {high})"
@@ -162,7 +162,7 @@ def _spread(found: Analysis) -> Iterator[str]:
         return
     by = "By the response surface" if found.spread is not None else "By the rows alone"
     five = told.quantile(_TOLD[0])
-    if np.isnan(five.value):
+    if np.isnan(five.mean):
         yield (
             f"{by}, lower bounds leave open which value {key} is below with a probability of "
             f"{_TOLD[0]} %."
@@ -182,7 +182,7 @@ def _spread(found: Analysis) -> Iterator[str]:
         )
         if told.misses is not None:
             share = found.without / found.runs
-            left += f"; if all of them miss, {part(share + (1.0 - share) * told.misses.value)} do"
+            left += f"; if all of them miss, {part(share + (1.0 - share) * told.misses.mean)} do"
         yield f"{left}."
 
 

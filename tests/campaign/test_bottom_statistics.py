@@ -15,7 +15,7 @@ from presswear.linkage.motions import Drive
 from presswear.linkage.press import GEOMETRIES, Press
 from presswear.linkage.servo import Dwell
 from presswear.physics.bottom import bottom_of
-from presswear.recording.sampling import STARTUP_CYCLES, pooled
+from presswear.recording.statistics import STARTUP_CYCLES, pooled
 from presswear.results.bottom import rise, strokes_of
 from presswear.scene.catalog import clearance_c, ideal, wear_times
 from presswear.scene.scene import Scene
@@ -53,27 +53,35 @@ def test_made_up_strokes_give_their_numbers_back() -> None:
     scene = wear_times()
     runs = [made(scene, 12, seed) for seed in range(4)]
     found = bottom_statistics(scene, runs)
+    assert found is not None
     bottom = bottom_of(scene.ideal)
     assert bottom is not None
     settled = np.array([own.height[STARTUP_CYCLES:] for own in runs])
-    assert found["strokes"] == settled.size == 40
+    assert found.strokes == settled.size == 40
     expected = pooled([own.height - bottom.height for own in runs])[0]
-    error = found["error_per_cycle_m"]
-    assert error["mean"] == pytest.approx(expected.mean, rel=1e-9)
-    assert error["half_width"] == pytest.approx(expected.half_width, rel=1e-9)
-    assert error["mean"] == pytest.approx(-7e-4, abs=3e-5)
-    assert found["height_per_cycle_m"]["mean"] == pytest.approx(settled.mean(), rel=1e-12)
+    error = found.error
+    assert error.mean == pytest.approx(expected.mean, rel=1e-9)
+    assert error.half_width == pytest.approx(expected.half_width, rel=1e-9)
+    assert error.mean == pytest.approx(-7e-4, abs=3e-5)
+    assert found.height.mean == pytest.approx(settled.mean(), rel=1e-12)
     deviation = settled.std(axis=1, ddof=1)
-    assert found["standard_deviation_m"] == pytest.approx(np.sqrt(np.mean(deviation**2)))
-    low, high = found["standard_deviation_interval_m"]
-    assert low < 4e-5 < high
-    assert found["range_strokes"] == 10
-    assert found["range_m"] == pytest.approx(np.ptp(settled, axis=1).mean())
-    assert found["range_of_all_m"] == pytest.approx(np.ptp(settled))
-    assert found["delay_per_cycle_s"]["mean"] == pytest.approx(-2e-3, abs=5e-4)
-    turn = found["delay_per_cycle_rad"]["mean"] / found["delay_per_cycle_s"]["mean"]
+    scatter, delay_scatter = found.standard_deviation, found.delay_standard_deviation
+    assert scatter is not None
+    assert scatter.mean == pytest.approx(np.sqrt(np.mean(deviation**2)))
+    assert scatter.low is not None
+    assert scatter.high is not None
+    assert scatter.low < 4e-5 < scatter.high
+    assert found.range_strokes == 10
+    assert found.range is not None
+    assert found.range.mean == pytest.approx(np.ptp(settled, axis=1).mean())
+    assert found.range_of_all == pytest.approx(np.ptp(settled))
+    assert found.delay is not None
+    assert found.delay_angle is not None
+    assert found.delay.mean == pytest.approx(-2e-3, abs=5e-4)
+    turn = found.delay_angle.mean / found.delay.mean
     assert turn == pytest.approx(2.0 * np.pi / scene.mechanism.period)
-    assert found["delay_standard_deviation_s"] == pytest.approx(1e-3, rel=0.4)
+    assert delay_scatter is not None
+    assert delay_scatter.mean == pytest.approx(1e-3, rel=0.4)
 
 
 def test_starts_on_surfaces_of_their_own_widen_the_mean_and_not_the_scatter() -> None:
@@ -81,10 +89,15 @@ def test_starts_on_surfaces_of_their_own_widen_the_mean_and_not_the_scatter() ->
     scene = wear_times()
     apart = [made(scene, 12, seed, 3e-4 * seed) for seed in range(4)]
     together = [made(scene, 12, seed) for seed in range(4)]
-    alike, own = bottom_statistics(scene, together), bottom_statistics(scene, together, apart)
-    assert own["error_per_cycle_m"]["half_width"] > 5.0 * alike["error_per_cycle_m"]["half_width"]
-    far = bottom_statistics(scene, apart)
-    assert far["standard_deviation_m"] == pytest.approx(alike["standard_deviation_m"], rel=1e-9)
+    found = [bottom_statistics(scene, *runs) for runs in ((together,), (together, apart), (apart,))]
+    widths = [own.error.half_width for own in found if own is not None]
+    scatters = [own.standard_deviation for own in found if own is not None]
+    assert widths[0] is not None
+    assert widths[1] is not None
+    assert widths[1] > 5.0 * widths[0]
+    assert scatters[0] is not None
+    assert scatters[2] is not None
+    assert scatters[2].mean == pytest.approx(scatters[0].mean, rel=1e-9)
 
 
 @pytest.mark.parametrize("geometry", ["standard", "swapped"])
@@ -92,15 +105,16 @@ def test_ideal_press_is_accurate_and_repeats_itself(geometry: str) -> None:
     """Of the swapped one the first bottom lies before the start: of a cycle there is no stroke."""
     scene = replace(ideal(), mechanism=Press(geometry=GEOMETRIES[geometry]), engine="dae", cycles=4)
     stage = run(scene).stages[0]
-    assert stage.bdc["strokes"] == 2
-    assert abs(stage.bdc["error_per_cycle_m"]["mean"]) < 1e-12
-    assert stage.bdc["range_of_all_m"] < 1e-12
-    assert abs(stage.bdc["delay_per_cycle_s"]["mean"]) < 1e-10
+    assert stage.bdc.strokes == 2
+    assert abs(stage.bdc.error.mean) < 1e-12
+    assert stage.bdc.range_of_all < 1e-12
+    assert stage.bdc.delay is not None
+    assert abs(stage.bdc.delay.mean) < 1e-10
     (strokes,) = strokes_of(scene, stage)
     assert strokes[0].tolist() == ([1, 2, 3, 4] if geometry == "standard" else [2, 3, 4])
     assert np.abs(strokes[1]).max() < 1e-12
     alone = run(replace(scene, cycles=1)).stages[0]
-    assert bool(alone.bdc) == (geometry == "standard")
+    assert (alone.statistics.bdc is not None) == (geometry == "standard")
 
 
 def test_stages_keep_them_in_memory_and_on_disk(tmp_path: Path) -> None:
@@ -108,19 +122,19 @@ def test_stages_keep_them_in_memory_and_on_disk(tmp_path: Path) -> None:
     held, stored = (run(scene, folder, jobs=1) for folder in (None, tmp_path / "run"))
     for one, other in zip(held.stages, stored.stages, strict=True):
         assert one.bdc == other.bdc
-        assert one.bdc["strokes"] == 4
+        assert one.bdc.strokes == 4
     unworn, worn = stored.stages
     found = rise(worn, unworn)
     assert found is not None
-    means = [own.bdc["error_per_cycle_m"] for own in (worn, unworn)]
-    assert found.value == means[0]["mean"] - means[1]["mean"]
+    means = [own.bdc.error for own in (worn, unworn)]
+    assert found.mean == means[0].mean - means[1].mean
     assert found.high is not None
-    half = np.hypot(*(own["half_width"] for own in means))
-    assert found.high - found.value == pytest.approx(half)
+    half = np.linalg.norm([own.half_width or np.nan for own in means])
+    assert found.high - found.mean == pytest.approx(half)
     assert rise(worn, worn) is not None
     numbers = [rows for _, rows in strokes_of(scene, unworn)]
     settled = np.concatenate([rows[STARTUP_CYCLES:] for rows in numbers])
-    assert settled.mean() == pytest.approx(means[1]["mean"], rel=1e-9)
+    assert settled.mean() == pytest.approx(means[1].mean, rel=1e-9)
 
 
 def test_what_stands_has_no_bottom() -> None:
@@ -130,7 +144,7 @@ def test_what_stands_has_no_bottom() -> None:
         drives=[Drive("bar", speed=5.0)],
     )
     stage = run(Scene(mechanism=linkage, wear_updates=0, cycles=2, engine="dae")).stages[0]
-    assert stage.bdc == {}
+    assert stage.statistics.bdc is None
     assert rise(stage, stage) is None
     assert strokes_of(Scene(mechanism=linkage, wear_updates=0), stage) == []
 
@@ -142,19 +156,21 @@ def test_what_dwells_at_its_bottom_is_not_late(part: float, cycles: int) -> None
     press = Press(servo=Dwell(part=part))
     scene = replace(ideal(), mechanism=press, engine="dae", cycles=cycles)
     stage = run(scene).stages[0]
-    assert not [name for name in stage.bdc if "delay" in name]
+    assert stage.bdc.delay is None
     # It leaves slowly, and is looked at 1440 times in a cycle.
-    stays = stage.bdc["ideal_dwell_s"] / press.period
+    stays = stage.bdc.ideal_dwell / press.period
     assert part - 2.0 / 1440.0 < stays < part + 0.01
     table = bottom(run(scene), {})
     assert table is not None
     labels = [row[0] for _, rows in table.groups for row in rows]
     assert "the ideal stays there, so that none is late (ms)" in labels
     plain = run(replace(scene, mechanism=Press())).stages[0].bdc
-    assert "delay_per_cycle_s" in plain
-    assert plain["ideal_dwell_s"] < 0.002 * press.period
+    assert plain.delay is not None
+    assert plain.ideal_dwell < 0.002 * press.period
     wide = made(wear_times(), 12, seed=1)
     wide.height += 10.0 * (wide.height - wide.height.mean())
     found = bottom_statistics(wear_times(), [wide])
-    assert found["standard_deviation_m"] > 2e-4
-    assert "delay_per_cycle_s" in found
+    assert found is not None
+    assert found.standard_deviation is not None
+    assert found.standard_deviation.mean > 2e-4
+    assert found.delay is not None

@@ -13,7 +13,7 @@ from presswear.campaign.ensemble import FEWEST, Ensemble
 from presswear.campaign.replicates import SPREAD, start_of
 from presswear.physics.constraints import constraints_of
 from presswear.physics.touchdown import CONTACT_COLUMNS
-from presswear.recording.sampling import STARTUP_CYCLES
+from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.recording.tracker import Progress, Tracker
 from presswear.results.folder import ResultFolder
 from presswear.results.result import load
@@ -68,20 +68,22 @@ def test_contacts_are_counted_cycle_by_cycle(two: tuple[StageResult, Ensemble]) 
 def test_statistics_are_of_all_starts(two: tuple[StageResult, Ensemble]) -> None:
     recorders = two[1].recorders
     peaks = [own.each_cycle("force_max", 0)[STARTUP_CYCLES:] for own in recorders]
-    force = two[0].statistics["joints"]["A"]
-    assert two[0].statistics["cycles"] == 12
-    assert force["force_max_N"] == max(own.max() for own in peaks)
+    force = two[0].statistics.joints["A"]
+    assert two[0].cycles == 12
+    assert force.peak_force == max(own.max() for own in peaks)
     expected = np.concatenate(peaks)
-    assert force["force_max_per_cycle_N"]["mean"] == pytest.approx(expected.mean())
-    assert force["force_max_per_cycle_N"]["cycles"] == 8
-    assert force["contacts"] == sum(own.each_cycle("contacts", 0).sum() for own in recorders)
+    assert force.peak_force_per_cycle.mean == pytest.approx(expected.mean())
+    assert force.peak_force_per_cycle.samples == 8
+    assert force.contacts == sum(own.each_cycle("contacts", 0).sum() for own in recorders)
     joint = two[0].joints["A"]
     batches = joint.arrays["wear_batches"]
     assert len(batches) == 8
     added = np.stack([joint.wear(side) for side in SIDES])
     assert batches.mean(axis=0) == pytest.approx(added, abs=1e-12)
-    low, high = force["wear_depth_max_both_interval_m"]
-    assert low < force["wear_depth_max_both_m"] < high
+    depth = force.wear_peaks["both"].depth
+    assert depth.low is not None
+    assert depth.high is not None
+    assert depth.low < depth.mean < depth.high
 
 
 def test_rows_are_stored_with_their_start(

@@ -83,10 +83,11 @@ def test_what_contacts_make_in_the_cycles_adds_up(
     assert made.sum() == pytest.approx(stage.diagnostics["contact_made_J"], rel=1e-12)
     # The force of a foundation on surfaces that turn with their bodies has a potential.
     assert made.any() == (contact == "radial")
-    told = stage.statistics["energy_made_per_cycle_J"]
+    told = stage.statistics.energy_made_per_cycle
+    assert told is not None
     # The first two cycles are no samples.
-    assert told["mean"] == pytest.approx(np.mean(made[:, 2:]), rel=1e-12)
-    assert told["cycles"] == 4
+    assert told.mean == pytest.approx(np.mean(made[:, 2:]), rel=1e-12)
+    assert told.samples == 4
 
 
 def test_the_source_is_needed_no_more(

@@ -19,7 +19,7 @@ from presswear.campaign.growth import FIRST_PASS, Growth, error_of, share_of
 from presswear.campaign.segment import worn_out
 from presswear.linkage.surface import bin_centres
 from presswear.physics.wear import worn_volume
-from presswear.recording.sampling import STARTUP_CYCLES, MapBatches, half_width, mean_map
+from presswear.recording.statistics import STARTUP_CYCLES, MapBatches, half_width, mean_map
 from presswear.results.result import load
 from presswear.results.stage import SIDES, JointResult
 from presswear.scene.bearing import CONVENTIONS
@@ -95,7 +95,7 @@ def test_a_constant_rate_is_exact_in_any_number_of_steps(campaign: Campaign, cyc
         assert len(stage.wear_steps) == cycles
         for name, joint in stage.joints.items():
             np.testing.assert_allclose(both(joint, joint.wear), wear_updates[name], rtol=1e-12)
-            deepest = stage.wear_steps[-1].deepest_m[name]
+            deepest = stage.wear_steps[-1].max_depth[name]
             after = both(joint, joint.depth) + both(joint, joint.wear)
             np.testing.assert_allclose(list(deepest.values()), after.max(axis=1), rtol=1e-12)
         total = math.fsum(step.cycles_per_update for step in stage.wear_steps)
@@ -110,14 +110,13 @@ def test_the_error_of_the_step_is_told_by_the_coarser_pass(campaign: Campaign) -
         seen = campaign(
             replace(SCENE, cycles=cycles, wear_updates=1, replicates=3), FakeEngine(exponential)
         )
-        found = seen.stages[0].statistics["joints"]["A"]
-        errors.append(exact - found["wear_depth_max_bearing_m"] / SHAPE[0].max())
-        told = found["wear_depth_max_bearing_step_m"]
+        peak = seen.stages[0].joints["A"].statistics.wear_peaks["bearing"]
+        assert peak.step_error is not None
+        errors.append(exact - peak.depth.mean / SHAPE[0].max())
         # Of first order: what half the steps do worse is what is left.
-        assert told == pytest.approx(errors[-1], rel=0.15)
-        low, high = found["wear_depth_max_bearing_interval_m"]
-        assert low == pytest.approx(found["wear_depth_max_bearing_m"] - told)
-        assert high == pytest.approx(found["wear_depth_max_bearing_m"] + told)
+        assert peak.step_error == pytest.approx(errors[-1], rel=0.15)
+        assert peak.depth.half_width == pytest.approx(peak.step_error)
+        assert peak.depth.high == pytest.approx(peak.depth.mean + peak.step_error)
     np.testing.assert_allclose(np.divide(errors[:-1], errors[1:]), 2.0, rtol=0.06)
 
 
@@ -188,16 +187,16 @@ def test_behind_a_jump_starts_run_together_and_alone(campaign: Campaign) -> None
     own = stages[1].joints["A"]
     volume = worn_volume(wear_times().linkage().clearances[0], jump)
     added = np.array([first + 0.3, second + 2.7]) * volume
-    assert own.statistics["wear_volume_m3"] == pytest.approx(2.45 * volume, abs=0.0)
+    assert own.statistics.wear_volume.mean == pytest.approx(2.45 * volume, abs=0.0)
     half = half_width(added)
     assert half is not None
     expected = math.hypot(half, 2.45 * volume - added.mean())
-    assert own.statistics["wear_volume_half_width_m3"] == pytest.approx(expected, abs=0.0)
-    force = own.statistics["force_max_per_cycle_N"]
+    assert own.statistics.wear_volume.half_width == pytest.approx(expected, abs=0.0)
+    force = own.statistics.peak_force_per_cycle
     half = half_width(np.array([500.0, 600.0]))
     assert half is not None
-    assert force["mean"] == 350.0
-    assert force["half_width"] == pytest.approx(math.hypot(half, 550.0 - 350.0))
+    assert force.mean == 350.0
+    assert force.half_width == pytest.approx(math.hypot(half, 550.0 - 350.0))
 
 
 def test_single_jumps_are_those_of_the_paper(campaign: Campaign) -> None:
@@ -227,7 +226,7 @@ def test_a_stage_runs_on_the_wear_before_it(campaign: Campaign) -> None:
             added = both(joint, joint.wear)
             np.testing.assert_allclose(there, both(joint, joint.depth) + added, rtol=1e-12)
             area = 0.02 * 0.015 * 2.0 * math.pi / 360
-            volume = joint.statistics["wear_volume_m3"]
+            volume = joint.statistics.wear_volume.mean
             assert volume == pytest.approx(area * added.sum(), rel=1e-12, abs=0.0)
 
 
@@ -267,12 +266,12 @@ def test_a_set_that_fails_does_not_mix_with_the_other(campaign: Campaign) -> Non
     scene = replace(SCENE, extrapolation="single", wear_updates=1, replicates=3)
     seen = campaign(scene, FakeEngine(constant, fails=8))
     assert seen.status == "failed"
-    force = seen.stages[1].statistics["joints"]["A"]["force_max_per_cycle_N"]
+    force = seen.stages[1].joints["A"].statistics.peak_force_per_cycle
     # Runs 4, 5 and 6 together, 7 and 8 alone, each a hundred times its number.
-    assert force["mean"] == 500.0
+    assert force.mean == 500.0
     half = half_width(np.array([700.0, 800.0]))
     assert half is not None
-    assert force["half_width"] == pytest.approx(math.hypot(half, 750.0 - 500.0))
+    assert force.half_width == pytest.approx(math.hypot(half, 750.0 - 500.0))
 
 
 @pytest.mark.parametrize(
@@ -388,9 +387,9 @@ def test_the_press_wears_in_steps(real: Path) -> None:
         for side in ("bearing", "pin"):
             before, after = (stage.joints[joint].depth(side) for stage in result.stages)
             np.testing.assert_allclose(after - before, result.stages[0].joints[joint].wear(side))
-            deepest = [step.deepest_m[joint][side] for step in steps]
+            deepest = [step.max_depth[joint][side] for step in steps]
             assert deepest == sorted(deepest)
-    assert len({step.force_max_N["A"] for step in steps}) == len(steps)
+    assert len({step.peak_force["A"] for step in steps}) == len(steps)
 
 
 def test_growth_is_a_table_and_a_figure(real: Path) -> None:
@@ -408,7 +407,7 @@ def test_growth_is_a_table_and_a_figure(real: Path) -> None:
             x, y = (np.asarray(data, dtype=float) for data in line.get_data())
             assert x[-1] == pytest.approx(1.0)
             assert y[0] == 0.0
-            deepest = result.stages[0].wear_steps[-1].deepest_m[joint][side]
+            deepest = result.stages[0].wear_steps[-1].max_depth[joint][side]
             assert y[-1] == pytest.approx(1e6 * deepest)
     assert "how the wear was applied" in render(words_of(result), [])
     assert notes(result)

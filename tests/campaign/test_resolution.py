@@ -32,15 +32,15 @@ def test_pieces_that_are_run_again_as_they_were_are_what_they_were(
     monkeypatch.setattr(resolution, "FINER", 1.0)
     scene = scene_of(engine, 1e-5)
     assert step_errors(scene) == {
-        "step_error_of_dose": 0.0,
-        "step_error_of_force": 0.0,
+        "load_distance_step_error": 0.0,
+        "peak_force_step_error": 0.0,
     }
 
 
 def test_the_error_falls_with_the_tolerance() -> None:
     # The median, because chaos magnifies a small error in some pieces.
     coarse, fine = (
-        median(step_errors(scene, start)["step_error_of_dose"] for start in (-1, -2, -3))
+        median(step_errors(scene, start)["load_distance_step_error"] for start in (-1, -2, -3))
         for scene in (scene_of("exudyn-tree", 3e-5), scene_of("exudyn-tree", 1e-8))
     )
     assert coarse > 10.0 * fine > 0.0
@@ -58,5 +58,7 @@ def test_a_stage_of_many_cycles_tells_it_beside_what_is_known_of_its_wear() -> N
         run(replace(scene_of("dae", 1e-5), replicates=1, cycles=cycles)).stages[0].statistics
         for cycles in (resolution.WORTH, resolution.WORTH - 1)
     )
-    assert 0.0 < many["step_error_of_dose"] < many["wear_error"]
-    assert "step_error_of_dose" not in few
+    assert many.load_distance_step_error is not None
+    assert many.wear_error is not None
+    assert 0.0 < many.load_distance_step_error < many.wear_error
+    assert few.load_distance_step_error is None

@@ -25,7 +25,7 @@ from presswear.campaign.ensemble import (
 from presswear.campaign.resolution import StepErrors
 from presswear.campaign.segment import Reached, Segment, Task
 from presswear.campaign.single import TURN, run, run_into, workers_of
-from presswear.recording.sampling import STARTUP_CYCLES, MapBatches
+from presswear.recording.statistics import STARTUP_CYCLES, MapBatches
 from presswear.recording.tracker import Progress, Tracker
 from presswear.results.folder import ResultFolder
 from presswear.results.result import load
@@ -112,7 +112,7 @@ def test_no_number_depends_on_the_processes(name: str, tmp_path: Path) -> None:
     scene = SCENES[name]
     one, three = (finished(scene, jobs, tmp_path / f"{jobs}") for jobs in (1, 3))
     assert folder_differences(one, three) == []
-    assert all(own.statistics["step_error_of_dose"] > 0.0 for own in load(one).stages)
+    assert all(stage.statistics.load_distance_step_error for stage in load(one).stages)
     if name == "until known":
         (only,) = load(one).stages
         # More than one round, or nothing was decided.
@@ -170,7 +170,7 @@ def test_finer_steps_are_taken_beside_the_runs(
     workers = Noting()
     stage = run_stage(UNTIL_KNOWN, 0, workers=workers)[0]
     assert workers.beside == ([] if ended is None else [ended])
-    assert ("step_error_of_dose" in stage.statistics) == (ended is not None)
+    assert (stage.statistics.load_distance_step_error is None) == (ended is None)
 
 
 def test_runs_that_processes_share_take_turns() -> None:

@@ -14,7 +14,7 @@ from presswear.cli.running import Terminal, step_of
 from presswear.cli.terminal import Foretold, progress_bar
 from presswear.linkage.linkage import Linkage
 from presswear.recording.tracker import Progress
-from presswear.results.stage import StageResult
+from presswear.results.stage import StageResult, StageStatistics
 from presswear.scene.catalog import wear_times
 
 SCENE = replace(wear_times(), engine="dae", wear_updates=2)
@@ -101,7 +101,7 @@ def test_compiling_is_said_and_is_no_speed(clock: Clock) -> None:
         "wall_prepare_s": 0.0,
     }
     stage = StageResult(
-        0, "completed", "", None, 1.0, (), 2.0, 30.0, diagnostics, {"cycles": 1, "joints": {}}
+        0, "completed", "", None, 1.0, (), 2.0, 30.0, diagnostics, StageStatistics(cycles=1)
     )
     console = console_of(120, clock)
     bar = progress_bar(console)

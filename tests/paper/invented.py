@@ -14,7 +14,7 @@ from presswear.paper.evidence import Evidence
 from presswear.paper.variants import BASE, CASES, base_scene, variant_key
 from presswear.recording.observe import CYCLE_FIXED, CYCLE_JOINT
 from presswear.results.result import Result
-from presswear.results.stage import StageResult
+from presswear.results.stage import StageResult, StageStatistics
 
 Array = NDArray[np.float64]
 BINS = 72
@@ -122,11 +122,9 @@ def result(
             simulated_s=1.0,
             wall_s=2.0,
             diagnostics={"model": "made up"},
-            statistics={
-                "cycles": len(arrays["cycles"]),
-                "energy_residual_J": 1e-9,
-                "energy_exchanged_J": 1.0,
-            },
+            statistics=StageStatistics(
+                len(arrays["cycles"]), energy_residual=1e-9, energy_exchanged=1.0
+            ),
             arrays=arrays,
             joint_names=scene.clearance_joints,
         )

@@ -12,7 +12,7 @@ from presswear.paper.printed import Place
 from presswear.paper.variants import BASE, base_scene, variant_key
 from presswear.paper.words import QUANTITIES
 from presswear.recording.observe import CYCLE_FIXED, CYCLE_JOINT
-from presswear.recording.sampling import STARTUP_CYCLES, half_width
+from presswear.recording.statistics import STARTUP_CYCLES, half_width
 from presswear.scene.bearing import Conventions
 
 SETTING = "wear-times"

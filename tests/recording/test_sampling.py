@@ -9,11 +9,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
-from presswear.recording.sampling import (
+from presswear.recording.statistics import (
     LEAST_SAMPLES,
     MOST_BATCHES,
     STARTUP_CYCLES,
-    Interval,
+    Estimate,
     MapBatches,
     after_startup,
     basic_interval,
@@ -116,7 +116,7 @@ def test_intervals_of_scatter_cover_it(
         assert found is not None
         assert found.low is not None
         assert found.high is not None
-        assert found.low < found.value < found.high
+        assert found.low < found.mean < found.high
         deviations += found.low <= 1.0 <= found.high
         span, told = mean_range(list(series))
         assert told == size
@@ -125,7 +125,7 @@ def test_intervals_of_scatter_cover_it(
         assert span.high is not None
         ranges += span.low <= truth <= span.high
         free = runs * (count - STARTUP_CYCLES - 1)
-        ends = found.value * np.sqrt(free / stats.chi2.ppf([0.975, 0.025], free))
+        ends = found.mean * np.sqrt(free / stats.chi2.ppf([0.975, 0.025], free))
         plain += ends[0] <= 1.0 <= ends[1]
     assert 0.89 < deviations / draws < 0.99
     assert 0.89 < ranges / draws < 0.99
@@ -137,7 +137,7 @@ def test_scatter_is_that_of_each_run_about_its_own_mean() -> None:
     first, second = np.array([9.0, 9.0, 1.0, 3.0, 2.0]), np.array([9.0, 9.0, 14.0, 10.0, 12.0])
     found = spread([first, second])
     assert found is not None
-    assert found.value == pytest.approx(math.sqrt((2.0 + 8.0) / 4.0))
+    assert found.mean == pytest.approx(math.sqrt((2.0 + 8.0) / 4.0))
     # By hand: each sample left out once, with the mean of those that stay.
     logs = []
     for run, other in ((first[2:], second[2:]), (second[2:], first[2:])):
@@ -157,7 +157,7 @@ def test_range_is_over_as_many_as_the_shortest_run_has() -> None:
     assert size == 4
     parts = [runs[0][2:], runs[1][3:7], runs[1][7:]]
     assert span is not None
-    assert span.value == pytest.approx(np.mean([np.ptp(own) for own in parts]))
+    assert span.mean == pytest.approx(np.mean([np.ptp(own) for own in parts]))
 
 
 def test_too_few_samples_have_no_scatter_and_no_interval() -> None:
@@ -167,12 +167,12 @@ def test_too_few_samples_have_no_scatter_and_no_interval() -> None:
     few = spread([np.array([0.0, 0.0, 1.0, 2.0])])
     assert few is not None
     assert (few.low, few.high) == (None, None)
-    assert few.value == pytest.approx(math.sqrt(0.5))
+    assert few.mean == pytest.approx(math.sqrt(0.5))
     still = spread([np.ones(8)])
     assert still is not None
-    assert (still.value, still.low) == (0.0, None)
+    assert (still.mean, still.low) == (0.0, None)
     span, size = mean_range([np.array([0.0, 0.0, 1.0, 2.0])])
-    assert (span, size) == (Interval(1.0, None, None), 2)
+    assert (span, size) == (Estimate(1.0, samples=1), 2)
 
 
 @given(st.integers(1, 200), st.integers(0, 2**31))
@@ -238,7 +238,7 @@ def test_intervals_of_the_deepest_place_cover_it(count: int, width: float) -> No
         assert peak.angle.high is not None
         deep += peak.depth.low <= 1.0 <= peak.depth.high
         turned += peak.angle.low <= math.radians(90.5) + 1e-9 <= peak.angle.high + 2e-9
-        bias += (peak.depth.value - 1.0) / draws
+        bias += (peak.depth.mean - 1.0) / draws
     assert bias > 0.03
     assert deep / draws > 0.9
     assert turned / draws > 0.9
@@ -280,7 +280,7 @@ def test_an_angle_near_zero_keeps_its_interval_together() -> None:
     assert angle.low is not None
     assert angle.high is not None
     assert 0.0 < angle.high - angle.low < math.radians(40.0)
-    assert angle.low < angle.value < angle.high
+    assert angle.low < angle.mean < angle.high
 
 
 def test_resampling_weighs_by_cycles() -> None:
@@ -296,7 +296,7 @@ def test_runs_that_differ_are_single_samples() -> None:
     apart = [generator.normal(mean, 1.0, 30) for mean in (8.0, 10.0, 12.0)]
     together, are_apart = pooled(alike)
     assert not are_apart
-    assert together.cycles == 84
+    assert together.samples == 84
     assert together.half_width is not None
     assert together.half_width < 0.5
     wide, are_apart = pooled(apart)

@@ -62,12 +62,12 @@ def test_the_highest_place_is_bottom_dead_centre_everywhere(both: list[pw.Result
     near = 1e-9
     stages: list[StageResult] = [result.stages[0] for result in both]
     one, other = (stage.bdc for stage in stages)
-    assert one["strokes"] == other["strokes"] == 1
-    for name in ("height_per_cycle_m", "error_per_cycle_m", "delay_per_cycle_s"):
-        assert one[name]["mean"] == pytest.approx(other[name]["mean"], abs=near)
-    assert one["ideal_height_m"] == pytest.approx(other["ideal_height_m"], abs=near)
+    assert one.strokes == other.strokes == 1
+    for name in ("height", "error", "delay"):
+        assert getattr(one, name).mean == pytest.approx(getattr(other, name).mean, abs=near)
+    assert one.ideal_height == pytest.approx(other.ideal_height, abs=near)
     # Pulled away from the work the pin gives way by its clearance; below 1 mm either way.
-    assert -1e-3 < one["error_per_cycle_m"]["mean"] < 0.0
+    assert -1e-3 < one.error.mean < 0.0
     for name in ("contact", "fracture", "separation"):
         first, second = (getattr(result.strokes(0), name) for result in both)
         np.testing.assert_allclose(first, second, atol=1e-9)

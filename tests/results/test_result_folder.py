@@ -381,11 +381,11 @@ def test_maps_of_different_bins_are_stored_and_shown(whole: Path) -> None:
         np.testing.assert_array_equal(data.coords[f"{name}_angle"], bin_centres(bins))
         assert data[f"{name}_depth_pin"].dims == (f"{name}_angle",)
         joint = result.stages[1].joints[name]
-        numbers = result.stages[0].statistics["joints"][name]
+        numbers = result.stages[0].statistics.joints[name]
         worn = sum(float(joint.depth(side).mean()) for side in SIDES)
         (gap,) = (own for own in SCENE.linkage().clearances if own.name == name)
         volume = worn * 2.0 * math.pi * gap.bearing_radius * gap.width
-        assert numbers["wear_volume_m3"] == pytest.approx(volume, rel=1e-12)
+        assert numbers.wear_volume.mean == pytest.approx(volume, rel=1e-12)
     drawn = {drawing.file: drawing.sheet for drawing in drawings(result)}
     ends = [
         {np.size(line.get_xdata()) for line in axes.get_lines()}

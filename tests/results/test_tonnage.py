@@ -16,8 +16,9 @@ from scipy.stats import t as student
 
 import presswear as pw
 from presswear.campaign.single import run
+from presswear.recording.statistics import Estimate
 from presswear.results.drives import ENERGY_BOUND, drives_of, energy_of
-from presswear.results.stage import JointResult
+from presswear.results.stage import JointResult, JointStatistics
 from presswear.results.strokes import height_of, process_force, strokes_of
 from presswear.results.tables import table_of, unit_of
 from presswear.results.tonnage import (
@@ -90,7 +91,7 @@ def test_the_ideal_press_gives_a_part_its_work_and_no_more(ideal: pw.Result) -> 
     assert energy.drives_J is not None
     exact = 1e-6 * SHEET.work
     # Of two settled strokes and cycles.
-    assert (energy.process_J.cycles, energy.drives_J.cycles) == (2, 2)
+    assert (energy.process_J.samples, energy.drives_J.samples) == (2, 2)
     for found in (energy.process_J.mean, energy.drives_J.mean, energy.drives_ideal_J):
         assert found == pytest.approx(SHEET.work, abs=exact)
     assert energy.residual_part < ENERGY_BOUND
@@ -304,6 +305,10 @@ def test_phases_without_work_part_at_the_bottom() -> None:
     assert phases_of(time, [none]).tolist() == [-1, 0, 0, 3, 3, -1]
 
 
+ZERO = Estimate(0.0)
+JOINT_STATISTICS = JointStatistics(0.0, ZERO, 0, ZERO, 0, None, 0.0, ZERO, ZERO, None, None, (), {})
+
+
 def test_peaks_are_told_by_phase_with_their_scatter() -> None:
     """Three strokes with planted peaks; Student's interval from scipy."""
     moved = ("begin", "bottom", "end", "contact", "fracture", "done")
@@ -318,7 +323,8 @@ def test_peaks_are_told_by_phase_with_their_scatter() -> None:
         for k in range(3):
             row = int(np.abs(time - at - k).argmin())
             force[row] = 0.8 * sizes[name][k], 0.6 * sizes[name][k]
-    told = {"force_max_per_cycle_N": {"mean": 500.0, "half_width": 20.0, "cycles": 12}}
+    peak = Estimate.symmetric(500.0, 20.0, 12)
+    told = replace(JOINT_STATISTICS, peak_force_per_cycle=peak)
     arrays = {"force": force, "eccentricity": np.tile([1e-4, 0.0], (time.size, 1))}
     found = joint_tonnage(time, JointResult("A", told, arrays), strokes, phases_of(time, strokes))
     assert set(found.peak_N) == set(PHASES)
@@ -326,10 +332,10 @@ def test_peaks_are_told_by_phase_with_their_scatter() -> None:
         half = float(student.ppf(0.975, 2)) * own.std(ddof=1) / math.sqrt(3.0)
         assert found.peak_N[name].mean == pytest.approx(own.mean())
         assert found.peak_N[name].half_width == pytest.approx(half)
-        assert found.peak_N[name].cycles == 3
+        assert found.peak_N[name].samples == 3
         assert found.largest_N[name] == pytest.approx(own.max(), rel=1e-14)
     assert found.stroke_peak_N is not None
-    assert found.stroke_peak_N.cycles == 12
+    assert found.stroke_peak_N.samples == 12
     # Both push the same way: nothing is reversed.
     assert found.reversed_part is not None
     assert found.reversed_part.mean == 0.0

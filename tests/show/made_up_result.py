@@ -8,8 +8,18 @@ from matplotlib.figure import Figure as Sheet
 
 from presswear.linkage.surface import bin_centres
 from presswear.recording.observe import CYCLE_FIXED, cycle_columns
+from presswear.recording.statistics import Estimate
 from presswear.results.result import Result
-from presswear.results.stage import SIDES, StageResult, WearStep
+from presswear.results.stage import (
+    SIDES,
+    BottomStatistics,
+    JointStatistics,
+    OutputStatistics,
+    StageResult,
+    StageStatistics,
+    WearPeak,
+    WearStep,
+)
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import wear_times
 from presswear.scene.scene import Scene
@@ -68,40 +78,41 @@ def _stage(scene: Scene, index: int, status: Any, message: str) -> StageResult:
         for side in SIDES:
             arrays[f"{joint}_depth_{side}"] = index * one
             arrays[f"{joint}_wear_{side}"] = one
-        each = {"mean": 80.0, "half_width": 12.0, "cycles": 2}
-        joints[joint] = {
-            "force_max_N": 100.0 + index,
-            "force_max_per_cycle_N": each,
-            "dose_per_cycle_Nm": each | {"half_width": None},
-            "contacts": 1234,
-            "fewest_steps_in_a_contact": 50,
-            "part_of_time_in_contact": 0.5,
-            "wear_volume_m3": 3e-9,
-            "wear_map_error": 0.1,
-        }
-    each = {"mean": 0.107, "half_width": 0.001, "cycles": 2}
-    slider = {
-        "displacement_max_m": 0.10731,
-        "velocity_min_m_s": -0.9,
-        "velocity_max_m_s": 1.0,
-        "acceleration_max_m_s2": 1221.0,
-        "displacement_max_per_cycle_m": each,
-        "velocity_max_per_cycle_m_s": each,
-        "acceleration_max_per_cycle_m_s2": each,
-    }
-    bdc = {
-        "strokes": 2,
-        "height_per_cycle_m": {"mean": -0.58785, "half_width": 2e-5, "cycles": 2},
-        "error_per_cycle_m": {"mean": -(7.6 + index) * 1e-4, "half_width": 3e-5, "cycles": 2},
-        "delay_per_cycle_s": {"mean": -3e-3, "half_width": None, "cycles": 2},
-        "delay_per_cycle_rad": {"mean": -0.0314159, "half_width": 0.0174533, "cycles": 2},
-        "standard_deviation_m": 4e-5,
-        "standard_deviation_interval_m": [3e-5, 6e-5],
-        "range_m": 1e-4,
-        "range_interval_m": None,
-        "range_strokes": 2,
-        "range_of_all_m": 1e-4,
-    }
+        each = Estimate.symmetric(80.0, 12.0, 2)
+        joints[joint] = JointStatistics(
+            peak_force=100.0 + index,
+            peak_force_per_cycle=each,
+            contacts=1234,
+            contacts_per_cycle=each,
+            unresolved_contacts=0,
+            min_steps_per_contact=50,
+            contact_time_fraction=0.5,
+            load_distance_per_cycle=Estimate(80.0, samples=2),
+            wear_volume=Estimate(3e-9),
+            wear_volume_step_error=None,
+            wear_map_error=0.1,
+            wear_depth_max_by_replicate=(5e-6,),
+            wear_peaks={
+                side: WearPeak(Estimate(float(one.max())), Estimate(np.radians(92.5)))
+                for side in (*SIDES, "both")
+            },
+        )
+    each = Estimate.symmetric(0.107, 0.001, 2)
+    output = OutputStatistics(0.10731, -0.9, 1.0, 1221.0, each, each, each)
+    bdc = BottomStatistics(
+        strokes=2,
+        ideal_height=-0.5871,
+        ideal_time=0.5,
+        ideal_dwell=0.0,
+        height=Estimate.symmetric(-0.58785, 2e-5, 2),
+        error=Estimate.symmetric(-(7.6 + index) * 1e-4, 3e-5, 2),
+        range_of_all=1e-4,
+        range=Estimate(1e-4),
+        range_strokes=2,
+        standard_deviation=Estimate(4e-5, 3e-5, 6e-5),
+        delay=Estimate(-3e-3, samples=2),
+        delay_angle=Estimate.symmetric(-0.0314159, 0.0174533, 2),
+    )
     return StageResult(
         index,
         status,
@@ -112,7 +123,7 @@ def _stage(scene: Scene, index: int, status: Any, message: str) -> StageResult:
         simulated_s=float(time[-1]),
         wall_s=1.0,
         diagnostics={"model": "6 bodies, 2 drives", "steps": 4000},
-        statistics={"cycles": 2, "slider": slider, "bdc": bdc, "joints": joints},
+        statistics=StageStatistics(2, output=output, bdc=bdc, joints=joints),
         arrays=arrays,
         joint_names=scene.clearance_joints,
     )

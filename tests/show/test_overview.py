@@ -9,6 +9,7 @@ from test_report import Page, page_of
 
 from presswear.linkage.four_bar import FOUR_BAR
 from presswear.linkage.process import Blanking
+from presswear.recording.statistics import Estimate
 from presswear.results.result import Result
 from presswear.results.stage import StageResult, WearStep
 from presswear.scene.bearing import Bearing
@@ -72,9 +73,10 @@ def test_failed_stages_have_no_numbers_there() -> None:
 
 def test_a_single_stroke_says_that_it_has_no_interval() -> None:
     result = made_up(ONE, 1)
-    known = {"mean": -1e-4, "half_width": None, "cycles": 1}
-    bdc = {"strokes": 1, "error_per_cycle_m": known, "range_m": None, "range_strokes": 1}
-    statistics = {**result.stages[0].statistics, "bdc": bdc}
+    bdc = replace(
+        result.stages[0].bdc, strokes=1, error=Estimate(-1e-4), range=None, range_strokes=1
+    )
+    statistics = replace(result.stages[0].statistics, bdc=bdc)
     page = head_of(altered(result, 0, statistics=statistics))
     assert numbers(page, "error of bottom dead centre (µm)") == ["−100 (too few cycles)"]
     assert numbers(page, "repeatability (µm)") == ["not known from 1 stroke"]

@@ -11,6 +11,7 @@ from made_up_result import BODY, BOTH, IDEAL, ONE, altered, made_up
 
 from presswear.physics.statics import total_clearance
 from presswear.results.result import Result
+from presswear.results.stage import StageStatistics
 from presswear.scene.bearing import CONVENTIONS, Conventions
 from presswear.scene.catalog import slider_crank
 from presswear.scene.settings import settings_of
@@ -130,7 +131,7 @@ def test_failed_status_is_shown_with_its_message() -> None:
 
 def test_stage_that_failed_at_once_leaves_dashes() -> None:
     result = made_up(BOTH, 2, "failed", "no step")
-    page = page_of(altered(result, 1, statistics={"cycles": 0}))
+    page = page_of(altered(result, 1, statistics=StageStatistics(cycles=0)))
     assert page.row("largest acceleration (m/s²)")[1:] == ["1\u202f220", "–"]
     assert page.row("largest normal force (N)")[1:] == ["100", "–"]
 

@@ -22,7 +22,7 @@ SCENE = pw.scenes.wear_times(
 def alone_at(settings: dict[str, float]) -> float:
     """Mean peak force at A of a run by itself."""
     told = pw.run(changed(SCENE, settings), jobs=1).stages[0].joints["A"].statistics
-    return float(told["force_max_per_cycle_N"]["mean"])
+    return told.peak_force_per_cycle.mean
 
 
 def test_one_measure_gives_a_number_and_several_a_list() -> None:

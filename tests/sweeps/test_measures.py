@@ -35,9 +35,9 @@ def result() -> pw.Result:
 
 def test_peak_forces_are_means_over_the_settled_strokes(result: pw.Result) -> None:
     for index, stage in enumerate(result.stages):
-        told = stage.joints["A"].statistics["force_max_per_cycle_N"]
+        told = stage.joints["A"].statistics.peak_force_per_cycle
         found = measured(result)[f"A.force_max@{index}"]
-        assert found == Found(told["mean"], told["half_width"])
+        assert found == Found(told.mean, told.half_width or math.nan)
         forces = stage.joints["A"].each_cycle("force_max")
         assert forces.min() <= found.value <= forces.max()
 
@@ -54,18 +54,18 @@ def test_depth_and_volume_are_those_of_the_surfaces(result: pw.Result) -> None:
         assert found[f"A.wear_volume@{index}"].value == pytest.approx(volume, rel=1e-12, abs=0)
     assert found["A.depth@1"].value > 0.0
     told = result.stages[0].joints["A"].statistics
-    assert found["A.wear_volume@1"].value == pytest.approx(told["wear_volume_m3"], rel=1e-9, abs=0)
-    assert found["A.wear_volume@1"].half == told["wear_volume_half_width_m3"]
-    ends = [told[f"wear_depth_max_{side}_interval_m"] for side in ("bearing", "pin")]
-    assert found["A.depth@1"].half in [0.5 * (own[1] - own[0]) for own in ends]
+    assert found["A.wear_volume@1"].value == pytest.approx(told.wear_volume.mean, rel=1e-9, abs=0)
+    assert found["A.wear_volume@1"].half == told.wear_volume.half_width
+    ends = [told.wear_peaks[side].depth.half_width for side in ("bearing", "pin")]
+    assert found["A.depth@1"].half in ends
 
 
 def test_a_rate_is_a_wear_over_the_strokes_that_it_stands_for(result: pw.Result) -> None:
     told = result.stages[0].joints["A"].statistics
     found = measured(result)["A.wear_rate@0"]
     strokes = SCENE.cycles_per_update
-    assert found.value == pytest.approx(told["wear_volume_m3"] / strokes, abs=0)
-    assert found.half == pytest.approx(told["wear_volume_half_width_m3"] / strokes, abs=0)
+    assert found.value == pytest.approx(told.wear_volume.mean / strokes, abs=0)
+    assert found.half == pytest.approx(told.wear_volume.scaled(1.0 / strokes).half_width, abs=0)
 
 
 def test_bottom_dead_centre_is_held_against_the_ideal(result: pw.Result) -> None:
@@ -110,7 +110,7 @@ def test_a_life_that_no_limit_ends_is_a_lower_bound() -> None:
 
 def peak(result: pw.Result) -> float:
     """Highest force at A in all stages."""
-    return max(float(stage.joints["A"].statistics["force_max_N"]) for stage in result.stages)
+    return max(float(stage.joints["A"].statistics.peak_force) for stage in result.stages)
 
 
 def highest(result: pw.Result) -> float:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from made_up_sweep import swept
 
-from presswear.recording.sampling import Interval, quantile
+from presswear.recording.statistics import Estimate, quantile
 from presswear.sweeps.responses import responses
 from presswear.sweeps.table import Table
 from presswear.tools.errors import InputError
@@ -80,4 +80,4 @@ def test_means_and_differences_hold_where_points_scatter_unequally() -> None:
 def test_nothing_is_told_of_single_draws() -> None:
     own = responses(swept(POINTS, np.arange(3.0)), "y")
     assert np.isnan(own.half_widths).all()
-    assert own.difference(2, 0) == Interval(2.0, None, None)
+    assert own.difference(2, 0) == Estimate(2.0, None, None)

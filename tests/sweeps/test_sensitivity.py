@@ -21,7 +21,7 @@ from made_up_sweep import (
 from SALib.analyze import morris as salib_morris
 from scipy.stats import sobol_indices
 
-from presswear.recording.sampling import Interval
+from presswear.recording.statistics import Estimate
 from presswear.sweeps.chaos import chaos_share
 from presswear.sweeps.designs import JUMP, design
 from presswear.sweeps.one_plan import WAVES, are_independent, by_waves, first_order
@@ -35,11 +35,11 @@ NOISE = float(0.8 * np.sqrt(ISHIGAMI_VARIANCE))
 SHARE = 0.8**2 / (1.0 + 0.8**2)
 
 
-def values(found: Sequence[Interval]) -> list[float]:
-    return [own.value for own in found]
+def values(found: Sequence[Estimate]) -> list[float]:
+    return [own.mean for own in found]
 
 
-def held(found: Callable[[int], Sequence[Interval]], truth: Sequence[float]) -> Array:
+def held(found: Callable[[int], Sequence[Estimate]], truth: Sequence[float]) -> Array:
     """Part of the intervals from many seeds that hold each truth."""
     count = np.zeros(len(truth))
     for seed in range(REPEATS):
@@ -92,7 +92,7 @@ def test_without_chaos_blocks_are_those_of_scipy() -> None:
 def test_intervals_of_blocks_hold() -> None:
     truth = [*ISHIGAMI_FIRST, *ISHIGAMI_TOTAL]
 
-    def found(seed: int) -> list[Interval]:
+    def found(seed: int) -> list[Estimate]:
         own = known(by_blocks(drawn(random_blocks(256, 3, seed))))
         return [*own.first, *own.total]
 
@@ -102,7 +102,7 @@ def test_intervals_of_blocks_hold() -> None:
 def test_chaos_is_taken_off_blocks() -> None:
     truth = [*ISHIGAMI_FIRST, *ISHIGAMI_TOTAL, SHARE]
 
-    def found(seed: int, draws: int) -> list[Interval]:
+    def found(seed: int, draws: int) -> list[Estimate]:
         points = random_blocks(256, 3, seed)
         own = known(by_blocks(drawn(points, draws, NOISE, seed + 1000)))
         return [*own.first, *own.total, *([own.chaos] if own.chaos else [])]
@@ -121,7 +121,7 @@ def test_chaos_that_runs_tell_is_taken_off_blocks() -> None:
     found = known(by_blocks(responses(table, "y")))
     assert values(found.total) == pytest.approx(ISHIGAMI_TOTAL, abs=0.08)
     assert found.chaos is not None
-    assert found.chaos.value == pytest.approx(SHARE, abs=0.03)
+    assert found.chaos.mean == pytest.approx(SHARE, abs=0.03)
 
 
 def test_a_block_with_a_failure_is_left_out() -> None:
@@ -152,7 +152,7 @@ def test_ishigami_from_one_plan(kind: str) -> None:
 
 @pytest.mark.parametrize("kind", ["latin", "sobol"])
 def test_intervals_from_one_plan_hold(kind: str) -> None:
-    def found(seed: int) -> Sequence[Interval]:
+    def found(seed: int) -> Sequence[Estimate]:
         return known(first_order(swept_by(kind, 256, seed))).first
 
     assert held(found, ISHIGAMI_FIRST).min() >= LEAST_HELD
@@ -160,7 +160,7 @@ def test_intervals_from_one_plan_hold(kind: str) -> None:
 
 @pytest.mark.parametrize("kind", ["latin", "sobol"])
 def test_chaos_is_taken_off_one_plan(kind: str) -> None:
-    def found(seed: int) -> Sequence[Interval]:
+    def found(seed: int) -> Sequence[Estimate]:
         return known(first_order(swept_by(kind, 256, seed, draws=2, noise=NOISE))).first
 
     assert held(found, ISHIGAMI_FIRST).min() >= LEAST_HELD
@@ -199,7 +199,7 @@ def test_nothing_but_chaos_has_no_indices() -> None:
 @pytest.mark.parametrize("draws", [2, 4])
 @pytest.mark.parametrize(("count", "size"), [(16, 0.5), (32, 2.0)])
 def test_intervals_of_the_share_of_chaos_hold(count: int, draws: int, size: float) -> None:
-    def found(seed: int, heavy: bool) -> list[Interval]:
+    def found(seed: int, heavy: bool) -> list[Estimate]:
         random = np.random.default_rng(seed)
         points = random.random((count, 2))
         shape = (count, draws)
@@ -222,7 +222,7 @@ def test_unequal_draws_give_the_same_share() -> None:
     table.values[random.random(12000) < 0.3] = np.nan
     share = chaos_share(responses(table, "y"))
     assert share is not None
-    assert share.value == pytest.approx(0.5, abs=0.02)
+    assert share.mean == pytest.approx(0.5, abs=0.02)
 
 
 def test_single_draws_tell_no_share() -> None:
@@ -237,17 +237,17 @@ def test_paths_give_the_effects_of_salib() -> None:
     problem = {"num_vars": 3, "names": ["a", "b", "c"], "bounds": [[0.0, 1.0]] * 3}
     theirs = salib_morris.analyze(problem, points, ishigami(points), num_levels=4)
     step = 2.0 / 3.0
-    assert [own.size.value / step for own in found] == pytest.approx(theirs["mu_star"].data)
-    assert [own.scatter.value / step for own in found] == pytest.approx(theirs["sigma"])
+    assert [own.size.mean / step for own in found] == pytest.approx(theirs["mu_star"].data)
+    assert [own.scatter.mean / step for own in found] == pytest.approx(theirs["sigma"])
 
 
 def test_effects_of_a_plane_are_its_slopes_and_do_not_scatter() -> None:
     points = design("morris", 8, 3, seed=1)
     found = screening(responses(swept(points, points @ np.array([1.0, -4.0, 0.0])), "y"))
     assert found is not None
-    sizes = [own.size.value for own in found]
+    sizes = [own.size.mean for own in found]
     assert sizes == pytest.approx([JUMP * 1.0, JUMP * 4.0, 0.0], abs=1e-12)
-    assert [own.scatter.value for own in found] == pytest.approx([0.0] * 3, abs=1e-12)
+    assert [own.scatter.mean for own in found] == pytest.approx([0.0] * 3, abs=1e-12)
 
 
 def test_chaos_alone_has_effects_as_large_as_its_floor() -> None:
@@ -257,12 +257,12 @@ def test_chaos_alone_has_effects_as_large_as_its_floor() -> None:
     assert found is not None
     for one in found:
         # Draws of a normal distribution: sqrt(2/pi) of the scatter of a difference of two means.
-        assert one.size.value == pytest.approx(np.sqrt(2.0 / np.pi), rel=0.05)
-        assert one.floor == pytest.approx(one.size.value, rel=0.15)
+        assert one.size.mean == pytest.approx(np.sqrt(2.0 / np.pi), rel=0.05)
+        assert one.floor == pytest.approx(one.size.mean, rel=0.15)
 
 
 def test_intervals_of_effects_hold() -> None:
-    def found(seed: int, size: int) -> list[Interval]:
+    def found(seed: int, size: int) -> list[Estimate]:
         points = design("morris", size, 3, seed)
         bent = np.exp(2.0 * points[:, 0] * points[:, 1]) + (points[:, 1] - points[:, 2]) ** 2
         own = screening(responses(swept(points, bent), "y"))
@@ -283,8 +283,8 @@ def test_one_at_a_time_says_how_far_each_moves_the_measure() -> None:
     assert second is not None
     assert third is not None
     assert (first.low, first.high) == pytest.approx((0.05, 0.95))
-    assert (first.at_low.value, first.at_high.value) == pytest.approx((-0.45, 0.45))
-    assert (second.at_low.value, second.at_high.value) == pytest.approx((1.8, -1.8))
+    assert (first.at_low.mean, first.at_high.mean) == pytest.approx((-0.45, 0.45))
+    assert (second.at_low.mean, second.at_high.mean) == pytest.approx((1.8, -1.8))
     assert (first.span, second.span, third.span) == pytest.approx((0.9, 3.6, 0.0), abs=1e-12)
     assert first.at_low.low is None
 
@@ -292,7 +292,7 @@ def test_one_at_a_time_says_how_far_each_moves_the_measure() -> None:
 def test_intervals_of_swings_hold() -> None:
     points = design("one", 1, 2, seed=0)
 
-    def found(seed: int) -> list[Interval]:
+    def found(seed: int) -> list[Estimate]:
         own = responses(swept(points, points[:, 0], draws=4, noise=1.0, seed=seed), "y")
         told = swings(own)
         assert told is not None

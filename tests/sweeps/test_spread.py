@@ -8,7 +8,7 @@ from made_up_sweep import swept
 from numpy.typing import NDArray
 from scipy import stats
 
-from presswear.recording.sampling import Interval
+from presswear.recording.statistics import Estimate
 from presswear.sweeps.designs import design
 from presswear.sweeps.distributions import Distribution, parse
 from presswear.sweeps.responses import responses
@@ -42,7 +42,7 @@ def lives(size: int, seed: int, kind: str = "sobol") -> Table:
     return swept(points, found, unit="")
 
 
-def holds(own: Interval, truth: float) -> bool:
+def holds(own: Estimate, truth: float) -> bool:
     assert own.low is not None
     assert own.high is not None
     return own.low <= truth <= own.high
@@ -57,24 +57,24 @@ def test_a_life_is_as_long_as_it_is() -> None:
     found = of_surface(128, seed=3)
     for percent in (5, 50, 95):
         own = found.quantile(percent)
-        assert own.value == pytest.approx(LIFE.ppf(percent / 100.0), rel=0.15)
+        assert own.mean == pytest.approx(LIFE.ppf(percent / 100.0), rel=0.15)
         assert holds(own, LIFE.ppf(percent / 100.0))
     assert found.misses is not None
-    assert found.misses.value == pytest.approx(LIFE.cdf(40.0), abs=0.02)
+    assert found.misses.mean == pytest.approx(LIFE.cdf(40.0), abs=0.02)
     assert holds(found.misses, LIFE.cdf(40.0))
 
 
 def test_without_chaos_it_spreads_less() -> None:
     found = of_surface(128, seed=3, chaos=False)
     assert holds(found.quantile(5), MEAN_LIFE.ppf(0.05))
-    assert found.quantile(5).value > of_surface(128, seed=3).quantile(5).value
+    assert found.quantile(5).mean > of_surface(128, seed=3).quantile(5).mean
 
 
 def test_where_more_is_a_miss_the_other_end_counts() -> None:
     found = surface(responses(lives(128, seed=3), "y"))
     own = spread_of_surface(found, [NORMAL, NORMAL], Required(200.0, False))
     assert own.misses is not None
-    assert own.misses.value == pytest.approx(LIFE.sf(200.0), abs=0.03)
+    assert own.misses.mean == pytest.approx(LIFE.sf(200.0), abs=0.03)
 
 
 @pytest.mark.slow
@@ -126,7 +126,7 @@ def test_quantiles_below_all_lower_bounds_do_not_mind_them() -> None:
     assert whole is not None
     assert found.quantile(5) == whole.quantile(5)
     assert found.misses == whole.misses
-    assert math.isnan(found.quantile(60).value)
+    assert math.isnan(found.quantile(60).mean)
     assert found.quantile(60).high is None
 
 
@@ -144,7 +144,7 @@ def test_a_miss_beyond_a_bound_is_not_known(required: Required, ends: tuple[int,
     found = spread_of_rows(ranked(values, values == 20.0), "y", required)
     assert found is not None
     surely, perhaps = (stats.binomtest(k, 200).proportion_ci(0.95) for k in ends)
-    assert found.misses == Interval(sum(ends) / 400.0, surely.low, perhaps.high)
+    assert found.misses == Estimate(sum(ends) / 400.0, surely.low, perhaps.high)
 
 
 def test_only_first_draws_are_a_sample() -> None:
@@ -163,7 +163,7 @@ def test_cut_distributions_are_read_as_such() -> None:
     points = np.asarray(half.at(design("sobol", 32, 1, 1)))
     found = spread_of_surface(surface(responses(swept(points, 3.0 * points[:, 0]), "y")), [half])
     known = 3.0 * stats.halfnorm.ppf([0.05, 0.5, 0.95])
-    assert [found.quantile(p).value for p in (5, 50, 95)] == pytest.approx(known, rel=0.03)
+    assert [found.quantile(p).mean for p in (5, 50, 95)] == pytest.approx(known, rel=0.03)
 
 
 MEASURES = (Column("life", "", "strokes"), Column("A.force_max", "N", "peak"))

@@ -60,8 +60,8 @@ def test_a_row_holds_what_a_run_of_its_scene_gives(tmp_path: Path) -> None:
     assert set(table.reasons) == {""}
     settings = {**QUICK, "clearance": 6e-4, "A.friction": 0.02, "seed": 1}
     alone = pw.run(pw.scenes.wear_times(**settings), jobs=1).stages[0]
-    peak = alone.joints["A"].statistics["force_max_per_cycle_N"]["mean"]
-    assert table.values[5].tolist() == [peak, alone.bdc["error_per_cycle_m"]["mean"]]
+    peak = alone.joints["A"].statistics.peak_force_per_cycle.mean
+    assert table.values[5].tolist() == [peak, alone.bdc.error.mean]
     assert np.isnan(table.halves).all()  # one cycle tells no interval
     # Two runs at one point differ, for their seeds do.
     assert table.values[4, 0] != table.values[5, 0]
@@ -106,7 +106,7 @@ def test_whole_results_are_kept_where_that_is_asked(tmp_path: Path) -> None:
     assert not (folder / "runs").exists()
     whole = pw.sweep(SCENE, few, folder, ["A.force_max"], jobs=1, keep="all").table
     (run,) = (folder / "runs").iterdir()
-    told = pw.load(run).stages[0].joints["A"].statistics["force_max_per_cycle_N"]["mean"]
+    told = pw.load(run).stages[0].joints["A"].statistics.peak_force_per_cycle.mean
     assert whole.values.tolist() == numbers.values.tolist() == [[told]]
 
 

@@ -13,7 +13,7 @@ from matplotlib.collections import PathCollection
 from matplotlib.patches import Rectangle
 from matplotlib.text import Text
 
-from presswear.recording.sampling import Interval
+from presswear.recording.statistics import Estimate
 from presswear.show.figures.style import SETTINGS, Drawing
 from presswear.sweeps.analysis import Analysis, analysed
 from presswear.sweeps.designs import design
@@ -157,7 +157,7 @@ def test_the_strongest_stands_at_the_top_of_a_tornado() -> None:
     names = [own.get_text().replace("\n", " ") for own in axes.get_yticklabels()]
     assert names == ["A.a wear coefficient with a long name", "clearance", "A.friction"]
     told = [swings[k] for k in (2, 0, 1)]
-    expected = [end.value for one in told if one for end in (one.at_low, one.at_high)]
+    expected = [end.mean for one in told if one for end in (one.at_low, one.at_high)]
     assert widths(picture) == pytest.approx(np.array(expected) / 1e6)
     assert {own.get_text() for own in axes.texts} >= {"240 µm", "960 µm", "0.0671", "0.133"}
 
@@ -173,7 +173,7 @@ def test_effects_and_blocks_can_be_read() -> None:
     bars = widths(picture)
     assert len(bars) == 2 * 3 + 1
     assert indices.chaos is not None
-    assert bars[-1] == pytest.approx(indices.chaos.value)
+    assert bars[-1] == pytest.approx(indices.chaos.mean)
 
 
 def grid(halves: Array | None = None, draws: int = 3) -> Table:
@@ -223,7 +223,7 @@ def test_the_distribution_shows_what_is_told_of_it(sample: Analysis) -> None:
     assert np.asarray(interval.get_xdata()) == pytest.approx(
         [five.low / 1e6, (five.high or 0) / 1e6]
     )
-    assert np.asarray(point.get_xdata()) == pytest.approx([five.value / 1e6])
+    assert np.asarray(point.get_xdata()) == pytest.approx([five.mean / 1e6])
     assert np.asarray(required.get_xdata()) == pytest.approx([2.0, 2.0])
 
 
@@ -273,7 +273,7 @@ def test_two_values_are_no_logarithms() -> None:
 def test_intervals_beyond_a_share_are_not_drawn() -> None:
     found = of("saltelli", 16)
     assert found.indices is not None
-    wild = replace(found.indices, first=(Interval(1.3, 0.5, 2.1),) * 3)
+    wild = replace(found.indices, first=(Estimate(1.3, 0.5, 2.1),) * 3)
     picture = drawn(lambda: shares(found.own, wild))
     assert max(widths(picture)) <= 1.0
     lines = picture.sheet.axes[0].lines

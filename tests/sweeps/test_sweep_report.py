@@ -12,7 +12,7 @@ import pytest
 from made_up_sweep import ishigami, random_blocks, swept
 from test_sweep_figures import REQUIRED, SPREADS, grid, table
 
-from presswear.recording.sampling import Interval
+from presswear.recording.statistics import Estimate
 from presswear.sweeps.analysis import analysed
 from presswear.sweeps.designs import design
 from presswear.sweeps.distributions import parse
@@ -73,7 +73,7 @@ def test_its_numbers_are_those_of_the_analysis(sampled: tuple[Table, str, Path])
     assert "vary together" not in text
     assert f"at least 2.00·10⁶, is {parts(found.spread.misses)}." in text
     five = found.spread.quantile(5)
-    assert f"life is below {five.value / 1e6:.2f}·10⁶ (" in text
+    assert f"life is below {five.mean / 1e6:.2f}·10⁶ (" in text
     assert f"it explains {100.0 * found.surface.left_out.explained:.3g} % of the variance" in text
 
 
@@ -107,7 +107,7 @@ def test_the_strongest_effect_is_told_first(tmp_path: Path) -> None:
     jumps = table("morris", 10)
     found = analysed(jumps, "life").screening
     assert found is not None
-    sizes = [one.size.value for one in found]
+    sizes = [one.size.mean for one in found]
     assert max(sizes) == sizes[2]
     told = f"most when it goes up by half of its range, by {sizes[2] / 1e6:.2f}·10⁶ ("
     assert f"{jumps.factors[2].key} changes life {told}" in page(jumps, tmp_path)
@@ -117,7 +117,7 @@ def test_the_strongest_effect_is_told_first(tmp_path: Path) -> None:
     assert moved[2] is not None
     text = page(alone, tmp_path)
     assert f"Alone, {alone.factors[2].key} moves life most: by " in text
-    assert f"by {moved[2].at_low.value / 1e6:.2f}·10⁶ (" in text
+    assert f"by {moved[2].at_low.mean / 1e6:.2f}·10⁶ (" in text
 
 
 def test_points_that_do_not_reach_tell_no_spread(tmp_path: Path) -> None:
@@ -216,7 +216,7 @@ def test_runs_without_values_are_counted_beside_the_spread(
     spread = analysed(own, "life", "sobol", SPREADS, REQUIRED).spread
     assert spread is not None
     assert spread.misses is not None
-    worst = 100.0 * (3 + 125 * spread.misses.value) / 128
+    worst = 100.0 * (3 + 125 * spread.misses.mean) / 128
     assert (
         "3 of 128 runs have no value of life and are not in this spread; if all of them miss, "
         f"{worst:.3g} % do."
@@ -274,9 +274,9 @@ def test_intervals_wider_than_the_runs_differ_tell_no_chaos(tmp_path: Path) -> N
 
 def test_an_open_end_is_told_with_its_unit() -> None:
     scale = Scale.of(Column("y", "N", ""), np.array([1.0, 2.0]))
-    assert amount(Interval(1.0, None, 2.0), scale) == "1.00 N (at most 2.00 N)"
-    assert amount(Interval(1.0, 0.5, None), scale) == "1.00 N (at least 0.500 N)"
-    assert amount(Interval(1.0, 0.5, 2.0), scale) == "1.00 N (0.500 to 2.00)"
+    assert amount(Estimate(1.0, None, 2.0), scale) == "1.00 N (at most 2.00 N)"
+    assert amount(Estimate(1.0, 0.5, None), scale) == "1.00 N (at least 0.500 N)"
+    assert amount(Estimate(1.0, 0.5, 2.0), scale) == "1.00 N (0.500 to 2.00)"
 
 
 def test_a_sweep_in_which_all_failed_is_told(tmp_path: Path) -> None:

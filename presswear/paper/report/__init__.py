@@ -99,15 +99,13 @@ def _runs_table(names: Sequence[str], results: Mapping[str, Result]) -> Table:
             continue
         told = [stage.statistics for stage in result.stages]
         residuals = [
-            abs(own["energy_residual_J"]) / own["energy_exchanged_J"]
-            for own in told
-            if own.get("energy_exchanged_J")
+            abs(own.energy_residual) / own.energy_exchanged for own in told if own.energy_exchanged
         ]
         failed = result.status == "failed"
         rows.append(
             (
                 label_of(name),
-                ", ".join(whole(own.get("cycles", 0)) for own in told),
+                ", ".join(whole(own.cycles) for own in told),
                 f"failed: {result.message}" if failed else result.status,
                 readable(max(residuals, default=None), 1),
                 readable(result.wall_s, 2),

@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.ticker import MaxNLocator
 
-from presswear.recording.sampling import STARTUP_CYCLES
+from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.results.bottom import strokes_of
 from presswear.results.result import Result
 from presswear.show.figures.style import (
@@ -23,7 +23,7 @@ def bottom_dead_centre(result: Result, stages: Stages) -> list[Drawing]:
     """Height of bottom dead centre over the ideal in each stroke, a panel for each stage."""
     scene = result.scene
     shown = [
-        stage for stage in shown_stages(result, stages) if "error_per_cycle_m" in stage.data.bdc
+        stage for stage in shown_stages(result, stages) if stage.data.statistics.bdc is not None
     ]
     if not shown or not scene.clearance_joints:
         return []
@@ -38,9 +38,9 @@ def bottom_dead_centre(result: Result, stages: Stages) -> list[Drawing]:
     for axes, stage, replicates in zip(panels, shown, strokes, strict=True):
         for number, rows in replicates:
             stage.pen.draw(axes, number, factor * rows, linewidth=0.7, marker=".", markersize=3.0)
-        mean = stage.data.bdc["error_per_cycle_m"]
-        half = mean["half_width"] or 0.0
-        ends = (factor * (mean["mean"] + sign * half) for sign in (-1.0, 1.0))
+        error = stage.data.bdc.error
+        low, high = error.low or error.mean, error.high or error.mean
+        ends = (factor * end for end in (low, high))
         axes.axhspan(*ends, color=stage.pen.colour, alpha=0.2, linewidth=0.0)
         axes.axvspan(0.5, STARTUP_CYCLES + 0.5, color=MUTED, alpha=0.12, linewidth=0.0)
         axes.set_xlim(0.5, max(float(number[-1]) for number, _ in replicates if number.size) + 0.5)

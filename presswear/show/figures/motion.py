@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from matplotlib.ticker import MaxNLocator, MultipleLocator
 
-from presswear.recording.sampling import STARTUP_CYCLES
+from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.results.result import Result
 from presswear.results.stage import SIDES, StageResult
 from presswear.show.figures.style import (

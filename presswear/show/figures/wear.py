@@ -162,7 +162,7 @@ def wear_growth(result: Result, stages: Stages) -> list[Drawing]:
     for axes, joint in zip(grid.flat, joints, strict=True):
         for side, pen in _SURFACES.items():
             begun = float(result.stages[0].joints[joint].depth(side).max())
-            depth = MICRONS * np.array([begun, *(step.deepest_m[joint][side] for step in steps)])
+            depth = MICRONS * np.array([begun, *(step.max_depth[joint][side] for step in steps)])
             pen.draw(axes, cycles[shown], depth[shown], marker=marker, markersize=4.0)
         _mark_wears(axes, ends)
         axes.set_xlim(cycles[first], None)

@@ -44,17 +44,16 @@ from presswear.show.report.parts import (
     Table,
     by_joint,
     count,
+    estimated,
     mean,
     number,
-    scaled,
     stage_table,
-    statistics,
 )
 from presswear.show.report.tonnage import tonnage
 from presswear.show.report.wear import deepest, growth, one_wear, spread
 from presswear.tools.errors import InputError
 from presswear.tools.files import inside, write_bytes
-from presswear.tools.numbers import large, readable, whole, with_interval
+from presswear.tools.numbers import large, readable, whole
 from presswear.tools.quantities import Meaning
 
 
@@ -141,7 +140,7 @@ def status(result: Result) -> str:
 
 def _known(result: Result) -> str:
     """A sentence on how well the wear of a run is known that was to run so many cycles."""
-    errors = [stage.statistics.get("wear_error") for stage in result.stages]
+    errors = [stage.statistics.wear_error for stage in result.stages]
     known = [error for error in errors if error is not None]
     if not known:
         return " How well its wear is known cannot be told from so few cycles." * any(
@@ -169,22 +168,22 @@ def key_numbers(result: Result) -> Table:
 
     def of_joint(joint: str) -> Rows[StageResult]:
         return {
-            "largest normal force (N)": number(joint, "force_max_N"),
+            "largest normal force (N)": number(joint, "peak_force"),
             **deepest(result, joint),
-            "one more wear: volume (mm³)": number(joint, "wear_volume_m3", CUBIC_MILLIMETRES),
-            "time in contact (%)": number(joint, "part_of_time_in_contact", 100.0),
+            "one more wear: volume (mm³)": number(joint, "wear_volume", CUBIC_MILLIMETRES),
+            "time in contact (%)": number(joint, "contact_time_fraction", 100.0),
             "contacts": count(joint, "contacts"),
-            "fewest steps in a contact": count(joint, "fewest_steps_in_a_contact"),
+            "fewest steps in a contact": count(joint, "min_steps_per_contact"),
         }
 
     slider: Rows[StageResult] = {
-        "highest displacement (mm)": number("", "displacement_max_m", MILLI, 4),
-        "lowest velocity (m/s)": number("", "velocity_min_m_s"),
-        "highest velocity (m/s)": number("", "velocity_max_m_s"),
-        "largest acceleration (m/s²)": number("", "acceleration_max_m_s2"),
-        "cycles": lambda stage: whole(stage.statistics.get("cycles")),
+        "highest displacement (mm)": number("", "displacement_max", MILLI, 4),
+        "lowest velocity (m/s)": number("", "velocity_min"),
+        "highest velocity (m/s)": number("", "velocity_max"),
+        "largest acceleration (m/s²)": number("", "acceleration_max"),
+        "cycles": lambda stage: whole(stage.cycles),
         "energy made by contacts (% of what they and friction took)": lambda stage: readable(
-            100.0 * stage.statistics.get("energy_made_part", 0.0), 2
+            100.0 * stage.statistics.energy_made_fraction, 2
         ),
     }
     watched = {result.scene.watched.capitalize(): slider}
@@ -196,25 +195,21 @@ def cycle_means(result: Result) -> Table:
 
     def of_joint(joint: str) -> Rows[StageResult]:
         return {
-            "largest normal force (N)": mean(joint, "force_max_per_cycle_N"),
+            "largest normal force (N)": mean(joint, "peak_force_per_cycle"),
             "contacts": mean(joint, "contacts_per_cycle"),
-            "force times slip (N m)": mean(joint, "dose_per_cycle_Nm"),
+            "force times slip (N m)": mean(joint, "load_distance_per_cycle"),
             **one_wear(result, joint),
         }
 
-    highest = "displacement_max_per_cycle_m"
     slider: Rows[StageResult] = {
-        "highest displacement (mm)": mean("", highest, MILLI),
-        "highest velocity (m/s)": mean("", "velocity_max_per_cycle_m_s"),
-        "largest acceleration (m/s²)": mean("", "acceleration_max_per_cycle_m_s2"),
-        "energy made by contacts (mJ)": lambda stage: with_interval(
-            *(
-                scaled(stage.statistics.get("energy_made_per_cycle_J", {}).get(part), MILLI)
-                for part in ("mean", "half_width")
-            )
+        "highest displacement (mm)": mean("", "displacement_max_per_cycle", MILLI),
+        "highest velocity (m/s)": mean("", "velocity_max_per_cycle"),
+        "largest acceleration (m/s²)": mean("", "acceleration_max_per_cycle"),
+        "energy made by contacts (mJ)": lambda stage: estimated(
+            stage.statistics.energy_made_per_cycle, MILLI
         ),
         "cycles in the means": lambda stage: whole(
-            statistics(stage, "").get(highest, {}).get("cycles")
+            stage.statistics.output and stage.statistics.output.displacement_max_per_cycle.samples
         ),
     }
     return stage_table(
@@ -228,7 +223,7 @@ def endings(result: Result) -> Table:
     """The end of each stage, and how well its wear maps are known."""
     rows = []
     for name, stage in zip(stage_names(result, result.stages), result.stages, strict=True):
-        error = stage.statistics.get("wear_error")
+        error = stage.statistics.wear_error
         ended = {
             "completed": "ran all its cycles",
             "enough": "ended early: its wear maps are known to the tolerance",
@@ -238,9 +233,9 @@ def endings(result: Result) -> Table:
             (
                 name,
                 ended,
-                whole(stage.statistics.get("cycles")),
+                whole(stage.cycles),
                 _part(error),
-                _part(stage.statistics.get("step_error_of_dose")),
+                _part(stage.statistics.load_distance_step_error),
                 _multiplied(stage) if stage.joints else "–",
                 readable(stage.simulated_s),
                 readable(stage.wall_s),
@@ -290,7 +285,7 @@ def _restitution(bearing: Bearing) -> str:
 def _made(result: Result) -> str:
     """Parts of the dissipated energy that contacts made, of the stages on worn surfaces."""
     worn = [stage for stage in result.stages if stage.is_worn]
-    parts = [stage.statistics.get("energy_made_part", 0.0) for stage in worn]
+    parts = [stage.statistics.energy_made_fraction for stage in worn]
     return ", ".join(f"{readable(100.0 * part, 2)} %" for part in parts)
 
 
@@ -346,7 +341,7 @@ def notes(result: Result) -> list[str]:
     for joint, own in zip(scene.clearance_joints, bearings, strict=True):
         laws.setdefault(_restitution(own), []).append(joint)
     found += [text if len(laws) == 1 else f"{', '.join(at)}: {text}" for text, at in laws.items()]
-    steps = [stage.statistics.get("step_error_of_force") for stage in result.stages]
+    steps = [stage.statistics.peak_force_step_error for stage in result.stages]
     if known := [part for part in steps if part is not None]:
         found.append(
             "Pieces of a cycle were run again with finer steps: their greatest forces change by "
@@ -375,8 +370,8 @@ def notes(result: Result) -> list[str]:
                 "places would be noise."
             )
         elif scene.wear_updates > 0:
-            first = result.stages[0].statistics.get("joints", {}).get(scene.clearance_joints[0], {})
-            samples = first.get("force_max_per_cycle_N", {}).get("cycles")
+            first = result.stages[0].statistics.joints.get(scene.clearance_joints[0])
+            samples = first and first.peak_force_per_cycle.samples
             found.append(
                 "A wear is a single jump: the mean map of all starts is multiplied and the "
                 "surfaces are rebuilt once. The noise of the cycles makes them rough, so that "

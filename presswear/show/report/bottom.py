@@ -5,12 +5,13 @@ from collections.abc import Callable
 from functools import cache
 
 from presswear.physics.statics import heights_at_bottom, pull_of
+from presswear.recording.statistics import Estimate
 from presswear.results.bottom import rise
 from presswear.results.result import Result
 from presswear.results.stage import StageResult
-from presswear.show.report.parts import MICRONS, MILLI, Rows, Table, Text, scaled, stage_table
+from presswear.show.report.parts import MICRONS, MILLI, Rows, Table, Text, estimated, stage_table
 from presswear.tools.errors import RunFailed
-from presswear.tools.numbers import given, readable, whole, with_interval
+from presswear.tools.numbers import given, readable, whole
 
 _DEGREES = 180.0 / math.pi
 
@@ -23,15 +24,17 @@ def bottom(result: Result, loaded: Rows[StageResult]) -> Table | None:
     loaded : Rows
         Of ``under_load``.
     """
-    if not any(stage.bdc for stage in result.stages):
+    if not any(stage.statistics.bdc for stage in result.stages):
         return None
     rows: Rows[StageResult] = {
-        "standard deviation of the height (µm)": bottom_between("standard_deviation", "m", MICRONS),
+        "standard deviation of the height (µm)": bottom_between("standard_deviation", MICRONS),
         "range of all strokes (µm)": lambda stage: readable(
-            scaled(stage.bdc.get("range_of_all_m"), MICRONS)
+            stage.statistics.bdc and MICRONS * stage.statistics.bdc.range_of_all
         ),
         **_delay(result),
-        "settled strokes": lambda stage: whole(stage.bdc.get("strokes")),
+        "settled strokes": lambda stage: whole(
+            stage.statistics.bdc and stage.statistics.bdc.strokes
+        ),
     }
     groups = {"": rows}
     # The first, the total clearance, stands at a glance.
@@ -42,42 +45,36 @@ def bottom(result: Result, loaded: Rows[StageResult]) -> Table | None:
 
 def _delay(result: Result) -> Rows[StageResult]:
     """Rows of how late it is; of an ideal motion that stays there, for how long."""
-    if not any("delay_per_cycle_s" in stage.bdc for stage in result.stages):
+    if not any(stage.statistics.bdc and stage.statistics.bdc.delay for stage in result.stages):
         return {
             "the ideal stays there, so that none is late (ms)": lambda stage: readable(
-                scaled(stage.bdc.get("ideal_dwell_s"), MILLI)
+                stage.statistics.bdc and MILLI * stage.statistics.bdc.ideal_dwell
             )
         }
     phase = result.scene.mechanism.linkage().phase
     return {
-        "later than the ideal (ms)": bottom_mean("delay_per_cycle_s", MILLI),
-        f"the same as {phase} (degrees)": bottom_mean("delay_per_cycle_rad", _DEGREES),
-        "standard deviation of the time (ms)": bottom_between(
-            "delay_standard_deviation", "s", MILLI
-        ),
+        "later than the ideal (ms)": bottom_mean("delay", MILLI),
+        f"the same as {phase} (degrees)": bottom_mean("delay_angle", _DEGREES),
+        "standard deviation of the time (ms)": bottom_between("delay_standard_deviation", MILLI),
     }
 
 
 def bottom_mean(name: str, factor: float) -> Text:
     """A mean over the settled strokes, with its interval."""
-
-    def text(stage: StageResult) -> str:
-        found = stage.bdc.get(name, {})
-        return with_interval(*(scaled(found.get(part), factor) for part in ("mean", "half_width")))
-
-    return text
+    return lambda stage: estimated(getattr(stage.statistics.bdc, name, None), factor)
 
 
-def bottom_between(name: str, unit: str, factor: float) -> Text:
+def bottom_between(name: str, factor: float) -> Text:
     """A number with both ends of its interval, which is not symmetric."""
 
     def text(stage: StageResult) -> str:
-        value = readable(scaled(stage.bdc.get(f"{name}_{unit}"), factor))
-        ends = stage.bdc.get(f"{name}_interval_{unit}")
-        if ends is None:
-            return value
-        low, high = (readable(factor * end) for end in ends)
-        return f"{value} ({low} to {high})"
+        found: Estimate | None = getattr(stage.statistics.bdc, name, None)
+        if found is None:
+            return readable(None)
+        found = found.scaled(factor)
+        if found.low is None:
+            return readable(found.mean)
+        return f"{readable(found.mean)} ({readable(found.low)} to {readable(found.high)})"
 
     return text
 
@@ -85,10 +82,7 @@ def bottom_between(name: str, unit: str, factor: float) -> Text:
 def risen(stage: StageResult, first: StageResult) -> str:
     """How much higher bottom dead centre is than in another stage, µm, with its interval."""
     found = None if stage is first else rise(stage, first)
-    if found is None:
-        return "–"
-    half = None if found.high is None else MICRONS * (found.high - found.value)
-    return with_interval(MICRONS * found.value, half)
+    return estimated(found, MICRONS)
 
 
 def under_load(result: Result) -> Rows[StageResult]:

@@ -3,8 +3,8 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from presswear.recording.sampling import Estimate
 from presswear.recording.soundness import RESIDUAL
+from presswear.recording.statistics import Estimate
 from presswear.results.drives import (
     ENERGY_BOUND,
     DriveDuty,

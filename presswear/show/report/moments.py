@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.recording.sampling import STARTUP_CYCLES
+from presswear.recording.statistics import STARTUP_CYCLES
 from presswear.results.result import Result
 from presswear.results.stage import StageResult
 from presswear.results.strokes import strokes_of

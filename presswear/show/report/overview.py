@@ -7,7 +7,7 @@ import numpy as np
 
 from presswear.physics.bottom import bottom_of
 from presswear.physics.statics import pull_of
-from presswear.recording.sampling import STARTUP_CYCLES, Estimate
+from presswear.recording.statistics import STARTUP_CYCLES, Estimate
 from presswear.results.drives import DriveDuty, drives_of
 from presswear.results.result import Result
 from presswear.results.stage import StageResult
@@ -30,7 +30,7 @@ from presswear.show.report.parts import (
     NOTHING,
     Rows,
     Text,
-    statistics,
+    estimated,
 )
 from presswear.tools.numbers import given, readable, whole, with_interval
 
@@ -131,7 +131,7 @@ def _bottom(result: Result) -> Iterator[Fact]:
         f"bottom dead centre is the lowest place of the {watched} in a stroke; the error is its "
         "mean height over that of the same linkage without clearance, below zero where it "
         "is deeper",
-        bottom_mean("error_per_cycle_m", MICRONS),
+        bottom_mean("error", MICRONS),
     )
     if len(compared(result)) > 1:
         yield Fact(
@@ -139,19 +139,19 @@ def _bottom(result: Result) -> Iterator[Fact]:
             "what wear has moved bottom dead centre by",
             lambda stage: risen(stage, result.stages[0]),
         )
-    spread = bottom_between("range", "m", MICRONS)
+    spread = bottom_between("range", MICRONS)
 
     def repeated(stage: StageResult) -> str:
         text = spread(stage)
         if text == NOTHING:
-            return f"not known from {_counted(stage.bdc.get('strokes', 0))}"
+            return f"not known from {_counted(stage.bdc.strokes)}"
         return text if "(" in text else f"{text} (too few strokes)"
 
     yield Fact(
         "repeatability (µm)",
         "from the deepest to the highest bottom dead centre of strokes that follow each other"
         + _in_groups(result),
-        lambda stage: repeated(stage) if stage.bdc else NOTHING,
+        lambda stage: repeated(stage) if stage.statistics.bdc else NOTHING,
     )
 
 
@@ -160,8 +160,10 @@ def _counted(strokes: int) -> str:
 
 
 def _in_groups(result: Result) -> str:
-    counts = dict.fromkeys(stage.bdc.get("range_strokes") for stage in compared(result))
-    told = [_counted(count) for count in counts if count and count > 1]
+    counts = dict.fromkeys(
+        stage.bdc.range_strokes for stage in compared(result) if stage.statistics.bdc
+    )
+    told = [_counted(count) for count in counts if count > 1]
     return f", {' or '.join(told)} at a time" if told else ""
 
 
@@ -220,23 +222,22 @@ def _forces(result: Result) -> Iterator[Fact]:
     found = {stage.index: _peak(scene, stage) for stage in compared(result)}
 
     def largest(stage: StageResult) -> str | None:
-        known = {
-            name: own.statistics["force_max_N"]
-            for name, own in stage.joints.items()
-            if "force_max_N" in own.statistics
-        }
+        known = {name: own.peak_force for name, own in stage.statistics.joints.items()}
         return max(known, key=lambda name: known[name], default=None)
 
     def over_all(stage: StageResult) -> str:
         name = largest(stage)
         if name is None:
             return NOTHING
-        return f"{readable(stage.joints[name].statistics['force_max_N'])} at {name}"
+        return f"{readable(stage.statistics.joints[name].peak_force)} at {name}"
 
     def mean(stage: StageResult) -> str:
         name = largest(stage)
-        told = {} if name is None else statistics(stage, name).get("force_max_per_cycle_N", {})
-        return with_interval(told.get("mean"), told.get("half_width"))
+        return (
+            NOTHING
+            if name is None
+            else estimated(stage.statistics.joints[name].peak_force_per_cycle)
+        )
 
     def of(own: Callable[[_Peak], str]) -> Text:
         def text(stage: StageResult) -> str:

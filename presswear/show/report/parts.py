@@ -2,10 +2,11 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import TypeVar
 
+from presswear.recording.statistics import Estimate
 from presswear.results.result import Result
-from presswear.results.stage import StageResult
+from presswear.results.stage import JointStatistics, OutputStatistics, StageResult
 from presswear.show.figures.style import stage_names
 from presswear.tools.numbers import readable, whole, with_interval
 
@@ -65,28 +66,37 @@ def by_joint(result: Result, of_joint: Callable[[str], Rows[Column]]) -> dict[st
     return {f"Joint {joint}": of_joint(joint) for joint in result.scene.clearance_joints}
 
 
-def statistics(stage: StageResult, joint: str) -> Mapping[str, Any]:
-    """Numbers of a joint, or of the slider for ``""``; none where the stage failed early."""
-    owners = {"": stage.statistics.get("slider", {}), **stage.statistics.get("joints", {})}
-    return owners.get(joint, {})
+def statistics(stage: StageResult, joint: str) -> JointStatistics | OutputStatistics | None:
+    """Statistics of a joint, or of the output for ``""``; None where the stage failed early."""
+    return stage.statistics.joints.get(joint) if joint else stage.statistics.output
 
 
 def number(joint: str, name: str, factor: float = 1.0, digits: int = 3) -> Text:
-    """A number of a joint, or of the slider, in another unit."""
-    return lambda stage: readable(scaled(statistics(stage, joint).get(name), factor), digits)
+    """A number of a joint, or of the output, in another unit."""
+    return lambda stage: readable(scaled(_value(stage, joint, name), factor), digits)
 
 
 def count(joint: str, name: str) -> Text:
-    """A whole number of a joint, or of the slider."""
-    return lambda stage: whole(statistics(stage, joint).get(name))
+    """A whole number of a joint, or of the output."""
+    return lambda stage: whole(_value(stage, joint, name))
+
+
+def _value(stage: StageResult, joint: str, name: str) -> float | None:
+    value = getattr(statistics(stage, joint), name, None)
+    return value.mean if isinstance(value, Estimate) else value
 
 
 def mean(joint: str, name: str, factor: float = 1.0) -> Text:
     """A mean over cycles, in another unit, with its interval."""
-    parts = ("mean", "half_width")
-    return lambda stage: with_interval(
-        *(scaled(statistics(stage, joint).get(name, {}).get(part), factor) for part in parts)
-    )
+    return lambda stage: estimated(getattr(statistics(stage, joint), name, None), factor)
+
+
+def estimated(estimate: Estimate | None, factor: float = 1.0) -> str:
+    """A number in another unit with its interval."""
+    if estimate is None:
+        return NOTHING
+    estimate = estimate.scaled(factor)
+    return with_interval(estimate.mean, estimate.half_width)
 
 
 def scaled(value: float | None, factor: float) -> float | None:

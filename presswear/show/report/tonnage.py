@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from presswear.recording.sampling import Estimate
+from presswear.recording.statistics import Estimate
 from presswear.results.result import Result
 from presswear.results.stage import StageResult
 from presswear.results.tonnage import PHASES, SNAP_THROUGH_S, JointTonnage, Tonnage, tonnage_of

@@ -1,9 +1,11 @@
 """Rows and tables of wear: what each stage ran on, and how each wear was applied."""
 
+import math
 from functools import partial
 
 import numpy as np
 
+from presswear.recording.statistics import Estimate
 from presswear.results.result import Result
 from presswear.results.stage import SIDES, StageResult, WearStep
 from presswear.show.figures.style import maps_turn
@@ -14,10 +16,9 @@ from presswear.show.report.parts import (
     Table,
     by_joint,
     column_table,
-    scaled,
-    statistics,
+    mean,
 )
-from presswear.tools.numbers import readable, whole, with_interval
+from presswear.tools.numbers import readable, whole
 
 Steps = tuple[WearStep, ...]
 
@@ -34,8 +35,9 @@ def deepest(result: Result, joint: str) -> Rows[StageResult]:
 
 
 def _peak(joint: str, kind: str, sides: tuple[str, ...], stage: StageResult) -> str:
-    told = f"wear_depth_max_{sides[0] if len(sides) == 1 else 'both'}_m"
-    if kind == "wear" and told not in statistics(stage, joint):
+    side = sides[0] if len(sides) == 1 else "both"
+    found = stage.statistics.joints.get(joint)
+    if kind == "wear" and (found is None or side not in found.wear_peaks):
         return "–"
     own = stage.joints[joint]
     depth = np.sum([own.arrays[f"{kind}_{side}"] for side in sides], axis=0)
@@ -49,25 +51,20 @@ def one_wear(result: Result, joint: str) -> Rows[StageResult]:
     """Rows of what one wear after a stage takes off, with intervals."""
     sides = SIDES if maps_turn(result) else ("both",)
     return {
-        "worn by one wear (mm³)": partial(_volume, joint),
+        "worn by one wear (mm³)": mean(joint, "wear_volume", CUBIC_MILLIMETRES),
         "deepest of one wear (µm)": partial(_depth, joint, sides),
     }
 
 
-def _volume(joint: str, stage: StageResult) -> str:
-    found = statistics(stage, joint)
-    names = ("wear_volume_m3", "wear_volume_half_width_m3")
-    return with_interval(*(scaled(found.get(name), CUBIC_MILLIMETRES) for name in names))
-
-
 def _depth(joint: str, sides: tuple[str, ...], stage: StageResult) -> str:
-    found = statistics(stage, joint)
+    found = stage.statistics.joints.get(joint)
     texts = []
     for side in sides:
-        text = readable(scaled(found.get(f"wear_depth_max_{side}_m"), MICRONS))
-        ends = found.get(f"wear_depth_max_{side}_interval_m")
-        if ends is not None:
-            text += f" ({readable(MICRONS * ends[0])} to {readable(MICRONS * ends[1])})"
+        peak = found and found.wear_peaks.get(side)
+        depth = Estimate(math.nan) if peak is None else peak.depth.scaled(MICRONS)
+        text = readable(depth.mean)
+        if depth.low is not None:
+            text += f" ({readable(depth.low)} to {readable(depth.high)})"
         texts.append(text if len(sides) == 1 else f"{side} {text}")
     return ", ".join(texts)
 
@@ -84,7 +81,7 @@ def growth(result: Result) -> Table | None:
                 for side in SIDES
             },
             "largest normal force in its runs (N)": lambda steps: readable(
-                max(step.force_max_N[joint] for step in steps)
+                max(step.peak_force[joint] for step in steps)
             ),
         }
 
@@ -96,7 +93,7 @@ def growth(result: Result) -> Table | None:
         "cycles run": lambda steps: whole(sum(step.cycles for step in steps)),
         "depth multiplied by": spread,
         "largest change in a step (% of the clearance)": lambda steps: readable(
-            100.0 * max(step.largest_change_of_clearance for step in steps)
+            100.0 * max(step.clearance_change for step in steps)
         ),
         "computed in (s)": lambda steps: readable(sum(step.wall_s for step in steps)),
     }
@@ -110,7 +107,7 @@ def growth(result: Result) -> Table | None:
 
 
 def _then(joint: str, side: str, steps: Steps) -> str:
-    return readable(MICRONS * steps[-1].deepest_m[joint][side])
+    return readable(MICRONS * steps[-1].max_depth[joint][side])
 
 
 def spread(steps: Steps) -> str:

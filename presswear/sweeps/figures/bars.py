@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from presswear.recording.sampling import Interval
+from presswear.recording.statistics import Estimate
 from presswear.show.figures.style import (
     LINES,
     MUTED,
@@ -32,7 +32,7 @@ def tornado(own: Responses, swings: Sequence[Swing | None]) -> Drawing:
     """How far each factor alone moves a measure, the strongest at the top."""
     told = [(k, swing) for k, swing in enumerate(swings) if swing is not None]
     told.sort(key=lambda one: -one[1].span)
-    ends = np.array([[s.at_low.value, s.at_high.value] for _, s in told])
+    ends = np.array([[s.at_low.mean, s.at_high.mean] for _, s in told])
     measure = Scale.of(own.measure, np.append(ends, 0.0))
     scales = scales_of(own.factors, own.points)
     sheet, axes = _rows(len(told))
@@ -42,9 +42,9 @@ def tornado(own: Responses, swings: Sequence[Swing | None]) -> Drawing:
         for place, (pen, change, value) in enumerate(both):
             y = row + (place - 0.5) * _THICK
             _bar(axes, y, change, measure.factor, pen.colour)
-            outward = -1.0 if change.value < 0.0 else 1.0
+            outward = -1.0 if change.mean < 0.0 else 1.0
             tip = max(
-                outward * end for end in (change.value, change.low, change.high) if end is not None
+                outward * end for end in (change.mean, change.low, change.high) if end is not None
             )
             axes.annotate(
                 scales[k].told(value),
@@ -74,7 +74,7 @@ def tornado(own: Responses, swings: Sequence[Swing | None]) -> Drawing:
 def shares(own: Responses, found: Indices) -> Drawing:
     """Shares of the variance of a measure, first and total, and that of chaos."""
     both = bool(found.total)
-    strength = [one.value for one in (found.total or found.first)]
+    strength = [one.mean for one in (found.total or found.first)]
     order = sorted(range(len(strength)), key=lambda k: -strength[k])
     names = [own.factors[k].key for k in order]
     sheet, axes = _rows(len(order) + (found.chaos is not None))
@@ -103,8 +103,8 @@ def shares(own: Responses, found: Indices) -> Drawing:
 
 def effects(own: Responses, found: Sequence[Screening]) -> Drawing:
     """Mean absolute effects of jumps by half of the range, with what chaos alone would give."""
-    order = sorted(range(len(found)), key=lambda k: -found[k].size.value)
-    largest = max(one.size.high or one.size.value for one in found)
+    order = sorted(range(len(found)), key=lambda k: -found[k].size.mean)
+    largest = max(one.size.high or one.size.mean for one in found)
     measure = Scale.of(own.measure, np.array([0.0, largest]))
     sheet, axes = _rows(len(order))
     pens = [
@@ -143,8 +143,8 @@ def _rows(count: int) -> tuple[Sheet, Axes]:
     return sheet, axes
 
 
-def _bar(axes: Axes, y: float, own: Interval, factor: float, colour: str) -> None:
-    axes.barh(y, factor * own.value, _THICK * 0.9, color=colour)
+def _bar(axes: Axes, y: float, own: Estimate, factor: float, colour: str) -> None:
+    axes.barh(y, factor * own.mean, _THICK * 0.9, color=colour)
     if own.low is not None and own.high is not None:
         axes.plot([factor * own.low, factor * own.high], [y, y], color=REFERENCE, linewidth=0.9)
 

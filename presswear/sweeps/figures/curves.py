@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from presswear.recording.sampling import quantile
+from presswear.recording.statistics import quantile
 from presswear.show.figures.style import LINES, WIDTH, Drawing, Pen, Sheet, legend
 from presswear.sweeps.figures.scales import Scale, file_part, scales_of
 from presswear.sweeps.responses import Responses

@@ -47,12 +47,12 @@ def distribution(
         pens.append(Pen("the rows alone", LINES[4][0], LINES[1][1]))
         pens[-1].draw(axes, measure.factor * rows.values, percent, drawstyle="steps-post")
     five = found.quantile(TOLD)
-    if not np.isnan(five.value):
+    if not np.isnan(five.mean):
         pens.append(Pen(f"{TOLD} % quantile with its interval", LINES[1][0], width=2.0))
         low = left if five.low is None else measure.factor * five.low
         high = right if five.high is None else measure.factor * five.high
         pens[-1].draw(axes, [low, high], [TOLD, TOLD])
-        axes.plot([measure.factor * five.value], [TOLD], "o", color=LINES[1][0])
+        axes.plot([measure.factor * five.mean], [TOLD], "o", color=LINES[1][0])
     if required is not None:
         word = "least" if required.is_least else "most"
         shown = measure.told(required.value)

@@ -20,7 +20,7 @@ from presswear.campaign.replicates import disturbed, start_of
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.linkage import Linkage
-from presswear.recording.sampling import Estimate, estimate
+from presswear.recording.statistics import Estimate, estimate
 from presswear.recording.tracker import Telling
 from presswear.results.provenance import provenance
 from presswear.scene.scene import Scene

@@ -5,14 +5,14 @@ start-up are the samples: in the first the pins fall on their bearings all at on
 knocks less than any later one (of a hundred starts of the paper's scene the mean peak forces at A
 are 271, 82, 120, 131, 118 N).  Where there are many they are put together in batches of
 neighbours, so that what one cycle hands on to the next is counted once: the method of batch
-means (Law and Kelton, Simulation Modeling and Analysis, section 9.5.3).  Intervals are of
+means (Law and Kelton, Simulation Modeling and Analysis, section 9.5.3).  Estimates are of
 95 %.
 """
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass, field, replace
+from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,13 +33,43 @@ RESAMPLES = 1000
 """Draws of a bootstrap: an end of an interval scatters by about 5 % of its width."""
 
 
+@final
 @dataclass(frozen=True)
 class Estimate:
-    """Mean over cycles with the half width of its interval (None: too few cycles)."""
+    """Number with its 95 % confidence interval.
+
+    Attributes
+    ----------
+    mean : float
+    low, high : float or None
+        Ends of the interval; None: too few samples.
+    samples : int
+        Cycles, batches of cycles or replicates behind it.
+    """
 
     mean: float
-    half_width: float | None
-    cycles: int
+    low: float | None = None
+    high: float | None = None
+    samples: int = 0
+
+    @staticmethod
+    def symmetric(mean: float, half_width: float | None, samples: int = 0) -> "Estimate":
+        """Return an estimate whose interval reaches as far to both sides."""
+        if half_width is None:
+            return Estimate(mean, samples=samples)
+        return Estimate(mean, mean - half_width, mean + half_width, samples)
+
+    @property
+    def half_width(self) -> float | None:
+        """Half the length of the interval; None: too few samples."""
+        if self.low is None or self.high is None:
+            return None
+        return 0.5 * (self.high - self.low)
+
+    def scaled(self, factor: float) -> "Estimate":
+        """Return the estimate in another unit; the factor is positive."""
+        low, high = (None if end is None else factor * end for end in (self.low, self.high))
+        return Estimate(factor * self.mean, low, high, self.samples)
 
 
 def after_startup(rows: Array) -> Array:
@@ -81,7 +111,7 @@ def estimate(rows: Array) -> Estimate:
     """Mean and interval of one number a cycle, shape (cycles,), start-up included."""
     samples = after_startup(rows)
     mean = float(samples.mean()) if samples.size else math.nan
-    return Estimate(mean, half_width(batched(samples)), samples.size)
+    return Estimate.symmetric(mean, half_width(batched(samples)), samples.size)
 
 
 def _no_maps() -> Array:
@@ -200,15 +230,6 @@ def map_errors(maps: Array, weights: Array) -> Array:
 
 
 @dataclass(frozen=True)
-class Interval:
-    """A number with the ends of its interval (None: too few samples)."""
-
-    value: float
-    low: float | None
-    high: float | None
-
-
-@dataclass(frozen=True)
 class Peak:
     """The deepest place of a wear map: depth, m, and angle, rad.
 
@@ -216,34 +237,35 @@ class Peak:
     0 or above 2 pi.
     """
 
-    depth: Interval
-    angle: Interval
+    depth: Estimate
+    angle: Estimate
 
 
-def widened(interval: Interval, error: float) -> Interval:
-    """The interval with an error that is independent of its own, as the root of the sum of squares.
+def widened(estimate: Estimate, error: float) -> Estimate:
+    """Return an estimate with an independent error added to its interval, root of sum of squares.
 
     Parameters
     ----------
     error : float
-        In the interval's unit.
+        In the estimate's unit.
     """
-    if interval.low is None or interval.high is None:
-        return interval
-    below, above = interval.value - interval.low, interval.high - interval.value
-    return Interval(
-        interval.value,
-        interval.value - math.copysign(math.hypot(below, error), below),
-        interval.value + math.copysign(math.hypot(above, error), above),
+    if estimate.low is None or estimate.high is None:
+        return estimate
+    below, above = estimate.mean - estimate.low, estimate.high - estimate.mean
+    return replace(
+        estimate,
+        low=estimate.mean - math.copysign(math.hypot(below, error), below),
+        high=estimate.mean + math.copysign(math.hypot(above, error), above),
     )
 
 
-def about(value: float, interval: Interval) -> Interval:
-    """An interval of another estimate, moved to a value and widened by their distance."""
-    off = value - interval.value
-    if interval.low is None or interval.high is None:
-        return Interval(value, None, None)
-    return widened(Interval(value, interval.low + off, interval.high + off), off)
+def about(mean: float, estimate: Estimate) -> Estimate:
+    """Return an estimate moved to another mean and widened by the distance."""
+    off = mean - estimate.mean
+    if estimate.low is None or estimate.high is None:
+        return replace(estimate, mean=mean)
+    moved = Estimate(mean, estimate.low + off, estimate.high + off, estimate.samples)
+    return widened(moved, off)
 
 
 def resampled(maps: Array, weights: Array, seed: int = 1) -> Array:
@@ -261,8 +283,8 @@ def resampled(maps: Array, weights: Array, seed: int = 1) -> Array:
     return np.asarray(picked @ maps / picked.sum(axis=1, keepdims=True))
 
 
-def basic_interval(value: float, draws: Array, count: int) -> Interval:
-    """Interval of a statistic from what it is in bootstrap draws, shape (RESAMPLES,).
+def basic_interval(value: float, draws: Array, count: int) -> Estimate:
+    """Estimate of a statistic from what it is in bootstrap draws, shape (RESAMPLES,).
 
     What is biased by noise, such as the deepest of many bins, is biased again by as much in
     the draws: the interval is turned about the estimate ("basic" bootstrap, Davison and
@@ -275,9 +297,9 @@ def basic_interval(value: float, draws: Array, count: int) -> Interval:
         Samples that the draws are from.
     """
     if count < LEAST_SAMPLES:
-        return Interval(value, None, None)
+        return Estimate(value, samples=count)
     ends = value - _widening(count) * (np.quantile(draws, _ENDS[::-1]) - value)
-    return Interval(value, float(ends[0]), float(ends[1]))
+    return Estimate(value, float(ends[0]), float(ends[1]), count)
 
 
 _ENDS = (0.5 - 0.5 * LEVEL, 0.5 + 0.5 * LEVEL)
@@ -288,18 +310,17 @@ def _widening(count: int) -> float:
     return quantile(count - 1) / quantile(math.inf) * math.sqrt(count / (count - 1))
 
 
-def turned_interval(place: int, places: NDArray[np.int64], bins: int, count: int) -> Interval:
-    """Interval of the angle, rad, of a bin from where it is in bootstrap draws."""
+def turned_interval(place: int, places: NDArray[np.int64], bins: int, count: int) -> Estimate:
+    """Estimate of the angle, rad, of a bin from where it is in bootstrap draws."""
     angle = 2.0 * math.pi * (place + 0.5) / bins
     if count < LEAST_SAMPLES:
-        return Interval(angle, None, None)
+        return Estimate(angle, samples=count)
     moved = (places - place + bins // 2) % bins - bins // 2
     left, right = _widening(count) * np.quantile(moved, _ENDS)
     # No place is known better than its bin.
     width = 2.0 * math.pi / bins
-    return Interval(
-        angle, angle + width * min(float(left), -0.5), angle + width * max(float(right), 0.5)
-    )
+    low, high = angle + width * min(float(left), -0.5), angle + width * max(float(right), 0.5)
+    return Estimate(angle, low, high, count)
 
 
 def pointwise_interval(mean: Array, draws: Array, count: int) -> tuple[Array, Array]:
@@ -336,7 +357,7 @@ def peak_of(mean: Array, draws: Array, count: int, centre: Array | None = None) 
     deepest = float((mean if centre is None else centre).max())
     depth = about(float(mean[place]), basic_interval(deepest, draws.max(axis=1), count))
     if depth.low is not None:
-        depth = Interval(depth.value, max(depth.low, 0.0), depth.high)
+        depth = replace(depth, low=max(depth.low, 0.0))
     return Peak(depth, turned_interval(place, draws.argmax(axis=1), mean.size, count))
 
 
@@ -359,9 +380,10 @@ def pooled(runs: Sequence[Array], alone: Sequence[Array] = ()) -> tuple[Estimate
     if len(alone) > 1:
         means = np.array([after_startup(rows).mean() for rows in alone])
         half = math.hypot(half_width(means) or 0.0, mean - float(means.mean()))
-        return Estimate(mean, half, everything.size), True
+        return Estimate.symmetric(mean, half, everything.size), True
     apart = differ(samples)
-    return Estimate(mean, half_width(_parts(samples, apart)), everything.size), apart
+    half_within = half_width(_parts(samples, apart))
+    return Estimate.symmetric(mean, half_within, everything.size), apart
 
 
 def _parts(samples: Sequence[Array], apart: bool) -> Array:
@@ -371,7 +393,7 @@ def _parts(samples: Sequence[Array], apart: bool) -> Array:
     )
 
 
-def spread(runs: Sequence[Array]) -> Interval | None:
+def spread(runs: Sequence[Array]) -> Estimate | None:
     """Standard deviation of cycles about the mean of their own run; None where none is left.
 
     Runs may have surfaces of their own: how far their means are apart is no matter of how one
@@ -400,14 +422,15 @@ def spread(runs: Sequence[Array]) -> Interval | None:
     left_out = np.array(without)
     groups = left_out.size
     if groups < LEAST_SAMPLES or not np.all(left_out > 0.0):
-        return Interval(value, None, None)
+        return Estimate(value, samples=groups)
     pseudo = 2.0 * groups * math.log(value) - (groups - 1) * np.log(left_out)
     centre, half = float(pseudo.mean()), half_width(pseudo)
     assert half is not None, "there are several groups"
-    return Interval(value, math.exp(0.5 * (centre - half)), math.exp(0.5 * (centre + half)))
+    low, high = math.exp(0.5 * (centre - half)), math.exp(0.5 * (centre + half))
+    return Estimate(value, low, high, groups)
 
 
-def mean_range(runs: Sequence[Array], most: int = RANGE_STROKES) -> tuple[Interval | None, int]:
+def mean_range(runs: Sequence[Array], most: int = RANGE_STROKES) -> tuple[Estimate | None, int]:
     """Mean range over so many successive cycles of a run, and how many they are.
 
     The range of a sample grows with its size, so that only those of one size compare: each run
@@ -429,11 +452,11 @@ def mean_range(runs: Sequence[Array], most: int = RANGE_STROKES) -> tuple[Interv
         # What does not fill a piece is left out, at the start.
         whole = some[some.size - pieces * count :].reshape(pieces, count)
         ranges.append(np.ptp(whole, axis=1))
-    mean = float(np.concatenate(ranges).mean())
-    half = half_width(_parts(ranges, differ(ranges)))
+    everything = np.concatenate(ranges)
+    mean, half = float(everything.mean()), half_width(_parts(ranges, differ(ranges)))
     if half is None:
-        return Interval(mean, None, None), count
-    return Interval(mean, max(mean - half, 0.0), mean + half), count
+        return Estimate(mean, samples=everything.size), count
+    return Estimate(mean, max(mean - half, 0.0), mean + half, everything.size), count
 
 
 def differ(samples: Sequence[Array]) -> bool:
