@@ -25,15 +25,14 @@ from presswear.physics.contact import CONTACT, note_contacts
 from presswear.physics.packed import pack
 from presswear.physics.touchdown import CONTACT_COLUMNS
 from presswear.recording.observe import SECTION_JOINT_NAMES, SECTION_NAMES
-from presswear.scene.ranges import values_of
 from presswear.scene.scene import Scene
-from presswear.scene.settings import changed, setting_of
+from presswear.scene.settings import changed, setting_of, values_of
 from presswear.tools.arrays import read_numbers, write_arrays
 from presswear.tools.documents import plain, read_sealed, sealed_json, typed
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.files import write_bytes
 from presswear.tools.folders import FolderLock
-from presswear.tools.quantities import Meaning
+from presswear.tools.quantities import Quantity
 from presswear.tools.workers import Job, Report, cores, workers_for
 
 Array = NDArray[np.float64]
@@ -80,13 +79,13 @@ class Parameter:
         if not (equals and values_text):
             raise InputError(f"--over {text}: expected KEY=FIRST:LAST:COUNT UNIT")
         meaning = setting_of(scene, key).meaning
-        if not isinstance(meaning, Meaning) or meaning.whole:
+        if not isinstance(meaning, Quantity) or meaning.whole:
             raise InputError(f"--over {text}: must be a quantity, not a count or a choice")
         values = sorted(set(values_of(key, values_text, meaning)))
         if len(values) < 2:
             raise InputError(f"--over {text}: needs at least two different values")
         for value in (values[0], values[-1]):
-            changed(scene, {key: value})  # raises if the scene does not allow the value
+            changed(scene, {key: value}).check()  # raises if the scene does not allow the value
         return Parameter(key, tuple(values), meaning.unit)
 
 
@@ -430,6 +429,7 @@ def compute(
     if not scene.clearance_joints:
         raise InputError("a bifurcation diagram needs a joint with clearance")
     scene.check_trusted()
+    scene.check()
     document = {
         "schema": SCHEMA,
         "scene": scene.as_dict(),

@@ -11,7 +11,6 @@ from presswear.engines.settings import Engine
 from presswear.recording.tracker import Progress, Tracker
 from presswear.results.result import Result, load
 from presswear.scene.scene import Scene
-from presswear.tools.checked import checked
 from presswear.tools.errors import InputError, shown
 from presswear.tools.files import inside
 from presswear.tools.folders import check_name
@@ -20,7 +19,6 @@ from presswear.tools.workers import Report, cores, workers_for
 OnProgress = Callable[[str, float, str], object]
 
 
-@checked
 def run_scenes(
     scenes: Mapping[str, Scene],
     folder: str | Path,
@@ -67,6 +65,7 @@ def run_scenes(
         paths[name] = inside(Path(folder).resolve(), name)
         check_name(paths[name])
         scene.check_trusted()
+        scene.check()
     names = list(scenes)
     tasks = {
         key: partial(_run, with_engine(scenes[name], engine), paths[name])

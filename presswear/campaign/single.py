@@ -19,7 +19,6 @@ from presswear.results.provenance import provenance
 from presswear.results.result import Result, load
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
-from presswear.tools.checked import checked
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.workers import InProcess, Pool, Workers, cores, workers_for
 
@@ -38,7 +37,6 @@ class _Kept(Tracker):
         self.stages.append(stage)
 
 
-@checked
 def run(
     scene: Scene,
     folder: str | Path | None = None,
@@ -82,6 +80,7 @@ def run(
     if jobs is not None and jobs < 1:
         raise InputError(f"jobs = {jobs}: must be at least 1")
     scene = with_engine(scene, engine)
+    scene.check()
     if folder is None:
         kept = _Kept()
         with workers_of(scene, jobs, trackers) as workers:

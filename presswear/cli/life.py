@@ -90,7 +90,7 @@ def _with_life(scene: Scene, arguments: argparse.Namespace) -> Scene:
         given = getattr(arguments, name)
         if given is not None:
             settings[f"life.{name}"] = given
-    told = {key for key, status in scene.statuses.items() if status.startswith(SET)}
+    told = {key for key, status in scene.origins.items() if status.startswith(SET)}
     told |= settings_given(arguments.set).keys()
     if arguments.conventions is None and not told & {"conventions", "wear_distribution", "contact"}:
         scene = changed(scene, {"conventions": "refined"})

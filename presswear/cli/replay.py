@@ -10,7 +10,7 @@ from rich.console import Console
 from presswear.cli.terminal import finished_part, progress_bar
 from presswear.tools.errors import InputError
 from presswear.tools.folders import check_folder
-from presswear.tools.quantities import Meaning, parse_quantity
+from presswear.tools.quantities import Quantity, parse_quantity
 
 if TYPE_CHECKING:
     from presswear.show.replay.reel import Reel
@@ -131,7 +131,7 @@ def _time(option: str, text: str | None, reel: "Reel", otherwise: float) -> floa
     first, last = reel.span
     bare = re.fullmatch(r"[0-9.eE+-]+", text.strip())
     return float(
-        parse_quantity(option, f"{text}s" if bare else text, Meaning("s", first, last, "", ""))
+        parse_quantity(option, f"{text}s" if bare else text, Quantity("s", first, last, "", ""))
     )
 
 
@@ -167,7 +167,7 @@ def _movie(
     if end <= start:
         raise InputError(f"--to {end:g} s: it must be after --from, {start:g} s")
     slowed = _slowed(arguments, first)
-    rate = float(parse_quantity("--rate", arguments.rate, Meaning("", 1.0, 60.0, "", "")))
+    rate = float(parse_quantity("--rate", arguments.rate, Quantity("", 1.0, 60.0, "", "")))
     frames = frames_between(reels, start, end, slowed, rate)
     count, note = len(frames), played(slowed)
     with progress_bar(console) as bar:
@@ -186,7 +186,7 @@ def _movie(
 def _slowed(arguments: argparse.Namespace, reel: "Reel") -> float:
     if arguments.slow is None:
         return reel.slowed
-    return float(parse_quantity("--slow", arguments.slow, Meaning("", 0.01, 1e5, "", "")))
+    return float(parse_quantity("--slow", arguments.slow, Quantity("", 0.01, 1e5, "", "")))
 
 
 def _window(arguments: argparse.Namespace, reels: "list[Reel]", size: tuple[int, int]) -> int:

@@ -24,11 +24,10 @@ from presswear.cli.terminal import (
     seconds_given,
     settings_given,
 )
-from presswear.scene.catalog import SCENES
-from presswear.scene.changes import title_of
+from presswear.scene.catalog import SCENES, title_of
 from presswear.scene.files import SUFFIX
 from presswear.scene.scene import Scene
-from presswear.scene.settings import begun_on, changed
+from presswear.scene.settings import changed, on_surfaces
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.folders import check_folder
 from presswear.tools.workers import foresee
@@ -123,11 +122,12 @@ def with_options(
                 raise InputError(f"--{option} and --set {key} cannot be combined")
             settings[key] = given
     scene = changed(scene, settings)
-    if arguments.surfaces is None:
-        return scene
-    from presswear.results.surfaces import read_surfaces
+    if arguments.surfaces is not None:
+        from presswear.results.surfaces import read_surfaces
 
-    return begun_on(scene, read_surfaces(arguments.surfaces), arguments.surfaces)
+        scene = on_surfaces(scene, read_surfaces(arguments.surfaces), arguments.surfaces)
+    scene.check()
+    return scene
 
 
 def _run(arguments: argparse.Namespace, console: Console) -> int:

@@ -15,7 +15,7 @@ from presswear.scene.catalog import SCENES
 from presswear.scene.files import EXAMPLES, SUFFIX, example_file
 from presswear.scene.settings import changed, settings_of
 from presswear.tools.errors import InputError
-from presswear.tools.quantities import Meaning, parse_quantity
+from presswear.tools.quantities import Quantity, parse_quantity
 
 
 def add(commands: Any) -> None:
@@ -48,7 +48,7 @@ def add(commands: Any) -> None:
 
 def _show(arguments: argparse.Namespace, console: Console) -> int:
     scene = changed(scene_given(arguments.scene), settings_given(arguments.set))
-    time = parse_quantity("--at", arguments.at, Meaning("s", -math.inf, math.inf, "", ""))
+    time = parse_quantity("--at", arguments.at, Quantity("s", -math.inf, math.inf, "", ""))
     file = arguments.out or Path(f"{scene.name}.png")
     if file.suffix != ".png":
         raise InputError(f"--out {file}: a name that ends in .png is expected")

@@ -28,13 +28,13 @@ from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.folders import check_folder
 from presswear.tools.numbers import lasting
-from presswear.tools.quantities import Meaning, parse_quantity
+from presswear.tools.quantities import Quantity, parse_quantity
 from presswear.tools.stopping import is_stopped
 
 if TYPE_CHECKING:
     from presswear.results.result import Result
 
-_ANY = Meaning("", -math.inf, math.inf, "", "")
+_ANY = Quantity("", -math.inf, math.inf, "", "")
 
 _LEAST_BAR = 8
 """Characters."""

@@ -17,7 +17,6 @@ from dataclasses import dataclass, replace
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, cast
 
-from presswear.tools.checked import checked
 from presswear.tools.quantities import choice, quantity
 
 if TYPE_CHECKING:
@@ -100,7 +99,6 @@ class _Engine:
         return run
 
 
-@checked
 @dataclass(frozen=True)
 class ExudynTree(_Engine):
     """Exudyn with an open tree in minimal coordinates, explicit and error-controlled.
@@ -140,7 +138,6 @@ class ExudynTree(_Engine):
         return replace(self, tree_tolerance=self.tolerance / factor)
 
 
-@checked
 @dataclass(frozen=True)
 class ExudynJoints(_Engine):
     """Exudyn with bodies and joints, implicit: any linkage.
@@ -193,7 +190,6 @@ class ExudynJoints(_Engine):
         return self.free_steps
 
 
-@checked
 @dataclass(frozen=True)
 class InHouse(_Engine):
     """The solver of this house, with touches located: an open tree, or Lagrange multipliers.

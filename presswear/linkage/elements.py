@@ -2,23 +2,23 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Annotated, Literal
+from typing import Annotated, Literal, cast
 
 from presswear.linkage.laws import FrictionLaw, NormalLaw
 from presswear.linkage.points import LARGE, Attachment, End, Place, angle, place
 from presswear.linkage.surface import Surface
-from presswear.tools.checked import checked
 from presswear.tools.errors import InputError
-from presswear.tools.quantities import Meaning, check_fields
+from presswear.tools.quantities import Quantity
+from presswear.tools.serialize import check_fields
 
 MapFrame = Literal["fixed", "body"]
 Slip = Literal["angle", "sliding"]
-Footprint = Literal["bin", "arc"]
+WearDistribution = Literal["bin", "arc"]
 SurfaceContact = Literal["radial", "foundation"]
 
 
-MASS = Meaning("kg", 1e-9, 1e9, "", "mass")
-INERTIA = Meaning(
+MASS = Quantity("kg", 1e-9, 1e9, "", "mass")
+INERTIA = Quantity(
     "kg m^2",
     0.0,
     1e15,
@@ -29,7 +29,6 @@ LEAST_INERTIA = 1e-18
 """Of a body that can turn, kg m^2."""
 
 
-@checked
 @dataclass(frozen=True)
 class Body:
     """A rigid body.
@@ -50,6 +49,7 @@ class Body:
 
     def __post_init__(self) -> None:
         """InputError where a point is out of range."""
+        check_fields(self)
         points = dict(self.points)
         for name, ends in points.items():
             Attachment(f"{self.name}.{name}", *ends)
@@ -66,16 +66,15 @@ class Body:
         return self.inertia or self.mass  # mass times 1 m^2
 
 
-BAR = Meaning("m", 1e-6, LARGE, "", "of a bar: from its tail to its head, its mass centre halfway")
+BAR = Quantity("m", 1e-6, LARGE, "", "of a bar: from its tail to its head, its mass centre halfway")
 """The length of a bar."""
 
 
-@checked
 def Bar(  # noqa: N802 - to whoever writes a linkage it is a kind of body
     name: str,
-    length: Annotated[float, BAR],
-    mass: Annotated[float, MASS],
-    inertia: float | None = None,
+    length: float | str,
+    mass: float | str,
+    inertia: float | str | None = None,
 ) -> Body:
     """A bar: a body with the points ``tail`` and ``head`` at its ends.
 
@@ -88,9 +87,12 @@ def Bar(  # noqa: N802 - to whoever writes a linkage it is a kind of body
     inertia : float or None
         About its mass centre, kg m^2; None: that of a thin rod, m l^2 / 12.
     """
-    half = 0.5 * length
+    size = BAR.convert(f"length of {name}", length)
+    m = MASS.convert(f"mass of {name}", mass)
+    half = 0.5 * size
     ends = (("tail", (-half, 0.0)), ("head", (half, 0.0)))
-    return Body(name, mass, mass * length**2 / 12.0 if inertia is None else inertia, ends)
+    rod = m * size**2 / 12.0
+    return Body(name, m, rod if inertia is None else cast(float, inertia), ends)
 
 
 def bar_ends(body: str, length: float) -> tuple[Attachment, Attachment]:
@@ -98,7 +100,6 @@ def bar_ends(body: str, length: float) -> tuple[Attachment, Attachment]:
     return Attachment(body, -0.5 * length, 0.0), Attachment(body, 0.5 * length, 0.0)
 
 
-@checked
 @dataclass(frozen=True)
 class Pin:
     """A pin joint between two points as a person writes them; a linkage makes a Revolute of it."""
@@ -108,7 +109,6 @@ class Pin:
     second: End
 
 
-@checked
 @dataclass(frozen=True)
 class Revolute:
     """An ideal pin joint between two points."""
@@ -118,7 +118,6 @@ class Revolute:
     second: Attachment
 
 
-@checked
 @dataclass(frozen=True)
 class Guide:
     """A straight guide on the frame: the body slides along a line and does not turn.
@@ -147,7 +146,6 @@ class Guide:
         check_fields(self)
 
 
-@checked
 @dataclass(frozen=True)
 class WearLaw:
     """Archard wear dh = K_d p ds of a clearance joint.
@@ -169,12 +167,11 @@ class WearLaw:
 
     coefficient: float
     slip: Slip = "sliding"
-    wear_distribution: Footprint = "arc"
+    wear_distribution: WearDistribution = "arc"
     bearing_share: float = 0.5
     angles: int = 360
 
 
-@checked
 @dataclass(frozen=True)
 class ClearanceJoint:
     """A pin joint with clearance: a pin loose in a bearing.

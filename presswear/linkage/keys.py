@@ -10,21 +10,25 @@ from presswear.linkage.loads import Force, Harmonics, Load, OverPosition, OverTi
 from presswear.linkage.motions import Drive, Follow
 from presswear.linkage.points import ANGLE as ANGLE
 from presswear.linkage.points import LENGTH as LENGTH
-from presswear.tools.checked import LARGEST
-from presswear.tools.quantities import Meaning, meaning_of
+from presswear.tools.quantities import Quantity, meaning_of
+from presswear.tools.serialize import LARGEST
 
 Data = Mapping[str, Any]
 
 
-def _own(owner: type, *names: str, unit: str = "") -> dict[str, Meaning]:
+def _own(owner: type, *names: str, unit: str = "") -> dict[str, Quantity]:
     """Meanings of fields of a data class, by their names; in a unit of their own."""
     found = {item.name: meaning_of(item) for item in fields(owner)}
     meant = {name: found[name] for name in names}
-    return {name: replace(own, unit=unit or own.unit) for name, own in meant.items() if own}
+    return {
+        name: replace(own, unit=unit or own.unit)
+        for name, own in meant.items()
+        if isinstance(own, Quantity)
+    }
 
 
-def _any(unit: str, text: str) -> Meaning:
-    return Meaning(unit, -LARGEST, LARGEST, "", text)
+def _any(unit: str, text: str) -> Quantity:
+    return Quantity(unit, -LARGEST, LARGEST, "", text)
 
 
 TEXT, END, POINTS, ANGLES, YES, OWN = "text", "end", "points", "angles", "yes or no", "own"
@@ -34,7 +38,7 @@ TEXT, END, POINTS, ANGLES, YES, OWN = "text", "end", "points", "angles", "yes or
 class Columns:
     """Rows of numbers, as many in each as there are meanings, or as often the last as needed."""
 
-    meanings: tuple[Meaning, ...]
+    meanings: tuple[Quantity, ...]
     widths: tuple[int, ...]
     text: str
 
@@ -49,11 +53,11 @@ class Inner:
     is_list: bool = False
 
 
-Kind = Meaning | Columns | Inner | str
+Kind = Quantity | Columns | Inner | str
 """What stands behind a key."""
 
 
-def _motion_of(unit: Meaning, whose: str) -> dict[str, Kind]:
+def _motion_of(unit: Quantity, whose: str) -> dict[str, Kind]:
     """Keys of a motion: angles of a drive, or lengths of a point that is followed."""
     rise: dict[str, Kind] = {"start": ANGLE, "end": ANGLE, "by": unit, "law": TEXT}
     return {

@@ -15,7 +15,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from presswear.tools.checked import checked
 from presswear.tools.errors import InputError
 from presswear.tools.own import OwnFunction
 
@@ -141,7 +140,6 @@ def greatest_penetration(
     return float((energy * lost) ** (1.0 / (exponent + 1.0)))
 
 
-@checked
 @dataclass(frozen=True)
 class NormalLaw:
     """Normal contact of one joint.
@@ -171,7 +169,6 @@ class NormalLaw:
     own: OwnFunction | None = None
 
 
-@checked
 @dataclass(frozen=True)
 class FrictionLaw:
     """Friction of one joint.

@@ -23,9 +23,9 @@ from presswear.linkage.elements import (
 from presswear.linkage.loads import AnyLoad, Force, Load, Moment, OverTime, Spring
 from presswear.linkage.motions import Drive
 from presswear.linkage.points import GROUND, Attachment, End, Probe
-from presswear.tools.checked import checked
 from presswear.tools.errors import InputError, unknown
-from presswear.tools.quantities import Meaning, check_fields, count, quantity
+from presswear.tools.quantities import Quantity, count, quantity
+from presswear.tools.serialize import check_fields
 
 CYCLE = 1e-5, 1e3
 """Shortest and longest time of a cycle, s: a pin at rest in its bearing takes some 1e4 steps a
@@ -46,7 +46,6 @@ def gravity() -> Any:
     return quantity(9.81, "m/s^2", -100.0, 100.0, "assumed", "acceleration along -y")
 
 
-@checked
 @dataclass(frozen=True)
 class Linkage:
     """A planar mechanism, driven, with or without clearance joints.
@@ -250,7 +249,7 @@ class Linkage:
         """Time of one cycle, s: the shortest in which every drive makes whole turns."""
         found = self._common if self.cycle is None else self.cycle
         told = f"cycle of {self.name}, in which all drives make whole turns,"
-        Meaning("s", *CYCLE, "", "").check(told, found)
+        Quantity("s", *CYCLE, "", "").check(told, found)
         for drive in self.drives:
             for speed in drive.frequencies:
                 turns = speed * found / (2.0 * math.pi)
@@ -296,6 +295,12 @@ class Linkage:
             if candidate.name == body:
                 return position
         raise KeyError(f"no body {body!r} in linkage {self.name!r}")
+
+    def as_plain(self) -> dict[str, Any]:
+        """Return the linkage as plain data."""
+        from presswear.linkage.written import written
+
+        return {"kind": self.kind, **written(self)}
 
     def opened(self, joints: tuple[ClearanceJoint, ...]) -> "Linkage":
         """The same linkage with clearance joints in place of revolutes of the same name."""

@@ -13,10 +13,10 @@ from itertools import pairwise
 from typing import Annotated, Any, Literal, cast
 
 from presswear.linkage.points import ANGLE, LARGE, TURNED, Attachment, End
-from presswear.tools.checked import checked
 from presswear.tools.errors import InputError
 from presswear.tools.own import OwnFunction
-from presswear.tools.quantities import Meaning, check_fields, quantity
+from presswear.tools.quantities import Quantity, quantity
+from presswear.tools.serialize import check_fields
 
 Sense = Literal["both", "along", "against"]
 Outside = Literal["hold", "zero"]
@@ -36,7 +36,6 @@ ROUND_OFF = 1e-6
 """Part by which a slope may differ from one that is computed from the nodes of a table."""
 
 
-@checked
 @dataclass(frozen=True)
 class Spring:
     """A linear spring and damper between two points.
@@ -52,8 +51,8 @@ class Spring:
     name: str
     first: End
     second: End
-    stiffness: Annotated[float, Meaning("N/m", 0.0, 1e12, "", "stiffness")]
-    length: Annotated[float, Meaning("m", 0.0, LARGE, "", "length without force")]
+    stiffness: Annotated[float, Quantity("N/m", 0.0, 1e12, "", "stiffness")]
+    length: Annotated[float, Quantity("m", 0.0, LARGE, "", "length without force")]
     damping: float = quantity(0.0, "N s/m", 0.0, 1e12, "", "damping")
 
     def __post_init__(self) -> None:
@@ -66,7 +65,6 @@ class Spring:
         return cast(tuple[Attachment, Attachment], (self.first, self.second))
 
 
-@checked
 @dataclass(frozen=True)
 class Load:
     """A constant force, N, at the mass centre of a body and moment, N m, on it."""
@@ -81,7 +79,6 @@ class Load:
         check_fields(self)
 
 
-@checked
 @dataclass(frozen=True)
 class Harmonics:
     """A Fourier series over time: mean + sum over k from 1 of a_k cos k w t + b_k sin k w t.
@@ -109,7 +106,6 @@ class Harmonics:
             )
 
 
-@checked
 @dataclass(frozen=True)
 class OverTime:
     """A table over time, linear between its nodes.
@@ -145,7 +141,6 @@ class OverTime:
             )
 
 
-@checked
 @dataclass(frozen=True)
 class OverPosition:
     """A table over the position of the point along the force, or the angle of the body.
@@ -276,7 +271,6 @@ LOAD_PARAMETERS = ("time", "position", "speed")
 """What a law of one's own may ask for: s; m or rad; m/s or rad/s."""
 
 
-@checked
 @dataclass(frozen=True)
 class Force:
     """A force at a point of a body, along a direction that stays fixed on the frame.
@@ -310,7 +304,6 @@ class Force:
         return self.point.partition(".")[0] if isinstance(self.point, str) else self.point.body
 
 
-@checked
 @dataclass(frozen=True)
 class Moment:
     """A moment on a body, counterclockwise.

@@ -2,11 +2,10 @@
 
 from dataclasses import dataclass
 
-from presswear.tools.checked import checked
-from presswear.tools.quantities import check_fields, quantity
+from presswear.tools.quantities import quantity
+from presswear.tools.serialize import check_fields
 
 
-@checked
 @dataclass(frozen=True)
 class Materials:
     """A pin and a bearing as a pair."""
@@ -43,7 +42,7 @@ class Materials:
     @property
     def name(self) -> str:
         """Name of the pair, or ``own`` for one that has none."""
-        return next((name for name, preset in MATERIALS.items() if self == preset), "own")
+        return next((name for name, preset in MATERIALS.items() if self == preset), "custom")
 
     @property
     def compliance(self) -> float:

@@ -2,12 +2,12 @@
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar
 
 from presswear.linkage.linkage import Linkage
-from presswear.tools.quantities import check_fields, quantity
+from presswear.tools.quantities import quantity
+from presswear.tools.serialize import check_fields
 
 SHORT, LONG = 1e-3, 10.0
 """Shortest and longest link that is still one of a machine, m."""
@@ -49,11 +49,6 @@ class Mechanism(ABC):
     def __post_init__(self) -> None:
         """InputError where a quantity is out of range."""
         check_fields(self)
-
-    @classmethod
-    def from_dict(cls, data: Mapping[str, Any]) -> Self:
-        """A mechanism from its fields as plain data."""
-        return cls(**data)
 
     @property
     @abstractmethod

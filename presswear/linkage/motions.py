@@ -22,9 +22,9 @@ from presswear.linkage.pieces import (
 )
 from presswear.linkage.points import Attachment, Probe, angle
 from presswear.tools.arrays import Array
-from presswear.tools.checked import checked
 from presswear.tools.errors import InputError, shown
-from presswear.tools.quantities import check_fields, quantity
+from presswear.tools.quantities import quantity
+from presswear.tools.serialize import check_fields
 
 FAST = 1e5
 """Greatest speed and frequency of a drive, rad/s; the fastest spindles have 2e4."""
@@ -81,7 +81,6 @@ def series(law: "Law", base: float, time: Array) -> tuple[Array, Array, Array]:
     return place, speed, faster
 
 
-@checked
 @dataclass(frozen=True)
 class Follow:
     """A curve that a point follows: its coordinate along a direction, from where it starts.
@@ -125,7 +124,6 @@ def torque_limit() -> Any:
     return quantity(None, "N m", 1e-6, 1e12, "chosen", text)
 
 
-@checked
 @dataclass(frozen=True)
 class Drive:
     """A body whose angle is given: a mean speed, and what repeats with a cycle beside it.

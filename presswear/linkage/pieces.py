@@ -15,9 +15,8 @@ import numpy as np
 
 from presswear.linkage.points import ANGLE
 from presswear.tools.arrays import Array
-from presswear.tools.checked import checked
 from presswear.tools.errors import InputError, unknown
-from presswear.tools.quantities import check_fields
+from presswear.tools.serialize import check_fields
 
 MOST_PIECES = 256
 """Of a motion."""
@@ -63,7 +62,6 @@ Manufacturing Handbook; greatest velocities and accelerations are 2 and 2 pi, 1.
 """
 
 
-@checked
 @dataclass(frozen=True)
 class Rise:
     """A rise, or return, of a motion in a part of its cycle; between rises it dwells.

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from typing import Annotated, Any
 
-from presswear.tools.checked import checked
-from presswear.tools.quantities import Meaning, check_fields, quantity
+from presswear.tools.quantities import Quantity, quantity
+from presswear.tools.serialize import check_fields
 
 GROUND = "frame"
 
@@ -17,8 +17,8 @@ TURNED = 1e4
 """Of an angle, rad: beyond it a sine has lost four digits."""
 
 
-LENGTH = Meaning("m", -LARGE, LARGE, "", "")
-ANGLE = Meaning("rad", -TURNED, TURNED, "", "")
+LENGTH = Quantity("m", -LARGE, LARGE, "", "")
+ANGLE = Quantity("rad", -TURNED, TURNED, "", "")
 
 
 def place(text: str = "") -> Any:
@@ -31,7 +31,6 @@ def angle(text: str = "", default: float | None = 0.0) -> Any:
     return quantity(default, "rad", -TURNED, TURNED, "", text)
 
 
-@checked
 @dataclass(frozen=True)
 class Attachment:
     """A point of a body, in the body's frame with origin at the mass centre, m."""
@@ -40,8 +39,10 @@ class Attachment:
     x: Annotated[float, LENGTH]
     y: Annotated[float, LENGTH]
 
+    def __post_init__(self) -> None:
+        check_fields(self)
 
-@checked
+
 @dataclass(frozen=True)
 class Probe:
     """The coordinate that a study watches: a point of a body along a direction, rad.

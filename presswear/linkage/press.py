@@ -10,7 +10,6 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
-from typing import Any, Self
 
 from presswear.linkage.elements import Body, Guide, Revolute, bar_ends
 from presswear.linkage.linkage import Linkage, gravity, run_up
@@ -24,9 +23,9 @@ from presswear.linkage.mechanism import (
 from presswear.linkage.motions import Drive, torque_limit
 from presswear.linkage.points import GROUND, Attachment, Probe
 from presswear.linkage.servo import SERVOS, Servo
-from presswear.tools.checked import checked
 from presswear.tools.errors import InputError
-from presswear.tools.quantities import check_fields, named_set, of_kind, one_of, quantity
+from presswear.tools.quantities import named_set, one_of, quantity
+from presswear.tools.serialize import check_fields
 
 CRANK_2_START = math.radians(-119.27)
 CRANK_7_START = math.radians(-51.18)
@@ -37,7 +36,6 @@ _length, _mass, _inertia = (partial(make, "paper") for make in (length, mass, in
 _side = partial(length, "paper, reading chosen")
 
 
-@checked
 @dataclass(frozen=True)
 class Geometry:
     """Where the frame joint O2 is, the plate's sides, and how the linkage is assembled.
@@ -47,7 +45,6 @@ class Geometry:
     which C lies (RIGHT or LEFT); ``slider_side`` is BELOW or ABOVE C.
     """
 
-    name: str = "standard"
     hx: float = quantity(0.240, "m", -LONG, LONG, "chosen", "O2 to the right of O7")
     hy: float = quantity(0.1345, "m", -LONG, LONG, "chosen", "O2 above O7")
     side_bd: float = _side(0.39, "plate side B to D")
@@ -56,6 +53,11 @@ class Geometry:
     side_b: float = RIGHT
     side_c: float = RIGHT
     slider_side: float = BELOW
+
+    @property
+    def name(self) -> str:
+        """Name of the geometry, or ``custom`` for one that has none."""
+        return next((name for name, preset in GEOMETRIES.items() if self == preset), "custom")
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -73,27 +75,21 @@ class Geometry:
             )
 
 
-GEOMETRIES: dict[str, Geometry] = {
-    geometry.name: geometry
-    for geometry in (
-        Geometry(),
-        Geometry(name="swapped", hx=0.210, side_bc=0.233, side_cd=0.21),
-        Geometry(
-            name="lifted",
-            hx=-0.208,
-            hy=-0.195,
-            side_bd=0.233,
-            side_bc=0.39,
-            side_cd=0.21,
-            side_c=LEFT,
-            slider_side=ABOVE,
-        ),
-    )
+GEOMETRIES: dict[str, Geometry] = {  # they meet the two printed peaks about equally well
+    "standard": Geometry(),
+    "swapped": Geometry(hx=0.210, side_bc=0.233, side_cd=0.21),
+    "lifted": Geometry(
+        hx=-0.208,
+        hy=-0.195,
+        side_bd=0.233,
+        side_bc=0.39,
+        side_cd=0.21,
+        side_c=LEFT,
+        slider_side=ABOVE,
+    ),
 }
-"""Three choices that meet the two printed peaks about equally well."""
 
 
-@checked
 @dataclass(frozen=True)
 class Press(Mechanism):
     """The seven-bar press: everything but its clearance joints."""
@@ -142,12 +138,6 @@ class Press(Mechanism):
             f"The geometry ({self.geometry.name}) and several parameters are chosen, not the "
             "paper's: it does not print enough to fix the mechanism."
         )
-
-    @classmethod
-    def from_dict(cls, data: Mapping[str, Any]) -> Self:
-        """A press from its fields as plain data."""
-        geometry = Geometry(**data["geometry"])
-        return cls(**{**data, "geometry": geometry, "servo": of_kind(SERVOS, data["servo"])})
 
     def plate_corners(self) -> dict[str, Attachment]:
         """B, C, D in the plate's frame: origin at the centroid, x axis along D to B."""

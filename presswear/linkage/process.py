@@ -13,9 +13,9 @@ from itertools import pairwise
 from typing import Any, ClassVar, Literal, get_args
 
 from presswear.linkage.loads import OverPosition
-from presswear.tools.checked import checked
 from presswear.tools.errors import InputError
-from presswear.tools.quantities import check_fields, choice, quantity
+from presswear.tools.quantities import choice, quantity
+from presswear.tools.serialize import check_fields
 
 Extreme = Literal["lowest", "highest"]
 
@@ -51,7 +51,6 @@ def _extreme() -> Any:
     return choice("lowest", get_args(Extreme), text)
 
 
-@checked
 @dataclass(frozen=True)
 class Blanking:
     """A sheet that is cut: the force rises, stays, and snaps through to zero.
@@ -113,7 +112,6 @@ class Blanking:
         return self.force * (0.5 * rise + (broken - rise) + 0.5 * (end - broken))
 
 
-@checked
 @dataclass(frozen=True)
 class Drawing:
     """A cup that is drawn: the force rises and falls over the punch travel, as half cosines.
@@ -164,7 +162,6 @@ class Drawing:
         return 0.5 * self.force * self.depth
 
 
-@checked
 @dataclass(frozen=True)
 class Coining:
     """A stiff stop of die and work, elastic: it pushes on the way back as on the way in."""

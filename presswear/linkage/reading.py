@@ -44,7 +44,7 @@ from presswear.linkage.pieces import Rise
 from presswear.linkage.points import Attachment
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.own import OwnFunction
-from presswear.tools.quantities import Meaning, parse_quantity
+from presswear.tools.quantities import Quantity, parse_quantity
 
 
 def read(data: Data, place: str, *, units: bool = False, folder: Path | None = None) -> Linkage:
@@ -220,7 +220,7 @@ class _Reader:
             raise InputError(f"{place} = {value!r}: a text is expected")
         return value
 
-    def _number(self, place: str, value: Any, meaning: Meaning) -> float | int:
+    def _number(self, place: str, value: Any, meaning: Quantity) -> float | int:
         if isinstance(value, str):
             return parse_quantity(place, value, meaning)
         if self.units and not meaning.whole:

@@ -12,9 +12,9 @@ from typing import Any, ClassVar
 
 from presswear.linkage.motions import Drive, Follow
 from presswear.linkage.pieces import RISES, Rise
-from presswear.tools.checked import checked
 from presswear.tools.errors import InputError
-from presswear.tools.quantities import check_fields, choice, quantity
+from presswear.tools.quantities import choice, quantity
+from presswear.tools.serialize import check_fields
 
 _TURN = 2.0 * math.pi
 APPROACH = 0.125
@@ -37,7 +37,6 @@ def _start(degrees: float) -> Any:
     return _angle(degrees, "angle of crank 7 at the start, by which the slider's height is set")
 
 
-@checked
 @dataclass(frozen=True)
 class Dwell:
     """The slider stands still around bottom dead centre; half a cycle later it is at the top.
@@ -74,7 +73,6 @@ class Dwell:
         return Drive(body, angle=self.angle, frequency=frequency, follow=follow)
 
 
-@checked
 @dataclass(frozen=True)
 class Forming:
     """The slider comes down fast, works at a constant speed, stops smoothly, and goes back.
@@ -138,7 +136,6 @@ class Forming:
         return Drive(body, angle=self.angle, frequency=frequency, follow=follow)
 
 
-@checked
 @dataclass(frozen=True)
 class Pendulum:
     """The crank swings to and fro as a sine: middle + amplitude sin(turn of crank 2 - phase)."""

@@ -20,7 +20,6 @@ from presswear.linkage.mechanism import (
 )
 from presswear.linkage.motions import Drive, torque_limit
 from presswear.linkage.points import GROUND, Attachment, Probe
-from presswear.tools.checked import checked
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import quantity
 
@@ -32,7 +31,6 @@ _LEAST_RATIO = 1.0001
 _length, _mass, _inertia = (partial(make, LITERATURE) for make in (length, mass, inertia))
 
 
-@checked
 @dataclass(frozen=True)
 class SliderCrank(Mechanism):
     """A slider-crank: everything but its clearance joints.

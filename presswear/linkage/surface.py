@@ -13,7 +13,6 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from presswear.tools.arrays import Array
-from presswear.tools.checked import checked
 from presswear.tools.errors import InputError, shown
 
 SIDES = ("bearing", "pin")
@@ -41,7 +40,6 @@ def bin_centres(count: int) -> Array:
     return (np.arange(count, dtype=np.float64) + 0.5) * (2.0 * math.pi / count)
 
 
-@checked
 @dataclass(frozen=True, eq=False)
 class Surface:
     """One worn surface, bearing or pin.

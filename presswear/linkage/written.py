@@ -36,7 +36,7 @@ from presswear.linkage.loads import (
 from presswear.linkage.motions import Drive, Follow
 from presswear.linkage.points import GROUND, Attachment, Probe
 from presswear.tools.own import OwnFunction
-from presswear.tools.quantities import Meaning
+from presswear.tools.quantities import Quantity
 
 
 def written(linkage: Linkage) -> dict[str, Any]:
@@ -162,7 +162,7 @@ def _toml(value: Any, kind: Kind) -> str:
         return str(value).lower()
     if isinstance(value, str):
         return f'"{value}"'
-    if isinstance(kind, Meaning):
+    if isinstance(kind, Quantity):
         return f'"{value!r} {kind.unit}"' if kind.unit else f"{value!r}"
     if isinstance(kind, Columns):
         last = kind.meanings[-1]

@@ -25,17 +25,16 @@ from presswear.physics.contact import CONTACT, note_contacts
 from presswear.physics.forces import JOINT_RATES, add_contacts, note_forces
 from presswear.physics.ideal import ideal_motion
 from presswear.physics.packed import pack
-from presswear.tools.checked import checked
 from presswear.tools.compiled import Records
 from presswear.tools.errors import InputError, RunFailed
-from presswear.tools.quantities import Meaning
+from presswear.tools.quantities import Quantity
 
 Array = NDArray[np.float64]
 
 LEAST_PULL, PULL_OVER_WEIGHT = 100.0, 10.0
 """Force by which a total clearance is told where none is given, N, and over the weight."""
-_FORCE = Meaning("N", -1e9, 1e9, "", "on the watched point along its direction")
-_SIZE = Meaning("N", 0.0, 1e9, "", "on the watched point, either way", open_low=True)
+_FORCE = Quantity("N", -1e9, 1e9, "", "on the watched point along its direction")
+_SIZE = Quantity("N", 0.0, 1e9, "", "on the watched point, either way", open_low=True)
 
 BALANCED = 1e-11
 """Part of the forces that may be left at rest: of a penetration as much."""
@@ -240,7 +239,6 @@ def pull_of(linkage: Linkage) -> float:
     return max(LEAST_PULL, PULL_OVER_WEIGHT * weight)
 
 
-@checked
 def total_clearance(linkage: Linkage, force: float | None = None) -> float:
     """Total clearance at bottom dead centre, m: JIS B 6402's, above and below the connection.
 
@@ -269,7 +267,6 @@ def total_clearance(linkage: Linkage, force: float | None = None) -> float:
     return float(up - down)
 
 
-@checked
 def deflection(
     linkage: Linkage,
     force: Annotated[float, _FORCE],

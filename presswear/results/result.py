@@ -29,10 +29,9 @@ from presswear.results.stored import (
 )
 from presswear.results.strokes import Strokes, height_of, process_force, strokes_of
 from presswear.results.tonnage import Tonnage, tonnage_of
-from presswear.scene.changes import name_of
+from presswear.scene.catalog import name_of
 from presswear.scene.scene import Scene, stage_name
 from presswear.tools.arrays import read_numbers
-from presswear.tools.checked import checked
 from presswear.tools.documents import read_sealed
 from presswear.tools.errors import InputError
 from presswear.tools.files import read_checked
@@ -88,7 +87,6 @@ class Result:
     path: Path | None = None
     life: LifeResult | None = None
 
-    @checked
     def stage(self, index: int) -> StageResult:
         """The stage after so many wears; InputError tells which there are."""
         for stage in self.stages:
@@ -256,7 +254,6 @@ def stored_scene(path: Path) -> tuple[Scene, StoredResult]:
     return scene, stored
 
 
-@checked
 def load(path: str | Path, trust: bool = False) -> Result:
     """Read a result folder; InputError names what is missing, cut off, altered or too new.
 

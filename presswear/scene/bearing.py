@@ -1,16 +1,16 @@
 """A joint with clearance as a person chooses it, and how the wear model is read."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any, get_args
 
 from presswear.linkage.elements import (
     ClearanceJoint,
-    Footprint,
     MapFrame,
     Revolute,
     Slip,
     SurfaceContact,
+    WearDistribution,
     WearLaw,
 )
 from presswear.linkage.laws import (
@@ -30,23 +30,18 @@ from presswear.linkage.laws import (
 )
 from presswear.linkage.materials import MATERIALS, Materials
 from presswear.linkage.surface import Surface
-from presswear.tools.checked import checked
-from presswear.tools.errors import InputError, shown, unknown
+from presswear.tools.errors import InputError
 from presswear.tools.own import OwnFunction
-from presswear.tools.quantities import (
-    check_fields,
-    choice,
-    choice_of,
-    count,
-    named_set,
-    quantity,
-)
+from presswear.tools.quantities import choice, count, named_set, quantity
+from presswear.tools.serialize import check_fields
+
+LEAST_RAMP = 1e-5  # width of the friction ramp, m/s: steps inside it shorten with the width
+MIN_ANGLES = 16  # bins of a wear map
 
 
-@checked
 @dataclass(frozen=True)
 class Conventions:
-    """How the paper's wear model is read; each choice stands alone."""
+    """Readings of the paper's wear model; each can be chosen alone."""
 
     stiffness: StiffnessReading = choice(
         "paper", get_args(StiffnessReading), "K with R_i + R_j as printed, or R_i - R_j"
@@ -55,8 +50,10 @@ class Conventions:
     map_frame: MapFrame = choice(
         "fixed", get_args(MapFrame), "wear maps fixed in direction, or turning with their bodies"
     )
-    wear_distribution: Footprint = choice(
-        "bin", get_args(Footprint), "wear into the one bin of the contact, or over the contact arc"
+    wear_distribution: WearDistribution = choice(
+        "bin",
+        get_args(WearDistribution),
+        "wear into the one bin of the contact, or over the contact arc",
     )
     contact: SurfaceContact = choice(
         "radial",
@@ -64,38 +61,29 @@ class Conventions:
         "worn surfaces meet where e points, or over all of the arc on an elastic foundation",
     )
 
+    def __post_init__(self) -> None:
+        check_fields(self)
+
     @property
     def name(self) -> str:
-        """Name of the set, or ``own`` for one that has none."""
-        return next((name for name, preset in CONVENTIONS.items() if self == preset), "own")
+        """Name of the set, or ``custom`` for one that has none."""
+        return next((name for name, preset in CONVENTIONS.items() if self == preset), "custom")
 
 
 CONVENTIONS: dict[str, Conventions] = {
     "paper": Conventions(),
     "refined": Conventions("refined", "sliding", "body", "arc", "foundation"),
 }
-"""The two named sets; every choice can be made alone."""
-
-
-LEAST_RAMP = 1e-5
-"""Least width of the ramp of friction, m/s.
-
-A pin that sticks creeps inside the ramp, in steps that shorten with it: at this width a cycle
-of the press with c_f = 0.8 takes half a million steps, at 1e-6 m/s ten times as many.
-"""
-
-
-LEAST_ANGLES = 16
-"""Fewest bins of a wear map."""
 
 Law = str | OwnFunction | Callable[..., float]
-"""A law by its name, or one of one's own; kept as one of the first two."""
 
 
-@checked
 @dataclass(frozen=True)
 class Bearing:
-    """A joint with clearance: pin, bearing, the laws of their contact, what they are made of."""
+    """Joint with clearance: dimensions, contact laws and materials.
+
+    Fields take numbers in SI or texts with units; see their texts for ranges.
+    """
 
     clearance: float = quantity(
         0.8e-3, "m", 1e-9, 1.0, "paper, per study", "radius of hole less that of pin, R_i - R_j"
@@ -104,11 +92,9 @@ class Bearing:
     width: float = quantity(
         0.02, "m", 0.0, 1.0, "assumed", "axial width b; only K_d / b matters", open_low=True
     )
-    materials: Materials | Any = named_set(
-        "paper", MATERIALS, "what pin and bearing are made of, pin first"
-    )
+    materials: Materials | Any = named_set("paper", MATERIALS, "materials of the pair, pin first")
     contact_stiffness: float | None = quantity(
-        None, "N/m^n", 1e3, 1e15, "chosen", "K; none given: Hertz's, from E, nu and the radii"
+        None, "N/m^n", 1e3, 1e15, "chosen", "K; default: Hertz's, from E, nu and the radii"
     )
     exponent: float = quantity(1.5, "", 1.0, 2.5, "paper", "n of the normal force")
     elasticity: Elasticity = choice(
@@ -129,7 +115,7 @@ class Bearing:
     lower_speed: float = quantity(1e-4, "m/s", 0.0, 1.0, "paper", "v_0: no friction below")
     upper_speed: float = quantity(1e-3, "m/s", LEAST_RAMP, 1.0, "paper", "v_1: full friction above")
     static_friction: float | None = quantity(
-        None, "", 0.0, 2.0, "chosen", "c_s of friction_law = lugre; none given: as c_f"
+        None, "", 0.0, 2.0, "chosen", "c_s of friction_law = lugre; default: c_f"
     )
     stribeck_speed: float = quantity(
         1e-3, "m/s", 1e-6, 1.0, "chosen", "v_s of friction_law = lugre: from c_s to c_f"
@@ -140,53 +126,36 @@ class Bearing:
     bristle_damping: float = quantity(
         10.0, "s/m", 1e-2, 1e5, "chosen", "sigma_1 of friction_law = lugre, per unit of force"
     )
-    angles: int = count(360, LEAST_ANGLES, 100_000, "assumed", "bins of a wear map")
+    angles: int = count(360, MIN_ANGLES, 100_000, "assumed", "bins of a wear map")
 
     def __post_init__(self) -> None:
-        if not isinstance(self.materials, Materials):
-            # By their name, or as they were stored.
-            own = self.materials
-            if not isinstance(own, dict) and not (isinstance(own, str) and own in MATERIALS):
-                raise unknown("materials", own, MATERIALS)
-            found = (
-                MATERIALS[own]
-                if isinstance(own, str)
-                else Materials(**{f"{key}": value for key, value in own.items()})
-            )
-            object.__setattr__(self, "materials", found)
-        for item in fields(self):
-            # As it is given, or as it was stored.
-            words = choice_of(item, self)
-            if words is not None:
-                put = words.read(item.name, getattr(self, item.name))
-                object.__setattr__(self, item.name, put)
+        """Check each value, and the values against each other."""
         check_fields(self)
         if isinstance(self.normal_law, str):
-            law = DAMPINGS[self.normal_law]
-            if self.restitution < law.least:
+            least = DAMPINGS[self.normal_law].least
+            if self.restitution < least:
                 raise InputError(
                     f"restitution = {self.restitution:g}: with normal_law = {self.normal_law!r} "
-                    f"allowed is {law.least:g} to 1"
+                    f"allowed is {least:g} to 1"
                 )
             if self.viscous_damping > 0.0 and self.normal_law != KELVIN_VOIGT:
                 raise InputError(
                     f"viscous_damping = {self.viscous_damping:g} N s/m: with normal_law = "
                     f"{self.normal_law!r} allowed is 0 N s/m"
                 )
-        if self.static_friction is not None and self.static_friction < self.friction:
-            raise InputError(
-                f"static_friction = {self.static_friction:g}: allowed is {self.friction:g}, the "
-                "friction, up to 2"
-            )
+        if self.static_friction is not None:
+            if self.static_friction < self.friction:
+                raise InputError(
+                    f"static_friction = {self.static_friction:g}: allowed is {self.friction:g}, "
+                    "the friction, up to 2"
+                )
+            if self.friction_law != LUGRE:
+                raise InputError(
+                    f"static_friction = {self.static_friction:g}: it needs friction_law = {LUGRE}"
+                )
         if not isinstance(self.friction_law, str) and self.friction == 0.0:
             raise InputError(
-                f"friction = 0: with friction_law = {self.friction_law}, which is handed it, "
-                "allowed is above 0 to 0.8"
-            )
-        if self.static_friction is not None and self.friction_law != LUGRE:
-            raise InputError(
-                f"static_friction = {self.static_friction:g}: with friction_law = "
-                f"{self.friction_law} it means nothing"
+                f"friction = 0: with friction_law = {self.friction_law} allowed is above 0 to 0.8"
             )
         if self.elasticity != "power" and self.exponent != 1.5:
             raise InputError(
@@ -227,15 +196,6 @@ class Bearing:
                 f"have an elastic force of their own; allowed is one of {', '.join(DAMPINGS)}, or "
                 "contact = 'radial'"
             )
-
-    @staticmethod
-    def from_dict(data: Mapping[str, Any]) -> "Bearing":
-        """A bearing from stored data, in which a law is a name or source code, never a file."""
-        for key in ("normal_law", "friction_law"):
-            law = data.get(key)
-            if isinstance(law, str) and ".py:" in law:
-                raise InputError(f"{key} = {shown(law)}: a stored law is a name or source code")
-        return Bearing(**data)
 
     def hertz(self, reading: StiffnessReading) -> float:
         """K, N/m^n: what is given, or Hertz's."""

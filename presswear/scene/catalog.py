@@ -1,10 +1,11 @@
-"""The named scenes."""
+"""The named scenes, and titles of scenes that were changed."""
 
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
+from presswear.linkage.linkage import Linkage
 from presswear.linkage.materials import Materials
 from presswear.linkage.press import Press
 from presswear.linkage.process import Blanking, Drawing
@@ -12,43 +13,41 @@ from presswear.linkage.servo import Dwell, Forming, Pendulum
 from presswear.linkage.slider_crank import LITERATURE, SliderCrank
 from presswear.scene.bearing import CONVENTIONS, Bearing
 from presswear.scene.scene import Scene
-from presswear.scene.settings import changed
-from presswear.scene.surfaces import Surfaces
-from presswear.tools.checked import checked
+from presswear.scene.settings import DEFAULT, IN_FILE, Change, changed, changes_from
 from presswear.tools.errors import unknown
+
+_MAX_CHANGES = 4  # changes in a title; of more, the last place counts the rest
 
 Make = Callable[..., Scene]
 
 
 @dataclass(frozen=True)
 class Entry:
-    """A named scene: its title, and the function that makes it."""
+    """Named scene: its title, and the function that makes it."""
 
     title: str
     make: Make
 
 
-SCENES: dict[str, Entry] = {}
-"""The named scenes, by their names."""
+SCENES: dict[str, Entry] = {}  # named scenes by name
 
 
 def _named(name: str, title: str, base: Make = Scene, **changes: Any) -> Make:
-    """Enter a scene under a name: another one with some of its fields changed.
+    """Register a scene: a base scene with some fields changed.
 
-    Called with settings by key, it is changed by them.  A setting is text with its unit, as on
-    the command line, or a number, SI.  Beside them it takes the surfaces that it begins on.
+    The returned function takes settings by key, as texts with units or numbers, SI, and the
+    initial surfaces of the joints.
     """
 
-    def make(*, surfaces: Surfaces | Any = None, **settings: Any) -> Scene:
+    def make(*, surfaces: Any = None, **settings: Any) -> Scene:
         scene = replace(base(), name=name, title=title, **changes)
         scene = changed(scene, settings) if settings else scene
         return scene if surfaces is None else replace(scene, surfaces=surfaces)
 
     make.__name__ = name
-    make.__doc__ = f"{title}; settings by key change it, and the surfaces that it begins on."
-    found = checked(make)
-    SCENES[name] = Entry(title, found)
-    return found
+    make.__doc__ = f"{title}; takes settings by key and initial surfaces."
+    SCENES[name] = Entry(title, make)
+    return make
 
 
 ideal = _named(
@@ -153,7 +152,7 @@ slider_crank = _named(
     joints="B",
     wear_updates=0,
     cycles=10,
-    statuses=dict.fromkeys((*_KNOWN, "exponent"), LITERATURE)
+    origins=dict.fromkeys((*_KNOWN, "exponent"), LITERATURE)
     | dict.fromkeys(("friction", "lower_speed", "upper_speed", "bearing_share"), "assumed")
     | dict.fromkeys(("wear_updates", "max_cycles", "cycles_per_update"), "chosen"),
 )
@@ -164,3 +163,52 @@ def scene_named(name: str) -> Scene:
     if name not in SCENES:
         raise unknown("scene", name, SCENES)
     return SCENES[name].make()
+
+
+def named_scene(scene: Scene) -> Scene | None:
+    """Return the named scene whose title, or else whose name, a scene has; None for none."""
+    titles = {entry.title: name for name, entry in SCENES.items()}
+    name = titles.get(scene.title, scene.name)
+    return SCENES[name].make() if name in SCENES else None
+
+
+def changes_of(scene: Scene) -> tuple[Change, ...]:
+    """Return the changes of a scene against its named scene, or the defaults of its mechanism."""
+    base = named_scene(scene)
+    if base is None:
+        mechanism = scene.mechanism
+        base = Scene(mechanism if isinstance(mechanism, Linkage) else type(mechanism)())
+        if DEFAULT in scene.origins.values():
+            base = replace(base, wear_updates=0)  # the default of a scene file
+    return changes_from(base, scene)
+
+
+def title_of(scene: Scene) -> str:
+    """Return the title of a scene, with the changes of a named scene or a file behind it."""
+    has_title = named_scene(scene) is not None and all(
+        scene.title != entry.title for entry in SCENES.values()
+    )
+    return scene.title if has_title else _with_changes(scene.title, scene)
+
+
+def name_of(scene: Scene) -> str:
+    """Return the name of a scene, with its changes behind it as in ``title_of``."""
+    return _with_changes(scene.name, scene)
+
+
+def short_name_of(scene: Scene) -> str:
+    """Return the name of a scene, and whether it was changed."""
+    return scene.name if name_of(scene) == scene.name else f"{scene.name}, changed"
+
+
+def _with_changes(first: str, scene: Scene) -> str:
+    changes = changes_of(scene)
+    if named_scene(scene) is None:
+        in_file = {IN_FILE, DEFAULT, None}
+        changes = tuple(one for one in changes if scene.origins.get(one.key) not in in_file)
+    if not changes:
+        return first
+    texts = list(map(str, changes))
+    if len(texts) > _MAX_CHANGES:
+        texts[_MAX_CHANGES - 1 :] = [f"{len(texts) - _MAX_CHANGES + 1} more"]
+    return f"{first}, changed: {', '.join(texts)}"

@@ -14,11 +14,11 @@ from presswear.linkage.reading import read
 from presswear.linkage.slider_crank import SliderCrank
 from presswear.linkage.written import toml_of
 from presswear.scene.scene import MECHANISMS, OneMechanism, Scene
-from presswear.scene.settings import DEFAULT, IN_FILE, begun_on, changed, settings_of
+from presswear.scene.settings import DEFAULT, IN_FILE, changed, on_surfaces, settings_of
 from presswear.scene.surfaces import TABLE, read_profiles
-from presswear.tools.checked import LARGEST
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.files import read_checked
+from presswear.tools.serialize import LARGEST
 
 SUFFIX = ".toml"
 _PARTS = "process", "servo", "life"
@@ -110,15 +110,15 @@ def scene_from(file: Path) -> Scene:
         title = data.get("title", f"The linkage of {file.name}")
         # Without a word on it, nothing wears.
         plain = Scene(mechanism, file.stem, title, wear_updates=0)
-        statuses = dict.fromkeys((setting.key for setting in settings_of(plain)), DEFAULT)
-        scene = changed(replace(plain, statuses=statuses), settings)
-        scene = replace(scene, statuses={**scene.statuses, **dict.fromkeys(settings, IN_FILE)})
+        origins = dict.fromkeys((setting.key for setting in settings_of(plain)), DEFAULT)
+        scene = changed(replace(plain, origins=origins), settings)
+        scene = replace(scene, origins={**scene.origins, **dict.fromkeys(settings, IN_FILE)})
         source = data.get("surfaces")
         if source is None:
             return scene
         if not isinstance(source, str) or not source.endswith(TABLE):
             raise InputError(f"surfaces = {source!r}: a name that ends in {TABLE} is expected")
-        return begun_on(scene, read_profiles(file.parent / source), source)
+        return on_surfaces(scene, read_profiles(file.parent / source), source)
     except RecursionError as error:
         raise InputError(f"{file}: {error}") from None
     except InputError as error:

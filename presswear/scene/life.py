@@ -6,16 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
-from presswear.tools.checked import checked
 from presswear.tools.errors import InputError, unknown
-from presswear.tools.quantities import (
-    Meaning,
-    check_fields,
-    count,
-    parse_quantity,
-    quantity,
-    words,
-)
+from presswear.tools.quantities import Quantity, count, free_text, parse_quantity, quantity
+from presswear.tools.serialize import check_fields
 
 
 @dataclass(frozen=True)
@@ -93,18 +86,17 @@ class Service:
 
 _LIMIT = re.compile(r"\s*(?:([^\s.>]+)\.)?([^\s.>]+)\s*>\s*(\S.*?)\s*$")
 _SERVICE = re.compile(r"\s*([^\s@]+)\s*@\s*(\S+)\s*$")
-_STROKES = Meaning("", 1.0, 1e15, "", "")
+_STROKES = Quantity("", 1.0, 1e15, "", "")
 NEW, TURNED = "replaced", "turned"
 
 
-@checked
 @dataclass(frozen=True)
 class Life:
     """How long the joints of a scene are worn: until the first of some limits is passed."""
 
     kind: ClassVar[str] = "limits"
 
-    until: str = words(
+    until: str = free_text(
         "depth > 0.05 mm",
         "'bdc_drift > 0.05 mm, A.depth > 80 um'",
         "limits, of which the first counts: of every joint, or JOINT.NAME; names are "
@@ -113,8 +105,10 @@ class Life:
     at_most: float = quantity(
         5e7, "", 1.0, 1e15, "chosen", "strokes after which the wear is followed no further"
     )
-    replaced: str = words("", "'A@2e6, C@4e6'", "bushes that are made new after so many strokes")
-    turned: str = words("", "'A@2e6'", "bushes that are turned by half after so many strokes")
+    replaced: str = free_text(
+        "", "'A@2e6, C@4e6'", "bushes that are made new after so many strokes"
+    )
+    turned: str = free_text("", "'A@2e6'", "bushes that are turned by half after so many strokes")
     max_cycles: int = count(
         10_000, 16, 10_000_000, "chosen", "cycles of all starts at most in one pass over the life"
     )
@@ -152,7 +146,7 @@ class Life:
                 if not followed.of_joint:
                     raise InputError(f"until = {text.strip()!r}: {name} is of the whole mechanism")
                 _check_joint(joint, joints, "until")
-            meaning = Meaning(followed.unit, 0.0, math.inf, "", followed.text, open_low=True)
+            meaning = Quantity(followed.unit, 0.0, math.inf, "", followed.text, open_low=True)
             value = parse_quantity(f"until: {name}", size, meaning)
             of = ((joint,) if joint else joints) if followed.of_joint else ("",)
             found += [Limit(name, own, value) for own in of]

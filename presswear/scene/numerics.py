@@ -1,15 +1,12 @@
 """The engines that a scene may run on, each with its settings."""
 
-from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
 from typing import Any
 
 from presswear.engines.settings import USUAL, Engine, ExudynJoints, ExudynTree, InHouse, Purpose
-from presswear.tools.checked import checked
-from presswear.tools.quantities import check_fields
+from presswear.tools.serialize import check_fields
 
 
-@checked
 @dataclass(frozen=True)
 class Numerics:
     """The engines, each with its settings; a run uses one of them."""
@@ -19,6 +16,7 @@ class Numerics:
     dae: InHouse = field(default_factory=InHouse)
 
     def __post_init__(self) -> None:
+        check_fields(self)
         for item in fields(self):
             check_fields(getattr(self, item.name))
 
@@ -43,9 +41,3 @@ class Numerics:
         if settings:
             raise TypeError(f"no engine has a setting {', '.join(settings)}")
         return Numerics(**changed)
-
-    @staticmethod
-    def from_dict(data: Mapping[str, Any]) -> "Numerics":
-        """The engines from their settings as plain data."""
-        kinds = {item.name: type(getattr(Numerics(), item.name)) for item in fields(Numerics)}
-        return Numerics(**{name: kinds[name](**settings) for name, settings in data.items()})

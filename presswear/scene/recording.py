@@ -3,11 +3,10 @@
 import math
 from dataclasses import dataclass
 
-from presswear.tools.checked import checked
-from presswear.tools.quantities import check_fields, choice, count, quantity
+from presswear.tools.quantities import choice, count, quantity
+from presswear.tools.serialize import check_fields
 
 
-@checked
 @dataclass(frozen=True)
 class Recording:
     """The recording plan of each stage; see the fields' own texts for units and ranges."""

@@ -1,7 +1,7 @@
-"""A scene: everything a person chooses, as data that prints and stores itself."""
+"""A scene: a mechanism with clearance joints, and everything that a person chooses for a run."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, cast
 
@@ -10,15 +10,13 @@ import numpy as np
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse, Purpose
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.loads import LOAD_PARAMETERS, Force, Load, OverPosition
-from presswear.linkage.pace import check_pace
 from presswear.linkage.points import Attachment
 from presswear.linkage.press import Press
 from presswear.linkage.process import PROCESSES, Process, check_reach, laws_of
 from presswear.linkage.reading import read
 from presswear.linkage.slider_crank import SliderCrank
-from presswear.linkage.surface import SIDES, Surface
+from presswear.linkage.surface import Surface
 from presswear.linkage.topology import branches_of
-from presswear.linkage.written import written
 from presswear.physics.bottom import bottom_of
 from presswear.physics.following import followed
 from presswear.physics.ideal import IdealMotion, Motion, ideal_motion
@@ -28,21 +26,10 @@ from presswear.scene.numerics import Numerics
 from presswear.scene.recording import Recording
 from presswear.scene.surfaces import settled
 from presswear.tools.arrays import Array
-from presswear.tools.checked import checked
-from presswear.tools.documents import typed
 from presswear.tools.errors import InputError, shown, unknown
 from presswear.tools.own import OwnFunction
-from presswear.tools.quantities import (
-    Choice,
-    check_fields,
-    choice,
-    count,
-    named_set,
-    of_kind,
-    one_of,
-    plain_of,
-    quantity,
-)
+from presswear.tools.quantities import Choice, choice, count, named_set, one_of, quantity
+from presswear.tools.serialize import check_fields, from_plain, make, to_plain
 
 OneMechanism = Press | SliderCrank | Linkage
 MECHANISMS: dict[str, type[Press | SliderCrank]] = {
@@ -52,19 +39,15 @@ MECHANISMS: dict[str, type[Press | SliderCrank]] = {
 
 
 ENGINES = ("exudyn", ExudynTree.word, ExudynJoints.word, InHouse.word)
-
-DRAWS = 4
-"""Starts of a scene that wears and does not say how many: the fewest with a usable interval."""
-DRAWS_OF_A_LIFE = 8
-"""Starts of a life: Student's interval from 8 is three quarters of that from 4 with as many cycles
-in all."""
+REPLICATES = 4  # of a scene that wears: the fewest with a usable interval
+LIFE_REPLICATES = 8  # Student's interval from 8 is three quarters of that from 4
+MAX_MASS_RATIO = 1e6  # beyond it accelerations of the light body are round-off of the forces
 
 
 def _joints(scene: "Scene") -> tuple[str, ...]:
     return (*scene.mechanism.openable, "none")
 
 
-@checked
 @dataclass(frozen=True)
 class Scene:
     """A study of a mechanism; see the fields' own texts for units and ranges.
@@ -85,7 +68,7 @@ class Scene:
         worn volume.
     process : Blanking, Drawing, Coining or None
         What the point that is watched presses on, along the direction in which it is watched.
-    statuses : mapping of str to str
+    origins : mapping of str to str
         Where values come from, by key, where it is not what their fields say.
     """
 
@@ -162,58 +145,76 @@ class Scene:
     life: Life | None = one_of(
         LIVES, "limits until which the joints are worn, in as many stages as wear_updates says"
     )
-    statuses: Mapping[str, str] = field(default_factory=dict, hash=False)
+    origins: Mapping[str, str] = field(default_factory=dict, hash=False)
 
     def __post_init__(self) -> None:
-        if isinstance(self.bearings, Mapping):
+        """Check each value, and fill in joints and bearings; see ``check`` for the rest."""
+        if isinstance(self.mechanism, Mapping | str):
+            self._set(mechanism=mechanism_from(self.mechanism))
+        if (
+            isinstance(self.bearings, Mapping)
+            and not self.bearings.keys() & Bearing().__dict__.keys()
+        ):
             self._open(self.bearings)
-        if not isinstance(self.bearings, Bearing):
-            raise InputError(f"bearings = {shown(self.bearings)}: a Bearing is expected")
         if self.joints is None:
             self._close()
         check_fields(self)
-        # One spelling, so that equal scenes are equal.
-        object.__setattr__(self, "joints", self._openable.together(self.clearance_joints))
         for name in self.apart:
             if name not in self.mechanism.openable:
                 raise unknown("joint", name, self.mechanism.openable)
-        alike = {name: own for name, own in self.apart.items() if own != self.bearings}
-        object.__setattr__(self, "apart", alike)
-        begun_on = settled(self.surfaces, self.clearance_joints, self.bearing)
-        object.__setattr__(self, "surfaces", begun_on)
+        self._set(
+            # One spelling, so that equal scenes are equal.
+            joints=self._openable.combine(self.clearance_joints),
+            apart={name: one for name, one in self.apart.items() if one != self.bearings},
+        )
+        self._set(surfaces=settled(self.surfaces, self.clearance_joints, self.bearing))
         is_worn = self.wear_updates > 0 or bool(self.surfaces)
-        for name, own in {"": self.bearings, **self.apart}.items():
-            own.check_contact(f"{name}." if name else "", self.conventions.contact, is_worn)
-        self._check_life()
+        for name, bearing in {"": self.bearings, **self.apart}.items():
+            prefix = f"{name}." if name else ""
+            bearing.check_contact(prefix, self.conventions.contact, is_worn)
         if self.draws > 1 and not self.clearance_joints:
             raise InputError(
                 f"replicates = {self.replicates}: without a clearance joint allowed is 1"
             )
-        check_pace(self.mechanism.linkage())
+        if self.life is not None:
+            self._check_life(self.life)
+
+    def _set(self, **values: Any) -> None:
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
+
+    def check(self) -> None:
+        """Raise InputError where the scene cannot be run.
+
+        Assembles the mechanism over a cycle, and checks the process, the torque limits of the
+        drives and the engine. Called once before a run, because it takes longer than the checks of
+        single values.
+        """
+        bodies = self.mechanism.linkage().bodies
+        light, heavy = (least(bodies, key=lambda body: body.mass) for least in (min, max))
+        if heavy.mass > MAX_MASS_RATIO * light.mass:
+            raise InputError(
+                f"mass of {heavy.name} = {heavy.mass:g} kg beside mass of {light.name} = "
+                f"{light.mass:g} kg: allowed is {MAX_MASS_RATIO:g} times as much"
+            )
         _ = self.ideal
         if self.process is not None:
             check_reach(self.process, self.stroke, self.watched)
         loaded = self.loaded
         is_limited = any(drive.torque_limit is not None for drive in loaded.drives)
-        # Stored text is not executed: whoever trusts it has stored a scene that was checked.
         if is_limited and not self.has_untrusted_loads:
-            # Imported where something is computed.
-            from presswear.physics.inverse import check_drives
+            from presswear.physics.inverse import check_drives  # only where something is computed
 
             check_drives(loaded, self.ideal)
         reason = branches_of(self.linkage()) if self.engine == ExudynTree.word else ""
         if isinstance(reason, str) and reason:
-            others = ", ".join(name for name in ENGINES if name != ExudynTree.word)
+            engines = ", ".join(name for name in ENGINES if name != ExudynTree.word)
             raise InputError(
                 f"engine = {ExudynTree.word!r}: a linkage without free loops is needed, but "
-                f"{reason}; allowed here is one of {others}"
+                f"{reason}; allowed here is one of {engines}"
             )
 
-    def _check_life(self) -> None:
-        """InputError where nothing can be followed to the end of a life."""
-        own = self.life
-        if own is None:
-            return
+    def _check_life(self, life: Life) -> None:
         if not self.clearance_joints:
             raise InputError("life: no joint has clearance, so that none wears")
         if self.wear_updates < 1:
@@ -227,39 +228,38 @@ class Scene:
                 "wear_distribution = 'bin': the depth depends on the width of the bins, and so "
                 "would a life; allowed is 'arc', which conventions = 'refined' has"
             )
-        if not any(joint.wear for joint in self.linkage().clearances):
+        bearings = map(self.bearing, self.clearance_joints)
+        if not any(bearing.materials.wear_coefficient for bearing in bearings):
             raise InputError("wear_coefficient = 0: of joints that do not wear there is no life")
-        own.limits(self.clearance_joints)
-        own.services(self.clearance_joints)
+        life.limits(self.clearance_joints)
+        life.services(self.clearance_joints)
 
     def _open(self, bearings: Mapping[str, Any]) -> None:
-        """Give the joints of a mapping clearance."""
+        """Open the joints that a mapping gives bearings for."""
         for name in bearings:
             if name not in self.mechanism.openable:
                 raise unknown("joint in bearings", name, self.mechanism.openable)
         common = next(iter(bearings.values()), Bearing())
-        opened = {"joints": self._openable.together(bearings), "bearings": common}
-        for name, value in {**opened, "apart": dict(bearings)}.items():
-            object.__setattr__(self, name, value)
+        self._set(joints=self._openable.combine(bearings), bearings=common, apart=dict(bearings))
 
     def _close(self) -> None:
-        """Leave the joints as the mechanism has them where nobody says which have clearance."""
+        """Open the usual joints of the mechanism."""
         if not self.mechanism.loose and self.bearings != Bearing():
             raise InputError(
                 "bearings: no joint has clearance; joints = ..., or a mapping by joint, says which "
                 f"of {', '.join(self.mechanism.openable)}"
             )
-        object.__setattr__(self, "joints", self._openable.together(self.mechanism.loose))
+        self._set(joints=self._openable.combine(self.mechanism.loose))
 
     @property
     def clearance_joints(self) -> tuple[str, ...]:
         """Names of the joints with clearance."""
-        chosen = self._openable.apart(self.joints)
-        return tuple(name for name in self.mechanism.openable if name in chosen)
+        words = self._openable.split(self.joints)
+        return tuple(name for name in self.mechanism.openable if name in words)
 
     @property
     def _openable(self) -> Choice:
-        return Choice(_joints(self), "", several=True)
+        return Choice(_joints(self), several=True)
 
     def check_own_laws(self) -> None:
         """InputError where a law of one's own gives no number or makes energy; runs its text."""
@@ -318,8 +318,8 @@ class Scene:
         if self.replicates is not None:
             return self.replicates
         if self.life is not None:
-            return DRAWS_OF_A_LIFE
-        return DRAWS if self.wear_updates > 0 and self.clearance_joints else 1
+            return LIFE_REPLICATES
+        return REPLICATES if self.wear_updates > 0 and self.clearance_joints else 1
 
     @property
     def stores_torques(self) -> bool:
@@ -469,68 +469,47 @@ class Scene:
         return {name: value for name, value in self.as_dict().items() if name in names}
 
     def as_dict(self) -> dict[str, Any]:
-        """The scene as plain data, SI units, radians; its mechanism says of which kind it is."""
-        mechanism = self.mechanism
-        own = written(mechanism) if isinstance(mechanism, Linkage) else plain_of(mechanism)
-        surfaces = {
-            name: {side: own.depth.tolist() for side, own in zip(SIDES, pair, strict=True)}
-            for name, pair in self.surfaces.items()
-        }
-        return plain_of(self) | {
-            "mechanism": {"kind": mechanism.kind, **own},
-            "surfaces": surfaces,
-        }
+        """Return the scene as plain data, SI units; see ``from_dict``."""
+        data: dict[str, Any] = to_plain(self)
+        return data
 
     @staticmethod
     def from_dict(data: Mapping[str, Any]) -> "Scene":
-        """A scene from ``as_dict``; InputError names what does not fit or is missing.
+        """Return a scene from ``as_dict``; nothing is filled in.
 
-        Nothing is filled in: a value that got lost is not today's default.
+        Raises
+        ------
+        InputError
+            With the key that does not fit or is missing.
         """
-        try:
-            plain = dict(data)
-            mechanism = dict(plain.pop("mechanism"))
-            kind = mechanism.pop("kind")
-            if plain["joints"] is None:
-                raise InputError("this is no whole scene: 'joints' is None")
-            Choice((*MECHANISMS, Linkage.kind), "").check("kind of mechanism", kind)
-            is_own = kind == Linkage.kind
-            scene = Scene(
-                mechanism=read(mechanism, "mechanism")
-                if is_own
-                else MECHANISMS[kind].from_dict(mechanism),
-                bearings=Bearing.from_dict(plain.pop("bearings")),
-                apart={n: Bearing.from_dict(own) for n, own in plain.pop("apart").items()},
-                conventions=Conventions(**plain.pop("conventions")),
-                recording=Recording(**plain.pop("recording")),
-                numerics=Numerics.from_dict(dict(plain.pop("numerics"))),
-                surfaces={
-                    name: tuple(own[side] for side in SIDES)
-                    for name, own in plain.pop("surfaces").items()
-                },
-                process=of_kind(PROCESSES, plain.pop("process")),
-                life=of_kind(LIVES, plain.pop("life")),
-                **plain,
-            )
-            lacking = next(_lacking(scene.as_dict(), data), None)
-            if lacking is not None:
-                raise InputError(f"this is no whole scene: {lacking!r} is missing")
-            # What no person can set has no range of its own.
-            typed(data["numerics"], Numerics, "this is no stored scene: numerics")
-            return scene
-        except InputError:
-            raise
-        except (AttributeError, KeyError, TypeError, ValueError, OverflowError) as error:
-            raise InputError(f"this is not a stored scene: {error}") from None
+        _refuse_files(data)
+        if isinstance(data, Mapping) and data.get("joints") is None:
+            raise InputError("this is no whole scene: 'joints' is missing")
+        return from_plain(Scene, data, "scene")
 
 
-def _lacking(whole: Mapping[str, Any], data: Mapping[str, Any]) -> Iterator[str]:
-    """Names in nested data that other data of the same kind lack."""
-    for name, value in whole.items():
-        if name not in data:
-            yield name
-        elif isinstance(value, Mapping) and name != "statuses":
-            yield from _lacking(value, data[name])
+def _refuse_files(data: Any) -> None:
+    """Raise InputError for a law that names a file; stored laws are names or source code."""
+    if isinstance(data, Mapping):
+        for key, value in data.items():
+            is_law = key in ("normal_law", "friction_law", "law")
+            if is_law and isinstance(value, str) and ".py:" in value:
+                raise InputError(f"{key} = {shown(value)}: a stored law is source code")
+            _refuse_files(value)
+    elif isinstance(data, list):
+        for value in data:
+            _refuse_files(value)
+
+
+def mechanism_from(data: Any) -> OneMechanism:
+    """Return a mechanism from its kind, or from plain data with a kind."""
+    if isinstance(data, str):
+        data = {"kind": data}
+    kind, rest = data.get("kind"), {key: value for key, value in data.items() if key != "kind"}
+    Choice((*MECHANISMS, Linkage.kind)).check("kind of mechanism", kind)
+    if kind == Linkage.kind:
+        return read(rest, "mechanism")
+    return cast(OneMechanism, make("mechanism", MECHANISMS[kind], rest))
 
 
 _ORDINALS = (

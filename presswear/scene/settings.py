@@ -1,287 +1,371 @@
-"""Settings of a scene: keys, values, and text that changes them.
+"""Settings of a scene: the table of all values that can be set, changes of them, and their texts.
 
-Keys are the names of the fields of a scene and its parts, without the parts' names.
+Keys are the names of the fields of a scene and of its parts, without the names of the parts. A
+part that may be absent and a single joint are named before a dot: ``process.force``,
+``A.clearance``.
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import Field, dataclass, fields, is_dataclass, replace
+from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import Any
 
-from presswear.scene.bearing import Bearing
+import numpy as np
+
+from presswear.linkage.linkage import Linkage
+from presswear.linkage.points import Probe
 from presswear.scene.scene import Scene
-from presswear.scene.surfaces import Surfaces
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.files import digest
+from presswear.tools.numbers import given
 from presswear.tools.own import OwnFunction, is_function
-from presswear.tools.quantities import (
-    NONE,
-    Choice,
-    Kinds,
-    Meaning,
-    Words,
-    choice_of,
-    kinds_of,
-    meaning_of,
-    parse_quantity,
-    sets_of,
-    words_of,
-)
+from presswear.tools.quantities import NONE, Choice, Quantity, meaning_of, parse_quantity
 
-_LONGEST = 200
-"""Characters of a value that is told in full."""
-
-SET = "set by the user"
-"""Status of a value that was changed."""
+SET = "set by the user"  # origin of a value that was changed
 IN_FILE = f"{SET}, in the file"
-DEFAULT = "default"
-"""Statuses of the values of a file: those that it gives, and the others.
-
-Behind the first stands the value of the file where another was set in its place.
-"""
+DEFAULT = "default"  # origin of a value that a file leaves out
+_MAX_VALUE_LENGTH = 200  # characters of a value in a list of differences
+_MAX_VALUES = 1_000_000  # of a range
+_DIGITS = 12  # of the values of a range: those of a finer range meet them
+_MAX_MM = 1.0  # lengths below this are written in mm, m
 
 
 @dataclass(frozen=True)
 class Setting:
-    """One thing that ``--set`` can change."""
+    """One value that ``--set`` can change.
+
+    Attributes
+    ----------
+    key : str
+    value : object
+        Number, SI, word, name of a set, or kind of a part.
+    meaning : Quantity or Choice
+    """
 
     key: str
     value: Any
-    meaning: Meaning | Choice | Words
+    meaning: Quantity | Choice
 
     def described(self) -> str:
-        """Value, range and text in one line."""
-        if not isinstance(self.meaning, Meaning):
-            return f"{self.value}  ({' | '.join(self.meaning.listed())})  {self.meaning.text}"
-        value = "none" if self.value is None else self.meaning.with_unit(f"{self.value:.6g}")
-        return f"{value}  ({self.meaning.range_text()}; {self.meaning.status})  {self.meaning.text}"
+        """Return value, range and meaning in one line."""
+        meaning = self.meaning
+        if isinstance(meaning, Choice):
+            return f"{self.value}  ({' | '.join(meaning.allowed())})  {meaning.text}"
+        value = NONE if self.value is None else meaning.with_unit(f"{self.value:.6g}")
+        return f"{value}  ({meaning.range_text()}; {meaning.origin})  {meaning.text}"
 
 
 def settings_of(scene: Scene) -> Iterator[Setting]:
-    """Everything that ``--set`` can change, with its present value.
+    """Yield all settings of a scene with their present values.
 
-    Of bearings set apart, ``JOINT.KEY``, what differs from the others.
+    Of bearings of single joints, ``JOINT.KEY``, those that differ from the common bearing.
     """
-    yield from _settings(scene, scene.statuses)
-    common = {setting.key: setting.value for setting in _settings(scene.bearings, {})}
-    for name, own in scene.apart.items():
-        for setting in _settings(own, {}):
+    yield from _settings(scene, scene.origins)
+    common = {setting.key: setting.value for setting in _settings(scene.bearings)}
+    for joint, bearing in scene.apart.items():
+        for setting in _settings(bearing):
             if setting.value != common[setting.key]:
-                yield replace(setting, key=f"{name}.{setting.key}")
+                yield replace(setting, key=f"{joint}.{setting.key}")
 
 
 def setting_of(scene: Scene, key: str) -> Setting:
-    """The setting that a key changes, those of single joints, ``JOINT.KEY``, among them.
-
-    InputError for a key that is none, with the nearest that is one.
-    """
-    known = {setting.key: setting for setting in settings_of(scene)}
+    """Return the setting with a key, also one of a single joint; raise InputError for none."""
+    settings = {setting.key: setting for setting in settings_of(scene)}
     for joint in scene.clearance_joints:
-        for setting in _settings(scene.bearing(joint), {}):
-            own = f"{joint}.{setting.key}"
-            known.setdefault(own, replace(setting, key=own))
-    if key not in known:
-        raise unknown("key", key, sorted(known))
-    return known[key]
+        for setting in _settings(scene.bearing(joint)):
+            joint_key = f"{joint}.{setting.key}"
+            settings.setdefault(joint_key, replace(setting, key=joint_key))
+    if key not in settings:
+        raise unknown("key", key, sorted(settings))
+    return settings[key]
 
 
-def _settings(owner: Any, statuses: Mapping[str, str]) -> Iterator[Setting]:
-    """The parts of an owner first, then its own values."""
+def _settings(
+    owner: Any, origins: Mapping[str, str] | None = None, prefix: str = ""
+) -> Iterator[Setting]:
+    """Yield the settings of the parts of a data class, then its own."""
+    plain = []
     for item in fields(owner):
-        value = getattr(owner, item.name)
-        sets, kinds = sets_of(item), kinds_of(item)
-        if sets is not None:
-            yield Setting(item.name, value.name, sets.choice)
-        if kinds is not None:
-            yield from _of_kind(item.name, value, kinds, statuses)
-        elif is_dataclass(value):
-            yield from _settings(value, statuses)
+        key, value = f"{prefix}{item.name}", getattr(owner, item.name)
+        meaning = meaning_of(item, owner)
+        if isinstance(meaning, Choice):
+            setting = Setting(key, meaning.shown(value), meaning)
+            if meaning.instances is None and meaning.kinds is None:
+                plain.append(setting)
+                continue
+            yield setting
+        elif meaning is not None:
+            origin = (origins or {}).get(key, meaning.origin)
+            plain.append(Setting(key, value, replace(meaning, origin=origin)))
+        if _is_part(value):
+            yield from _settings(value, origins, _inner_prefix(key, prefix, meaning))
+    yield from plain
+
+
+def _is_part(value: Any) -> bool:
+    """Return whether a value has settings of its own."""
+    return is_dataclass(value) and not isinstance(value, OwnFunction | Probe)
+
+
+def _inner_prefix(key: str, prefix: str, meaning: Any) -> str:
+    is_optional = isinstance(meaning, Choice) and meaning.kinds is not None
+    return f"{key}." if is_optional else prefix
+
+
+def changed(scene: Scene, settings: Mapping[str, Any]) -> Scene:
+    """Return a scene with settings changed.
+
+    Parameters
+    ----------
+    settings : mapping
+        Texts with units, as on the command line, or numbers, SI, by key. A named set or a part,
+        such as ``geometry``, is taken first, so that single values can be set on top.
+
+    Raises
+    ------
+    InputError
+        For an unknown key or a value that does not fit.
+    """
+    common_keys = {setting.key for setting in settings_of(scene) if "." not in setting.key}
+    joint_keys = {setting.key for setting in _settings(scene.bearings)}
+    parts = {setting.key for setting in settings_of(scene) if _is_optional_part(setting)}
+    single: dict[str, dict[str, Any]] = {name: {} for name in scene.apart}
+    for key, value in settings.items():
+        first, dot, last = key.rpartition(".")
+        if not dot and key not in common_keys:
+            raise unknown("key", key, sorted(common_keys))
+        if dot and first not in parts:
+            if first not in scene.mechanism.openable:
+                raise unknown(f"joint in {key}", first, scene.mechanism.openable)
+            if last not in joint_keys:
+                raise unknown(f"key of a joint in {key}", last, sorted(joint_keys))
+            single.setdefault(first, {})[last] = value
+    common = {key: value for key, value in settings.items() if key.rpartition(".")[0] not in single}
+    bearings = {
+        name: _changed(scene.bearing(name), common | values, message_prefix=f"{name}.")
+        for name, values in single.items()
+    }
+    origins = {**scene.origins, **dict.fromkeys(settings, SET)}
+    # In one step: a new mechanism may have joints of other names.
+    result: Scene = _changed(scene, common, apart=bearings, origins=origins)
+    for key in settings:
+        joint = key.rpartition(".")[0]
+        if joint in single and joint not in result.clearance_joints:
+            raise InputError(f"{key}: joint {joint} has no clearance; joints = {result.joints}")
+    return result
+
+
+def _is_optional_part(setting: Setting) -> bool:
+    return isinstance(setting.meaning, Choice) and setting.meaning.kinds is not None
+
+
+def _changed(
+    owner: Any,
+    settings: Mapping[str, Any],
+    prefix: str = "",
+    message_prefix: str = "",
+    **updates: Any,
+) -> Any:
+    """Return a data class with its fields, and those of its parts, set by key."""
     for item in fields(owner):
-        meaning, words = meaning_of(item), choice_of(item, owner)
-        if meaning is not None:
-            status = statuses.get(item.name, meaning.status)
-            yield Setting(item.name, getattr(owner, item.name), replace(meaning, status=status))
-        elif text := words or words_of(item):
-            yield Setting(item.name, getattr(owner, item.name), text)
+        key, value = f"{prefix}{item.name}", getattr(owner, item.name)
+        meaning = meaning_of(item, owner)
+        result = value
+        if meaning is not None and key in settings:
+            is_same = isinstance(meaning, Choice) and settings[key] == meaning.shown(value)
+            if not is_same:
+                result = meaning.convert(f"{message_prefix}{key}", settings[key])
+        inner = _inner_prefix(key, prefix, meaning)
+        if inner != prefix:
+            _check_part_keys(key, result, meaning, settings)
+        if _is_part(result) and item.name not in updates:
+            result = _changed(result, settings, inner, message_prefix)
+        if result is not value:
+            updates[item.name] = result
+    if not updates:
+        return owner
+    try:
+        return replace(owner, **updates)
+    except InputError as error:
+        raise InputError(f"{message_prefix}{prefix}{error}") from None
 
 
-def _of_kind(name: str, value: Any, kinds: Kinds, statuses: Mapping[str, str]) -> Iterator[Setting]:
-    """The kind of a part that may be none, then its own values, ``NAME.KEY``."""
-    yield Setting(name, _kind(value), kinds.choice)
-    if value is not None:
-        first = f"{name}."
-        for setting in _settings(value, _within(first, statuses)):
-            yield replace(setting, key=f"{first}{setting.key}")
+def _check_part_keys(name: str, part: Any, meaning: Any, settings: Mapping[str, Any]) -> None:
+    """Raise InputError for keys ``NAME.KEY`` that an optional part does not have."""
+    for key in (key for key in settings if key.startswith(f"{name}.")):
+        if part is None:
+            kinds = ", ".join(meaning.kinds)
+            raise InputError(f"{key}: {name} = {NONE}; it needs {name} = {kinds}")
+        names = [item.name for item in fields(part)]
+        if key.removeprefix(f"{name}.") not in names:
+            last = key.removeprefix(f"{name}.")
+            raise unknown(f"key of {part.kind} in {key}", last, names)
 
 
-def _within(first: str, values: Mapping[str, Any]) -> dict[str, Any]:
-    """The values whose keys begin in one way, by the rest of their keys."""
-    return {key.removeprefix(first): own for key, own in values.items() if key.startswith(first)}
+def values_of(key: str, text: str, meaning: Quantity) -> list[float]:
+    """Return the values of a list or a range, SI, in the order in which they are typed.
 
+    =============================  ======================================================
+    ``0.02,0.05,0.1``              a list
+    ``0.2mm:1.0mm:9``              nine values in equal steps, both ends among them
+    ``2pi:12pi:200 rad/s``         the same, with the unit written once
+    ``1e8N/m:1e10N/m:5:log``       five in equal ratios
+    =============================  ======================================================
 
-def _kind(value: Any) -> str:
-    return NONE if value is None else str(value.kind)
+    Raises
+    ------
+    InputError
+        With the key, and what is missing, unknown or out of range.
+    """
+    if ":" not in text:
+        return [float(parse_quantity(key, part.strip(), meaning)) for part in text.split(",")]
+    low, high, steps, last = (*(part.strip() for part in text.split(":")), "", "", "")[:4]
+    number, _, unit = steps.partition(" ")
+    kind, _, unit_behind = last.partition(" ")
+    if text.count(":") not in (2, 3) or kind not in ("", "log"):
+        raise InputError(f"{key} = {text}: FIRST:LAST:COUNT or FIRST:LAST:COUNT:log is expected")
+    is_count = number.isascii() and number.isdigit() and len(number) < 9
+    if not (is_count and 2 <= int(number) <= _MAX_VALUES):
+        raise InputError(
+            f"{key} = {text}: a whole number of values from 2 to {_MAX_VALUES} is expected"
+        )
+    first, final = (
+        float(parse_quantity(key, f"{end} {unit or unit_behind}".strip(), meaning))
+        for end in (low, high)
+    )
+    if first == final:
+        raise InputError(f"{key} = {text}: two ends that differ are expected")
+    if kind and min(first, final) <= 0.0:
+        raise InputError(f"{key} = {text}: equal ratios need ends above 0")
+    space = np.geomspace if kind else np.linspace
+    values = [float(f"{value:.{_DIGITS}g}") for value in space(first, final, int(number))]
+    for value in values:
+        meaning.check(key, int(value) if meaning.whole and value.is_integer() else value)
+    return values
 
 
 def differences(first: Any, second: Any, key: str = "") -> list[tuple[str, Any, Any]]:
-    """Keys under which two stored scenes differ, and both values; a part by its own keys.
+    """Return the keys under which two stored scenes differ, with both values.
 
-    The name of a part stands under the part's key.  A function of one's own is told by its
-    name and digest, and what would fill a screen by its beginning and digest.
+    A user function is given by its name and digest, a long value by its beginning and digest.
     """
     if is_function(first) or is_function(second):
         first, second = (
-            f"{OwnFunction(**own)}" if is_function(own) else own for own in (first, second)
+            f"{OwnFunction(**value)}" if is_function(value) else value for value in (first, second)
         )
     elif isinstance(first, Mapping) and isinstance(second, Mapping):
         return [
-            found
+            difference
             for name in dict.fromkeys([*first, *second])
-            for found in differences(
-                first.get(name), second.get(name), key if key and name == "name" else name
+            for difference in differences(
+                first.get(name), second.get(name), key if key and name in ("name", "kind") else name
             )
         ]
     return [] if first == second else [(key, _short(first), _short(second))]
 
 
-def _short(value: Any) -> Any:
-    text = f"{value}"
-    return value if len(text) <= _LONGEST else f"{text[:20]}... ({digest(text.encode())[:12]})"
-
-
-def changed(scene: Scene, settings: Mapping[str, Any]) -> Scene:
-    """The scene with settings given as text with units, as on the command line, or as numbers, SI.
-
-    A named set (``geometry``) is taken first, so that single values can be set on top.
-
-    Raises
-    ------
-    InputError
-        For a key that is none, or a value that does not fit.
-    """
-    known = {setting.key for setting in settings_of(scene) if "." not in setting.key}
-    owners = (scene, scene.mechanism)
-    parts = {own.name for part in owners for own in fields(part) if kinds_of(own) is not None}
-    of_one = {setting.key for setting in _settings(scene.bearings, {})}
-    apart: dict[str, dict[str, Any]] = {name: {} for name in scene.apart}
-    for key, value in settings.items():
-        joint, dot, own = key.rpartition(".")
-        if not dot and key not in known:
-            raise unknown("key", key, sorted(known))
-        if dot and joint not in parts:
-            if joint not in scene.mechanism.openable:
-                raise unknown(f"joint in {key}", joint, scene.mechanism.openable)
-            if own not in of_one:
-                raise unknown(f"key of a joint in {key}", own, sorted(of_one))
-            apart.setdefault(joint, {})[own] = value
-    statuses = {**scene.statuses, **{key: _status(scene, key) for key in settings}}
-    common = {key: value for key, value in settings.items() if key.rpartition(".")[0] not in apart}
-    bearings = {name: _with(scene.bearing(name), common | own, name) for name, own in apart.items()}
-    # Put together at once: a new mechanism may have other joints.
-    found = replace(scene, statuses=statuses, apart=bearings, **_updates(scene, common))
-    for key in settings:
-        joint = key.rpartition(".")[0]
-        if joint in apart and joint not in found.clearance_joints:
-            raise InputError(f"{key}: joint {joint} has no clearance; joints = {found.joints}")
-    return found
-
-
-def _status(scene: Scene, key: str) -> str:
-    """Status of a value that is set, by its key; it keeps that of the file that it replaces."""
-    status = scene.statuses.get(key, "")
-    if status != IN_FILE:
-        return status if status.startswith(IN_FILE) else SET
-    found = {own.key: own for own in settings_of(scene)}
-    own = found.get(key) or found[key.rpartition(".")[2]]
-    if own.value is None or not isinstance(own.meaning, Meaning):
-        return f"{IN_FILE} {NONE if own.value is None else own.value}"
-    return f"{IN_FILE} {own.meaning.with_unit(f'{own.value!r}')}"
-
-
-def replaced(setting: Setting, statuses: Mapping[str, str]) -> Any:
-    """Value of the file that a setting has taken the place of; its own where there is none."""
-    _, is_there, text = statuses.get(setting.key, "").partition(f"{IN_FILE} ")
-    if not is_there:
-        return setting.value
-    if not isinstance(setting.meaning, Meaning):
-        return text
-    return None if text == NONE else parse_quantity(setting.key, text, setting.meaning)
-
-
-def begun_on(scene: Scene, surfaces: Surfaces, source: str) -> Scene:
-    """The scene begun on surfaces, with a word on where they come from.
-
-    Raises
-    ------
-    InputError
-        Naming the source, where they do not fit the scene.
-    """
+def on_surfaces(scene: Scene, surfaces: Any, source: str) -> Scene:
+    """Return a scene with initial surfaces, and a word on their source for messages."""
     try:
-        statuses = {**scene.statuses, "surfaces": source}
-        return replace(scene, surfaces=surfaces, statuses=statuses)
+        return replace(scene, surfaces=surfaces, origins={**scene.origins, "surfaces": source})
     except InputError as error:
         raise InputError(f"{source}: {error}") from None
 
 
-def _with(bearing: Bearing, settings: Mapping[str, Any], joint: str) -> Bearing:
-    """The bearing of one joint with settings changed; InputError names the joint."""
-    try:
-        return replace(bearing, **_updates(bearing, settings))
-    except InputError as error:
-        raise InputError(f"{joint}.{error}") from None
+def _short(value: Any) -> Any:
+    text = f"{value}"
+    if len(text) <= _MAX_VALUE_LENGTH:
+        return value
+    return f"{text[:20]}... ({digest(text.encode())[:12]})"
 
 
-def _updates(owner: Any, settings: Mapping[str, Any]) -> dict[str, Any]:
-    """New values of the fields of an owner that settings change."""
-    updates: dict[str, Any] = {}
-    for item in fields(owner):
-        value, is_given = getattr(owner, item.name), item.name in settings
-        words, meaning, kinds = choice_of(item, owner), meaning_of(item), kinds_of(item)
-        if kinds is not None:
-            updates[item.name] = _made(item.name, value, kinds, settings)
-        elif words is not None:
-            # First: a law of one's own is data, but no part with settings of its own.
-            if is_given:
-                updates[item.name] = words.read(item.name, settings[item.name])
-        elif is_dataclass(value):
-            updates[item.name] = _part(item, value, settings)
-        elif is_given and meaning is not None:
-            given = settings[item.name]
-            is_text = isinstance(given, str)
-            updates[item.name] = parse_quantity(item.name, given, meaning) if is_text else given
-        elif is_given and words_of(item) is not None:
-            updates[item.name] = settings[item.name]
-    return updates
+@dataclass(frozen=True)
+class Change:
+    """Value that differs from the named scene, or from the default.
+
+    Attributes
+    ----------
+    key, meaning : str
+    value, was, unit : str
+        Both values in one unit.
+    """
+
+    key: str
+    value: str
+    was: str
+    unit: str
+    meaning: str
+
+    def __str__(self) -> str:
+        return f"{self.key.replace('_', ' ')} {self.value} {self.unit}".rstrip()
 
 
-def _made(name: str, value: Any, kinds: Kinds, settings: Mapping[str, Any]) -> Any:
-    """A part that may be none, of the kind that is asked for, with its own fields changed."""
-    kind, first = settings.get(name, _kind(value)), f"{name}."
-    kinds.choice.check(name, kind)
-    own = _within(first, settings)
-    if kind == NONE:
-        for key in own:
-            raise InputError(
-                f"{name}.{key}: {name} = {NONE}; with it goes {name} = {', '.join(kinds.kinds)}"
-            )
-        return None
-    part = value if kind == _kind(value) else kinds.kinds[kind]()
-    known = [item.name for item in fields(part)]
-    for key in own:
-        if key not in known:
-            raise unknown(f"key of {kind} in {name}.{key}", key, known)
-    try:
-        return replace(part, **_updates(part, own))
-    except InputError as error:
-        raise InputError(f"{name}.{error}") from None
+def changes_from(base: Scene, scene: Scene) -> tuple[Change, ...]:
+    """Return the changes of a scene against another one.
+
+    Values that follow from a named set or a part that was changed are left out.
+    """
+    before = {setting.key: setting.value for setting in settings_of(base)}
+    settings = list(settings_of(scene))
+    sets = {
+        setting.key: setting.value
+        for setting in settings
+        if _is_set(setting)
+        and setting.value in _words(setting)
+        and setting.value != before.get(setting.key, setting.value)
+    }
+    aligned = _changed(base, sets)
+    was = {setting.key: setting.value for setting in settings_of(aligned)}
+    was |= {key: before[key] for key in sets}
+    # A set without a name is described by the values that differ in it.
+    was |= {s.key: s.value for s in settings if _is_set(s) and s.value not in _words(s)}
+    for joint in scene.apart:
+        for setting in _settings(aligned.bearing(joint)):
+            was[f"{joint}.{setting.key}"] = setting.value
+    changes = [
+        _change(setting, was[setting.key])
+        for setting in settings
+        if setting.key in was and setting.value != was[setting.key]
+    ]
+    return (*changes, *_part_changes(base, scene, {setting.key for setting in settings}))
 
 
-def _part(item: Field[Any], value: Any, settings: Mapping[str, Any]) -> Any:
-    """A part of an owner, taken by its name where it has one, with its own fields changed."""
-    sets = sets_of(item)
-    if sets is not None and item.name in settings:
-        sets.choice.check(item.name, settings[item.name])
-        value = sets.sets[settings[item.name]]
-    updates = _updates(value, settings)
-    if sets is not None and updates and any(own.name == "name" for own in fields(value)):
-        updates["name"] = f"{value.name}, changed"
-    return replace(value, **updates)
+def _is_set(setting: Setting) -> bool:
+    meaning = setting.meaning
+    return isinstance(meaning, Choice) and bool(meaning.instances or meaning.kinds)
+
+
+def _words(setting: Setting) -> tuple[str, ...]:
+    return setting.meaning.words if isinstance(setting.meaning, Choice) else ()
+
+
+def _change(setting: Setting, was: Any) -> Change:
+    unit, factor = setting.meaning.unit, 1.0
+    numbers = [abs(value) for value in (setting.value, was) if isinstance(value, float)]
+    if unit == "m" and numbers and max(numbers) < _MAX_MM:
+        unit, factor = "mm", 1e3
+    value, before = _value_text(setting.value, factor), _value_text(was, factor)
+    return Change(setting.key, value, before, unit.replace("^2", "²"), setting.meaning.text)
+
+
+def _value_text(value: Any, factor: float) -> str:
+    if isinstance(value, int | float):
+        return given(factor * value)
+    return NONE if value is None else f"{value}"
+
+
+def _part_changes(base: Scene, scene: Scene, keys: set[str]) -> Iterator[Change]:
+    """Yield the changes of the mechanism and of the surfaces, which are no settings."""
+    was, data = base.as_dict(), scene.as_dict()
+    names = [key for key, *_ in differences(was["mechanism"], data["mechanism"])]
+    names = [key for key in dict.fromkeys(names) if key not in keys]
+    if names:
+        text = "mechanism; differs in " + ", ".join(names)
+        yield Change("mechanism", _mechanism_name(scene), _mechanism_name(base), "", text)
+    if scene.surfaces and data["surfaces"] != was["surfaces"]:
+        source = scene.origins.get("surfaces", "a script")
+        yield Change("surfaces", f"from {source}", "round", "", "initial surfaces of every run")
+
+
+def _mechanism_name(scene: Scene) -> str:
+    mechanism = scene.mechanism
+    return mechanism.name if isinstance(mechanism, Linkage) else mechanism.kind

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 
 from presswear.linkage.surface import SIDES, Surface, bin_centres
-from presswear.scene.bearing import LEAST_ANGLES, Bearing
+from presswear.scene.bearing import MIN_ANGLES, Bearing
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.files import read_checked
 from presswear.tools.folders import check_file
-from presswear.tools.quantities import Meaning, parse_quantity
+from presswear.tools.quantities import Quantity, parse_quantity
 
 Surfaces = Mapping[str, tuple[Any, Any]]
 """Bearing and pin by joint; see ``Scene.surfaces`` for what stands for a side."""
@@ -25,8 +25,8 @@ _HEADER = "joint,side,angle (deg),depth (um)"
 _COLUMNS = {
     "joint": None,
     "side": None,
-    "angle": Meaning("rad", -math.inf, math.inf, "", ""),
-    "depth": Meaning("m", -math.inf, math.inf, "", ""),
+    "angle": Quantity("rad", -math.inf, math.inf, "", ""),
+    "depth": Quantity("m", -math.inf, math.inf, "", ""),
 }
 _TURN = 2.0 * math.pi
 
@@ -75,6 +75,8 @@ def _surface(where: str, given: Any, bearing: Bearing) -> Surface:
     """One side on the bins of its joint; empty where it is round."""
     if given is None:
         return Surface()
+    if isinstance(given, Mapping):  # as stored
+        given = given.get("depth")
     try:
         values = np.array(given.depth if isinstance(given, Surface) else given)
     except ValueError:
@@ -110,7 +112,7 @@ def _check_depths(where: str, angle: Array, depth: Array, clearance: float) -> N
 
 def _check_angles(where: str, angle: Array) -> None:
     """InputError unless angles in [0, 2 pi), in order, are apart and leave no gap."""
-    widest = _TURN / LEAST_ANGLES
+    widest = _TURN / MIN_ANGLES
     gaps = np.diff(angle, append=angle[0] + _TURN)
     k = int(gaps.argmin())
     if gaps[k] < 1e-9:

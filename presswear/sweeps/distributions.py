@@ -30,7 +30,7 @@ from presswear.tools.errors import InputError, unknown
 from presswear.tools.files import read_checked
 from presswear.tools.folders import check_file
 from presswear.tools.numbers import readable
-from presswear.tools.quantities import Meaning, parse_quantity
+from presswear.tools.quantities import Quantity, parse_quantity
 
 MOST_CUT = 0.05
 """Greatest probability that may lie outside the allowed range."""
@@ -83,7 +83,7 @@ class Distribution:
         return np.asarray(self.inverse(self.low + (self.high - self.low) * inside), np.float64)
 
 
-def parse(text: str, name: str, meaning: Meaning) -> Distribution:
+def parse(text: str, name: str, meaning: Quantity) -> Distribution:
     """Read a distribution of a quantity.
 
     Parameters
@@ -92,7 +92,7 @@ def parse(text: str, name: str, meaning: Meaning) -> Distribution:
         See the head of this module.
     name : str
         Of the quantity, for messages.
-    meaning : Meaning
+    meaning : Quantity
         Its unit and range.
 
     Raises
@@ -119,7 +119,7 @@ def parse(text: str, name: str, meaning: Meaning) -> Distribution:
     return make(text.strip(), words, name, meaning)
 
 
-def _uniform(text: str, words: list[str], name: str, meaning: Meaning) -> Distribution:
+def _uniform(text: str, words: list[str], name: str, meaning: Quantity) -> Distribution:
     from scipy import stats  # slow to import
 
     low, high = (float(parse_quantity(name, word, meaning)) for word in words)
@@ -128,16 +128,16 @@ def _uniform(text: str, words: list[str], name: str, meaning: Meaning) -> Distri
     return Distribution(text, stats.uniform(low, high - low).ppf)
 
 
-def _normal(text: str, words: list[str], name: str, meaning: Meaning) -> Distribution:
+def _normal(text: str, words: list[str], name: str, meaning: Quantity) -> Distribution:
     from scipy import stats
 
     mean = float(parse_quantity(name, words[0], meaning))
-    spread = Meaning(meaning.unit, 0.0, math.inf, "", "", open_low=True)
+    spread = Quantity(meaning.unit, 0.0, math.inf, "", "", open_low=True)
     sigma = float(parse_quantity(f"standard deviation of {name}", words[1], spread))
     return _cut(text, name, meaning, stats.norm(mean, sigma))
 
 
-def _lognormal(text: str, words: list[str], name: str, meaning: Meaning) -> Distribution:
+def _lognormal(text: str, words: list[str], name: str, meaning: Quantity) -> Distribution:
     from scipy import stats
 
     median = float(parse_quantity(name, words[0], meaning))
@@ -148,13 +148,13 @@ def _lognormal(text: str, words: list[str], name: str, meaning: Meaning) -> Dist
 
 def _log_spread(word: str, name: str) -> float:
     """Standard deviation of the logarithm, from a coefficient of variation or a factor."""
-    above = Meaning("", 0.0, 1e4, "", "", open_low=True)
+    above = Quantity("", 0.0, 1e4, "", "", open_low=True)
     if word.endswith("%"):
         told = parse_quantity(f"spread of {name}, %,", word[:-1], above)
         # Johnson, Kotz and Balakrishnan, Continuous Univariate Distributions 1, chapter 14.
         return math.sqrt(math.log1p((told / 100.0) ** 2))
     if word.startswith("x"):
-        factor = Meaning("", 1.0, 1e4, "", "", open_low=True)
+        factor = Quantity("", 1.0, 1e4, "", "", open_low=True)
         return math.log(parse_quantity(f"factor of {name}", word[1:], factor))
     raise InputError(
         f"spread of {name} = {word!r}: a factor such as x1.6, or a standard deviation over the "
@@ -169,7 +169,7 @@ class _Known(Protocol):
     def ppf(self, q: Array) -> Array: ...
 
 
-def _cut(text: str, name: str, meaning: Meaning, known: _Known) -> Distribution:
+def _cut(text: str, name: str, meaning: Quantity, known: _Known) -> Distribution:
     """A distribution without what is not allowed; InputError where that is much."""
     low, high = float(known.cdf(meaning.low)), float(known.cdf(meaning.high))
     found = Distribution(text, known.ppf, low, high)
@@ -181,7 +181,7 @@ def _cut(text: str, name: str, meaning: Meaning, known: _Known) -> Distribution:
     return found
 
 
-def _table(text: str, words: list[str], name: str, meaning: Meaning) -> Distribution:
+def _table(text: str, words: list[str], name: str, meaning: Quantity) -> Distribution:
     file = Path(words[0])
     check_file(file)
     try:
@@ -213,8 +213,8 @@ def _stepped(values: Array, ends: Array, u: Array) -> Array:
     return np.asarray(values[np.minimum(np.searchsorted(ends, u), len(values) - 1)])
 
 
-_WEIGHT = Meaning("", 0.0, math.inf, "", "")
-_KINDS: dict[str, tuple[str, Callable[[str, list[str], str, Meaning], Distribution]]] = {
+_WEIGHT = Quantity("", 0.0, math.inf, "", "")
+_KINDS: dict[str, tuple[str, Callable[[str, list[str], str, Quantity], Distribution]]] = {
     "uniform": ("LOW, HIGH", _uniform),
     "normal": ("MEAN, DEVIATION", _normal),
     "lognormal": ("MEDIAN, SPREAD", _lognormal),

@@ -10,7 +10,6 @@ from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.sweeps.measures import Asked, Own, at_last, measures_asked
 from presswear.sweeps.work import SceneJob
-from presswear.tools.checked import checked
 from presswear.tools.errors import RunFailed
 
 _EXUDYN = ("computationIndex", "functionData")
@@ -58,7 +57,6 @@ class Function:
         return found[0] if self.is_one else found
 
 
-@checked
 def function_of(
     scene: Scene,
     measures: str | Own | Sequence[str | Own],

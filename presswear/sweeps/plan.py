@@ -17,7 +17,7 @@ from presswear.sweeps.table import Array, Column
 from presswear.sweeps.values import Factor, Group, Typed, group_of
 from presswear.tools.errors import InputError
 from presswear.tools.files import digest
-from presswear.tools.quantities import Meaning
+from presswear.tools.quantities import Quantity
 
 MOST_ROWS = 10_000_000
 MOST_DRAWS = 10_000
@@ -147,7 +147,9 @@ class Plan:
 
     def scene_of(self, row: int) -> Scene:
         """The scene of a row; InputError where its values do not fit together."""
-        return changed(self.scene, self.settings(row))
+        scene = changed(self.scene, self.settings(row))
+        scene.check()
+        return scene
 
     @cached_property
     def _base(self) -> str:
@@ -206,7 +208,7 @@ def _ranged(scene: Scene, texts: Sequence[str]) -> dict[str, tuple[Factor, Distr
         if not equals or not given:
             raise InputError(f"--range {text}: KEY=DISTRIBUTION is expected")
         setting = setting_of(scene, key)
-        if not isinstance(setting.meaning, Meaning):
+        if not isinstance(setting.meaning, Quantity):
             raise InputError(f"--range {text}: {key} is no number; --vary takes its words")
         if key in found:
             raise InputError(f"{key} is varied twice")
@@ -230,6 +232,6 @@ def scene_digest(scene: Scene) -> str:
     told = {
         key: value
         for key, value in scene.as_dict().items()
-        if key not in ("name", "title", "statuses")
+        if key not in ("name", "title", "origins")
     }
     return digest(json.dumps(told, sort_keys=True).encode())

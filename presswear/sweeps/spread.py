@@ -21,7 +21,7 @@ from presswear.sweeps.surface import Surface
 from presswear.sweeps.table import Column, Table
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, unknown
-from presswear.tools.quantities import Meaning, parse_quantity
+from presswear.tools.quantities import Quantity, parse_quantity
 
 PROBABILITIES = np.arange(1, 100) / 100.0
 """Those for which values are told."""
@@ -77,7 +77,7 @@ def parse_required(text: str, measures: Sequence[Column]) -> tuple[str, Required
             columns = {column.key: column for column in measures}
             if key not in columns:
                 raise unknown("measure", key, columns)
-            free = Meaning(columns[key].unit, -math.inf, math.inf, "", "")
+            free = Quantity(columns[key].unit, -math.inf, math.inf, "", "")
             return key, Required(float(parse_quantity(key, value, free)), is_least)
     raise InputError(
         f"required {text!r}: MEASURE>=VALUE or MEASURE<=VALUE is expected, such as life>=2e6"

@@ -17,7 +17,7 @@ from presswear.results.provenance import (
     provenance,
     provenance_differs,
 )
-from presswear.scene.changes import title_of
+from presswear.scene.catalog import title_of
 from presswear.scene.scene import Scene
 from presswear.sweeps.cluster import Say
 from presswear.sweeps.executors import runner_of
@@ -30,7 +30,6 @@ from presswear.sweeps.table import NOT_RUN, Column, Table
 from presswear.sweeps.text import counts_of, lines_of
 from presswear.sweeps.values import texts_of
 from presswear.sweeps.work import SceneWork
-from presswear.tools.checked import checked
 from presswear.tools.documents import plain, read_json, typed, write_shared_json
 from presswear.tools.errors import InputError
 from presswear.tools.files import inside
@@ -286,7 +285,6 @@ def shard_given(text: str) -> tuple[int, int]:
     return int(part), int(of)
 
 
-@checked
 def sweep(
     scene: Scene,
     vary: Any = None,

@@ -1,7 +1,7 @@
 """Values that are varied, as they are typed.
 
 =====================================  ====================================================
-``clearance=0.2mm:1.0mm:9``            a range or a list, see ``presswear.scene.ranges``
+``clearance=0.2mm:1.0mm:9``            a range or a list, see ``presswear.scene.settings``
 ``engine=dae,exudyn``                  words
 ``A.friction=0.1,0.2 & C.friction=0.1,0.3``  together, place by place, not every one with every
                                        other
@@ -14,12 +14,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from presswear.scene.ranges import values_of
 from presswear.scene.scene import Scene
-from presswear.scene.settings import Setting, setting_of
+from presswear.scene.settings import Setting, setting_of, values_of
 from presswear.sweeps.table import Array, Column
 from presswear.tools.errors import InputError, shown
-from presswear.tools.quantities import Choice, Meaning
+from presswear.tools.quantities import Choice, Quantity
 
 TOGETHER = "&"
 Typed = str | float | int
@@ -43,7 +42,7 @@ class Factor:
     def of(setting: Setting, words: tuple[str, ...] = ()) -> "Factor":
         """The factor that changes a setting, among words where it is no number."""
         meaning = setting.meaning
-        is_whole = isinstance(meaning, Meaning) and meaning.whole
+        is_whole = isinstance(meaning, Quantity) and meaning.whole
         return Factor(Column(setting.key, meaning.unit, meaning.text, words), is_whole)
 
     def typed(self, value: float) -> Typed:
@@ -77,7 +76,7 @@ def group_of(scene: Scene, text: str) -> Group:
             raise InputError(f"--vary {text}: KEY=VALUES is expected, such as friction=0.02,0.05")
         setting = setting_of(scene, key)
         words: tuple[str, ...] = ()
-        if isinstance(setting.meaning, Meaning):
+        if isinstance(setting.meaning, Quantity):
             values = values_of(key, given, setting.meaning)
         else:
             words = tuple(own.strip() for own in given.split(","))

@@ -1,45 +1,123 @@
-"""Physical quantities: what a field means, its unit and range, and how it is typed.
+"""Quantities with unit, range and origin, choices, and numbers with units as people type them.
 
-Every number that a person may set is a dataclass field made by ``quantity``; the
-field carries its unit, range, where the value comes from and a description, so
-that the help, the error messages and the report all speak from one place.
+Every value that a person may set is a data class field made by ``quantity``, ``count``, ``choice``,
+``free_text``, ``named_set`` or ``one_of``. Help, error messages, files and reports read its meaning
+from the field.
 """
 
 import math
+import re
 import sys
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import Field, asdict, dataclass, field, fields
+from dataclasses import Field, dataclass, field
+from numbers import Integral, Real
 from typing import Any, ClassVar
 
 from presswear.tools.errors import InputError, nearest, shown, unknown
 from presswear.tools.own import OwnFunction
-from presswear.tools.units import apart, in_si, units_of
+
+NONE = "none"  # word for an optional part that is absent
+
+_PER_MINUTE = dict.fromkeys(("rpm", "spm", "1/min", "/min"), math.pi / 30.0)
+_UNITS: dict[str, tuple[str, dict[str, float]]] = {  # SI unit: example, sizes of its units
+    "": ("0.5", {"": 1.0, "%": 0.01}),
+    "m": ("0.8mm", {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "in": 0.0254}),
+    "rad/s": (
+        "3.5pi rad/s",
+        {"rad/s": 1.0, "deg/s": math.pi / 180.0, **_PER_MINUTE, "Hz": 2.0 * math.pi},
+    ),
+    "rad": ("30deg", {"rad": 1.0, "deg": math.pi / 180.0}),
+    "kg": ("0.1kg", {"kg": 1.0, "g": 1e-3, "t": 1e3}),
+    "kg m^2": ("1e-3kg m^2", dict.fromkeys(("kg m^2", "kgm^2"), 1.0)),
+    "Pa": (
+        "200GPa",
+        {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "bar": 1e5, "N/m^2": 1.0, "N/mm^2": 1e6},
+    ),
+    "1/Pa": (
+        "1.2e-15/Pa",
+        {
+            **dict.fromkeys(("1/Pa", "/Pa", "m^2/N"), 1.0),
+            **dict.fromkeys(("1/MPa", "/MPa", "mm^2/N"), 1e-6),
+            **dict.fromkeys(("mm^3/Nm", "mm^3/N m", "mm^3/(N m)"), 1e-9),
+        },
+    ),
+    "m^3": ("2mm^3", {"m^3": 1.0, "cm^3": 1e-6, "mm^3": 1e-9}),
+    "m/s": ("1mm/s", {"m/s": 1.0, "mm/s": 1e-3, "m/min": 1.0 / 60.0}),
+    "m/s^2": ("9.81m/s^2", {"m/s^2": 1.0, "mm/s^2": 1e-3}),
+    "s": ("1ms", {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "min": 60.0}),
+    "N/m": ("1e6N/m", {"N/m": 1.0, "kN/m": 1e3, "N/mm": 1e3, "kN/mm": 1e6}),
+    "N/m^n": ("1e10N/m^1.5", dict.fromkeys(("N/m^n", "N/m^1.5", "N/m1.5", "N/m"), 1.0)),
+    "N": ("500N", {"N": 1.0, "kN": 1e3, "MN": 1e6}),
+    "N m": (
+        "20N m",
+        {"N m": 1.0, "Nm": 1.0, "N mm": 1e-3, "Nmm": 1e-3, "kN m": 1e3, "kNm": 1e3},
+    ),
+    "1/m": ("1e5/m", {"1/m": 1.0, "/m": 1.0, "1/mm": 1e3, "/mm": 1e3}),
+    "s/m": ("10s/m", {"s/m": 1.0, "s/mm": 1e3}),
+    "N s/m": ("100N s/m", {"N s/m": 1.0, "Ns/m": 1.0, "N s/mm": 1e3, "Ns/mm": 1e3}),
+}
+_SIGNS = str.maketrans({"²": "^2", "³": "^3", "μ": "µ", "·": " ", "*": " ", "_": " "})
+_POWER = re.compile(r"(?<=[a-z])(?=[23]\b)")  # where a power has no sign, as in mm2
+_NUMBER = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(.*)$")
+
+
+def _units_of(unit: str) -> tuple[str, dict[str, float]]:
+    """Return an example in a dimension, and the sizes of its units; ``m or rad`` has those of both.
+
+    A unit that the table lacks is the only one of its dimension.
+    """
+    several = [_UNITS.get(one, (f"1{one}", {one: 1.0})) for one in unit.split(" or ")]
+    return several[0][0], {name: size for _, sizes in several for name, size in sizes.items()}
+
+
+def _split_number(text: str) -> tuple[float, str] | None:
+    """Return a number and the unit behind it in its standard spelling; None without a number."""
+    match = _NUMBER.match(text)
+    if match is None:
+        return None
+    rest = _POWER.sub("^", match[2].translate(_SIGNS))
+    return float(match[1]), re.sub(r"\s+", " ", rest).strip()
+
+
+def _in_si(value: float, written: str, unit: str) -> float | None:
+    """Return a value in the SI unit; None where it has no unit of this dimension."""
+    if written.startswith("pi") and "rad" in unit:
+        value, written = value * math.pi, written[2:].strip()
+    size = _units_of(unit)[1].get(written)
+    return None if size is None else value * size
+
+
+def plain_number(value: Any) -> Any:
+    """Return a number of any kind as an int or a float; anything else as it is."""
+    if isinstance(value, bool) or not isinstance(value, Real):
+        return value
+    try:
+        return int(value) if isinstance(value, Integral) else float(value)
+    except OverflowError:
+        return math.inf
 
 
 @dataclass(frozen=True)
-class Meaning:
-    """Meaning of a quantity: unit (empty for a pure number), range, origin, text.
+class Quantity:
+    """Unit (empty for a pure number), range, origin of the default and meaning of a number.
 
     The range includes its ends unless ``open_low`` excludes the lower one.
     """
 
-    unit: str
-    low: float
-    high: float
-    status: str
-    text: str
+    unit: str = ""
+    low: float = -math.inf
+    high: float = math.inf
+    origin: str = ""
+    text: str = ""
     open_low: bool = False
     whole: bool = False
 
     def with_unit(self, value: str) -> str:
-        """A value as text with the unit behind it."""
+        """Return a value as text with the unit behind it."""
         return f"{value} {self.unit}".rstrip()
 
-    def typed(self, value: float, inward: float) -> str:
-        """A value in six digits, rounded up or down so that it can be typed where it is in range.
-
-        In all digits where the range is narrower than that.
-        """
+    def _end_text(self, value: float, inward: float) -> str:
+        """Return an end of the range in six digits, rounded inward; in all digits if need be."""
         short = float(f"{value:g}")
         if (short - value) * inward < 0.0:
             short += inward * 10.0 ** (math.floor(math.log10(abs(value))) - 5)
@@ -47,17 +125,17 @@ class Meaning:
         return text if self.low <= float(text) <= self.high else f"{value!r}"
 
     def range_text(self) -> str:
-        """The allowed range as a person reads it, with the unit."""
+        """Return the allowed range in words, with the unit."""
         if math.isinf(self.high) and math.isinf(self.low):
             return self.with_unit(f"any finite number{' in' if self.unit else ''}")
-        low = self.typed(self.low, 1.0)
+        low = self._end_text(self.low, 1.0)
         if math.isinf(self.high):
             return self.with_unit(f"{'above' if self.open_low else 'at least'} {low}")
         first = f"above {low} up to" if self.open_low else f"{low} to"
-        return self.with_unit(f"{first} {self.typed(self.high, -1.0)}")
+        return self.with_unit(f"{first} {self._end_text(self.high, -1.0)}")
 
     def allows(self, value: float) -> bool:
-        """True for a finite number in range."""
+        """Return whether a value is finite and in range."""
         is_above = self.low < value if self.open_low else self.low <= value
         return math.isfinite(value) and is_above and value <= self.high
 
@@ -69,19 +147,134 @@ class Meaning:
                 f"{name} = {shown(value)}: a {'whole ' if self.whole else ''}number is expected; "
                 f"allowed is {self.range_text()}"
             )
-        # Beyond all floats: a whole number that was stored may be of any length.
-        if abs(value) > sys.float_info.max:
+        if abs(value) > sys.float_info.max:  # a stored whole number may have any length
             value = math.inf if value > 0 else -math.inf
         if not self.allows(value):
-            told = f"{value:g}"
-            # What is outside by a hair must not be told as what is allowed.
-            if self.low <= float(told) <= self.high:
-                told = f"{value!r}"
-            raise InputError(f"{name} = {self.with_unit(told)}: allowed is {self.range_text()}")
+            text = f"{value:g}"
+            if self.low <= float(text) <= self.high:  # outside by less than six digits show
+                text = f"{value!r}"
+            raise InputError(f"{name} = {self.with_unit(text)}: allowed is {self.range_text()}")
+
+    def convert(self, name: str, value: Any) -> Any:
+        """Return a number, SI, or a text with a unit as a number in range; raise InputError."""
+        if isinstance(value, str):
+            return parse_quantity(name, value, self)
+        number = plain_number(value)
+        self.check(name, number)
+        return number if self.whole else float(number)
 
 
-NAMING = ("name", "body")
-"""First fields, or arguments, that say whose the others are."""
+@dataclass(frozen=True)
+class Choice:
+    """Field that takes one of a few words, a named instance, a kind of part, or a free text.
+
+    Attributes
+    ----------
+    words : tuple of str, or callable
+        Allowed words; a callable returns those that the owner of the field allows.
+    text : str
+        Meaning.
+    parameters : tuple of str
+        Parameters that a user function in place of a word may have; empty: none is allowed.
+    several : bool
+        Whether words can be combined, except for the last one, which stands for none of them.
+        Words of one letter are written side by side, others with commas between.
+    instances : mapping or None
+        Data class instances by name; the field holds one of them, or a changed one.
+    kinds : mapping or None
+        Data classes by kind; the field holds an instance of one of them, or None.
+    example : str
+        Example of a free text that its owner reads.
+    """
+
+    words: tuple[str, ...] | Any
+    text: str = ""
+    parameters: tuple[str, ...] = ()
+    several: bool = False
+    instances: Mapping[str, Any] | None = None
+    kinds: Mapping[str, Any] | None = None
+    example: str = ""
+
+    unit: ClassVar[str] = ""
+
+    @property
+    def _separator(self) -> str:
+        return "" if all(len(word) == 1 for word in self.words[:-1]) else ","
+
+    def combine(self, words: Iterable[str]) -> str:
+        """Return several words as one value, in the order in which they are allowed."""
+        used = set(words)
+        return self._separator.join(w for w in self.words[:-1] if w in used) or self.words[-1]
+
+    def split(self, value: str) -> tuple[str, ...]:
+        """Return the words of a combined value."""
+        if value == self.words[-1]:
+            return ()
+        if "," in value or self._separator:
+            return tuple(part.strip() for part in value.split(","))
+        return tuple(value)
+
+    def allowed(self) -> tuple[str, ...]:
+        """Return the allowed values in words."""
+        if self.example:
+            return (f"such as {self.example}",)
+        can_combine = self.several and len(self.words) > 2
+        several = [f"several, as {self.combine(self.words)}"] if can_combine else []
+        return (*self.words, *several, *(["FILE.py:FUNCTION"] if self.parameters else []))
+
+    def shown(self, value: Any) -> Any:
+        """Return the word by which a field value is set: a name, a kind, or the value itself."""
+        if self.instances is not None:
+            return value.name
+        if self.kinds is not None:
+            return NONE if value is None else value.kind
+        return value
+
+    def convert(self, name: str, value: Any) -> Any:
+        """Return the field value for a word, an instance or stored data; raise InputError."""
+        if self.kinds is not None:
+            return self._part(name, value)
+        if self.instances is not None:
+            return self._instance(name, value)
+        is_function = callable(value) or isinstance(value, OwnFunction | dict)
+        if self.parameters and (is_function or ".py:" in str(value)):
+            return OwnFunction.asking(name, value, self.parameters)
+        self.check(name, value)
+        return value
+
+    def _instance(self, name: str, value: Any) -> Any:
+        assert self.instances is not None
+        kind = type(next(iter(self.instances.values())))
+        if isinstance(value, kind):
+            return value
+        if isinstance(value, Mapping):
+            return kind(**value)
+        self.check(name, value)
+        return self.instances[value]
+
+    def _part(self, name: str, value: Any) -> Any:
+        assert self.kinds is not None
+        if value is None or isinstance(value, tuple(self.kinds.values())):
+            return value
+        data = {**value} if isinstance(value, Mapping) else {"kind": value}
+        kind = data.pop("kind", None)
+        self.check(name, kind)
+        return None if kind == NONE else self.kinds[kind](**data)
+
+    def check(self, name: str, value: Any) -> None:
+        """Raise InputError unless the value is one of the words, or a text where one is free."""
+        if isinstance(value, str) and (self.example or value in self.words):
+            return
+        if self.several and isinstance(value, str):
+            parts = self.split(value)
+            if parts and len(set(parts)) == len(parts) and set(parts) <= set(self.words[:-1]):
+                return
+        if self.example:
+            raise InputError(f"{name} = {shown(value)}: a text is expected")
+        raise InputError(
+            f"{name} = {shown(value)}: allowed is one of {', '.join(self.allowed())}"
+            f"{nearest(f'{value}', self.words)}"
+        )
 
 
 def quantity(
@@ -89,262 +282,116 @@ def quantity(
     unit: str,
     low: float,
     high: float,
-    status: str,
+    origin: str,
     text: str,
     *,
     open_low: bool = False,
     whole: bool = False,
 ) -> Any:
-    """A dataclass field that carries its meaning; a default of None may stay None."""
-    meaning = Meaning(unit, low, high, status, text, open_low, whole)
+    """Return a data class field for a number with a unit; a default of None may stay None."""
+    meaning = Quantity(unit, low, high, origin, text, open_low, whole)
     return field(default=default, metadata={"meaning": meaning})
 
 
-def count(default: int | None, low: int, high: int, status: str, text: str) -> Any:
-    """A dataclass field for a whole number without a unit."""
-    return quantity(default, "", low, high, status, text, whole=True)
-
-
-@dataclass(frozen=True)
-class Choice:
-    """A named choice: the allowed words and what they decide.
-
-    Attributes
-    ----------
-    own : tuple of str
-        What a function of one's own, in place of a word, may ask for; empty: none is allowed.
-    several : bool
-        Whether the words can be taken together, but for the last, which stands for none of them:
-        side by side where each has one letter, else with commas between.
-    """
-
-    words: tuple[str, ...]
-    text: str
-    own: tuple[str, ...] = ()
-    several: bool = False
-
-    unit: ClassVar[str] = ""
-
-    @property
-    def _between(self) -> str:
-        return "" if all(len(word) == 1 for word in self.words[:-1]) else ","
-
-    def together(self, words: Iterable[str]) -> str:
-        """Several words as one value, in the order in which they are allowed."""
-        taken = set(words)
-        return self._between.join(own for own in self.words[:-1] if own in taken) or self.words[-1]
-
-    def apart(self, value: str) -> tuple[str, ...]:
-        """The words that a value puts together."""
-        if value == self.words[-1]:
-            return ()
-        if "," in value or self._between:
-            return tuple(part.strip() for part in value.split(","))
-        return tuple(value)
-
-    def listed(self) -> tuple[str, ...]:
-        """Everything that is allowed, as a person reads it."""
-        together = self.several and len(self.words) > 2
-        several = [f"several, as {self.together(self.words)}"] if together else []
-        return (*self.words, *several, *(["FILE.py:FUNCTION"] if self.own else []))
-
-    def read(self, name: str, value: Any) -> Any:
-        """One of the words, or a function of one's own; InputError where it is neither."""
-        is_own = callable(value) or isinstance(value, OwnFunction | dict) or ".py:" in str(value)
-        if self.own and is_own:
-            return OwnFunction.asking(name, value, self.own)
-        self.check(name, value)
-        return value
-
-    def check(self, name: str, value: Any) -> None:
-        """Raise InputError unless the value is one of the words."""
-        if self.own and isinstance(value, OwnFunction):
-            return
-        if self.several and isinstance(value, str):
-            parts = self.apart(value)
-            if parts and len(set(parts)) == len(parts) and set(parts) <= set(self.words[:-1]):
-                return
-        if not (isinstance(value, str) and value in self.words):
-            raise InputError(
-                f"{name} = {shown(value)}: allowed is one of {', '.join(self.listed())}"
-                f"{nearest(f'{value}', self.words)}"
-            )
+def count(default: int | None, low: int, high: int, origin: str, text: str) -> Any:
+    """Return a data class field for a whole number without a unit."""
+    return quantity(default, "", low, high, origin, text, whole=True)
 
 
 def choice(
     default: str | None,
     words: tuple[str, ...] | Callable[[Any], tuple[str, ...]],
     text: str,
-    own: tuple[str, ...] = (),
+    parameters: tuple[str, ...] = (),
     *,
     several: bool = False,
 ) -> Any:
-    """A dataclass field that takes one of a few words, which may depend on its owner.
-
-    See ``Choice`` for ``own`` and ``several``.
-    """
-    return field(default=default, metadata={"choice": (words, text, own, several)})
-
-
-def choice_of(item: Field[Any], owner: Any) -> Choice | None:
-    """The choice that a field made by ``choice`` offers its owner; None for any other field."""
-    if "choice" not in item.metadata:
-        return None
-    words, *rest = item.metadata["choice"]
-    return Choice(words(owner) if callable(words) else words, *rest)
+    """Return a data class field for one of a few words; see ``Choice``."""
+    return field(
+        default=default, metadata={"meaning": Choice(words, text, parameters, several=several)}
+    )
 
 
-@dataclass(frozen=True)
-class Words:
-    """A text in a form of its own, which its owner reads."""
-
-    example: str
-    text: str
-
-    unit: ClassVar[str] = ""
-
-    def listed(self) -> tuple[str, ...]:
-        """What it may look like."""
-        return (f"such as {self.example}",)
+def free_text(default: str, example: str, text: str) -> Any:
+    """Return a data class field for a text that its owner reads."""
+    return field(default=default, metadata={"meaning": Choice((), text, example=example)})
 
 
-def words(default: str, example: str, text: str) -> Any:
-    """A dataclass field that takes a text, which its owner checks."""
-    return field(default=default, metadata={"words": Words(example, text)})
-
-
-def words_of(item: Field[Any]) -> Words | None:
-    """The meaning of a field made by ``words``; None for any other field."""
-    found = item.metadata.get("words")
-    return found if isinstance(found, Words) else None
-
-
-@dataclass(frozen=True)
-class NamedSets:
-    """Sets of values that can be taken by name and then changed one by one."""
-
-    sets: Mapping[str, Any]
-    text: str
-
-    @property
-    def choice(self) -> Choice:
-        """The names as a choice."""
-        return Choice(tuple(self.sets), self.text)
-
-
-def named_set(default: str, sets: Mapping[str, Any], text: str) -> Any:
-    """A dataclass field that holds one of some dataclass instances with a ``name``."""
-    return field(default=sets[default], metadata={"sets": NamedSets(sets, text)})
-
-
-def sets_of(item: Field[Any]) -> NamedSets | None:
-    """The sets of a field made by ``named_set``; None for any other field."""
-    found = item.metadata.get("sets")
-    return found if isinstance(found, NamedSets) else None
-
-
-@dataclass(frozen=True)
-class Kinds:
-    """Data classes of which one may be taken by its ``kind``, and its fields set one by one."""
-
-    kinds: Mapping[str, Any]
-    text: str
-
-    @property
-    def choice(self) -> Choice:
-        """The kinds, and none of them, as a choice."""
-        return Choice((NONE, *self.kinds), self.text)
-
-
-NONE = "none"
+def named_set(default: str, instances: Mapping[str, Any], text: str) -> Any:
+    """Return a data class field for one of some data class instances, which have a ``name``."""
+    meaning = Choice(tuple(instances), text, instances=instances)
+    return field(default=instances[default], metadata={"meaning": meaning})
 
 
 def one_of(kinds: Mapping[str, Any], text: str) -> Any:
-    """A dataclass field that holds an instance of one of some data classes, or None."""
-    return field(default=None, metadata={"kinds": Kinds(kinds, text)})
+    """Return a data class field for an instance of one of some data classes, or None."""
+    meaning = Choice((NONE, *kinds), text, kinds=kinds)
+    return field(default=None, metadata={"meaning": meaning})
 
 
-def kinds_of(item: Field[Any]) -> Kinds | None:
-    """The kinds of a field made by ``one_of``; None for any other field."""
-    found = item.metadata.get("kinds")
-    return found if isinstance(found, Kinds) else None
+def meaning_of(item: Field[Any], owner: Any = None) -> Quantity | Choice | None:
+    """Return the meaning of a field, also from its annotation; None for a plain field.
+
+    Parameters
+    ----------
+    owner : data class instance
+        Needed for a choice whose words depend on it.
+    """
+    meanings = (item.metadata.get("meaning"), *getattr(item.type, "__metadata__", ()))
+    for meaning in meanings:
+        if isinstance(meaning, Choice) and callable(meaning.words):
+            rest = meaning.text, meaning.parameters, meaning.several
+            return Choice(meaning.words(owner), *rest)
+        if isinstance(meaning, Quantity | Choice):
+            return meaning
+    return None
 
 
-def of_kind(kinds: Mapping[str, Any], stored: Mapping[str, Any] | None) -> Any:
-    """One of some data classes from its kind and its fields as plain data, or None."""
-    if stored is None:
-        return None
-    values = dict(stored)
-    kind = values.pop("kind")
-    Choice(tuple(kinds), "").check("kind", kind)
-    return kinds[kind](**values)
-
-
-def plain_of(owner: Any) -> dict[str, Any]:
-    """A data class as plain data; what is one of some kinds says which."""
-    found = asdict(owner)
-    for item in fields(owner):
-        value = getattr(owner, item.name)
-        if kinds_of(item) is not None and value is not None:
-            found[item.name] = {"kind": value.kind, **found[item.name]}
-    return found
-
-
-def check_fields(owner: Any) -> None:
-    """Check every quantity and choice of a dataclass instance; of one with a name it is told."""
-    first = fields(owner)[0].name
-    whose = f" of {getattr(owner, first)}" if first in NAMING else ""
-    for item in fields(owner):
-        value = getattr(owner, item.name)
-        meaning, words = meaning_of(item), choice_of(item, owner)
-        if meaning is not None and not (value is None and item.default is None):
-            meaning.check(f"{item.name}{whose}", value)
-        if words is not None:
-            words.check(item.name, value)
-        if words_of(item) is not None and not isinstance(value, str):
-            raise InputError(f"{item.name}{whose} = {shown(value)}: a text is expected")
-
-
-def meaning_of(item: Field[Any]) -> Meaning | None:
-    """The meaning of a field made by ``quantity``, or annotated with it; None for any other."""
-    told = (item.metadata.get("meaning"), *getattr(item.type, "__metadata__", ()))
-    return next((own for own in told if isinstance(own, Meaning)), None)
-
-
-def _example(name: str, meaning: Meaning) -> str:
-    """Words on a value that may be typed, common where that is allowed, else amid the range."""
+def _example(name: str, meaning: Quantity) -> str:
+    """Return an example of a value in range for a message; empty for a pure number."""
     unit = meaning.unit
     if not unit:
         return ""
-    text = units_of(unit)[0]
-    parts = apart(text)
-    common = None if parts is None else in_si(*parts, unit)
+    text = _units_of(unit)[0]
+    parts = _split_number(text)
+    common = None if parts is None else _in_si(*parts, unit)
     if common is None or not meaning.allows(common):
-        amid = 10.0 * meaning.low if meaning.low > 0.0 else meaning.high / 2.0
-        amid = float(f"{amid:.0e}")
-        text = meaning.with_unit(
-            meaning.typed(amid if meaning.allows(amid) else meaning.high, -1.0)
+        middle = 10.0 * meaning.low if meaning.low > 0.0 else meaning.high / 2.0
+        middle = float(f"{middle:.0e}")
+        first = unit.split(" or ")[0]
+        text = (
+            f"{meaning._end_text(middle if meaning.allows(middle) else meaning.high, -1.0)} {first}"
         )
     return f", for instance {name}={text!r}"
 
 
-def parse_quantity(name: str, text: str, meaning: Meaning) -> float | int:
-    """Read a value with its unit and check its range.
+def parse_quantity(name: str, text: str, meaning: Quantity) -> float | int:
+    """Return a number, SI, from a text with its unit, and check its range.
 
-    A quantity with a dimension needs its unit: 0.8 could be metres or millimetres,
-    and a silent guess is worse than a question.
+    Parameters
+    ----------
+    name : str
+        Name for messages.
+    meaning : Quantity
+        A quantity with a dimension needs its unit: 0.8 could be metres or millimetres.
+
+    Raises
+    ------
+    InputError
     """
-    unit, parts = meaning.unit, apart(text)
+    unit, parts = meaning.unit, _split_number(text)
     if parts is None or (unit and not parts[1]):
         fault = f"is not a number{' with a unit' * bool(unit)}" if parts is None else "has no unit"
         raise InputError(
             f"{name} = {text!r} {fault}{_example(name, meaning)}; allowed is {meaning.range_text()}"
         )
-    if not unit and parts[1]:
+    if re.match(r",\s*[0-9]", parts[1]):
+        raise InputError(f"{name} = {text!r}: use a decimal point, {text.replace(',', '.')!r}")
+    value = _in_si(*parts, unit)
+    if value is None and not unit:
         raise InputError(f"{name} = {text!r}: a pure number, without unit, is expected")
-    value = in_si(*parts, unit)
     if value is None:
-        raise InputError(f"{name} = {text!r}: {unknown('unit', parts[1], units_of(unit)[1])}")
+        raise InputError(f"{name} = {text!r}: {unknown('unit', parts[1], _units_of(unit)[1])}")
     number: float | int = int(value) if meaning.whole and value.is_integer() else value
     meaning.check(name, number)
     return number

@@ -24,7 +24,7 @@ from presswear.results.result import load
 from presswear.results.stage import SIDES, JointResult
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import wear_times
-from presswear.scene.scene import DRAWS, Scene
+from presswear.scene.scene import REPLICATES, Scene
 from presswear.show.figures import drawings
 from presswear.show.report import notes, render, words_of
 from presswear.show.report.wear import growth as growth_table
@@ -355,7 +355,7 @@ def test_conventions_decide_unless_the_scene_does(
 ) -> None:
     scene = replace(wear_times(), conventions=CONVENTIONS[conventions], extrapolation=extrapolation)
     assert scene.wears_in_steps == in_steps
-    assert scene.draws == DRAWS
+    assert scene.draws == REPLICATES
     assert replace(scene, wear_updates=0).draws == 1
 
 

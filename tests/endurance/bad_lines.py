@@ -13,7 +13,7 @@ from typing import Any
 from presswear.scene.catalog import SCENES, slider_crank, wear_times
 from presswear.scene.scene import Scene
 from presswear.scene.settings import settings_of
-from presswear.tools.quantities import Choice, Meaning
+from presswear.tools.quantities import Choice, Quantity
 
 Family = Callable[[Random], list[str]]
 """Draws a command line of a kind."""
@@ -162,18 +162,18 @@ def _given(
     return line
 
 
-def _no_number(draw: Random, meaning: Meaning) -> str:
+def _no_number(draw: Random, meaning: Quantity) -> str:
     text = draw.choice((draw.choice(_NO_NUMBERS), _wild(draw)))
     return draw.choice((text, f"{text} {meaning.unit}".rstrip(" ")))
 
 
-def _wrong_unit(draw: Random, meaning: Meaning) -> str:
+def _wrong_unit(draw: Random, meaning: Quantity) -> str:
     """A number with the unit of something else, or none; only a pure number has none to forget."""
     units = NOT_UNITS_OF[meaning.unit].split(", ") + ([""] if meaning.unit else [])
     return f"{_within(draw, 0.0, 100.0)!r} {draw.choice(units)}".strip()
 
 
-def _beyond(draw: Random, meaning: Meaning) -> str:
+def _beyond(draw: Random, meaning: Quantity) -> str:
     """A value outside its range, on either side, by a hair or by far."""
     far = draw.choice((0.0, 5e-324, 1e-12, 1.0, 1e10, 1e300, draw.uniform(0.0, 1e300)))
     is_above = draw.random() < 0.5
@@ -198,7 +198,7 @@ def _unknown_key(draw: Random) -> list[str]:
     """Keys that no scene has, that are misspelt, or that belong to another mechanism."""
     scene = draw.choice((_PRESS, _CRANK))
     here, all_keys = _KEYS[scene.name], sorted(_KEYS[_PRESS.name] | _KEYS[_CRANK.name])
-    strange = ("__class__", "name", "title", "statuses", "mechanism", "bearings.width")
+    strange = ("__class__", "name", "title", "origins", "mechanism", "bearings.width")
     while True:
         known = draw.choice(all_keys)
         place = draw.randrange(len(known))
@@ -236,12 +236,12 @@ def _at_odds(draw: Random) -> list[str]:
 
 FAMILIES: dict[str, Family] = {
     "unknown keys": _unknown_key,
-    "no numbers": _given(Meaning, _no_number),
-    "wrong units": _given(Meaning, _wrong_unit),
-    "beyond ranges": _given(Meaning, _beyond),
+    "no numbers": _given(Quantity, _no_number),
+    "wrong units": _given(Quantity, _wrong_unit),
+    "beyond ranges": _given(Quantity, _beyond),
     "no choices": _given(Choice, _no_choice),
     "no whole numbers": _given(
-        Meaning, lambda draw, own: f"{draw.randrange(90)}.5", lambda own: own.whole
+        Quantity, lambda draw, own: f"{draw.randrange(90)}.5", lambda own: own.whole
     ),
     "contradictions": _at_odds,
     "bad options": _filled(_LINES),

@@ -86,8 +86,8 @@ def altered_document(draw: Random, folder: Path) -> None:
         scene, stages, own = document["scene"], document["stages"], document["schema"]
         places = [(part, key) for part, key in leaves(document) if part is not document["files"]]
         leaf, name = draw.choice([place for place in places if place[1] != "digest"])
-        # Anything goes into the statuses, and nothing must.
-        inner = [part for key, part in scene.items() if key != "statuses"]
+        # Anything goes into the origins, and nothing must.
+        inner = [part for key, part in scene.items() if key != "origins"]
         parts = [scene, *(part for part in inner if isinstance(part, dict))]
         whole = draw.choice([document, draw.choice(stages), *filter(None, parts)])
         strange = draw.choice(("colour", "__class__", "self", "\n", ""))

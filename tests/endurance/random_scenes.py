@@ -15,15 +15,14 @@ from typing import Any
 from endurance.subject import OutsideError, run_part
 from presswear.linkage.laws import DAMPINGS, KELVIN_VOIGT, LUGRE
 from presswear.linkage.materials import Materials
-from presswear.linkage.pace import HEAVIER
 from presswear.linkage.press import GEOMETRIES, Press
 from presswear.linkage.slider_crank import SliderCrank
 from presswear.scene.bearing import LEAST_RAMP, Bearing, Conventions
 from presswear.scene.catalog import slider_crank, wear_times
 from presswear.scene.numerics import Numerics
-from presswear.scene.scene import Scene
+from presswear.scene.scene import MAX_MASS_RATIO, Scene
 from presswear.tools.errors import AssemblyError, InputError, RunFailed
-from presswear.tools.quantities import Meaning, choice_of, meaning_of
+from presswear.tools.quantities import Choice, Quantity, meaning_of
 from presswear.validation.hard.case import ENERGY
 
 COARSEST = {"integration_tolerance": 1e-5, "tree_tolerance": 1e-4}
@@ -58,7 +57,7 @@ def _spread(draw: Random, low: float, high: float) -> float:
     return math.exp(draw.uniform(math.log(low), math.log(high)))
 
 
-def _value(draw: Random, meaning: Meaning) -> float:
+def _value(draw: Random, meaning: Quantity) -> float:
     """A value of a range; its ends now and then."""
     low, high = meaning.low, meaning.high
     if draw.random() < _ENDS:
@@ -77,12 +76,12 @@ def _drawn(draw: Random, owner: Any, apart: tuple[str, ...] = ()) -> dict[str, A
     """Values of the quantities and choices of a data class, some left as they are."""
     found: dict[str, Any] = {}
     for item in fields(owner):
-        meaning, words = meaning_of(item), choice_of(item, owner)
+        meaning = meaning_of(item, owner)
         if item.name.startswith(apart):
             continue
-        if words is not None:
-            found[item.name] = draw.choice(words.words)
-        elif meaning is not None:
+        if isinstance(meaning, Choice) and not meaning.instances and not meaning.kinds:
+            found[item.name] = draw.choice(meaning.words)
+        elif isinstance(meaning, Quantity):
             value = _value(draw, meaning)
             found[item.name] = round(value) if meaning.whole else value
     return found
@@ -115,7 +114,7 @@ def _links(draw: Random, owner: Any, scale: float) -> dict[str, float]:
     found: dict[str, float] = {}
     for item in fields(owner):
         meaning = meaning_of(item)
-        if item.name.startswith(_LENGTHS) and meaning is not None:
+        if item.name.startswith(_LENGTHS) and isinstance(meaning, Quantity):
             length = scale * getattr(owner, item.name) * math.exp(draw.gauss(0.0, _CHANGE))
             found[item.name] = min(max(length, meaning.low), meaning.high)
     return found
@@ -125,9 +124,9 @@ def _weights(
     draw: Random, owner: Any, links: tuple[tuple[str, str, float], ...]
 ) -> dict[str, float]:
     """Masses that can move together, and inertias of links that fit their masses and lengths."""
-    heaviest = _spread(draw, 1e-6 * HEAVIER, 1e4)
+    heaviest = _spread(draw, 1e-6 * MAX_MASS_RATIO, 1e4)
     masses = [item.name for item in fields(owner) if "mass" in item.name]
-    found = {name: heaviest * HEAVIER ** -draw.random() for name in masses}
+    found = {name: heaviest * MAX_MASS_RATIO ** -draw.random() for name in masses}
     for inertia, mass, length in links:
         least, most = GYRATION
         part = least * (most / least) ** draw.random()
@@ -145,7 +144,7 @@ def _mechanism(draw: Random) -> Press | SliderCrank:
     press = Press(geometry=draw.choice(list(GEOMETRIES.values())))
     geometry = press.geometry
     moved = {"hx": scale * geometry.hx, "hy": scale * geometry.hy}
-    placed = replace(geometry, name="drawn", **moved, **_links(draw, geometry, scale))
+    placed = replace(geometry, **moved, **_links(draw, geometry, scale))
     links = _links(draw, press, scale)
     turning = (
         ("inertia_3", "mass_3", links["length_3"]),
@@ -186,7 +185,7 @@ def scene_of(draw: Random) -> Scene:
         joints=joints,
         wear_updates=0,
         replicates=1,
-        statuses={},
+        origins={},
     )
 
 

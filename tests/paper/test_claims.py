@@ -93,7 +93,7 @@ def test_the_study_runs_what_it_says() -> None:
             told = scene.as_dict().items()
             changed = {key for key, value in told if value != base[key]}
             assert (
-                1 <= len(changed - {"statuses", "tolerance", "wear_updates", "replicates"}) <= 2
+                1 <= len(changed - {"origins", "tolerance", "wear_updates", "replicates"}) <= 2
             ), case
 
 

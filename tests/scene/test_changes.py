@@ -8,11 +8,19 @@ import pytest
 
 from presswear.linkage.four_bar import FOUR_BAR
 from presswear.scene.bearing import Bearing
-from presswear.scene.catalog import SCENES, press_blanking, slider_crank, wear_times
-from presswear.scene.changes import changes_of, name_of, short_name_of, title_of
+from presswear.scene.catalog import (
+    SCENES,
+    changes_of,
+    name_of,
+    press_blanking,
+    short_name_of,
+    slider_crank,
+    title_of,
+    wear_times,
+)
 from presswear.scene.files import example_file, scene_from
 from presswear.scene.scene import Scene
-from presswear.scene.settings import changed, settings_of
+from presswear.scene.settings import changed
 
 TITLE = SCENES["wear-times"].title
 
@@ -92,42 +100,3 @@ def test_a_file_is_told_beside_the_defaults_and_renamed_where_it_was_changed(
     assert title_of(changed(scene, {"clearance": "0.5 mm"})) == (
         "A four-bar of my own, changed: clearance 0.5 mm"
     )
-
-
-@pytest.mark.parametrize(
-    ("setting", "expected"),
-    [
-        ({"clearance": "0.5 mm"}, ("0.5", "0.3", "mm")),
-        ({"friction": "0.1"}, ("0.1", "0.02", "")),
-        ({"conventions": "paper"}, ("paper", "refined", "")),
-        ({"B.clearance": "0.6 mm"}, ("0.6", "0.4", "mm")),
-        ({"cycles": "5"}, ("5", "none", "")),
-        ({"replicates": "4"}, ("4", "3", "")),
-    ],
-)
-def test_what_a_file_gave_is_what_it_was(
-    tmp_path: Path, setting: dict[str, str], expected: tuple[str, str, str]
-) -> None:
-    """Also where it was changed twice, and stored; set back, it is told as the file's again."""
-    file = tmp_path / "mine.toml"
-    file.write_text(
-        example_file("four-bar") + 'replicates = 3\n[settings.B]\nclearance = "0.4 mm"\n'
-    )
-    scene = scene_from(file)
-    (key,) = setting
-    found = changed(changed(scene, setting), setting)
-    assert told(found)[key] == expected
-    assert told(Scene.from_dict(found.as_dict())) == told(found)
-    assert f"changed: {key} {expected[0]}" in title_of(found)
-    gave = {own.key: own.value for own in settings_of(scene)}
-    back = changed(found, {key: gave[key]})
-    assert told(back).get(key) == told(scene).get(key)
-
-
-def test_every_setting_that_differs_is_told() -> None:
-    base = wear_times()
-    scene = changed(base, {"clearance": 0.5e-3, "seed": 3, "drive_torque": "on", "gravity": 0.0})
-    before = {own.key: own.value for own in settings_of(base)}
-    differs = {own.key for own in settings_of(scene) if own.value != before[own.key]}
-    assert set(told(scene)) == differs
-    assert len(differs) == 4

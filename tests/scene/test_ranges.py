@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 import presswear as pw
-from presswear.scene.ranges import values_of
-from presswear.scene.settings import setting_of
-from presswear.tools.quantities import Meaning
+from presswear.scene.settings import setting_of, values_of
+from presswear.tools.quantities import Quantity
 
 SCENE = pw.scenes.wear_times()
 
@@ -15,7 +14,7 @@ def read(text: str) -> list[float]:
     """What is typed as ``KEY=VALUES``."""
     key, _, given = text.partition("=")
     meaning = setting_of(SCENE, key).meaning
-    assert isinstance(meaning, Meaning)
+    assert isinstance(meaning, Quantity)
     return values_of(key, given, meaning)
 
 

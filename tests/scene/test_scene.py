@@ -70,7 +70,7 @@ def test_a_mechanism_says_which_joints_have_clearance_where_nobody_else_does() -
     with pytest.raises(InputError, match=r"^bearings: no joint has clearance; .* of O, A, B, P$"):
         Scene(FOUR_BAR, bearings=tight)
     assert Scene(FOUR_BAR, bearings=tight, joints="B").clearance_joints == ("B",)
-    with pytest.raises(InputError, match="no whole scene: 'joints' is None"):
+    with pytest.raises(InputError, match="'joints' is missing"):
         Scene.from_dict({**BASE.as_dict(), "joints": None})
 
 
@@ -149,7 +149,7 @@ def test_a_stored_scene_that_lost_a_value_is_refused() -> None:
     for part in ("bearings", "numerics", "conventions", "mechanism"):
         for key in data[part]:
             less = {**data, part: {k: v for k, v in data[part].items() if k != key}}
-            with pytest.raises(InputError, match=f"'{key}'|missing"):
+            with pytest.raises(InputError, match=f"'?{key}|missing"):
                 Scene.from_dict(less)
 
 
@@ -173,17 +173,15 @@ def stored_part(part: str, **other: Any) -> dict[str, Any]:
         pytest.param(stored_part("mechanism", kind="crane"), id="unknown kind"),
         pytest.param(stored_part("mechanism", kind=["press"]), id="kind a list"),
         pytest.param(stored_part("mechanism", kind="slider-crank"), id="another kind"),
-        pytest.param(stored(statuses={"clearance": 1}), id="status a number"),
-        pytest.param(stored(statuses="chosen"), id="statuses a word"),
+        pytest.param(stored(origins={"clearance": 1}), id="status a number"),
+        pytest.param(stored(origins="chosen"), id="origins a word"),
         pytest.param(stored(bearings=None), id="no bearings"),
         pytest.param(stored(unknown=1), id="unknown field"),
         pytest.param(stored_part("bearings", colour=1), id="unknown bearing field"),
-        pytest.param(stored_part("bearings", clearance="0.8mm"), id="a length as text"),
         pytest.param(stored_part("bearings", clearance=None), id="no clearance"),
         pytest.param(stored_part("bearings", width=None), id="no width"),
         pytest.param(stored_part("bearings", friction=math.nan), id="friction nan"),
         pytest.param(stored_part("bearings", angles=360.5), id="part of a bin"),
-        pytest.param(stored_part("mechanism", geometry="standard"), id="geometry a word"),
         pytest.param(stored_part("mechanism", speed=None), id="no speed"),
         pytest.param(stored(name=1), id="a number for a name"),
         pytest.param(stored(wear_updates=None), id="no wears"),
@@ -221,7 +219,7 @@ def test_materials_set_the_wear_of_both_sides() -> None:
     assert law.wear_coefficient * (1.0 - law.bearing_share) == pytest.approx(0.1e-15)
     assert scene.bearing("C") == BASE.bearing("C")
     own = changed(scene, {"wear_coefficient": "1e-15/Pa"}).bearing("A").materials
-    assert (own.name, own.bearing_share) == ("own", law.bearing_share)
+    assert (own.name, own.bearing_share) == ("custom", law.bearing_share)
     assert Scene.from_dict(scene.as_dict()) == scene
     assert Bearing(materials="chromed-304L").materials.wear_coefficient == pytest.approx(50.1e-15)
     with pytest.raises(InputError, match="did you mean chromed-304L"):

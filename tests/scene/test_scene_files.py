@@ -31,8 +31,8 @@ def test_every_example_is_a_scene_and_keeps_all(kind: str, tmp_path: Path) -> No
     assert scene.clearance_joints == tuple(joints.split(","))
     assert scene.bearings.clearance == 0.3e-3
     assert Scene.from_dict(scene.as_dict()) == scene
-    assert scene.statuses["clearance"] == "set by the user, in the file"
-    assert scene.statuses["restitution"] == "default"
+    assert scene.origins["clearance"] == "set by the user, in the file"
+    assert scene.origins["restitution"] == "default"
 
 
 def test_the_press_from_a_file_is_the_named_one_bit_for_bit(tmp_path: Path) -> None:

@@ -211,7 +211,7 @@ def test_a_file_of_a_scene_may_name_a_table(tmp_path: Path) -> None:
     file.write_text(text)
     scene = scene_from(file)
     np.testing.assert_allclose(scene.surfaces["C"][0].depth, 3e-6, rtol=1e-12)
-    assert scene.statuses["surfaces"] == "worn.csv"
+    assert scene.origins["surfaces"] == "worn.csv"
     for wrong, says in (
         (text.replace("worn.csv", "worn"), "surfaces = 'worn': a name that ends in .csv"),
         (text.replace('"AC"', '"A"'), "worn.csv: unknown joint in surfaces 'C'"),

@@ -10,10 +10,10 @@ from scipy import stats
 
 from presswear.sweeps.distributions import parse
 from presswear.tools.errors import InputError
-from presswear.tools.quantities import Meaning
+from presswear.tools.quantities import Quantity
 
-LENGTH = Meaning("m", 0.0, 1.0, "", "")
-PURE = Meaning("", 0.0, 1.0, "", "", open_low=True)
+LENGTH = Quantity("m", 0.0, 1.0, "", "")
+PURE = Quantity("", 0.0, 1.0, "", "", open_low=True)
 U = np.linspace(0.01, 0.99, 99)
 
 
@@ -42,7 +42,7 @@ def test_what_is_not_allowed_is_cut_off_and_said() -> None:
 
 
 def test_a_coefficient_of_variation_is_that_of_the_values() -> None:
-    wide = Meaning("1/Pa", 0.0, math.inf, "", "")
+    wide = Quantity("1/Pa", 0.0, math.inf, "", "")
     found = parse("lognormal(1.2e-15/Pa, 50%)", "wear_coefficient", wide)
     draws = found.at((np.arange(200_000) + 0.5) / 200_000)
     assert np.median(draws) == pytest.approx(1.2e-15, rel=1e-4, abs=0)
@@ -50,7 +50,7 @@ def test_a_coefficient_of_variation_is_that_of_the_values() -> None:
 
 
 def test_a_factor_lies_about_the_median() -> None:
-    wide = Meaning("1/Pa", 0.0, math.inf, "", "")
+    wide = Quantity("1/Pa", 0.0, math.inf, "", "")
     found = parse("lognormal(1e-15/Pa, x1.6)", "wear_coefficient", wide)
     assert found.at(stats.norm.cdf([-1.0, 1.0])) == pytest.approx(
         [1e-15 / 1.6, 1.6e-15], rel=1e-9, abs=0
@@ -116,4 +116,4 @@ def test_a_file_that_does_not_fit_is_refused(tmp_path: Path, lines: str, told: s
 
 def test_a_whole_number_has_no_density() -> None:
     with pytest.raises(InputError, match="a whole number takes table"):
-        parse("1:5", "cycles", Meaning("", 1, 10, "", "", whole=True))
+        parse("1:5", "cycles", Quantity("", 1, 10, "", "", whole=True))

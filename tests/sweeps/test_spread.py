@@ -24,9 +24,9 @@ from presswear.sweeps.surface import surface
 from presswear.sweeps.table import Column, Table
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError
-from presswear.tools.quantities import Meaning
+from presswear.tools.quantities import Quantity
 
-FREE = Meaning("", -math.inf, math.inf, "", "")
+FREE = Quantity("", -math.inf, math.inf, "", "")
 NORMAL = parse("normal(0, 1)", "x", FREE)
 CHAOS = 0.25
 LIFE = stats.lognorm(math.hypot(0.5, 0.3, CHAOS), scale=100.0)

@@ -34,7 +34,7 @@ from presswear.sweeps.responses import responses
 from presswear.sweeps.spread import Required, spread_of_rows
 from presswear.sweeps.table import Column, Table
 from presswear.tools.arrays import Array
-from presswear.tools.quantities import Meaning
+from presswear.tools.quantities import Quantity
 
 FACTORS = (
     Column("clearance", "m", "clearance"),
@@ -43,9 +43,9 @@ FACTORS = (
 )
 LIFE = Column("life", "", "strokes until the first limit")
 SPREADS: dict[str, Distribution] = {
-    FACTORS[0].key: parse("0.2mm:1mm", "clearance", Meaning("m", 0.0, 1.0, "", "")),
-    FACTORS[1].key: parse("normal(0.1, 0.02)", "friction", Meaning("", 0.0, 1.0, "", "")),
-    FACTORS[2].key: parse("lognormal(1e-15/Pa, 50%)", "k", Meaning("1/Pa", 0.0, 1.0, "", "")),
+    FACTORS[0].key: parse("0.2mm:1mm", "clearance", Quantity("m", 0.0, 1.0, "", "")),
+    FACTORS[1].key: parse("normal(0.1, 0.02)", "friction", Quantity("", 0.0, 1.0, "", "")),
+    FACTORS[2].key: parse("lognormal(1e-15/Pa, 50%)", "k", Quantity("1/Pa", 0.0, 1.0, "", "")),
 }
 REQUIRED = Required(2e6, True)
 

@@ -24,7 +24,7 @@ from presswear.sweeps.spread import Required
 from presswear.sweeps.table import Column, Table
 from presswear.sweeps.words import amount, parts
 from presswear.tools.errors import InputError
-from presswear.tools.quantities import Meaning
+from presswear.tools.quantities import Quantity
 
 
 def page(own: Table, folder: Path, sample: str = "") -> str:
@@ -245,7 +245,7 @@ def test_lower_bounds_leave_a_quantile_and_misses_open(tmp_path: Path) -> None:
         tmp_path,
         "Lives",
         sample="latin",
-        distributions={"x1": parse("0m:1m", "x1", Meaning("m", 0.0, 1.0, "", ""))},
+        distributions={"x1": parse("0m:1m", "x1", Quantity("m", 0.0, 1.0, "", ""))},
         required={"y": Required(1.5, True)},
     )
     text = unescape(re.sub(r"\s+", " ", path.read_text()))

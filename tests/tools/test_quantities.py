@@ -10,20 +10,20 @@ from hypothesis import strategies as st
 
 from presswear.tools.errors import InputError
 from presswear.tools.quantities import (
-    Meaning,
-    check_fields,
+    Choice,
+    Quantity,
     choice,
-    choice_of,
     meaning_of,
     parse_quantity,
     quantity,
 )
+from presswear.tools.serialize import check_fields
 
 UNITS = ["m", "rad/s", "rad", "kg", "kg m^2", "Pa", "1/Pa", "m/s", "m/s^2", "s"]
 
 
-def _any(unit: str) -> Meaning:
-    return Meaning(unit, -math.inf, math.inf, "", "")
+def _any(unit: str) -> Quantity:
+    return Quantity(unit, -math.inf, math.inf, "", "")
 
 
 def _read(text: str, unit: str, *, whole: bool = False) -> float:
@@ -82,6 +82,9 @@ def _read(text: str, unit: str, *, whole: bool = False) -> float:
         ("2kNm", "N m", 2e3),
         ("3 N mm", "N m", 3e-3),
         ("6 m/min", "m/s", 0.1),
+        ("300 spm", "rad/s", 10.0 * math.pi),
+        ("2.5 t", "kg", 2500.0),
+        ("5 %", "", 0.05),
         ("0.3", "", 0.3),
         ("-1e-3", "", -1e-3),
     ],
@@ -99,7 +102,7 @@ def test_reads(text: str, unit: str, value: float) -> None:
 def test_the_example_of_a_message_is_allowed(
     unit: str, low: float, width: float, typed: str
 ) -> None:
-    meaning = Meaning(unit, low, low + width, "", "")
+    meaning = Quantity(unit, low, low + width, "", "")
     with pytest.raises(InputError, match="for instance key=") as refusal:
         parse_quantity("key", typed, meaning)
     text = str(refusal.value).split("for instance key='")[1].split("'")[0]
@@ -157,6 +160,11 @@ def test_a_unit_in_other_letters_names_the_right_one() -> None:
         _read("5 mpa", "Pa")
 
 
+def test_a_comma_is_answered_with_the_decimal_point() -> None:
+    with pytest.raises(InputError, match=r"key = '1,5mm': use a decimal point, '1\.5mm'"):
+        _read("1,5mm", "m")
+
+
 def test_whole_numbers() -> None:
     for text in ("3", "3.0", "3e0", " 3 "):
         value = _read(text, "", whole=True)
@@ -170,13 +178,13 @@ def test_whole_numbers() -> None:
 @pytest.mark.parametrize(
     ("meaning", "inside", "outside", "said"),
     [
-        (Meaning("m", 0.0, 1.0, "", ""), ["0m", "1m"], ["-1um", "1.1m"], "0 to 1 m"),
-        (Meaning("m", 0.0, 1.0, "", "", True), ["1e-9m", "1m"], ["0m", "2m"], "above 0 up to 1 m"),
-        (Meaning("", 2.0, math.inf, "", ""), ["2", "1e300"], ["1.999"], "at least 2"),
-        (Meaning("s", 0.0, math.inf, "", "", True), ["1us"], ["0s"], "above 0 s"),
+        (Quantity("m", 0.0, 1.0, "", ""), ["0m", "1m"], ["-1um", "1.1m"], "0 to 1 m"),
+        (Quantity("m", 0.0, 1.0, "", "", True), ["1e-9m", "1m"], ["0m", "2m"], "above 0 up to 1 m"),
+        (Quantity("", 2.0, math.inf, "", ""), ["2", "1e300"], ["1.999"], "at least 2"),
+        (Quantity("s", 0.0, math.inf, "", "", True), ["1us"], ["0s"], "above 0 s"),
     ],
 )
-def test_ranges(meaning: Meaning, inside: list[str], outside: list[str], said: str) -> None:
+def test_ranges(meaning: Quantity, inside: list[str], outside: list[str], said: str) -> None:
     for text in inside:
         parse_quantity("key", text, meaning)
     for text in outside:
@@ -188,7 +196,7 @@ def test_ranges(meaning: Meaning, inside: list[str], outside: list[str], said: s
 def test_a_range_is_told_so_that_its_ends_can_be_typed(low: float, width: float) -> None:
     """In six digits, and within them as far as the range goes."""
     assume(1e-5 * abs(low) < width)
-    meaning = Meaning("rad/s", low, low + width, "", "")
+    meaning = Quantity("rad/s", low, low + width, "", "")
     ends = meaning.range_text().removesuffix(" rad/s").split(" to ")
     for end, bound in zip(ends, (low, low + width), strict=True):
         assert parse_quantity("key", f"{end} rad/s", meaning) == pytest.approx(bound, rel=1e-5)
@@ -201,18 +209,18 @@ def test_a_range_is_told_so_that_its_ends_can_be_typed(low: float, width: float)
     [
         # What is outside by a hair is not told as one inside.
         (
-            Meaning("", 0.0, 0.8, "", ""),
+            Quantity("", 0.0, 0.8, "", ""),
             math.nextafter(0.8, 1.0),
             r"0\.80000000000000\d+: allowed is 0 to 0\.8",
         ),
         # A whole number beyond all floats.
-        (Meaning("", 1, 5, "", "", whole=True), 10**400, "inf: allowed is 1 to 5"),
-        (Meaning("", 1, 5, "", "", whole=True), -(10**400), "-inf: allowed is 1 to 5"),
-        (Meaning("", 1, 5, "", "", whole=True), True, "True: a whole number is expected"),
+        (Quantity("", 1, 5, "", "", whole=True), 10**400, "inf: allowed is 1 to 5"),
+        (Quantity("", 1, 5, "", "", whole=True), -(10**400), "-inf: allowed is 1 to 5"),
+        (Quantity("", 1, 5, "", "", whole=True), True, "True: a whole number is expected"),
         *((_any("m"), value, ".*any finite number") for value in (math.nan, math.inf, -math.inf)),
     ],
 )
-def test_a_value_out_of_range_is_told_as_it_is(meaning: Meaning, value: float, says: str) -> None:
+def test_a_value_out_of_range_is_told_as_it_is(meaning: Quantity, value: float, says: str) -> None:
     with pytest.raises(InputError, match=f"^key = {says}"):
         meaning.check("key", value)
 
@@ -230,7 +238,7 @@ texts = st.text(max_size=30) | st.from_regex(
 @example("1m\n", "m", False)
 @example("²", "", False)
 def test_any_text_is_read_or_refused_in_one_line(text: str, unit: str, whole: bool) -> None:
-    meaning = Meaning(unit, -1e3, 1e9, "", "")
+    meaning = Quantity(unit, -1e3, 1e9, "", "")
     refusal = ""
     try:
         value = parse_quantity("key", text, replace(meaning, whole=whole))
@@ -259,19 +267,14 @@ class _Owner:
 
 
 def test_fields_carry_their_meaning() -> None:
-    plain, length, count, word = fields(_Owner)
-    assert meaning_of(plain) is None
-    assert choice_of(plain, _Owner()) is None
-    assert meaning_of(length) == Meaning("m", 0.0, 1.0, "assumed", "a length")
-    assert meaning_of(count) is not None
-    assert meaning_of(word) is None
-    found = choice_of(word, _Owner())
-    assert found is not None
-    assert found.words == ("one", "two")
+    plain, length, count, word = (meaning_of(item) for item in fields(_Owner))
+    assert plain is None
+    assert length == Quantity("m", 0.0, 1.0, "assumed", "a length")
+    assert count == Quantity("", 1, 5, "chosen", "a count")
+    assert word == Choice(("one", "two"), "a word")
 
 
 def test_check_fields_names_the_field() -> None:
-    check_fields(_Owner())
     check_fields(_Owner(count=5))
     with pytest.raises(InputError, match=r"length = 2 m: allowed is 0 to 1 m"):
         check_fields(_Owner(length=2.0))
@@ -282,7 +285,7 @@ def test_check_fields_names_the_field() -> None:
 
 
 def test_a_unit_that_nothing_else_has_is_known_by_itself() -> None:
-    force = Meaning("N m/rad", 0.0, 1e9, "chosen", "stiffness")
+    force = Quantity("N m/rad", 0.0, 1e9, "chosen", "stiffness")
     assert parse_quantity("stiffness", "3e4 N m/rad", force) == 3e4
     with pytest.raises(InputError, match=r"unknown unit 'N/m'; .*known are N m/rad"):
         parse_quantity("stiffness", "3 N/m", force)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from presswear.linkage.linkage import Linkage
 from presswear.recording.film import FILM_JOINT, Film
 from presswear.recording.tracker import Progress, Tracker
-from presswear.scene.changes import short_name_of
+from presswear.scene.catalog import short_name_of
 from presswear.scene.scene import Scene
 from presswear.show.replay.picture import Picture
 from presswear.show.replay.reel import PATH_FRAMES, PEAK, Instant, Subject, deepest

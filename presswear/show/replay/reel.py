@@ -13,7 +13,7 @@ from presswear.linkage.surface import Surface
 from presswear.recording.film import FILM_JOINT, FRAMES_PER_CYCLE, Film
 from presswear.results.result import Result
 from presswear.results.stage import StageResult
-from presswear.scene.changes import short_name_of
+from presswear.scene.catalog import short_name_of
 from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError
 

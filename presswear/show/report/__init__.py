@@ -10,7 +10,7 @@ from presswear.results.conformity import deep_contacts
 from presswear.results.result import FINISHED, Result
 from presswear.results.stage import StageResult
 from presswear.scene.bearing import Bearing
-from presswear.scene.changes import title_of
+from presswear.scene.catalog import title_of
 from presswear.scene.scene import Scene
 from presswear.scene.settings import SET, settings_of
 from presswear.show.figures import NAMES, drawn
@@ -54,7 +54,7 @@ from presswear.show.report.wear import deepest, growth, one_wear, spread
 from presswear.tools.errors import InputError
 from presswear.tools.files import inside, write_bytes
 from presswear.tools.numbers import large, readable, whole
-from presswear.tools.quantities import Meaning
+from presswear.tools.quantities import Quantity
 
 
 def write_report(result: Result) -> Path:
@@ -297,7 +297,7 @@ def _given(scene: Scene) -> str:
         for side, own in zip(SIDES, pair, strict=True)
         if own.is_worn
     )
-    source = scene.statuses.get("surfaces", "a script")
+    source = scene.origins.get("surfaces", "a script")
     return f"The first stage begins on surfaces from {source}, deepest: {deepest}."
 
 
@@ -319,8 +319,8 @@ def notes(result: Result) -> list[str]:
     chosen = [
         setting.key
         for setting in settings_of(scene)
-        if isinstance(setting.meaning, Meaning)
-        and setting.meaning.status.startswith(("chosen", "assumed", SET))
+        if isinstance(setting.meaning, Quantity)
+        and setting.meaning.origin.startswith(("chosen", "assumed", SET))
     ]
     found = [
         f"{scene.mechanism.origin} Chosen or assumed are {', '.join(chosen)}; the table of "

@@ -6,11 +6,11 @@ from functools import partial
 from presswear.results.result import SCHEMA, Result
 from presswear.results.stage import StageResult
 from presswear.scene.bearing import CONVENTIONS, Conventions
-from presswear.scene.changes import changes_of, named_scene
-from presswear.scene.settings import IN_FILE, Setting, settings_of
+from presswear.scene.catalog import changes_of, named_scene
+from presswear.scene.settings import Setting, settings_of
 from presswear.show.report.parts import Table, stage_table
 from presswear.tools.numbers import given, readable, whole
-from presswear.tools.quantities import Choice, Words
+from presswear.tools.quantities import Choice
 
 _CONVENTIONS = {item.name for item in fields(Conventions)}
 
@@ -25,10 +25,8 @@ def _origin(setting: Setting) -> tuple[str, str]:
     """Unit and status of a setting; a choice has its allowed words instead."""
     meaning = setting.meaning
     if isinstance(meaning, Choice):
-        return "", f"one of {', '.join(meaning.words)}"
-    if isinstance(meaning, Words):
-        return "", ", ".join(meaning.listed())
-    return meaning.unit.replace("^2", "²"), meaning.status
+        return "", f"{'one of ' if meaning.words else ''}{', '.join(meaning.allowed())}"
+    return meaning.unit.replace("^2", "²"), meaning.origin
 
 
 def parameters(result: Result) -> Table:
@@ -103,6 +101,4 @@ def changed_values(result: Result) -> tuple[str, Table | None]:
         return f"Nothing differs from {of}.", None
     rows = tuple((own.key, own.value, own.was, own.unit, own.meaning) for own in changes)
     table = Table(("key", "value", "was", "unit", "meaning"), (("", rows),), numeric=False)
-    if any(was.startswith(f"{IN_FILE} ") for was in scene.statuses.values()):
-        of += ", or from what the file gave where another value was set"
     return f"What differs from {of}:", table

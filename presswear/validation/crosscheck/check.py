@@ -162,6 +162,7 @@ def exudyn_of(scene: Scene) -> dict[str, ExudynTree | ExudynJoints]:
     """The model that Exudyn takes for a scene, from its working settings to its finest."""
     scene = replace(scene, engine="exudyn") if scene.engine == "dae" else scene
     scene = replace(scene, purpose="trajectory")
+    scene.check()
     period = scene.mechanism.period
     engine = scene.solver.over(period)
     if isinstance(engine, ExudynTree):

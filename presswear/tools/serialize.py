@@ -1,0 +1,327 @@
+"""Data classes from plain data and back, with the one check of types and ranges.
+
+Fields carry their meaning (``tools.quantities``) and their annotation. ``check_fields`` converts
+and checks all fields of an instance, so that a constructor takes numbers in SI, texts with units,
+lists of any sort and plain data alike. ``to_plain``, ``from_plain`` and ``to_toml`` walk over the
+same fields.
+"""
+
+import inspect
+import json
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import fields, is_dataclass
+from numbers import Real
+from types import NoneType, UnionType
+from typing import Annotated, Any, Literal, TypeVar, Union, cast, get_args, get_origin
+
+import numpy as np
+
+from presswear.tools.errors import InputError, shown, unknown
+from presswear.tools.quantities import Choice, Quantity, meaning_of, plain_number
+
+T = TypeVar("T")
+
+LARGEST = 1e15  # of any number, SI: that of the stiffest contact
+_NAMES = ("name", "body")  # first fields by which messages tell the owner
+_WORDS: dict[Any, str] = {
+    float: "finite number",
+    int: "whole number",
+    str: "text",
+    bool: "True or False",
+    NoneType: "None",
+    Callable: "function",
+    np.ndarray: "list of numbers",
+}
+
+
+def check_fields(owner: Any) -> None:
+    """Convert and check all fields of a data class instance; raise InputError naming the field.
+
+    Called by ``__post_init__``. Texts with units become numbers in SI, numbers of any kind Python
+    numbers, sequences tuples, mappings the data classes of the annotation.
+    """
+    items = [item for item in fields(owner) if item.init]
+    first = items[0].name
+    label = getattr(owner, first)
+    whose = f" of {label}" if first in _NAMES and isinstance(label, str) else ""
+    for item in items:
+        value = getattr(owner, item.name)
+        if value is None and item.default is None:
+            continue
+        name = item.name if item.name == first else f"{item.name}{whose}"
+        meaning = meaning_of(item, owner)
+        if meaning is None:
+            result = converted(name, value, item.type)
+        else:
+            result = meaning.convert(name, value)
+        if result is not value:
+            object.__setattr__(owner, item.name, result)
+
+
+def converted(name: str, value: Any, kind: Any) -> Any:
+    """Return a value as its annotation says; raise InputError with its name.
+
+    The second argument of ``Annotated`` is a ``Quantity`` or has a method ``convert`` alike.
+    """
+    kind = _alias_target(kind)
+    origin, inner = get_origin(kind) or kind, get_args(kind)
+    if kind is Any or isinstance(kind, str):
+        return value
+    if origin is Annotated:
+        return inner[1].convert(name, value)
+    if origin in (Union, UnionType):
+        return _one_of(name, value, kind)
+    if origin in (tuple, Sequence):
+        return _rows(name, value, kind)
+    if origin is Mapping and isinstance(value, Mapping):
+        return {
+            converted(f"name in {name}", key, inner[0]): converted(
+                _part_name(name, f".{key}"), item, inner[1]
+            )
+            for key, item in value.items()
+        }
+    if origin is np.ndarray:
+        with suppress(TypeError, ValueError, OverflowError):
+            return np.array(value, dtype=float)
+    if kind in (float, int):
+        number = plain_number(value)
+        if isinstance(number, int | kind) and not isinstance(number, bool):
+            if -LARGEST <= number <= LARGEST:
+                return kind(number)
+            raise InputError(f"{_refusal(name, value, kind)}, {LARGEST:g} at most")
+    elif origin is Literal:
+        Choice(inner).check(name, value)
+        return value
+    elif is_dataclass(origin) and isinstance(value, Mapping):
+        return make(name, cast(Any, origin), value)
+    elif callable(value) if origin is Callable else isinstance(value, origin):
+        return value
+    raise _refusal(name, value, kind)
+
+
+def _alias_target(kind: Any) -> Any:
+    """Return the type behind an alias, such as ``NDArray`` of numpy 2.5 on Python 3.12."""
+    target = getattr(get_origin(kind) or kind, "__value__", kind)
+    return target if target is kind or not get_args(kind) else target[get_args(kind)]
+
+
+def _part_name(name: str, part: str) -> str:
+    head, of, owner = name.partition(" of ")
+    return f"{head}{part}{of}{owner}"
+
+
+def _refusal(name: str, value: Any, kind: Any) -> InputError:
+    word = _word(kind)
+    article = "an" if word[0] in "AEIOU" else "a"
+    return InputError(f"{name} = {shown(value)}: {article} {word} is expected")
+
+
+def _one_of(name: str, value: Any, kind: Any) -> Any:
+    """Return a value as the first type of a union that takes it."""
+    kinds, deeper = get_args(kind), None
+    classes: list[Any] = [one for one in kinds if is_dataclass(one)]
+    takes_mapping = any(get_origin(one) is Mapping for one in kinds)
+    if isinstance(value, Mapping) and classes and not takes_mapping:
+        return make(name, max(classes, key=lambda one: _common_keys(one, value)), value)
+    for one in kinds:
+        try:
+            return converted(name, value, one)
+        except InputError as error:
+            # The value as a whole is of this type, but a part of it is not.
+            if isinstance(value, Real) or not str(error).startswith(f"{name} = "):
+                deeper = deeper or error
+    raise deeper or _refusal(name, value, kind)
+
+
+def _common_keys(kind: Any, data: Mapping[str, Any]) -> int:
+    """Return how well the keys of plain data fit a data class."""
+    if "kind" in data:
+        return int(getattr(kind, "kind", "") == data["kind"])
+    return 2 * len(data.keys() & {item.name for item in fields(kind)}) - len(fields(kind))
+
+
+def _rows(name: str, value: Any, kind: Any) -> tuple[Any, ...]:
+    is_list = isinstance(value, Collection) and not isinstance(value, str | bytes | Mapping)
+    if not is_list or getattr(value, "ndim", 1) == 0:  # numpy calls a scalar array a collection
+        raise _refusal(name, value, kind)
+    inner, rows = get_args(kind), list(value)
+    if get_origin(kind) is not tuple or inner[-1] is Ellipsis:
+        inner = (inner[0],) * len(rows)
+    if len(rows) != len(inner):
+        raise _refusal(name, value, kind)
+    return tuple(
+        converted(_part_name(name, f"[{k}]"), row, one)
+        for k, (row, one) in enumerate(zip(rows, inner, strict=True))
+    )
+
+
+def _word(kind: Any) -> str:
+    """Return a type in words."""
+    kind = _alias_target(kind)
+    origin, inner = get_origin(kind) or kind, get_args(kind)
+    if origin is Annotated:
+        return _word(inner[0])
+    if origin in (Union, UnionType):
+        *most, last = dict.fromkeys(map(_word, inner))
+        return f"{', '.join(most)} or {last}" if most else last
+    if origin is tuple and inner[-1] is not Ellipsis:
+        return f"({', '.join(map(_word, inner))})"
+    if origin in (tuple, Sequence):
+        return f"list of {_word(inner[0])}"
+    if origin is Mapping:
+        return f"mapping of {_word(inner[0])} to {_word(inner[1])}"
+    return _WORDS.get(origin, getattr(origin, "__name__", f"{origin}"))
+
+
+def make(place: str, kind: Callable[..., T], data: Any) -> T:
+    """Call a data class or a function with plain data as its arguments.
+
+    Raises
+    ------
+    InputError
+        With the place and the key that is unknown or missing, or the value that does not fit.
+    """
+    if not isinstance(data, Mapping):
+        raise InputError(f"{place} = {shown(data)}: a table is expected")
+    parameters = inspect.signature(kind).parameters
+    arguments = {**data}
+    if isinstance(getattr(kind, "kind", None), str):
+        arguments.pop("kind", None)
+    for key in arguments:
+        if key not in parameters:
+            raise unknown(f"key of {place}", key, parameters)
+    for key, parameter in parameters.items():
+        if parameter.default is parameter.empty and key not in arguments:
+            raise InputError(f"{place}: {key} is missing")
+    try:
+        return kind(**arguments)
+    except InputError as error:
+        raise type(error)(f"{place}: {error}") from None
+
+
+def to_plain(value: Any) -> Any:
+    """Return a data class as plain data, SI, its ``kind`` first where it has one.
+
+    A class with a method ``as_plain`` writes itself.
+    """
+    if hasattr(value, "as_plain"):
+        return value.as_plain()
+    if is_dataclass(value):
+        kind = getattr(value, "kind", None)
+        first = {"kind": kind} if isinstance(kind, str) else {}
+        items = (item.name for item in fields(value) if item.init)
+        return first | {name: to_plain(getattr(value, name)) for name in items}
+    if isinstance(value, Mapping):
+        return {f"{key}": to_plain(item) for key, item in value.items()}
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, list | tuple):
+        return [to_plain(item) for item in value]
+    return plain_number(value)
+
+
+def from_plain(kind: Callable[..., T], data: Any, place: str) -> T:
+    """Return a data class from ``to_plain``; nothing is filled in.
+
+    Raises
+    ------
+    InputError
+        With the place and the first key that does not fit or is missing.
+    """
+    try:
+        result = make(place, kind, data)
+    except (AttributeError, KeyError, TypeError, ValueError, OverflowError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(f"{place}: {error}") from None
+    for key in _lacking(to_plain(result), data):
+        raise InputError(f"{place}: {key!r} is missing")
+    return result
+
+
+def _lacking(whole: Any, data: Any) -> Iterator[str]:
+    """Yield names in nested plain data that other plain data lack."""
+    if isinstance(whole, Mapping) and isinstance(data, Mapping):
+        for name, value in whole.items():
+            if name not in data:
+                yield name
+            else:
+                yield from _lacking(value, data[name])
+
+
+def to_toml(value: Any, kind: Any = Any) -> str:
+    """Return a value as TOML, numbers with the unit of the annotation."""
+    origin, inner = get_origin(kind) or kind, get_args(kind)
+    if origin is Annotated and isinstance(inner[1], Quantity):
+        return _number_text(value, inner[1])
+    if origin in (Union, UnionType):
+        return to_toml(value, next((one for one in inner if _fits(value, one)), Any))
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False)
+    if is_dataclass(value):
+        pairs = (f"{key} = {text}" for key, text, _ in toml_items(value))
+        return f"{{ {', '.join(pairs)} }}"
+    if isinstance(value, Mapping):
+        one = inner[1] if origin is Mapping else Any
+        pairs = (f"{json.dumps(key)} = {to_toml(item, one)}" for key, item in value.items())
+        return f"{{ {', '.join(pairs)} }}"
+    if isinstance(value, tuple | list):
+        fixed = origin is tuple and inner[-1] is not Ellipsis
+        kinds = inner if fixed else (inner[0] if inner else Any,) * len(value)
+        return f"[{', '.join(to_toml(*pair) for pair in zip(value, kinds, strict=True))}]"
+    return f"{value!r}"
+
+
+def toml_items(owner: Any) -> Iterator[tuple[str, str, str]]:
+    """Yield key, value as TOML and meaning of each field that differs from its default."""
+    for item in fields(owner):
+        value = getattr(owner, item.name)
+        if value is None or value == item.default or value in ((), {}):
+            continue
+        meaning = meaning_of(item, owner)
+        if isinstance(meaning, Quantity):
+            text = _number_text(value, meaning)
+        else:
+            text = to_toml(value, item.type)
+        yield item.name, text, meaning.text if meaning else ""
+
+
+def _number_text(value: Any, meaning: Quantity) -> str:
+    unit = meaning.unit.split(" or ")[0]
+    return f'"{value!r} {unit}"' if unit else f"{value!r}"
+
+
+def _fits(value: Any, kind: Any) -> bool:
+    try:
+        converted("", value, kind)
+    except InputError:
+        return False
+    return True
+
+
+def typed(data: Any, kind: type[T], place: str) -> T:
+    """Return plain data as the type that describes them, by msgspec.
+
+    A whole number may stand for a float, but neither True nor a text for a number. Keys without an
+    annotation are left out.
+
+    Parameters
+    ----------
+    place : str
+        Place of the data, for messages.
+
+    Raises
+    ------
+    InputError
+        With the place of the first value that is missing or of a wrong type.
+    """
+    import msgspec  # only where something is read
+
+    try:
+        return msgspec.convert(data, kind)
+    except msgspec.ValidationError as error:
+        fault, _, inner = str(error).partition(" - at `$")
+        raise InputError(": ".join(filter(None, (place, inner.strip(".`"), fault)))) from None
