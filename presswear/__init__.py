@@ -51,8 +51,8 @@ if TYPE_CHECKING:
     from presswear.linkage.surface import Surface as Surface
     from presswear.physics.statics import deflection as deflection
     from presswear.physics.statics import total_clearance as total_clearance
-    from presswear.recording.tracker import Progress as Progress
-    from presswear.recording.tracker import Tracker as Tracker
+    from presswear.recording.observer import Observer as Observer
+    from presswear.recording.observer import Progress as Progress
     from presswear.results.result import Result as Result
     from presswear.results.result import load as load
     from presswear.results.stage import JointResult as JointResult
@@ -104,7 +104,7 @@ _ROOMS = {
     "linkage.slider_crank": ("SliderCrank",),
     "linkage.surface": ("Surface",),
     "physics.statics": ("deflection", "total_clearance"),
-    "recording.tracker": ("Progress", "Tracker"),
+    "recording.observer": ("Progress", "Observer"),
     "results.result": ("Result", "load"),
     "results.stage": ("JointResult", "StageResult"),
     "results.surfaces": ("read_surfaces",),

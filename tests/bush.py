@@ -18,9 +18,9 @@ import presswear as pw
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Run
 from presswear.linkage.materials import Materials
+from presswear.recording.observer import Observer
 from presswear.recording.recorder import Recorder
 from presswear.recording.statistics import STARTUP_CYCLES
-from presswear.recording.tracker import Tracker
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.numerics import Numerics
 
@@ -113,12 +113,12 @@ def bush(
 
 
 @dataclass
-class History(Tracker):
+class History(Observer):
     """Depth of both surfaces and dose after each cycle behind those at the start."""
 
     depth: list[Array] = field(default_factory=list)
 
-    def cycle(self, recorder: Recorder, state: Callable[[], Any]) -> bool:
+    def on_cycle(self, recorder: Recorder, state: Callable[[], Any]) -> bool:
         """Keep them."""
         if len(recorder.cycles) > STARTUP_CYCLES:
             self.depth.append(recorder.worn[0].copy())
@@ -175,7 +175,7 @@ def worn(
         cycles + STARTUP_CYCLES,
         recorded,
         torques=False,
-        trackers=(history,),
+        observers=(history,),
         wear=partial(_share, strokes),
     )
     run = scene.solver.simulate(scene.linkage(), start_of(scene), plan)

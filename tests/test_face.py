@@ -87,33 +87,33 @@ def test_scenes_take_text_with_units_and_numbers() -> None:
         pw.scenes.wear_times(clearence=1e-3)
 
 
-class Stops(pw.Tracker):
+class Stops(pw.Observer):
     """Ends each run after two cycles."""
 
-    def cycle(self, recorder: Recorder, state: object) -> bool:
+    def on_cycle(self, recorder: Recorder, state: object) -> bool:
         return len(recorder.cycles) == 2
 
 
 @pytest.mark.parametrize("replicates", [1, 2])
 def test_a_tracker_can_end_a_run(replicates: int) -> None:
     scene = pw.scenes.wear_times(wear_updates=0, cycles=9, replicates=replicates, **QUICK)
-    result = pw.run(scene, trackers=[Stops()], jobs=2)
+    result = pw.run(scene, observers=[Stops()], jobs=2)
     assert (result.stages[0].cycles, result.stages[0].status) == (2 * replicates, "enough")
 
 
 def test_a_run_goes_on_in_its_folder_and_is_read_when_it_is_finished(tmp_path: Path) -> None:
     scene = pw.scenes.wear_times(wear_updates=1, cycles=2, **QUICK)
 
-    class Breaks(pw.Tracker):
-        def stage(self, stage: pw.StageResult) -> None:
+    class Breaks(pw.Observer):
+        def on_stage(self, stage: pw.StageResult) -> None:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        pw.run(scene, tmp_path / "run", trackers=[Breaks()])
+        pw.run(scene, tmp_path / "run", observers=[Breaks()])
     assert pw.load(tmp_path / "run").status == "interrupted"
     result = pw.run(scene, tmp_path / "run")
     assert (result.status, len(result.stages)) == ("completed", 2)
-    again = pw.run(scene, tmp_path / "run", trackers=[Breaks()])
+    again = pw.run(scene, tmp_path / "run", observers=[Breaks()])
     assert str(again) == str(result)
     with pytest.raises(pw.InputError, match="another scene: cycles is 2 there and 3 here"):
         pw.run(pw.scenes.wear_times(wear_updates=1, cycles=3, **QUICK), tmp_path / "run")

@@ -27,9 +27,9 @@ from presswear.campaign.segment import Task, worn_out
 from presswear.campaign.stage import stage_of, without_wear
 from presswear.linkage.elements import ClearanceJoint
 from presswear.physics.wear import map_shape
+from presswear.recording.observer import Observer
 from presswear.recording.soundness import Finding
 from presswear.recording.statistics import STARTUP_CYCLES
-from presswear.recording.tracker import Tracker
 from presswear.results.life import LifeResult
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene, stage_name
@@ -95,7 +95,7 @@ def run_stage(
     scene: Scene,
     index: int,
     worn: Array | None = None,
-    trackers: Sequence[Tracker] = (),
+    observers: Sequence[Observer] = (),
     workers: Workers | None = None,
 ) -> tuple[StageResult, Ensemble]:
     """Run one stage on given surfaces, without the wear after it; gives its runs as well.
@@ -107,14 +107,14 @@ def run_stage(
     workers : Workers or None
         Does the runs; None: this process.
     """
-    forecast = Forecast(replace(scene, wear_updates=index), trackers)
+    forecast = Forecast(replace(scene, wear_updates=index), observers)
     forecast.begin(index)
     runner = Runner(scene, forecast, workers or InProcess())
     worn = begun_on(scene) if worn is None else worn
     ran = _stage(runner, index, worn)
     stage = without_wear(scene, index, ran)
-    for tracker in trackers:
-        tracker.stage(stage)
+    for observer in observers:
+        observer.on_stage(stage)
     return stage, ran
 
 
@@ -228,30 +228,30 @@ def _gone(joints: Sequence[ClearanceJoint], worn: Array, where: str, time: float
 
 def run_campaign(
     scene: Scene,
-    trackers: Sequence[Tracker],
+    observers: Sequence[Observer],
     begun: Checkpoint | None = None,
     workers: Workers | None = None,
 ) -> tuple[str, str, Finding | None]:
     """Run every stage; returns status (``completed`` or ``failed``), a message and the finding.
 
-    Trackers hear of each stage as soon as the wear after it is applied, or as far as that came.
+    Observers hear of each stage as soon as the wear after it is applied, or as far as that came.
 
     Parameters
     ----------
     begun : Checkpoint
-        Where to go on, as trackers were told; None: from the start.
+        Where to go on, as observers were told; None: from the start.
     workers : Workers or None
         Does the runs; None: this process.
     """
     scene.check_own_laws()
-    forecast = Forecast(scene, trackers)
+    forecast = Forecast(scene, observers)
     runner = Runner(scene, forecast, workers or InProcess())
     at = Checkpoint(worn=begun_on(scene)) if begun is None else begun
     forecast.restore(at.forecast)
 
     def tell(checkpoint: Checkpoint, is_stage: bool = False) -> None:
-        for tracker in trackers:
-            tracker.checkpoint(checkpoint, is_stage)
+        for observer in observers:
+            observer.on_checkpoint(checkpoint, is_stage)
 
     wanting: list[str] = []
     state, strokes = at.life, 0.0
@@ -264,8 +264,8 @@ def run_campaign(
             passes, life = run_life(runner, begun_on(scene), state or LifeState(), alive)
         except RunFailed as error:
             return "failed", f"{error}", error.finding
-        for tracker in trackers:
-            tracker.life(life)
+        for observer in observers:
+            observer.on_life(life)
         wanting += unknown_life(scene, life)
         state, strokes = LifeState(passes), life.strokes
         # What a stage tells of its wear is for the part of the life up to the next.
@@ -278,8 +278,8 @@ def run_campaign(
         how = stage.message or stage.status
         steps = {key: own for key, own in stage.diagnostics.items() if key.startswith("steps")}
         _LOG.info("stage %d ends: %s, %d cycles, %s", stage.index, how, stage.cycles, steps)
-        for tracker in trackers:
-            tracker.stage(stage)
+        for observer in observers:
+            observer.on_stage(stage)
 
     for index in range(at.index, scene.wear_updates + 1):
         worn = at.worn

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from presswear.linkage.linkage import Linkage
 from presswear.recording.film import Film
-from presswear.recording.tracker import Progress, Tracker
+from presswear.recording.observer import Observer, Progress
 from presswear.scene.scene import Scene
 
 _NUMBERS = ("index", "earlier", "done", "later", "worn_by", "_shown", "_shown_whole")
@@ -19,7 +19,7 @@ class Forecast:
 
     Attributes
     ----------
-    trackers : sequence of Tracker
+    observers : sequence of Observer
         Told of the progress.
     index : int
         Of the stage at hand.
@@ -32,7 +32,7 @@ class Forecast:
     """
 
     scene: Scene
-    trackers: Sequence[Tracker]
+    observers: Sequence[Observer]
     index: int = 0
     earlier: float = 0.0
     done: float = 0.0
@@ -43,13 +43,13 @@ class Forecast:
 
     @property
     def frames(self) -> int:
-        """Frames of the film that the trackers want to hear of."""
-        return max((tracker.frames for tracker in self.trackers), default=0)
+        """Frames of the film that the observers want to hear of."""
+        return max((observer.frames for observer in self.observers), default=0)
 
     @property
-    def near(self) -> tuple[Tracker, ...]:
-        """The trackers that want to hear of single runs."""
-        return tuple(tracker for tracker in self.trackers if tracker.hears_runs)
+    def near(self) -> tuple[Observer, ...]:
+        """The observers that want to hear of single runs."""
+        return tuple(observer for observer in self.observers if observer.observes_runs)
 
     def numbers(self) -> dict[str, float | None]:
         """Give everything that changes, by name; None stands for infinity, as in JSON."""
@@ -73,14 +73,14 @@ class Forecast:
         self.later = cycles
 
     def compiling(self) -> None:
-        """Tell the trackers that a run waits for the compiler."""
-        for tracker in self.trackers:
-            tracker.compiling()
+        """Tell the observers that a run waits for the compiler."""
+        for observer in self.observers:
+            observer.on_compile()
 
     def tell(
         self, run: float, needed: float, word: str, linkage: Linkage, film: Film | None
     ) -> None:
-        """Tell the trackers how far the campaign is; no part ever shrinks.
+        """Tell the observers how far the campaign is; no part ever shrinks.
 
         Parameters
         ----------
@@ -93,5 +93,5 @@ class Forecast:
         whole = (self.earlier + now) / (self.earlier + stage + rest)
         self._shown_whole = max(self._shown_whole, min(whole, 1.0))
         progress = Progress(self.index, self._shown, self._shown_whole, word, linkage, film)
-        for tracker in self.trackers:
-            tracker.progress(progress)
+        for observer in self.observers:
+            observer.on_progress(progress)

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from presswear.campaign.replicates import start_of
 from presswear.campaign.segment import linkage_on
 from presswear.engines.base import Plan
+from presswear.recording.observer import AdvanceObserver, Observer
 from presswear.recording.recorder import Recorder
-from presswear.recording.tracker import Telling, Tracker
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import State
 from presswear.tools.workers import Report
@@ -39,7 +39,7 @@ _TOLD = {"load_distance": "load_distance_step_error", "force_max": "peak_force_s
 
 
 @dataclass
-class _Again(Tracker):
+class _Again(Observer):
     """Runs pieces of a run again behind its back."""
 
     run: Callable[[int, State], Array]
@@ -47,7 +47,7 @@ class _Again(Tracker):
     last: int
     finer: dict[int, Array] = field(default_factory=dict)
 
-    def cycle(self, recorder: Recorder, state: Callable[[], State]) -> bool:
+    def on_cycle(self, recorder: Recorder, state: Callable[[], State]) -> bool:
         done = len(recorder.cycles)
         if self.first <= done < self.last and (done - self.first) % EACH == 0:
             self.finer[done] = self.run(done, state())
@@ -102,10 +102,11 @@ class StepErrors:
             own = replace(plan, cycles=piece + 1, resume=state)
             return told(finer.simulate(linkage, start, own).recorder, piece)
 
-        tracker = _Again(again, first, last)
-        run = engine.simulate(linkage, start, replace(plan, trackers=(tracker, Telling(report))))
-        usual = np.array([told(run.recorder, piece) for piece in tracker.finer])
-        fine = np.array(list(tracker.finer.values()))
+        observer = _Again(again, first, last)
+        observed = replace(plan, observers=(observer, AdvanceObserver(report)))
+        run = engine.simulate(linkage, start, observed)
+        usual = np.array([told(run.recorder, piece) for piece in observer.finer])
+        fine = np.array(list(observer.finer.values()))
         if run.status == "failed" or np.isnan(fine).any():
             return {}
 

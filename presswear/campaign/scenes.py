@@ -8,7 +8,7 @@ from typing import Any
 
 from presswear.campaign.single import run, with_engine
 from presswear.engines.settings import Engine
-from presswear.recording.tracker import Progress, Tracker
+from presswear.recording.observer import Observer, Progress
 from presswear.results.result import Result, load
 from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError, shown
@@ -87,12 +87,12 @@ def run_scenes(
 def _run(scene: Scene, path: Path, report: Report) -> str:
     """Run a scene in this process and return its status, with the reason of a failure."""
 
-    class Reports(Tracker):
-        def progress(self, progress: Progress) -> None:
+    class Reports(Observer):
+        def on_progress(self, progress: Progress) -> None:
             report(min(progress.whole, 0.999), progress.word)
 
-        def compiling(self) -> None:
+        def on_compile(self) -> None:
             report(math.nan, "compiling")
 
-    result = run(scene, path, jobs=1, trackers=[Reports()], check=False)
+    result = run(scene, path, jobs=1, observers=[Reports()], check=False)
     return f"{result.status}: {result.message}" if result.message else result.status

@@ -20,10 +20,10 @@ from presswear.linkage.elements import ClearanceJoint
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.surface import Surface
 from presswear.physics.bottom import bottom_of
+from presswear.recording.observer import Observer
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding
 from presswear.recording.statistics import RANGE_STROKES, STARTUP_CYCLES, MapBatches
-from presswear.recording.tracker import Tracker
 from presswear.results.stage import SIDES
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import State, named, part
@@ -129,7 +129,7 @@ def linkage_on(scene: Scene, worn: Array) -> Linkage:
 
 
 def plan_of(scene: Scene, task: Task) -> Plan:
-    """The plan of each run of a task, without trackers."""
+    """The plan of each run of a task, without observers."""
     # Strokes on work are samples of what is asked of joints and drives.
     judged = Plan.recorded_cycles if scene.process is None else STARTUP_CYCLES + RANGE_STROKES
     own = scene.recording
@@ -192,7 +192,7 @@ class Segment:
         Wall time after which it ends as soon as a cycle does, s.
     frames : int
         Frames of the film to be shown while it runs.
-    trackers : tuple of Tracker
+    observers : tuple of Observer
         Told what the engine tells, in this process.
     """
 
@@ -204,7 +204,7 @@ class Segment:
     state: State | None
     lasts: float
     frames: int = 0
-    trackers: tuple[Tracker, ...] = ()
+    observers: tuple[Observer, ...] = ()
 
     def __call__(self, report: Report) -> Reached:
         """Run it; Stopped, with what was reached, where that is interrupted."""
@@ -214,8 +214,8 @@ class Segment:
     def _run(self, report: Report) -> Reached:
         linkage = linkage_on(self.scene, self.worn)
         hearing = _Hearing(self, linkage, report)
-        trackers = (hearing, *self.trackers)
-        plan = replace(plan_of(self.scene, self.task), trackers=trackers, resume=self.state)
+        observers = (hearing, *self.observers)
+        plan = replace(plan_of(self.scene, self.task), observers=observers, resume=self.state)
         try:
             run = self.scene.solver.simulate(linkage, start_of(self.scene, self.start), plan)
         except BaseException as error:
@@ -229,7 +229,7 @@ class Segment:
         return replace(reached, status=None) if hearing.is_left else reached
 
 
-class _Hearing(Tracker):
+class _Hearing(Observer):
     """Hears what a run does; ends it where it is to, and keeps the state to go on from."""
 
     def __init__(self, segment: Segment, linkage: Linkage, report: Report) -> None:
@@ -241,10 +241,10 @@ class _Hearing(Tracker):
         if segment.state is not None:
             self._before = len(segment.state["recorder/cycles"])
 
-    def begun(self, recorder: Recorder) -> None:
+    def on_start(self, recorder: Recorder) -> None:
         self._recorder = recorder
 
-    def cycle(self, recorder: Recorder, state: Callable[[], State]) -> bool:
+    def on_cycle(self, recorder: Recorder, state: Callable[[], State]) -> bool:
         done, segment = len(recorder.cycles), self._segment
         if done > self._before:
             self.state = state()
@@ -255,7 +255,7 @@ class _Hearing(Tracker):
         self.is_left = is_due and done > self._before
         return self.is_left
 
-    def advanced(self, part: float) -> None:
+    def on_advance(self, part: float) -> None:
         frames = self._segment.frames
         rows = self._recorder.last_frames(frames) if frames else None
         self._report(part * self._segment.task.cycles, "", rows)

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 
 from presswear.campaign.campaign import run_campaign
@@ -11,8 +10,8 @@ from presswear.campaign.checkpoint import Checkpoint
 from presswear.campaign.ensemble import most_runs
 from presswear.engines.settings import Engine
 from presswear.recording.film import columns_of
+from presswear.recording.observer import Observer
 from presswear.recording.soundness import Finding
-from presswear.recording.tracker import Tracker, tell_all
 from presswear.results.folder import INTERVAL, ResultFolder
 from presswear.results.life import LifeResult
 from presswear.results.provenance import provenance
@@ -23,17 +22,17 @@ from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.workers import InProcess, Pool, Workers, cores, workers_for
 
 
-class _Kept(Tracker):
+class _Kept(Observer):
     """Keeps the stages of a run in memory."""
 
     def __init__(self) -> None:
         self.stages: list[StageResult] = []
         self.lived: LifeResult | None = None
 
-    def life(self, life: LifeResult) -> None:
+    def on_life(self, life: LifeResult) -> None:
         self.lived = life
 
-    def stage(self, stage: StageResult) -> None:
+    def on_stage(self, stage: StageResult) -> None:
         self.stages.append(stage)
 
 
@@ -42,7 +41,7 @@ def run(
     folder: str | Path | None = None,
     engine: str | Engine | None = None,
     jobs: int | None = None,
-    trackers: Sequence[Tracker] = (),
+    observers: Sequence[Observer] = (),
     check: bool = True,
     interval: float = INTERVAL,
 ) -> Result:
@@ -59,7 +58,7 @@ def run(
         ``ExudynTree(tree_tolerance=1e-10)``; None: the scene's.
     jobs : int or None
         Replicates that run at a time; None: as many as there are cores. No number depends on it.
-    trackers : sequence of Tracker
+    observers : sequence of Observer
         Notified of what happens.
     check : bool
         Whether a failed run raises `RunFailed`.
@@ -83,15 +82,15 @@ def run(
     scene.check()
     if folder is None:
         kept = _Kept()
-        with workers_of(scene, jobs, trackers) as workers:
-            status, message, finding = run_campaign(scene, (kept, *trackers), workers=workers)
+        with workers_of(scene, jobs, observers) as workers:
+            status, message, finding = run_campaign(scene, (kept, *observers), workers=workers)
         wall = sum(stage.wall_s for stage in kept.stages)
         stages, life = tuple(kept.stages), kept.lived
         result = Result(scene, stages, status, message, provenance(), wall, life=life)
     else:
         store = ResultFolder(Path(folder), scene, interval, resume=True)
-        with workers_of(scene, jobs, trackers, store.interval) as workers:
-            finding = run_into(store, scene, trackers, workers)
+        with workers_of(scene, jobs, observers, store.interval) as workers:
+            finding = run_into(store, scene, observers, workers)
         result = load(store.path)
         if finding is None and result.stages:
             finding = result.stages[-1].finding
@@ -103,7 +102,7 @@ def run(
 def workers_of(
     scene: Scene,
     jobs: int | None,
-    trackers: Sequence[Tracker] = (),
+    observers: Sequence[Observer] = (),
     interval: float = math.inf,
 ) -> InProcess | Pool:
     """What does the runs of a scene.
@@ -115,14 +114,19 @@ def workers_of(
     interval : float
         Between two checkpoints, s.
     """
-    frames, room = max((own.frames for own in trackers), default=0), 0
+    frames, room = max((own.frames for own in observers), default=0), 0
     if frames:
         linkage = scene.linkage()
         room = frames * columns_of(len(linkage.bodies), len(linkage.clearances))
     count = min(jobs or cores(), most_runs(scene))
-    if any(own.hears_runs for own in trackers):
+    if any(own.observes_runs for own in observers):
         count = 1
-    needed, lost = (_SEGMENT, scene.solver.room), partial(tell_all, trackers)
+    needed = (_SEGMENT, scene.solver.room)
+
+    def lost(line: str) -> None:
+        for observer in observers:
+            observer.on_message(line)
+
     lasts = interval / _SHARES
     # Alone, a process hands over to nobody; and a run that is watched does not wait for others.
     if count > 1 and not frames:
@@ -140,7 +144,7 @@ _SHARES = 4.0
 def run_into(
     store: ResultFolder,
     scene: Scene,
-    trackers: Sequence[Tracker] = (),
+    observers: Sequence[Observer] = (),
     workers: Workers | None = None,
 ) -> Finding | None:
     """Run a scene into its folder, or go on in it, to the end; returns what ended a failed run."""
@@ -149,7 +153,7 @@ def run_into(
             return None
         begun = None if store.resumed is None else Checkpoint.restored(scene, *store.resumed)
         workers = workers or InProcess(store.interval / _SHARES)
-        status, message, finding = run_campaign(scene, (store, *trackers), begun, workers)
+        status, message, finding = run_campaign(scene, (store, *observers), begun, workers)
         store.close(status, message)
     return finding
 

@@ -222,9 +222,9 @@ def _run_into(
     try:
         with goes_on(go_on, store.path, lambda: store.kept), progress_bar(console) as bar:
             terminal = Terminal(bar, scene)
-            trackers = [terminal, *([window] if window else [])]
-            with workers_of(scene, jobs, trackers, store.interval) as workers:
-                run_into(store, scene, trackers, workers)
+            observers = [terminal, *([window] if window else [])]
+            with workers_of(scene, jobs, observers, store.interval) as workers:
+                run_into(store, scene, observers, workers)
     except InputError as error:
         raise InputError(f"{arguments.scene}: {error}") from None
 

@@ -1,11 +1,11 @@
-"""The tracker that tells of a run on the terminal."""
+"""The observer that tells of a run on the terminal."""
 
 import time as clock
 
 from rich.progress import Progress as Bar
 
 from presswear.cli.terminal import Foretold
-from presswear.recording.tracker import Progress, Tracker
+from presswear.recording.observer import Observer, Progress
 from presswear.results.life import LifeResult
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
@@ -16,7 +16,7 @@ LIFE = "life,"
 """Begin of words on a life, which stands for itself."""
 
 
-class Terminal(Tracker):
+class Terminal(Observer):
     """Shows the progress of a campaign, and two lines on each finished stage."""
 
     def __init__(self, bar: Bar, scene: Scene) -> None:
@@ -26,13 +26,13 @@ class Terminal(Tracker):
         self._foretold = self._foretelling(0)
         self._task = bar.add_task(step_of(scene, 0, ""), total=1.0)
 
-    def compiling(self) -> None:
+    def on_compile(self) -> None:
         """Show that kernels are compiled, until the run goes on; what that takes is no speed."""
         self._waits = self._waits or clock.perf_counter()
         self._foretold.wait()
         self._bar.update(self._task, description="compiling, once")
 
-    def progress(self, progress: Progress) -> None:
+    def on_progress(self, progress: Progress) -> None:
         """Show where the campaign stands; ends it where a signal has come."""
         check_stopped()
         if self._waits:
@@ -51,18 +51,18 @@ class Terminal(Tracker):
         self._stage, left = stage, self._scene.wear_updates - stage
         more = f"; {left} more on worn surfaces follow{'s' * (left == 1)}" if left else ""
         name = step_of(self._scene, stage, "")
-        return Foretold(self.remark, f"stage {stage}, {name},", more)
+        return Foretold(self.on_message, f"stage {stage}, {name},", more)
 
-    def remark(self, line: str) -> None:
+    def on_message(self, line: str) -> None:
         """Print it."""
         self._bar.console.print(line, highlight=False, soft_wrap=True)
 
-    def life(self, life: LifeResult) -> None:
+    def on_life(self, life: LifeResult) -> None:
         """Tell what came out."""
         self._bar.console.print(f"{life}", highlight=False, soft_wrap=True)
         self._compiled = 0.0  # in the time of no stage
 
-    def stage(self, stage: StageResult) -> None:
+    def on_stage(self, stage: StageResult) -> None:
         """Tell what was modelled, and what came out."""
         told = stage.diagnostics
         model = f"{stage.name}: {told['model']}. {told['solver']}"

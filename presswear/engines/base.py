@@ -12,9 +12,9 @@ from presswear.linkage.loads import Force
 from presswear.physics.energy import SETTLED
 from presswear.physics.load_modes import place_loads
 from presswear.recording.observe import ROWS_AT_LEAST
+from presswear.recording.observer import Observer
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding
-from presswear.recording.tracker import Tracker
 from presswear.tools.arrays import State
 
 Array = NDArray[np.float64]
@@ -49,7 +49,7 @@ class Plan:
         ends at each.
     torques : bool
         Whether the series hold the torques of the drives.
-    trackers : tuple of Tracker
+    observers : tuple of Observer
         Told what happens; any of them can end the run after a cycle.
     wear : callable or None
         Gives the depth, m, that the surfaces lose after a cycle, from the number of cycles run
@@ -69,7 +69,7 @@ class Plan:
     rows_per_cycle: int = ROWS_AT_LEAST
     sections: tuple[float, ...] = ()
     torques: bool = True
-    trackers: tuple[Tracker, ...] = ()
+    observers: tuple[Observer, ...] = ()
     wear: Callable[[int, Array], Array] | None = None
     resume: State | None = None
     run_up: float = 0.0
@@ -86,9 +86,9 @@ class Plan:
         return self.run_up + SETTLED * self.cycle
 
     def advanced(self, time: float) -> None:
-        """Tell the trackers that a run has come to a time, s."""
-        for tracker in self.trackers:
-            tracker.advanced(min(time / self.duration, 1.0))
+        """Tell the observers that a run has come to a time, s."""
+        for observer in self.observers:
+            observer.on_advance(min(time / self.duration, 1.0))
 
 
 @dataclass(frozen=True)
@@ -98,7 +98,7 @@ class Run:
     Attributes
     ----------
     status : {"completed", "enough", "failed"}
-        ``enough``: ended by a tracker before the most cycles.
+        ``enough``: ended by an observer before the most cycles.
     finding : Finding or None
         What ended a run that failed.
     recorder : Recorder

@@ -78,8 +78,8 @@ def _balance(running: Simulation) -> Ledger:
 def simulate(prepare: Prepare, linkage: Linkage, start: Start, settings: Any, plan: Plan) -> Run:
     """Run a linkage from a start; see ``Plan`` and ``Run``."""
     recorder = recorder_of(linkage, start, plan)
-    for tracker in plan.trackers:
-        tracker.begun(recorder)
+    for observer in plan.observers:
+        observer.on_start(recorder)
     running = prepare(linkage, start, settings, plan, recorder)
     running.sums.update({_WORN_OFF: 0.0, _MADE: 0.0, _DRIVE_WORK: 0.0})
     if plan.resume is not None:
@@ -138,8 +138,8 @@ def _cycles(
     while True:
         done = len(recorder.cycles)
         if done > 0:
-            # Every tracker hears of the cycle, whichever ends the run.
-            answers = [tracker.cycle(recorder, state) for tracker in plan.trackers]
+            # Every observer hears of the cycle, whichever ends the run.
+            answers = [observer.on_cycle(recorder, state) for observer in plan.observers]
             if done >= plan.cycles:
                 return "completed", None
             if any(answers):

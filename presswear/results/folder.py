@@ -16,7 +16,7 @@ from typing import Any, Protocol, Self
 
 import numpy as np
 
-from presswear.recording.tracker import Progress, Tracker
+from presswear.recording.observer import Observer, Progress
 from presswear.results.life import FILE as LIFE
 from presswear.results.life import LifeResult
 from presswear.results.provenance import Provenance, provenance, provenance_differs
@@ -54,7 +54,7 @@ class Storable(Protocol):
         """Tell up to where everything is kept."""
 
 
-class ResultFolder(Tracker):
+class ResultFolder(Observer):
     """A result folder being written; nobody else's files are ever touched.
 
     As a context it is given free at the end: interrupted it can be gone on with, and a run that
@@ -178,7 +178,7 @@ class ResultFolder(Tracker):
         document["status"], document["message"] = "running", ""
         return document
 
-    def stage(self, stage: StageResult) -> None:
+    def on_stage(self, stage: StageResult) -> None:
         """Store a finished stage."""
         numbers, frames = files_of(stage.index)
         with self._writing():
@@ -190,7 +190,7 @@ class ResultFolder(Tracker):
         self._document["stages"].append(stage.as_dict())
         self._write()
 
-    def life(self, life: LifeResult) -> None:
+    def on_life(self, life: LifeResult) -> None:
         """Store a life that is known."""
         with self._writing():
             digest = write_arrays(self.path / LIFE, life.curves)
@@ -198,11 +198,11 @@ class ResultFolder(Tracker):
         self._document["life"] = life.as_dict()
         self._write()
 
-    def progress(self, progress: Progress) -> None:
+    def on_progress(self, progress: Progress) -> None:
         """See whether the folder is still there."""
         self._check()
 
-    def checkpoint(self, checkpoint: Storable, is_stage: bool) -> None:
+    def on_checkpoint(self, checkpoint: Storable, is_stage: bool) -> None:
         """Note where the run stands, and write it down at the end of a stage or when it is due."""
         self._latest = checkpoint
         self._check()

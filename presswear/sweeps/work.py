@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Protocol
 
-from presswear.recording.tracker import Progress, Tracker
+from presswear.recording.observer import Observer, Progress
 from presswear.results.folder import INTERVAL
 from presswear.results.provenance import program_digest
 from presswear.scene.scene import Scene
@@ -125,7 +125,7 @@ class SceneJob:
                     self.scene,
                     self.folder,
                     jobs=self.jobs,
-                    trackers=(_Telling(report),),
+                    observers=(_Telling(report),),
                     check=False,
                     interval=self.interval,
                 )
@@ -158,15 +158,15 @@ def _wait_for(folder: Path, report: Report) -> None:
 
 
 @dataclass
-class _Telling(Tracker):
+class _Telling(Observer):
     """Tells how far a run is, which is also where it is stopped."""
 
     report: Report
 
-    def progress(self, progress: Progress) -> None:
+    def on_progress(self, progress: Progress) -> None:
         self.report(min(progress.whole, 0.999), progress.word)
 
-    def compiling(self) -> None:
+    def on_compile(self) -> None:
         self.report(math.nan, "compiling")
 
 

@@ -141,7 +141,7 @@ def typed(data: Any, kind: type[T], place: str) -> T:
     Raises
     ------
     InputError
-        Telling the place of the first value that is missing or of a wrong kind.
+        AdvanceObserver the place of the first value that is missing or of a wrong kind.
     """
     # Imported where something is read: a run that begins anew reads nothing.
     import msgspec

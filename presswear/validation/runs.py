@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from presswear.engines.base import Plan, Run
 from presswear.physics.touchdown import CONTACT_COLUMNS
-from presswear.recording.tracker import Telling
+from presswear.recording.observer import AdvanceObserver
 from presswear.tools.errors import RunFailed
 
 Array = NDArray[np.float64]
@@ -116,4 +116,4 @@ def guarded(duration: float, cycles: int = 1, patience: float = PATIENCE) -> Pla
         if now - began > patience:
             raise RunFailed(f"stopped after {patience:g} s of CPU time at {100.0 * part:.3g} %")
 
-    return Plan(duration, cycles, recorded_cycles=1, trackers=(Telling(told),))
+    return Plan(duration, cycles, recorded_cycles=1, observers=(AdvanceObserver(told),))

@@ -42,7 +42,7 @@ def restored(kind: Any, data: Any, place: str = "it") -> Any:
     Raises
     ------
     InputError
-        Telling the place of the first value that is missing or of a wrong kind.
+        AdvanceObserver the place of the first value that is missing or of a wrong kind.
     """
     inner = get_args(kind)
     if not _holds_class(kind):

@@ -476,7 +476,9 @@ def finite(run: Run) -> Run:
 
 def first_run(problem: Problem, method: Method) -> Point:
     """Run a method once for its errors; a failure of any kind becomes a point with a failure."""
-    plan = replace(problem.plan, trackers=guarded(problem.plan.cycle, problem.plan.cycles).trackers)
+    plan = replace(
+        problem.plan, observers=guarded(problem.plan.cycle, problem.plan.cycles).observers
+    )
     try:
         with np.errstate(all="ignore"):  # a run that diverges overflows before it fails
             run = finite(method.engine.simulate(problem.linkage, problem.start, plan))

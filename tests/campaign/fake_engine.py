@@ -1,4 +1,4 @@
-"""An engine that does nothing but wear, as a law says, and a tracker that hears of it."""
+"""An engine that does nothing but wear, as a law says, and an observer that hears of it."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from presswear.engines.base import Plan, Run, Start, recorder_of
 from presswear.engines.settings import ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.linkage import Linkage
+from presswear.recording.observer import Observer, Progress
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding
-from presswear.recording.tracker import Progress, Tracker
 from presswear.results.stage import StageResult
 from presswear.tools.arrays import named, part
 
@@ -35,8 +35,8 @@ class FakeEngine:
         self.runs += 1
         recorder = recorder_of(linkage, start, plan)
         recorder.book.record["now"] = plan.cycle * plan.cycles
-        for tracker in plan.trackers:
-            tracker.begun(recorder)
+        for observer in plan.observers:
+            observer.on_start(recorder)
         if plan.resume is not None:
             recorder.restore(part(plan.resume, "recorder"))
         is_enough = False
@@ -50,7 +50,7 @@ class FakeEngine:
             if plan.wear is not None:
                 recorder.wear(plan.wear(cycle + 1, added), start.position, start.velocity)
             state = partial(named, "recorder", recorder.state())
-            is_enough = any(tracker.cycle(recorder, state) for tracker in plan.trackers)
+            is_enough = any(observer.on_cycle(recorder, state) for observer in plan.observers)
             if is_enough and cycle + 1 < plan.cycles:
                 break
         else:
@@ -71,18 +71,18 @@ def depth_of(recorder: Recorder, linkage: Linkage) -> Array:
     return worn if worn.size else np.zeros((len(linkage.clearances), 2, 360))
 
 
-class Seen(Tracker):
-    """Everything that a tracker was told."""
+class Seen(Observer):
+    """Everything that an observer was told."""
 
     def __init__(self) -> None:
         self.stages: list[StageResult] = []
         self.told: list[Progress] = []
         self.status = self.message = ""
 
-    def progress(self, progress: Progress) -> None:
+    def on_progress(self, progress: Progress) -> None:
         self.told.append(progress)
 
-    def stage(self, stage: StageResult) -> None:
+    def on_stage(self, stage: StageResult) -> None:
         self.stages.append(stage)
 
     @property

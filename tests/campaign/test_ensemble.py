@@ -13,8 +13,8 @@ from presswear.campaign.ensemble import FEWEST, Ensemble
 from presswear.campaign.replicates import SPREAD, start_of
 from presswear.physics.constraints import constraints_of
 from presswear.physics.touchdown import CONTACT_COLUMNS
+from presswear.recording.observer import Observer, Progress
 from presswear.recording.statistics import STARTUP_CYCLES
-from presswear.recording.tracker import Progress, Tracker
 from presswear.results.folder import ResultFolder
 from presswear.results.result import load
 from presswear.results.stage import SIDES, StageResult
@@ -91,7 +91,7 @@ def test_rows_are_stored_with_their_start(
 ) -> None:
     scene = replace(QUICK, replicates=2, cycles=6)
     folder = ResultFolder(tmp_path / "out", scene)
-    folder.stage(two[0])
+    folder.on_stage(two[0])
     folder.close("completed", "")
     stored = load(tmp_path / "out")
     arrays = stored.stages[0].arrays
@@ -132,8 +132,8 @@ def test_no_stage_runs_longer_than_the_most_cycles() -> None:
 def test_progress_goes_through_all_starts() -> None:
     parts: list[float] = []
 
-    class Heard(Tracker):
-        def progress(self, progress: Progress) -> None:
+    class Heard(Observer):
+        def on_progress(self, progress: Progress) -> None:
             parts.append(progress.whole)
 
     run_campaign(replace(QUICK, replicates=3, cycles=1), [Heard()])

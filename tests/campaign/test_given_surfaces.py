@@ -116,12 +116,12 @@ def test_the_source_is_needed_no_more(
     told = f"begins on surfaces from {source}:1, deepest: bearing at A {deepest} µm"
     assert told in (whole / "report.html").read_text()
 
-    class Stops(pw.Tracker):
-        def cycle(self, recorder: object, state: object) -> bool:
+    class Stops(pw.Observer):
+        def on_cycle(self, recorder: object, state: object) -> bool:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        pw.run(scene, stopped, trackers=[Stops()])
+        pw.run(scene, stopped, observers=[Stops()])
     pw.run(stored_scene(stopped)[0], stopped)
     assert folder_differences(whole, stopped) == []
     capsys.readouterr()

@@ -336,7 +336,7 @@ def test_a_stage_alone_is_not_worn(monkeypatch: pytest.MonkeyPatch) -> None:
     engine = FakeEngine(constant)
     use(engine, monkeypatch)
     seen = Seen()
-    stage, _ = run_stage(SCENE, 0, trackers=[seen])
+    stage, _ = run_stage(SCENE, 0, observers=[seen])
     assert (engine.runs, stage.wear_steps, seen.stages) == (2, (), [stage])
     assert not [told for told in seen.told if "step" in told.word]
 

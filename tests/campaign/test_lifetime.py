@@ -22,9 +22,9 @@ from presswear.campaign.life import Pass
 from presswear.campaign.lifetime import problem_of, told_of
 from presswear.engines import driver
 from presswear.linkage.linkage import Linkage
+from presswear.recording.observer import Observer, Progress
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Condition, Finding
-from presswear.recording.tracker import Progress, Tracker
 from presswear.scene.life import FOLLOWED, Life, Service
 from presswear.scene.settings import changed
 
@@ -134,13 +134,13 @@ def test_no_number_depends_on_the_processes(whole: Path, tmp_path: Path) -> None
     assert folder_differences(whole, tmp_path / "two") == []
 
 
-class Stops(Tracker):
+class Stops(Observer):
     """Interrupts a pass over a life once so much has been told of it."""
 
     def __init__(self, number: int, words: int) -> None:
         self.word, self.left = f"pass {number}", words
 
-    def progress(self, progress: Progress) -> None:
+    def on_progress(self, progress: Progress) -> None:
         if self.word in progress.word:
             self.left -= 1
             if not self.left:
@@ -154,7 +154,7 @@ def test_a_life_goes_on_where_it_stood(
     """Stopped in its first pass and its second, bit for bit."""
     scene, path = pw.load(whole).scene, tmp_path / "stopped"
     with pytest.raises(KeyboardInterrupt):
-        pw.run(scene, path, trackers=[Stops(number, words)], jobs=1)
+        pw.run(scene, path, observers=[Stops(number, words)], jobs=1)
     pw.run(scene, path, jobs=1)
     assert folder_differences(whole, path) == []
 

@@ -25,8 +25,8 @@ from presswear.campaign.ensemble import (
 from presswear.campaign.resolution import StepErrors
 from presswear.campaign.segment import Reached, Segment, Task
 from presswear.campaign.single import TURN, run, run_into, workers_of
+from presswear.recording.observer import Observer, Progress
 from presswear.recording.statistics import STARTUP_CYCLES, MapBatches
-from presswear.recording.tracker import Progress, Tracker
 from presswear.results.folder import ResultFolder
 from presswear.results.result import load
 from presswear.scene.catalog import wear_times
@@ -208,17 +208,17 @@ def test_a_failed_run_is_the_last(workers: InProcess, monkeypatch: pytest.Monkey
     assert len(ran.recorders[0].cycles) == 3
 
 
-class Kills(Tracker):
+class Kills(Observer):
     """Kills a process of a pool after a few cycles."""
 
     def __init__(self, pool: Pool) -> None:
         self.pool, self.killed = pool, 0
         self.heard: list[str] = []
 
-    def remark(self, line: str) -> None:
+    def on_message(self, line: str) -> None:
         self.heard.append(line)
 
-    def progress(self, progress: Progress) -> None:
+    def on_progress(self, progress: Progress) -> None:
         if not self.killed and progress.part > 0.3:
             assert self.pool._pool is not None
             self.killed = next(iter(self.pool._pool._processes))
@@ -229,24 +229,24 @@ def test_a_killed_process_changes_nothing(tmp_path: Path) -> None:
     scene = replace(UNTIL_KNOWN, cycles=8)
     whole = finished(scene, 1, tmp_path / "whole")
     store = ResultFolder(tmp_path / "killed", scene, 0.0)
-    trackers: list[Tracker] = []
-    with workers_of(scene, 2, trackers, interval=0.0) as workers:
+    observers: list[Observer] = []
+    with workers_of(scene, 2, observers, interval=0.0) as workers:
         assert isinstance(workers, Pool)
         kills = Kills(workers)
-        trackers.append(kills)
-        run_into(store, scene, trackers, workers)
+        observers.append(kills)
+        run_into(store, scene, observers, workers)
     assert kills.killed
     assert len(kills.heard) == 1
     assert folder_differences(whole, store.path) == []
 
 
-class Stops(Tracker):
+class Stops(Observer):
     """Interrupts once so much of the whole is done."""
 
     def __init__(self, part: float) -> None:
         self.part = part
 
-    def progress(self, progress: Progress) -> None:
+    def on_progress(self, progress: Progress) -> None:
         if progress.whole > self.part:
             raise KeyboardInterrupt
 
@@ -270,10 +270,10 @@ def test_what_is_stopped_in_many_goes_on_in_one(part: float, jobs: int, tmp_path
     assert folder_differences(finished(scene, 1, tmp_path / "whole"), path) == []
 
 
-class StopsInWear(Tracker):
+class StopsInWear(Observer):
     """Interrupts the wear behind the first stage."""
 
-    def progress(self, progress: Progress) -> None:
+    def on_progress(self, progress: Progress) -> None:
         if progress.word.startswith(stage_name(1)):
             raise KeyboardInterrupt
 
@@ -299,7 +299,7 @@ def test_a_wear_that_is_gone_on_with_examines_its_stage_no_more(
     assert second > first == 0.0
 
 
-class Watches(Tracker):
+class Watches(Observer):
     """Wants frames, as a window does."""
 
     frames = 60
@@ -307,7 +307,7 @@ class Watches(Tracker):
     def __init__(self) -> None:
         self.told: list[Progress] = []
 
-    def progress(self, progress: Progress) -> None:
+    def on_progress(self, progress: Progress) -> None:
         self.told.append(progress)
 
 
@@ -316,7 +316,7 @@ def test_a_window_is_shown_frames_wherever_a_run_is(jobs: int) -> None:
     watching = Watches()
     scene = replace(UNTIL_KNOWN, cycles=6, replicates=2)
     with workers_of(scene, jobs, [watching]) as workers:
-        run_stage(scene, 0, trackers=[watching], workers=workers)
+        run_stage(scene, 0, observers=[watching], workers=workers)
     films = [progress.film for progress in watching.told if progress.film is not None]
     assert films
     bodies = len(watching.told[0].linkage.bodies)

@@ -13,7 +13,7 @@ from presswear.cli import running, terminal
 from presswear.cli.running import Terminal, step_of
 from presswear.cli.terminal import Foretold, progress_bar
 from presswear.linkage.linkage import Linkage
-from presswear.recording.tracker import Progress
+from presswear.recording.observer import Progress
 from presswear.results.stage import StageResult, StageStatistics
 from presswear.scene.catalog import wear_times
 
@@ -107,19 +107,19 @@ def test_compiling_is_said_and_is_no_speed(clock: Clock) -> None:
     bar = progress_bar(console)
     told = Terminal(bar, SCENE)
     for _ in range(3):
-        told.compiling()
+        told.on_compile()
         clock.now += 8.0
         assert shown(bar, 80, clock)[0].startswith("compiling")
-    told.progress(progress(0, 0.1, ""))
+    told.on_progress(progress(0, 0.1, ""))
     assert shown(bar, 80, clock)[0].startswith("no wear")
-    told.stage(stage)
+    told.on_stage(stage)
     assert "3.00 s per simulated second" in console.export_text()
-    told.stage(stage)
+    told.on_stage(stage)
     assert "15.00 s per simulated second" in console.export_text()
-    told.compiling()
+    told.on_compile()
     clock.now += 8.0
-    told.progress(progress(0, 0.2, "first wear in 8 steps"))
-    told.stage(stage)
+    told.on_progress(progress(0, 0.2, "first wear in 8 steps"))
+    told.on_stage(stage)
     assert "15.00 s per simulated second" in console.export_text()
 
 
@@ -149,7 +149,7 @@ def test_each_stage_says_how_long_it_takes(clock: Clock) -> None:
     console = console_of(100, clock)
     told = Terminal(progress_bar(console), SCENE)
     for stage, part in ((0, 0.1), (0, 0.2), (1, 0.5), (1, 0.6), (2, 0.0), (2, 0.1)):
-        told.progress(progress(stage, part, ""))
+        told.on_progress(progress(stage, part, ""))
         clock.now += 20.0
     lines = [line.rstrip() for line in console.export_text().splitlines()]
     assert lines == [

@@ -18,7 +18,7 @@ from presswear.__main__ import main
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan
 from presswear.physics.packed import mass_of
-from presswear.recording.tracker import Telling
+from presswear.recording.observer import AdvanceObserver
 from presswear.results.result import load, read_document
 from presswear.scene.scene import Scene
 from presswear.tools.errors import RunFailed
@@ -231,7 +231,7 @@ def run_part(scene: Scene, part: float, look: Callable[[float], None]) -> Energy
         Told the part of it that is done, 0 .. 1, each time that the engine looks up.
     """
     period, linkage = scene.mechanism.period, scene.linkage()
-    plan = Plan(part * period, 1, 1, trackers=(Telling(look),))
+    plan = Plan(part * period, 1, 1, observers=(AdvanceObserver(look),))
     run = scene.solver.over(period).simulate(linkage, start_of(scene), plan)
     if run.finding and run.finding.kind == "penetration":
         raise OutsideError(run.message)

@@ -29,7 +29,7 @@ def test_a_state_that_is_not_finite_ends_the_run_as_failed(engine: Engine) -> No
 
 @pytest.mark.parametrize("engine", [*EXUDYN, NUMERICS.dae], ids=lambda engine: engine.word)
 def test_interrupts_in_callbacks_arrive_as_they_are(engine: Engine) -> None:
-    plan = Plan(0.05, 1, trackers=(Interrupts(),))
+    plan = Plan(0.05, 1, observers=(Interrupts(),))
     with pytest.raises(KeyboardInterrupt):
         engine.simulate(SCENE.linkage(), start_of(SCENE), plan)
 

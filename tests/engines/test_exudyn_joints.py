@@ -164,7 +164,7 @@ def test_cycles_end_on_time_and_enough_stops() -> None:
     ends = EndsAfter(2)
     period = scene.mechanism.period
     coarse = replace(scene.numerics.joints.over(scene.mechanism.period), free_step=period / 300.0)
-    run = coarse.simulate(scene.linkage(), start_of(scene), Plan(period, 5, trackers=(ends,)))
+    run = coarse.simulate(scene.linkage(), start_of(scene), Plan(period, 5, observers=(ends,)))
     assert run.status == "enough"
     assert ends.asked == [1, 2]
     assert run.time == pytest.approx(2.0 * period, abs=1e-9)

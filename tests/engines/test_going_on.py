@@ -10,7 +10,7 @@ from listeners import EndsAfter, Keeps
 
 from presswear.campaign.replicates import start_of
 from presswear.engines.base import Plan, Run
-from presswear.recording.tracker import Tracker
+from presswear.recording.observer import Observer
 from presswear.scene.catalog import clearance_c, slider_crank, wear_times
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
@@ -28,10 +28,10 @@ class Case:
     scene: Scene
     cycles: int
 
-    def run(self, resume: State | None, *trackers: Tracker) -> Run:
+    def run(self, resume: State | None, *observers: Observer) -> Run:
         scene, accuracy = self.scene, self.scene.solver.over(self.scene.mechanism.period)
         period = scene.mechanism.period
-        plan = Plan(period, self.cycles, RECORDED, trackers=trackers, resume=resume)
+        plan = Plan(period, self.cycles, RECORDED, observers=observers, resume=resume)
         return accuracy.simulate(scene.linkage(), start_of(scene), plan)
 
 
@@ -127,8 +127,8 @@ def test_contacts_are_kept_of_recorded_cycles_only() -> None:
 def test_a_run_that_was_enough_is_enough_again() -> None:
     case = CASES["in-house, order 8"]
     kept: list[State] = []
-    trackers = EndsAfter(2), Keeps(kept.append)
-    assert case.run(None, *trackers).status == "enough"
-    again = case.run(kept[-1], *trackers)
+    observers = EndsAfter(2), Keeps(kept.append)
+    assert case.run(None, *observers).status == "enough"
+    again = case.run(kept[-1], *observers)
     assert again.status == "enough"
     assert len(again.recorder.cycles) == 2

@@ -29,8 +29,8 @@ from presswear.physics.motion import (
     motions_of,
     step_to_break,
 )
+from presswear.recording.observer import Observer
 from presswear.recording.recorder import Recorder
-from presswear.recording.tracker import Tracker
 from presswear.scene.catalog import slider_crank, wear_times
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
@@ -222,7 +222,7 @@ def test_a_drive_turns_exactly_where_joints_are_loose(joint: str, is_far: bool) 
     scene = changed(Scene(mechanism=UNEVEN, joints=joint, wear_updates=0), own)
     linkage, period = scene.linkage(), scene.mechanism.period
     kept: list[State] = []
-    plan = Plan(0.07 * period, 3, trackers=(Keeps(kept.append),))
+    plan = Plan(0.07 * period, 3, observers=(Keeps(kept.append),))
     run = ExudynJoints().over(period).simulate(linkage, start_of(scene), plan)
     touches = int(run.recorder.book.tally["contacts"].sum())
     assert run.status == "completed", run.message
@@ -322,10 +322,10 @@ def test_a_run_up_starts_at_rest_and_ends_in_step() -> None:
         np.testing.assert_allclose(rate, getattr(now, other), atol=1e-6 * scale)
 
 
-class _Kept(Tracker):
+class _Kept(Observer):
     """Keeps the state behind the first cycle."""
 
-    def cycle(self, recorder: Recorder, state: Callable[[], State]) -> bool:
+    def on_cycle(self, recorder: Recorder, state: Callable[[], State]) -> bool:
         if len(recorder.cycles) == 1:
             self.state = state()
         return False
@@ -337,13 +337,13 @@ def test_no_cycle_holds_anything_of_the_run_up(engine: Engine) -> None:
     scene = flying(PIECES["table, run-up"])
     linkage, start, period = scene.linkage(), start_of(scene), scene.mechanism.period
     kept = _Kept()
-    plan = Plan(period, 2, run_up=scene.run_up, trackers=(kept,))
+    plan = Plan(period, 2, run_up=scene.run_up, observers=(kept,))
     run = engine.simulate(linkage, start, plan)
     assert run.status == "completed"
     assert run.recorder.last_time == pytest.approx(scene.run_up + 2.0 * period, rel=1e-9)
     # The steps of the run-up are in none of them.
     assert run.recorder.each_cycle("steps").sum() < 0.7 * float(run.diagnostics["steps"])
-    again = engine.simulate(linkage, start, replace(plan, trackers=(), resume=kept.state))
+    again = engine.simulate(linkage, start, replace(plan, observers=(), resume=kept.state))
     np.testing.assert_array_equal(again.recorder.cycles, run.recorder.cycles)
     np.testing.assert_array_equal(again.end.position, run.end.position)
 

@@ -18,7 +18,7 @@ from presswear.__main__ import main
 from presswear.campaign.checkpoint import Checkpoint
 from presswear.campaign.single import run_into
 from presswear.linkage.surface import bin_centres
-from presswear.recording.tracker import Tracker
+from presswear.recording.observer import Observer
 from presswear.results.folder import INTERVAL, LEAST_WAIT, ResultFolder
 from presswear.results.result import load, read_document, unfinished
 from presswear.results.stage import SIDES
@@ -62,25 +62,25 @@ class Stop(BaseException):
 
 
 @dataclass
-class Stopping(Tracker):
+class Stopping(Observer):
     """Stops a campaign when it is told for the n-th time where it stands; 0: never."""
 
     place: int
     told: int = 0
 
-    def checkpoint(self, checkpoint: Checkpoint, is_stage: bool) -> None:
+    def on_checkpoint(self, checkpoint: Checkpoint, is_stage: bool) -> None:
         self.told += 1
         if self.told == self.place:
             raise Stop
 
 
-class Removing(Tracker):
+class Removing(Observer):
     """Removes a folder as soon as a campaign tells where it stands."""
 
     def __init__(self, path: Path) -> None:
         self.path = path
 
-    def checkpoint(self, checkpoint: Checkpoint, is_stage: bool) -> None:
+    def on_checkpoint(self, checkpoint: Checkpoint, is_stage: bool) -> None:
         shutil.rmtree(self.path, ignore_errors=True)
 
 
@@ -304,7 +304,7 @@ def test_checkpoints_are_written_when_due(
 
     def is_written(is_stage: bool = False) -> bool:
         before = set(folder.path.glob("checkpoint-*.npz"))
-        folder.checkpoint(checkpoint, is_stage)
+        folder.on_checkpoint(checkpoint, is_stage)
         return set(folder.path.glob("checkpoint-*.npz")) != before
 
     now = 0.9 * INTERVAL

@@ -9,8 +9,8 @@ import pytest
 import presswear as pw
 from presswear.analysis.periods import section
 from presswear.engines.base import Plan
+from presswear.recording.observer import Observer
 from presswear.recording.recorder import Recorder
-from presswear.recording.tracker import Tracker
 from presswear.results.tables import table_of
 from presswear.scene.settings import changed
 from presswear.show.report import write_report
@@ -56,12 +56,12 @@ def test_sections_end_no_cycle_elsewhere() -> None:
     assert seen.cycles == bare.cycles
 
 
-class _Half(Tracker):
+class _Half(Observer):
     """Keeps the state behind the second cycle."""
 
     state: State | None = None
 
-    def cycle(self, recorder: Recorder, state: object) -> bool:
+    def on_cycle(self, recorder: Recorder, state: object) -> bool:
         if len(recorder.cycles) == 2:
             assert callable(state)
             self.state = {name: np.array(own) for name, own in state().items()}
@@ -72,7 +72,7 @@ def test_a_run_goes_on_with_its_sections() -> None:
     from presswear.campaign.replicates import start_of
 
     half, linkage, start = _Half(), SCENE.linkage(), start_of(SCENE)
-    plan = Plan(SCENE.mechanism.period, 4, 1, sections=(0.25, 0.5), trackers=(half,))
+    plan = Plan(SCENE.mechanism.period, 4, 1, sections=(0.25, 0.5), observers=(half,))
     engine = pw.InHouse("dopri5", 1e-7)
     whole = engine.simulate(linkage, start, plan).recorder.sections
     plan = Plan(SCENE.mechanism.period, 4, 1, sections=(0.25, 0.5), resume=half.state)

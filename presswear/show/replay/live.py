@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from presswear.linkage.linkage import Linkage
 from presswear.recording.film import FILM_JOINT, Film
-from presswear.recording.tracker import Progress, Tracker
+from presswear.recording.observer import Observer, Progress
 from presswear.scene.catalog import short_name_of
 from presswear.scene.scene import Scene
 from presswear.show.replay.picture import Picture
@@ -29,7 +29,7 @@ _RECENT = 10
 """Frames of which the greatest force is told."""
 
 
-class Live(Tracker):
+class Live(Observer):
     """A window that shows a run of a scene.
 
     Raises
@@ -50,7 +50,7 @@ class Live(Tracker):
         self._is_open = self._is_ready = True
         self._sent = 0.0
 
-    def progress(self, progress: Progress) -> None:
+    def on_progress(self, progress: Progress) -> None:
         """Show how a run stands, if the window is there and has shown what it was sent."""
         now = clock.perf_counter()
         if not self._is_open or progress.film is None or now - self._sent < _INTERVAL:

@@ -20,8 +20,8 @@ from presswear.campaign.replicates import disturbed, start_of
 from presswear.engines.base import Plan, Run, Start
 from presswear.engines.settings import Engine, ExudynJoints, ExudynTree, InHouse
 from presswear.linkage.linkage import Linkage
+from presswear.recording.observer import AdvanceObserver
 from presswear.recording.statistics import Estimate, estimate
-from presswear.recording.tracker import Telling
 from presswear.results.provenance import provenance
 from presswear.scene.scene import Scene
 from presswear.validation.crosscheck.traces import (
@@ -140,7 +140,7 @@ class _Runner:
 
     def run(self, word: str, start: Start, engine: Engine, plan: Plan) -> Run:
         self.told(word, 0.0)
-        plan = replace(plan, trackers=(Telling(partial(self.told, word)),))
+        plan = replace(plan, observers=(AdvanceObserver(partial(self.told, word)),))
         return finished(engine.simulate(self.linkage, start, plan))
 
     def trace(self, word: str, start: Start, engine: Engine, end: float) -> Trace:

@@ -21,8 +21,8 @@ from presswear.linkage.press import Press
 from presswear.linkage.slider_crank import SliderCrank
 from presswear.linkage.surface import Surface, bin_centres
 from presswear.physics.following import motion_of
+from presswear.recording.observer import Observer
 from presswear.recording.recorder import Recorder
-from presswear.recording.tracker import Tracker
 from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import slider_crank, wear_times
 from presswear.scene.scene import Scene
@@ -301,13 +301,13 @@ def toggle_cases() -> Iterator[HardCase]:
     yield from in_both("rod as long as the crank", "the rod stands upright", flat)
 
 
-class _Memory(Tracker):
+class _Memory(Observer):
     """Notes the peak memory of the process after each cycle, MB."""
 
     def __init__(self) -> None:
         self.sizes: list[float] = []
 
-    def cycle(self, recorder: Recorder, state: object) -> bool:
+    def on_cycle(self, recorder: Recorder, state: object) -> bool:
         """Note the memory; it never ends the run."""
         self.sizes.append(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0)
         return False
@@ -317,7 +317,7 @@ def many_cycles(scene: Scene, cycles: int) -> tuple[Run, float]:
     """Run many cycles, and see by how much the process grew after a tenth of them, MB."""
     memory, period = _Memory(), scene.mechanism.period
     plan = guarded(period, cycles, LONGEST)
-    plan = replace(plan, trackers=(*plan.trackers, memory))
+    plan = replace(plan, observers=(*plan.observers, memory))
     run = ran(scene.linkage(), start_of(scene), scene.solver.over(period), plan)
     return run, memory.sizes[-1] - memory.sizes[cycles // 10]
 
