@@ -2,7 +2,7 @@
 
 from presswear.linkage.laws import NormalLaw
 from presswear.physics.laws import elastic_of, normal_force, normal_record
-from presswear.tools.compiled import Records
+from presswear.tools.compile import Records
 
 
 def force_of(record: Records, penetration: float, rate: float, onset_speed: float) -> float:

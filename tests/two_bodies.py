@@ -12,7 +12,7 @@ from presswear.linkage.points import GROUND
 from presswear.physics.contact import CONTACT, note_contacts, penetration_acceleration
 from presswear.physics.forces import JointLoad, load_of
 from presswear.physics.packed import Packed, pack
-from presswear.tools.compiled import Records
+from presswear.tools.compile import Records
 
 Array = NDArray[np.float64]
 

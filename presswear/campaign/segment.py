@@ -27,7 +27,7 @@ from presswear.recording.statistics import RANGE_STROKES, STARTUP_CYCLES, MapBat
 from presswear.results.stage import SIDES
 from presswear.scene.scene import Scene
 from presswear.tools.arrays import State, named, part
-from presswear.tools.compiled import told_of_compiling
+from presswear.tools.compile import on_compiling
 from presswear.tools.stopping import is_stopped
 from presswear.tools.workers import Report, Stopped
 
@@ -208,7 +208,7 @@ class Segment:
 
     def __call__(self, report: Report) -> Reached:
         """Run it; Stopped, with what was reached, where that is interrupted."""
-        with told_of_compiling(lambda seconds: report(math.nan, "compiling")):
+        with on_compiling(lambda seconds: report(math.nan, "compiling")):
             return self._run(report)
 
     def _run(self, report: Report) -> Reached:

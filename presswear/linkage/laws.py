@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from presswear.tools.errors import InputError
-from presswear.tools.own import OwnFunction
+from presswear.tools.user_function import UserFunction
 
 StiffnessReading = Literal["paper", "refined"]
 Elasticity = Literal["power", "liu", "foundation"]
@@ -157,7 +157,7 @@ class NormalLaw:
     elasticity : {"power", "liu", "foundation"}
         F_e of a round joint: K delta^n; K delta^1.5 / sqrt(1 + delta / c), which is Liu and
         others' (2007) for cylinders that conform; the elastic foundation's, over all of the arc.
-    own : OwnFunction or None
+    own : UserFunction or None
         The whole force, N, as a function of NORMAL_PARAMETERS, in place of all these.
     """
 
@@ -166,7 +166,7 @@ class NormalLaw:
     damping: float = 0.0
     viscosity: float = 0.0
     elasticity: Elasticity = "power"
-    own: OwnFunction | None = None
+    own: UserFunction | None = None
 
 
 @dataclass(frozen=True)
@@ -181,7 +181,7 @@ class FrictionLaw:
         v_0 and v_1, m/s: no friction below, full friction above.
     name : str
         One of FRICTIONS.
-    own : OwnFunction or None
+    own : UserFunction or None
         The force along the sliding, N, as a function of FRICTION_PARAMETERS, in its place.
     static : float
         c_s of LuGre's law at rest, at least c_f.
@@ -195,14 +195,14 @@ class FrictionLaw:
     lower: float = 1e-4
     upper: float = 1e-3
     name: str = "ramp"
-    own: OwnFunction | None = None
+    own: UserFunction | None = None
     static: float = 0.0
     stribeck: float = 1e-3
     bristle_stiffness: float = 1e5
     bristle_damping: float = 10.0
 
 
-def check_normal(key: str, own: OwnFunction, values: Mapping[str, float]) -> None:
+def check_normal(key: str, own: UserFunction, values: Mapping[str, float]) -> None:
     """InputError where a normal law of one's own gives no number, pulls, or makes energy.
 
     Parameters
@@ -233,7 +233,7 @@ def check_normal(key: str, own: OwnFunction, values: Mapping[str, float]) -> Non
                     )
 
 
-def check_friction(key: str, own: OwnFunction, values: Mapping[str, float]) -> None:
+def check_friction(key: str, own: UserFunction, values: Mapping[str, float]) -> None:
     """InputError where a friction law of one's own gives no number or makes energy.
 
     Parameters

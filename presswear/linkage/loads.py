@@ -14,9 +14,9 @@ from typing import Annotated, Any, Literal, cast
 
 from presswear.linkage.points import ANGLE, LARGE, TURNED, Attachment, End
 from presswear.tools.errors import InputError
-from presswear.tools.own import OwnFunction
 from presswear.tools.quantities import Quantity, quantity
 from presswear.tools.serialize import check_fields
+from presswear.tools.user_function import UserFunction
 
 Sense = Literal["both", "along", "against"]
 Outside = Literal["hold", "zero"]
@@ -264,7 +264,7 @@ class OverPosition:
                     )
 
 
-Law = float | Harmonics | OverTime | OverPosition | OwnFunction | Callable[..., float] | str
+Law = float | Harmonics | OverTime | OverPosition | UserFunction | Callable[..., float] | str
 """Law of the size of a load: a constant, N or N m, one of these, or a function of one's own of
 LOAD_PARAMETERS, as ``FILE.py:NAME`` too."""
 LOAD_PARAMETERS = ("time", "position", "speed")
@@ -332,8 +332,8 @@ def _law(law: Any) -> Law:
     """A law, a function made one of one's own; InputError where it is none."""
     if isinstance(law, Harmonics | OverTime | OverPosition):
         return law
-    if isinstance(law, OwnFunction | dict | str) or callable(law):
-        return OwnFunction.asking("law", law, LOAD_PARAMETERS)
+    if isinstance(law, UserFunction | dict | str) or callable(law):
+        return UserFunction.read("law", law, LOAD_PARAMETERS)
     return float(law)
 
 

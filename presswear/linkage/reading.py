@@ -43,8 +43,8 @@ from presswear.linkage.motions import Drive, Follow
 from presswear.linkage.pieces import Rise
 from presswear.linkage.points import Attachment
 from presswear.tools.errors import InputError, unknown
-from presswear.tools.own import OwnFunction
 from presswear.tools.quantities import Quantity, parse_quantity
+from presswear.tools.user_function import UserFunction
 
 
 def read(data: Data, place: str, *, units: bool = False, folder: Path | None = None) -> Linkage:
@@ -167,14 +167,14 @@ class _Reader:
     units: bool
     folder: Path
 
-    def _own(self, place: str, value: Any) -> OwnFunction:
+    def _own(self, place: str, value: Any) -> UserFunction:
         if not self.units:
             if isinstance(value, str):
                 raise InputError(f"{place} = {value!r}: a stored law is source code, not a file")
-            return OwnFunction.asking(place, value, LOAD_PARAMETERS)
+            return UserFunction.read(place, value, LOAD_PARAMETERS)
         # The user wrote this file, with the source code that stands in it.
         given = f"{self.folder / value}" if isinstance(value, str) else value
-        return OwnFunction.asking(place, given, LOAD_PARAMETERS).trusted()
+        return UserFunction.read(place, given, LOAD_PARAMETERS).trusted()
 
     def table_row(self, table: str, row: Any, place: str) -> dict[str, Any]:
         """The values of a row of one of TABLES."""

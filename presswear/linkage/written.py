@@ -35,8 +35,8 @@ from presswear.linkage.loads import (
 )
 from presswear.linkage.motions import Drive, Follow
 from presswear.linkage.points import GROUND, Attachment, Probe
-from presswear.tools.own import OwnFunction
 from presswear.tools.quantities import Quantity
+from presswear.tools.user_function import UserFunction
 
 
 def written(linkage: Linkage) -> dict[str, Any]:
@@ -129,7 +129,7 @@ def _law_written(law: Law, size: str, over: str) -> dict[str, Any]:
     if isinstance(law, OverPosition):
         rest = {key: getattr(law, key) for key in TABLE_KEYS}
         return {over: [list(pair) for pair in law.table], **rest}
-    if isinstance(law, OwnFunction):
+    if isinstance(law, UserFunction):
         return {"function": {"name": law.name, "source": law.source}}
     return {size: law}
 
@@ -196,5 +196,5 @@ def values_of(linkage: Linkage) -> Iterator[tuple[str, str, str]]:
                 text = "" if isinstance(kind, str) else kind.text
                 shown = _toml(row[key], kind).replace('"', "")
                 if kind == OWN:
-                    shown = str(OwnFunction(**row[key]))
+                    shown = str(UserFunction(**row[key]))
                 yield f"{place}{key}", shown, text

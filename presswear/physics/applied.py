@@ -7,7 +7,7 @@ from presswear.physics.load_modes import settle_loads
 from presswear.physics.loads import load_forces
 from presswear.physics.packed import Packed
 from presswear.physics.springs import spring_forces
-from presswear.tools.compiled import compiled, copy_to, inlined
+from presswear.tools.compile import compiled, copy_to, inlined
 
 Array = NDArray[np.float64]
 

@@ -21,7 +21,7 @@ from presswear.physics.overlap import (
     turned,
 )
 from presswear.physics.surface import BEARING, CUBE, PIN, SLOPE, SQUARE
-from presswear.tools.compiled import fused_inlined
+from presswear.tools.compile import fused_inlined
 
 Array = NDArray[np.float64]
 Cell = int | np.unsignedinteger[Any]

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.physics.links import GUIDED, LOOSE, arm
-from presswear.tools.compiled import Records, compiled, inlined
+from presswear.tools.compile import Records, compiled, inlined
 
 Array = NDArray[np.float64]
 

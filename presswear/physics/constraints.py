@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.points import GROUND, Attachment
 from presswear.physics.motion import drive_motion, motions_of
-from presswear.tools.compiled import Records, compiled, inlined
+from presswear.tools.compile import Records, compiled, inlined
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]

@@ -17,7 +17,7 @@ from presswear.physics.laws import elastic_of
 from presswear.physics.overlap import turned
 from presswear.physics.packed import JOINT, Packed
 from presswear.physics.surface import BEARING, PIN, SLOPE, SURFACES, curvature, profile
-from presswear.tools.compiled import Records, apart, compiled, inlined
+from presswear.tools.compile import Records, compiled, inlined, lazily_compiled
 
 Array = NDArray[np.float64]
 
@@ -218,7 +218,7 @@ def note_radial(joint: Records, surfaces: Array, contact: Records) -> None:
     contact.couple = 0.0
 
 
-@apart(None, JOINT, SURFACES, CONTACT)
+@lazily_compiled(None, JOINT, SURFACES, CONTACT)
 def note_foundation(joint: Records, surfaces: Array, contact: Records) -> None:
     """Fill in the contact of the pin with all of the worn arc, through an elastic foundation.
 

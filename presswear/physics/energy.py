@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from presswear.physics.packed import Packed, depths_of
 from presswear.physics.springs import spring_energy
-from presswear.tools.compiled import Records, inlined
+from presswear.tools.compile import Records, inlined
 
 Array = NDArray[np.float64]
 

@@ -18,7 +18,7 @@ from presswear.physics.laws import (
     normal_force,
 )
 from presswear.physics.wear import dose_rates
-from presswear.tools.compiled import Records, inlined
+from presswear.tools.compile import Records, inlined
 
 Array = NDArray[np.float64]
 

@@ -52,7 +52,7 @@ from presswear.physics.overlap import (
     pressed_part,
     with_peak_of,
 )
-from presswear.tools.compiled import fused, fused_inlined, working_space
+from presswear.tools.compile import fused, fused_inlined, working_space
 
 Array = NDArray[np.float64]
 

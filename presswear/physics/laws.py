@@ -16,8 +16,8 @@ from presswear.linkage.laws import (
     FrictionLaw,
     NormalLaw,
 )
-from presswear.tools.compiled import Records, address_of, call, compiled, inlined, own_kernel
-from presswear.tools.own import OwnFunction
+from presswear.tools.compile import Records, address_of, call, compile_function, compiled, inlined
+from presswear.tools.user_function import UserFunction
 
 INLINE = 0
 """Address of a law that stands in the kernels."""
@@ -329,9 +329,9 @@ ABRUPT = 1e3
 """Damped force over the elastic one at the touch from which on a law begins with a jump."""
 
 
-def _own_forces(own: OwnFunction) -> tuple[Callable[..., float], Callable[..., float]]:
+def _own_forces(own: UserFunction) -> tuple[Callable[..., float], Callable[..., float]]:
     """Elastic force and damped force of a normal law of one's own."""
-    force = own_kernel(own, NORMAL_PARAMETERS)
+    force = compile_function(own, NORMAL_PARAMETERS)
 
     def elastic(
         penetration: float, stiffness: float, exponent: float, damping: float, clearance: float
@@ -391,6 +391,6 @@ def friction_record(law: FrictionLaw) -> Records:
         record["stribeck"], record["bristle_damping"] = law.stribeck, law.bristle_damping
         record["bristle_stiffness"] = law.bristle_stiffness
     if law.own is not None:
-        force = own_kernel(law.own, FRICTION_PARAMETERS)
+        force = compile_function(law.own, FRICTION_PARAMETERS)
     record["force"] = INLINE if force is None else address_of(force, 5)
     return record

@@ -16,7 +16,7 @@ from presswear.linkage.elements import Guide
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.points import GROUND
 from presswear.linkage.topology import Branch
-from presswear.tools.compiled import Records, inlined
+from presswear.tools.compile import Records, inlined
 
 Array = NDArray[np.float64]
 

@@ -25,7 +25,7 @@ from presswear.physics.loads import (
     load_motion,
     load_size,
 )
-from presswear.tools.compiled import Records, compiled, inlined
+from presswear.tools.compile import Records, compiled, inlined
 
 Array = NDArray[np.float64]
 

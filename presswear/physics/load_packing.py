@@ -16,8 +16,8 @@ from presswear.linkage.loads import (
     Table,
 )
 from presswear.physics.loads import LOAD, MODE, OWN, POSITION, SERIES, TIME, Loads
-from presswear.tools.compiled import Records, address_of, own_kernel
-from presswear.tools.own import OwnFunction
+from presswear.tools.compile import Records, address_of, compile_function
+from presswear.tools.user_function import UserFunction
 
 
 def pack_loads(linkage: Linkage) -> Loads | None:
@@ -59,9 +59,9 @@ def _pack_law(record: Records, law: object, linkage: Linkage) -> list[tuple[floa
         record["rise"], record["release"] = law.rise, law.release
         record["unloading"] = law.unloading
         return _whole_period(law.table, law.repeats)
-    if isinstance(law, OwnFunction):
+    if isinstance(law, UserFunction):
         record["kind"] = OWN
-        record["own"] = address_of(own_kernel(law, LOAD_PARAMETERS), len(LOAD_PARAMETERS))
+        record["own"] = address_of(compile_function(law, LOAD_PARAMETERS), len(LOAD_PARAMETERS))
         return []
     record["kind"] = SERIES
     if isinstance(law, Harmonics):

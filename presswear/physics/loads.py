@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.physics.constraints import lever
-from presswear.tools.compiled import Records, call, compiled, inlined
+from presswear.tools.compile import Records, call, compiled, inlined
 
 Array = NDArray[np.float64]
 

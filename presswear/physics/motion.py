@@ -7,7 +7,7 @@ import numpy as np
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.motions import MOST_HARMONICS, Drive
 from presswear.linkage.pieces import DEGREE, MOST_PIECES
-from presswear.tools.compiled import Records, apart, compiled, inlined
+from presswear.tools.compile import Records, compiled, inlined, lazily_compiled
 
 MOTION = np.dtype(
     [
@@ -83,7 +83,7 @@ def piece_motion(drive: Records, phase: float) -> tuple[float, float, float]:
     return value, slope, bend
 
 
-@apart((0.0, 0.0, 0.0), MOTION, 0)
+@lazily_compiled((0.0, 0.0, 0.0), MOTION, 0)
 def uneven_motion(drive: Records, t: float) -> tuple[float, float, float]:
     """What ``drive_motion`` gives, of any drive."""
     rate = 1.0
@@ -119,7 +119,7 @@ def drive_motion(drive: Records, t: float) -> tuple[float, float, float]:
     return drive.speed * t, drive.speed, 0.0
 
 
-@apart(0, MOTION, 0)
+@lazily_compiled(0, MOTION, 0)
 def break_after(drive: Records, t: float) -> float:
     """Time, s, of the next break of a motion: where a piece or the run-up ends; or infinity.
 

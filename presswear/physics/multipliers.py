@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.physics.constraints import Constraints, constraint_rows
-from presswear.tools.compiled import Records, compiled, copy_to
+from presswear.tools.compile import Records, compiled, copy_to
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]

@@ -9,7 +9,7 @@ integrated from root to root of the overlap in closed form.
 import math
 from typing import NamedTuple
 
-from presswear.tools.compiled import fused, fused_inlined
+from presswear.tools.compile import fused, fused_inlined
 
 # Numba divides where it is told to; multiplying by these takes a fifth of the time.
 THIRD, FIFTH, SEVENTH, NINTH = 1 / 3, 1 / 5, 1 / 7, 1 / 9

@@ -16,7 +16,7 @@ from presswear.physics.load_packing import pack_loads
 from presswear.physics.loads import Loads
 from presswear.physics.springs import pack_springs
 from presswear.physics.surface import AROUND, BEARING, PIN, ROWS, packed_rows
-from presswear.tools.compiled import Records
+from presswear.tools.compile import Records
 
 Array = NDArray[np.float64]
 

@@ -18,7 +18,7 @@ from presswear.linkage.points import GROUND
 from presswear.linkage.topology import chain_of
 from presswear.physics.links import GUIDED, LINK, arm, pack_links
 from presswear.physics.motion import MOTION, drive_motion, pack_motion
-from presswear.tools.compiled import Records, apart, compiled, inlined
+from presswear.tools.compile import Records, compiled, inlined, lazily_compiled
 
 Array = NDArray[np.float64]
 
@@ -255,7 +255,7 @@ def _solve(prescribed: Prescribed, row: int) -> float:
     return greatest
 
 
-@apart(0, SOME, 1, 1)
+@lazily_compiled(0, SOME, 1, 1)
 def _newton_step(prescribed: Prescribed, q: Array, axes: Array) -> float:
     """Make a step towards closed loops; returns its size, leaves the rows and their inverse."""
     parts, closings, work = prescribed
@@ -277,7 +277,7 @@ def _newton_step(prescribed: Prescribed, q: Array, axes: Array) -> float:
     return _solve(prescribed, PLACE)
 
 
-@apart(None, SOME)
+@lazily_compiled(None, SOME)
 def _follow(prescribed: Prescribed) -> None:
     """Fill the rates and accelerations sought, in a place where all loops are closed."""
     parts, closings, work = prescribed
@@ -300,7 +300,7 @@ def _follow(prescribed: Prescribed) -> None:
         _solve(prescribed, level)
 
 
-@apart(0, SOME, np.int64(0), 0)
+@lazily_compiled(0, SOME, np.int64(0), 0)
 def _with_turned(prescribed: Prescribed, i: int, needed: float) -> float:
     """A torque, N m, with what the parts bear that turn with part ``i`` without a drive."""
     parts, closings, work = prescribed

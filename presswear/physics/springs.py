@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.points import GROUND
 from presswear.physics.constraints import lever
-from presswear.tools.compiled import Records, apart, compiled
+from presswear.tools.compile import Records, compiled, lazily_compiled
 
 Array = NDArray[np.float64]
 
@@ -57,7 +57,7 @@ def spring_energy(springs: Records, q: Array) -> float:
     return energy
 
 
-@apart(0, np.zeros(0, SPRING), 1, 1, 1)
+@lazily_compiled(0, np.zeros(0, SPRING), 1, 1, 1)
 def spring_forces(springs: Records, q: Array, v: Array, force: Array) -> float:
     """Add the forces of the springs to the generalized forces; returns their dampers' power, W."""
     power = 0.0

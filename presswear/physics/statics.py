@@ -25,7 +25,7 @@ from presswear.physics.contact import CONTACT, note_contacts
 from presswear.physics.forces import JOINT_RATES, add_contacts, note_forces
 from presswear.physics.ideal import ideal_motion
 from presswear.physics.packed import pack
-from presswear.tools.compiled import Records
+from presswear.tools.compile import Records
 from presswear.tools.errors import InputError, RunFailed
 from presswear.tools.quantities import Quantity
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from presswear.physics.contact import note_contact, penetration_acceleration
 from presswear.physics.packed import Packed
 from presswear.physics.touchdown import LEAST_STEPS, crossing, hermite
-from presswear.tools.compiled import Records, compiled
+from presswear.tools.compile import Records, compiled
 
 Array = NDArray[np.float64]
 

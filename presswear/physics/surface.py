@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from presswear.linkage.surface import Surface
-from presswear.tools.compiled import compiled
+from presswear.tools.compile import compiled
 
 Array = NDArray[np.float64]
 

@@ -18,7 +18,7 @@ from presswear.physics.laws import (
     elastic_at,
     normal_force,
 )
-from presswear.tools.compiled import Records, compiled, inlined
+from presswear.tools.compile import Records, compiled, inlined
 
 Array = NDArray[np.float64]
 

@@ -9,7 +9,7 @@ from presswear.linkage.linkage import Linkage
 from presswear.linkage.topology import branches_of, prescribed_of
 from presswear.physics.links import COORDINATES, GUIDED, LOOSE, pack_links
 from presswear.physics.prescribed import Prescribed, pack_prescribed
-from presswear.tools.compiled import Records
+from presswear.tools.compile import Records
 
 Array = NDArray[np.float64]
 

@@ -18,7 +18,7 @@ from presswear.physics.contact import CONTACT, direction_of
 from presswear.physics.foundation import spread, spread_round
 from presswear.physics.packed import JOINT
 from presswear.physics.surface import SURFACES, bin_of
-from presswear.tools.compiled import Records, apart, compiled, inlined
+from presswear.tools.compile import Records, compiled, inlined, lazily_compiled
 
 Array = NDArray[np.float64]
 
@@ -97,7 +97,7 @@ def deposit_in_bin(
     depth[1, pin_bin] += (1.0 - joint.bearing_share) * added
 
 
-@apart(None, 2, JOINT, SURFACES, CONTACT, 0, 2)
+@lazily_compiled(None, 2, JOINT, SURFACES, CONTACT, 0, 2)
 def deposit_over_arc(
     depth: Array,
     joint: Records,

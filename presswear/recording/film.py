@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.tools.compiled import Records, compiled
+from presswear.tools.compile import Records, compiled
 
 Array = NDArray[np.float64]
 

@@ -17,7 +17,7 @@ from presswear.physics.packed import Packed
 from presswear.physics.touchdown import settle
 from presswear.physics.wear import deposit_in_bin, deposit_over_arc
 from presswear.recording.film import take_frame
-from presswear.tools.compiled import Records, compiled, inlined
+from presswear.tools.compile import Records, compiled, inlined
 
 Array = NDArray[np.float64]
 

@@ -15,7 +15,7 @@ from presswear.physics.laws import elastic_force, foundation_force, liu_force
 from presswear.results.stage import StageResult
 from presswear.scene.scene import Scene
 from presswear.tools.numbers import readable
-from presswear.tools.own import OwnFunction
+from presswear.tools.user_function import UserFunction
 
 SMALL = 0.1
 """Penetration, part of the clearance, up to which a contact is small: there K delta^1.5 is 6 %
@@ -87,7 +87,7 @@ def conformities(scene: Scene, stage: StageResult) -> Iterator[Conformity]:
     for name, joint in stage.joints.items():
         bearing = scene.bearing(name)
         law: Elasticity | None = bearing.elasticity
-        if isinstance(bearing.normal_law, OwnFunction) or bearing.exponent != 1.5:
+        if isinstance(bearing.normal_law, UserFunction) or bearing.exponent != 1.5:
             law = None
         elif scene.conventions.contact == "foundation" and stage.is_worn:
             law = "foundation"

@@ -31,9 +31,9 @@ from presswear.linkage.laws import (
 from presswear.linkage.materials import MATERIALS, Materials
 from presswear.linkage.surface import Surface
 from presswear.tools.errors import InputError
-from presswear.tools.own import OwnFunction
 from presswear.tools.quantities import choice, count, named_set, quantity
 from presswear.tools.serialize import check_fields
+from presswear.tools.user_function import UserFunction
 
 LEAST_RAMP = 1e-5  # width of the friction ramp, m/s: steps inside it shorten with the width
 MIN_ANGLES = 16  # bins of a wear map
@@ -75,7 +75,7 @@ CONVENTIONS: dict[str, Conventions] = {
     "refined": Conventions("refined", "sliding", "body", "arc", "foundation"),
 }
 
-Law = str | OwnFunction | Callable[..., float]
+Law = str | UserFunction | Callable[..., float]
 
 
 @dataclass(frozen=True)
@@ -206,7 +206,7 @@ class Bearing:
 
     def normal(self, reading: StiffnessReading) -> NormalLaw:
         """The law of its normal force."""
-        own = self.normal_law if isinstance(self.normal_law, OwnFunction) else None
+        own = self.normal_law if isinstance(self.normal_law, UserFunction) else None
         damping = DAMPINGS["lankarani-nikravesh" if own else str(self.normal_law)]
         return NormalLaw(
             self.hertz(reading),
@@ -220,7 +220,7 @@ class Bearing:
     @property
     def rubbing(self) -> FrictionLaw:
         """The law of its friction."""
-        own = self.friction_law if isinstance(self.friction_law, OwnFunction) else None
+        own = self.friction_law if isinstance(self.friction_law, UserFunction) else None
         name = "ramp" if own else str(self.friction_law)
         return FrictionLaw(
             self.friction,
@@ -236,17 +236,19 @@ class Bearing:
 
     def check_own_laws(self, joint: str, reading: StiffnessReading) -> None:
         """InputError where a law of one's own gives no number or makes energy; runs its text."""
+        from presswear.tools.compile import check_compiles  # slow import
+
         normal, friction = self.normal(reading), self.rubbing
         if normal.own is not None:
             law = {"stiffness": normal.stiffness, "exponent": normal.exponent}
             rest = {"damping": normal.damping, "clearance": self.clearance}
             check_normal(f"{joint}.normal_law", normal.own, law | rest)
-            normal.own.check_compiles(f"{joint}.normal_law", NORMAL_PARAMETERS)
+            check_compiles(normal.own, f"{joint}.normal_law", NORMAL_PARAMETERS)
         if friction.own is not None:
             ramp = {"lower_speed": friction.lower, "upper_speed": friction.upper}
             values = {"coefficient": friction.coefficient, **ramp}
             check_friction(f"{joint}.friction_law", friction.own, values)
-            friction.own.check_compiles(f"{joint}.friction_law", FRICTION_PARAMETERS)
+            check_compiles(friction.own, f"{joint}.friction_law", FRICTION_PARAMETERS)
 
     def joint(
         self,

@@ -27,9 +27,9 @@ from presswear.scene.recording import Recording
 from presswear.scene.surfaces import settled
 from presswear.tools.arrays import Array
 from presswear.tools.errors import InputError, shown, unknown
-from presswear.tools.own import OwnFunction
 from presswear.tools.quantities import Choice, choice, count, named_set, one_of, quantity
 from presswear.tools.serialize import check_fields, from_plain, make, to_plain
+from presswear.tools.user_function import UserFunction
 
 OneMechanism = Press | SliderCrank | Linkage
 MECHANISMS: dict[str, type[Press | SliderCrank]] = {
@@ -266,26 +266,28 @@ class Scene:
         self.check_trusted()
         for joint in self.clearance_joints:
             self.bearing(joint).check_own_laws(joint, self.conventions.stiffness)
+        if self.load_laws:
+            from presswear.tools.compile import check_compiles  # slow import
         for key, law in self.load_laws.items():
-            law.check_compiles(key, LOAD_PARAMETERS)
+            check_compiles(law, key, LOAD_PARAMETERS)
 
     @property
-    def joint_laws(self) -> dict[str, OwnFunction]:
+    def joint_laws(self) -> dict[str, UserFunction]:
         """User laws of contact and friction, by keys such as ``A.normal_law``."""
         laws = {
             f"{joint}.{key}": getattr(self.bearing(joint), key)
             for joint in self.clearance_joints
             for key in ("normal_law", "friction_law")
         }
-        return {key: law for key, law in laws.items() if isinstance(law, OwnFunction)}
+        return {key: law for key, law in laws.items() if isinstance(law, UserFunction)}
 
     @property
-    def load_laws(self) -> dict[str, OwnFunction]:
+    def load_laws(self) -> dict[str, UserFunction]:
         """User laws of loads, by keys such as ``loads[0].function``."""
         return {
             f"loads[{k}].function": load.law
             for k, load in enumerate(self.mechanism.linkage().loads)
-            if not isinstance(load, Load) and isinstance(load.law, OwnFunction)
+            if not isinstance(load, Load) and isinstance(load.law, UserFunction)
         }
 
     @property
@@ -294,7 +296,7 @@ class Scene:
         return not all(law.is_trusted for law in self.load_laws.values())
 
     @property
-    def user_laws(self) -> dict[str, OwnFunction]:
+    def user_laws(self) -> dict[str, UserFunction]:
         """All user laws, which are Python source code, by their keys."""
         return self.joint_laws | self.load_laws
 

@@ -17,8 +17,8 @@ from presswear.scene.scene import Scene
 from presswear.tools.errors import InputError, unknown
 from presswear.tools.files import digest
 from presswear.tools.numbers import given
-from presswear.tools.own import OwnFunction, is_function
 from presswear.tools.quantities import NONE, Choice, Quantity, meaning_of, parse_quantity
+from presswear.tools.user_function import UserFunction, is_stored_function
 
 SET = "set by the user"  # origin of a value that was changed
 IN_FILE = f"{SET}, in the file"
@@ -103,7 +103,7 @@ def _settings(
 
 def _is_part(value: Any) -> bool:
     """Return whether a value has settings of its own."""
-    return is_dataclass(value) and not isinstance(value, OwnFunction | Probe)
+    return is_dataclass(value) and not isinstance(value, UserFunction | Probe)
 
 
 def _inner_prefix(key: str, prefix: str, meaning: Any) -> str:
@@ -248,9 +248,10 @@ def differences(first: Any, second: Any, key: str = "") -> list[tuple[str, Any, 
 
     A user function is given by its name and digest, a long value by its beginning and digest.
     """
-    if is_function(first) or is_function(second):
+    if is_stored_function(first) or is_stored_function(second):
         first, second = (
-            f"{OwnFunction(**value)}" if is_function(value) else value for value in (first, second)
+            f"{UserFunction(**value)}" if is_stored_function(value) else value
+            for value in (first, second)
         )
     elif isinstance(first, Mapping) and isinstance(second, Mapping):
         return [

@@ -113,14 +113,14 @@ class SceneJob:
         check_program(self.program, "this worker")
         # Imported where something is computed.
         from presswear.campaign.single import run
-        from presswear.tools.compiled import told_of_compiling
+        from presswear.tools.compile import on_compiling
 
         if self.folder is not None:
             _wait_for(self.folder, report)
         compiled: list[float] = []
         began = time.perf_counter()
         try:
-            with told_of_compiling(compiled.append):
+            with on_compiling(compiled.append):
                 result = run(
                     self.scene,
                     self.folder,

@@ -14,7 +14,7 @@ from numbers import Integral, Real
 from typing import Any, ClassVar
 
 from presswear.tools.errors import InputError, nearest, shown, unknown
-from presswear.tools.own import OwnFunction
+from presswear.tools.user_function import UserFunction
 
 NONE = "none"  # word for an optional part that is absent
 
@@ -236,9 +236,9 @@ class Choice:
             return self._part(name, value)
         if self.instances is not None:
             return self._instance(name, value)
-        is_function = callable(value) or isinstance(value, OwnFunction | dict)
-        if self.parameters and (is_function or ".py:" in str(value)):
-            return OwnFunction.asking(name, value, self.parameters)
+        is_stored_function = callable(value) or isinstance(value, UserFunction | dict)
+        if self.parameters and (is_stored_function or ".py:" in str(value)):
+            return UserFunction.read(name, value, self.parameters)
         self.check(name, value)
         return value
 

@@ -22,7 +22,7 @@ from presswear.linkage.elements import ClearanceJoint
 from presswear.linkage.linkage import Linkage
 from presswear.linkage.press import CRANK_2_START, CRANK_7_START, Press
 from presswear.scene.scene import Scene
-from presswear.tools.compiled import Records, compiled
+from presswear.tools.compile import Records, compiled
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]

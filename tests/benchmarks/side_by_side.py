@@ -41,7 +41,7 @@ from presswear.engines.settings import Engine, InHouse
 from presswear.physics.constraints import constraints_of
 from presswear.scene.catalog import wear_times
 from presswear.scene.scene import Scene
-from presswear.tools.compiled import Records, specialised
+from presswear.tools.compile import Records, specialised
 from presswear.tools.errors import RunFailed
 from presswear.validation.work_precision import joints_over_impacts
 

@@ -13,7 +13,7 @@ import numpy as np
 from by_hand import Outcome, Solution, Touchdowns, land, measured, relative_forces
 from numpy.typing import NDArray
 
-from presswear.tools.compiled import Records, specialised
+from presswear.tools.compile import Records, specialised
 
 Array = NDArray[np.float64]
 

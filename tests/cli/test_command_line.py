@@ -22,7 +22,7 @@ from presswear.scene.catalog import ideal
 from presswear.scene.files import example_file, scene_from
 from presswear.scene.scene import Scene
 from presswear.show import report
-from presswear.tools.own import OwnFunction
+from presswear.tools.user_function import UserFunction
 
 
 @pytest.mark.parametrize(
@@ -343,7 +343,7 @@ def test_a_run_goes_on_without_the_files_it_began_with(
     )
     Path("mine.toml").write_text(text)
     scene = scene_from(Path("mine.toml"))
-    assert isinstance(scene.bearings.normal_law, OwnFunction)
+    assert isinstance(scene.bearings.normal_law, UserFunction)
     with ResultFolder(Path("out"), scene) as folder:
         folder.interrupt()
     Path("laws.py").unlink()

@@ -15,7 +15,7 @@ from presswear.linkage.laws import DAMPINGS, FRICTIONS, KELVIN_VOIGT, NormalLaw
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.tools.errors import InputError
-from presswear.tools.own import OwnFunction
+from presswear.tools.user_function import UserFunction
 from presswear.validation.runs import contacts_of
 
 BASE = replace(pw.scenes.wear_times(friction=0.1), wear_updates=0)
@@ -155,10 +155,10 @@ def test_a_function_is_a_law_and_its_result_goes_on_with_it_alone(tmp_path: Path
     again = pw.load(tmp_path / "out")
     assert again.scene == result.scene
     law = again.scene.bearings.normal_law
-    assert isinstance(law, OwnFunction)
+    assert isinstance(law, UserFunction)
     assert "def mine" in law.source
     other = replace(BASE, bearings=pw.Bearing(normal_law="flores"), cycles=1)
-    with pytest.raises(InputError, match="normal_law is mine of one's own"):
+    with pytest.raises(InputError, match="normal_law is user law mine"):
         pw.run(other, tmp_path / "out", engine="dae")
 
 
@@ -183,7 +183,7 @@ def test_what_a_law_of_ones_own_makes_is_made_by_the_contacts() -> None:
     linkage = BASE.linkage()
     source = "def rise(penetration, rate, onset_speed):\n    return 1e10 * penetration ** 1.5 "
     source += "* (1.0 - 0.2 * rate / onset_speed)\n"
-    law = NormalLaw(1e10, own=OwnFunction("rise", source).trusted())
+    law = NormalLaw(1e10, own=UserFunction("rise", source).trusted())
     joints = tuple(replace(joint, normal=law) for joint in linkage.clearances)
     run = InHouse().simulate(replace(linkage, clearances=joints), start_of(BASE), Plan(0.03, 1))
     lost, made = (float(run.diagnostics[key]) for key in ("contact_loss_J", "contact_made_J"))

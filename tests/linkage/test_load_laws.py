@@ -21,7 +21,7 @@ from presswear.linkage.loads import (
 )
 from presswear.linkage.points import Attachment
 from presswear.tools.errors import InputError
-from presswear.tools.own import OwnFunction
+from presswear.tools.user_function import UserFunction
 
 ENDS = [(0.0, 0.0), (1.0, 5.0), (2.0, 0.0)]
 SHEET = [(0.0, 0.0), (1.0, -5.0), (2.0, -6.0)]
@@ -87,7 +87,7 @@ def test_a_function_asks_for_what_is_known() -> None:
 
     with pytest.raises(InputError, match="unknown parameter of of_angle in law 'angle'"):
         Moment("crank", of_angle)
-    assert isinstance(Moment("crank", wobble).law, OwnFunction)
+    assert isinstance(Moment("crank", wobble).law, UserFunction)
 
 
 @pytest.mark.parametrize(

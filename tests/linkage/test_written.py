@@ -95,7 +95,7 @@ def test_a_load_is_listed_by_its_law() -> None:
     assert told["loads[2].over_position"] == "[[-0.1 m, 0.0 N], [0.1 m, -5.0 N]]"
     assert told["loads[2].release"] == "true"
     assert told["loads[6].over_angle"] == "[[0.0 rad, 0.0 N m], [1.0 rad, 5.0 N m]]"
-    assert told["loads[9].function"].startswith("brake of one's own, ")
+    assert told["loads[9].function"].startswith("user law brake, ")
 
 
 def load_of(**row: Any) -> dict[str, Any]:

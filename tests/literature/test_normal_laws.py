@@ -10,7 +10,7 @@ from presswear.engines.base import Plan, Run
 from presswear.engines.settings import Engine, ExudynJoints, InHouse
 from presswear.linkage.laws import DAMPINGS, KELVIN_VOIGT, NormalLaw, delivered_restitution
 from presswear.physics.laws import elastic_of, normal_record
-from presswear.tools.own import OwnFunction
+from presswear.tools.user_function import UserFunction
 from presswear.validation.verify import references
 from presswear.validation.verify.verify import delivered
 
@@ -133,17 +133,17 @@ def soft(penetration, rate, onset_speed):
 @pytest.mark.parametrize(("engine", "bound"), ENGINES)
 def test_a_law_of_ones_own_delivers_its_closed_form(engine: Engine, bound: float) -> None:
     """A power of 1.3 with chi = 0.4, in an engine whose kernels do not know it."""
-    run = impact(NormalLaw(STIFFNESS, own=OwnFunction("soft", SOFT).trusted()), engine)
+    run = impact(NormalLaw(STIFFNESS, own=UserFunction("soft", SOFT).trusted()), engine)
     assert delivered(run, SPEED) == pytest.approx(delivered_restitution(0.4), abs=bound)
 
 
 def test_two_laws_of_one_name_share_nothing() -> None:
     """The same name and another text, one after the other in one process, then the first again."""
-    other = OwnFunction("soft", SOFT.replace("0.4", "0.8")).trusted()
+    other = UserFunction("soft", SOFT.replace("0.4", "0.8")).trusted()
     engine = ENGINES[0][0]
     seen = [
         delivered(impact(NormalLaw(STIFFNESS, own=own), engine), SPEED)
-        for own in (OwnFunction("soft", SOFT).trusted(), other, OwnFunction("soft", SOFT))
+        for own in (UserFunction("soft", SOFT).trusted(), other, UserFunction("soft", SOFT))
     ]
     assert seen[0] == seen[2] == pytest.approx(delivered_restitution(0.4), abs=1e-8)
     assert seen[1] == pytest.approx(delivered_restitution(0.8), abs=1e-8)

@@ -35,7 +35,7 @@ from presswear.scene.catalog import slider_crank, wear_times
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.tools.arrays import State
-from presswear.tools.compiled import Records
+from presswear.tools.compile import Records
 from presswear.tools.errors import InputError
 
 TURN = 2.0 * math.pi

@@ -27,7 +27,7 @@ from presswear.physics.touchdown import (
     hermite,
     settle,
 )
-from presswear.tools.compiled import Records
+from presswear.tools.compile import Records
 
 Array = NDArray[np.float64]
 

@@ -13,7 +13,7 @@ from presswear.scene.files import example_file, scene_from
 from presswear.sweeps import sweep as sweeps
 from presswear.sweeps.measures import measures_asked
 from presswear.sweeps.plan import Plan
-from presswear.tools.own import OwnFunction, UntrustedLaw
+from presswear.tools.user_function import UntrustedLaw, UserFunction
 
 PROBE = """
 open({marker!r}, "w").close()
@@ -122,7 +122,7 @@ def test_a_run_goes_on_only_where_its_laws_are_trusted(received: Path, line: str
     refused = subprocess.run(words, cwd=received, capture_output=True, text=True, check=False)
     assert refused.returncode == 2
     assert len(refused.stderr.splitlines()) == 1
-    assert "B.normal_law = soft of one's own" in refused.stderr
+    assert "B.normal_law = user law soft" in refused.stderr
     assert "--trust" in refused.stderr
     assert not (received / "executed").exists()
 
@@ -142,14 +142,14 @@ def test_with_trust_a_run_goes_on(received: Path) -> None:
 def test_a_stored_law_is_trusted_where_the_same_text_is_given(tmp_path: Path) -> None:
     """A function, or a file, of the same text; another text, and a file named in a result, not."""
     text = f"# {tmp_path}\ndef soft(penetration):\n    return 1e7 * penetration\n"
-    stored = OwnFunction.of("law", {"name": "soft", "source": text})
+    stored = UserFunction.read("law", {"name": "soft", "source": text})
     assert not stored.is_trusted
     with pytest.raises(UntrustedLaw, match="--trust"):
         stored.number("law", ("penetration",), {"penetration": 1.0})
     (tmp_path / "laws.py").write_text(text)
-    OwnFunction.of("law", f"{tmp_path}/laws.py:soft")
+    UserFunction.read("law", f"{tmp_path}/laws.py:soft")
     assert stored.is_trusted
-    assert not OwnFunction("soft", text + "\n").is_trusted
+    assert not UserFunction("soft", text + "\n").is_trusted
     data = pw.Scene().as_dict()
     data["bearings"] |= {"normal_law": f"{tmp_path}/laws.py:soft"}
     with pytest.raises(pw.InputError, match="a stored law is a name or source code"):

@@ -17,7 +17,7 @@ from presswear.scene.files import EXAMPLES, example_file, scene_from
 from presswear.scene.scene import Scene
 from presswear.sweeps.files import read_sweep
 from presswear.tools.errors import InputError, one_line
-from presswear.tools.own import OwnFunction
+from presswear.tools.user_function import UserFunction
 
 
 @pytest.mark.parametrize("kind", EXAMPLES)
@@ -163,7 +163,7 @@ def test_laws_of_ones_own_stand_beside_the_file(tmp_path: Path) -> None:
     text = example_file("four-bar") + 'B.friction_law = "laws.py:rub"\n'
     file.write_text(text)
     law = scene_from(file).bearing("B").friction_law
-    assert isinstance(law, OwnFunction)
+    assert isinstance(law, UserFunction)
     assert law.name == "rub"
     for wrong, words in (("laws.py:rob", "did you mean rub"), ("law.py:rub", "there is no file")):
         file.write_text(text.replace("laws.py:rub", wrong))

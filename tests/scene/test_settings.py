@@ -274,7 +274,7 @@ def test_a_named_law_replaces_one_of_ones_own(tmp_path: Path) -> None:
     """And the other way round; what joints without clearance are set to is refused."""
     (tmp_path / "laws.py").write_text("def soft(penetration):\n    return 1e9 * penetration\n")
     own = changed(PRESS, {"normal_law": f"{tmp_path}/laws.py:soft", "C.normal_law": "flores"})
-    assert str(own.bearing("A").normal_law).startswith("soft of one's own")
+    assert str(own.bearing("A").normal_law).startswith("user law soft")
     assert own.bearing("C").normal_law == "flores"
     assert changed(own, {"normal_law": "gonthier"}).bearing("A").normal_law == "gonthier"
     with pytest.raises(InputError, match=r"A\.friction: joint A has no clearance; joints = C"):

@@ -38,7 +38,7 @@ from presswear.physics.prescribed import (
     subtract_inertia,
 )
 from presswear.physics.tree import Tree
-from presswear.tools.compiled import Records, compiled, copy_to, inlined
+from presswear.tools.compile import Records, compiled, copy_to, inlined
 
 Array = NDArray[np.float64]
 

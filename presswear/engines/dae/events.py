@@ -18,7 +18,7 @@ from presswear.physics.load_modes import count_ways, way_at_start, way_out
 from presswear.physics.loads import Loads
 from presswear.physics.touchdown import crossing, separate, touch_down
 from presswear.recording.observe import Book
-from presswear.tools.compiled import Records, compiled, inlined
+from presswear.tools.compile import Records, compiled, inlined
 
 Array = NDArray[np.float64]
 

@@ -41,7 +41,7 @@ from presswear.physics.motion import step_to_break
 from presswear.physics.steps import contact_step, skim_step, step_after_touchdown
 from presswear.physics.touchdown import LEAST_STEPS, remember
 from presswear.recording.observe import Book, observe, settle_state
-from presswear.tools.compiled import Records, compiled, copy_to, inlined
+from presswear.tools.compile import Records, compiled, copy_to, inlined
 
 RUNNING, DONE, BROKEN, STUCK = 0, 1, 2, 3
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from presswear.engines.dae.dynamics import System, bristle_place, evaluate, rates
 from presswear.engines.dormand_prince import Tableau
 from presswear.physics.forces import BRISTLE, CONTACT_LOSS
-from presswear.tools.compiled import compiled, inlined
+from presswear.tools.compile import compiled, inlined
 
 Array = NDArray[np.float64]
 

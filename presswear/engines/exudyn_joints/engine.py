@@ -38,8 +38,7 @@ from presswear.physics.multipliers import held_by
 from presswear.physics.steps import STEPS
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding
-from presswear.tools.bound import bind
-from presswear.tools.compiled import Records
+from presswear.tools.compile import Records, bind
 from presswear.tools.exudyn import exudyn_module
 
 Array = NDArray[np.float64]

@@ -31,8 +31,7 @@ from presswear.physics.steps import next_step, shorter_step
 from presswear.physics.touchdown import LEAST_STEPS, advance_bristles, crossing
 from presswear.physics.wear import dose_rates
 from presswear.recording.observe import Book, observe, settle_state, sum_drives
-from presswear.tools.bound import Bound, bound
-from presswear.tools.compiled import Records, all_finite, compiled
+from presswear.tools.compile import PackedArguments, Records, all_finite, compiled, unpack
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -104,17 +103,17 @@ def refresh(frame: Frame, t: float) -> None:
 
 
 @compiled
-def connector_forces(run: Bound, t: float) -> None:
+def connector_forces(run: PackedArguments, t: float) -> None:
     """Fill the generalized forces of clearance joints and loads on the bodies of the connector.
 
     Parameters
     ----------
-    run : Bound
+    run : PackedArguments
         Frame; Packed; Live; where the forces on bearing and pin belong among those of the
         connector, shape (joints, 2), -1 for a body that Exudyn does not solve for; closing speeds,
         m/s; records of MEMORY; and the forces, shape (3 bodies of the connector,).
     """
-    frame, packed, live, slots, onset, memory, out = bound(run)
+    frame, packed, live, slots, onset, memory, out = unpack(run)
     refresh(frame, t)
     for i in range(out.shape[0]):
         out[i] = 0.0
@@ -251,15 +250,15 @@ def sum_step(book: Book, drive_power: float, load_power: float, t: float, h: flo
 
 
 @compiled
-def accept_joint_step(run: Bound, t: float) -> float:
+def accept_joint_step(run: PackedArguments, t: float) -> float:
     """Settle contact, account for an accepted step and choose the next; NaN if it is broken.
 
     Parameters
     ----------
-    run : Bound
+    run : PackedArguments
         Frame, Drives, Book and one record of STEPS.
     """
-    frame, drives, book, steps = bound(run)
+    frame, drives, book, steps = unpack(run)
     h = t - book.record[0].now
     refresh(frame, t)
     hold(frame, drives, drives.held, t)
@@ -287,15 +286,15 @@ def accept_joint_step(run: Bound, t: float) -> float:
 
 
 @compiled
-def shorter_joint_step(run: Bound, t: float) -> float:
+def shorter_joint_step(run: PackedArguments, t: float) -> float:
     """Step with which a trial step has to be repeated; see ``shorter_step``.
 
     Parameters
     ----------
-    run : Bound
+    run : PackedArguments
         Frame, Book and one record of STEPS.
     """
-    frame, book, steps = bound(run)
+    frame, book, steps = unpack(run)
     refresh(frame, t)
     shorter = shorter_step(
         book.packed, book.onset, book.memory, steps, frame.contacts, t, frame.q, frame.v

@@ -28,8 +28,7 @@ from presswear.physics.contact import CONTACT
 from presswear.physics.motion import drive_motion, is_steady
 from presswear.physics.prescribed import begin_motion, pack_prescribed
 from presswear.recording.recorder import Recorder
-from presswear.tools.bound import bind
-from presswear.tools.compiled import Records
+from presswear.tools.compile import Records, bind
 from presswear.tools.exudyn import exudyn_module
 
 Array = NDArray[np.float64]

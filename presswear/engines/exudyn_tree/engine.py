@@ -48,8 +48,7 @@ from presswear.physics.tree import Tree, tree_of
 from presswear.recording.observe import Book
 from presswear.recording.recorder import Recorder
 from presswear.recording.soundness import Finding
-from presswear.tools.bound import Bound, bind
-from presswear.tools.compiled import specialised
+from presswear.tools.compile import PackedArguments, bind, specialised
 from presswear.tools.errors import InputError
 from presswear.tools.exudyn import exudyn_module
 
@@ -272,10 +271,10 @@ def _warm_up(tree: Tree, linkage: Linkage, start: Start) -> None:
     book = Recorder.of(linkage, start.position, 1, 1.0).book
     system = system_of(tree, linkage, start, 1.0)
     x = np.zeros(tree.size)
-    run = Bound()
+    run = PackedArguments()
     run.arguments = system, book, inside_of(system, book), x, x, x
     specialised(accept_tree_step, run, 0.0)
-    run = Bound()
+    run = PackedArguments()
     run.arguments = system, book, x, x, x, x
     specialised(stage_forces, run, 0.0)
     specialised(hinge_power_integral, system)

@@ -34,8 +34,7 @@ from presswear.physics.motion import step_to_break
 from presswear.physics.prescribed import Prescribed, drive_torques, forced_power, place_prescribed
 from presswear.physics.steps import LEAST_PARTS, contact_step, skim_step, step_after_touchdown
 from presswear.recording.observe import Book, observe, settle_state
-from presswear.tools.bound import Bound, bound
-from presswear.tools.compiled import Records, all_finite, compiled, copy_to
+from presswear.tools.compile import PackedArguments, Records, all_finite, compiled, copy_to, unpack
 
 Array = NDArray[np.float64]
 
@@ -128,7 +127,7 @@ class Inside(NamedTuple):
 
 
 @compiled
-def stage_forces(run: Bound, t: float) -> int:
+def stage_forces(run: PackedArguments, t: float) -> int:
     """Fill the forces on the coordinates of the tree in a stage, without those of inertia.
 
     The contacts hold the deflections of the bristles of friction, where it has some.
@@ -140,7 +139,7 @@ def stage_forces(run: Bound, t: float) -> int:
 
     Parameters
     ----------
-    run : Bound
+    run : PackedArguments
         TreeSystem, Book, coordinates of the tree, rates, accelerations, and the forces.
 
     Returns
@@ -148,7 +147,7 @@ def stage_forces(run: Bound, t: float) -> int:
     int
         Stages since the last accepted step.
     """
-    system, book, x, u, _, out = bound(run)
+    system, book, x, u, _, out = unpack(run)
     packed, contacts = book.packed, book.contacts
     q, v, a, force, axes = system.state
     place_prescribed(system.prescribed, t, q, v, a, axes)
@@ -181,16 +180,16 @@ def stage_forces(run: Bound, t: float) -> int:
 
 
 @compiled
-def stage_bristles(run: Bound, t: float) -> None:
+def stage_bristles(run: PackedArguments, t: float) -> None:
     """Fill the rates of the bristles of friction in a stage, m/s.
 
     Parameters
     ----------
-    run : Bound
+    run : PackedArguments
         TreeSystem, Packed, records of CONTACT as working space, coordinates of the tree, rates,
         deflections of the bristles, m, and their rates, each shape (joints,).
     """
-    system, packed, contacts, x, u, bristles, out = bound(run)
+    system, packed, contacts, x, u, bristles, out = unpack(run)
     q, v, a, _, axes = system.state
     place_prescribed(system.prescribed, t, q, v, a, axes)
     place_links(system.links, x, u, q, v, axes)
@@ -469,15 +468,15 @@ def next_tree_step(book: Book, system: TreeSystem, t: float, h: float, events: i
 
 
 @compiled
-def accept_tree_step(run: Bound, t: float) -> float:
+def accept_tree_step(run: PackedArguments, t: float) -> float:
     """Account for an accepted step and choose the next, s; NaN for a broken state.
 
     Parameters
     ----------
-    run : Bound
+    run : PackedArguments
         TreeSystem, Book, Inside, coordinates of the tree, rates, and accelerations in the state.
     """
-    system, book, inside, x, u, u_t = bound(run)
+    system, book, inside, x, u, u_t = unpack(run)
     system.pace[0].accepted = system.pace[0].evaluations
     if not all_finite(x, u) or not all_finite(u, u_t):
         return math.nan

@@ -1,0 +1,514 @@
+"""Just-in-time compilation by numba, with an on-disk cache that is never partly stale.
+
+Numba identifies a cached function by its source file only: an edit in ``friction_and_normal.py``
+would leave the compiled callers in ``contact.py`` unchanged. The compiled code of this package is
+therefore stored in a folder that is named after a digest of all source files with kernels.
+
+User laws and kernels that few scenes need are called by the address of their machine code.
+Their callers do not depend on them and are not compiled again for them.
+"""
+
+import ctypes
+import gc
+import hashlib
+import inspect
+import os
+import tempfile
+import threading
+import time
+from _thread import interrupt_main
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
+from functools import cache, cached_property, partial, update_wrapper
+from importlib import import_module
+from pathlib import Path
+from typing import Any, TypeVar, cast
+
+import numba
+import numpy as np
+from llvmlite import binding, ir
+from numba import config
+from numba.core import cgutils, event, types, typing
+from numba.core.datamodel import models
+from numba.extending import (
+    NativeValue,
+    intrinsic,
+    lower_builtin,
+    register_model,
+    typeof_impl,
+    unbox,
+)
+from numpy.typing import NDArray
+
+from presswear.tools.errors import InputError
+from presswear.tools.user_function import UserFunction
+
+Array = NDArray[np.float64]
+F = TypeVar("F", bound=Callable[..., Any])
+T = TypeVar("T")
+Records = Any  # structured array; kernels read ``records[k].name``, a type checker cannot
+
+# The type hints of numba leave out what is used here.
+_NUMBA: Any = numba
+_CGUTILS: Any = cgutils
+_TYPES: Any = types
+_TYPING: Any = typing
+_LOWER: Any = lower_builtin
+_INTRINSIC: Any = intrinsic
+_NATIVE: Any = NativeValue
+_EVENT: Any = event
+_TUPLE: Any = types.BaseTuple
+
+_COMPILE = "numba:compile"
+
+_PACKAGE = Path(__file__).resolve().parents[1]
+_OPTIONS = {"error_model": "numpy", "_nrt": False, "no_cfunc_wrapper": True}
+
+
+@cache
+def _cache_folder() -> str | None:
+    """Return the cache folder of this version of the sources, None where none can be written."""
+    digest = hashlib.sha256(numba.__version__.encode())
+    for path in sorted(_PACKAGE.rglob("*.py")):
+        source = path.read_bytes()
+        if b"tools.compile import" in source or path == Path(__file__).resolve():
+            digest.update(path.relative_to(_PACKAGE).as_posix().encode())
+            digest.update(source)
+    base = os.environ.get("XDG_CACHE_HOME") or os.path.join(Path.home(), ".cache")
+    folder = Path(base) / "presswear" / digest.hexdigest()[:16]
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError:
+        return None
+    return str(folder)
+
+
+@contextmanager
+def _caching(function: Callable[..., Any]) -> Iterator[bool]:
+    """Direct numba to the cache folder; yields whether the function may be cached."""
+    source = Path(function.__code__.co_filename).resolve()
+    folder = _cache_folder() if _PACKAGE in source.parents and not function.__closure__ else None
+    settings = vars(config)
+    previous = settings["CACHE_DIR"]
+    settings["CACHE_DIR"] = folder or previous
+    try:
+        yield folder is not None
+    finally:
+        settings["CACHE_DIR"] = previous
+
+
+class _PauseGarbageCollection(event.Listener):
+    """Pause garbage collection while numba compiles: nearly all its objects stay alive."""
+
+    _depth, _was_enabled = 0, False
+
+    def on_start(self, event: Any) -> None:
+        """Pause it."""
+        if self._depth == 0:
+            self._was_enabled = gc.isenabled()
+            gc.disable()
+        self._depth += 1
+
+    def on_end(self, event: Any) -> None:
+        """Resume it."""
+        self._depth -= 1
+        if self._depth == 0 and self._was_enabled:
+            gc.enable()
+
+
+_EVENT.register(_COMPILE, _PauseGarbageCollection())
+
+
+class Kernel:
+    """Compiled function; its machine code is made or loaded at the first call."""
+
+    def __init__(self, function: Callable[..., Any], **options: Any) -> None:
+        update_wrapper(self, function)
+        self.py_func, self._options = function, {**_OPTIONS, **options}
+
+    @cached_property
+    def from_python(self) -> Any:
+        """Dispatcher for calls from Python; only these are cached, with all that they call."""
+        with _caching(self.py_func) as is_cached:
+            return _NUMBA.njit(cache=is_cached, **self._options)(self.py_func)
+
+    @cached_property
+    def _from_kernels(self) -> Any:
+        return _NUMBA.njit(no_cpython_wrapper=True, **self._options)(self.py_func)
+
+    def __call__(self, *arguments: Any) -> Any:
+        """Call the compiled function."""
+        return self.from_python(*arguments)
+
+    @property
+    def _numba_type_(self) -> Any:
+        return self._from_kernels._numba_type_
+
+
+def compiled(function: F) -> F:
+    """Compile a kernel (numba, nopython).
+
+    Kernels do not allocate: every array belongs to the caller. The reference counting of numba is
+    switched off because it took half of the time of these small functions. The compiler refuses a
+    kernel that allocates. Only kernels of this package are cached.
+    """
+    return cast(F, Kernel(function))
+
+
+def inlined(function: F) -> F:
+    """Compile a kernel that is inlined in every caller.
+
+    For the kernels of every evaluation: to pass dozens of arrays takes as long as their work.
+    """
+    return cast(F, Kernel(function, forceinline=True))
+
+
+def fused(function: F) -> F:
+    """Compile a kernel with fused multiply-add, which rounds once; for long sums."""
+    return cast(F, Kernel(function, fastmath={"contract"}))
+
+
+def fused_inlined(function: F) -> F:
+    """Compile a kernel with fused multiply-add that is inlined in every caller."""
+    return cast(F, Kernel(function, fastmath={"contract"}, forceinline=True))
+
+
+class _LazyKernel(Kernel):
+    """Kernel that is called by its address and compiled at the first call.
+
+    Callers load the address from a named variable; where it is zero they call a named function
+    that compiles the kernel.
+    """
+
+    def __init__(
+        self, function: Callable[..., Any], result: Any, parameters: tuple[Any, ...]
+    ) -> None:
+        super().__init__(function)
+        self._parameters = parameters
+        self._address = ctypes.c_void_p()
+        self._callback = ctypes.CFUNCTYPE(ctypes.c_void_p)(self._compile)
+        self._name = f"{function.__module__}.{function.__qualname__}"
+        binding.add_symbol(f"{self._name}.address", ctypes.addressof(self._address))
+        callback = ctypes.cast(self._callback, ctypes.c_void_p).value
+        binding.add_symbol(f"{self._name}.compile", callback)
+        signature = _TYPING.signature(result, *parameters)
+        template = _TYPING.make_concrete_template(self._name, self, [signature])
+        self._type = types.Function(template)
+        _LOWER(self, *parameters)(self._generate)
+
+    def _compile(self) -> int | None:
+        """Compile or load the kernel; kernels call this and cannot be interrupted."""
+        while self._address.value is None:
+            try:
+                self.from_python.compile(self._parameters)
+                code = self.from_python.overloads[self._parameters]
+                name = code.fndesc.llvm_func_name
+                self._address.value = code.library.get_pointer_to_function(name)
+            except KeyboardInterrupt:
+                threading.Timer(0.0, interrupt_main).start()
+        return self._address.value
+
+    def _generate(self, context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        """Generate the call in the code of a caller."""
+        convention, result = context.call_conv, signature.return_type
+        pointer = convention.get_function_type(result, signature.args).as_pointer()
+        compile_type = ir.FunctionType(pointer, ())
+        name = f"{self._name}.compile"
+        compile_first = _CGUTILS.get_or_insert_function(builder.module, compile_type, name)
+        name = f"{self._name}.address"
+        variable = builder.module.globals.get(name)
+        if variable is None:
+            variable = ir.GlobalVariable(builder.module, pointer, name)
+        stored = builder.load(variable)
+        before = builder.block
+        with builder.if_then(_CGUTILS.is_null(builder, stored), likely=False):
+            made = builder.call(compile_first, ())
+            inside = builder.block
+        address = builder.phi(pointer)
+        address.add_incoming(stored, before)
+        address.add_incoming(made, inside)
+        # Kernels do not raise: the status is ignored.
+        _, value = convention.call_function(builder, address, result, signature.args, arguments)
+        return value
+
+    @property
+    def _numba_type_(self) -> Any:
+        return self._type
+
+
+def lazily_compiled(result: Any, *parameters: Any) -> Callable[[F], F]:
+    """Compile a kernel that few scenes need apart from its callers; see ``compiled``.
+
+    Parameters
+    ----------
+    result
+        Type of the result, described as the parameters; None for none.
+    parameters
+        A structured dtype for a record, the number of axes of an array of numbers, 0 for a number,
+        else an example value.
+    """
+    kinds = tuple(map(_numba_type, parameters))
+
+    def decorate(function: F) -> F:
+        return cast(F, _LazyKernel(function, _numba_type(result), kinds))
+
+    return decorate
+
+
+def _numba_type(example: Any) -> Any:
+    if isinstance(example, np.dtype):
+        return _NUMBA.from_dtype(example)
+    if type(example) is int:
+        # A slice of a larger array need not be contiguous.
+        return _TYPES.Array(_TYPES.float64, example, "A") if example else _TYPES.float64
+    return _NUMBA.typeof(example)
+
+
+def specialised(kernel: F, *arguments: Any) -> F:
+    """Return the compiled function for arguments of these types.
+
+    The dispatcher of numba looks up the types of all arguments in every call. With a dozen records
+    and arrays that takes longer than a small kernel.
+    """
+    dispatcher = cast(Kernel, kernel).from_python
+    types = tuple(_NUMBA.typeof(argument) for argument in arguments)
+    dispatcher.compile(types)
+    return cast(F, dispatcher.overloads[types].entry_point)
+
+
+def _call(typing: Any, address: Any, arguments: Any) -> Any:
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        count, double = len(signature.args[1]), ir.DoubleType()
+        kind = ir.FunctionType(double, [double] * count)
+        function = builder.inttoptr(values[0], kind.as_pointer())
+        return builder.call(function, _CGUTILS.unpack_tuple(builder, values[1], count))
+
+    return types.float64(types.int64, arguments), generate
+
+
+# In a kernel: call a function of numbers by its address, with a tuple of its arguments.
+call = cast(Callable[[int, tuple[float, ...]], float], _INTRINSIC(_call))
+
+
+def _working_space(typing: Any, rows: Any, columns: Any) -> Any:
+    kind = _TYPES.Array(_TYPES.float64, 2, "C")
+    shape = rows.literal_value, columns.literal_value
+
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        double = ir.DoubleType()
+        space = _CGUTILS.alloca_once(builder, double, size=shape[0] * shape[1])
+        size = context.get_abi_sizeof(double)
+        sizes = (*shape, shape[1] * size, size, size)
+        rows, columns, row, item, width = (context.get_constant(types.intp, n) for n in sizes)
+        populate: Any = import_module("numba.np.arrayobj").populate_array  # slow import
+        array = context.make_array(kind)(context, builder)
+        populate(array, space, (rows, columns), (row, item), width, meminfo=None)
+        return array._getvalue()
+
+    return kind(rows, columns), generate
+
+
+# In a kernel: array on the stack of so many rows and columns, both constants.
+working_space = cast(
+    Callable[[int, int], Array], _NUMBA.extending.intrinsic(prefer_literal=True)(_working_space)
+)
+
+_CALLBACKS: dict[Any, Any] = {}  # machine code that is called by address must stay in memory
+
+
+def address_of(kernel: Callable[..., float], count: int) -> int:
+    """Return the address of a compiled function of so many numbers, for ``call``."""
+    if kernel not in _CALLBACKS:
+        function = getattr(kernel, "py_func", kernel)
+        signature = types.float64(*(types.float64,) * count)
+        with _caching(function) as is_cached:
+            _CALLBACKS[kernel] = _NUMBA.cfunc(
+                signature, cache=is_cached, error_model="numpy", _nrt=False
+            )(function)
+    return int(_CALLBACKS[kernel].address)
+
+
+class _Listener(event.Listener):
+    """Report the compilation of functions; those of the callees lie within."""
+
+    def __init__(self, report: Callable[[float], None]) -> None:
+        self._report, self._depth, self._start = report, 0, 0.0
+
+    def on_start(self, event: Any) -> None:
+        """Report the start."""
+        if self._depth == 0:
+            self._start = time.perf_counter()
+            self._report(0.0)
+        self._depth += 1
+
+    def on_end(self, event: Any) -> None:
+        """Report the duration."""
+        self._depth -= 1
+        if self._depth == 0:
+            self._report(time.perf_counter() - self._start)
+
+
+def on_compiling(report: Callable[[float], None]) -> AbstractContextManager[Any]:
+    """Report every compilation within the context: 0 at its start, then its duration, s."""
+    return cast(AbstractContextManager[Any], _EVENT.install_listener(_COMPILE, _Listener(report)))
+
+
+@cache
+def compile_function(function: UserFunction, parameters: tuple[str, ...]) -> Callable[..., float]:
+    """Compile a user function as a function of all these parameters, in their order.
+
+    Raises
+    ------
+    InputError
+        For a function that numba cannot compile.
+    """
+    compiler = _NUMBA.njit(error_model="numpy", _nrt=False)
+    namespace = function.namespace()
+    for name, value in namespace.items():
+        if inspect.isfunction(value):
+            namespace[name] = compiler(value)
+    used = ", ".join(function.parameters(function.name, parameters))
+    call = f"float({function.name}({used}))"
+    exec(f"def kernel({', '.join(parameters)}):\n    return {call}", namespace)
+    kernel = compiler(namespace["kernel"])
+    try:
+        kernel.compile((types.float64,) * len(parameters))
+    except Exception as error:  # numba raises more than its own errors for unsupported code
+        reason = next((line for line in f"{error}".splitlines()[1:] if line.strip()), f"{error}")
+        raise InputError(f"{function.name} cannot be compiled: {reason.strip()}") from None
+    return cast(Callable[..., float], kernel)
+
+
+def check_compiles(function: UserFunction, key: str, parameters: tuple[str, ...]) -> None:
+    """Raise InputError with the key for a user function that fails or cannot be compiled."""
+    function.try_in_python(key, parameters)
+    try:
+        compile_function(function, parameters)
+    except InputError as error:
+        raise InputError(f"{key}: {error}") from None
+
+
+@compiled
+def copy_to(target: Array, source: Array) -> None:
+    """Copy numbers; ``target[:] = source`` would allocate in case the two overlap."""
+    for i in range(target.shape[0]):
+        target[i] = source[i]
+
+
+@compiled
+def all_finite(first: Array, second: Array) -> bool:
+    """Return whether two arrays of one length hold no infinity and no NaN."""
+    total = 0.0
+    for i in range(first.shape[0]):
+        total += first[i] - first[i] + (second[i] - second[i])
+    return total == 0.0
+
+
+# ---- Arguments that are unpacked once for a million calls.
+# Numba unpacks every array of a call into address, shape and strides. For three dozen arrays that
+# takes as long as a small kernel. Here the unpacked arguments are stored, and a kernel receives
+# their address.
+
+_LEAF_BYTES = 128  # room for an unpacked array; one of three dimensions needs 88
+
+
+class PackedArguments(int):
+    """Address of unpacked arguments, which it keeps alive."""
+
+    arguments: tuple[Any, ...]
+    memory: Any
+
+
+class _PackedType(types.Type):
+    """Numba's type of ``PackedArguments``."""
+
+    def __init__(self, arguments: Any) -> None:
+        self.arguments = arguments
+        super().__init__(name=f"PackedArguments({arguments})")
+
+
+@register_model(_PackedType)
+class _AddressModel(models.PrimitiveModel):
+    def __init__(self, manager: Any, kind: _PackedType) -> None:
+        cast(Any, super()).__init__(manager, kind, ir.IntType(64))
+
+
+@typeof_impl.register(PackedArguments)
+def _type_of(packed: PackedArguments, context: Any) -> _PackedType:
+    return _PackedType(_NUMBA.typeof(packed.arguments))
+
+
+def _unbox_address(kind: _PackedType, packed: Any, context: Any) -> Any:
+    return _NATIVE(context.pyapi.long_as_longlong(packed))
+
+
+cast(Any, unbox)(_PackedType)(_unbox_address)
+
+
+def _count_leaves(kind: Any) -> int:
+    return sum(map(_count_leaves, kind)) if isinstance(kind, _TUPLE) else 1
+
+
+def _store_unpacked(typing: Any, arguments: Any, address: Any) -> Any:
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        value, place = values
+        if context.get_abi_sizeof(value.type) > _LEAF_BYTES * _count_leaves(arguments):
+            raise TypeError(f"no room for {arguments}")
+        builder.store(value, builder.inttoptr(place, value.type.as_pointer()))
+        return context.get_dummy_value()
+
+    return types.none(arguments, types.int64), generate
+
+
+_store = cast(Callable[[Any, int], None], _INTRINSIC(_store_unpacked))
+
+
+def _load_unpacked(typing: Any, packed: Any) -> Any:
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        constant = builder.module.add_metadata([])
+
+        def load(place: Any, kind: Any) -> Any:
+            if isinstance(kind, _TUPLE):
+                index = ir.IntType(32)
+                parts = [
+                    load(builder.gep(place, [index(0), index(i)], inbounds=True), part)
+                    for i, part in enumerate(kind)
+                ]
+                return context.make_tuple(builder, kind, parts)
+            value = builder.load(place)
+            # The value never changes: a kernel may load it where it needs it.
+            value.set_metadata("invariant.load", constant)
+            return value
+
+        whole = context.get_value_type(packed.arguments).as_pointer()
+        return load(builder.inttoptr(values[0], whole), packed.arguments)
+
+    return packed.arguments(packed), generate
+
+
+# In a kernel: the arguments of ``PackedArguments``.
+unpack = cast(Callable[[PackedArguments], Any], _INTRINSIC(_load_unpacked))
+
+
+@compiled
+def _fill(arguments: Any, address: int) -> None:
+    _store(arguments, address)
+
+
+def bind(kernel: Callable[[PackedArguments, float], T], *arguments: Any) -> Callable[[float], T]:
+    """Return a kernel as a function of its last argument, a number.
+
+    Parameters
+    ----------
+    kernel : compiled function
+        Of ``PackedArguments``, which it reads by ``unpack``, and a number.
+    arguments : arrays, records, or named tuples of such
+        Arrays may change their values but not their memory.
+    """
+    memory = np.zeros(_LEAF_BYTES * _count_leaves(_NUMBA.typeof(arguments)), np.uint8)
+    packed = PackedArguments(memory.ctypes.data)
+    packed.arguments, packed.memory = arguments, memory
+    _fill(arguments, int(packed))
+    return partial(specialised(kernel, packed, 0.0), packed)

@@ -1,0 +1,208 @@
+"""User laws: plain Python functions of numbers, stored as source text.
+
+The text is executed only where the user supplied it in this process: as a function, as a file, or
+by trusting a result. Text that was merely read from a result is never executed.
+"""
+
+import ast
+import hashlib
+import inspect
+import math
+import textwrap
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from presswear.tools.errors import InputError, unknown
+from presswear.tools.files import read_checked
+
+_MAX_BYTES = 2**18  # of a file with laws
+_POINTS = 20  # at which a law is run in Python before it is compiled
+
+_trusted: set[str] = set()  # SHA-256 of the texts that may be executed in this process
+
+
+class UntrustedLaw(InputError):
+    """Stored source code of a law that the user has not allowed to be executed."""
+
+
+def is_stored_function(data: Any) -> bool:
+    """Return whether data is a user function as results and scene files store it."""
+    return isinstance(data, dict) and set(data) == {"name", "source"}
+
+
+@dataclass(frozen=True)
+class UserFunction:
+    """Function of numbers that returns a number, as source text.
+
+    Attributes
+    ----------
+    name : str
+        Name of the function in the text.
+    source : str
+        Python text with everything that the function needs; ``math`` is provided.
+    """
+
+    name: str
+    source: str
+
+    @property
+    def _checksum(self) -> str:
+        return hashlib.sha256(self.source.encode()).hexdigest()
+
+    @property
+    def digest(self) -> str:
+        """First eight digits of the SHA-256 of the text."""
+        return self._checksum[:8]
+
+    @property
+    def is_trusted(self) -> bool:
+        """Whether the text may be executed in this process."""
+        return self._checksum in _trusted
+
+    def trusted(self) -> "UserFunction":
+        """Allow this process, and the processes it starts, to execute the text."""
+        _trusted.add(self._checksum)
+        return self
+
+    def check_trusted(self, key: str) -> None:
+        """Raise UntrustedLaw unless the text may be executed."""
+        if not self.is_trusted:
+            raise UntrustedLaw(
+                f"{key} = {self}: source code that is stored in a result is not executed; use "
+                "--trust, or pw.load(folder, trust=True), if you trust where it comes from"
+            )
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # A worker process may execute the same texts as the process that started it.
+        return _unpickled, (self.name, self.source, self.is_trusted)
+
+    def __str__(self) -> str:
+        """Name and digest."""
+        return f"user law {self.name}, {self.digest}"
+
+    @staticmethod
+    def read(key: str, value: Any, parameters: tuple[str, ...] | None = None) -> "UserFunction":
+        """Return a function from a function, ``FILE.py:NAME``, or its stored form.
+
+        The first two are trusted; stored text is not.
+
+        Parameters
+        ----------
+        parameters : tuple of str or None
+            Names that the function may use as parameters; None: not checked.
+
+        Raises
+        ------
+        InputError
+            With the key, for a value that is no readable function.
+        """
+        function = _read(key, value)
+        if parameters is not None:
+            function.parameters(f"{key} = {value}" if isinstance(value, str) else key, parameters)
+        return function
+
+    def parameters(self, key: str, allowed: tuple[str, ...]) -> tuple[str, ...]:
+        """Return the names of the parameters without executing the text.
+
+        Raises
+        ------
+        InputError
+            For text that does not define the function, and for a parameter that is not allowed.
+        """
+        try:
+            tree = ast.parse(self.source)
+        except (SyntaxError, ValueError, RecursionError) as error:
+            raise InputError(f"{key}: {self.name} is no Python: {error}") from None
+        functions = {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
+        if self.name not in functions:
+            raise unknown(f"function in {key}", self.name, tuple(functions))
+        arguments = functions[self.name].args
+        if arguments.vararg or arguments.kwarg or arguments.kwonlyargs or arguments.posonlyargs:
+            raise InputError(f"{key}: {self.name} must have plain parameters, no * and no **")
+        names = tuple(argument.arg for argument in arguments.args)
+        for name in names:
+            if name not in allowed:
+                raise unknown(f"parameter of {self.name} in {key}", name, allowed)
+        return names
+
+    def namespace(self) -> dict[str, Any]:
+        """Execute the text and return its names; UntrustedLaw unless that is allowed."""
+        self.check_trusted("law")
+        names: dict[str, Any] = {"math": math, "__name__": self.name}
+        exec(compile(self.source, f"<{self.name}>", "exec"), names)
+        return names
+
+    def number(self, key: str, allowed: tuple[str, ...], values: dict[str, float]) -> float:
+        """Return the value in plain Python; InputError where it is no finite number."""
+        arguments = {name: values[name] for name in self.parameters(key, allowed)}
+        place = ", ".join(f"{name} = {value:g}" for name, value in arguments.items())
+        try:
+            result = self.namespace()[self.name](**arguments)
+        except UntrustedLaw:
+            raise
+        except (Exception, SystemExit) as error:
+            hint = ""
+            if isinstance(error, NameError):
+                hint = "; define everything inside it, or pass FILE.py:NAME"
+            raise InputError(f"{key}: {self.name} fails at {place}: {error}{hint}") from None
+        is_number = isinstance(result, (int, float)) and not isinstance(result, bool)
+        if not is_number or not math.isfinite(result):
+            raise InputError(f"{key}: {self.name} gives {result!r} at {place}: must be a number")
+        return float(result)
+
+    def try_in_python(self, key: str, allowed: tuple[str, ...]) -> None:
+        """Run the function at twenty points, because compiled code cannot be stopped by Ctrl-C.
+
+        Arithmetic errors are ignored: a point may lie outside of the range of the law.
+
+        Raises
+        ------
+        InputError
+            With the key, for a function that fails otherwise.
+        """
+        names = self.parameters(key, allowed)
+        function = self.namespace()[self.name]
+        for k in range(_POINTS):
+            # Sizes from 1e-6 to about 1, signs and order different for each parameter.
+            exponents = [(7 * k + 3 * i) % _POINTS for i in range(len(names))]
+            values = [(-1.0) ** (k // (i + 1)) * 2.0**-n for i, n in enumerate(exponents)]
+            try:
+                function(*values)
+            except (ArithmeticError, ValueError):
+                continue
+            except (Exception, SystemExit) as error:
+                raise InputError(f"{key}: {self.name} fails: {error}") from None
+
+
+def _read(key: str, value: Any) -> UserFunction:
+    if isinstance(value, UserFunction):
+        return value
+    if isinstance(value, dict):
+        if not is_stored_function(value) or not all(isinstance(x, str) for x in value.values()):
+            raise InputError(f"{key} = {value!r}: must have texts under name and source")
+        return UserFunction(**value)
+    if callable(value):
+        try:
+            source = textwrap.dedent(inspect.getsource(value))
+            return UserFunction(value.__name__, source).trusted()
+        except (OSError, TypeError, AttributeError):
+            raise InputError(
+                f"{key}: the source of {value!r} cannot be read: must be a function defined in "
+                "a file"
+            ) from None
+    file, _, name = str(value).rpartition(":")
+    path = Path(file)
+    if not path.is_file():
+        raise InputError(f"{key} = {value!r}: there is no file {file!r}; must be FILE.py:NAME")
+    if path.stat().st_size > _MAX_BYTES:
+        raise InputError(f"{key} = {value!r}: the file has more than {_MAX_BYTES} bytes")
+    try:
+        return UserFunction(name, read_checked(path).decode()).trusted()
+    except UnicodeDecodeError:
+        raise InputError(f"{key} = {value!r}: this is no text") from None
+
+
+def _unpickled(name: str, source: str, is_trusted: bool) -> UserFunction:
+    function = UserFunction(name, source)
+    return function.trusted() if is_trusted else function

@@ -1,0 +1,251 @@
+"""Compiled kernels: calls between them, lazy compilation, cache, bound arguments."""
+
+import gc
+import os
+import subprocess
+import sys
+from fractions import Fraction
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numba.core.errors import NumbaError
+from numpy.typing import NDArray
+
+from presswear.physics.packed import JOINT, Packed
+from presswear.tools.compile import (
+    PackedArguments,
+    bind,
+    compiled,
+    fused,
+    lazily_compiled,
+    on_compiling,
+    specialised,
+    unpack,
+)
+
+Array = NDArray[np.float64]
+
+
+@compiled
+def _leaf(x: float) -> float:
+    return x * x + 1.0
+
+
+class _Inner(NamedTuple):
+    numbers: Array
+    is_odd: bool
+    nothing: Array | None
+
+
+class _Outer(NamedTuple):
+    inner: _Inner
+    columns: Array
+    factor: float
+
+
+@compiled
+def _inner_sum(inner: _Inner, from_place: int) -> float:
+    total = 0.0 if inner.nothing is None else 1e3
+    for x in inner.numbers[from_place:]:
+        total += x
+    return -total if inner.is_odd else total
+
+
+@compiled
+def _outer_sum(outer: _Outer, k: int) -> float:
+    cut = _Inner(outer.columns[:, k], not outer.inner.is_odd, None)
+    return outer.factor * (_inner_sum(outer.inner, 1) + _inner_sum(cut, 0))
+
+
+def test_nested_named_tuples_are_passed() -> None:
+    columns = np.arange(6.0).reshape(3, 2)
+    for is_odd, sign in ((True, -1.0), (False, 1.0)):
+        bare = _Outer(_Inner(np.array([1.0, 2.0, 4.0]), is_odd, None), columns, 2.0)
+        assert _outer_sum(bare, 1) == 2.0 * sign * (6.0 - 9.0)
+        full = bare._replace(inner=bare.inner._replace(nothing=columns[0]))
+        assert _outer_sum(full, 0) == 2.0 * sign * (1006.0 - 6.0)
+
+
+def test_garbage_collection_resumes_after_compiling() -> None:
+    @compiled
+    def twice(x: float) -> float:
+        return 2.0 * _leaf(x)
+
+    @compiled
+    def nonsense(x: float) -> float:
+        return _leaf(x).no_attribute  # type: ignore[attr-defined]  # wrong on purpose
+
+    with pytest.raises(NumbaError):
+        nonsense(1.0)
+    assert gc.isenabled()
+    gc.disable()
+    try:
+        assert twice(1.0) == 4.0
+        assert not gc.isenabled()
+    finally:
+        gc.enable()
+
+
+PAIR = np.dtype([("factor", np.float64), ("calls", np.int64)])
+
+
+@lazily_compiled((0.0, 0), PAIR, 1, 0)
+def _rare_kernel(pair: Any, numbers: Array, x: float) -> tuple[float, int]:
+    pair.calls += 1
+    return pair.factor * x + numbers[numbers.shape[0] - 1], numbers.shape[0]
+
+
+_rare: Any = _rare_kernel
+
+
+@compiled
+def _seldom(pairs: NDArray[np.void], numbers: Array, x: float) -> float:
+    total = 0.0
+    for k in range(pairs.shape[0]):
+        if x > 0.0:
+            value, count = _rare(pairs[k], numbers[:, k], x)
+            total += value * count
+    return total
+
+
+def test_lazy_kernel_is_compiled_at_its_first_call() -> None:
+    pairs, numbers = np.zeros(2, PAIR), np.arange(6.0).reshape(3, 2)
+    pairs["factor"] = 10.0, 100.0
+    assert _seldom(pairs, numbers, -1.0) == 0.0
+    assert not _rare.from_python.overloads
+    # Columns have gaps, whole arrays none.
+    assert _seldom(pairs, numbers, 2.0) == 3.0 * (20.0 + 4.0) + 3.0 * (200.0 + 5.0)
+    assert len(_rare.from_python.overloads) == 1
+    assert pairs["calls"].tolist() == [1, 1]
+
+
+def test_compiling_is_reported_with_its_duration_and_loading_is_not() -> None:
+    @compiled
+    def half(x: float) -> float:
+        return 0.5 * _leaf(x)
+
+    heard: list[float] = []
+    with on_compiling(heard.append):
+        assert half(1.0) == 1.0
+        assert half(3.0) == 5.0
+    start, took = heard
+    assert start == 0.0 < took
+    specialised(half, 1)
+    assert len(heard) == 2
+
+
+COUNTED = """
+from numba.core import event
+import presswear as pw
+from presswear.physics.contact import note_foundation
+from presswear.physics.wear import deposit_over_arc
+
+class Count(event.Listener):
+    compiled = 0
+    def on_start(self, event): Count.compiled += 1
+    def on_end(self, event): pass
+
+event.register("numba:compile", Count())
+pw.run(pw.scenes.wear_times(cycles=1, wear_updates=0), engine="%s")
+lazy = note_foundation, deposit_over_arc
+print(Count.compiled, sum(len(kernel.from_python.overloads) for kernel in lazy))
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("engine", "most"), [("exudyn-tree", 97), ("dae", 126)])
+def test_first_start_compiles_few_kernels_and_second_none(
+    tmp_path: Path, engine: str, most: int
+) -> None:
+    environment = {**os.environ, "XDG_CACHE_HOME": str(tmp_path)}
+    for fewest, limit in ((20, most), (-1, 0)):
+        command = [sys.executable, "-c", COUNTED % engine]
+        ran = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
+        kernels, unused = map(int, ran.stdout.split())
+        assert fewest < kernels <= limit
+        assert unused == 0
+
+
+def _product_and_sum(a: float, b: float, c: float) -> float:
+    return a * b + c
+
+
+def test_a_fused_kernel_rounds_once_or_as_others_do() -> None:
+    plain, quick = compiled(_product_and_sum), fused(_product_and_sum)
+    for n in range(1, 50):
+        a, b, c = 1.0 + 1.0 / (3.0 * n), 1.0 - 1.0 / (7.0 * n), -1.0 - 0.1 / n
+        assert plain(a, b, c) == a * b + c
+        once = float(Fraction(a) * Fraction(b) + Fraction(c))
+        assert quick(a, b, c) in (once, a * b + c)
+
+
+# Named tuples of the package: the cache of compiled code outlives those of a test.
+
+
+@compiled
+def gather(run: PackedArguments, x: float) -> float:
+    """Sum what is there, and leave the sum behind."""
+    first, second, out = unpack(run)
+    total = x
+    for part in (first, second):
+        for i in range(part.mass.shape[0]):
+            total += part.mass[i]
+        for i in range(part.surfaces.shape[0]):
+            for j in range(part.surfaces.shape[1]):
+                for k in range(part.surfaces.shape[2]):
+                    total += part.surfaces[i, j, k]
+        for i in range(part.joints.shape[0]):
+            if part.joints[i].over_arc:
+                total += part.joints[i].clearance
+    out[0] = total
+    return total
+
+
+def drawn(seed: int, sizes: tuple[int, int, int]) -> Packed:
+    numbers = np.random.default_rng(seed)
+    joints = np.zeros(sizes[0], JOINT)
+    joints["over_arc"] = numbers.random(sizes[0]) < 0.5
+    joints["clearance"] = numbers.random(sizes[0])
+    mass, weight = numbers.random((2, sizes[1]))
+    return Packed(
+        joints, numbers.random(sizes), joints[:0], None, mass, weight, np.zeros(0, np.int64)
+    )
+
+
+def total_of(part: Packed) -> float:
+    return float(
+        part.mass.sum()
+        + part.surfaces.sum()
+        + part.joints["clearance"][part.joints["over_arc"]].sum()
+    )
+
+
+sizes = st.tuples(st.integers(0, 3), st.integers(0, 3), st.integers(0, 3))
+
+
+@given(st.integers(0, 2**32 - 2), sizes, sizes, st.floats(-10.0, 10.0))
+def test_bound_kernel_reads_its_arguments(
+    seed: int, first: tuple[int, int, int], second: tuple[int, int, int], x: float
+) -> None:
+    one, other, out = drawn(seed, first), drawn(seed + 1, second), np.zeros(1)
+    call = bind(gather, one, other, out)
+    assert abs(call(x) - (x + total_of(one) + total_of(other))) < 1e-12
+    assert out[0] == call(x)
+
+
+def test_bound_arrays_may_change_and_stay_alive() -> None:
+    """The kernel has addresses: nobody else need keep what stands there."""
+    mass = np.ones(2)
+    one, other = drawn(1, (2, 2, 2))._replace(mass=mass), drawn(2, (2, 2, 2))
+    call = bind(gather, one, other, np.zeros(1))
+    before = call(0.0)
+    mass[0] += 1.0
+    del mass, one, other
+    gc.collect()
+    others = [np.full(2, 1e9) for _ in range(1000)]  # would take the place of what is freed
+    assert abs(call(0.0) - before - 1.0) < 1e-12
+    assert len(others) == 1000

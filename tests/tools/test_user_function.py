@@ -1,0 +1,113 @@
+"""User functions: read, refused, run in Python, compiled."""
+
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from presswear.tools.compile import address_of, call, check_compiles, compile_function, compiled
+from presswear.tools.errors import InputError
+from presswear.tools.user_function import UserFunction
+
+KNOWN = ("a", "b", "c")
+
+
+def spring(b: float, a: float) -> float:
+    return 2.0 * a - b
+
+
+def test_same_text_is_the_same_law(tmp_path: Path) -> None:
+    function = UserFunction.read("law", spring)
+    assert function.name == "spring"
+    assert function.source.startswith("def spring(")
+    file = tmp_path / "laws.py"
+    file.write_text(function.source)
+    assert UserFunction.read("law", f"{file}:spring") == function
+    assert UserFunction.read("law", {"name": function.name, "source": function.source}) == function
+    assert function.parameters("law", KNOWN) == ("b", "a")
+    assert function.number("law", KNOWN, {"a": 3.0, "b": 1.0, "c": 9.0}) == 5.0
+    assert function.digest in str(function)
+    assert UserFunction(function.name, function.source + "\n").digest != function.digest
+
+
+@compiled
+def _through(address: int, a: float, b: float, c: float) -> float:
+    return call(address, (a, b, c))
+
+
+@given(a=st.floats(-1e3, 1e3), b=st.floats(-1e3, 1e3))
+def test_compiled_function_is_called_by_address(a: float, b: float) -> None:
+    address = address_of(compile_function(UserFunction.read("law", spring), KNOWN), 3)
+    assert _through(address, a, b, 7.0) == spring(b, a)
+
+
+@pytest.mark.parametrize(
+    ("source", "words"),
+    [
+        ("def law(a:\n", "is no Python"),
+        ("def laws(a):\n    return a\n", "did you mean laws"),
+        ("def law(aa):\n    return aa\n", "did you mean a"),
+        ("def law(*a):\n    return a\n", "plain parameters"),
+        ("def law(a, *, b):\n    return a\n", "plain parameters"),
+        ("law = 3\n", "unknown function in normal_law 'law'; there is none"),
+        ("\0", "is no Python"),
+    ],
+)
+def test_text_without_law_is_refused_without_execution(source: str, words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        UserFunction("law", source).parameters("normal_law", KNOWN)
+
+
+@pytest.mark.parametrize(
+    ("body", "words"),
+    [
+        ("1.0 / (a - a)", "division by zero"),
+        ("unheard", "unheard"),
+        ("a > 0", "gives True"),
+        ("1e400 * a", "gives inf"),
+        ("None", "gives None"),
+    ],
+)
+def test_message_names_the_place_without_number(body: str, words: str) -> None:
+    function = UserFunction("law", f"def law(a):\n    return {body}\n").trusted()
+    with pytest.raises(InputError, match=words) as refusal:
+        function.number("normal_law", KNOWN, {"a": 2.5})
+    assert "a = 2.5" in str(refusal.value)
+    assert "\n" not in str(refusal.value)
+
+
+@pytest.mark.parametrize(
+    "given_value", ["nothing.py:law", "nothing.py:", ":law", ".py:x", "/:law", print, len]
+)
+def test_unreadable_function_is_refused(given_value: object) -> None:
+    with pytest.raises(InputError, match="law"):
+        UserFunction.read("law", given_value)
+
+
+def test_loops_subscripts_and_comprehensions_are_laws() -> None:
+    loop = "    k = 0\n    while k < 8:\n        k += 1\n        a += (0, k)[1]\n"
+    text = f"def law(a):\n{loop}    return a\n"
+    function = UserFunction("law", text).trusted()
+    check_compiles(function, "normal_law", KNOWN)
+    assert compile_function(function, KNOWN)(3.0, 0.0, 0.0) == 39.0
+
+
+def test_law_is_run_in_python_before_it_is_compiled() -> None:
+    text = "def law(a):\n    return unknown_name * a\n"
+    with pytest.raises(InputError, match=r"^F1: law fails: name 'unknown_name'"):
+        check_compiles(UserFunction("law", text).trusted(), "F1", KNOWN)
+    text = "def law(a):\n    return math.sqrt(a) / a\n"
+    check_compiles(UserFunction("law", text).trusted(), "F1", KNOWN)
+
+
+def test_message_names_the_law_that_cannot_be_compiled() -> None:
+    function = UserFunction("law", "def law(a):\n    return a + eval('2.0')\n").trusted()
+    with pytest.raises(InputError, match=r"^B\.normal_law: law cannot be compiled: ") as refusal:
+        check_compiles(function, "B.normal_law", KNOWN)
+    assert len(str(refusal.value).splitlines()) == 1
+
+
+def test_helper_functions_are_compiled() -> None:
+    text = "K = 2.0\ndef half(x):\n    return 0.5 * x\ndef law(a):\n    return K * half(a)\n"
+    assert compile_function(UserFunction("law", text).trusted(), KNOWN)(3.0, 0.0, 0.0) == 3.0
