@@ -7,8 +7,9 @@ import sys
 
 import presswear as pw
 from presswear.cli.terminal import scene_given
+from presswear.results.bottom import rise
 from presswear.scene.settings import changed, settings_of
-from presswear.show.report.bottom import bottom_between, bottom_mean, risen
+from presswear.show.page import text_of
 
 
 def main(name: str = "press-blanking", cycles: int = 12, replicates: int = 4) -> None:
@@ -18,14 +19,16 @@ def main(name: str = "press-blanking", cycles: int = 12, replicates: int = 4) ->
     speed = {own.key: own.value for own in settings_of(scene)}[
         "speed"
     ]  # of a press or slider-crank
-    ran, texts = [], (bottom_mean("error", 1e6), bottom_between("range", 1e6))
-    print("µm, 95 % intervals: over the ideal | range of strokes | risen since the first row")
+    stages = []
+    print("µm, 95 % intervals: over the ideal | range of strokes | change since the first row")
     for process in ("none", scene.process.kind) if scene.process else ("none",):
         for part in (0.8, 1.0):
             own = changed(scene, {"process": process, "speed": part * speed})
-            ran.append(pw.run(own, engine="dae").stages[0])
-            told = *(text(ran[-1]) for text in texts), risen(ran[-1], ran[0])
-            print(f"work {process}, {part:.0%} of the speed: {' | '.join(told)}")
+            stage = pw.run(own, engine="dae").stages[0]
+            stages.append(stage)
+            values = stage.bdc.error, stage.bdc.range, rise(stage, stages[0])
+            texts = " | ".join(text_of(value, "µm") for value in values)
+            print(f"work {process}, {part:.0%} of the speed: {texts}")
 
 
 if __name__ == "__main__":

@@ -131,10 +131,10 @@ def _diagram(
 
 def _of_result(folder: Path, console: Console) -> int:
     from presswear.results.result import load
-    from presswear.show.report.motion import motion
+    from presswear.show.report_tables import motion_table
 
     result = load(folder)
-    found = motion(result)
+    found = motion_table(result)
     if found is None:
         raise InputError(
             f"{folder}: no joint has clearance, or no cycle was recorded, so that there is no "

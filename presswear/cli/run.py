@@ -240,7 +240,7 @@ def _window(arguments: argparse.Namespace, scene: Scene) -> "AbstractContextMana
 
 def _report(arguments: argparse.Namespace, console: Console) -> int:
     check_folder(arguments.folder)
-    foresee(("presswear.show.report.page",))
+    foresee(("presswear.show.page",))
     if (arguments.folder / "sweep.json").exists():
         from presswear.cli import sweep
 

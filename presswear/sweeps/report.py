@@ -9,9 +9,8 @@ import matplotlib
 import numpy as np
 
 from presswear.show.figures.style import SETTINGS, Drawing
-from presswear.show.report.page import Illustration, illustrate, render_page
-from presswear.show.report.parts import NOTHING, Row
-from presswear.show.report.parts import Table as Shown
+from presswear.show.page import NOTHING, Illustration, Line, illustrate, render_page
+from presswear.show.page import Table as Shown
 from presswear.sweeps.analysis import Analysis, analysed, has_varied
 from presswear.sweeps.distributions import Distribution
 from presswear.sweeps.export import write_csv
@@ -99,9 +98,9 @@ def write_report(
     write_csv(folder / REST, table)
     left = count - min(count, FIRST_ROWS)
     text = render_page(
-        "sweep.html",
+        title,
+        template="sweep.html",
         package="presswear.sweeps",
-        title=title,
         status=f"{status}.",
         style="unfinished" if failed else "completed",
         answer=answers,
@@ -176,7 +175,7 @@ def _varied(table: Table, known: Mapping[str, Distribution]) -> Shown:
 
 
 def _measured(table: Table) -> Shown:
-    rows: list[Row] = []
+    rows: list[Line] = []
     for place, own in enumerate(table.measures):
         values = table.values[:, place]
         values = values[np.isfinite(values)]

@@ -6,7 +6,7 @@ from itertools import combinations
 import numpy as np
 
 from presswear.recording.statistics import Estimate
-from presswear.show.report.parts import NOTHING, Row, Table
+from presswear.show.page import NOTHING, Line, Table
 from presswear.sweeps.analysis import Analysis
 from presswear.sweeps.estimates import as_share
 from presswear.sweeps.figures.scales import Scale, scales_of
@@ -290,5 +290,5 @@ def _swings(found: Analysis) -> Table:
     return _table(("factor", "low", "change", "high", "change"), tuple(rows))
 
 
-def _table(head: Row, rows: tuple[Row, ...]) -> Table:
+def _table(head: Line, rows: tuple[Line, ...]) -> Table:
     return Table(head, (("", rows),))

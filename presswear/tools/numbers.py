@@ -95,3 +95,51 @@ def with_interval(mean: float | None, half_width: float | None) -> str:
     places = max(decimals, 0)
     pair = (f"{round(number, decimals):,.{places}f}" for number in (mean, half_width))
     return "\u00a0± ".join(map(_written, pair))
+
+
+DISPLAY_UNITS: dict[str, tuple[str, float, float]] = {
+    "m": ("m", 1.0, 1.0),
+    "mm": ("m", 1e3, 1e-3),
+    "µm": ("m", 1e6, 1e-6),
+    "nm": ("m", 1e9, 1e-9),
+    "pm": ("m", 1e12, 0.0),
+    "mm³": ("m^3", 1e9, 1e-12),
+    "µm³": ("m^3", 1e18, 0.0),
+    "kN": ("N", 1e-3, 1e4),
+    "N": ("N", 1.0, 0.0),
+    "ms": ("s", 1e3, math.inf),
+    "µs": ("s", 1e6, math.inf),
+    "mJ": ("J", 1e3, math.inf),
+    "degrees": ("rad", 180.0 / math.pi, math.inf),
+    "°": ("rad", 180.0 / math.pi, math.inf),
+    "%": ("", 100.0, math.inf),
+    "million": ("", 1e-6, math.inf),
+}
+"""SI unit, factor from it, and smallest SI value that ``unit_scale`` shows in a display unit."""
+
+
+def unit_factor(unit: str) -> float:
+    """Return the factor from the SI value to a display unit; 1 for any SI unit."""
+    return DISPLAY_UNITS.get(unit, (unit, 1.0, 0.0))[1]
+
+
+def unit_scale(unit: str, largest: float) -> tuple[float, str]:
+    """Return the factor and the display unit in which values of an SI unit read well.
+
+    Parameters
+    ----------
+    unit : str
+        SI unit.
+    largest : float
+        Largest of the values, in the SI unit.
+    """
+    for display, (si, factor, smallest) in DISPLAY_UNITS.items():
+        if si == unit and largest >= smallest:
+            return factor, display
+    return 1.0, unit
+
+
+def quantity_text(value: float, unit: str, digits: int = 3) -> str:
+    """Return a value of an SI unit with the display unit in which it reads well."""
+    factor, display = unit_scale(unit, abs(value))
+    return f"{readable(factor * value, digits)} {display}".rstrip()

@@ -19,7 +19,7 @@ from presswear.recording.statistics import STARTUP_CYCLES, pooled
 from presswear.results.bottom import rise, strokes_of
 from presswear.scene.catalog import clearance_c, ideal, wear_times
 from presswear.scene.scene import Scene
-from presswear.show.report.bottom import bottom
+from presswear.show.report_tables import bottom_table, stage_records
 from presswear.tools.arrays import Array
 
 
@@ -160,10 +160,11 @@ def test_what_dwells_at_its_bottom_is_not_late(part: float, cycles: int) -> None
     # It leaves slowly, and is looked at 1440 times in a cycle.
     stays = stage.bdc.ideal_dwell / press.period
     assert part - 2.0 / 1440.0 < stays < part + 0.01
-    table = bottom(run(scene), {})
+    result = run(scene)
+    table = bottom_table(result, stage_records(result))
     assert table is not None
     labels = [row[0] for _, rows in table.groups for row in rows]
-    assert "the ideal stays there, so that none is late (ms)" in labels
+    assert "dwell of the ideal motion (ms)" in labels
     plain = run(replace(scene, mechanism=Press())).stages[0].bdc
     assert plain.delay is not None
     assert plain.ideal_dwell < 0.002 * press.period

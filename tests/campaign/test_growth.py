@@ -26,8 +26,8 @@ from presswear.scene.bearing import CONVENTIONS
 from presswear.scene.catalog import wear_times
 from presswear.scene.scene import REPLICATES, Scene
 from presswear.show.figures import drawings
-from presswear.show.report import notes, render, words_of
-from presswear.show.report.wear import growth as growth_table
+from presswear.show.report import render_report
+from presswear.show.report_tables import growth_table
 
 Array = NDArray[np.float64]
 
@@ -409,8 +409,7 @@ def test_growth_is_a_table_and_a_figure(real: Path) -> None:
             assert y[0] == 0.0
             deepest = result.stages[0].wear_steps[-1].max_depth[joint][side]
             assert y[-1] == pytest.approx(1e6 * deepest)
-    assert "how the wear was applied" in render(words_of(result), [])
-    assert notes(result)
+    assert "Wear was applied in steps of one cycle each" in render_report(result)
 
 
 def test_a_wear_without_a_coarser_pass_is_not_known() -> None:

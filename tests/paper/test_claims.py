@@ -30,10 +30,10 @@ from presswear.paper.variants import (
 )
 from presswear.paper.verdicts import Verdict, compared, verdict
 from presswear.paper.words import QUANTITIES
-from presswear.show.report.parts import Row, Table
+from presswear.show.page import Line, Table
 
 
-def rows_of(table: Table) -> tuple[Row, ...]:
+def rows_of(table: Table) -> tuple[Line, ...]:
     ((_, rows),) = table.groups
     return rows
 

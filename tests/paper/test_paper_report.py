@@ -19,7 +19,7 @@ from presswear.paper.report.summary import STYLES, findings, headline
 from presswear.paper.variants import BASE, WEAR, make_scenes, variant_key
 from presswear.paper.verdicts import Verdict, judged
 from presswear.paper.words import as_printed
-from presswear.show.report.page import Illustration
+from presswear.show.page import Illustration
 
 FOLDED = ["numbers", "figures", "chosen", "statistics", "origin"]
 

@@ -17,7 +17,7 @@ from presswear.results.tables import table_of, unit_of
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.show.figures import drawings
-from presswear.show.report.drives import drives
+from presswear.show.report_tables import drive_table
 
 PENDULUM = Linkage(
     bodies=[Bar("crank", length=0.4, mass=2.0)],
@@ -108,7 +108,7 @@ def test_power_is_in_the_figures_and_in_the_report() -> None:
     # Its lines begin behind the start-up.
     first = float(np.asarray(drawing.sheet.axes[1].lines[0].get_xdata())[0])
     assert first == pytest.approx(2.0 * scene.mechanism.period, rel=1e-2)
-    table = drives(result)
+    table = drive_table(result)
     assert table is not None
     assert table.head == ("drives", "no wear", "ideal joints")
     (rows,) = ({row[0]: row[1:] for row in own} for name, own in table.groups if "crank" in name)
@@ -117,7 +117,7 @@ def test_power_is_in_the_figures_and_in_the_report() -> None:
         plain = told.replace("\u2212", "-").replace("\u202f", "").replace(" ", "")
         assert float(plain) == pytest.approx(duty.power.peak, rel=1e-2)
     without = run(replace(scene, drive_torque="auto", cycles=1))
-    assert drives(without) is None
+    assert drive_table(without) is None
     assert "drives.png" not in [own.file for own in drawings(without)]
 
 
@@ -138,4 +138,4 @@ def test_a_run_that_ends_in_its_run_up_has_no_duties() -> None:
     rows |= {name: stage.arrays[name][:0] for name in ("cycles", "cycle_start")}
     cut = replace(stage, arrays={**stage.arrays, **rows})
     assert drives_of(scene, cut) == {}
-    assert drives(replace(result, stages=(cut,))) is None
+    assert drive_table(replace(result, stages=(cut,))) is None

@@ -27,7 +27,7 @@ from presswear.scene.catalog import wear_times
 from presswear.scene.scene import Scene
 from presswear.scene.settings import changed
 from presswear.show.figures import drawings
-from presswear.show.report import render, words_of
+from presswear.show.report import render_report
 from presswear.tools.arrays import write_arrays
 from presswear.tools.documents import sealed_json
 from presswear.tools.errors import InputError, RunFailed
@@ -392,4 +392,4 @@ def test_maps_of_different_bins_are_stored_and_shown(whole: Path) -> None:
         for axes in drawn["wear-depth.png"].axes
     ]
     assert len(set(map(max, ends))) == 2
-    assert render(words_of(result), [])
+    assert render_report(result)

@@ -33,7 +33,7 @@ from presswear.results.tonnage import (
     tonnage_of,
 )
 from presswear.show.figures import drawings
-from presswear.show.report.tonnage import tonnage
+from presswear.show.report_tables import stage_records, tonnage_table
 from presswear.tools.arrays import Array
 
 PRESS = pw.Press()
@@ -213,7 +213,7 @@ def test_work_and_energies_of_a_loose_press_are_those_of_its_engine(engine: str)
         assert 0.0 <= own.reversed_N.mean <= own.largest_N["snap-through"]
         assert (own.reversal_s is None) == (own.reversed_N.mean == 0.0)
     assert told.most_loaded in told.joints
-    table = tonnage(result)
+    table = tonnage_table(result, stage_records(result))
     assert table is not None
     assert [name for name, _ in table.groups][-3:] == ["Joint A", "Joint C", "Strokes"]
     (drawing,) = drawings(result, ["tonnage"])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from made_up_result import grown
 
-from presswear.show.figures.style import between, length_scale, round_down
+from presswear.show.figures.style import between, round_down
 
 
 @pytest.mark.parametrize(
@@ -12,12 +12,6 @@ from presswear.show.figures.style import between, length_scale, round_down
 )
 def test_round_down(value: float, expected: float) -> None:
     assert round_down(value) == pytest.approx(expected)
-
-
-def test_length_scale_reads_naturally() -> None:
-    assert length_scale(1.2e-5) == (1e6, "µm")
-    assert length_scale(0.0015) == (1e3, "mm")
-    assert length_scale(0.0)[1] == "pm"
 
 
 def test_all_series_are_cut_to_the_same_rows() -> None:

@@ -1,66 +1,34 @@
-"""The report page of small made-up results."""
+"""Report page of small made-up results."""
 
 import re
 from dataclasses import replace
-from functools import partial
-from html.parser import HTMLParser
 from pathlib import Path
 
+import numpy as np
 import pytest
-from made_up_result import BODY, BOTH, IDEAL, ONE, altered, made_up
+from made_up_life import LIFE, lived, made_up_life, not_passed
+from made_up_result import BODY, BOTH, IDEAL, ONE, altered, grown, made_up
+from test_page import Page
 
+from presswear.linkage.four_bar import FOUR_BAR
+from presswear.linkage.process import Blanking
 from presswear.physics.statics import total_clearance
+from presswear.results.life import Ended
 from presswear.results.result import Result
-from presswear.results.stage import StageStatistics
-from presswear.scene.bearing import CONVENTIONS, Conventions
-from presswear.scene.catalog import slider_crank
+from presswear.results.stage import StageStatistics, WearStep
+from presswear.scene.bearing import CONVENTIONS, Bearing, Conventions
+from presswear.scene.catalog import press_blanking, slider_crank, wear_times
+from presswear.scene.scene import Scene
 from presswear.scene.settings import settings_of
-from presswear.show.figures import Drawing, drawings
-from presswear.show.figures.style import Sheet
-from presswear.show.report import notes, render, words_of, write_report
-from presswear.show.report.page import illustrated
+from presswear.show.figures import drawings
+from presswear.show.page import Illustration
+from presswear.show.report import render_report, write_report
+from presswear.show.report_tables import moment_table, stage_records
 from presswear.tools.errors import InputError
 
 
-class Page(HTMLParser):
-    """Elements, attribute values and text of a page."""
-
-    def __init__(self, text: str) -> None:
-        super().__init__()
-        self.tags: list[str] = []
-        self.links: list[str] = []
-        self.words: list[str] = []
-        self.rows: list[list[str]] = []
-        self.in_row = False
-        self.feed(text)
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self.tags.append(tag)
-        self.links += [value or "" for name, value in attrs if name in ("src", "href", "srcset")]
-        if tag == "tr":
-            self.rows.append([])
-            self.in_row = True
-
-    def handle_endtag(self, tag: str) -> None:
-        if tag == "tr":
-            self.in_row = False
-
-    def handle_data(self, data: str) -> None:
-        if data.strip():
-            self.words.append(data.strip())
-            if self.in_row:
-                self.rows[-1].append(data.strip())
-
-    def row(self, label: str) -> list[str]:
-        return next(row for row in self.rows if row and row[0] == label)
-
-    @property
-    def text(self) -> str:
-        return " ".join(self.words)
-
-
 def page_of(result: Result) -> Page:
-    return Page(render(words_of(result), []))
+    return Page(render_report(result))
 
 
 def test_one_file_without_references(tmp_path: Path) -> None:
@@ -71,143 +39,252 @@ def test_one_file_without_references(tmp_path: Path) -> None:
     page = Page(text)
     assert len(page.links) == len(list((tmp_path / "figures").iterdir())) == 13
     assert all(link.startswith("data:image/png;base64,") for link in page.links)
-    own = re.sub(r"data:image/png;base64,[A-Za-z0-9+/=]+", "", text)
-    assert not re.search(r"http|url\(|@import|<script|<link", own)
-
-
-def numbered(number: int) -> list[Drawing]:
-    """As many empty sheets as a number says; there is no third."""
-    if number == 3:
-        raise InputError("there is no third")
-    return [Drawing(f"{number}-{k}.png", f"{number}", "", Sheet((1, 1))) for k in range(number)]
-
-
-@pytest.mark.parametrize("at_once", [1, 2])
-def test_figures_of_several_processes_come_in_order(tmp_path: Path, at_once: int) -> None:
-    drawers = [partial(numbered, number) for number in (2, 0, 1, 4, 1)]
-    said, found = illustrated(partial(dict, title="some"), drawers, tmp_path, at_once)
-    assert said == {"title": "some"}
-    assert [own.title for own in found] == ["2", "2", "1", "4", "4", "4", "4", "1"]
-    files = {own.file for own in found}
-    assert {path.name for path in tmp_path.iterdir()} == files == {*files, "4-3.png"}
-    with pytest.raises(InputError, match="there is no third"):
-        illustrated(dict, [partial(numbered, number) for number in (1, 2, 3, 4)], tmp_path, at_once)
-
-
-def test_bottom_dead_centre_has_a_table() -> None:
-    page = page_of(made_up(ONE, 2))
-    told = page.row("standard deviation of the height (µm)")[1]
-    assert told == "40.0\u00a0(30.0\u00a0to\u00a060.0)"
-    assert page.row("later than the ideal (ms)")[1] == "−3.00 (too few cycles)"
-    assert page.row("the same as crank angle (degrees)")[1] == "−1.8\u00a0± 1.0"
-    # Each number stands once: what is told at a glance is not told again.
-    for text in ("−860\u00a0± 30", "−100\u00a0± 42", "100 (too few strokes)"):
-        assert page.words.count(text) == 1 + (text[0] == "1")
-    clearance = page.row("total clearance at the slider (µm)")[2:]
-    stages = [replace(ONE, surfaces=stage.surfaces) for stage in made_up(ONE, 2).stages]
-    found = [1e6 * total_clearance(scene.linkage()) for scene in stages]
-    assert [float(text.replace("\u202f", "")) for text in clearance] == pytest.approx(
-        found, rel=1e-3
-    )
-    assert found[1] > found[0]
-    rigid = page_of(made_up(IDEAL, 1))
-    assert rigid.row("standard deviation of the height (µm)")
-    assert "total clearance" not in rigid.text
+    text = re.sub(r"data:image/png;base64,[A-Za-z0-9+/=]+", "", text)
+    assert not re.search(r"http|url\(|@import|<script|<link", text)
+    with pytest.raises(InputError, match="ran in memory"):
+        write_report(replace(result, path=None))
 
 
 def test_hostile_title_is_text() -> None:
     title = "<script>alert('x')</script> & \"more\""
-    text = render(words_of(made_up(replace(BOTH, title=title), 1)), [])
-    assert "script" not in Page(text).tags
-    assert title in Page(text).words
+    page = page_of(made_up(replace(BOTH, title=title), 1))
+    assert "script" not in page.tags
+    assert title in page.words
 
 
-def test_failed_status_is_shown_with_its_message() -> None:
+def test_stages_are_columns() -> None:
+    step = WearStep(4e6, 2, 2e6, 0.1, {}, {}, 1.0)
+    result = made_up(ONE, 3)
+    for index in (0, 1):
+        result = altered(result, index, wear_steps=(step,))
+    page = page_of(result)
+    assert ["no wear", "first wear", "second wear"] in page.rows
+    assert page.numbers("strokes represented by the wear", 3) == [
+        *("0", "4\u202f000\u202f000", "8\u202f000\u202f000"),
+    ]
+    assert page.numbers("error of bottom dead centre (µm)", 3) == [
+        *("−760\u00a0± 30", "−860\u00a0± 30", "−960\u00a0± 30"),
+    ]
+    assert page.numbers("change since the first stage (µm)", 3) == [
+        *("–", "−100\u00a0± 42", "−200\u00a0± 42"),
+    ]
+    assert page.numbers("repeatability (µm)", 3) == ["100 (too few cycles)"] * 3
+    assert page.numbers("largest joint force (N)", 3) == ["100", "101", "102"]
+    assert page.numbers("joint with the largest force", 3) == ["C"] * 3
+    clearance = page.numbers("total clearance at the slider (µm)", 3)
+    scenes = [replace(ONE, surfaces=stage.surfaces) for stage in result.stages]
+    expected = [1e6 * total_clearance(scene.linkage()) for scene in scenes]
+    assert [float(text.replace("\u202f", "")) for text in clearance] == pytest.approx(
+        expected, rel=1e-3
+    )
+    assert expected[0] < expected[1] < expected[2]
+
+
+def test_bottom_dead_centre_has_a_table() -> None:
+    page = page_of(made_up(ONE, 1))
+    assert page.row("standard deviation of the height (µm)")[1] == (
+        "40.0\u00a0(30.0\u00a0to\u00a060.0)"
+    )
+    assert page.numbers("delay (ms)", 1) == ["−3.00 (too few cycles)"]
+    assert page.row("delay as crank angle (degrees)")[1] == "−1.8\u00a0± 1.0"
+    assert "total clearance" not in page_of(made_up(IDEAL, 1)).text
+
+
+def test_key_numbers_and_means() -> None:
+    page = page_of(made_up(BOTH, 3))
+    assert page.row("highest displacement (mm)")[1:] == ["107.3"] * 3
+    assert page.row("deepest wear at the start, bearing + pin (µm)")[1:] == ["0", "10.0", "20.0"]
+    assert page.row("its angle, bearing + pin (degrees)")[1:] == ["–", "92.50", "92.50"]
+    assert page.row("next wear update: volume (mm³)")[1:] == ["3.00"] * 3
+    assert page.row("time in contact (%)")[1:] == ["50.0"] * 3
+    assert "80 ± 12" in page.text
+    turning = page_of(made_up(BODY, 2))
+    assert turning.row("deepest wear at the start, pin (µm)")[1:] == ["0", "5.00"]
+
+
+def test_wear_in_steps_has_a_table() -> None:
+    page = page_of(grown())
+    assert page.row("cycles represented")[1:] == ["3.00·10⁶"] * 2
+    assert page.row("deepest wear of the bearing afterwards (µm)")[1:] == ["3.00", "6.00"]
+    assert page.row("largest normal force in its runs (N)")[1:] == ["9.00", "9.00"]
+
+
+def test_failed_stages() -> None:
     message = "stage 1: Newton's method found no solution <at all>"
     page = page_of(made_up(BOTH, 2, "failed", message))
     assert f"Failed: {message}" in page.words
     assert page.row("first wear")[1] == f"failed: {message}"
+    assert "The stage “first wear” failed and is not shown here." in page.text
+    empty = page_of(
+        altered(made_up(BOTH, 2, "failed", "no step"), 1, statistics=StageStatistics(cycles=0))
+    )
+    assert empty.row("largest acceleration (m/s²)")[1:] == ["1\u202f220", "–"]
+    assert empty.row("largest normal force (N)")[1:] == ["100", "–"]
+    alone = page_of(made_up(BOTH, 1, "failed", "no step"))
+    assert "No stage ran far enough for a number." in alone.text
+    assert "Unfinished: 1 of 3 stages are stored." in page_of(made_up(BOTH, 1, "running")).text
 
 
-def test_stage_that_failed_at_once_leaves_dashes() -> None:
-    result = made_up(BOTH, 2, "failed", "no step")
-    page = page_of(altered(result, 1, statistics=StageStatistics(cycles=0)))
-    assert page.row("largest acceleration (m/s²)")[1:] == ["1\u202f220", "–"]
-    assert page.row("largest normal force (N)")[1:] == ["100", "–"]
+@pytest.mark.parametrize("part", [0.25, 0.6])
+def test_the_largest_recorded_force_and_its_moment(part: float) -> None:
+    result = made_up(replace(ONE, wear_updates=0), 1)
+    (stage,) = result.stages
+    # Two cycles ran, of which the second is settled; a larger force in the first does not count.
+    row = int((1.0 + part) * (stage.time.size - 1) / 2.0)
+    force = np.zeros_like(stage.arrays["C_force"])
+    force[[50, row], 0] = 900.0, 321.0
+    page = page_of(altered(result, 0, arrays={**stage.arrays, "C_force": force}))
+    angle = 360.0 * stage.time[row] / ONE.mechanism.period % 360.0
+    assert page.numbers("largest recorded force (N)", 1) == ["321"]
+    assert float(page.numbers("crank angle of the recorded force (degrees)", 1)[0]) == (
+        pytest.approx(angle, abs=0.06)
+    )
+    speed = ONE.ideal_slider(stage.time[row : row + 1])[0, 1]
+    assert page.numbers("direction of motion then", 1) == ["up" if speed > 0.0 else "down"]
 
 
-def test_unfinished_status() -> None:
-    assert "Unfinished: 1 of 3 stages stored" in page_of(made_up(BOTH, 1, "running")).text
+def test_moments_of_the_strokes() -> None:
+    scene = replace(ONE, process=Blanking(), wear_updates=0)
+    result = made_up(scene, 1)
+    arrays = result.stages[0].arrays
+    result = altered(
+        result, 0, arrays={**arrays, "slider": scene.ideal_slider(result.stages[0].time)}
+    )
+    table = moment_table(result, stage_records(result))
+    assert table is not None
+    cells = {heading: {row[0]: row[1] for row in rows} for heading, rows in table.groups}
+    assert list(cells) == ["Touches the work", "Breaks it", "Leaves it"]
+    assert cells["Breaks it"]["height over bottom dead centre (mm)"] == "4.500"
+    touched = float(cells["Touches the work"]["crank angle (degrees)"].split()[0])
+    time = np.radians([touched]) / (2.0 * np.pi) * scene.mechanism.period
+    place = scene.ideal.at(time).watched(scene.mechanism.linkage())[0]
+    assert place[0] - scene.bottom == pytest.approx(5e-3, abs=2e-5)
+    assert place[1] < 0.0
 
 
-def test_key_numbers() -> None:
-    page = page_of(made_up(BOTH, 3))
-    assert page.row("highest displacement (mm)")[1:] == ["107.3"] * 3
-    assert page.row("deepest wear it ran on, bearing + pin (µm)")[1:] == [
-        "0",
-        "10.0\u00a0at\u00a092.5°",
-        "20.0\u00a0at\u00a092.5°",
-    ]
-    assert page.row("one more wear: volume (mm³)")[1:] == ["3.00"] * 3
-    assert page.row("time in contact (%)")[1:] == ["50.0"] * 3
-
-
-def test_bodies_keep_their_own_depths() -> None:
-    page = page_of(made_up(BODY, 2))
-    assert page.row("deepest wear it ran on, pin (µm)")[1:] == ["0", "5.00\u00a0at\u00a092.5°"]
-
-
-def test_says_how_far_to_trust_it() -> None:
-    text = page_of(made_up(BOTH, 2)).text
-    assert "Beyond some tens of impacts the motion is chaotic; a peak is one draw" in text
-    assert "chosen, not the paper's" in text
-    assert "80\u00a0± 12" in text
-
-
-def test_radial_contact_on_worn_surfaces_is_warned_of() -> None:
-    assert "met radially" in page_of(made_up(BOTH, 2)).text
-    assert "met radially" not in page_of(made_up(BOTH, 1)).text
-    assert "met radially" not in page_of(made_up(BODY, 2)).text
-
-
-def test_ideal_press_is_not_called_chaotic() -> None:
-    text = page_of(made_up(IDEAL, 1)).text
-    assert "chaotic" not in text
-    assert "chosen, not the paper's" in text
+def test_sentences_follow_the_scene() -> None:
+    both, once, ideal = (page_of(made_up(*of)).text for of in ((BOTH, 2), (BOTH, 1), (IDEAL, 1)))
+    assert "a peak is a random sample" in both
+    assert "a peak is a random sample" not in ideal
+    assert "chosen, not the paper's" in ideal
+    assert "No joint has clearance" in ideal
+    assert "Contact on worn surfaces is radial" in both
+    assert "Contact on worn surfaces is radial" not in once + page_of(made_up(BODY, 2)).text
+    assert "presses on work (blanking" in page_of(made_up(press_blanking(), 1)).text
+    four_bar = Scene(FOUR_BAR, bearings={"B": Bearing(clearance=0.3e-3)}, wear_updates=0)
+    text = page_of(made_up(four_bar, 1)).text
+    assert "The rocker moves between its lowest and highest position, 111 mm apart" in text
+    assert "300 µm at B" in text
+    assert "press" not in text.partition("Overview")[2].partition("Model")[0]
 
 
 @pytest.mark.parametrize("joints", ["B", "none"])
 def test_a_slider_crank_is_no_press_of_the_paper(joints: str) -> None:
     result = made_up(replace(slider_crank(), joints=joints), 1)
-    sentences = [*notes(result), *(drawing.caption for drawing in drawings(result))]
-    assert any("from memory and not checked against a page" in text for text in sentences)
-    assert not [text for text in sentences if re.search(r"\b(press|paper|crank 2)\b", text)]
-    table = next(text for text in sentences if "Chosen or assumed are gravity, " in text)
-    assert ", clearance," not in table
-    assert ", friction," in table
+    text = page_of(result).text.partition("Parameters")[0]
+    assert "from memory and not checked against a page" in text
+    captions = " ".join(drawing.caption for drawing in drawings(result))
+    assert not re.search(r"\b(press|paper|crank 2)\b", captions)
+    chosen = text.partition("Chosen or assumed settings: ")[2]
+    assert chosen.startswith("gravity, ")
+    assert ", clearance," not in chosen.partition(".")[0]
 
 
-def test_every_setting_is_listed_with_its_origin() -> None:
+def test_settings_changes_and_provenance() -> None:
     page = page_of(made_up(BOTH, 1))
     listed = {(row[0], row[-1]) for row in page.rows if row}
     assert {(setting.key, setting.meaning.text) for setting in settings_of(BOTH)} <= listed
     assert page.row("clearance")[1:4] == ["0.0008", "m", "paper, per study"]
+    assert page.row("source revision")[1] == "0123456789ab"
+    assert page.row("steps")[1:] == ["4\u202f000"]
+    changed = page_of(made_up(wear_times(clearance="0.5 mm", wear_updates=1), 1))
+    title = f"{wear_times().title}, changed: clearance 0.5 mm, wear updates 1"
+    assert changed.words.count(title) == 2
+    assert changed.row("clearance")[:4] == ["clearance", "0.5", "0.8", "mm"]
+    text = page_of(made_up(wear_times(), 1)).text
+    assert "All settings are those of the named scene wear-times." in text
 
 
 @pytest.mark.parametrize(
     ("conventions", "name"),
     [
-        (CONVENTIONS["paper"], "the “paper” set"),
         (CONVENTIONS["refined"], "the “refined” set"),
         (replace(CONVENTIONS["paper"], slip="sliding"), "a set of its own"),
     ],
 )
 def test_conventions_are_named(conventions: Conventions, name: str) -> None:
-    scene = replace(BOTH, conventions=conventions)
-    assert name in page_of(made_up(scene, 1)).text
+    assert name in page_of(made_up(replace(BOTH, conventions=conventions), 1)).text
 
 
-def test_provenance() -> None:
-    page = page_of(made_up(BOTH, 1))
-    assert page.row("source revision")[1] == "0123456789ab"
-    assert page.row("steps")[1:] == ["4\u202f000"]
+def test_figures_have_their_places() -> None:
+    files = ("life.png", "mechanism.png", "stroke.png", "wear-depth.png")
+    text = render_report(
+        lived(made_up(BODY, 3)), [Illustration(file, file, "", "") for file in files]
+    )
+    places = [text.index(f"<h3>{file}</h3>") for file in files]
+    assert places == sorted(places)
+    assert places[2] < text.index("<h2>Model</h2>") < places[3]
+    assert all(text.count(f"<h3>{file}</h3>") == 1 for file in files)
+
+
+LIVED = lived(made_up(BODY, 3))
+
+
+def test_the_answer_on_a_life() -> None:
+    rate = 60.0 / LIVED.scene.mechanism.period
+    assert (
+        "The first limit, depth of C over 50 µm, is exceeded after 5 million strokes"
+        f" (4.8 to 5.3 million), {LIFE / rate / 60.0:.0f} hours at {rate:.0f} strokes per minute."
+        " The wear coefficient scatters by 50.0 %: with this scatter the life is 3 to 8.3 million"
+        " strokes."
+    ).replace(f"{LIFE / rate / 60.0:.0f}", f"{round(LIFE / rate / 60.0, -1):.0f}") in (
+        page_of(LIVED).text
+    )
+    finer = page_of(lived(made_up(BODY, 3), made_up_life(0.003, 0.004))).text
+    assert "5 million strokes (4.98 to 5.03 million)" in finer.replace("\u00a0", " ")
+    unknown = page_of(lived(made_up(BODY, 3), made_up_life(None, 0.1))).text
+    assert "with an unknown error" in unknown
+
+
+def test_tables_of_a_life() -> None:
+    page = page_of(LIVED)
+    sampling = f"sampling: {LIVED.scene.draws} replicates of a chaotic motion"
+    assert page.row(sampling)[1:] == ["3.0", "4.85 to 5.15 million"]
+    assert page.row("scatter of the wear coefficients")[1:] == ["65", "3 to 8.2 million"]
+    assert page.row("all together")[1:] == ["65", "3 to 8.3 million"]
+    assert page.row("depth of C over 50 µm")[1:3] == ["5 million", "4.8 to 5.3 million"]
+    assert page.row("depth of C over 50 µm")[4] == "60.0\u00a0± 3.0 µm"
+    assert page.row("depth of A over 50 µm")[1:] == ["not exceeded", "–", "–", "20.0\u00a0± 1.0 µm"]
+    assert page.row("A: running-in")[1:] == ["0 to 2 million", "3.00\u00a0± 0.20"]
+    assert page.row("2")[1:] == ["0.100", "320", "5 million", "3.0"]
+    assert "After 2 million strokes: bush of A replaced." in page.text
+    assert "equal parts of 2.5 million strokes" in page.text
+    assert page.row("bottom dead centre")[2:] == [
+        *("after 2.5 million strokes", "after 5 million strokes"),
+    ]
+    assert "Service life" not in page_of(made_up(BODY, 3)).words
+
+
+@pytest.mark.parametrize(
+    ("ended", "message", "line"),
+    [
+        ("at_most", "", "life.at_most"),
+        ("worn", "A: worn through", "The simulation stopped there: A: worn through."),
+        ("cycles", "", "life.max_cycles"),
+    ],
+)
+def test_an_unknown_life_is_not_guessed(ended: Ended, message: str, line: str) -> None:
+    page = page_of(lived(made_up(BODY, 3), not_passed(ended, message)))
+    assert "No limit is exceeded within 5 million strokes, " in page.text
+    assert "depth of A 25.0 µm of 50 µm" in page.text
+    assert line in page.text
+    assert "all together" not in page.text
+
+
+def test_a_limit_that_may_be_the_first_is_named() -> None:
+    life = made_up_life()
+    near = replace(life.limits[0], strokes=5.4e6, sampling=0.05, step=0.0)
+    for limit, is_named in ((near, True), (replace(near, strokes=7e6), False)):
+        rival = replace(life, limits=(limit, *life.limits[1:]))
+        text = page_of(lived(made_up(BODY, 3), rival)).text
+        assert ("its interval overlaps that of the life: depth of A." in text) == is_named

@@ -12,7 +12,7 @@ from presswear.paper.figures.wear import depths, surfaces
 from presswear.paper.variants import BASE, variant_key
 from presswear.paper.variants import SETTINGS as RUN_SETTINGS
 from presswear.show.figures.style import SETTINGS, Drawing
-from presswear.show.report.page import Drawer
+from presswear.show.page import Drawer
 
 _Figure = Callable[[Evidence, int, Lines], Drawn]
 """Draws a figure of the paper, given by its number, from its lines."""

@@ -1,8 +1,8 @@
 """The report of the study ``paper``: one HTML file with every number, claim and figure."""
 
 from collections.abc import Mapping, Sequence
-from functools import partial
 from pathlib import Path
+from typing import Any
 
 from presswear.paper.evidence import Evidence
 from presswear.paper.figures import drawers
@@ -19,9 +19,13 @@ from presswear.paper.variants import BASE, JUDGED, SETTINGS, STARTS, label_of, v
 from presswear.paper.verdicts import judged
 from presswear.results.result import Result
 from presswear.scene.scene import Scene
-from presswear.show.report.origin import convention_set, conventions, parameters, provenance
-from presswear.show.report.page import Illustration, Words, illustrated, render_page
-from presswear.show.report.parts import Table
+from presswear.show.page import Illustration, Table, illustrated, render_page
+from presswear.show.report_tables import (
+    convention_set,
+    convention_table,
+    parameter_table,
+    provenance_table,
+)
 from presswear.tools.files import inside, write_bytes
 from presswear.tools.numbers import readable, whole
 
@@ -37,19 +41,18 @@ def write_report(
 ) -> tuple[str, Path]:
     """Write ``report.html`` and its figures into a folder; return the answer and the path."""
     evidence = Evidence(results)
-    words = partial(words_of, tuple(scenes), evidence)
-    said, figures = illustrated(words, drawers(evidence), inside(folder, "figures"))
+    figures = illustrated(drawers(evidence), inside(folder, "figures"))
     path = folder / "report.html"
-    write_bytes(path, render(said, figures).encode())
+    write_bytes(path, render(words_of(tuple(scenes), evidence), figures).encode())
     return headline(evidence, judged(evidence)), path
 
 
-def render(words: Words, figures: Sequence[Illustration]) -> str:
+def render(words: dict[str, Any], figures: Sequence[Illustration]) -> str:
     """The page as text."""
-    return render_page("paper.html", package="presswear.paper", **words, figures=figures)
+    return render_page(TITLE, (), figures, "paper.html", "presswear.paper", **words)
 
 
-def words_of(names: Sequence[str], evidence: Evidence) -> Words:
+def words_of(names: Sequence[str], evidence: Evidence) -> dict[str, Any]:
     """What the page says."""
     claims, results = judged(evidence), evidence.results
     failures = {
@@ -61,7 +64,6 @@ def words_of(names: Sequence[str], evidence: Evidence) -> Words:
     first = next(filter(None, standard), None)
     numbers, remarks = numbers_table(evidence)
     return {
-        "title": TITLE,
         "question": QUESTION,
         "wanted": len(names),
         "missing": len(names) - len(results),
@@ -83,9 +85,9 @@ def words_of(names: Sequence[str], evidence: Evidence) -> Words:
         "distances": distances_table(evidence),
         "runs": _runs_table(names, results),
         "convention_set": "" if first is None else convention_set(first.scene.conventions),
-        "conventions": None if first is None else conventions(first),
-        "parameters": None if first is None else parameters(first),
-        "provenance": None if first is None else provenance(first),
+        "conventions": None if first is None else convention_table(first),
+        "parameters": None if first is None else parameter_table(first),
+        "provenance": None if first is None else provenance_table(first),
     }
 
 

@@ -23,7 +23,7 @@ from presswear.paper.words import (
     stage_text,
     value_text,
 )
-from presswear.show.report.parts import Row, Table
+from presswear.show.page import Line, Table
 from presswear.tools.numbers import readable
 
 _SMOOTH = tuple(
@@ -102,7 +102,7 @@ def geometry_table(evidence: Evidence) -> Table:
 def fit_table(evidence: Evidence) -> Table:
     """Printed first-wear depth over ours: one number for all would be a perfect fit."""
     factors = [factors_of(evidence, name) for name in JUDGED]
-    rows: list[Row] = []
+    rows: list[Line] = []
     for place in dict.fromkeys(place for own in factors for place in own):
         label = joint_text(place)
         if place in DOUBTFUL:

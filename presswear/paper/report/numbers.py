@@ -16,7 +16,7 @@ from presswear.paper.words import (
     ratio_text,
     value_text,
 )
-from presswear.show.report.parts import Row, Table
+from presswear.show.page import Line, Table
 from presswear.tools.numbers import readable
 
 _HEAD = (
@@ -50,7 +50,7 @@ def standings(evidence: Evidence) -> list[tuple[Printed, Standing]]:
 
 def numbers_table(evidence: Evidence) -> tuple[Table, list[str]]:
     """Every printed number, by section, and the remarks that its rows refer to by number."""
-    groups: dict[str, list[Row]] = {}
+    groups: dict[str, list[Line]] = {}
     remarks: list[str] = []
     for item in PRINTED:
         group = f"Section {item.section}: {SETTINGS[item.place.setting].label}"
@@ -59,7 +59,7 @@ def numbers_table(evidence: Evidence) -> tuple[Table, list[str]]:
     return Table(_HEAD, tuple((name, tuple(rows)) for name, rows in groups.items())), remarks
 
 
-def _number_row(evidence: Evidence, item: Printed, place: Place, remarks: list[str]) -> Row:
+def _number_row(evidence: Evidence, item: Printed, place: Place, remarks: list[str]) -> Line:
     """A row; remarks that are new are put behind the others."""
     ours = evidence.measured(BASE, place, item.quantity)
     own = [part for part in item.misprint.split("; ") if part]

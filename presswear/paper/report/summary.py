@@ -18,7 +18,7 @@ from presswear.paper.variants import (
 )
 from presswear.paper.verdicts import Judged, Standing, Verdict, compared, verdict
 from presswear.paper.words import QUANTITIES, compared_text, ratio_text
-from presswear.show.report.parts import Table
+from presswear.show.page import Table
 from presswear.tools.numbers import readable
 
 RUNAWAY = 10.0  # a second wear that adds so many times the depth of the first has run away

@@ -15,8 +15,8 @@ from presswear.show.figures.style import (
     Pen,
     Sheet,
     legend,
-    unit_scale,
 )
+from presswear.tools.numbers import unit_scale
 
 DIRECTION_LABELS = {"up": "increasing", "down": "decreasing"}
 MARKERS = {"up": "^", "down": "v"}

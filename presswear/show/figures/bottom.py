@@ -13,10 +13,10 @@ from presswear.show.figures.style import (
     Sheet,
     Stages,
     legend,
-    length_scale,
     shown_stages,
     wrapped,
 )
+from presswear.tools.numbers import unit_scale
 
 
 def bottom_dead_centre(result: Result, stages: Stages) -> list[Drawing]:
@@ -28,10 +28,11 @@ def bottom_dead_centre(result: Result, stages: Stages) -> list[Drawing]:
     if not shown or not scene.clearance_joints:
         return []
     strokes = [strokes_of(scene, stage.data) for stage in shown]
-    factor, unit = length_scale(
+    factor, unit = unit_scale(
+        "m",
         max(
             float(np.abs(rows).max(initial=0.0)) for replicates in strokes for _, rows in replicates
-        )
+        ),
     )
     sheet = Sheet(figsize=(WIDTH, 2.6), layout="constrained")
     panels = sheet.subplots(1, len(shown), squeeze=False, sharey=True)[0]

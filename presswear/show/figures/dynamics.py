@@ -28,11 +28,10 @@ from presswear.show.figures.style import (
     Stages,
     between,
     legend,
-    length_scale,
     shown_stages,
     wrapped,
 )
-from presswear.tools.numbers import readable
+from presswear.tools.numbers import readable, unit_scale
 
 BINS = 180
 """Bins of the cycle in a timeline of modes."""
@@ -57,7 +56,7 @@ def phase_portrait(result: Result, stages: Stages) -> list[Drawing]:
     height = 0.7 + (0.75 * side + 0.35) * (1 + len(joints))
     sheet = Sheet(figsize=(WIDTH, height), layout="constrained")
     grid = sheet.subplots(1 + len(joints), len(shown), squeeze=False, sharex="row", sharey="row")
-    factor, unit = length_scale(max(scene.bearing(joint).clearance for joint in joints))
+    factor, unit = unit_scale("m", max(scene.bearing(joint).clearance for joint in joints))
     for column, stage in zip(grid.T, shown, strict=True):
         own = between(stage.data, *settled_span(scene, stage.data))
         look = {"color": stage.pen.colour, "linewidth": 0.3}
@@ -90,7 +89,7 @@ def poincare_section(result: Result, stages: Stages) -> list[Drawing]:
         return []
     joints = scene.clearance_joints
     gaps = {joint: scene.bearing(joint).clearance for joint in joints}
-    factor, unit = length_scale(max(gaps.values()))
+    factor, unit = unit_scale("m", max(gaps.values()))
     side = (WIDTH - 0.9) / max(len(shown), 2) - 0.1
     sheet = Sheet(figsize=(WIDTH, 0.95 + (side + 0.1) * len(joints)), layout="constrained")
     grid = sheet.subplots(len(joints), len(shown), squeeze=False, sharex=True, sharey=True)

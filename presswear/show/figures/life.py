@@ -22,10 +22,9 @@ from presswear.show.figures.style import (
     Stages,
     legend,
     note,
-    unit_scale,
     wrapped,
 )
-from presswear.tools.numbers import count_scale, given, large
+from presswear.tools.numbers import count_scale, given, large, unit_scale
 
 FILE = "life.png"
 _COLUMNS = 3

@@ -23,13 +23,12 @@ from presswear.show.figures.style import (
     Stages,
     between,
     legend,
-    length_scale,
     maps_turn,
     note,
     shown_stages,
     wrapped,
 )
-from presswear.tools.numbers import readable
+from presswear.tools.numbers import readable, unit_scale
 
 _MEANS_PER_CYCLE = 50
 """Intervals in a cycle over which the acceleration is averaged."""
@@ -151,7 +150,7 @@ def _draw_displacements(
         stage.data.displacement - result.scene.ideal_slider(stage.data.time)[:, 0]
         for stage in stages
     ]
-    factor, unit = length_scale(max(float(np.abs(values).max()) for values in deviations))
+    factor, unit = unit_scale("m", max(float(np.abs(values).max()) for values in deviations))
     for stage, deviation in zip(stages, deviations, strict=True):
         stage.pen.draw(panels[0], stage.data.time, stage.data.displacement, linewidth=0.9)
         stage.pen.draw(panels[1], stage.data.time, factor * deviation, linewidth=0.9)
@@ -250,7 +249,7 @@ def centre_trajectory(result: Result, stages: Stages) -> list[Drawing]:
     sheet = Sheet(figsize=(WIDTH, 0.95 + (side + 0.1) * len(joints)), layout="constrained")
     grid = sheet.subplots(len(joints), len(shown), squeeze=False, sharex=True, sharey=True)
     gaps = {joint: result.scene.bearing(joint).clearance for joint in joints}
-    factor, unit = length_scale(max(gaps.values()))
+    factor, unit = unit_scale("m", max(gaps.values()))
     widest, bounded = max(gaps.values()), False
     for row, joint in zip(grid, joints, strict=True):
         for axes, stage in zip(row, shown, strict=True):

@@ -6,7 +6,8 @@ from presswear.physics.bottom import bottom_of
 from presswear.results.result import Result
 from presswear.results.strokes import height_of, strokes_of
 from presswear.show.figures.motion import IDEAL, moving_stages, settled
-from presswear.show.figures.style import WIDTH, Drawing, Sheet, Stages, legend, length_scale
+from presswear.show.figures.style import WIDTH, Drawing, Sheet, Stages, legend
+from presswear.tools.numbers import unit_scale
 
 MOMENTS = {
     "contact": ("v", "touches the work"),
@@ -23,7 +24,7 @@ def height_over_angle(result: Result, stages: Stages) -> list[Drawing]:
     if not moving or bottom_of(scene.ideal) is None:
         return []
     shown, window = settled(result, moving)
-    factor, unit = length_scale(scene.stroke)
+    factor, unit = unit_scale("m", scene.stroke)
     time = np.linspace(window.begin, window.end, 1001)
     begun = scene.ideal.at(np.zeros(1)).watched(scene.watching)[0, 0]
     ideal = begun + scene.ideal_slider(time)[:, 0] - scene.bottom

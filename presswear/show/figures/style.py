@@ -163,26 +163,6 @@ def wrapped(label: str, width: float) -> str:
     return fill(label, max(round(width * _ROW / WIDTH), 1))
 
 
-def length_scale(largest: float) -> tuple[float, str]:
-    """Factor and unit in which a length, m, reads as a number between 1 and 1000."""
-    for factor, unit in ((1.0, "m"), (1e3, "mm"), (1e6, "µm"), (1e9, "nm")):
-        if largest * factor >= 1.0:
-            return factor, unit
-    return 1e12, "pm"
-
-
-def unit_scale(unit: str, largest: float) -> tuple[float, str]:
-    """Factor and unit in which a number of an SI unit reads well."""
-    match unit:
-        case "m":
-            return length_scale(largest)
-        case "m^3":
-            return (1e9, "mm³") if largest >= 1e-12 else (1e18, "µm³")
-        case "N" if largest >= 1e4:
-            return 1e-3, "kN"
-    return 1.0, unit
-
-
 def round_down(value: float) -> float:
     """The largest of 1, 2, 5 times a power of ten that is not above a positive value."""
     power = 10.0 ** math.floor(math.log10(value))

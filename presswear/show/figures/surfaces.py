@@ -23,12 +23,11 @@ from presswear.show.figures.style import (
     Stages,
     angle_label,
     legend,
-    length_scale,
     maps_turn,
     round_down,
     shown_stages,
 )
-from presswear.tools.numbers import readable
+from presswear.tools.numbers import readable, unit_scale
 
 _DRAWN_DEPTH = 0.25
 """Largest wear depth in an outline, part of the bearing radius."""
@@ -122,7 +121,7 @@ def worn_surface(result: Result, joint: str, stages: list[ShownStage]) -> Drawin
     sheet.text(middle, 0.15 / _HEIGHT, below, ha="center", va="center")
     pens = [_NEW, *(pen for pen, _ in worn)]
     legend(sheet, pens, "upper right", columnspacing=1.2, borderaxespad=0.2)
-    factor, unit = length_scale(deepest)
+    factor, unit = unit_scale("m", deepest)
     caption = (
         f"Pin and bearing of joint {joint}. Left: outlines with the wear depth "
         f"{_times(enlarged)}; the thick line marks the part shown on the right. Right: "

@@ -7,7 +7,8 @@ from presswear.results.result import Result
 from presswear.results.strokes import height_of, process_force
 from presswear.results.tonnage import settled_strokes
 from presswear.show.figures.motion import IDEAL, moving_stages
-from presswear.show.figures.style import WIDTH, Drawing, Sheet, Stages, legend, length_scale
+from presswear.show.figures.style import WIDTH, Drawing, Sheet, Stages, legend
+from presswear.tools.numbers import unit_scale
 
 _REACH = 1.3
 """Greatest height that is shown, part of that at which the work is touched."""
@@ -25,7 +26,7 @@ def force_over_stroke(result: Result, stages: Stages) -> list[Drawing]:
         return []
     joints = scene.clearance_joints if all(own.data.has_joint_series for own, _ in shown) else ()
     reach = _REACH * process.height
-    factor, unit = length_scale(reach)
+    factor, unit = unit_scale("m", reach)
     sheet = Sheet(figsize=(WIDTH, 0.8 + 1.7 * (1 + len(joints))), layout="constrained")
     panels = sheet.subplots(1 + len(joints), 1, sharex=True, squeeze=False)[:, 0]
     for stage, strokes in shown:

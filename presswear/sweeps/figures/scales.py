@@ -7,11 +7,11 @@ import numpy as np
 from matplotlib.axis import Axis
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from presswear.show.figures.style import Axes, unit_scale, wrapped
+from presswear.show.figures.style import Axes, wrapped
 from presswear.sweeps.inputs import Inputs
 from presswear.sweeps.table import Column
 from presswear.tools.arrays import Array
-from presswear.tools.numbers import readable, superscript
+from presswear.tools.numbers import readable, superscript, unit_scale
 
 _LEAST, _MOST = 1e-2, 1e5
 """Numbers outside are told as powers of ten."""

@@ -1,0 +1,295 @@
+"""Report pages: tables as lists of rows, figures, and one renderer for every kind of report.
+
+A report defines its tables as lists of ``Row``, computes one record per column (a data class or a
+mapping), and hands the tables to a template in ``templates/``.  All sentences are in the template.
+"""
+
+import base64
+import math
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
+
+from presswear.recording.statistics import Estimate
+from presswear.show.figures import Drawing, save
+from presswear.tools.numbers import (
+    given,
+    large,
+    quantity_text,
+    readable,
+    unit_factor,
+    whole,
+    with_interval,
+)
+from presswear.tools.workers import Report, cores, outcomes, workers_for
+
+NOTHING = "–"
+_SHARES = 3  # shares of the figures per process, so that all processes end at about the same time
+_INTERVAL = re.compile(r" \(\S+ to \S+?( %)?\)")  # a space is never part of a figure's data
+
+Line = tuple[str, ...]
+Drawer = Callable[[], list[Drawing]]
+
+
+@dataclass(frozen=True)
+class Row:
+    """Quantity in a table.
+
+    Attributes
+    ----------
+    label : str
+        Name of the quantity.
+    path : str
+        Attributes and keys from the record to the value, joined by points: ``bdc.error``.
+    unit : str
+        Display unit, such as ``µm``, into which the SI value is converted; see ``DISPLAY_UNITS``.
+    meaning : str
+        Explanation below the label.
+    digits : int
+        Significant digits.
+    """
+
+    label: str
+    path: str
+    unit: str = ""
+    meaning: str = ""
+    digits: int = 3
+
+    @property
+    def head(self) -> str:
+        """Label with the unit."""
+        return f"{self.label} ({self.unit})" if self.unit else self.label
+
+    def of(self, **names: str) -> "Row":
+        """Return the row of a joint or a drive: names in braces are replaced in label and path."""
+        return replace(self, label=self.label.format(**names), path=self.path.format(**names))
+
+    def text(self, record: Any) -> str:
+        """Return the value of a record as text."""
+        return text_of(value_at(record, self.path), self.unit, self.digits)
+
+
+def value_at(record: Any, path: str) -> Any:
+    """Return the value at a path of attributes, keys and indices; None if a key is missing."""
+    value = record
+    for name in path.split("."):
+        if value is None:
+            return None
+        if isinstance(value, Mapping):
+            value = value.get(name)
+        elif isinstance(value, list | tuple) and name.isdigit():
+            value = value[int(name)]
+        else:
+            value = getattr(value, name)
+    return value
+
+
+def text_of(value: Any, unit: str = "", digits: int = 3) -> str:
+    """Return a value as text in a display unit, with its interval if it has one.
+
+    Parameters
+    ----------
+    value : Estimate, float, int, str or None
+        In the SI unit; text is returned unchanged.
+    """
+    factor = unit_factor(unit)
+    match value:
+        case None:
+            return NOTHING
+        case str():
+            return value
+        case Estimate():
+            shown = value.scaled(factor)
+            if shown.low is None or shown.high is None or _is_symmetric(shown):
+                return with_interval(shown.mean, shown.half_width)
+            low, high = (readable(end, digits) for end in (shown.low, shown.high))
+            return f"{readable(shown.mean, digits)} ({low} to {high})"
+        case int() if factor == 1.0:
+            return whole(value)
+        case _:
+            return readable(factor * float(value), digits)
+
+
+def _is_symmetric(value: Estimate) -> bool:
+    half, middle = value.half_width or 0.0, 0.5 * ((value.low or 0.0) + (value.high or 0.0))
+    return abs(middle - value.mean) <= 1e-6 * half + 1e-12 * abs(value.mean)
+
+
+@dataclass(frozen=True)
+class Table:
+    """Table of texts.
+
+    Attributes
+    ----------
+    head : tuple of str
+        Column titles; the first column names the rows.
+    groups : tuple
+        Pairs of a heading, which may be empty, and the rows below it.
+    numeric : bool
+        True if all columns but the first are numbers.
+    meanings : mapping
+        Explanations shown below row labels, by label.
+    """
+
+    head: Line
+    groups: tuple[tuple[str, tuple[Line, ...]], ...]
+    numeric: bool = True
+    meanings: Mapping[str, str] = field(default_factory=dict)
+
+
+def column_table(
+    corner: str,
+    names: Sequence[str],
+    records: Sequence[Any],
+    groups: Mapping[str, Sequence[Row]],
+) -> Table | None:
+    """Return a table with a column per record and a line per row; None if no line has a value.
+
+    Parameters
+    ----------
+    corner : str
+        Title of the column of labels.
+    names : sequence of str
+        Titles of the records.
+    groups : mapping of str to sequence of Row
+        Rows by heading; rows without a value in any record are left out.
+    """
+    filled = {}
+    for heading, rows in groups.items():
+        lines = [(row.head, *(row.text(record) for record in records)) for row in rows]
+        lines = [line for line in lines if set(line[1:]) - {NOTHING}]
+        if lines:
+            filled[heading] = tuple(lines)
+    if not filled:
+        return None
+    meanings = {row.head: row.meaning for rows in groups.values() for row in rows if row.meaning}
+    return Table((corner, *names), tuple(filled.items()), meanings=meanings)
+
+
+def row_table(columns: Sequence[Row], records: Sequence[Any], numeric: bool = True) -> Table:
+    """Return a table with a line per record and a column per row."""
+    lines = tuple(tuple(column.text(record) for column in columns) for record in records)
+    return Table(tuple(column.head for column in columns), (("", lines),), numeric)
+
+
+@dataclass(frozen=True)
+class Illustration:
+    """Figure in a page: file name, title, caption and the PNG in base 64."""
+
+    file: str
+    title: str
+    caption: str
+    data: str
+
+
+@dataclass(frozen=True)
+class Section:
+    """Section of a page.
+
+    Attributes
+    ----------
+    heading : str
+    paragraphs : sequence of str
+    tables : sequence of (str, Table)
+        Tables with their headings.
+    figures : sequence of Illustration
+    notes : sequence of str
+        Remarks in small print at the end.
+    """
+
+    heading: str
+    paragraphs: Sequence[str] = ()
+    tables: Sequence[tuple[str, Table]] = ()
+    figures: Sequence[Illustration] = ()
+    notes: Sequence[str] = ()
+
+
+def illustrate(drawing: Drawing, folder: Path) -> Illustration:
+    """Write a drawing into a folder and return it for a page."""
+    data = base64.b64encode(save(drawing, folder).read_bytes()).decode()
+    return Illustration(drawing.file, drawing.title, drawing.caption, data)
+
+
+def illustrated(
+    drawers: Sequence[Drawer], folder: Path, processes: int | None = None
+) -> list[Illustration]:
+    """Draw figures in several processes and write them into a folder.
+
+    Parameters
+    ----------
+    drawers : sequence of callable
+        Return drawings; must be picklable.
+    processes : int or None
+        Number of processes; None: as many as there are cores.
+    """
+    count = min(processes or cores(), len(drawers))
+    parts = min(_SHARES * count, len(drawers)) if count > 1 else 1
+    jobs = [partial(_draw_share, drawers[k::parts], folder) for k in range(parts)]
+    with workers_for(count, (__name__,)) as workers:
+        shares = outcomes(workers, jobs)
+    return [figure for k in range(len(drawers)) for figure in shares[k % parts][k // parts]]
+
+
+def _draw_share(
+    drawers: Sequence[Drawer], folder: Path, report: Report
+) -> list[list[Illustration]]:
+    drawn = []
+    for k, draw in enumerate(drawers):
+        report(float(k))
+        drawn.append([illustrate(drawing, folder) for drawing in draw()])
+    return drawn
+
+
+def render_page(
+    title: str,
+    sections: Sequence[Section] = (),
+    figures: Sequence[Illustration] = (),
+    template: str = "page.html",
+    package: str = "presswear.show",
+    **content: Any,
+) -> str:
+    """Return a page as HTML; everything in it is escaped.
+
+    Parameters
+    ----------
+    title : str
+    sections : sequence of Section
+        Content of a page without a template of its own.
+    figures : sequence of Illustration
+        Figures at the end of the page, or where its own template places them.
+    template : str
+        File in the ``templates`` of ``package``; it extends ``page.html``.
+    content
+        Values for the template; ``page.html`` shows ``status``, ``style`` and ``answer``.
+    """
+    environment = Environment(
+        loader=ChoiceLoader([PackageLoader(package), PackageLoader("presswear.show")]),
+        autoescape=True,
+        finalize=_without_breaks,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters |= {
+        "text": text_of,
+        "number": lambda value, digits=3: readable(value, digits),
+        "quantity": quantity_text,
+        "given": given,
+        "whole": whole,
+        "large": large,
+        "degrees": math.degrees,
+    }
+    page = environment.get_template(template)
+    return page.render(title=title, sections=sections, figures=figures, **content)
+
+
+def _without_breaks(value: Any) -> Any:
+    """Replace the spaces in intervals so that these are not broken; markup stays as it is."""
+    if type(value) is not str:
+        return value
+    return _INTERVAL.sub(lambda match: match[0].replace(" ", "\N{NO-BREAK SPACE}"), value)

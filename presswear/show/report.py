@@ -1,0 +1,205 @@
+"""Report of a result folder: one HTML file that can be opened anywhere.
+
+The sentences are in ``templates/report.html``, the tables in ``report_tables``.
+"""
+
+import math
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from presswear.linkage.laws import DAMPINGS, KELVIN_VOIGT, delivered_restitution
+from presswear.linkage.surface import SIDES
+from presswear.physics.bottom import bottom_of
+from presswear.results.conformity import deep_contacts
+from presswear.results.life import LimitResult, span_of, words_of
+from presswear.results.result import FINISHED, Result
+from presswear.scene.bearing import Bearing
+from presswear.scene.catalog import named_scene, title_of
+from presswear.scene.scene import Scene
+from presswear.scene.settings import SET, settings_of
+from presswear.show import report_tables as tables
+from presswear.show.figures import NAMES, drawn
+from presswear.show.figures.life import limit_told, services_done
+from presswear.show.figures.style import stage_names
+from presswear.show.page import Illustration, illustrated, render_page
+from presswear.tools.errors import InputError
+from presswear.tools.files import inside, write_bytes
+from presswear.tools.numbers import quantity_text
+from presswear.tools.quantities import Quantity
+
+
+def write_report(result: Result) -> Path:
+    """Draw the figures and write ``report.html`` into the folder of a result.
+
+    Returns
+    -------
+    Path
+        The page.
+
+    Raises
+    ------
+    InputError
+        If the result is in memory only.
+    """
+    if result.path is None:
+        raise InputError(f"{result.scene.name} ran in memory: a report needs a folder")
+    drawers = [partial(drawn, name, result, result.stages) for name in NAMES]
+    # An ideal motion has few figures: starting processes would take longer than drawing.
+    processes = None if result.scene.clearance_joints else 1
+    figures = illustrated(drawers, inside(result.path, "figures"), processes)
+    path = result.path / "report.html"
+    write_bytes(path, render_report(result, figures).encode())
+    return path
+
+
+def render_report(result: Result, figures: Sequence[Illustration] = ()) -> str:
+    """Return the report of a result as HTML, with some figures."""
+    scene, records = result.scene, tables.stage_records(result)
+    content: dict[str, Any] = {
+        "result": result,
+        "scene": scene,
+        "style": result.status if result.status in FINISHED else "unfinished",
+        "base": named_scene(scene),
+        "untrusted": [key for key, law in scene.user_laws.items() if not law.is_trusted],
+        "records": records,
+        "wear_error": max(_numbers(records, "wear_error"), default=None),
+        "step_error": max(_numbers(records, "peak_force_step_error"), default=None),
+        "moves": bottom_of(scene.ideal) is not None,
+        "models": _models(result),
+        "chosen": _chosen_settings(scene),
+        "deep_contacts": deep_contacts(scene, result.stages),
+        "worn_sides": _worn_sides(scene),
+        "laws": _normal_laws(scene),
+        "created": [
+            record["stage"].statistics.energy_made_fraction
+            for record in records
+            if record["stage"].is_worn
+        ],
+        "bearings": [scene.bearing(joint) for joint in scene.clearance_joints],
+        "convention_set": tables.convention_set(scene.conventions),
+        "tables": _tables(result, records),
+        "life": None if result.life is None else _life(result),
+    }
+    return render_page(title_of(scene), (), figures, "report.html", **content)
+
+
+def _tables(result: Result, records: Sequence[tables.Record]) -> dict[str, Any]:
+    """Return the tables by their names in the template."""
+    return {
+        "changes": tables.change_table(result),
+        "overview": tables.overview_table(result, records),
+        "moments": tables.moment_table(result, records),
+        "key": tables.key_table(result, records),
+        "bottom": tables.bottom_table(result, records),
+        "tonnage": tables.tonnage_table(result, records),
+        "drives": tables.drive_table(result),
+        "endings": tables.ending_table(records),
+        "growth": tables.growth_table(result),
+        "motion": tables.motion_table(result),
+        "means": tables.mean_table(result, records),
+        "parameters": tables.parameter_table(result),
+        "conventions": tables.convention_table(result),
+        "provenance": tables.provenance_table(result),
+        "diagnostics": tables.diagnostics_table(records),
+    }
+
+
+def _numbers(records: Sequence[tables.Record], name: str) -> list[float]:
+    values = (getattr(record["stage"].statistics, name) for record in records)
+    return [value for value in values if value is not None]
+
+
+def _models(result: Result) -> list[str]:
+    """Return descriptions of the model, with the stages that share it if there are several."""
+    stages: dict[str, list[str]] = {}
+    for name, stage in zip(stage_names(result, result.stages), result.stages, strict=True):
+        stages.setdefault(str(stage.diagnostics.get("model", "not stated")), []).append(name)
+    if len(stages) == 1:
+        return list(stages)
+    return [f"{', '.join(names)}: {model}" for model, names in stages.items()]
+
+
+def _chosen_settings(scene: Scene) -> list[str]:
+    """Return the keys of the settings that no source states."""
+    return [
+        setting.key
+        for setting in settings_of(scene)
+        if isinstance(setting.meaning, Quantity)
+        and setting.meaning.origin.startswith(("chosen", "assumed", SET))
+    ]
+
+
+def _worn_sides(scene: Scene) -> list[str]:
+    """Return the deepest wear of each surface on which the scene starts."""
+    return [
+        f"{side} of {joint} {quantity_text(float(surface.depth.max()), 'm')}"
+        for joint, pair in scene.surfaces.items()
+        for side, surface in zip(SIDES, pair, strict=True)
+        if surface.is_worn
+    ]
+
+
+def _normal_laws(scene: Scene) -> list[tuple[list[str], Bearing, str, float | None]]:
+    """Return the joints that share a normal law, their bearing, its title and its restitution.
+
+    The restitution is the one that the law delivers, not the one that it is set to; None for a
+    law whose restitution is unknown.
+    """
+    groups: dict[Any, list[str]] = {}
+    for joint in scene.clearance_joints:
+        bearing = scene.bearing(joint)
+        key = (bearing.normal_law, bearing.restitution, bearing.viscous_damping)
+        groups.setdefault(key, []).append(joint)
+    laws: list[tuple[list[str], Bearing, str, float | None]] = []
+    for joints in groups.values():
+        bearing, law = scene.bearing(joints[0]), scene.bearing(joints[0]).normal_law
+        if not isinstance(law, str):
+            laws.append((joints, bearing, str(law), None))
+        elif law == KELVIN_VOIGT:
+            laws.append((joints, bearing, KELVIN_VOIGT, None))
+        else:
+            damping = DAMPINGS[law].factor(bearing.restitution)
+            laws.append((joints, bearing, DAMPINGS[law].title, delivered_restitution(damping)))
+    return laws
+
+
+def _life(result: Result) -> dict[str, Any]:
+    """Return what the template reads on the service life of a result."""
+    scene, life = result.scene, result.life
+    assert life is not None, "only called for a result with a life"
+    first = life.first if life.ended == "limit" else None
+    return {
+        "result": life,
+        "first": None if first is None else f"{words_of(first.key)} over {limit_told(first)}",
+        "reached": [f"{words_of(limit.key)} {_reached(limit)}" for limit in life.limits],
+        "rate": 60.0 / scene.mechanism.period,
+        "hours": life.hours(scene),
+        "total": span_of(life.strokes, life.total_error),
+        "scatter": max(scene.bearing(j).materials.wear_scatter for j in scene.clearance_joints),
+        "rivals": _rival_limits(result),
+        "services": services_done(result),
+        "limits": tables.limit_table(scene, life),
+        "causes": None if first is None else tables.cause_table(scene, life),
+        "phases": tables.phase_table(life),
+        "passes": tables.pass_table(life),
+    }
+
+
+def _reached(limit: LimitResult) -> str:
+    return f"{quantity_text(limit.last, limit.unit)} of {limit_told(limit)}"
+
+
+def _rival_limits(result: Result) -> list[str]:
+    """Return the limits that may be exceeded first, judged by the ends of their intervals."""
+    life = result.life
+    if life is None or life.ended != "limit" or life.interval.high is None:
+        return []
+    return [
+        words_of(limit.key)
+        for limit in life.limits
+        if limit is not life.first
+        and limit.strokes is not None
+        and limit.strokes / math.exp(tables.limit_error(limit) or 0.0) <= life.interval.high
+    ]

@@ -1,0 +1,155 @@
+"""Rows, tables and pages."""
+
+import re
+from dataclasses import dataclass
+from functools import partial
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+
+from presswear.recording.statistics import Estimate
+from presswear.show.figures import Drawing
+from presswear.show.figures.style import Sheet
+from presswear.show.page import (
+    Illustration,
+    Row,
+    Section,
+    column_table,
+    illustrated,
+    render_page,
+    row_table,
+    text_of,
+    value_at,
+)
+from presswear.tools.errors import InputError
+from presswear.tools.numbers import unit_factor, unit_scale
+
+
+class Page(HTMLParser):
+    """Elements, links, texts and table rows of a page."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.tags: list[str] = []
+        self.links: list[str] = []
+        self.words: list[str] = []
+        self.rows: list[list[str]] = []
+        self.in_row = False
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append(tag)
+        self.links += [value or "" for name, value in attrs if name in ("src", "href", "srcset")]
+        if tag == "tr":
+            self.rows.append([])
+            self.in_row = True
+
+    def handle_endtag(self, tag: str) -> None:
+        self.in_row = self.in_row and tag != "tr"
+
+    def handle_data(self, data: str) -> None:
+        if data.strip():
+            self.words.append(data.strip())
+            if self.in_row:
+                self.rows[-1].append(data.strip())
+
+    def row(self, label: str) -> list[str]:
+        return next(row for row in self.rows if row and row[0] == label)
+
+    def numbers(self, label: str, count: int) -> list[str]:
+        """Last cells of a row, without the explanation of its label."""
+        return self.row(label)[-count:]
+
+    @property
+    def text(self) -> str:
+        return re.sub(r"\s+", " ", " ".join(self.words))
+
+
+@dataclass
+class Wheel:
+    """Record with attributes, a mapping and a tuple."""
+
+    depth: float
+    joints: dict[str, dict[str, float]]
+    ends: tuple[float, float]
+
+
+WHEEL = Wheel(2e-5, {"A": {"force": 1234.0}}, (1.0, 2.0))
+
+
+def test_a_path_reads_attributes_keys_and_indices() -> None:
+    assert value_at(WHEEL, "depth") == 2e-5
+    assert value_at(WHEEL, "joints.A.force") == 1234.0
+    assert value_at(WHEEL, "ends.1") == 2.0
+    assert value_at(WHEEL, "joints.B.force") is None
+    with pytest.raises(AttributeError):
+        value_at(WHEEL, "dept")
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "text"),
+    [
+        (None, "µm", "–"),
+        ("as it is", "µm", "as it is"),
+        (12345, "", "12\u202f345"),
+        (2e-5, "µm", "20.0"),
+        (0.5, "%", "50.0"),
+        (Estimate.symmetric(1e-5, 2e-6, 9), "µm", "10.0\u00a0± 2.0"),
+        (Estimate(1e-5, 8e-6, 2e-5), "µm", "10.0 (8.00 to 20.0)"),
+        (Estimate(1e-5), "µm", "10.0 (too few cycles)"),
+    ],
+)
+def test_values_are_shown_in_the_unit_of_their_row(value: object, unit: str, text: str) -> None:
+    assert text_of(value, unit) == text
+
+
+def test_units_read_naturally() -> None:
+    assert unit_scale("m", 1.2e-5) == (1e6, "µm")
+    assert unit_scale("m", 0.0015) == (1e3, "mm")
+    assert unit_scale("m", 0.0)[1] == "pm"
+    assert unit_scale("N", 2e4) == (1e-3, "kN")
+    assert unit_scale("N m", 2e4) == (1.0, "N m")
+    assert unit_factor("mm³") == 1e9
+
+
+def test_tables_of_rows() -> None:
+    rows = [Row("force of {joint}", "joints.{joint}.force", "N", "peak").of(joint="A")]
+    rows.append(Row("missing", "joints.B.force"))
+    table = column_table("wheel", ["first", "second"], [WHEEL, WHEEL], {"": rows})
+    assert table is not None
+    assert table.head == ("wheel", "first", "second")
+    assert table.groups == (("", (("force of A (N)", "1\u202f230", "1\u202f230"),)),)
+    assert table.meanings == {"force of A (N)": "peak"}
+    assert column_table("", ["first"], [WHEEL], {"": rows[1:]}) is None
+    lines = row_table([Row("depth", "depth", "µm"), Row("end", "ends.0")], [WHEEL])
+    assert lines.head == ("depth (µm)", "end")
+    assert lines.groups == (("", (("20.0", "1.00"),)),)
+
+
+def test_a_page_of_sections_escapes_everything() -> None:
+    hostile = "<script>alert('x')</script> & \"more\""
+    table = row_table([Row(hostile, "depth")], [WHEEL])
+    figure = Illustration("a.png", hostile, hostile, "AAAA")
+    section = Section(hostile, [hostile], [(hostile, table)], [figure], [hostile])
+    page = Page(render_page(hostile, [section], status=hostile, answer=[hostile]))
+    assert "script" not in page.tags
+    assert page.words.count(hostile) == 10
+    assert page.links == ["data:image/png;base64,AAAA"]
+
+
+def numbered(number: int) -> list[Drawing]:
+    """As many empty sheets as the number; three is refused."""
+    if number == 3:
+        raise InputError("there is no third")
+    return [Drawing(f"{number}-{k}.png", f"{number}", "", Sheet((1, 1))) for k in range(number)]
+
+
+@pytest.mark.parametrize("processes", [1, 2])
+def test_figures_of_several_processes_come_in_order(tmp_path: Path, processes: int) -> None:
+    drawers = [partial(numbered, number) for number in (2, 0, 1, 4, 1)]
+    figures = illustrated(drawers, tmp_path, processes)
+    assert [figure.title for figure in figures] == ["2", "2", "1", "4", "4", "4", "4", "1"]
+    assert {path.name for path in tmp_path.iterdir()} == {figure.file for figure in figures}
+    with pytest.raises(InputError, match="there is no third"):
+        illustrated([partial(numbered, number) for number in (1, 2, 3)], tmp_path, processes)
