@@ -13,7 +13,7 @@ from presswear.tools.folders import check_folder
 from presswear.tools.quantities import Quantity, parse_quantity
 
 if TYPE_CHECKING:
-    from presswear.show.replay.reel import Reel
+    from presswear.show.replay.clip import Clip
 
 _SIZES = (160, 4096)
 """Least and greatest width or height, pixels."""
@@ -58,9 +58,9 @@ def _run(arguments: argparse.Namespace, console: Console) -> int:
     _check(arguments)
     reels = [_first(arguments, console)]
     if arguments.compare is not None:
-        from presswear.show.replay.reel import alike
+        from presswear.show.replay.clip import equal_limits
 
-        reels = alike([*reels, _compared(arguments, console)])
+        reels = equal_limits([*reels, _compared(arguments, console)])
     if arguments.still is not None:
         return _still(arguments, console, reels, size)
     if arguments.movie is not None:
@@ -77,7 +77,7 @@ def _check(arguments: argparse.Namespace) -> None:
     if arguments.life and (arguments.stage, arguments.compare) != (None, None):
         raise InputError("--life goes through all stages: give no --stage and no --compare")
     if arguments.still is not None and arguments.still.suffix.lower() != ".png":
-        raise InputError(f"--still {arguments.still}: a name that ends in .png is expected")
+        raise InputError(f"--still {arguments.still}: the name must end in .png")
     for file in (arguments.still, arguments.movie):
         if file is None:
             continue
@@ -86,34 +86,34 @@ def _check(arguments: argparse.Namespace) -> None:
         if not file.parent.is_dir():
             raise InputError(f"{file}: there is no folder {file.parent}")
     if arguments.movie is not None:
-        from presswear.show.replay.movie import check_movie
+        from presswear.show.replay.output import check_movie
 
         check_movie(arguments.movie)
 
 
-def _first(arguments: argparse.Namespace, console: Console) -> "Reel":
+def _first(arguments: argparse.Namespace, console: Console) -> "Clip":
     if not arguments.life:
         return _reel(arguments.folder, arguments.stage, console)
-    from presswear.show.replay.reel import life_reel
+    from presswear.show.replay.clip import life_clip
 
-    return life_reel(finished_part(arguments.folder, console))
+    return life_clip(finished_part(arguments.folder, console))
 
 
-def _reel(folder: Path, stage: str | None, console: Console) -> "Reel":
-    from presswear.show.replay.reel import reel_of
+def _reel(folder: Path, stage: str | None, console: Console) -> "Clip":
+    from presswear.show.replay.clip import stage_clip
 
     result = finished_part(folder, console)
     last = len(result.stages) - 1
     if last < 0:
         raise InputError(f"{folder} has no finished stage")
     if stage is None:
-        return reel_of(result, last)
+        return stage_clip(result, last)
     if not (stage.isascii() and stage.isdigit() and int(stage) <= last):
         raise InputError(f"--stage {stage}: {folder} has stages 0 to {last}")
-    return reel_of(result, int(stage))
+    return stage_clip(result, int(stage))
 
 
-def _compared(arguments: argparse.Namespace, console: Console) -> "Reel":
+def _compared(arguments: argparse.Namespace, console: Console) -> "Clip":
     """The reel that stands beside the first."""
     what: str = arguments.compare
     if what.isascii() and what.isdigit():
@@ -124,7 +124,7 @@ def _compared(arguments: argparse.Namespace, console: Console) -> "Reel":
     return _reel(Path(what), arguments.stage, console)
 
 
-def _time(option: str, text: str | None, reel: "Reel", otherwise: float) -> float:
+def _time(option: str, text: str | None, reel: "Clip", otherwise: float) -> float:
     """The time within a film that an option says, s, if it does; a bare number is in seconds."""
     if text is None:
         return otherwise
@@ -144,32 +144,33 @@ def _size(text: str) -> tuple[int, int]:
 
 
 def _still(
-    arguments: argparse.Namespace, console: Console, reels: "list[Reel]", size: tuple[int, int]
+    arguments: argparse.Namespace, console: Console, reels: "list[Clip]", size: tuple[int, int]
 ) -> int:
-    from presswear.show.replay.movie import still, write_still
-    from presswear.show.replay.reel import frames_at
+    from presswear.show.replay.clip import frames_at
+    from presswear.show.replay.output import still, write_still
 
-    time = _time("--at", arguments.at, reels[0], reels[0].start)
+    time = _time("--at", arguments.at, reels[0], reels[0].default_start)
     write_still(arguments.still, still(reels, frames_at(reels, time), size))
     console.print(f"picture in {arguments.still}", highlight=False)
     return 0
 
 
 def _movie(
-    arguments: argparse.Namespace, console: Console, reels: "list[Reel]", size: tuple[int, int]
+    arguments: argparse.Namespace, console: Console, reels: "list[Clip]", size: tuple[int, int]
 ) -> int:
-    from presswear.show.replay.movie import pictures, write_movie
-    from presswear.show.replay.reel import frames_between, played
+    from presswear.show.replay.clip import frames_between, speed_text
+    from presswear.show.replay.output import pictures, write_movie
 
     first = reels[0]
-    start = _time("--from", arguments.start, first, first.start)
-    end = _time("--to", arguments.end, first, min(start + first.whole, first.span[1]))
+    start = _time("--from", arguments.start, first, first.default_start)
+    whole = first.period * len(first.chapters)
+    end = _time("--to", arguments.end, first, min(start + whole, first.span[1]))
     if end <= start:
         raise InputError(f"--to {end:g} s: it must be after --from, {start:g} s")
     slowed = _slowed(arguments, first)
     rate = float(parse_quantity("--rate", arguments.rate, Quantity("", 1.0, 60.0, "", "")))
     frames = frames_between(reels, start, end, slowed, rate)
-    count, note = len(frames), played(slowed)
+    count, note = len(frames), speed_text(slowed)
     with progress_bar(console) as bar:
         task = bar.add_task(f"{count} pictures", total=1.0)
         images = pictures(reels, frames, note, size)
@@ -183,17 +184,17 @@ def _movie(
     return 0
 
 
-def _slowed(arguments: argparse.Namespace, reel: "Reel") -> float:
+def _slowed(arguments: argparse.Namespace, reel: "Clip") -> float:
     if arguments.slow is None:
-        return reel.slowed
+        return reel.default_slow
     return float(parse_quantity("--slow", arguments.slow, Quantity("", 0.01, 1e5, "", "")))
 
 
-def _window(arguments: argparse.Namespace, reels: "list[Reel]", size: tuple[int, int]) -> int:
-    from presswear.show.replay.window import check_display, play
+def _window(arguments: argparse.Namespace, reels: "list[Clip]", size: tuple[int, int]) -> int:
+    from presswear.show.replay.output import check_display, play
 
     check_display()
     first = reels[0]
-    start = _time("--from", arguments.start, first, first.start)
+    start = _time("--from", arguments.start, first, first.default_start)
     play(reels, size, start, _slowed(arguments, first))
     return 0

@@ -34,7 +34,7 @@ from presswear.tools.workers import foresee
 
 if TYPE_CHECKING:
     from presswear.results.folder import ResultFolder
-    from presswear.show.replay.live import Live
+    from presswear.show.replay.output import Live
 
 OPTIONS = ("conventions", "engine", "cycles", "wear_updates", "tolerance")
 """Settings that have an option of their own."""
@@ -233,7 +233,7 @@ def _window(arguments: argparse.Namespace, scene: Scene) -> "AbstractContextMana
     """The window that shows the run while it lasts, where that is asked for."""
     if not getattr(arguments, "live", False):
         return nullcontext()
-    from presswear.show.replay.live import Live
+    from presswear.show.replay.output import Live
 
     return closing(Live(scene, LIVE_SIZE))
 

@@ -1,1 +1,1 @@
-"""A stored run in the Exudyn renderer: press, joints enlarged, stills, films and a window."""
+"""Replay of stored runs in Exudyn's renderer: windows, films and stills."""

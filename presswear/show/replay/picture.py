@@ -1,7 +1,7 @@
-"""The picture: an Exudyn system that holds nothing but what is seen.
+"""Pictures of clips: an Exudyn system that contains only what is visible.
 
-Bodies, bearings and pins are rigid bodies whose coordinates are those that were stored;
-what changes its shape (forces, paths, words) is drawn anew for every frame.
+Bodies, bearings and pins are rigid bodies with the stored coordinates. Shapes that change (forces,
+paths, text) are replaced in every picture.
 """
 
 from collections.abc import Sequence
@@ -12,231 +12,292 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from presswear.linkage.linkage import Linkage
 from presswear.linkage.motions import run_up_motion
-from presswear.show.replay.bodies import (
+from presswear.show.replay.clip import NORMAL, Clip, Snapshot, points_of
+from presswear.show.replay.mechanism import (
+    BODIES_PER_JOINT,
+    FORCE,
     INK,
-    JOINTS,
+    JOINT_COLOURS,
     STEEL,
+    EnlargedJoint,
     Scale,
     body_graphics,
-    extent,
+    bounding_box,
     frame_graphics,
 )
-from presswear.show.replay.joints import BODIES, FORCE, EnlargedJoint
-from presswear.show.replay.layout import Layout, Panel, layout_of
-from presswear.show.replay.reel import NORMAL, Instant, Subject, points_of
-from presswear.show.replay.shapes import Shape, graphics, line, text
-from presswear.tools.exudyn import exudyn_module
+from presswear.show.replay.shapes import Shape, exu, graphics, line, text
 
 Array = NDArray[np.float64]
 
-exu = exudyn_module()
-
-_AWAY = 10.0
-"""Place of the joints of a stage that is not shown, heights of the picture: out of sight."""
-_FONT = 13.0
-"""Letters in a window 640 pixels high, pixels."""
+HEAD, FOOT, MARGIN = 0.11, 0.09, 0.02  # title, time bar and margin over the height of the picture
+HIDDEN = 10.0  # position of the joints of a hidden stage over the height of the picture
+FONT = 13.0  # letters in a picture of 640 pixels height, pixels
 
 
 @dataclass(frozen=True)
-class _Show:
-    """A subject in its panel, with the joints of each stage that it shows."""
+class Panel:
+    """Positions of one clip in the plane of the picture, m.
 
-    subject: Subject
-    panel: Panel
-    joints: tuple[tuple[EnlargedJoint, ...], ...]
+    Attributes
+    ----------
+    offset : ndarray, shape (2,)
+        Origin of the mechanism.
+    title : ndarray, shape (2,)
+        Start of the title.
+    joints : tuple of ndarray, shape (2,)
+        Centres of the enlarged joints.
+    radius : float
+        Radius of the enlarged joints.
+    """
+
+    offset: Array
+    title: Array
+    joints: tuple[Array, ...]
+    radius: float
 
 
-class Picture:
-    """Subjects side by side, as the renderer shows them.
+@dataclass(frozen=True)
+class Layout:
+    """Picture with its centre at the origin.
+
+    Attributes
+    ----------
+    height : float
+        m.
+    panels : tuple of Panel
+    bar : tuple of ndarray, shape (2,)
+        Both ends of the time bar.
+    """
+
+    height: float
+    panels: tuple[Panel, ...]
+    bar: tuple[Array, Array]
+
+
+def layout_of(boxes: Sequence[tuple[Array, Array]], joints: Sequence[int], aspect: float) -> Layout:
+    """Arrange clips side by side.
 
     Parameters
     ----------
-    subjects : sequence of Subject
-    size : tuple of int
+    boxes : sequence of (ndarray, ndarray)
+        Corners of the box in which each mechanism moves, m.
+    joints : sequence of int
+        Number of enlarged joints of each clip.
+    aspect : float
+        Width over height of the picture.
+    """
+    # All lengths except those of the boxes are relative to the height of the picture.
+    width = aspect / len(boxes)
+    inside, usable = width - 2.0 * MARGIN, 1.0 - HEAD - FOOT
+    count = max(joints)
+    is_column = len(boxes) == 1  # joints beside the mechanism, otherwise below it
+    if count == 0:
+        room, radius = np.array([inside, usable]), 0.0
+    elif is_column:
+        radius = min(0.34 * usable / count, 0.15 * width)
+        room = np.array([inside - 3.4 * radius, usable])
+    else:
+        radius = min(0.13 * usable * 1.6, 0.36 * inside / count)
+        room = np.array([inside, usable - 3.1 * radius])
+    height = max(float(((high - low) / room).max()) for low, high in boxes)
+
+    def panel(index: int) -> Panel:
+        left, top = -0.5 * aspect + index * width, 0.5 - HEAD
+        low, high = boxes[index]
+        steps = (np.arange(joints[index]) + 0.5) / max(joints[index], 1)
+        if is_column:
+            x = np.full(len(steps), left + width - MARGIN - 1.65 * radius)
+            centres = np.column_stack([x, top - usable * steps])
+        else:
+            y = np.full(len(steps), -0.5 + FOOT + 1.35 * radius)
+            centres = np.column_stack([left + MARGIN + inside * steps, y])
+        middle = np.array([left + MARGIN, top]) + 0.5 * room * (1.0, -1.0)
+        return Panel(
+            offset=height * middle - 0.5 * (low + high),
+            title=height * np.array([left + MARGIN, 0.5 - 0.045]),
+            joints=tuple(height * centres),
+            radius=height * radius,
+        )
+
+    end = height * np.array([0.5 * aspect - 2.0 * MARGIN, -0.5 + 0.4 * FOOT])
+    return Layout(height, tuple(map(panel, range(len(boxes)))), (end * (-1.0, 1.0), end))
+
+
+def _enlarged_joints(clip: Clip, panel: Panel) -> tuple[tuple[EnlargedJoint, ...], ...]:
+    """Return the enlarged joints of each chapter of a clip."""
+    return tuple(
+        tuple(
+            EnlargedJoint(
+                joint,
+                clip.max_depth[joint.name],
+                clip.max_force[joint.name],
+                centre,
+                panel.radius,
+                JOINT_COLOURS[k % len(JOINT_COLOURS)],
+            )
+            for k, (joint, centre) in enumerate(
+                zip(chapter.linkage.clearances, panel.joints, strict=True)
+            )
+        )
+        for chapter in clip.chapters
+    )
+
+
+class Picture:
+    """Clips side by side in Exudyn's renderer.
+
+    Parameters
+    ----------
+    clips : sequence of Clip
+    size : (int, int)
         Width and height, pixels.
     """
 
-    def __init__(self, subjects: Sequence[Subject], size: tuple[int, int]) -> None:
-        boxes = [extent(subject.linkage, subject.motion) for subject in subjects]
-        counts = [len(subject.linkage.clearances) for subject in subjects]
-        self.layout: Layout = layout_of(boxes, counts, size[0] / size[1])
-        self._scale = Scale(
-            max(float(np.hypot(*(high - low))) for low, high in boxes), _FONT * size[1] / 640.0
-        )
-        self._shows = tuple(map(_show, subjects, self.layout.panels))
+    def __init__(self, clips: Sequence[Clip], size: tuple[int, int]) -> None:
+        self.clips = tuple(clips)
+        boxes = [bounding_box(clip.linkage, clip.film.position) for clip in clips]
+        counts = [len(clip.linkage.clearances) for clip in clips]
+        self.layout = layout_of(boxes, counts, size[0] / size[1])
+        diagonal = max(float(np.hypot(*(high - low))) for low, high in boxes)
+        self._scale = Scale(diagonal, FONT * size[1] / 640.0)
+        self._joints = tuple(map(_enlarged_joints, clips, self.layout.panels))
         self.container = exu.SystemContainer()
         self.system: Any = self.container.AddSystem()
-        for show in self._shows:
-            self._add(show)
-        self._ink = self.system.AddObject({"objectType": "Ground"})
+        for clip, panel, joints in zip(clips, self.layout.panels, self._joints, strict=True):
+            ground = frame_graphics(clip.linkage, clip.film.position, self._scale)
+            self._add_ground([*panel.offset, 0.0], ground)
+            for body in clip.linkage.bodies:
+                self._add_body(panel.offset, body_graphics(clip.linkage, body.name, self._scale))
+            for joint in chain(*joints):
+                for shapes in joint.bodies(self._scale.layer):
+                    self._add_body(joint.centre, [graphics(shapes)])
+        self._changing = self._add_ground([0.0, 0.0, 0.0], [])
         self.system.Assemble()
-        self._settings(size)
+        self._configure(size)
 
-    def _add(self, show: _Show) -> None:
-        """Frame, bodies and enlarged joints of one subject."""
-        linkage, panel, scale = show.subject.linkage, show.panel, self._scale
-        still = frame_graphics(linkage, show.subject.motion, scale)
-        self.system.AddObject(
-            {
-                "objectType": "Ground",
-                "referencePosition": [*panel.offset, 0.0],
-                "VgraphicsData": [*still],
-            }
+    def _add_ground(self, position: list[float], drawn: list[dict[str, Any]]) -> Any:
+        return self.system.AddObject(
+            {"objectType": "Ground", "referencePosition": position, "VgraphicsData": drawn}
         )
-        for body in linkage.bodies:
-            self._add_body(panel.offset, body_graphics(linkage, body.name, scale))
-        for own in chain(*show.joints):
-            for shapes in own.bodies(scale.layer):
-                self._add_body(own.centre, [graphics(shapes)])
 
     def _add_body(self, origin: Array, drawn: list[dict[str, Any]]) -> None:
         node = self.system.AddNode(
             {"nodeType": "RigidBody2D", "referenceCoordinates": [*origin, 0.0], "Vshow": False}
         )
-        self.system.AddObject(
-            {
-                "objectType": "RigidBody2D",
-                "nodeNumber": node,
-                "mass": 1.0,
-                "inertia": 1.0,
-                "VgraphicsData": drawn,
-            }
-        )
+        body = {"nodeNumber": node, "mass": 1.0, "inertia": 1.0, "VgraphicsData": drawn}
+        self.system.AddObject({"objectType": "RigidBody2D", **body})
 
-    def _settings(self, size: tuple[int, int]) -> None:
+    def _configure(self, size: tuple[int, int]) -> None:
         settings: Any = self.container.visualizationSettings
         settings.view0.window.renderWindowSize = list(size)
         settings.view0.window.showComputationInfo = False
         settings.view0.scene.drawCoordinateSystem = False
         settings.nodes.show = False
-        # Plain colours: all light is ambient.
-        settings.openGL.lightModelAmbient = [1.0, 1.0, 1.0, 1.0]
+        settings.openGL.lightModelAmbient = [1.0, 1.0, 1.0, 1.0]  # plain colours
         for number in range(4):
             getattr(settings.openGL, f"light{number}").enable = False
         settings.general.autoFitScene = False
-        # Texts that are always in front keep OpenGL from clearing its depths.
+        # Text in front of everything would keep OpenGL from clearing its depth buffer.
         settings.general.textAlwaysInFront = False
         settings.raytracer.multiSampling = 2
-        # Without the reset a view that is set before the first image is lost.
-        self.container.renderer.ResetState()
-        self.look()
+        self.container.renderer.ResetState()  # otherwise the view set before an image is lost
+        self.set_view()
 
-    def look(self) -> None:
-        """Point the view at the whole picture."""
-        # Exudyn's zoom is half of the height that it shows.
+    def set_view(self) -> None:
+        """Point the view at the whole picture; Exudyn's zoom is half of the visible height."""
         origin = [0.0, 0.0, 0.0]
         self.container.renderer.SetModelView(0.5 * self.layout.height, origin, origin)
 
-    def set(self, instants: Sequence[Instant], part: float, note: str) -> None:
-        """Set the renderer's state to an instant of each subject.
+    def show(self, states: Sequence[Snapshot], part: float, note: str) -> None:
+        """Set the renderer to the state of each clip.
 
         Parameters
         ----------
         part : float
-            Place of that moment in all that is played, 0 .. 1.
+            Position of the time bar, 0 to 1.
         note : str
-            Words on how it is played.
+            Text on the playing speed.
         """
-        coordinates, ink, words = [], self._bar(part), []
-        for show, instant in zip(self._shows, instants, strict=True):
-            coordinates.append(instant.past[-1])
-            words += self._title(show, instant, note)
-            ink += self._springs(show, instant)
-            for chapter, joints in enumerate(show.joints):
-                if chapter != instant.chapter:
-                    away = np.array([_AWAY * self.layout.height, 0.0, 0.0])
-                    coordinates += [away] * (BODIES * len(joints))
+        coordinates, shapes, words = [], self._time_bar(part), []
+        for number, (clip, state) in enumerate(zip(self.clips, states, strict=True)):
+            panel = self.layout.panels[number]
+            coordinates.append(state.positions[-1])
+            words += self._title(clip, panel, state, note)
+            for spring in clip.linkage.springs:
+                start, end = (
+                    points_of(clip.linkage, state.positions[-1:], point)[0, :2] + panel.offset
+                    for point in spring.ends
+                )
+                z = self._scale.layer(38)
+                shapes.append(line(start, end, 0.5 * self._scale.bar, z, STEEL))
+            for chapter, joints in enumerate(self._joints[number]):
+                if chapter != state.chapter:
+                    hidden = np.array([HIDDEN * self.layout.height, 0.0, 0.0])
+                    coordinates += [hidden] * (BODIES_PER_JOINT * len(joints))
                     continue
-                for own, row, peak in zip(joints, instant.joints, instant.peaks, strict=True):
+                for joint, row, peak in zip(joints, state.joints, state.peaks, strict=True):
                     bearing, pin = (
-                        points_of(show.subject.linkage, instant.past, end)
-                        for end in (own.joint.bearing, own.joint.pin)
+                        points_of(clip.linkage, state.positions, end)
+                        for end in (joint.joint.bearing, joint.joint.pin)
                     )
-                    coordinates += own.coordinates(bearing[-1], pin[-1])
-                    ink += own.moving(bearing, pin, row, self._scale.layer)
-                    words += self._joint_words(own, row, peak)
-        self._place(np.concatenate(coordinates), instants[0].time)
-        self.system.SetObjectParameter(self._ink, "VgraphicsData", [graphics(ink), *words])
-
-    def _springs(self, show: _Show, instant: Instant) -> list[Shape]:
-        """A line from end to end of each spring."""
-        linkage, shapes = show.subject.linkage, []
-        for spring in linkage.springs:
-            one, other = (
-                points_of(linkage, instant.past[-1:], end)[0, :2] + show.panel.offset
-                for end in spring.ends
-            )
-            shapes.append(line(one, other, 0.5 * self._scale.bar, self._scale.layer(38), STEEL))
-        return shapes
-
-    def _place(self, coordinates: Array, time: float) -> None:
+                    coordinates += joint.coordinates(bearing[-1], pin[-1])
+                    shapes += joint.moving(bearing, pin, row, self._scale.layer)
+                    words += self._joint_text(joint, row, peak)
         data = self.system.systemData
         for kind in (exu.ConfigurationType.Current, exu.ConfigurationType.Visualization):
-            data.SetODE2Coordinates(coordinates, kind)
-            data.SetTime(time, kind)
+            data.SetODE2Coordinates(np.concatenate(coordinates), kind)
+            data.SetTime(states[0].time, kind)
+        drawn = [graphics(shapes), *words]
+        self.system.SetObjectParameter(self._changing, "VgraphicsData", drawn)
 
-    def _joint_words(self, own: EnlargedJoint, row: Array, peak: float) -> list[dict[str, Any]]:
+    def _joint_text(self, joint: EnlargedJoint, row: Array, peak: float) -> list[dict[str, Any]]:
         font, z = self._scale.font, self._scale.layer(95)
-        above = own.centre + np.array([-1.45, 1.13]) * own.radius
-        below = own.centre + np.array([-1.45, -1.19]) * own.radius
-        # Both of the normal force: a peak of one beside a value of the other would lie below it.
-        force = f"normal {row[NORMAL]:.0f} N, peak {peak:.0f} N"
-        words = [text(above, f"{own.joint.name}: {force}", z, font, own.paint)]
-        for i, factor in enumerate(own.words()):
-            words.append(text(below - [0.0, i * self._line(0.8)], factor, z, 0.75 * font, INK))
+        above = joint.centre + np.array([-1.45, 1.13]) * joint.radius
+        below = joint.centre + np.array([-1.45, -1.19]) * joint.radius
+        force = f"{joint.joint.name}: normal {row[NORMAL]:.0f} N, peak {peak:.0f} N"
+        words = [text(above, force, z, font, joint.paint)]
+        for i, label in enumerate(joint.labels()):
+            point = below - [0.0, i * self._line_height(0.8)]
+            words.append(text(point, label, z, 0.75 * font, INK))
         return words
 
-    def _line(self, size: float) -> float:
-        """Height of a line of words of a part of the common size, m."""
-        return 1.5 * size * _FONT / 640.0 * self.layout.height
+    def _line_height(self, size: float) -> float:
+        """Return the height of a line of text, m, from its size relative to the font."""
+        return 1.5 * size * FONT / 640.0 * self.layout.height
 
-    def _title(self, show: _Show, instant: Instant, note: str) -> list[dict[str, Any]]:
-        subject, font, z = show.subject, self._scale.font, self._scale.layer(95)
-        followed = run_up_motion(np.array(instant.time), subject.linkage.run_up_time)[0]
-        turned = 360.0 * float(followed) / subject.period
-        state = f"{subject.linkage.phase} {turned % 360.0:5.1f} deg"
-        if not subject.later:
-            # Cycles of a life are of different stages: no time runs through them.
-            cycle = int(turned // 360.0) + 1
-            state = f"t = {instant.time:.4f} s   {state} of cycle {cycle}"
-        stage = subject.chapters[instant.chapter].stage
-        below = show.panel.title - [0.0, self._line(1.2)]
+    def _title(self, clip: Clip, panel: Panel, state: Snapshot, note: str) -> list[dict[str, Any]]:
+        font, z = self._scale.font, self._scale.layer(95)
+        linkage = clip.linkage
+        elapsed = float(run_up_motion(np.array(state.time), linkage.run_up_time)[0])
+        angle = 360.0 * elapsed / clip.period
+        status = f"{linkage.phase} {angle % 360.0:5.1f} deg"
+        if len(clip.chapters) == 1:  # the cycles of a service life have no common time
+            cycle = int(angle // 360.0) + 1
+            status = f"t = {state.time:.4f} s   {status} of cycle {cycle}"
+        title = f"{clip.title}, {clip.chapters[state.chapter].stage}"
+        below = panel.title - [0.0, self._line_height(1.2)]
         return [
-            text(show.panel.title, f"{subject.title}, {stage}", z, 1.15 * font, INK),
-            text(below, f"{state}   {note}", z, font, INK),
+            text(panel.title, title, z, 1.15 * font, INK),
+            text(below, f"{status}   {note}", z, font, INK),
         ]
 
-    def _bar(self, part: float) -> list[Shape]:
+    def _time_bar(self, part: float) -> list[Shape]:
         start, end = self.layout.bar
-        width, z = 0.006 * self.layout.height, self._scale.layer(90)
-        here = start + part * (end - start)
+        width, layer = 0.006 * self.layout.height, self._scale.layer
+        now = start + part * (end - start)
         mark = np.array([0.0, 1.6 * width])
         return [
-            line(start, end, width, z, STEEL),
-            line(start, here, width, z + self._scale.layer(1), INK),
-            line(here - mark, here + mark, 1.2 * width, z + self._scale.layer(2), FORCE),
+            line(start, end, width, layer(90), STEEL),
+            line(start, now, width, layer(91), INK),
+            line(now - mark, now + mark, 1.2 * width, layer(92), FORCE),
         ]
 
     def image(self) -> NDArray[np.uint8]:
-        """The picture as set, ray-traced without a display; shape (height, width, 3)."""
-        found: NDArray[np.uint8] = self.container.renderer.RedrawAndGetImage(True)
-        return found
+        """Return the picture, ray-traced without a display; shape (height, width, 3)."""
+        pixels: NDArray[np.uint8] = self.container.renderer.RedrawAndGetImage(True)
+        return pixels
 
     def close(self) -> None:
-        """Give the container back."""
+        """Release the container."""
         self.container.Reset()
-
-
-def _show(subject: Subject, panel: Panel) -> _Show:
-    chapters = tuple(_joints(subject, panel, own.linkage) for own in subject.chapters)
-    return _Show(subject, panel, chapters)
-
-
-def _joints(subject: Subject, panel: Panel, linkage: Linkage) -> tuple[EnlargedJoint, ...]:
-    joints = []
-    for k, (joint, centre) in enumerate(zip(linkage.clearances, panel.joints, strict=True)):
-        room = subject.deepest[joint.name], subject.largest[joint.name]
-        joints.append(EnlargedJoint(joint, *room, centre, panel.radius, JOINTS[k % len(JOINTS)]))
-    return tuple(joints)

@@ -1,82 +1,109 @@
-"""What is played: which frames, how fast, and what keys do."""
+"""Clips: frames, service lives, the player, and areas of shapes."""
 
+import math
+from dataclasses import replace
+
+import numpy as np
 import pytest
-from made_up_reel import made_up_reel
+from synthetic_clip import synthetic_clip
 
-from presswear.show.replay.reel import frames_at, frames_between, instants, played
-from presswear.show.replay.window import DOWN, END, HOME, LEFT, RIGHT, SPACE, UP, Player
-from presswear.tools.errors import InputError
+import presswear as pw
+from presswear.recording.film import FRAMES_PER_CYCLE
+from presswear.results.life import LifeResult
+from presswear.scene.life import Life
+from presswear.show.replay.clip import frames_at, frames_between, life_clip, snapshots
+from presswear.show.replay.output import DOWN, END, HOME, LEFT, RIGHT, SPACE, UP, Player
+from presswear.show.replay.shapes import band, circle, colour, filled, rectangle, rounded_hull
 
-REEL = made_up_reel()
-PERIOD = REEL.period
-
-
-def test_a_frame_is_the_nearest_in_time() -> None:
-    step = REEL.film.time[1]
-    assert REEL.frame_at(0.0) == 0
-    assert REEL.frame_at(10.4 * step) == 10
-    assert REEL.frame_at(10.6 * step) == 11
-    assert REEL.frame_at(99.0) == 100
+CLIP = synthetic_clip()
 
 
-def test_a_clip_takes_its_time_and_ends_in_time() -> None:
-    frames = frames_between([REEL], 0.0, PERIOD, 10.0 / PERIOD, 5.0)
-    assert frames == [(2 * k,) for k in range(50)]
-    assert REEL.slowed == pytest.approx(10.0 / PERIOD, rel=0.05)
-    assert REEL.start == 0.0  # a film of one cycle
+def test_frames_are_the_nearest_in_time() -> None:
+    step = CLIP.film.time[1]
+    assert [CLIP.frame_at(t) for t in (0.0, 10.4 * step, 10.6 * step, 99.0)] == [0, 10, 11, 100]
+    slow = 10.0 / CLIP.period
+    assert frames_between([CLIP], 0.0, CLIP.period, slow, 5.0) == [(2 * k,) for k in range(50)]
+    assert CLIP.default_slow == pytest.approx(slow, rel=0.05)
+    with pytest.raises(pw.InputError, match=r"title, first wear, goes from 0 s to 0\.571"):
+        frames_at([CLIP], 2.0 * CLIP.period)
+    with pytest.raises(pw.InputError, match="at most 20000 are drawn"):
+        frames_between([CLIP], 0.0, CLIP.period, 1e5, 25.0)
 
 
-def test_a_time_outside_the_film_is_refused_by_name() -> None:
-    with pytest.raises(InputError, match=r"made up, first wear, goes from 0 s to 0\.571"):
-        frames_at([REEL], 2.0 * PERIOD)
-    with pytest.raises(InputError, match="time -0"):
-        frames_at([REEL], -0.1)
+@pytest.mark.parametrize("previous", [10, 20, 40])
+def test_no_peak_between_two_pictures_is_missed(previous: int) -> None:
+    peaks = CLIP.film.joints[min(previous + 1, 20) : 21, :, 5].max(axis=0)
+    (state,) = snapshots([CLIP], [previous], [20])
+    assert state.peaks == pytest.approx(peaks)
+    assert [len(CLIP.snapshot(k, k).positions) for k in (0, 100)] == [1, 61]
 
 
-def test_a_film_that_nobody_would_see_the_end_of_is_refused() -> None:
-    with pytest.raises(InputError, match="at most 20000 are drawn"):
-        frames_between([REEL], 0.0, PERIOD, 1e5, 25.0)
-
-
-def test_no_peak_between_two_pictures_is_missed() -> None:
-    peaks = REEL.film.joints[:, :, 5]
-    (instant,) = instants([REEL], [10], [20])
-    assert instant.peaks == pytest.approx(peaks[11:21].max(axis=0))
-    (same,) = instants([REEL], [20], [20])
-    assert same.peaks == pytest.approx(peaks[20])
-    (back,) = instants([REEL], [40], [20])
-    assert back.peaks == pytest.approx(peaks[20])
-
-
-def test_the_speed_is_said_in_words() -> None:
-    assert played(18.0) == "slowed 18 times"
-    assert played(0.5) == "2 times as fast as it is"
-    assert played(1.0) == "as fast as it is"
-
-
-def test_a_player_plays_pauses_steps_and_begins_again() -> None:
-    player = Player(0.0, 1.0, 0.2, slowed=10.0, step=0.01)
+def test_player_keys() -> None:
+    player = Player(0.0, 1.0, 0.2, slow=10.0, step=0.01)
     player.advance(1.0)
     assert player.time == pytest.approx(0.3)
     assert player.press(SPACE)
     player.advance(1.0)
-    assert player.time == pytest.approx(0.3)
-    assert player.press(RIGHT)
-    assert player.press(RIGHT)
-    assert player.press(LEFT)
+    assert all(map(player.press, (RIGHT, RIGHT, LEFT)))
     assert player.time == pytest.approx(0.31)
     assert player.press(SPACE)
     assert player.press(UP)
     player.advance(1.0)
     assert player.time == pytest.approx(0.31 + 0.15)
     assert player.press(DOWN)
-    assert player.slowed == pytest.approx(10.0)
+    assert player.slow == pytest.approx(10.0)
     assert player.press(END)
     assert player.part == 1.0
     player.advance(1.0)
     assert player.time == 0.0
-    assert player.press(RIGHT)
-    assert player.press(HOME)
-    assert player.press(LEFT)
+    assert all(map(player.press, (RIGHT, HOME, LEFT)))
     assert player.time == 0.0
     assert not player.press(ord("X"))
+
+
+def test_a_life_is_the_last_cycle_of_each_stage() -> None:
+    scene = pw.scenes.wear_times(
+        engine="dae", cycles=3, wear_updates=1, replicates=2, conventions="refined"
+    )
+    result = pw.run(scene, jobs=1)
+    with pytest.raises(pw.InputError, match="has no life"):
+        life_clip(result)
+    life = LifeResult("at_most", "", 3e6, None, None, 0.9, (), (), ())
+    result = replace(result, scene=replace(result.scene, life=Life()), life=life)
+    clip = life_clip(result)
+    assert [each.stage for each in clip.chapters] == ["no wear", "after 3 million strokes"]
+    step = np.diff(clip.film.time)
+    assert 0.0 < step.min() < step.max() < 2.0 * clip.period / FRAMES_PER_CYCLE
+    assert clip.span[1] - clip.span[0] == pytest.approx(2.0 * clip.period, rel=1e-2)
+    assert clip.default_start == clip.span[0]
+    start = result.scene.run_up + 2.0 * clip.period  # of the third cycle
+    for stage, first, chapter in zip(result.stages, clip.firsts, clip.chapters, strict=True):
+        row = int(np.flatnonzero(stage.film.time >= start - 1e-9)[0])
+        np.testing.assert_array_equal(clip.film.position[first], stage.film.position[row])
+        depth = chapter.linkage.clearances[0].bearing_surface.depth
+        assert depth.max(initial=0.0) == stage.joints["A"].depth("bearing").max()
+    second = clip.firsts[1]
+    assert [clip.snapshot(k, k).chapter for k in (0, second - 1, second)] == [0, 0, 1]
+    assert len(clip.snapshot(second, second - 2).positions) == 1
+    film = result.stages[1].film
+    half = replace(film, time=film.time[:9], position=film.position[:9], joints=film.joints[:9])
+    cut = replace(result.stages[1], read_film=lambda: half)
+    with pytest.raises(pw.InputError, match="its film has no whole cycle"):
+        life_clip(replace(result, stages=(result.stages[0], cut)))
+
+
+def test_areas_of_shapes() -> None:
+    r, paint = 0.2, colour("#336699")
+    disc = math.pi * r**2
+    corners = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+    hull = 0.5 + r * (2.0 + math.sqrt(2.0)) + disc
+    for shape, area in (
+        (filled(rounded_hull(corners[:1], r), 0.0, paint), disc),
+        (filled(rounded_hull(corners[:2], r), 0.0, paint), disc + 2.0 * r),
+        (filled(rounded_hull(corners, r), 0.0, paint), hull),
+        (band(circle((0, 0), 0.5), circle((0, 0), 0.8), 0.0, paint), math.pi * 0.39),
+        (filled(rectangle((0.3, 0.2), 0.7), 0.0, paint), 0.06),
+    ):
+        a, b, c = (shape.points[shape.triangles[:, i]] for i in range(3))
+        cross = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
+        assert 0.5 * cross.sum() == pytest.approx(area, rel=5e-3)

@@ -1,4 +1,4 @@
-"""``presswear replay`` as its user meets it."""
+"""``presswear replay``: stills, films, windows, and live runs."""
 
 import os
 import shutil
@@ -7,18 +7,16 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 
 import lines
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from PIL import Image
 
-import presswear as pw
 from presswear.__main__ import main
-from presswear.show.replay.reel import reel_of
-from presswear.show.replay.window import missing_display
+from presswear.show.replay.output import missing_display
 
 REPLAY = [sys.executable, "-m", "presswear", "replay"]
 needs_xdotool = pytest.mark.skipif(shutil.which("xdotool") is None, reason="xdotool is missing")
@@ -36,7 +34,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture
 def display(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """A display that nobody looks at, for this process and those that it starts."""
+    """Virtual display for this process and its children."""
     if shutil.which("Xvfb") is None:
         pytest.skip("Xvfb is missing")
     monkeypatch.delenv("DISPLAY", raising=False)
@@ -45,43 +43,23 @@ def display(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
         yield
 
 
-def refused(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
-    assert main(["replay", *arguments]) == 2
-    said = capsys.readouterr().err
-    assert said.count("\n") == 1
-    return said
+def test_stills(folder: Path, tmp_path: Path) -> None:
+    """At a time with and without unit, and two stages side by side."""
 
-
-def test_the_title_tells_a_folder_that_is_not_named_after_its_scene(folder: Path) -> None:
-    result = pw.load(folder)
-    assert reel_of(result, 0).title == "short: wear-times, changed"
-    assert reel_of(replace(result, path=folder / "wear-times"), 0).title == "wear-times, changed"
-
-
-def test_a_still_shows_the_asked_time(folder: Path, tmp_path: Path) -> None:
-    images = []
-    for at in ("0.3", "300ms", "0.31s"):
+    def still(*options: str) -> NDArray[np.uint8]:
         file = tmp_path / "one.png"
-        options = ["--stage", "1", "--still", str(file), "--at", at, "--size", "480x320"]
-        assert main(["replay", str(folder), *options]) == 0
+        size = ("--size", "480x320")
+        assert main(["replay", str(folder), *options, "--still", str(file), *size]) == 0
         with Image.open(file) as image:
-            images.append(np.array(image))
-    assert images[0].shape == (320, 480, 3)
-    assert np.array_equal(images[0], images[1])
-    assert not np.array_equal(images[0], images[2])
+            return np.array(image)
 
-
-def test_two_stages_side_by_side(folder: Path, tmp_path: Path) -> None:
-    file = tmp_path / "two.png"
-    for what in ("1", str(folder), f"{folder}:1"):
-        given = ["--stage", "0", "--compare", what, "--still", str(file), "--size", "480x320"]
-        assert main(["replay", str(folder), *given]) == 0
-        with Image.open(file) as image:
-            pixels = np.array(image)
-        # A press on each side.
-        amber = (pixels == (230, 159, 0)).all(axis=2)
-        assert amber[:, :240].sum() > 100
-        assert amber[:, 240:].sum() > 100
+    first, same, later = (still("--stage", "1", "--at", at) for at in ("0.3", "300ms", "0.31s"))
+    assert first.shape == (320, 480, 3)
+    assert np.array_equal(first, same)
+    assert not np.array_equal(first, later)
+    for compare in ("1", f"{folder}:1"):
+        amber = (still("--stage", "0", "--compare", compare) == (230, 159, 0)).all(axis=2)
+        assert min(amber[:, :240].sum(), amber[:, 240:].sum()) > 100
 
 
 def test_a_film_of_part_of_a_cycle(folder: Path, tmp_path: Path) -> None:
@@ -92,48 +70,44 @@ def test_a_film_of_part_of_a_cycle(folder: Path, tmp_path: Path) -> None:
         assert getattr(film, "n_frames", 1) == 5
 
 
-def test_what_cannot_be_shown_is_refused_in_one_line(
-    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ("--stage 2 --still x.png", "has stages 0 to 1"),
+        ("--still x.png --at 99s", "allowed is 0 to 1.1"),
+        ("--still x.png --at 1kg", "unknown unit 'kg'"),
+        ("--still x.png --life", "has no life"),
+        ("--still x.png --life --stage 1", "--life"),
+        ("--still x.gif", "must end in .png"),
+        ("--movie x.png", "must end in .mp4 or .gif"),
+        ("--movie x.gif --at 0.1s", "--at"),
+        ("--movie x.gif --still x.png", "--still"),
+        ("--movie x.gif --from 0.2 --to 0.1", "--to"),
+        ("--still x.png --size 10x10", "160 to 4096"),
+        ("--still no/x.png", "no folder"),
+        ("--still x.png --compare nothing", "no such folder"),
+    ],
+)
+def test_bad_input_is_refused_in_one_line(
+    folder: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    options: str,
+    message: str,
 ) -> None:
-    here = str(folder)
-    png, gif = str(tmp_path / "x.png"), str(tmp_path / "x.gif")
+    monkeypatch.chdir(tmp_path)
     capsys.readouterr()
-    assert "has stages 0 to 1" in refused(capsys, here, "--stage", "2", "--still", png)
-    assert "has stages 0 to 1" in refused(capsys, here, "--stage", "-1", "--still", png)
-    assert "allowed is 0 to 1.1" in refused(capsys, here, "--still", png, "--at", "99s")
-    assert "unknown unit 'kg'" in refused(capsys, here, "--still", png, "--at", "1kg")
-    assert "has no life" in refused(capsys, here, "--still", png, "--life")
-    assert "give no --stage" in refused(capsys, here, "--still", png, "--life", "--stage", "1")
-    assert "ends in .png" in refused(capsys, here, "--still", gif)
-    assert "ends in .mp4 or .gif" in refused(capsys, here, "--movie", png)
-    assert "--from and --to" in refused(capsys, here, "--movie", gif, "--at", "0.1s")
-    assert "give one of them" in refused(capsys, here, "--movie", gif, "--still", png)
-    assert "must be after" in refused(capsys, here, "--movie", gif, "--from", "0.2", "--to", "0.1")
-    assert "160 to 4096" in refused(capsys, here, "--still", png, "--size", "10x10")
-    assert "there is no folder" in refused(capsys, here, "--still", str(tmp_path / "no" / "x.png"))
-    directory = folder.parent / "directory.png"
-    directory.mkdir()
-    assert "is a folder" in refused(capsys, here, "--still", str(directory))
-    assert "no result folder" in refused(capsys, str(tmp_path), "--still", png)
-    assert "there is no such folder" in refused(
-        capsys, here, "--still", png, "--compare", str(tmp_path / "nothing")
-    )
+    assert main(["replay", str(folder), *options.split()]) == 2
+    error = capsys.readouterr().err
+    assert message in error
+    assert error.count("\n") == 1
     assert list(tmp_path.iterdir()) == []
-
-
-def test_a_run_without_a_film_is_refused_by_name(
-    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    copy = tmp_path / "old"
-    shutil.copytree(folder, copy)
-    (copy / "film-0.npz").unlink()
-    said = refused(capsys, str(copy), "--stage", "0", "--still", str(tmp_path / "x.png"))
-    assert "film-0.npz" in said
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="displays of Linux")
 @pytest.mark.parametrize("name", [None, ":987"])
-def test_without_a_display_a_line_names_what_works(folder: Path, name: str | None) -> None:
+def test_without_a_display_one_line_names_alternatives(folder: Path, name: str | None) -> None:
     environment = NO_DISPLAY if name is None else {**NO_DISPLAY, "DISPLAY": name}
     for command in ([*REPLAY, str(folder)], [*REPLAY[:3], "run", "wear-times", "--live"]):
         done = subprocess.run(

@@ -1,0 +1,304 @@
+"""Film clips: stored frames with everything else that is needed to draw them."""
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from presswear.linkage.linkage import Linkage
+from presswear.linkage.points import GROUND, Attachment
+from presswear.linkage.surface import Surface
+from presswear.recording.film import FILM_JOINT, FRAMES_PER_CYCLE, Film
+from presswear.results.result import Result
+from presswear.results.stage import StageResult
+from presswear.scene.catalog import short_name_of
+from presswear.scene.scene import Scene
+from presswear.tools.errors import InputError
+
+Array = NDArray[np.float64]
+
+PATH_FRAMES = 60  # frames in the path of a pin centre
+CYCLE_SECONDS = 10.0  # default duration of a cycle on the screen, s
+MAX_PICTURES = 20_000  # in a film: a quarter of an hour at 25 per second
+NORMAL, TANGENTIAL, X, Y, PEAK = (
+    FILM_JOINT.index(name)
+    for name in ("normal", "tangential", "direction_x", "direction_y", "peak")
+)
+
+
+@dataclass(frozen=True)
+class Chapter:
+    """Name of a stage and the linkage with its surfaces."""
+
+    stage: str
+    linkage: Linkage
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """State of a mechanism at one time.
+
+    Attributes
+    ----------
+    time : float
+        s.
+    positions : ndarray, shape (n, 3 bodies)
+        Of the last frames; the present one is last.
+    joints : ndarray, shape (joints, 6)
+        Columns ``FILM_JOINT``.
+    peaks : ndarray, shape (joints,)
+        Largest normal force of each joint since the previous picture, N.
+    chapter : int
+        Index of the stage.
+    """
+
+    time: float
+    positions: Array
+    joints: Array
+    peaks: Array
+    chapter: int = 0
+
+
+@dataclass(frozen=True)
+class Clip:
+    """Frames of one stage, or of successive stages, and limits for drawing them.
+
+    Attributes
+    ----------
+    title : str
+        Folder and scene.
+    chapters : tuple of Chapter
+        Stages; more than one for a service life.
+    period : float
+        Duration of a cycle, s.
+    max_depth, max_force : mapping
+        Wear depth, m, and force, N, by joint that the drawing must hold.
+    film : Film
+    firsts : tuple of int
+        First frame of each chapter.
+    """
+
+    title: str
+    chapters: tuple[Chapter, ...]
+    period: float
+    max_depth: Mapping[str, float]
+    max_force: Mapping[str, float]
+    film: Film
+    firsts: tuple[int, ...] = (0,)
+
+    @property
+    def linkage(self) -> Linkage:
+        """Linkage of the first chapter."""
+        return self.chapters[0].linkage
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """Times of the first and the last frame, s."""
+        return float(self.film.time[0]), float(self.film.time[-1])
+
+    @property
+    def default_start(self) -> float:
+        """Time, s: after the run-up and, if there are two, after the first cycle.
+
+        A service life starts with its first frame, because its cycles are settled.
+        """
+        if len(self.chapters) > 1:
+            return self.span[0]
+        run_up = self.linkage.run_up_time
+        return run_up + self.period * (self.span[1] - run_up >= 1.98 * self.period)
+
+    @property
+    def default_slow(self) -> float:
+        """Factor of two digits for which a cycle takes ``CYCLE_SECONDS``."""
+        exact = CYCLE_SECONDS / self.period
+        unit: float = 10.0 ** (math.floor(math.log10(exact)) - 1)
+        return round(exact / unit) * unit
+
+    def frame_at(self, time: float) -> int:
+        """Return the frame nearest to a time, s."""
+        return int(np.abs(self.film.time - time).argmin())
+
+    def snapshot(self, frame: int, previous: int) -> Snapshot:
+        """Return the state at a frame; ``previous`` is the frame of the previous picture."""
+        chapter = int(np.searchsorted(self.firsts, frame, side="right")) - 1
+        first = self.firsts[chapter]
+        recent = self.film.joints[max(min(previous + 1, frame), first) : frame + 1]
+        return Snapshot(
+            time=float(self.film.time[frame]),
+            positions=self.film.position[max(frame - PATH_FRAMES, first) : frame + 1],
+            joints=self.film.joints[frame],
+            peaks=recent[:, :, PEAK].max(axis=0),
+            chapter=chapter,
+        )
+
+
+def points_of(linkage: Linkage, positions: Array, point: Attachment) -> Array:
+    """Return the coordinates, m, of a point and the angle of its body, rad; shape (n, 3).
+
+    Parameters
+    ----------
+    positions : ndarray, shape (n, 3 bodies)
+    """
+    if point.body == GROUND:
+        return np.tile([point.x, point.y, 0.0], (len(positions), 1))
+    base = 3 * linkage.index(point.body)
+    x, y, angle = positions[:, base : base + 3].T
+    c, s = np.cos(angle), np.sin(angle)
+    return np.column_stack([x + c * point.x - s * point.y, y + s * point.x + c * point.y, angle])
+
+
+def stage_clip(result: Result, index: int) -> Clip:
+    """Return the clip of a stored stage; raises InputError if it has no film."""
+    scene, stage = result.scene, result.stage(index)
+    film, linkage = stage.film, _linkage(scene, stage)
+    forces = np.hypot(film.joints[:, :, NORMAL], film.joints[:, :, TANGENTIAL])
+    largest = forces.max(axis=0, initial=0.0).tolist()
+    name = short_name_of(scene)
+    folder = result.path.resolve().name if result.path else scene.name
+    return Clip(
+        title=name if folder == scene.name else f"{folder}: {name}",
+        chapters=(Chapter(result.stage_name(index), linkage),),
+        period=scene.mechanism.period,
+        max_depth=_largest(max_depths(_linkage(scene, each)) for each in result.stages),
+        max_force=dict(zip((joint.name for joint in linkage.clearances), largest, strict=True)),
+        film=film,
+    )
+
+
+def life_clip(result: Result) -> Clip:
+    """Return the clip of a service life: the last cycle of each stage, one after another.
+
+    Raises
+    ------
+    InputError
+        If the result has no service life, or a stage has no whole cycle.
+    """
+    if result.life is None:
+        raise InputError(
+            f"{result.path or result.scene.name} has no life: the run had no wear limit; "
+            "use presswear life"
+        )
+    clips = equal_limits([stage_clip(result, stage.index) for stage in result.stages])
+    cycles = [_last_cycle(clip, place) for place, clip in enumerate(clips)]
+    parts = ([getattr(cycle, name) for cycle in cycles] for name in ("time", "position", "joints"))
+    firsts = np.cumsum([0, *(cycle.time.size for cycle in cycles[:-1])])
+    return replace(
+        clips[0],
+        chapters=tuple(clip.chapters[0] for clip in clips),
+        film=Film(*map(np.concatenate, parts)),
+        firsts=tuple(map(int, firsts)),
+    )
+
+
+def _last_cycle(clip: Clip, place: int) -> Film:
+    """Return the last whole cycle of a clip, shifted in time to cycle number ``place``."""
+    film, period, run_up = clip.film, clip.period, clip.linkage.run_up_time
+    last = int((clip.span[1] - run_up) / period + 2.0 / FRAMES_PER_CYCLE) - 1
+    if last < 0:
+        raise InputError(f"{clip.title}, {clip.chapters[0].stage}: its film has no whole cycle")
+    phase = (film.time - run_up) / period - last
+    rows = (phase > -1e-6) & (phase < 1.0 - 1e-6)
+    time = run_up + (phase[rows] + place) * period
+    return Film(time, film.position[rows], film.joints[rows])
+
+
+def _linkage(scene: Scene, stage: StageResult) -> Linkage:
+    return scene.linkage(
+        {
+            name: (Surface(joint.depth("bearing")), Surface(joint.depth("pin")))
+            for name, joint in stage.joints.items()
+        }
+    )
+
+
+def max_depths(linkage: Linkage) -> dict[str, float]:
+    """Return the largest wear depth of each joint, m."""
+    return {
+        joint.name: max(
+            float(surface.depth.max(initial=0.0))
+            for surface in (joint.bearing_surface, joint.pin_surface)
+        )
+        for joint in linkage.clearances
+    }
+
+
+def equal_limits(clips: Sequence[Clip]) -> list[Clip]:
+    """Return the clips with the same limits of depth and force, so that they can be compared."""
+    max_depth = _largest(clip.max_depth for clip in clips)
+    max_force = _largest(clip.max_force for clip in clips)
+    return [replace(clip, max_depth=max_depth, max_force=max_force) for clip in clips]
+
+
+def _largest(limits: Iterable[Mapping[str, float]]) -> dict[str, float]:
+    largest: dict[str, float] = {}
+    for limit in limits:
+        for joint, value in limit.items():
+            largest[joint] = max(largest.get(joint, 0.0), value)
+    return largest
+
+
+def speed_text(slow: float) -> str:
+    """Return the playing speed in words."""
+    if slow < 1.0:
+        return f"{1.0 / slow:.3g} times real speed"
+    return f"slowed {slow:.3g} times" if slow > 1.0 else "real speed"
+
+
+def frames_at(clips: Sequence[Clip], time: float) -> tuple[int, ...]:
+    """Return the frame of each clip at the phase that the first clip has at a time, s.
+
+    Raises
+    ------
+    InputError
+        If a clip does not contain the phase.
+    """
+    frames = []
+    for clip in clips:
+        first, last = clip.span
+        t = time / clips[0].period * clip.period
+        slack = 2.0 * clip.period / FRAMES_PER_CYCLE  # the last frame stands for its interval
+        if not first - slack <= t <= last + slack:
+            raise InputError(
+                f"time {t:g} s: the film of {clip.title}, {clip.chapters[0].stage}, "
+                f"goes from {first:g} s to {last:g} s"
+            )
+        frames.append(clip.frame_at(t))
+    return tuple(frames)
+
+
+def frames_between(
+    clips: Sequence[Clip], start: float, end: float, slow: float, rate: float
+) -> list[tuple[int, ...]]:
+    """Return the frame of each clip in every picture between two times of the first clip, s.
+
+    Parameters
+    ----------
+    slow : float
+        Time on the screen over time of the first clip.
+    rate : float
+        Pictures per second.
+
+    Raises
+    ------
+    InputError
+        For more than ``MAX_PICTURES``.
+    """
+    count = max(round((end - start) * slow * rate), 1)
+    if count > MAX_PICTURES:
+        raise InputError(
+            f"{count} pictures for --slow {slow:g} and --rate {rate:g}: at most {MAX_PICTURES} "
+            "are drawn; choose a smaller --slow or --rate, or a shorter time"
+        )
+    return [frames_at(clips, start + k / (slow * rate)) for k in range(count)]
+
+
+def snapshots(
+    clips: Sequence[Clip], previous: Sequence[int], frames: Sequence[int]
+) -> list[Snapshot]:
+    """Return the state of each clip at its frame."""
+    return [
+        clip.snapshot(frame, last)
+        for clip, last, frame in zip(clips, previous, frames, strict=True)
+    ]

@@ -1,0 +1,477 @@
+"""Stills and films without a display, and windows in a process of their own."""
+
+import ctypes
+import ctypes.util
+import multiprocessing
+import os
+import shutil
+import subprocess
+import sys
+import time as clock
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from presswear.recording.film import FILM_JOINT, FRAMES_PER_CYCLE, Film
+from presswear.recording.observer import Observer, Progress
+from presswear.scene.catalog import short_name_of
+from presswear.scene.scene import Scene
+from presswear.show.replay.clip import (
+    PATH_FRAMES,
+    PEAK,
+    Chapter,
+    Clip,
+    Snapshot,
+    frames_at,
+    max_depths,
+    snapshots,
+    speed_text,
+)
+from presswear.show.replay.picture import Picture
+from presswear.show.replay.shapes import exu
+from presswear.tools.errors import InputError, RunFailed
+from presswear.tools.files import write_whole
+from presswear.tools.workers import cores, end_with_parent
+
+Pixels = NDArray[np.uint8]
+Frames = Sequence[Sequence[int]]
+
+GIF_COLOURS = 64  # flat colours need few
+NO_WINDOW = "--movie FILE.mp4 and --still FILE.png --at T need no window"
+MAX_START = 30.0  # for a window to open, s
+IDLE_TIME = 0.02  # of the window between two pictures, s
+BAR_REACH = 0.03  # distance of a click from the time bar over the height of the picture
+SPACE, RIGHT, LEFT, DOWN, UP, HOME, END = 32, 262, 263, 264, 265, 268, 269  # key codes of GLFW
+SPEED_STEP = 1.5
+LIVE_INTERVAL = 0.04  # between two pictures of a running simulation, s
+LIVE_FORCE = 500.0  # of the longest arrow, N, because the largest force is not yet available
+LIVE_PEAK_FRAMES = 10
+
+
+def still(clips: Sequence[Clip], frames: Sequence[int], size: tuple[int, int]) -> Pixels:
+    """Return one picture, shape (height, width, 3)."""
+    picture = Picture(clips, size)
+    try:
+        first, last = clips[0].span
+        part = float((clips[0].film.time[frames[0]] - first) / (last - first))
+        picture.show(snapshots(clips, frames, frames), part, "")
+        return picture.image()
+    finally:
+        picture.close()
+
+
+def write_still(file: Path, pixels: Pixels) -> None:
+    """Write a picture as PNG."""
+    write_whole(file, lambda part: Image.fromarray(pixels).save(part, format="png"))
+
+
+_worker: dict[str, Any] = {}  # clips, frames, note and picture of a worker process
+
+
+def _start_worker(clips: Sequence[Clip], frames: Frames, note: str, size: tuple[int, int]) -> None:
+    end_with_parent()
+    picture = Picture(clips, size)
+    picture.container.visualizationSettings.raytracer.numberOfThreads = 1
+    _worker.update(clips=clips, frames=frames, note=note, picture=picture)
+
+
+def _draw(number: int) -> Pixels:
+    frames, picture = _worker["frames"], _worker["picture"]
+    states = snapshots(_worker["clips"], frames[max(number - 1, 0)], frames[number])
+    picture.show(states, number / max(len(frames) - 1, 1), _worker["note"])
+    image: Pixels = picture.image()
+    return image
+
+
+def pictures(
+    clips: Sequence[Clip], frames: Frames, note: str, size: tuple[int, int]
+) -> Iterator[Pixels]:
+    """Draw pictures in order with one process per core.
+
+    Parameters
+    ----------
+    frames : sequence of sequence of int
+        Frame of each clip in every picture.
+    note : str
+        Text on the playing speed.
+
+    Raises
+    ------
+    RunFailed
+        If a process ends early.
+    """
+    context = multiprocessing.get_context("spawn")
+    jobs = min(cores(), len(frames))
+    pool = ProcessPoolExecutor(jobs, context, _start_worker, (clips, frames, note, size))
+    try:
+        yield from pool.map(_draw, range(len(frames)))
+    except BrokenProcessPool:
+        raise RunFailed("a process that draws pictures ended unexpectedly") from None
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+def check_movie(file: Path) -> None:
+    """Raise InputError unless a film can be written under this name."""
+    if file.suffix.lower() not in (".mp4", ".gif"):
+        raise InputError(f"--movie {file}: the name must end in .mp4 or .gif")
+    if file.suffix.lower() == ".mp4" and shutil.which("ffmpeg") is None:
+        raise InputError(f"--movie {file}: .mp4 needs ffmpeg; install it or write a .gif")
+
+
+def write_movie(
+    file: Path,
+    images: Iterator[Pixels],
+    count: int,
+    rate: float,
+    on_progress: Callable[[float], None] = lambda part: None,
+) -> None:
+    """Write pictures as a film; an existing file is replaced only by a complete film.
+
+    Parameters
+    ----------
+    count : int
+        Number of pictures.
+    rate : float
+        Pictures per second.
+    on_progress : callable
+        Receives the share of the pictures written.
+    """
+
+    def counted() -> Iterator[Pixels]:
+        for number, image in enumerate(images):
+            yield image
+            on_progress((number + 1) / count)
+
+    encode = _gif if file.suffix.lower() == ".gif" else _mp4
+    write_whole(file, lambda part: encode(part, counted(), rate))
+
+
+def _gif(part: BinaryIO, images: Iterator[Pixels], rate: float) -> None:
+    """Write pictures one by one with the palette of the first."""
+    first = Image.fromarray(next(images)).quantize(GIF_COLOURS)
+    rest = (
+        Image.fromarray(image).quantize(palette=first, dither=Image.Dither.NONE) for image in images
+    )
+    duration = 10 * max(round(100.0 / rate), 2)  # ms; GIF counts in hundredths of a second
+    first.save(part, format="gif", save_all=True, append_images=rest, duration=duration, loop=0)
+
+
+def _mp4(part: BinaryIO, images: Iterator[Pixels], rate: float) -> None:
+    image = next(images)
+    height, width = image.shape[:2]
+    command = [
+        *("ffmpeg", "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24"),
+        *("-s", f"{width}x{height}", "-r", f"{rate:g}", "-i", "-"),
+        # Players need even sizes and this colour format.
+        *("-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p"),
+        *("-movflags", "+faststart", "-f", "mp4", part.name),
+    ]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as encoder:
+        assert encoder.stdin is not None
+        assert encoder.stderr is not None
+        try:
+            encoder.stdin.write(image.tobytes())
+            for each in images:
+                encoder.stdin.write(each.tobytes())
+            encoder.stdin.close()
+        except BrokenPipeError:
+            pass  # the reason is in the error output
+        except BaseException:
+            encoder.kill()
+            raise
+        errors = encoder.stderr.read().decode(errors="replace").strip().splitlines()
+    if encoder.returncode != 0:
+        raise RunFailed(f"ffmpeg could not write the film: {errors[-1] if errors else 'no reason'}")
+
+
+def check_display() -> None:
+    """Raise RunFailed if no window can be opened."""
+    reason = missing_display()
+    if reason:
+        raise RunFailed(f"no window can be opened here: {reason}; {NO_WINDOW}")
+
+
+def missing_display() -> str:
+    """Return why no X display is available, or an empty text; Exudyn aborts without a display."""
+    if not sys.platform.startswith("linux"):
+        return ""
+    name = os.environ.get("DISPLAY", "")
+    if not name:
+        return "DISPLAY is not set"
+    library = ctypes.util.find_library("X11")
+    if library is None:
+        return "libX11 is missing"
+    x11 = ctypes.CDLL(library)
+    x11.XOpenDisplay.restype = ctypes.c_void_p
+    x11.XCloseDisplay.argtypes = [ctypes.c_void_p]
+    display = x11.XOpenDisplay(name.encode())
+    if not display:
+        return f"DISPLAY={name} does not answer"
+    x11.XCloseDisplay(display)
+    return ""
+
+
+def _start_window(target: Callable[..., None], *arguments: Any) -> tuple[Any, Connection]:
+    """Return a process with an open window and a connection to it."""
+    context = multiprocessing.get_context("spawn")
+    ours, theirs = context.Pipe()
+    process = context.Process(target=target, args=(theirs, *arguments), daemon=True)
+    process.start()
+    theirs.close()
+    reason = f"Exudyn's renderer did not start within {MAX_START:g} s"
+    try:
+        if ours.poll(MAX_START):
+            ours.recv()
+            return process, ours
+    except EOFError:
+        process.join(1.0)
+        reason = f"Exudyn's renderer could not start (exit code {process.exitcode})"
+    except BaseException:
+        process.kill()
+        raise
+    process.kill()
+    raise RunFailed(f"no window can be opened here: {reason}; {NO_WINDOW}")
+
+
+class Window:
+    """Exudyn's window with a picture in it."""
+
+    def __init__(self, picture: Picture, press: Callable[[int], bool] = lambda key: False) -> None:
+        self.picture = picture
+        self._renderer: Any = picture.container.renderer
+        settings = picture.container.visualizationSettings
+        # The thread of the window could not call Python; without it keys arrive in ``idle``.
+        settings.general.useMultiThreadedRendering = False
+        settings.general.showHelpOnStartup = 0
+        settings.openGL.multiSampling = 4
+        settings.view0.window.lockModelView = True
+        settings.interactive.ignoreKeys = True
+        settings.interactive.advanced.selectionHighlights = False
+        settings.interactive.keyPressUserFunction = self._key
+        self._press = press
+        self._quits = False
+        self._renderer.Start()
+        picture.set_view()
+
+    def _key(self, key: int, action: int, mods: int) -> bool:
+        if action == 0:  # released
+            return False
+        if key == ord("Q"):
+            self._quits = True
+            return True
+        return self._press(key)
+
+    def idle(self) -> bool:
+        """Draw the picture and process input; return False once the window is closed."""
+        self._renderer.SendRedrawSignal()
+        self._renderer.DoIdleTasks(IDLE_TIME, False)
+        return bool(
+            not self._quits
+            and self._renderer.IsActive()
+            and not self.picture.system.GetRenderEngineStopFlag()
+        )
+
+    def clicked_part(self) -> float | None:
+        """Return the position, 0 to 1, of a click on the time bar, if any."""
+        if self._renderer.GetItemSelection(True)[1] == exu.ItemType._None:
+            return None
+        x, y = self._renderer.GetMouseCoordinates(True)
+        start, end = self.picture.layout.bar
+        if abs(y - start[1]) > BAR_REACH * self.picture.layout.height:
+            return None
+        return float(min(max((x - start[0]) / (end[0] - start[0]), 0.0), 1.0))
+
+    def close(self) -> None:
+        """Close the window."""
+        self._renderer.Stop()
+        self.picture.close()
+
+
+@dataclass
+class Player:
+    """Time that advances.
+
+    Attributes
+    ----------
+    first, last, time : float
+        Ends of the clip and present time, s.
+    slow : float
+        Time on the screen over time of the clip.
+    step : float
+        One frame, s.
+    plays : bool
+    """
+
+    first: float
+    last: float
+    time: float
+    slow: float
+    step: float
+    plays: bool = True
+
+    def advance(self, seconds: float) -> None:
+        """Advance by a time on the screen, s; restart after the end."""
+        if self.plays:
+            self.time += seconds / self.slow
+            if self.time > self.last:
+                self.time = self.first
+
+    def press(self, key: int) -> bool:
+        """Perform the action of a key; return False for other keys."""
+        if key == SPACE:
+            self.plays = not self.plays
+        elif key in (LEFT, RIGHT):
+            self.plays = False
+            self.jump(self.time + (self.step if key == RIGHT else -self.step))
+        elif key in (UP, DOWN):
+            self.slow *= SPEED_STEP if key == DOWN else 1.0 / SPEED_STEP
+        elif key in (HOME, END):
+            self.jump(self.first if key == HOME else self.last)
+        else:
+            return False
+        return True
+
+    def jump(self, time: float) -> None:
+        """Go to a time, s, within the clip."""
+        self.time = min(max(time, self.first), self.last)
+
+    @property
+    def part(self) -> float:
+        """Position between both ends, 0 to 1."""
+        return (self.time - self.first) / (self.last - self.first)
+
+
+def play(clips: Sequence[Clip], size: tuple[int, int], start: float, slow: float) -> None:
+    """Play clips in a window until it is closed; raises RunFailed if it cannot be opened."""
+    check_display()
+    process, _ = _start_window(_play, clips, size, start, slow)
+    try:
+        process.join()
+    finally:
+        if process.is_alive():
+            process.kill()
+    if process.exitcode != 0:
+        raise RunFailed(f"the window ended unexpectedly (exit code {process.exitcode})")
+
+
+def _play(
+    caller: Connection, clips: Sequence[Clip], size: tuple[int, int], start: float, slow: float
+) -> None:
+    first = clips[0]
+    # All clips have frames up to the phase at which the shortest ends.
+    last = first.period * min(clip.span[1] / clip.period for clip in clips)
+    player = Player(first.span[0], last, start, slow, first.period / FRAMES_PER_CYCLE)
+    window = Window(Picture(clips, size), player.press)
+    caller.send("open")
+    previous, shown, is_open = frames_at(clips, player.time), clock.perf_counter(), True
+    while is_open:
+        frames = frames_at(clips, player.time)
+        note = speed_text(player.slow) if player.plays else "paused"
+        window.picture.show(snapshots(clips, previous, frames), player.part, note)
+        previous, is_open = frames, window.idle()
+        part = window.clicked_part()
+        if part is not None:
+            player.jump(player.first + part * (player.last - player.first))
+        now = clock.perf_counter()
+        player.advance(now - shown)
+        shown = now
+    window.close()
+
+
+class Live(Observer):
+    """Window that shows a running simulation; closing it does not stop the run.
+
+    A frame is sent only after the window has shown the previous one, so that the run never waits.
+
+    Raises
+    ------
+    RunFailed
+        If no window can be opened.
+    """
+
+    frames = PATH_FRAMES
+
+    def __init__(self, scene: Scene, size: tuple[int, int]) -> None:
+        check_display()
+        self._scene = scene
+        times = np.linspace(0.0, scene.mechanism.period, 181)
+        linkage = scene.linkage()
+        joints = np.zeros((len(times), len(linkage.clearances), len(FILM_JOINT)))
+        self._film = Film(times, scene.ideal.at(times).position, joints)
+        self._linkage = linkage
+        self._process, self._window = _start_window(_show_live, size, self._clip(0))
+        self._is_ready, self._sent = True, 0.0
+
+    def _clip(self, stage: int) -> Clip:
+        return Clip(
+            title=short_name_of(self._scene),
+            chapters=(Chapter(f"{self._scene.stage_name(stage)}, running", self._linkage),),
+            period=self._scene.mechanism.period,
+            max_depth=max_depths(self._linkage),
+            max_force={joint.name: LIVE_FORCE for joint in self._linkage.clearances},
+            film=self._film,
+        )
+
+    def on_progress(self, progress: Progress) -> None:
+        """Send the last frames of a run to the window if it is ready."""
+        now, film = clock.perf_counter(), progress.film
+        if film is None or now - self._sent < LIVE_INTERVAL:
+            return
+        try:
+            while self._window.poll():
+                self._window.recv()
+                self._is_ready = True
+            if not self._is_ready:
+                return
+            if progress.linkage is not self._linkage:
+                self._linkage = progress.linkage
+                self._window.send(self._clip(progress.stage))
+            time = float(film.time[-1])
+            peaks = film.joints[-LIVE_PEAK_FRAMES:, :, PEAK].max(axis=0)
+            part = time / self._scene.mechanism.period % 1.0
+            self._window.send((Snapshot(time, film.position, film.joints[-1], peaks), part))
+            self._is_ready, self._sent = False, now
+        except (EOFError, OSError):
+            self._sent = np.inf  # the window is closed
+
+    def close(self) -> None:
+        """Close the window."""
+        self._window.close()
+        self._process.join(2.0)
+        if self._process.is_alive():
+            self._process.kill()
+
+
+def _show_live(run: Connection, size: tuple[int, int], clip: Clip) -> None:
+    window = _live_window(clip, size)
+    run.send("open")
+    is_open = True
+    try:
+        while is_open:
+            if run.poll():
+                message = run.recv()
+                if isinstance(message, Clip):
+                    window.close()
+                    window = _live_window(message, size)
+                else:
+                    window.picture.show([message[0]], message[1], "")
+                    run.send("shown")
+            is_open = window.idle()
+    except (EOFError, OSError):
+        pass  # the run has ended
+    window.close()
+
+
+def _live_window(clip: Clip, size: tuple[int, int]) -> Window:
+    picture = Picture([clip], size)
+    picture.show([clip.snapshot(0, 0)], 0.0, "")
+    return Window(picture)
